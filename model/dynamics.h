@@ -1,0 +1,137 @@
+// The flexible-joint arm, eq. (1) of the paper, for any scalar type.
+//
+//   M(q) ddq + C(q,dq) dq + D dq + G(q) = tau_c,       tau_c = K (theta - q)
+//   J ddtheta + tau_fm(dtheta) + tau_c  = tau_m
+//
+// q = 0 hangs straight down; motor quantities are in link coordinates.
+#pragma once
+
+#include <cmath>
+
+#include "model/friction.h"
+#include "model/parameters.h"
+
+namespace fjr {
+
+inline constexpr int kStates = 8;
+inline constexpr int kControls = 2;
+
+// Order of the state everywhere (vectors, files, messages): q, dq, theta, dtheta; [rad], [rad/s].
+template <class T>
+struct State {
+  Pair<T> q, dq, theta, dtheta;
+
+  T* data() { return q.data(); }  // eight contiguous values, asserted below
+  const T* data() const { return q.data(); }
+
+  template <class From>
+  static State from(const From* x) {
+    State s;
+    for (int i = 0; i < kStates; ++i) s.data()[i] = x[i];
+    return s;
+  }
+};
+static_assert(sizeof(State<double>) == kStates * sizeof(double));
+
+// Mass matrix (23), symmetric. [kg m^2]
+template <class T>
+struct MassMatrix {
+  T m11, m12, m22;
+};
+
+// alpha2 m2 l1 l2: the coupling between the links. [kg m^2]
+inline double coupling(const Parameters& p) {
+  return p.link.com_fraction[1] * p.link.mass[1] * p.link.length[0] * p.link.length[1];
+}
+
+template <class T>
+MassMatrix<T> mass_matrix(const Parameters& p, const T& q2) {
+  using std::cos;
+  const double l1 = p.link.length[0], r2 = p.link.com_fraction[1] * p.link.length[1], m2 = p.link.mass[1];
+  const double about_joint2 = p.link.inertia[1] + m2 * r2 * r2;
+  const T coupled = coupling(p) * cos(q2);
+  return {p.link.inertia[0] + about_joint2 + m2 * l1 * l1 + 2.0 * coupled, about_joint2 + coupled, T(about_joint2)};
+}
+
+// C(q,dq) dq [N m]. The paper prints C12 = -a dq1 sin q2 in (23); the Lagrangian (19)-(21) gives C12 = -a dq2 sin q2,
+// and only that conserves energy. This is the Lagrangian's.
+template <class T>
+Pair<T> coriolis_torque(const Parameters& p, const Pair<T>& q, const Pair<T>& dq) {
+  using std::sin;
+  const T a = coupling(p) * sin(q[1]);
+  return {-a * dq[1] * (2.0 * dq[0] + dq[1]), a * dq[0] * dq[0]};
+}
+
+// G(q), eq. (8). [N m]
+template <class T>
+Pair<T> gravity_torque(const Parameters& p, const Pair<T>& q) {
+  using std::sin;
+  const T second = p.link.gravity_torque[1] * sin(q[0] + q[1]);
+  return {p.link.gravity_torque[0] * sin(q[0]) + second, second};
+}
+
+// tau_c = K (theta - q). [N m]
+template <class T>
+Pair<T> spring_torque(const Parameters& p, const Pair<T>& q, const Pair<T>& theta) {
+  return {p.spring.stiffness[0] * (theta[0] - q[0]), p.spring.stiffness[1] * (theta[1] - q[1])};
+}
+
+// ddq [rad/s^2] of the link side under the spring torque tau_c.
+template <class T>
+Pair<T> link_acceleration(const Parameters& p, const Pair<T>& q, const Pair<T>& dq, const Pair<T>& tau_c) {
+  const MassMatrix<T> m = mass_matrix(p, q[1]);
+  const Pair<T> c = coriolis_torque(p, q, dq);
+  const Pair<T> g = gravity_torque(p, q);
+  const T r1 = tau_c[0] - c[0] - g[0] - p.link.damping[0] * dq[0];
+  const T r2 = tau_c[1] - c[1] - g[1] - p.link.damping[1] * dq[1];
+  const T inverse_determinant = 1.0 / (m.m11 * m.m22 - m.m12 * m.m12);
+  return {(m.m22 * r1 - m.m12 * r2) * inverse_determinant, (m.m11 * r2 - m.m12 * r1) * inverse_determinant};
+}
+
+// dx/dt with the friction-compensated torque u = tau_m - tau_fm_nonlinear(dtheta), eq. (26): J ddtheta + B dtheta + tau_c = u.
+// Smooth for every finite x and u. u [N m].
+template <class T>
+State<T> compensated_dynamics(const Parameters& p, const State<T>& x, const Pair<T>& u) {
+  const Pair<T> tau_c = spring_torque(p, x.q, x.theta);
+  State<T> f;
+  f.q = x.dq;
+  f.dq = link_acceleration(p, x.q, x.dq, tau_c);
+  f.theta = x.dtheta;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    f.dtheta[j] = (u[j] - tau_c[j] - p.friction.viscous[j] * x.dtheta[j]) / p.motor.inertia[j];
+  }
+  return f;
+}
+
+// dx/dt, eq. (1), with the exact friction law (24). tau_m [N m].
+template <class T>
+State<T> dynamics(const Parameters& p, const State<T>& x, const Pair<T>& tau_m) {
+  Pair<T> u;
+  for (int j = 0; j < kJoints; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    u[i] = tau_m[i] - FrictionLaw::of(p, j).nonlinear(x.dtheta[i]);
+  }
+  return compensated_dynamics(p, x, u);
+}
+
+// Kinetic energy (19) of the links and of the motors, potential energy (21) of gravity and of the springs. [J]
+template <class T>
+T energy(const Parameters& p, const State<T>& x) {
+  using std::cos;
+  const MassMatrix<T> m = mass_matrix(p, x.q[1]);
+  T e = 0.5 * (m.m11 * x.dq[0] * x.dq[0] + 2.0 * m.m12 * x.dq[0] * x.dq[1] + m.m22 * x.dq[1] * x.dq[1]);
+  e += p.link.gravity_torque[0] * (1.0 - cos(x.q[0])) + p.link.gravity_torque[1] * (1.0 - cos(x.q[0] + x.q[1]));
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const T deflection = x.theta[j] - x.q[j];
+    e += 0.5 * (p.motor.inertia[j] * x.dtheta[j] * x.dtheta[j] + p.spring.stiffness[j] * deflection * deflection);
+  }
+  return e;
+}
+
+// The state at rest at q: dq = dtheta = 0 and theta = q + K^-1 G(q), so that nothing moves under tau_m = G(q).
+inline State<double> rest_at(const Parameters& p, const Pair<double>& q) {
+  const Pair<double> g = gravity_torque(p, q);
+  return {q, {0, 0}, {q[0] + g[0] / p.spring.stiffness[0], q[1] + g[1] / p.spring.stiffness[1]}, {0, 0}};
+}
+
+}  // namespace fjr

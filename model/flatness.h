@@ -1,0 +1,23 @@
+// The arm is differentially flat in q: q and its four derivatives give the whole state and the torque.
+#pragma once
+
+#include "model/dynamics.h"
+
+namespace fjr {
+
+// q and its derivatives at one instant; [rad, rad/s, ...]
+struct LinkMotion {
+  Pair<double> q{}, dq{}, ddq{}, dddq{}, ddddq{};
+};
+
+struct FlatPoint {
+  State<double> state;
+  Pair<double> compensated_torque;  // u = J ddtheta + B dtheta + tau_c  [N m]
+  Pair<double> torque;              // tau_m = u + tau_fm_nonlinear(dtheta), exact law  [N m]
+};
+
+// theta, dtheta and ddtheta follow from the link side of (1) and its first two time derivatives, taken exactly by
+// propagating truncated Taylor series through the link equation.
+FlatPoint from_link_motion(const Parameters& p, const LinkMotion& motion);
+
+}  // namespace fjr

@@ -1,0 +1,95 @@
+// Motor friction (24): the exact law, its smoothed family, and the inverse where the law is monotone.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "model/parameters.h"
+
+namespace fjr {
+
+// The law of one joint, velocity v [rad/s] -> torque [N m].
+//   tau(v) = B v + nonlinear(v),  nonlinear(v) = f tanh(v/eta) - f omega tanh(v/eta - h tanh(v/eta))      (24)
+struct FrictionLaw {
+  double viscous, amplitude, width, second_weight, second_shape;
+
+  static FrictionLaw of(const Parameters& p, int joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    return {p.friction.viscous[j], p.friction.amplitude[j], p.friction.width[j], p.friction.second_weight[j],
+            p.friction.second_shape[j]};
+  }
+
+  template <class T>
+  T nonlinear(const T& v) const {
+    using std::tanh;
+    const T s = v / width;
+    const T first = tanh(s);
+    return amplitude * first - amplitude * second_weight * tanh(s - second_shape * first);
+  }
+
+  template <class T>
+  T torque(const T& v) const {
+    return viscous * v + nonlinear(v);
+  }
+
+  // A law of the same family without features narrower than about eps [rad/s] around v = 0; eps = 0 is the exact law.
+  // The first tanh gets width sqrt(eta^2 + eps^2); the second keeps its far kink where it is (h eta, when h > 0) and its
+  // slope at zero, (1-h)/eta, is lowered to at most 1/eps by the same rule.
+  FrictionLaw smoothed(double eps) const {
+    FrictionLaw s = *this;
+    if (eps <= 0) return s;
+    s.width = std::hypot(width, eps);
+    if (second_shape < 1) {
+      const double narrow = std::hypot(width / (1 - second_shape), eps);
+      s.second_shape = std::min(0.0, 1 - s.width / narrow);
+    } else {
+      s.second_shape = second_shape * width / s.width;
+    }
+    return s;
+  }
+
+  // Velocity at which the complete law gives `torque` [N m]; only for laws that increase everywhere (joint 1's).
+  // Throws std::domain_error otherwise: joint 2's law is three-valued around zero (DESIGN: unstable at rest).
+  double velocity(double torque_wanted) const;
+
+  // True when torque() increases everywhere, found by scanning the slope over all of the law's scales.
+  bool increasing() const;
+
+  // d torque / dv at v.
+  double slope(double v) const {
+    const double s = v / width;
+    const double first = std::tanh(s), dfirst = 1 - first * first;
+    const double second = std::tanh(s - second_shape * first);
+    return viscous + amplitude / width * (dfirst - second_weight * (1 - second * second) * (1 - second_shape * dfirst));
+  }
+};
+
+inline bool FrictionLaw::increasing() const {
+  if (!(slope(0) > 0)) return false;
+  for (double v = width * 1e-7; v < width * 1e3; v *= 1.02) {
+    if (!(slope(v) > 0)) return false;
+  }
+  return true;
+}
+
+inline double FrictionLaw::velocity(double torque_wanted) const {
+  if (!increasing()) throw std::domain_error("friction law is not increasing: its inverse is not unique");
+  // Odd and increasing with slope >= B eventually: bracket on a logarithmic scale, then bisect in log(v) to the last bit.
+  const double target = std::abs(torque_wanted);
+  if (target == 0) return 0;
+  double low = 0, high = width * 1e-8;
+  while (torque(high) < target) {
+    low = high;
+    high *= 2;
+  }
+  for (int i = 0; i < 200; ++i) {
+    const double middle = 0.5 * (low + high);
+    if (middle <= low || middle >= high) break;
+    (torque(middle) < target ? low : high) = middle;
+  }
+  return std::copysign(0.5 * (low + high), torque_wanted);
+}
+
+}  // namespace fjr

@@ -1,0 +1,50 @@
+// The arm in its plane of motion: x to the right, y up, joint 1 at the origin, q = 0 hanging straight down. [m]
+#pragma once
+
+#include <cmath>
+
+#include "model/parameters.h"
+
+namespace fjr {
+
+template <class T>
+struct Point {
+  T x, y;
+};
+
+template <class T>
+Point<T> elbow_position(const Parameters& p, const Pair<T>& q) {
+  using std::cos;
+  using std::sin;
+  return {p.link.length[0] * sin(q[0]), -p.link.length[0] * cos(q[0])};
+}
+
+template <class T>
+Point<T> tip_position(const Parameters& p, const Pair<T>& q) {
+  using std::cos;
+  using std::sin;
+  const Point<T> elbow = elbow_position(p, q);
+  const T angle = q[0] + q[1];
+  return {elbow.x + p.link.length[1] * sin(angle), elbow.y - p.link.length[1] * cos(angle)};
+}
+
+// [m/s]
+template <class T>
+Point<T> tip_velocity(const Parameters& p, const Pair<T>& q, const Pair<T>& dq) {
+  using std::cos;
+  using std::sin;
+  const T angle = q[0] + q[1], rate = dq[0] + dq[1];
+  return {p.link.length[0] * cos(q[0]) * dq[0] + p.link.length[1] * cos(angle) * rate,
+          p.link.length[0] * sin(q[0]) * dq[0] + p.link.length[1] * sin(angle) * rate};
+}
+
+// Squared tip speed [m^2/s^2]; depends on q2 alone, and smooth at rest where the speed itself is not.
+template <class T>
+T tip_speed_squared(const Parameters& p, const T& q2, const Pair<T>& dq) {
+  using std::cos;
+  const double l1 = p.link.length[0], l2 = p.link.length[1];
+  const T rate = dq[0] + dq[1];
+  return l1 * l1 * dq[0] * dq[0] + l2 * l2 * rate * rate + 2.0 * l1 * l2 * cos(q2) * dq[0] * rate;
+}
+
+}  // namespace fjr

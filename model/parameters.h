@@ -1,0 +1,102 @@
+// The identified robot as plain numbers, and where they are read from.
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+
+namespace fjr {
+
+inline constexpr int kJoints = 2;
+
+// A quantity per joint: [0] is joint 1, [1] is joint 2.
+template <class T>
+using Pair = std::array<T, kJoints>;
+
+// The constants of the paper's model, SI units, motor quantities in link coordinates (after the gear).
+// Provenance and standard errors stay in the file; see config/robot.yaml for the equation of every value.
+struct Parameters {
+  struct Link {
+    Pair<double> length;          // [m]       l1, l2
+    Pair<double> mass;            // [kg]      m1, m2
+    Pair<double> com_fraction;    // [-]       alpha1, alpha2: centre of mass at alpha_i l_i from joint i
+    Pair<double> inertia;         // [kg m^2]  M1 about joint axis 1; M2 about link 2's centre of mass (17)
+    Pair<double> gravity_torque;  // [N m]     coefficients of sin(q1) and of sin(q1+q2) in (8)
+    Pair<double> damping;         // [N m s/rad] viscous link friction; the paper's model has none
+    Pair<double> radius;          // [m]       radius of the capsule around each link
+  } link;
+  struct Spring {
+    Pair<double> stiffness;  // [N m/rad]  K
+  } spring;
+  struct Motor {
+    Pair<double> inertia;  // [kg m^2]  J
+  } motor;
+  struct Friction {              // (24): B v + f tanh(v/eta) - f omega tanh(v/eta - h tanh(v/eta))
+    Pair<double> viscous;        // [N m s/rad]  B
+    Pair<double> amplitude;      // [N m]        f
+    Pair<double> width;          // [rad/s]      eta
+    Pair<double> second_weight;  // [-]          omega
+    Pair<double> second_shape;   // [-]          h
+  } friction;
+  struct Encoder {
+    Pair<double> motor_counts;  // [1/rev]  counts per revolution of theta
+    Pair<double> link_counts;   // [1/rev]  counts per revolution of q
+  } encoder;
+  struct Limits {                    // magnitudes
+    Pair<double> torque;             // [N m]    |tau_m| in a plan
+    Pair<double> motor_velocity;     // [rad/s]  |dtheta|
+    Pair<double> link_position;      // [rad]    |q|
+    Pair<double> spring_deflection;  // [rad]    |theta - q|: beyond it the springs were not identified
+  } limits;
+  struct Feedback {               // the executor's motor-side feedback
+    Pair<double> position_gain;   // [N m/rad]
+    Pair<double> velocity_gain;   // [N m s/rad]
+    Pair<double> velocity_filter; // [Hz]  cut-off of the low-pass on the differentiated encoder
+  } feedback;
+  struct Drive {
+    Pair<double> peak_torque;  // [N m]  what the drive can give, feedback included
+  } drive;
+};
+
+// Calls visit(section, name, unit, member) for every parameter: the one list that loading, checking, hashing and
+// writing go through. P is Parameters or const Parameters.
+template <class P, class Visit>
+void visit_parameters(P& p, Visit&& visit) {
+  visit("link", "length", "m", p.link.length);
+  visit("link", "mass", "kg", p.link.mass);
+  visit("link", "com_fraction", "1", p.link.com_fraction);
+  visit("link", "inertia", "kg m^2", p.link.inertia);
+  visit("link", "gravity_torque", "N m", p.link.gravity_torque);
+  visit("link", "damping", "N m s/rad", p.link.damping);
+  visit("link", "radius", "m", p.link.radius);
+  visit("spring", "stiffness", "N m/rad", p.spring.stiffness);
+  visit("motor", "inertia", "kg m^2", p.motor.inertia);
+  visit("friction", "viscous", "N m s/rad", p.friction.viscous);
+  visit("friction", "amplitude", "N m", p.friction.amplitude);
+  visit("friction", "width", "rad/s", p.friction.width);
+  visit("friction", "second_weight", "1", p.friction.second_weight);
+  visit("friction", "second_shape", "1", p.friction.second_shape);
+  visit("encoder", "motor_counts", "1/rev", p.encoder.motor_counts);
+  visit("encoder", "link_counts", "1/rev", p.encoder.link_counts);
+  visit("limits", "torque", "N m", p.limits.torque);
+  visit("limits", "motor_velocity", "rad/s", p.limits.motor_velocity);
+  visit("limits", "link_position", "rad", p.limits.link_position);
+  visit("limits", "spring_deflection", "rad", p.limits.spring_deflection);
+  visit("feedback", "position_gain", "N m/rad", p.feedback.position_gain);
+  visit("feedback", "velocity_gain", "N m s/rad", p.feedback.velocity_gain);
+  visit("feedback", "velocity_filter", "Hz", p.feedback.velocity_filter);
+  visit("drive", "peak_torque", "N m", p.drive.peak_torque);
+}
+
+// Reads and validates a robot.yaml. Throws InputError naming file, field, value and what is allowed: unknown and missing
+// keys, wrong sizes and units, NaN and infinity, and unphysical values (a mass matrix that is not positive definite at
+// every q2, a spring that cannot hold gravity within its deflection limit, ...) are refused.
+Parameters load_parameters(const std::filesystem::path& file);
+
+// The robot.yaml shipped with the program: found beside the installed or built executable from any working directory.
+std::filesystem::path default_robot_file();
+
+// SHA-256 (lower-case hex) over names and values ("section.name[i]=%.17g\n", sorted), not over the file's bytes.
+std::string robot_hash(const Parameters& p);
+
+}  // namespace fjr

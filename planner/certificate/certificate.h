@@ -1,0 +1,90 @@
+// The proof that travels with a trajectory: rollouts of its published rows on the exact model (DESIGN 1, 2 and 7).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/dynamics.h"
+#include "planner/problem/problem.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+
+// One count of the link encoder, 2 pi / 65536 = 9.59e-5 rad, when counts = 65536. [rad]
+double exactness_tolerance(const Parameters& p);
+
+struct RolloutErrors {                // rollout minus plan, largest magnitude over time and joints
+  Pair<double> link{};                // [rad] per joint
+  Pair<double> motor{};               // [rad] per joint
+  Pair<double> final_link{};          // [rad] at the end
+  double time_of_max_link = 0;        // [s]
+  bool completed = false;             // false: the integration broke down; `failure` says why
+  std::string failure;
+
+  double max_link() const;
+  double max_motor() const;
+  double max_final_link() const;
+};
+
+struct OpenLoop : RolloutErrors {
+  bool required = true;    // whether the verdict depends on it
+  std::string why_not;     // when not required: the rest of motor 2 or the stay near the upright, with times
+};
+
+struct ClosedLoop : RolloutErrors {
+  Pair<double> feedback_torque{};  // [N m] largest magnitude per joint
+};
+
+// One limit against what the published rows with their interpolation, and the closed-loop rollout, reach.
+struct LimitCheck {
+  std::string name;    // torque, motor_velocity, link_position, spring_deflection, torque_rate, tip_speed
+  int joint = 0;       // 1 or 2; 0 for tip_speed
+  double limit = 0;    // magnitude, in the limit's unit
+  double reached = 0;  // largest magnitude of the published rows with their interpolation
+  double time = 0;     // [s] where
+  double rollout = 0;  // largest magnitude in the closed-loop rollout
+  bool passed = false;
+
+  double margin() const { return limit - reached; }
+};
+
+// After the end, in closed loop with torque G(q_goal), over a fixed window.
+struct Residual {
+  bool evaluated = false;               // only for a trajectory that ends at rest
+  double window = 0;                    // [s]
+  Pair<double> link_vibration{};        // [rad] largest |q - q_goal|, closed loop
+  Pair<double> open_loop_drift{};       // [rad] the same without feedback: motor 2 is unstable at rest
+};
+
+// Prediction of the run on the hardware: torque held over the tick, encoder counts, filtered differentiation, motor-side
+// feedback, drive peak torque. Reported, never part of the verdict.
+struct Tracking {
+  Pair<double> link_error{};       // [rad] largest
+  Pair<double> link_error_rms{};   // [rad]
+  Pair<double> feedback_torque{};  // [N m] largest
+  Pair<double> peak_torque{};      // [N m] largest commanded
+  bool saturated = false;          // the drive's peak torque was reached
+};
+
+struct Certificate {
+  bool certified = false;
+  std::vector<std::string> failures;  // one sentence each, empty when certified
+  double tolerance = 0;               // [rad]
+  OpenLoop open_loop;
+  ClosedLoop closed_loop;
+  std::vector<LimitCheck> limits;
+  Residual residual;
+  Tracking tracking;
+};
+
+// Everything above for one trajectory on one robot; `limits` are the robot's or tighter. A trajectory that ends with
+// dq = dtheta = 0 in equilibrium is taken to end at rest.
+Certificate certify(const Parameters& robot, const Limits& limits, const Trajectory& trajectory);
+
+// For mesh refinement: integrates the exact model from the plan's own state at times[k] to times[k+1] under the published
+// torque and returns the state differences at times[k+1] (rollout minus plan), one per interval. times: increasing,
+// within the trajectory. Where the integration breaks down the difference is infinite.
+std::vector<State<double>> local_errors(const Parameters& robot, const Trajectory& trajectory,
+                                        const std::vector<double>& times);
+
+}  // namespace fjr

@@ -1,0 +1,90 @@
+// One validated request: everything resolved to numbers, nothing left to look up.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/dynamics.h"
+#include "model/parameters.h"
+
+namespace fjr {
+
+inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+// Limits of one plan: robot.yaml's, tightened by the request. Magnitudes.
+struct Limits {
+  Pair<double> torque{kNoLimit, kNoLimit};             // [N m]    |tau_m|
+  Pair<double> motor_velocity{kNoLimit, kNoLimit};     // [rad/s]  |dtheta|
+  Pair<double> link_position{kNoLimit, kNoLimit};      // [rad]    |q|
+  Pair<double> spring_deflection{kNoLimit, kNoLimit};  // [rad]    |theta - q|
+  Pair<double> torque_rate{kNoLimit, kNoLimit};        // [N m/s]  |du/dt| of the friction-compensated torque
+  double tip_speed = kNoLimit;                         // [m/s]
+
+  static Limits of(const Parameters& p);
+};
+
+// Weights of the objective's terms; the objective is the weighted sum, each term summed over the joints.
+struct Weights {
+  double time = 0;               // T              [s]
+  double effort = 0;             // int tau_m^2    [N^2 m^2 s]
+  double torque_rate = 0;        // int (du/dt)^2  [N^2 m^2 / s]
+  double link_acceleration = 0;  // int ddq^2      [rad^2 / s^3]
+};
+
+template <class W, class Visit>
+void visit_weights(W& w, Visit&& visit) {
+  visit("time", w.time);
+  visit("effort", w.effort);
+  visit("torque_rate", w.torque_rate);
+  visit("link_acceleration", w.link_acceleration);
+}
+
+struct Goal {
+  Pair<double> q{};                     // [rad]
+  Pair<double> dq{};                    // [rad/s]
+  std::optional<Pair<double>> theta;    // [rad]; none: free
+  std::optional<Pair<double>> dtheta;   // [rad/s]; none: free
+  bool at_rest = true;                  // dq = dtheta = 0 and theta in equilibrium (both are then given)
+};
+
+struct Via {
+  double time = 0;                 // [s] after the start; strictly increasing over the vias
+  Pair<double> q{};                // [rad]
+  std::optional<Pair<double>> dq;  // [rad/s]
+};
+
+struct Duration {
+  double min = 0, max = 0;  // [s]; equal when fixed
+  bool fixed() const { return min == max; }
+};
+
+struct Problem {
+  Parameters robot;
+  Limits limits;
+  State<double> start;
+  bool start_at_rest = true;
+  Goal goal;
+  Duration duration;
+  Weights weights;
+  std::vector<Via> via;
+  double sample_period = 0.001;  // [s]
+  std::uint64_t seed = 1;
+  std::string name;          // of the request file, without extension
+  std::string request_hash;  // SHA-256 over the resolved values, not over the file's bytes
+};
+
+// Reads a request (DESIGN 5.2) and resolves it: presets, defaults, moving starts by flatness, limits tightened.
+// Throws InputError naming file, field, value and what is allowed, for malformed and for contradictory requests alike
+// (outside limits, static torque too large, free duration without a time weight, ...). Nothing is optimised here.
+// default_robot: used when the request names none.
+Problem load_request(const std::filesystem::path& file, const std::filesystem::path& default_robot);
+
+// The same from text; `source` names it in errors, `folder` is what relative paths are relative to.
+Problem parse_request(const std::string& yaml, const std::string& source, const std::filesystem::path& folder,
+                      const std::filesystem::path& default_robot);
+
+}  // namespace fjr

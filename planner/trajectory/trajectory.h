@@ -1,0 +1,56 @@
+// A trajectory as it is published: rows of time, state and motor torque.
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "model/dynamics.h"
+
+namespace fjr {
+
+inline constexpr std::size_t kMaxRows = 32768;
+inline constexpr double kJumpSpacing = 1e-6;  // [s] between the two rows of a torque jump
+
+struct Sample {
+  double time = 0;        // [s]
+  State<double> state{};  // [rad], [rad/s]
+  Pair<double> torque{};  // tau_m [N m]
+};
+
+// Between rows the torque is linear and positions are cubic Hermite (velocities: their derivative).
+struct Trajectory {
+  std::vector<Sample> samples;                  // strictly increasing time, at least two
+  std::map<std::string, std::string> metadata;  // the "# key: value" lines
+
+  double start_time() const { return samples.front().time; }
+  double end_time() const { return samples.back().time; }
+};
+
+// Evaluates a trajectory at increasing or arbitrary times; remembers the last interval, so sweeping is O(1) a step.
+// Holds a reference: the trajectory must outlive it. Times outside are clamped to the ends.
+class Interpolator {
+ public:
+  explicit Interpolator(const Trajectory& trajectory) : trajectory_(&trajectory) {}
+  Sample at(double time);
+  Pair<double> torque_at(double time);
+  // Mean of the piecewise linear torque over [from, to], what a drive that holds one value per tick is given.
+  Pair<double> mean_torque(double from, double to);
+
+ private:
+  std::size_t interval(double time);
+  const Trajectory* trajectory_;
+  std::size_t last_ = 0;
+};
+
+// CSV as in DESIGN 5.3. Reading is strict: InputError names file, line and column for anything that is not a finite
+// number, a missing or repeated column, times that do not increase, fewer than 2 or more than kMaxRows rows. Additional
+// columns are allowed and ignored. Writing is atomic (temporary file, then rename) and byte-reproducible.
+Trajectory read_csv(const std::filesystem::path& file);
+Trajectory parse_csv(std::istream& in, const std::string& source);
+void write_csv(const Trajectory& trajectory, const std::filesystem::path& file);
+void format_csv(const Trajectory& trajectory, std::ostream& out);
+
+}  // namespace fjr

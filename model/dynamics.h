@@ -88,8 +88,8 @@ Pair<T> link_acceleration(const Parameters& p, const Pair<T>& q, const Pair<T>& 
   return {(m.m22 * r1 - m.m12 * r2) * inverse_determinant, (m.m11 * r2 - m.m12 * r1) * inverse_determinant};
 }
 
-// dx/dt with the friction-compensated torque u = tau_m - tau_fm_nonlinear(dtheta), eq. (26): J ddtheta + B dtheta + tau_c = u.
-// Smooth for every finite x and u. u [N m].
+// dx/dt with the friction-compensated torque u = tau_m - tau_fm_nonlinear(dtheta), eq. (26): J ddtheta + B dtheta +
+// tau_c = u. Smooth for every finite x and u. u [N m].
 template <class T>
 State<T> compensated_dynamics(const Parameters& p, const State<T>& x, const Pair<T>& u) {
   const Pair<T> tau_c = spring_torque(p, x.q, x.theta);

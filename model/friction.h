@@ -35,8 +35,8 @@ struct FrictionLaw {
   }
 
   // A law of the same family without features narrower than about eps [rad/s] around v = 0; eps = 0 is the exact law.
-  // The first tanh gets width sqrt(eta^2 + eps^2); the second keeps its far kink where it is (h eta, when h > 0) and its
-  // slope at zero, (1-h)/eta, is lowered to at most 1/eps by the same rule.
+  // The first tanh gets width sqrt(eta^2 + eps^2); the second keeps its far kink where it is (h eta, when h > 0) and
+  // its slope at zero, (1-h)/eta, is lowered to at most 1/eps by the same rule.
   FrictionLaw smoothed(double eps) const {
     FrictionLaw s = *this;
     if (eps <= 0) return s;
@@ -76,7 +76,8 @@ inline bool FrictionLaw::increasing() const {
 
 inline double FrictionLaw::velocity(double torque_wanted) const {
   if (!increasing()) throw std::domain_error("friction law is not increasing: its inverse is not unique");
-  // Odd and increasing with slope >= B eventually: bracket on a logarithmic scale, then bisect in log(v) to the last bit.
+  // Odd and increasing with slope >= B eventually: bracket on a logarithmic scale, then bisect in log(v) to the last
+  // bit.
   const double target = std::abs(torque_wanted);
   if (target == 0) return 0;
   double low = 0, high = width * 1e-8;

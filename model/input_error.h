@@ -10,7 +10,8 @@ namespace fjr {
 // Bugs are asserts; hard problems are statuses; only bad input is an InputError.
 class InputError : public std::runtime_error {
  public:
-  // source: the file or message; field: path of the field within it (may be empty); problem: the value and what is allowed.
+  // source: the file or message; field: path of the field within it (may be empty); problem: the value and what is
+  // allowed.
   InputError(const std::string& source, const std::string& field, const std::string& problem)
       : std::runtime_error(join(source, field, problem)), source_(source), field_(field), problem_(problem) {}
 

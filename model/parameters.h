@@ -48,10 +48,10 @@ struct Parameters {
     Pair<double> link_position;      // [rad]    |q|
     Pair<double> spring_deflection;  // [rad]    |theta - q|: beyond it the springs were not identified
   } limits;
-  struct Feedback {               // the executor's motor-side feedback
-    Pair<double> position_gain;   // [N m/rad]
-    Pair<double> velocity_gain;   // [N m s/rad]
-    Pair<double> velocity_filter; // [Hz]  cut-off of the low-pass on the differentiated encoder
+  struct Feedback {                // the executor's motor-side feedback
+    Pair<double> position_gain;    // [N m/rad]
+    Pair<double> velocity_gain;    // [N m s/rad]
+    Pair<double> velocity_filter;  // [Hz]  cut-off of the low-pass on the differentiated encoder
   } feedback;
   struct Drive {
     Pair<double> peak_torque;  // [N m]  what the drive can give, feedback included
@@ -88,9 +88,9 @@ void visit_parameters(P& p, Visit&& visit) {
   visit("drive", "peak_torque", "N m", p.drive.peak_torque);
 }
 
-// Reads and validates a robot.yaml. Throws InputError naming file, field, value and what is allowed: unknown and missing
-// keys, wrong sizes and units, NaN and infinity, and unphysical values (a mass matrix that is not positive definite at
-// every q2, a spring that cannot hold gravity within its deflection limit, ...) are refused.
+// Reads and validates a robot.yaml. Throws InputError naming file, field, value and what is allowed: unknown and
+// missing keys, wrong sizes and units, NaN and infinity, and unphysical values (a mass matrix that is not positive
+// definite at every q2, a spring that cannot hold gravity within its deflection limit, ...) are refused.
 Parameters load_parameters(const std::filesystem::path& file);
 
 // The robot.yaml shipped with the program: found beside the installed or built executable from any working directory.

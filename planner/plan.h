@@ -28,18 +28,18 @@ int exit_code(PlanStatus status);     // as in DESIGN 5.1
 
 // Asked and told between iterations of the optimiser.
 struct Progress {
-  std::string stage;     // "start 2 of 4, friction 0.01 rad/s, 80 intervals"
-  int iteration = 0;     // over the whole plan
+  std::string stage;  // "start 2 of 4, friction 0.01 rad/s, 80 intervals"
+  int iteration = 0;  // over the whole plan
   double objective = 0;
   double violation = 0;  // of the constraints, scaled
 };
 
 struct PlanOptions {
-  double deadline = 0;                              // [s] of wall time; 0: none
+  double deadline = 0;  // [s] of wall time; 0: none
   std::string linear_solver = "mumps";
-  int starts = 0;                                   // 0: the default for the objective
+  int starts = 0;  // 0: the default for the objective
   std::function<void(const Progress&)> on_progress;
-  std::function<bool()> cancelled;                  // polled between iterations
+  std::function<bool()> cancelled;  // polled between iterations
 };
 
 struct SolverStage {
@@ -52,20 +52,20 @@ struct SolverStage {
 
 struct Plan {
   PlanStatus status = PlanStatus::kNotConverged;
-  std::string reason;  // one sentence when not certified
-  double duration = 0;                        // [s]
-  double objective = 0;                       // of the published rows
-  std::map<std::string, double> terms;        // unweighted, weighted or not
+  std::string reason;                   // one sentence when not certified
+  double duration = 0;                  // [s]
+  double objective = 0;                 // of the published rows
+  std::map<std::string, double> terms;  // unweighted, weighted or not
   int intervals = 0;
   std::string method;
-  double error_estimate = 0;                  // [rad] largest local error of an interval
-  int iterations = 0;                         // over all stages and starts
+  double error_estimate = 0;  // [rad] largest local error of an interval
+  int iterations = 0;         // over all stages and starts
   std::vector<SolverStage> stages;
   int starts = 0;
-  double back_off = 0;                        // share of each limit kept free
+  double back_off = 0;  // share of each limit kept free
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;
-  std::map<std::string, double> timing;       // [s] by part, and "total"
+  std::map<std::string, double> timing;  // [s] by part, and "total"
 };
 
 Plan plan(const Problem& problem, const PlanOptions& options);

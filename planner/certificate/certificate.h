@@ -13,12 +13,12 @@ namespace fjr {
 // One count of the link encoder, 2 pi / 65536 = 9.59e-5 rad, when counts = 65536. [rad]
 double exactness_tolerance(const Parameters& p);
 
-struct RolloutErrors {                // rollout minus plan, largest magnitude over time and joints
-  Pair<double> link{};                // [rad] per joint
-  Pair<double> motor{};               // [rad] per joint
-  Pair<double> final_link{};          // [rad] at the end
-  double time_of_max_link = 0;        // [s]
-  bool completed = false;             // false: the integration broke down; `failure` says why
+struct RolloutErrors {          // rollout minus plan, largest magnitude over time and joints
+  Pair<double> link{};          // [rad] per joint
+  Pair<double> motor{};         // [rad] per joint
+  Pair<double> final_link{};    // [rad] at the end
+  double time_of_max_link = 0;  // [s]
+  bool completed = false;       // false: the integration broke down; `failure` says why
   std::string failure;
 
   double max_link() const;
@@ -27,8 +27,8 @@ struct RolloutErrors {                // rollout minus plan, largest magnitude o
 };
 
 struct OpenLoop : RolloutErrors {
-  bool required = true;    // whether the verdict depends on it
-  std::string why_not;     // when not required: the rest of motor 2 or the stay near the upright, with times
+  bool required = true;  // whether the verdict depends on it
+  std::string why_not;   // when not required: the rest of motor 2 or the stay near the upright, with times
 };
 
 struct ClosedLoop : RolloutErrors {
@@ -50,14 +50,14 @@ struct LimitCheck {
 
 // After the end, in closed loop with torque G(q_goal), over a fixed window.
 struct Residual {
-  bool evaluated = false;               // only for a trajectory that ends at rest
-  double window = 0;                    // [s]
-  Pair<double> link_vibration{};        // [rad] largest |q - q_goal|, closed loop
-  Pair<double> open_loop_drift{};       // [rad] the same without feedback: motor 2 is unstable at rest
+  bool evaluated = false;          // only for a trajectory that ends at rest
+  double window = 0;               // [s]
+  Pair<double> link_vibration{};   // [rad] largest |q - q_goal|, closed loop
+  Pair<double> open_loop_drift{};  // [rad] the same without feedback: motor 2 is unstable at rest
 };
 
-// Prediction of the run on the hardware: torque held over the tick, encoder counts, filtered differentiation, motor-side
-// feedback, drive peak torque. Reported, never part of the verdict.
+// Prediction of the run on the hardware: torque held over the tick, encoder counts, filtered differentiation,
+// motor-side feedback, drive peak torque. Reported, never part of the verdict.
 struct Tracking {
   Pair<double> link_error{};       // [rad] largest
   Pair<double> link_error_rms{};   // [rad]
@@ -81,9 +81,9 @@ struct Certificate {
 // dq = dtheta = 0 in equilibrium is taken to end at rest.
 Certificate certify(const Parameters& robot, const Limits& limits, const Trajectory& trajectory);
 
-// For mesh refinement: integrates the exact model from the plan's own state at times[k] to times[k+1] under the published
-// torque and returns the state differences at times[k+1] (rollout minus plan), one per interval. times: increasing,
-// within the trajectory. Where the integration breaks down the difference is infinite.
+// For mesh refinement: integrates the exact model from the plan's own state at times[k] to times[k+1] under the
+// published torque and returns the state differences at times[k+1] (rollout minus plan), one per interval. times:
+// increasing, within the trajectory. Where the integration breaks down the difference is infinite.
 std::vector<State<double>> local_errors(const Parameters& robot, const Trajectory& trajectory,
                                         const std::vector<double>& times);
 

@@ -25,7 +25,13 @@ struct Limits {
   double tip_speed = kNoLimit;                         // [m/s]
 
   static Limits of(const Parameters& p);
+
+  static constexpr std::size_t kCount = 5 * kJoints + 1;  // all of them, in the order above
+  double* data() { return torque.data(); }
+  const double* data() const { return torque.data(); }
 };
+
+static_assert(sizeof(Limits) == Limits::kCount * sizeof(double));
 
 // Weights of the objective's terms; the objective is the weighted sum, each term summed over the joints.
 struct Weights {
@@ -44,11 +50,11 @@ void visit_weights(W& w, Visit&& visit) {
 }
 
 struct Goal {
-  Pair<double> q{};                     // [rad]
-  Pair<double> dq{};                    // [rad/s]
-  std::optional<Pair<double>> theta;    // [rad]; none: free
-  std::optional<Pair<double>> dtheta;   // [rad/s]; none: free
-  bool at_rest = true;                  // dq = dtheta = 0 and theta in equilibrium (both are then given)
+  Pair<double> q{};                    // [rad]
+  Pair<double> dq{};                   // [rad/s]
+  std::optional<Pair<double>> theta;   // [rad]; none: free
+  std::optional<Pair<double>> dtheta;  // [rad/s]; none: free
+  bool at_rest = true;                 // dq = dtheta = 0 and theta in equilibrium (both are then given)
 };
 
 struct Via {

@@ -1,0 +1,48 @@
+#include "model/flatness.h"
+
+#include "model/taylor.h"
+
+namespace fjr {
+namespace {
+
+// The spring torque and two of its time derivatives: all that theta, dtheta and ddtheta need.
+using Series = Taylor<2>;
+
+Pair<Series> series_of(const Pair<double>& value, const Pair<double>& first, const Pair<double>& second) {
+  return {Series::from_derivatives({value[0], first[0], second[0]}),
+          Series::from_derivatives({value[1], first[1], second[1]})};
+}
+
+// The link side of (1), solved for tau_c.
+Pair<Series> required_spring_torque(const Parameters& p, const LinkMotion& motion) {
+  const Pair<Series> q = series_of(motion.q, motion.dq, motion.ddq);
+  const Pair<Series> dq = series_of(motion.dq, motion.ddq, motion.dddq);
+  const Pair<Series> ddq = series_of(motion.ddq, motion.dddq, motion.ddddq);
+  const MassMatrix<Series> m = mass_matrix(p, q[1]);
+  const Pair<Series> c = coriolis_torque(p, q, dq);
+  const Pair<Series> g = gravity_torque(p, q);
+  return {m.m11 * ddq[0] + m.m12 * ddq[1] + c[0] + p.link.damping[0] * dq[0] + g[0],
+          m.m12 * ddq[0] + m.m22 * ddq[1] + c[1] + p.link.damping[1] * dq[1] + g[1]};
+}
+
+}  // namespace
+
+FlatPoint from_link_motion(const Parameters& p, const LinkMotion& motion) {
+  const Pair<Series> tau_c = required_spring_torque(p, motion);
+  FlatPoint point;
+  point.state.q = motion.q;
+  point.state.dq = motion.dq;
+  for (int joint = 0; joint < kJoints; ++joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    const double stiffness = p.spring.stiffness[j];
+    point.state.theta[j] = motion.q[j] + tau_c[j].derivative(0) / stiffness;
+    point.state.dtheta[j] = motion.dq[j] + tau_c[j].derivative(1) / stiffness;
+    const double ddtheta = motion.ddq[j] + tau_c[j].derivative(2) / stiffness;
+    point.compensated_torque[j] =
+        p.motor.inertia[j] * ddtheta + p.friction.viscous[j] * point.state.dtheta[j] + tau_c[j].derivative(0);
+    point.torque[j] = point.compensated_torque[j] + FrictionLaw::of(p, joint).nonlinear(point.state.dtheta[j]);
+  }
+  return point;
+}
+
+}  // namespace fjr

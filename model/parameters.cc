@@ -1,0 +1,251 @@
+#include "model/parameters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <map>
+#include <numbers>
+#include <set>
+#include <string_view>
+#include <system_error>
+#include <vector>
+
+#include "model/dynamics.h"
+#include "model/input_error.h"
+#include "model/sha256.h"
+#include "model/strict_yaml.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kMostCounts = 1e9;  // per revolution; far beyond any encoder, far below where doubles skip integers
+
+// What a single value may be. Written as the condition that holds, so that messages can quote it.
+struct Rule {
+  std::string_view text;
+  bool (*holds)(double);
+};
+
+constexpr Rule kPositive{"> 0", [](double v) { return v > 0; }};
+constexpr Rule kNotNegative{">= 0", [](double v) { return v >= 0; }};
+constexpr Rule kFraction{"from 0 to 1", [](double v) { return v >= 0 && v <= 1; }};
+constexpr Rule kCounts{"a whole number from 1 to 1000000000",
+                       [](double v) { return v >= 1 && v <= kMostCounts && std::floor(v) == v; }};
+constexpr Rule kAny{"", [](double) { return true; }};
+
+const Rule& rule_for(std::string_view section, std::string_view name) {
+  static const std::map<std::string_view, Rule> special{
+      {"link.com_fraction", kFraction},        {"link.gravity_torque", kNotNegative},
+      {"link.damping", kNotNegative},          {"friction.viscous", kNotNegative},
+      {"friction.amplitude", kNotNegative},    {"friction.second_weight", kAny},
+      {"friction.second_shape", kAny},         {"encoder.motor_counts", kCounts},
+      {"encoder.link_counts", kCounts},        {"feedback.position_gain", kNotNegative},
+      {"feedback.velocity_gain", kNotNegative}};
+  const auto found = special.find(fmt::format("{}.{}", section, name));
+  return found == special.end() ? kPositive : found->second;
+}
+
+void check(const YamlNode& list, const Pair<double>& values, const Rule& rule, std::string_view unit) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!rule.holds(values[j])) list.fail_at(j, fmt::format("{} must be {}", with_unit(values[j], unit), rule.text));
+  }
+}
+
+void check_standard_error(const YamlNode& entry, std::string_view unit) {
+  const YamlNode error = entry.at("standard_error");
+  if (!error.is_null()) check(error, error.pair(unit), kNotNegative, unit);
+}
+
+// One `name: {value, unit, source, standard_error}`.
+Pair<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_view unit) {
+  entry.allow_keys({"value", "unit", "source", "standard_error"});
+  const YamlNode given_unit = entry.at("unit");
+  if (given_unit.text() != unit) {
+    given_unit.fail(fmt::format("{} must be \"{}\"", shown(given_unit.text()), unit));
+  }
+  entry.at("source").text();
+  check_standard_error(entry, unit);
+  const YamlNode value = entry.at("value");
+  const Pair<double> values = value.pair(unit);
+  check(value, values, rule, unit);
+  return values;
+}
+
+using Sections = std::vector<std::pair<std::string_view, std::vector<std::string_view>>>;
+
+// The names of visit_parameters, grouped, in its order.
+Sections known_sections() {
+  Sections sections;
+  Parameters unused;
+  visit_parameters(unused, [&](std::string_view section, std::string_view name, std::string_view, Pair<double>&) {
+    if (sections.empty() || sections.back().first != section) sections.push_back({section, {}});
+    sections.back().second.push_back(name);
+  });
+  return sections;
+}
+
+void check_keys(const YamlNode& root) {
+  const Sections sections = known_sections();
+  std::vector<std::string_view> allowed;
+  for (const auto& [section, names] : sections) allowed.push_back(section);
+  allowed.push_back("covariance");
+  root.allow_keys(allowed);
+  for (const auto& [section, names] : sections) root.at(section).allow_keys(names);
+}
+
+std::set<std::string> scalar_names() {
+  std::set<std::string> names;
+  for (const auto& [section, members] : known_sections()) {
+    for (const std::string_view name : members) {
+      for (int j = 0; j < kJoints; ++j) names.insert(fmt::format("{}.{}[{}]", section, name, j));
+    }
+  }
+  return names;
+}
+
+std::size_t check_covariance_names(const YamlNode& list) {
+  const std::set<std::string> known = scalar_names();
+  std::set<std::string> seen;
+  for (const YamlNode& name : list.items()) {
+    if (!known.contains(name.text())) {
+      name.fail(shown(name.text()) + " is not a parameter; parameters are written like \"spring.stiffness[0]\"");
+    }
+    if (!seen.insert(name.text()).second) name.fail(shown(name.text()) + " is given twice");
+  }
+  return seen.size();
+}
+
+std::vector<double> read_row(const YamlNode& row, std::size_t size) {
+  const std::vector<YamlNode> items = row.items();
+  if (items.size() != size) row.fail(fmt::format("has {} values, but covariance.names has {}", items.size(), size));
+  std::vector<double> values;
+  for (const YamlNode& item : items) values.push_back(item.number("1"));
+  return values;
+}
+
+// Checked, not kept: nothing plans with it, but a wrong one would mislead whoever reads the file.
+void check_covariance(const YamlNode& covariance) {
+  covariance.allow_keys({"names", "matrix"});
+  const std::size_t size = check_covariance_names(covariance.at("names"));
+  const YamlNode matrix = covariance.at("matrix");
+  const std::vector<YamlNode> rows = matrix.items();
+  if (rows.size() != size) matrix.fail(fmt::format("has {} rows, but covariance.names has {}", rows.size(), size));
+  std::vector<std::vector<double>> values;
+  for (const YamlNode& row : rows) values.push_back(read_row(row, size));
+  for (std::size_t i = 0; i < size; ++i) {
+    if (!(values[i][i] >= 0)) rows[i].fail_at(i, fmt::format("a variance of {} must be >= 0", values[i][i]));
+    for (std::size_t j = 0; j < i; ++j) {
+      if (values[i][j] != values[j][i]) {
+        rows[i].fail_at(j, fmt::format("{} must equal matrix[{}][{}], {}", values[i][j], j, i, values[j][i]));
+      }
+    }
+  }
+}
+
+// The determinant m11 m22 - m12^2 is quadratic in cos q2 with a negative leading coefficient: smallest at q2 = 0 or pi.
+void check_mass_matrix(const YamlNode& root, const Parameters& p) {
+  for (const double q2 : {0.0, std::numbers::pi}) {
+    const MassMatrix<double> m = mass_matrix(p, q2);
+    const double determinant = m.m11 * m.m22 - m.m12 * m.m12;
+    if (!(m.m11 > 0 && determinant > 0 && std::isfinite(determinant))) {
+      root.at("link").fail(fmt::format("the mass matrix is not positive definite at q2 = {:.4g} rad", q2));
+    }
+  }
+}
+
+// Gravity must not be able to hang the arm beyond the deflection for which its springs are known.
+void check_springs_hold_gravity(const YamlNode& root, const Parameters& p) {
+  const Pair<double> worst{p.link.gravity_torque[0] + p.link.gravity_torque[1], p.link.gravity_torque[1]};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double deflection = worst[j] / p.spring.stiffness[j];
+    if (!(deflection <= p.limits.spring_deflection[j])) {
+      root.at("limits")
+          .at("spring_deflection")
+          .at("value")
+          .fail_at(j, fmt::format("{} rad is less than the {:.6g} rad by which gravity deflects this spring at rest",
+                                  p.limits.spring_deflection[j], deflection));
+    }
+  }
+}
+
+void check_drive(const YamlNode& root, const Parameters& p) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!(p.drive.peak_torque[j] >= p.limits.torque[j])) {
+      root.at("drive")
+          .at("peak_torque")
+          .at("value")
+          .fail_at(j,
+                   fmt::format("{} N m must be >= limits.torque, {} N m", p.drive.peak_torque[j], p.limits.torque[j]));
+    }
+  }
+}
+
+fs::path executable_folder() {
+  std::error_code error;
+  return fs::read_symlink("/proc/self/exe", error).parent_path();
+}
+
+bool has_robot(const fs::path& folder) {
+  std::error_code error;
+  return fs::is_regular_file(folder / "robot.yaml", error);
+}
+
+// config/ beside the executable or above it (a build tree below the sources), then where an installation puts it.
+std::vector<fs::path> folders_near_executable() {
+  const fs::path start = executable_folder();
+  std::vector<fs::path> folders;
+  for (fs::path above = start; !above.empty(); above = above.parent_path()) {
+    folders.push_back(above / "config");
+    if (above == above.parent_path()) break;
+  }
+  folders.push_back((start / "../share/fjr/config").lexically_normal());
+  return folders;
+}
+
+}  // namespace
+
+Parameters load_parameters(const fs::path& file) {
+  const YamlNode root = YamlNode::load(file);
+  check_keys(root);
+  Parameters p{};
+  visit_parameters(p, [&](std::string_view section, std::string_view name, std::string_view unit, Pair<double>& value) {
+    value = read_entry(root.at(section).at(name), rule_for(section, name), unit);
+  });
+  if (const auto covariance = root.find("covariance")) check_covariance(*covariance);
+  check_mass_matrix(root, p);
+  check_springs_hold_gravity(root, p);
+  check_drive(root, p);
+  return p;
+}
+
+fs::path default_robot_file() {
+  // Whoever names a folder wants that robot: silently planning for another one would be worse than an error.
+  if (const char* folder = std::getenv("FJR_CONFIG_DIR"); folder != nullptr && *folder != '\0') {
+    if (has_robot(folder)) return fs::path(folder) / "robot.yaml";
+    throw InputError("robot.yaml", "", fmt::format("not in FJR_CONFIG_DIR, {}", folder));
+  }
+  std::string searched;
+  for (const fs::path& folder : folders_near_executable()) {
+    if (has_robot(folder)) return folder / "robot.yaml";
+    searched += (searched.empty() ? "" : ", ") + folder.string();
+  }
+  throw InputError("robot.yaml", "", "not found; FJR_CONFIG_DIR is not set, searched " + searched);
+}
+
+std::string robot_hash(const Parameters& p) {
+  std::vector<std::string> lines;
+  visit_parameters(
+      p, [&](std::string_view section, std::string_view name, std::string_view, const Pair<double>& value) {
+        for (std::size_t j = 0; j < kJoints; ++j) {
+          lines.push_back(fmt::format("{}.{}[{}]={:.17g}\n", section, name, j, value[j] + 0.0));  // -0 is 0
+        }
+      });
+  std::sort(lines.begin(), lines.end());
+  return sha256_hex(fmt::format("{}", fmt::join(lines, "")));
+}
+
+}  // namespace fjr

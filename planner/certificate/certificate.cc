@@ -1,0 +1,116 @@
+#include "planner/certificate/certificate.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numbers>
+
+#include "planner/certificate/amplification.h"
+#include "planner/certificate/comparison.h"
+#include "planner/certificate/consistency.h"
+#include "planner/certificate/limits.h"
+#include "planner/certificate/residual.h"
+#include "planner/certificate/thresholds.h"
+#include "planner/certificate/tracking.h"
+
+namespace fjr {
+namespace {
+
+double larger(const Pair<double>& p) { return std::max(p[0], p[1]); }
+
+// Collects what stands against a trajectory.
+class Verdict {
+ public:
+  Verdict(const Parameters& robot, Certificate& certificate) : robot_(robot), certificate_(certificate) {}
+
+  void refuse(std::string reason) {
+    if (!reason.empty()) certificate_.failures.push_back(std::move(reason));
+  }
+
+  void judge_exactness(const std::string& loop, const RolloutErrors& errors) {
+    if (!errors.completed) return refuse(loop + ": " + errors.failure);
+    if (errors.max_link() <= certificate_.tolerance) return;
+    const int joint = errors.link[0] >= errors.link[1] ? 1 : 2;
+    refuse(fmt::format("{}: link {} is up to {:.2e} rad off the plan ({:.6f} s), allowed {:.2e} rad", loop, joint,
+                       errors.max_link(), errors.time_of_max_link, certificate_.tolerance));
+  }
+
+  void judge_velocity(const Comparison& closed) {
+    const double error = larger(closed.link_velocity_error), allowed = rollout_velocity_tolerance(robot_);
+    if (error <= allowed) return;
+    const int joint = closed.link_velocity_error[0] >= closed.link_velocity_error[1] ? 1 : 2;
+    refuse(fmt::format(
+        "closed loop: the velocity of link {} is up to {:.2e} rad/s off the plan ({:.6f} s), allowed {:.2e} rad/s",
+        joint, error, closed.time_of_max_link_velocity, allowed));
+  }
+
+  void judge_feedback(const Comparison& closed) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double allowed = feedback_limit(robot_)[j];
+      if (closed.feedback_torque[j] < allowed) continue;
+      refuse(fmt::format(
+          "closed loop: feedback torque of joint {} reaches {:.3g} N m at {:.6f} s, allowed {:.3g} N m (1 % of the "
+          "torque limit)",
+          j + 1, closed.feedback_torque[j], closed.time_of_feedback[j], allowed));
+    }
+  }
+
+  void judge_limits() {
+    for (const LimitCheck& check : certificate_.limits) {
+      if (!check.passed) refuse(violation(check));
+    }
+  }
+
+ private:
+  const Parameters& robot_;
+  Certificate& certificate_;
+};
+
+// Rolls out in both ways and fills everything that is measured; nothing is judged here.
+Comparison measure(const Parameters& robot, const Limits& limits, const Trajectory& trajectory, Certificate& c) {
+  const std::vector<double> instants = comparison_instants(trajectory);
+  Rollout rollout(robot, rollout_allowance(robot, limits), Accuracy::of_certificates());
+  const Comparison open = compare(rollout, robot, trajectory, Drive::open_loop(trajectory), instants);
+  const Comparison closed = compare(rollout, robot, trajectory, Drive::closed_loop(trajectory, robot), instants);
+  static_cast<RolloutErrors&>(c.open_loop) = open.errors;
+  static_cast<RolloutErrors&>(c.closed_loop) = closed.errors;
+  c.closed_loop.feedback_torque = closed.feedback_torque;
+  c.limits = check_limits(robot, limits, trajectory, closed);
+  if (closed.errors.completed && ends_at_rest(robot, trajectory.samples.back())) {
+    c.residual = roll_out_residual(robot, trajectory.samples.back(), closed.final, open.final);
+  }
+  c.tracking = predict_tracking(robot, trajectory);
+  return closed;
+}
+
+}  // namespace
+
+double exactness_tolerance(const Parameters& p) { return 2 * std::numbers::pi / larger(p.encoder.link_counts); }
+
+double RolloutErrors::max_link() const { return larger(link); }
+double RolloutErrors::max_motor() const { return larger(motor); }
+double RolloutErrors::max_final_link() const { return larger(final_link); }
+
+Certificate certify(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
+  Certificate c;
+  c.tolerance = exactness_tolerance(robot);
+  Verdict verdict(robot, c);
+  if (std::string reason = malformed(trajectory); !reason.empty()) {
+    c.open_loop.failure = c.closed_loop.failure = "not rolled out: " + reason;
+    verdict.refuse(std::move(reason));
+    return c;
+  }
+  const Comparison closed = measure(robot, limits, trajectory, c);
+  c.open_loop.why_not = why_open_loop_cannot_be_exact(robot, trajectory);
+  c.open_loop.required = c.open_loop.why_not.empty();
+  verdict.refuse(inconsistent_velocity(robot, trajectory));
+  if (c.open_loop.required) verdict.judge_exactness("open loop", c.open_loop);
+  verdict.judge_exactness("closed loop", c.closed_loop);
+  verdict.judge_velocity(closed);
+  verdict.judge_feedback(closed);
+  verdict.judge_limits();
+  c.certified = c.failures.empty();
+  return c;
+}
+
+}  // namespace fjr

@@ -1,0 +1,39 @@
+// A rollout held against the plan at every row and at instants between the rows.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planner/certificate/certificate.h"
+#include "planner/certificate/rollout.h"
+
+namespace fjr {
+
+// Largest magnitudes a rollout reached.
+struct Peaks {
+  Pair<double> torque{};             // [N m]    commanded: plan and feedback
+  Pair<double> motor_velocity{};     // [rad/s]
+  Pair<double> link_position{};      // [rad]
+  Pair<double> spring_deflection{};  // [rad]
+  double tip_speed = 0;              // [m/s]
+};
+
+struct Comparison {
+  RolloutErrors errors;
+  Pair<double> link_velocity_error{};  // [rad/s] rollout against the dq columns, largest over the instants
+  double time_of_max_link_velocity = 0;
+  Pair<double> feedback_torque{};   // [N m] largest
+  Pair<double> time_of_feedback{};  // [s]
+  Peaks peaks;
+  std::vector<Event> events;  // of the rollout
+  State<double> final{};      // where it ended
+};
+
+// All rows after the first, and instants between them at most 0.25 ms apart. [s]
+std::vector<double> comparison_instants(const Trajectory& trajectory);
+
+// Rolls the trajectory out from its first row under `drive`.
+Comparison compare(Rollout& rollout, const Parameters& robot, const Trajectory& trajectory, const Drive& drive,
+                   const std::vector<double>& instants);
+
+}  // namespace fjr

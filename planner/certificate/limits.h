@@ -1,0 +1,23 @@
+// The limits, held against the published rows with their interpolation and against the closed-loop rollout.
+#pragma once
+
+#include <vector>
+
+#include "planner/certificate/comparison.h"
+
+namespace fjr {
+
+// One check per finite limit and joint. The interpolation is searched exactly, not sampled: torques are linear between
+// rows, velocities quadratic, positions and deflections cubic. Tip speed is sampled. du/dt is the difference quotient
+// of u = tau_m - tau_fm_nonlinear(dtheta) over rows at least half a sample period apart: at a torque jump tau_m steps
+// with the friction and u does not.
+std::vector<LimitCheck> check_limits(const Parameters& p, const Limits& limits, const Trajectory& trajectory,
+                                     const Comparison& rollout);
+
+// What the rollout may reach: more than the limit only by what the exactness explains.
+Limits rollout_allowance(const Parameters& p, const Limits& limits);
+
+// One sentence for a check that did not pass.
+std::string violation(const LimitCheck& check);
+
+}  // namespace fjr

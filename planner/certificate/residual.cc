@@ -1,0 +1,54 @@
+#include "planner/certificate/residual.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "planner/certificate/rollout.h"
+
+namespace fjr {
+namespace {
+
+constexpr double kWindow = 1;          // [s]
+constexpr double kObserve = 1e-3;      // [s]
+constexpr double kEquilibrium = 1e-5;  // [rad], [rad/s]
+
+Pair<double> largest_deviation(Rollout& arm, const State<double>& from, const Drive& drive) {
+  Pair<double> largest{};
+  const auto observe = [&](double, const State<double>& x) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      largest[j] = std::max(largest[j], std::abs(x.q[j] - drive.held.state.q[j]));
+    }
+  };
+  std::vector<double> instants;
+  for (int k = 1; k * kObserve <= kWindow; ++k) instants.push_back(k * kObserve);
+  observe(0, from);
+  arm.start(0, from, drive);
+  arm.run(kWindow, instants, {}, observe);
+  return largest;
+}
+
+}  // namespace
+
+bool ends_at_rest(const Parameters& p, const Sample& last) {
+  const State<double> rest = rest_at(p, last.state.q);
+  for (int i = 0; i < kStates; ++i) {
+    if (!(std::abs(last.state.data()[i] - rest.data()[i]) <= kEquilibrium)) return false;
+  }
+  return true;
+}
+
+Residual roll_out_residual(const Parameters& p, const Sample& goal, const State<double>& closed_loop_end,
+                           const State<double>& open_loop_end) {
+  const Sample rest{goal.time, rest_at(p, goal.state.q), gravity_torque(p, goal.state.q)};
+  Rollout arm(p, Limits{}, Accuracy::of_predictions());
+  arm.limit_step(kLongestStep);
+  Residual residual;
+  residual.evaluated = true;
+  residual.window = kWindow;
+  residual.link_vibration = largest_deviation(arm, closed_loop_end, Drive::regulating(rest, p));
+  residual.open_loop_drift = largest_deviation(arm, open_loop_end, Drive::holding(rest));
+  return residual;
+}
+
+}  // namespace fjr

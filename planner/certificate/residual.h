@@ -1,0 +1,16 @@
+// What the arm does after the end of a trajectory that ends at rest.
+#pragma once
+
+#include "planner/certificate/certificate.h"
+
+namespace fjr {
+
+// The last row is an equilibrium: dq = dtheta = 0 and theta = q + K^-1 G(q), to 1e-5 rad and rad/s.
+bool ends_at_rest(const Parameters& p, const Sample& last);
+
+// Holds G(q_goal) for one second from the states in which the rollouts ended, with and without feedback to the rest at
+// q_goal. A breakdown of the open-loop integration leaves the drift reached so far.
+Residual roll_out_residual(const Parameters& p, const Sample& goal, const State<double>& closed_loop_end,
+                           const State<double>& open_loop_end);
+
+}  // namespace fjr

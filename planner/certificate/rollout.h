@@ -1,0 +1,113 @@
+// Integration of the exact model by CVODE (variable-order BDF, Newton, exact dense Jacobian).
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "model/dynamics.h"
+#include "planner/problem/problem.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+
+// What drives the motors: tau_m(t, x) = tau(t) + Kp (theta(t) - theta) + Kd (dtheta(t) - dtheta), where tau(t),
+// theta(t) and dtheta(t) are a trajectory's, or one sample held for ever. Open loop: both gains zero.
+struct Drive {
+  const Trajectory* plan = nullptr;  // outlives the rollout; none: `held`
+  Sample held{};
+  Pair<double> position_gain{};  // [N m/rad]    Kp
+  Pair<double> velocity_gain{};  // [N m s/rad]  Kd
+
+  static Drive open_loop(const Trajectory& plan) { return {&plan, {}, {}, {}}; }
+  static Drive closed_loop(const Trajectory& plan, const Parameters& p) {
+    return {&plan, {}, p.feedback.position_gain, p.feedback.velocity_gain};
+  }
+  static Drive holding(const Sample& held) { return {nullptr, held, {}, {}}; }
+  static Drive regulating(const Sample& held, const Parameters& p) {
+    return {nullptr, held, p.feedback.position_gain, p.feedback.velocity_gain};
+  }
+
+  // Kp (theta_ref - theta) + Kd (dtheta_ref - dtheta). [N m]
+  Pair<double> feedback(const State<double>& reference, const State<double>& x) const {
+    Pair<double> f;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      f[j] =
+          position_gain[j] * (reference.theta[j] - x.theta[j]) + velocity_gain[j] * (reference.dtheta[j] - x.dtheta[j]);
+    }
+    return f;
+  }
+};
+
+// Error control per step: |error of x_i| <= relative |x_i| + absolute.
+struct Accuracy {
+  double relative;
+  double position;        // [rad]    absolute, q and theta
+  double link_velocity;   // [rad/s]  absolute, dq
+  double motor_velocity;  // [rad/s]  absolute, dtheta; well below the width of the friction step, 1.45e-4 rad/s
+
+  static Accuracy of_certificates() { return {1e-8, 1e-10, 1e-9, 1e-9}; }
+  static Accuracy of_predictions() { return {1e-6, 1e-8, 1e-7, 1e-7}; }
+};
+
+// A sign change found by CVODE inside a step.
+struct Event {
+  enum class Kind { kReversal, kMotorVelocity, kLinkPosition, kSpringDeflection };
+  double time = 0;  // [s]
+  Kind kind{};
+  int joint = 0;  // 1 or 2
+};
+
+inline constexpr double kLongestStep = 1e-3;  // [s]
+
+// One CVODE memory, restarted as often as wanted. Not copyable, not movable: CVODE keeps pointers into it.
+class Rollout {
+ public:
+  // Crossings of the finite ones of `limits` are recorded as events, and so are reversals of the motors.
+  Rollout(const Parameters& robot, const Limits& limits, const Accuracy& accuracy);
+  ~Rollout();
+  Rollout(const Rollout&) = delete;
+  Rollout& operator=(const Rollout&) = delete;
+
+  // Sets the state at `time`; the drive's plan must outlive the rollout.
+  void start(double time, const State<double>& state, const Drive& drive);
+  // As start(), with the state reached so far.
+  void redirect(const Drive& drive);
+
+  using Observer = std::function<void(double time, const State<double>& state)>;
+
+  // Integrates to `end` and calls observe at every one of `instants` (increasing, in (now, end]). At each of `stops`
+  // (increasing) the method ends a step exactly and starts afresh: where the torque has corners that error control
+  // should not have to discover. False when the integration broke down: failure() says how, and nothing more can be
+  // run before the next start().
+  bool run(double end, std::span<const double> instants, std::span<const double> stops, const Observer& observe);
+
+  // Steps longer than this are not taken. [s]
+  void limit_step(double longest);
+
+  double time() const;
+  const State<double>& state() const;
+  const std::vector<Event>& events() const;
+  const std::string& failure() const;
+  long evaluations() const;  // of the model since construction: what a rollout costs
+
+ private:
+  struct Memory;
+  std::unique_ptr<Memory> memory_;
+};
+
+// Where a rollout of this torque has to stop: both rows of every jump, and rows where its slope changes by more than
+// `slope_change` [N m/s].
+std::vector<double> torque_corners(const Trajectory& trajectory, double slope_change);
+
+// Longest distance between two rows: the sample period of a published trajectory. [s]
+double longest_interval(const Trajectory& trajectory);
+
+// Longest step for rolling this trajectory out: none over a whole row interval, so that no row goes unseen, and none
+// over 1 ms, because BDF damps with long steps the very instability that a rollout has to show (motor 2 at rest,
+// 365/s). [s]
+double longest_step(const Trajectory& trajectory);
+
+}  // namespace fjr

@@ -1,0 +1,59 @@
+// SUNDIALS objects that free themselves, and calls that cannot fail unseen. Included by rollout.cc alone.
+#pragma once
+
+#include <cvode/cvode.h>
+#include <nvector/nvector_serial.h>
+#include <sundials/sundials_context.h>
+#include <sunlinsol/sunlinsol_dense.h>
+#include <sunmatrix/sunmatrix_dense.h>
+
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+
+namespace fjr::sundials {
+
+struct Error : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// Throws Error naming the call when its return flag is negative; returns the flag.
+inline int check(int flag, const char* call) {
+  if (flag >= 0) return flag;
+  throw Error(std::string(call) + " returned " + std::to_string(flag));
+}
+
+template <class T>
+T* check(T* handle, const char* call) {
+  if (handle == nullptr) throw Error(std::string(call) + " gave no object");
+  return handle;
+}
+
+template <auto Free>
+struct Release {
+  template <class T>
+  void operator()(T* handle) const {
+    Free(handle);
+  }
+};
+
+template <class Pointer, auto Free>
+using Handle = std::unique_ptr<std::remove_pointer_t<Pointer>, Release<Free>>;
+
+inline void free_context(SUNContext c) { SUNContext_Free(&c); }
+inline void free_cvode(void* m) { CVodeFree(&m); }
+
+using Context = Handle<SUNContext, free_context>;
+using Vector = Handle<N_Vector, N_VDestroy>;
+using Matrix = Handle<SUNMatrix, SUNMatDestroy>;
+using LinearSolver = Handle<SUNLinearSolver, SUNLinSolFree>;
+using Cvode = Handle<void*, free_cvode>;
+
+inline Context make_context() {
+  SUNContext c = nullptr;
+  check(SUNContext_Create(nullptr, &c), "SUNContext_Create");
+  return Context(c);
+}
+
+}  // namespace fjr::sundials

@@ -1,0 +1,36 @@
+// The numbers a certificate is judged by, beside exactness_tolerance().
+#pragma once
+
+#include "model/parameters.h"
+#include "planner/certificate/certificate.h"
+
+namespace fjr {
+
+// Feedback must stay below this share of the robot's torque limit: the plan moves the arm, not the feedback.
+inline constexpr double kFeedbackShare = 0.01;
+// Published samples and what is between them: rounding only.
+inline constexpr double kPublishedShare = 1e-6;
+// The rollout's velocities: what exactness explains.
+inline constexpr double kRolloutVelocityShare = 1e-3;
+
+inline Pair<double> feedback_limit(const Parameters& p) {  // [N m]
+  return {kFeedbackShare * p.limits.torque[0], kFeedbackShare * p.limits.torque[1]};
+}
+
+// One encoder count within 10 ms. [rad/s]
+inline double link_velocity_tolerance(const Parameters& p) { return exactness_tolerance(p) / 0.01; }
+
+// Two counts within 10 ms: an error of one count at 200 rad/s, three times the arm's highest natural frequency. [rad/s]
+inline double rollout_velocity_tolerance(const Parameters& p) { return exactness_tolerance(p) / 0.005; }
+
+// What makes a tenth of the feedback allowed, through the velocity gain. [rad/s]
+inline Pair<double> motor_velocity_tolerance(const Parameters& p) {
+  const Pair<double> feedback = feedback_limit(p);
+  Pair<double> tolerance;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    tolerance[j] = p.feedback.velocity_gain[j] > 0 ? 0.1 * feedback[j] / p.feedback.velocity_gain[j] : 0.01;
+  }
+  return tolerance;
+}
+
+}  // namespace fjr

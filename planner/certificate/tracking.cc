@@ -1,0 +1,77 @@
+#include "planner/certificate/tracking.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/certificate/rollout.h"
+
+namespace fjr {
+namespace {
+
+VelocityFilter velocity_filter(const Parameters& p, std::size_t j, double tick, double position, double velocity) {
+  VelocityFilter filter(p.feedback.velocity_filter[j], tick);
+  filter.reset(position, velocity);
+  return filter;
+}
+
+}  // namespace
+
+TickController::TickController(const Parameters& p, const Trajectory& trajectory, double tick)
+    : p_(p),
+      plan_(trajectory),
+      tick_(tick),
+      measured_{VelocityFilter(p.feedback.velocity_filter[0], tick),
+                VelocityFilter(p.feedback.velocity_filter[1], tick)},
+      planned_(measured_) {
+  const State<double>& start = trajectory.samples.front().state;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    measured_[j] = velocity_filter(p, j, tick, quantised(start.theta[j], p.encoder.motor_counts[j]), start.dtheta[j]);
+    planned_[j] = velocity_filter(p, j, tick, start.theta[j], start.dtheta[j]);
+  }
+}
+
+TickController::Command TickController::command(double time, const Pair<double>& theta) {
+  const Pair<double> planned = plan_.at(time).state.theta;
+  const Pair<double> feedforward = plan_.mean_torque(time, time + tick_);
+  Command c{};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double counted = quantised(theta[j], p_.encoder.motor_counts[j]);
+    const double velocity_error = planned_[j].update(planned[j]) - measured_[j].update(counted);
+    c.feedback[j] =
+        p_.feedback.position_gain[j] * (planned[j] - counted) + p_.feedback.velocity_gain[j] * velocity_error;
+    const double wanted = feedforward[j] + c.feedback[j], peak = p_.drive.peak_torque[j];
+    c.torque[j] = std::clamp(wanted, -peak, peak);
+    c.saturated |= std::abs(wanted) > peak;
+  }
+  return c;
+}
+
+Tracking predict_tracking(const Parameters& p, const Trajectory& trajectory) {
+  Tracking t;
+  TickController controller(p, trajectory);
+  Interpolator plan(trajectory);
+  Rollout arm(p, Limits{}, Accuracy::of_predictions());
+  const double start = trajectory.start_time(), end = trajectory.end_time();
+  const auto ticks = static_cast<long>(std::ceil((end - start) / kTick - 1e-9));
+  State<double> x = trajectory.samples.front().state;
+  for (long k = 0; k < ticks; ++k) {
+    const double now = start + static_cast<double>(k) * kTick, next = std::min(end, now + kTick);
+    const TickController::Command command = controller.command(now, x.theta);
+    arm.start(now, x, Drive::holding({now, {}, command.torque}));
+    if (!arm.run(next, {}, {}, {})) break;
+    x = arm.state();
+    const State<double> wanted = plan.at(next).state;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double error = x.q[j] - wanted.q[j];
+      t.link_error[j] = std::max(t.link_error[j], std::abs(error));
+      t.link_error_rms[j] += error * error / static_cast<double>(ticks);
+      t.feedback_torque[j] = std::max(t.feedback_torque[j], std::abs(command.feedback[j]));
+      t.peak_torque[j] = std::max(t.peak_torque[j], std::abs(command.torque[j]));
+    }
+    t.saturated |= command.saturated;
+  }
+  for (double& rms : t.link_error_rms) rms = std::sqrt(rms);
+  return t;
+}
+
+}  // namespace fjr

@@ -1,0 +1,42 @@
+// One optimisation: a problem on a given mesh, with a given friction law, from a given start.
+#pragma once
+
+#include <vector>
+
+#include "planner/collocation/guess.h"
+#include "planner/collocation/mesh.h"
+#include "planner/collocation/motion.h"
+#include "planner/collocation/scheme.h"
+#include "planner/problem/problem.h"
+#include "planner/solver/ipopt.h"
+
+namespace fjr {
+
+// Share of each limit that is always kept free: what the rollout may differ from the plan by, with room to spare.
+inline constexpr double kBackOff = 1e-4;
+
+struct CollocationSetup {
+  Scheme scheme;
+  Mesh mesh;
+  double friction_width = 0;    // [rad/s] of the smoothed law; 0: the exact law
+  std::vector<Limits> margins;  // per interval, taken off each limit (same units); empty: none
+};
+
+struct Collocated {
+  CollocationSetup setup;
+  SolveReport report;
+  std::vector<double> durations;  // [s] of the mesh's segments
+  Motion motion;                  // meaningful when report.solved()
+};
+
+// About `intervals` equal intervals, with nodes at the via points' times.
+Mesh uniform_mesh(const Problem& problem, int intervals);
+
+Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Guess& guess,
+                     const SolveOptions& options);
+
+// From an earlier solution on the same mesh, multipliers included.
+Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Iterate& start,
+                     const SolveOptions& options);
+
+}  // namespace fjr

@@ -1,0 +1,115 @@
+#include "planner/collocation/guess.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "model/flatness.h"
+
+namespace fjr {
+namespace {
+
+// The points the motion passes, with their shares of the duration.
+struct Waypoint {
+  double share;
+  Pair<double> q;
+};
+
+std::vector<Waypoint> waypoints(const Problem& problem, double duration) {
+  std::vector<Waypoint> points{{0, problem.start.q}};
+  for (const Via& via : problem.via) points.push_back({via.time / duration, via.q});
+  points.push_back({1, problem.goal.q});
+  return points;
+}
+
+std::size_t leg_of(const std::vector<Waypoint>& points, double s) {
+  std::size_t leg = 0;
+  while (leg + 2 < points.size() && s >= points[leg + 1].share) ++leg;
+  return leg;
+}
+
+// Equilibrium angle of the motors that carry the links at q, at the speed dq.
+State<double> equilibrium(const Parameters& p, const Pair<double>& q) { return rest_at(p, q); }
+
+}  // namespace
+
+Guess straight_guess(const Problem& problem, double duration) {
+  const auto points = waypoints(problem, duration);
+  const auto state = [points, robot = problem.robot](double s) {
+    const std::size_t leg = leg_of(points, s);
+    const double inside = (s - points[leg].share) / (points[leg + 1].share - points[leg].share);
+    Pair<double> q;
+    for (std::size_t j = 0; j < kJoints; ++j)
+      q[j] = points[leg].q[j] + inside * (points[leg + 1].q[j] - points[leg].q[j]);
+    return equilibrium(robot, q);
+  };
+  return {"straight", duration, state, [](double) { return Pair<double>{0, 0}; }};
+}
+
+Guess minimum_jerk_guess(const Problem& problem, double duration) {
+  const auto points = waypoints(problem, duration);
+  // Flash & Hogan, Journal of Neuroscience 5(7), 1985: q = 10 s^3 - 15 s^4 + 6 s^5 from rest to rest.
+  const auto flat = [points, duration, robot = problem.robot](double s) {
+    const std::size_t leg = leg_of(points, s);
+    const double share = points[leg + 1].share - points[leg].share, time = share * duration;
+    const double c = (s - points[leg].share) / share;
+    LinkMotion m;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double d = points[leg + 1].q[j] - points[leg].q[j];
+      m.q[j] = points[leg].q[j] + d * c * c * c * (10 + c * (-15 + 6 * c));
+      m.dq[j] = d * c * c * (30 + c * (-60 + 30 * c)) / time;
+      m.ddq[j] = d * c * (60 + c * (-180 + 120 * c)) / (time * time);
+      m.dddq[j] = d * (60 + c * (-360 + 360 * c)) / (time * time * time);
+      m.ddddq[j] = d * (-360 + 720 * c) / (time * time * time * time);
+    }
+    return from_link_motion(robot, m);
+  };
+  return {"minimum jerk", duration, [flat](double s) { return flat(s).state; },
+          [flat](double s) { return flat(s).compensated_torque; }};
+}
+
+Guess displaced_guess(const Problem& problem, double duration, double size, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  // The engine's bits are the same everywhere; std's distributions are not.
+  const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53 * 2 - 1; };
+  std::array<Pair<double>, 3> amplitude;  // of sin(pi s), sin(2 pi s), sin(3 pi s)
+  for (std::size_t k = 0; k < amplitude.size(); ++k) {
+    for (double& a : amplitude[k]) a = size * uniform() / static_cast<double>(k + 1);
+  }
+  Guess guess = straight_guess(problem, duration);
+  guess.name = "displaced";
+  guess.state = [straight = guess.state, amplitude, robot = problem.robot](double s) {
+    Pair<double> q = straight(s).q;
+    for (std::size_t k = 0; k < amplitude.size(); ++k) {
+      const double shape = std::sin(static_cast<double>(k + 1) * std::numbers::pi * s);
+      for (std::size_t j = 0; j < kJoints; ++j) q[j] += amplitude[k][j] * shape;
+    }
+    return equilibrium(robot, q);
+  };
+  return guess;
+}
+
+Guess guess_from(Motion motion, double duration) {
+  const double length = motion.duration();
+  const auto state = [motion, length](double s) { return motion.state_at(s * length); };
+  const auto torque = [motion = std::move(motion), length](double s) { return motion.torque_at(s * length); };
+  return {"previous", duration, state, torque};
+}
+
+double duration_guess(const Problem& problem) {
+  if (problem.duration.fixed()) return problem.duration.min;
+  double time = 0.1;
+  const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
+  const Pair<double> inertia{stretched.m11, stretched.m22};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double distance = std::abs(problem.goal.q[j] - problem.start.q[j]);
+    const double acceleration = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
+    time = std::max({time, 2 * std::sqrt(distance / acceleration), distance / problem.limits.motor_velocity[j]});
+  }
+  // Springs and friction roughly double it; the regularising objectives want still longer motions.
+  const bool hurried = problem.weights.effort == 0 && problem.weights.link_acceleration == 0;
+  return std::clamp(time * (hurried ? 1.3 : 2.0), problem.duration.min, problem.duration.max);
+}
+
+}  // namespace fjr

@@ -1,0 +1,37 @@
+// Where the optimiser starts.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "planner/collocation/motion.h"
+#include "planner/problem/problem.h"
+
+namespace fjr {
+
+// A motion as a function of the share s in [0, 1] of its duration. It need not satisfy anything.
+struct Guess {
+  std::string name;
+  double duration = 0;                         // [s]
+  std::function<State<double>(double)> state;  // s -> state
+  std::function<Pair<double>(double)> torque;  // s -> friction-compensated torque [N m]
+};
+
+// q on straight lines through start, via points and goal, theta in static equilibrium, at rest, zero torque.
+Guess straight_guess(const Problem& problem, double duration);
+
+// Minimum-jerk q between the same points, everything else by flatness (motor friction apart, u needs none).
+Guess minimum_jerk_guess(const Problem& problem, double duration);
+
+// The straight guess, displaced by a smooth random detour of the given size [rad]; the same seed gives the same guess.
+Guess displaced_guess(const Problem& problem, double duration, double size, std::uint64_t seed);
+
+// A motion that was solved before, stretched to `duration`.
+Guess guess_from(Motion motion, double duration);
+
+// A duration to start from, clamped to the problem's bounds: the fixed one, or what the drives' torque and velocity
+// limits allow a rigid arm, roughly.
+double duration_guess(const Problem& problem);
+
+}  // namespace fjr

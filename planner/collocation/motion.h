@@ -1,0 +1,55 @@
+// A solved motion of the arm in continuous time: the collocation polynomials themselves.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <vector>
+
+#include "model/dynamics.h"
+
+namespace fjr {
+
+// Piecewise polynomial in time. On each interval, in c = (t - start) / duration:
+// state (8) = sum_k state.col(k) c^k,  friction-compensated torque u (2) = sum_k torque.col(k) c^k  [N m].
+// States are continuous; u may jump at the nodes.
+struct Motion {
+  struct Interval {
+    double start, duration;
+    Eigen::Matrix<double, kStates, Eigen::Dynamic> state;
+    Eigen::Matrix<double, kControls, Eigen::Dynamic> torque;
+  };
+  std::vector<Interval> intervals;
+
+  double duration() const { return intervals.back().start + intervals.back().duration; }
+
+  // The interval that holds `time`; at a node the one that begins there.
+  std::size_t interval_at(double time) const {
+    const auto after = std::upper_bound(intervals.begin(), intervals.end(), time,
+                                        [](double t, const Interval& i) { return t < i.start; });
+    return after == intervals.begin() ? 0 : static_cast<std::size_t>(after - intervals.begin()) - 1;
+  }
+
+  State<double> state_in(std::size_t interval, double time) const {
+    State<double> x;
+    Eigen::Map<Eigen::Matrix<double, kStates, 1>>(x.data()) = polynomial(intervals[interval].state, interval, time);
+    return x;
+  }
+  // Compensated torque u.
+  Pair<double> torque_in(std::size_t interval, double time) const {
+    const Eigen::Vector2d u = polynomial(intervals[interval].torque, interval, time);
+    return {u(0), u(1)};
+  }
+  State<double> state_at(double time) const { return state_in(interval_at(time), time); }
+  Pair<double> torque_at(double time) const { return torque_in(interval_at(time), time); }
+
+ private:
+  template <class Matrix>
+  Eigen::VectorXd polynomial(const Matrix& coefficients, std::size_t interval, double time) const {
+    const double c = (time - intervals[interval].start) / intervals[interval].duration;
+    Eigen::VectorXd value = coefficients.col(coefficients.cols() - 1);
+    for (Eigen::Index k = coefficients.cols() - 2; k >= 0; --k) value = value * c + coefficients.col(k);
+    return value;
+  }
+};
+
+}  // namespace fjr

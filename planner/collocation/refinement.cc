@@ -1,0 +1,77 @@
+#include "planner/collocation/refinement.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fjr {
+namespace {
+
+using Vector8 = Eigen::Matrix<double, kStates, 1>;
+
+Vector8 rate(const Parameters& robot, const Motion& motion, std::size_t k, double time, const Vector8& x) {
+  const auto f = compensated_dynamics(robot, State<double>::from(x.data()), motion.torque_in(k, time));
+  return Eigen::Map<const Vector8>(f.data());
+}
+
+// Classical Runge-Kutta over interval k. Substeps short enough that its own error is far below a collocation step's.
+State<double> integrate_interval(const Parameters& robot, const Motion& motion, std::size_t k) {
+  constexpr int kSubsteps = 8;
+  const auto& interval = motion.intervals[k];
+  const double h = interval.duration / kSubsteps;
+  Vector8 x = interval.state.col(0);
+  for (int i = 0; i < kSubsteps; ++i) {
+    const double t = interval.start + i * h;
+    const Vector8 k1 = rate(robot, motion, k, t, x);
+    const Vector8 k2 = rate(robot, motion, k, t + h / 2, x + h / 2 * k1);
+    const Vector8 k3 = rate(robot, motion, k, t + h / 2, x + h / 2 * k2);
+    const Vector8 k4 = rate(robot, motion, k, t + h, x + h * k3);
+    x += h / 6 * (k1 + 2 * k2 + 2 * k3 + k4);
+  }
+  return State<double>::from(x.data());
+}
+
+}  // namespace
+
+double error_size(const State<double>& difference) {
+  double size = 0;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    size = std::max({size, std::abs(difference.q[j]), std::abs(difference.theta[j]),
+                     kErrorTime * std::abs(difference.dq[j]), kErrorTime * std::abs(difference.dtheta[j])});
+  }
+  return size;
+}
+
+std::vector<double> interval_errors(const Parameters& robot, const Motion& motion) {
+  std::vector<double> errors;
+  for (std::size_t k = 0; k < motion.intervals.size(); ++k) {
+    State<double> difference = integrate_interval(robot, motion, k);
+    const auto& interval = motion.intervals[k];
+    const State<double> planned = motion.state_in(k, interval.start + interval.duration);
+    for (int i = 0; i < kStates; ++i) difference.data()[i] -= planned.data()[i];
+    errors.push_back(error_size(difference));
+  }
+  return errors;
+}
+
+std::vector<int> pieces_wanted(const Motion& motion, const std::vector<double>& errors, double tolerance, int order,
+                               double shortest) {
+  std::vector<int> pieces;
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    int wanted = 1;
+    if (errors[k] > tolerance) wanted = errors[k] > std::pow(2.0, order + 1) * tolerance ? 4 : 2;
+    while (wanted > 1 && motion.intervals[k].duration / wanted < shortest) wanted /= 2;
+    pieces.push_back(wanted);
+  }
+  return pieces;
+}
+
+Mesh split(const Mesh& mesh, const std::vector<int>& pieces) {
+  Mesh finer;
+  for (std::size_t k = 0; k < mesh.size(); ++k) {
+    const auto& interval = mesh.intervals[k];
+    for (int i = 0; i < pieces[k]; ++i) finer.intervals.push_back({interval.fraction / pieces[k], interval.segment});
+  }
+  return finer;
+}
+
+}  // namespace fjr

@@ -1,0 +1,29 @@
+// Where a mesh is too coarse, and the finer one.
+#pragma once
+
+#include <vector>
+
+#include "model/parameters.h"
+#include "planner/collocation/mesh.h"
+#include "planner/collocation/motion.h"
+
+namespace fjr {
+
+// Error of each interval [rad]: the compensated dynamics are integrated from the interval's own start under its own u
+// by a method of higher order, and compared with the polynomial's end. A velocity difference counts by what it makes of
+// the position in kErrorTime.
+std::vector<double> interval_errors(const Parameters& robot, const Motion& motion);
+inline constexpr double kErrorTime = 0.03;  // [s] about one radian of the fastest spring oscillation
+
+// Size of a state difference as above. [rad]
+double error_size(const State<double>& difference);
+
+// Into how many pieces (1, 2 or 4) each interval is to be split: those whose error exceeds `tolerance`, in four where
+// two would not do for a method of `order`; no piece becomes shorter than `shortest` [s].
+std::vector<int> pieces_wanted(const Motion& motion, const std::vector<double>& errors, double tolerance, int order,
+                               double shortest);
+
+// Interval k in pieces[k] equal pieces.
+Mesh split(const Mesh& mesh, const std::vector<int>& pieces);
+
+}  // namespace fjr

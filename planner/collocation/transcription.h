@@ -1,0 +1,424 @@
+// Optimal control problem x scheme x mesh -> Nlp, for any plant.
+//
+// An Ocp is a struct with
+//   static constexpr int kStates, kControls, kRows;
+//   static constexpr std::array<bool, kRows> kRowUsesControl;
+//   template <class T> void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const;   dx/dt, running cost, path
+//   rows std::vector<PathBounds<kStates, kControls, kRows>> bounds;   one for all intervals, or one per interval
+//   std::vector<NodeBounds<kStates>> at_nodes;        start, goal, via points
+//   std::vector<std::array<double, 2>> durations;     [s] bounds, one per segment of the mesh
+//   std::array<double, 2> total_duration;             [s] bounds of their sum
+//   double time_weight;                               cost = time_weight T + int cost dt
+//
+// Every stage keeps its own state and control as variables ("separated form"): the defects
+//   y_i - y_0 - h sum_j A(i,j) f(y_j, u_j) = 0
+// are linear in f, so the Hessian of the Lagrangian is one small block per collocation point plus the durations' rows.
+// Controls are linear on their interval and may jump at every node (see Scheme::control_share).
+//
+// Variables: x_0, then per interval u_begin, u_end and the stages' y_j, then the durations. That is the order of the
+// chain.
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "model/dual.h"
+#include "planner/collocation/mesh.h"
+#include "planner/collocation/scheme.h"
+#include "planner/solver/nlp.h"
+
+namespace fjr {
+
+template <int N>
+using Array = std::array<double, static_cast<std::size_t>(N)>;
+
+// Bounds on the state at one node of the mesh, in addition to the general ones; equal where fixed.
+template <int N>
+struct NodeBounds {
+  std::size_t node;
+  Array<N> lower, upper;
+};
+
+template <int N>
+Array<N> filled(double value) {
+  Array<N> a;
+  a.fill(value);
+  return a;
+}
+
+// Bounds that hold along the way; +-infinity where there is none.
+template <int kX, int kU, int kC>
+struct PathBounds {
+  Array<kX> x_lower = filled<kX>(-std::numeric_limits<double>::infinity());
+  Array<kX> x_upper = filled<kX>(std::numeric_limits<double>::infinity());
+  Array<kU> u_lower = filled<kU>(-std::numeric_limits<double>::infinity());
+  Array<kU> u_upper = filled<kU>(std::numeric_limits<double>::infinity());
+  Array<kC> row_lower = filled<kC>(-std::numeric_limits<double>::infinity());
+  Array<kC> row_upper = filled<kC>(std::numeric_limits<double>::infinity());
+};
+
+template <class Ocp>
+class Transcription final : public Nlp {
+ public:
+  static constexpr int kX = Ocp::kStates, kU = Ocp::kControls, kC = Ocp::kRows, kV = kX + kU;
+
+  Transcription(Ocp ocp, Scheme scheme, Mesh mesh)
+      : ocp_(std::move(ocp)), scheme_(std::move(scheme)), mesh_(std::move(mesh)) {
+    stages_ = scheme_.stages();
+    first_new_ = scheme_.starts_at_node ? 1 : 0;
+    number_rows();
+    find_structure();
+    set_bounds();
+    set_patterns();
+  }
+
+  const Ocp& ocp() const { return ocp_; }
+  const Scheme& scheme() const { return scheme_; }
+  const Mesh& mesh() const { return mesh_; }
+  int intervals() const { return static_cast<int>(mesh_.size()); }
+
+  // Where things are in the vector of variables. k: interval, j: stage.
+  int x_at(int k, int j) const { return j < first_new_ ? node_at(k) : u_at(k, 2) + (j - first_new_) * kX; }
+  int u_at(int k, int end) const { return interval_at(k) + end * kU; }  // end 0: u_begin, 1: u_end
+  int node_at(int k) const { return k == 0 ? 0 : x_at(k - 1, stages_ - 1); }
+  int duration_at(int segment) const { return interval_at(intervals()) + segment; }
+  std::vector<double> durations(const In& z) const {
+    std::vector<double> d;
+    for (int s = 0; s < mesh_.segments(); ++s) d.push_back(z(duration_at(s)));
+    return d;
+  }
+
+  double objective(const In& z) const override {
+    double total = 0;
+    for (int s = 0; s < mesh_.segments(); ++s) total += ocp_.time_weight * z(duration_at(s));
+    for (int k = 0; k < intervals(); ++k) {
+      double sum = 0;
+      for (int j = 0; j < stages_; ++j) sum += scheme_.b(j) * values(z, k, j).cost;
+      total += step(z, k) * sum;
+    }
+    return total;
+  }
+
+  void gradient(const In& z, Out out) const override {
+    out.setZero();
+    for (int s = 0; s < mesh_.segments(); ++s) out(duration_at(s)) = ocp_.time_weight;
+    for (int k = 0; k < intervals(); ++k) {
+      const double h = step(z, k);
+      for (int j = 0; j < stages_; ++j) {
+        const auto p = derivatives<Dual<kV>>(z, k, j);
+        for (int i = 0; i < kV; ++i) {
+          spread(k, j, i, [&](int at, double share) { out(at) += share * h * scheme_.b(j) * p.cost.g[index(i)]; });
+        }
+        out(duration_of(k)) += fraction(k) * scheme_.b(j) * p.cost.v;
+      }
+    }
+  }
+
+  void constraint_values(const In& z, Out out) const override {
+    std::vector<PointValues> p(index(stages_));
+    for (int k = 0; k < intervals(); ++k) {
+      const double h = step(z, k);
+      for (int j = 0; j < stages_; ++j) p[index(j)] = values(z, k, j);
+      for (int i = first_new_; i < stages_; ++i) {
+        for (int r = 0; r < kX; ++r) {
+          double sum = 0;
+          for (int j = 0; j < stages_; ++j) sum += scheme_.A(i, j) * p[index(j)].f[index(r)];
+          out(defect_row(k, i, r)) = z(x_at(k, i) + r) - z(node_at(k) + r) - h * sum;
+        }
+      }
+      for (int j = 0; j < stages_; ++j) {
+        for (int c = 0; c < kC; ++c) {
+          if (path_row(k, j, c) >= 0) out(path_row(k, j, c)) = p[index(j)].rows[index(c)];
+        }
+      }
+    }
+    if (total_row_ >= 0) {
+      out(total_row_) = 0;
+      for (int s = 0; s < mesh_.segments(); ++s) out(total_row_) += z(duration_at(s));
+    }
+  }
+
+  void jacobian(const In& z, Out out) const override {
+    Eigen::Index next = 0;
+    std::vector<Point<Dual<kV>>> p(index(stages_));
+    for (int k = 0; k < intervals(); ++k) {
+      for (int j = 0; j < stages_; ++j) p[index(j)] = derivatives<Dual<kV>>(z, k, j);
+      walk_jacobian(k, step(z, k), p, [&](int, int, double value) { out(next++) = value; });
+    }
+    if (total_row_ >= 0) {
+      for (int s = 0; s < mesh_.segments(); ++s) out(next++) = 1;
+    }
+  }
+
+  void hessian(const In& z, double cost_factor, const In& multipliers, Out out) const override {
+    Eigen::Index next = 0;
+    for (int k = 0; k < intervals(); ++k) {
+      for (int j = 0; j < stages_; ++j) {
+        const auto p = derivatives<Dual2<kV>>(z, k, j);
+        walk_hessian(k, j, step(z, k), p, cost_factor, multipliers,
+                     [&](int, int, double value) { out(next++) = value; });
+      }
+    }
+  }
+
+  // The collocation polynomials of interval k in monomials of c, lowest degree first: y(c) = y_0 + h sum_j f_j int l_j,
+  // u(c) = sum_j u_j l_j.
+  Eigen::Matrix<double, kX, Eigen::Dynamic> state_polynomial(const In& z, int k) const {
+    Eigen::Matrix<double, kX, Eigen::Dynamic> y = Eigen::Matrix<double, kX, Eigen::Dynamic>::Zero(kX, stages_ + 1);
+    y.col(0) = z.template segment<kX>(node_at(k));
+    for (int j = 0; j < stages_; ++j) {
+      const PointValues p = values(z, k, j);
+      const Eigen::Map<const Eigen::Matrix<double, kX, 1>> f(p.f.data());
+      for (int d = 0; d < stages_; ++d) y.col(d + 1) += step(z, k) * scheme_.lagrange(j, d) / (d + 1) * f;
+    }
+    return y;
+  }
+  Eigen::Matrix<double, kU, 2> control_polynomial(const In& z, int k) const {
+    const auto begin = z.template segment<kU>(u_at(k, 0)), end = z.template segment<kU>(u_at(k, 1));
+    Eigen::Matrix<double, kU, 2> u;
+    u << begin, end - begin;
+    return u;
+  }
+
+ private:
+  template <class T>
+  struct Point {
+    std::array<T, static_cast<std::size_t>(kX)> f;
+    T cost{};
+    std::array<T, static_cast<std::size_t>(kC)> rows;
+  };
+  using PointValues = Point<double>;
+
+  static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+  int interval_at(int k) const { return kX + k * (2 * kU + (stages_ - first_new_) * kX); }
+  // Calls visit(variable, share) for the variables that input i of stage j, a state or a control, is made of.
+  template <class Visit>
+  void spread(int k, int j, int i, Visit&& visit) const {
+    if (i < kX) return visit(x_at(k, j) + i, 1.0);
+    for (int end = 0; end < 2; ++end) {
+      if (scheme_.control_share(j, end) != 0) visit(u_at(k, end) + i - kX, scheme_.control_share(j, end));
+    }
+  }
+  // The state and control that stage j sees.
+  Array<kV> stage_inputs(const In& z, int k, int j) const {
+    Array<kV> v = filled<kV>(0);
+    for (int i = 0; i < kV; ++i) spread(k, j, i, [&](int at, double share) { v[index(i)] += share * z(at); });
+    return v;
+  }
+  const auto& bounds_in(int k) const { return ocp_.bounds.size() == 1 ? ocp_.bounds[0] : ocp_.bounds[index(k)]; }
+  double fraction(int k) const { return mesh_.intervals[index(k)].fraction; }
+  int duration_of(int k) const { return duration_at(mesh_.intervals[index(k)].segment); }
+  double step(const In& z, int k) const { return fraction(k) * z(duration_of(k)); }
+  int defect_row(int k, int i, int r) const { return interval_row_[index(k)] + (i - first_new_) * kX + r; }
+  int path_row(int k, int j, int c) const { return path_rows_[index((k * stages_ + j) * kC + c)]; }
+
+  PointValues values(const In& z, int k, int j) const {
+    const Array<kV> v = stage_inputs(z, k, j);
+    PointValues p;
+    ocp_.template evaluate<double>(v.data(), v.data() + kX, p.f.data(), p.cost, p.rows.data());
+    return p;
+  }
+  template <class D>
+  Point<D> derivatives(const In& z, int k, int j) const {
+    const Array<kV> values = stage_inputs(z, k, j);
+    std::array<D, static_cast<std::size_t>(kV)> v;
+    for (int i = 0; i < kV; ++i) v[index(i)] = D::input(values[index(i)], i);
+    Point<D> p;
+    ocp_.template evaluate<D>(v.data(), v.data() + kX, p.f.data(), p.cost, p.rows.data());
+    return p;
+  }
+
+  // A row without a bound is left out; one that does not see the control is asked for once per state, and not at the
+  // start, which is given.
+  void number_rows() {
+    int next = 0;
+    for (int k = 0; k < intervals(); ++k) {
+      interval_row_.push_back(next);
+      next += (stages_ - first_new_) * kX;
+      for (int j = 0; j < stages_; ++j) {
+        for (int c = 0; c < kC; ++c) {
+          const bool bounded = bounds_in(k).row_lower[index(c)] > -std::numeric_limits<double>::infinity() ||
+                               bounds_in(k).row_upper[index(c)] < std::numeric_limits<double>::infinity();
+          const bool asked = bounded && (Ocp::kRowUsesControl[index(c)] || j >= first_new_);
+          path_rows_.push_back(asked ? next++ : -1);
+        }
+      }
+    }
+    total_row_ = mesh_.segments() > 1 ? next++ : -1;
+    rows_ = next;
+  }
+
+  void find_structure() {
+    std::array<Pattern<kV>, static_cast<std::size_t>(kV)> v;
+    for (int i = 0; i < kV; ++i) v[index(i)] = Pattern<kV>::input(1, i);
+    ocp_.template evaluate<Pattern<kV>>(v.data(), v.data() + kX, structure_.f.data(), structure_.cost,
+                                        structure_.rows.data());
+    for (int i = 0; i < kV; ++i) {
+      for (int j = 0; j <= i; ++j) {
+        bool curved = structure_.cost.curved_in(i, j);
+        for (const auto& f : structure_.f) curved = curved || f.curved_in(i, j);
+        for (const auto& row : structure_.rows) curved = curved || row.curved_in(i, j);
+        if (curved) curved_pairs_.push_back({i, j});
+      }
+    }
+  }
+
+  void set_bounds() {
+    const int n = duration_at(mesh_.segments());
+    x_lower = Eigen::VectorXd::Constant(n, -std::numeric_limits<double>::infinity());
+    x_upper = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
+    for (int k = 0; k < intervals(); ++k) {
+      const auto& bounds = bounds_in(k);
+      for (int j = 0; j < stages_; ++j) {
+        for (int i = 0; i < kV; ++i) {
+          spread(k, j, i, [&](int at, double) {  // a node belongs to two intervals: the tighter bound holds
+            x_lower(at) = std::max(x_lower(at), i < kX ? bounds.x_lower[index(i)] : bounds.u_lower[index(i - kX)]);
+            x_upper(at) = std::min(x_upper(at), i < kX ? bounds.x_upper[index(i)] : bounds.u_upper[index(i - kX)]);
+          });
+        }
+      }
+    }
+    for (const auto& bounds : ocp_.at_nodes) {
+      for (int r = 0; r < kX; ++r) {
+        double& lower = x_lower(node_at(static_cast<int>(bounds.node)) + r);
+        double& upper = x_upper(node_at(static_cast<int>(bounds.node)) + r);
+        const double low = bounds.lower[index(r)], high = bounds.upper[index(r)];
+        // A value that is given is meant exactly, whatever the back-off made of the general bound.
+        lower = low == high ? low : std::max(lower, low);
+        upper = low == high ? high : std::min(upper, high);
+      }
+    }
+    for (int s = 0; s < mesh_.segments(); ++s) {
+      x_lower(duration_at(s)) = ocp_.durations[index(s)][0];
+      x_upper(duration_at(s)) = ocp_.durations[index(s)][1];
+    }
+    g_lower = Eigen::VectorXd::Zero(rows_);
+    g_upper = Eigen::VectorXd::Zero(rows_);
+    for (int k = 0; k < intervals(); ++k) {
+      for (int j = 0; j < stages_; ++j) {
+        for (int c = 0; c < kC; ++c) {
+          if (path_row(k, j, c) < 0) continue;
+          g_lower(path_row(k, j, c)) = bounds_in(k).row_lower[index(c)];
+          g_upper(path_row(k, j, c)) = bounds_in(k).row_upper[index(c)];
+        }
+      }
+    }
+    if (total_row_ >= 0) {
+      g_lower(total_row_) = ocp_.total_duration[0];
+      g_upper(total_row_) = ocp_.total_duration[1];
+    }
+  }
+
+  void set_patterns() {
+    const std::vector<Point<Dual<kV>>> none(index(stages_));
+    for (int k = 0; k < intervals(); ++k) {
+      walk_jacobian(k, 0, none, [&](int row, int col, double) { jacobian_pattern.push_back({row, col}); });
+    }
+    if (total_row_ >= 0) {
+      for (int s = 0; s < mesh_.segments(); ++s) jacobian_pattern.push_back({total_row_, duration_at(s)});
+    }
+    const Point<Dual2<kV>> zero{};
+    const Eigen::VectorXd no_multipliers = Eigen::VectorXd::Zero(rows_);
+    for (int k = 0; k < intervals(); ++k) {
+      for (int j = 0; j < stages_; ++j) {
+        walk_hessian(k, j, 0, zero, 0, no_multipliers, [&](int row, int col, double) {
+          hessian_pattern.push_back({std::max(row, col), std::min(row, col)});
+        });
+      }
+    }
+  }
+
+  // The entries of interval k's rows, always in this order: the pattern and the values come from one walk.
+  template <class Emit>
+  void walk_jacobian(int k, double h, const std::vector<Point<Dual<kV>>>& p, Emit&& emit) const {
+    for (int i = first_new_; i < stages_; ++i) {
+      for (int r = 0; r < kX; ++r) {
+        const int row = defect_row(k, i, r);
+        const auto& depends = structure_.f[index(r)];
+        double rate = 0;
+        bool node_done = false;
+        for (int j = 0; j < stages_; ++j) {
+          const auto& f = p[index(j)].f[index(r)];
+          rate += scheme_.A(i, j) * f.v;
+          for (int c = 0; c < kV; ++c) {
+            const bool node_itself = j < first_new_ && c == r, stage_itself = j == i && c == r;
+            if (!depends.depends_on(c) && !node_itself && !stage_itself) continue;
+            const double own = node_itself ? -1 : stage_itself ? 1 : 0;
+            const double value = own - h * scheme_.A(i, j) * f.g[index(c)];
+            spread(k, j, c, [&](int at, double share) { emit(row, at, share * value); });
+          }
+          node_done = node_done || j < first_new_;
+        }
+        if (!node_done) emit(row, node_at(k) + r, -1);
+        emit(row, duration_of(k), -fraction(k) * rate);
+      }
+    }
+    for (int j = 0; j < stages_; ++j) {
+      for (int c = 0; c < kC; ++c) {
+        if (path_row(k, j, c) < 0) continue;
+        for (int i = 0; i < kV; ++i) {
+          if (structure_.rows[index(c)].depends_on(i)) {
+            const double value = p[index(j)].rows[index(c)].g[index(i)];
+            spread(k, j, i, [&](int at, double share) { emit(path_row(k, j, c), at, share * value); });
+          }
+        }
+      }
+    }
+  }
+
+  template <class Emit>
+  void walk_hessian(int k, int j, double h, const Point<Dual2<kV>>& p, double cost_factor, const In& multipliers,
+                    Emit&& emit) const {
+    Array<kX> weight = filled<kX>(0);  // of f_j in the Lagrangian, per unit of h
+    for (int i = first_new_; i < stages_; ++i) {
+      for (int r = 0; r < kX; ++r) weight[index(r)] -= scheme_.A(i, j) * multipliers(defect_row(k, i, r));
+    }
+    const double cost_weight = cost_factor * scheme_.b(j);
+    Eigen::Matrix<double, Dual2<kV>::kHessian, 1> block;
+    block.setZero();
+    const auto accumulate = [&block](double w, const Dual2<kV>& d) {
+      if (w == 0) return;
+      for (Eigen::Index e = 0; e < block.size(); ++e) block(e) += w * d.h[static_cast<std::size_t>(e)];
+    };
+    accumulate(h * cost_weight, p.cost);
+    for (int r = 0; r < kX; ++r) accumulate(h * weight[index(r)], p.f[index(r)]);
+    for (int c = 0; c < kC; ++c) {
+      if (path_row(k, j, c) >= 0) accumulate(multipliers(path_row(k, j, c)), p.rows[index(c)]);
+    }
+    for (const auto& [a, b] : curved_pairs_) {
+      const double value = block(a * (a + 1) / 2 + b);
+      const bool diagonal = a == b;
+      spread(k, j, a, [&, second = b](int row, double row_share) {
+        spread(k, j, second, [&](int col, double col_share) {
+          // (a, a) spread over u_begin and u_end has two equal off-diagonal entries: the lower triangle holds one.
+          if (!diagonal || col <= row) emit(row, col, row_share * col_share * value);
+        });
+      });
+    }
+    for (int i = 0; i < kV; ++i) {
+      double cross = cost_weight * p.cost.g[index(i)];
+      bool present = structure_.cost.depends_on(i);
+      for (int r = 0; r < kX; ++r) {
+        cross += weight[index(r)] * p.f[index(r)].g[index(i)];
+        present = present || structure_.f[index(r)].depends_on(i);
+      }
+      if (!present) continue;
+      spread(k, j, i, [&](int at, double share) { emit(duration_of(k), at, share * fraction(k) * cross); });
+    }
+  }
+
+  Ocp ocp_;
+  Scheme scheme_;
+  Mesh mesh_;
+  int stages_ = 0, first_new_ = 0, rows_ = 0, total_row_ = -1;
+  std::vector<int> interval_row_, path_rows_;
+  Point<Pattern<kV>> structure_;
+  std::vector<std::pair<int, int>> curved_pairs_;
+};
+
+}  // namespace fjr

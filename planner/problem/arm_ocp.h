@@ -1,0 +1,114 @@
+// The arm's optimal control problem: the place for objectives and for path constraints.
+//
+// The control is the friction-compensated torque u = tau_m - tau_fm_nonlinear(dtheta), eq. (26): the dynamics are
+// smooth in it, and the friction law appears only in the output tau_m = u + tau_fm_nonlinear(dtheta), that is in the
+// torque limit and in the effort. There the law may be a smoothed one during continuation.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "model/dynamics.h"
+#include "model/kinematics.h"
+#include "planner/collocation/transcription.h"
+#include "planner/problem/problem.h"
+
+namespace fjr {
+
+// kRateControlled: u is a state and its rate the control, so that u is continuous and its rate may be limited and
+// penalised. Otherwise u is the control and may jump.
+template <bool kRateControlled>
+struct ArmOcp {
+  static constexpr int kArm = fjr::kStates;
+  static constexpr int kStates = kArm + (kRateControlled ? kJoints : 0);
+  static constexpr int kControls = kJoints;
+  enum Row { kTorque1, kTorque2, kDeflection1, kDeflection2, kTipSpeedSquared, kRowCount };
+  static constexpr int kRows = kRowCount;
+  static constexpr std::array<bool, kRows> kRowUsesControl{!kRateControlled, !kRateControlled, false, false, false};
+  static constexpr double kRateUnit = 100;  // [N m/s] per unit of control: keeps the controls near the states' size
+
+  Parameters robot;
+  Weights weights;
+  Pair<FrictionLaw> friction;  // in the torque limit and the effort
+
+  using Bounds = PathBounds<kStates, kControls, kRows>;
+  std::vector<Bounds> bounds;
+  std::vector<NodeBounds<kStates>> at_nodes;
+  std::vector<std::array<double, 2>> durations;
+  std::array<double, 2> total_duration{};
+  double time_weight = 0;
+  double regularisation = 0;  // weight of int u^2, not part of the reported objective: see make_arm_ocp()
+
+  template <class T>
+  void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const {
+    const auto state = State<T>::from(x);
+    const Pair<T> compensated = kRateControlled ? Pair<T>{x[kArm], x[kArm + 1]} : Pair<T>{u[0], u[1]};
+    const State<T> rate = compensated_dynamics(robot, state, compensated);
+    for (int i = 0; i < kArm; ++i) f[i] = rate.data()[i];
+    if constexpr (kRateControlled) {
+      for (int j = 0; j < kJoints; ++j) f[kArm + j] = kRateUnit * u[j];
+    }
+
+    Pair<T> torque;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      torque[j] = compensated[j] + friction[j].nonlinear(state.dtheta[j]);
+      rows[kTorque1 + j] = torque[j];
+      rows[kDeflection1 + j] = state.theta[j] - state.q[j];
+    }
+    rows[kTipSpeedSquared] = tip_speed_squared(robot, state.q[1], state.dq);
+
+    cost = T(0.0);
+    if (weights.effort > 0) cost += weights.effort * (torque[0] * torque[0] + torque[1] * torque[1]);
+    if (weights.link_acceleration > 0) {
+      cost += weights.link_acceleration * (rate.dq[0] * rate.dq[0] + rate.dq[1] * rate.dq[1]);
+    }
+    if (regularisation > 0)
+      cost += regularisation * (compensated[0] * compensated[0] + compensated[1] * compensated[1]);
+    if constexpr (kRateControlled) {
+      cost += weights.torque_rate * kRateUnit * kRateUnit * (u[0] * u[0] + u[1] * u[1]);
+    }
+  }
+};
+
+// Weight of the trace of effort in a minimum-time problem, as a share of the time weight: bounds what it can cost in
+// time.
+inline constexpr double kRegularisation = 1e-4;
+
+// The limits as bounds on states, controls and rows.
+template <bool kRateControlled>
+typename ArmOcp<kRateControlled>::Bounds path_bounds(const Limits& limits) {
+  using Ocp = ArmOcp<kRateControlled>;
+  typename Ocp::Bounds b;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    b.x_upper[j] = limits.link_position[j];
+    b.x_upper[6 + j] = limits.motor_velocity[j];
+    b.row_upper[Ocp::kTorque1 + j] = limits.torque[j];
+    b.row_upper[Ocp::kDeflection1 + j] = limits.spring_deflection[j];
+    if (kRateControlled) b.u_upper[j] = limits.torque_rate[j] / Ocp::kRateUnit;
+  }
+  for (std::size_t i = 0; i < b.x_upper.size(); ++i) b.x_lower[i] = -b.x_upper[i];
+  for (std::size_t i = 0; i < b.u_upper.size(); ++i) b.u_lower[i] = -b.u_upper[i];
+  for (std::size_t i = 0; i < b.row_upper.size(); ++i) b.row_lower[i] = -b.row_upper[i];
+  b.row_upper[Ocp::kTipSpeedSquared] = limits.tip_speed * limits.tip_speed;
+  b.row_lower[Ocp::kTipSpeedSquared] = -kNoLimit;
+  return b;
+}
+
+// The problem's plant and objective; bounds, nodes and segments depend on the mesh and are left empty.
+template <bool kRateControlled>
+ArmOcp<kRateControlled> make_arm_ocp(const Problem& problem) {
+  ArmOcp<kRateControlled> ocp;
+  ocp.robot = problem.robot;
+  ocp.weights = problem.weights;
+  ocp.time_weight = problem.weights.time;
+  for (int j = 0; j < kJoints; ++j) ocp.friction[static_cast<std::size_t>(j)] = FrictionLaw::of(problem.robot, j);
+  // Minimum time leaves the torque of the joint that does not decide the time, and along velocity limits, undetermined:
+  // the optimiser then fills it with chatter that samples cannot carry. A trace of effort picks the calm one.
+  if (problem.weights.effort == 0) {
+    const Pair<double>& limit = problem.limits.torque;
+    ocp.regularisation = kRegularisation * problem.weights.time / (limit[0] * limit[0] + limit[1] * limit[1]);
+  }
+  return ocp;
+}
+
+}  // namespace fjr

@@ -1,0 +1,478 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string_view>
+#include <utility>
+
+#include "model/flatness.h"
+#include "model/input_error.h"
+#include "model/kinematics.h"
+#include "model/sha256.h"
+#include "model/strict_yaml.h"
+#include "planner/problem/problem.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+
+Limits Limits::of(const Parameters& p) {
+  Limits limits;
+  limits.torque = p.limits.torque;
+  limits.motor_velocity = p.limits.motor_velocity;
+  limits.link_position = p.limits.link_position;
+  limits.spring_deflection = p.limits.spring_deflection;
+  return limits;
+}
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kShortestDuration = 0.02, kLongestDuration = 20;   // [s]
+constexpr double kShortestPeriod = 0.0005, kLongestPeriod = 0.005;  // [s]
+constexpr double kViaSpacing = 1e-3;                                // [s] between vias, and from both ends
+constexpr std::size_t kMaxVias = 32;
+constexpr double kLargestWeight = 1e9;
+constexpr double kSameAngle = 1e-9;  // [rad] below this two given angles mean the same; 1e-5 of an encoder count
+constexpr double kLargestLinkVelocity = 100;  // [rad/s] several times what motors and springs together can reach
+constexpr std::string_view kLater = "not supported by this version";
+
+// visit(name, unit, limit) for the limits that are a pair.
+template <class L, class Visit>
+void visit_pair_limits(L& limits, Visit&& visit) {
+  visit("torque", "N m", limits.torque);
+  visit("motor_velocity", "rad/s", limits.motor_velocity);
+  visit("link_position", "rad", limits.link_position);
+  visit("spring_deflection", "rad", limits.spring_deflection);
+  visit("torque_rate", "N m/s", limits.torque_rate);
+}
+
+// ---- keys ----
+
+void refuse_later_keys(const YamlNode& node, const std::vector<std::string_view>& keys, std::string_view instead = "") {
+  for (const std::string_view key : keys) {
+    if (const auto found = node.find(key)) found->fail(fmt::format("{}{}", kLater, instead));
+  }
+}
+
+void check_root_keys(const YamlNode& root) {
+  root.allow_keys({"robot", "start", "goal", "duration", "objective", "via", "obstacles", "tip", "limits",
+                   "sample_period", "seed", "payload"});
+  refuse_later_keys(root, {"obstacles", "tip", "payload"});
+}
+
+// ---- robot, limits ----
+
+Parameters read_robot(const YamlNode& root, const fs::path& folder, const fs::path& default_robot) {
+  const auto given = root.find("robot");
+  if (!given) return load_parameters(default_robot);
+  const fs::path file = folder / given->text();  // an absolute path stays as it is
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) given->fail(fmt::format("no such file: {}", shown(file.string())));
+  return load_parameters(file);
+}
+
+double tightened(const YamlNode& node, double wanted, double robots, std::string_view unit) {
+  if (!(wanted > 0)) node.fail(fmt::format("{} must be > 0", with_unit(wanted, unit)));
+  if (wanted > robots) {
+    node.fail(fmt::format("{} is above the robot's {} (limits may only tighten)", with_unit(wanted, unit),
+                          with_unit(robots, unit)));
+  }
+  return wanted;
+}
+
+Limits read_limits(const YamlNode& root, const Parameters& robot) {
+  Limits limits = Limits::of(robot);
+  const auto given = root.find("limits");
+  if (!given) return limits;
+  given->allow_keys({"torque", "motor_velocity", "link_position", "spring_deflection", "torque_rate", "tip_speed"});
+  visit_pair_limits(limits, [&](std::string_view name, std::string_view unit, Pair<double>& limit) {
+    const auto pair = given->find(name);
+    if (!pair) return;
+    const Pair<double> wanted = pair->pair(unit);
+    const std::vector<YamlNode> items = pair->items();
+    for (std::size_t j = 0; j < kJoints; ++j) limit[j] = tightened(items[j], wanted[j], limit[j], unit);
+  });
+  if (const auto speed = given->find("tip_speed")) {
+    limits.tip_speed = tightened(*speed, speed->number("m/s"), limits.tip_speed, "m/s");
+  }
+  return limits;
+}
+
+// ---- duration, objective, sampling ----
+
+double read_seconds(const YamlNode& node) {
+  const double seconds = node.number("s");
+  if (seconds < kShortestDuration || seconds > kLongestDuration) {
+    node.fail(fmt::format("{} s is outside [{}, {}]", seconds, kShortestDuration, kLongestDuration));
+  }
+  return seconds;
+}
+
+Duration read_duration(const YamlNode& root) {
+  Duration duration{kShortestDuration, kLongestDuration};
+  const auto given = root.find("duration");
+  if (!given || given->says("free")) return duration;
+  if (given->is_scalar()) {
+    duration.min = duration.max = read_seconds(*given);
+    return duration;
+  }
+  if (!given->is_map()) given->fail("must be a number of seconds, free, or {min, max}");
+  given->allow_keys({"min", "max"});
+  if (const auto min = given->find("min")) duration.min = read_seconds(*min);
+  if (const auto max = given->find("max")) duration.max = read_seconds(*max);
+  if (duration.min > duration.max) {
+    given->fail(fmt::format("min {} s is above max {} s", duration.min, duration.max));
+  }
+  return duration;
+}
+
+Weights read_preset(const YamlNode& node, const Duration& duration) {
+  const double time = duration.fixed() ? 0 : 1;
+  if (node.says("fastest")) {
+    if (duration.fixed()) {
+      node.fail(
+          "fastest has nothing to choose when the duration is fixed; make it free, or choose gentle or efficient");
+    }
+    return {.time = 1};
+  }
+  if (node.says("gentle")) return {.time = time, .effort = 0.01, .link_acceleration = 1e-3};
+  if (node.says("efficient")) return {.time = time, .effort = 1};
+  node.fail(shown(node.text()) +
+            " is not a preset (fastest, gentle, efficient); weights are given as {effort: 1, ...}");
+}
+
+Weights read_weight_map(const YamlNode& node) {
+  Weights weights;
+  std::vector<std::string_view> names;
+  visit_weights(weights, [&](std::string_view name, double&) { names.push_back(name); });
+  refuse_later_keys(node, {"link_jerk", "energy"}, fmt::format("; terms: {}", fmt::join(names, ", ")));
+  node.allow_keys(names);
+  double sum = 0;
+  visit_weights(weights, [&](std::string_view name, double& weight) {
+    const auto given = node.find(name);
+    if (!given) return;
+    weight = given->number("1");
+    if (weight < 0 || weight > kLargestWeight)
+      given->fail(fmt::format("{} is outside [0, {:g}]", weight, kLargestWeight));
+    sum += weight;
+  });
+  if (!(sum > 0)) node.fail("at least one weight must be > 0");
+  return weights;
+}
+
+Weights read_weights(const YamlNode& root, const Duration& duration) {
+  const auto given = root.find("objective");
+  if (!given) return duration.fixed() ? Weights{.effort = 0.01, .link_acceleration = 1e-3} : Weights{.time = 1};
+  if (given->is_scalar()) return read_preset(*given, duration);
+  if (!given->is_map()) given->fail("must be a preset (fastest, gentle, efficient) or weights {effort: 1, ...}");
+  const Weights weights = read_weight_map(*given);
+  if (!duration.fixed() && !(weights.time > 0)) {
+    given->fail("a duration that is not fixed needs a time weight; add time: 1, or fix the duration");
+  }
+  if (duration.fixed() && weights.effort + weights.torque_rate + weights.link_acceleration <= 0) {
+    given->fail("time alone has nothing to choose when the duration is fixed; add another weight, such as effort: 1");
+  }
+  return weights;
+}
+
+double read_sample_period(const YamlNode& root, const Duration& duration) {
+  const auto given = root.find("sample_period");
+  const double period = given ? given->number("s") : Problem{}.sample_period;
+  if (period < kShortestPeriod || period > kLongestPeriod) {
+    given->fail(fmt::format("{} s is outside [{}, {}]", period, kShortestPeriod, kLongestPeriod));
+  }
+  // The small amount keeps a duration of 3 periods, 0.003 / 0.001 > 3 in floating point, from counting as 4.
+  const double rows = std::ceil(duration.min / period - 1e-9) + 1;
+  if (rows > static_cast<double>(kMaxRows)) {
+    throw InputError(root.source(), "sample_period",
+                     fmt::format("{} s at {} s a row are {} rows, above the {} a trajectory may have; lengthen "
+                                 "sample_period",
+                                 duration.min, period, rows, kMaxRows));
+  }
+  return period;
+}
+
+// ---- start, goal, via ----
+
+void refuse_free_joints(const YamlNode& q) {
+  if (!q.is_list()) return;
+  const std::vector<YamlNode> items = q.items();
+  for (const YamlNode& item : items) {
+    if (item.says("free")) item.fail(fmt::format("a free joint is {}; give both angles", kLater));
+  }
+}
+
+Pair<double> read_q(const YamlNode& node, const Limits& limits) {
+  const YamlNode list = node.at("q");
+  refuse_free_joints(list);
+  const Pair<double> q = list.pair("rad");
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double limit = limits.link_position[j];
+    if (std::abs(q[j]) > limit) list.fail_at(j, fmt::format("{} rad is outside [{}, {}]", q[j], -limit, limit));
+  }
+  return q;
+}
+
+std::optional<Pair<double>> read_optional(const YamlNode& node, std::string_view key, std::string_view unit) {
+  const auto given = node.find(key);
+  if (!given) return std::nullopt;
+  return given->pair(unit);
+}
+
+// The robot has no limit on link velocities; this one only keeps the absurd from reaching the arithmetic.
+std::optional<Pair<double>> read_dq(const YamlNode& node) {
+  const auto dq = read_optional(node, "dq", "rad/s");
+  for (std::size_t j = 0; dq && j < kJoints; ++j) {
+    if (std::abs((*dq)[j]) > kLargestLinkVelocity) {
+      node.at("dq").fail_at(
+          j, fmt::format("{} rad/s is outside [{}, {}]", (*dq)[j], -kLargestLinkVelocity, kLargestLinkVelocity));
+    }
+  }
+  return dq;
+}
+
+bool is_zero(const Pair<double>& v) { return v[0] == 0 && v[1] == 0; }
+
+bool same_angles(const Pair<double>& a, const Pair<double>& b) {
+  return std::abs(a[0] - b[0]) <= kSameAngle && std::abs(a[1] - b[1]) <= kSameAngle;
+}
+
+// The first of `keys` that was given: what to name when something derived from it is wrong.
+YamlNode given_among(const YamlNode& node, const std::vector<std::string_view>& keys) {
+  for (const std::string_view key : keys) {
+    if (const auto found = node.find(key)) return *found;
+  }
+  return node;
+}
+
+void check_tip_speed(const YamlNode& node, const Problem& problem, const Pair<double>& q, const Pair<double>& dq) {
+  const double speed = std::sqrt(std::max(0.0, tip_speed_squared(problem.robot, q[1], dq)));
+  if (!(speed <= problem.limits.tip_speed)) {
+    given_among(node, {"dq"})
+        .fail(fmt::format("moves the tip at {:.6g} m/s, above the limit of {} m/s", speed, problem.limits.tip_speed));
+  }
+}
+
+void check_deflection(const YamlNode& node, const Problem& problem, const Pair<double>& q, const Pair<double>& theta) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double deflection = std::abs(theta[j] - q[j]), limit = problem.limits.spring_deflection[j];
+    if (!(deflection <= limit)) {
+      given_among(node, {"theta", "dq", "q"})
+          .fail(fmt::format("joint {}: the spring would be deflected by {:.6g} rad, above the limit of {} rad", j + 1,
+                            deflection, limit));
+    }
+  }
+}
+
+void check_motor_velocity(const YamlNode& node, const Problem& problem, const Pair<double>& dtheta) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double speed = std::abs(dtheta[j]), limit = problem.limits.motor_velocity[j];
+    if (!(speed <= limit)) {
+      given_among(node, {"dtheta", "dq", "q"})
+          .fail(fmt::format("joint {}: the motor would turn at {:.6g} rad/s, above the limit of {} rad/s", j + 1, speed,
+                            limit));
+    }
+  }
+}
+
+// Resting at q needs G(q) from the motors, without end.
+void check_holding(const YamlNode& node, const Problem& problem, const Pair<double>& q) {
+  const Pair<double> gravity = gravity_torque(problem.robot, q);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double torque = std::abs(gravity[j]), limit = problem.limits.torque[j];
+    if (!(torque <= limit)) {
+      node.at("q").fail(fmt::format("joint {}: holding still here takes {:.6g} N m, above the limit of {} N m", j + 1,
+                                    torque, limit));
+    }
+  }
+}
+
+void read_start(const YamlNode& node, Problem& problem) {
+  node.allow_keys({"q", "dq", "theta", "dtheta"});
+  const Pair<double> q = read_q(node, problem.limits);
+  const Pair<double> dq = read_dq(node).value_or(Pair<double>{});
+  const State<double> rest = rest_at(problem.robot, q);
+  // At rest flatness gives the same but for rounding, and rest should be rest exactly.
+  State<double> start = is_zero(dq) ? rest : from_link_motion(problem.robot, {.q = q, .dq = dq}).state;
+  if (const auto theta = read_optional(node, "theta", "rad")) start.theta = *theta;
+  if (const auto dtheta = read_optional(node, "dtheta", "rad/s")) start.dtheta = *dtheta;
+  problem.start = start;
+  problem.start_at_rest = is_zero(start.dq) && is_zero(start.dtheta) && same_angles(start.theta, rest.theta);
+  check_tip_speed(node, problem, q, start.dq);
+  check_deflection(node, problem, q, start.theta);
+  check_motor_velocity(node, problem, start.dtheta);
+  if (problem.start_at_rest) check_holding(node, problem, q);
+}
+
+// What the goal asks of the motors; nothing given with a moving goal leaves them free.
+void resolve_goal_motors(const YamlNode& node, const Problem& problem, Goal& goal) {
+  goal.theta = read_optional(node, "theta", "rad");
+  goal.dtheta = read_optional(node, "dtheta", "rad/s");
+  const State<double> rest = rest_at(problem.robot, goal.q);
+  const bool plain_stop = is_zero(goal.dq) && !goal.theta && !goal.dtheta;
+  const bool spelled_out =
+      is_zero(goal.dq) && goal.theta && goal.dtheta && is_zero(*goal.dtheta) && same_angles(*goal.theta, rest.theta);
+  goal.at_rest = plain_stop || spelled_out;
+  if (!goal.at_rest) return;
+  goal.theta = rest.theta;
+  goal.dtheta = rest.dtheta;
+}
+
+void read_goal(const YamlNode& node, Problem& problem) {
+  node.allow_keys({"q", "dq", "theta", "dtheta", "tip", "elbow", "tip_velocity"});
+  refuse_later_keys(node, {"tip", "elbow", "tip_velocity"}, "; give goal.q");
+  Goal& goal = problem.goal;
+  goal.q = read_q(node, problem.limits);
+  const auto dq = read_dq(node);
+  if (!dq) {
+    for (const std::string_view key : {"theta", "dtheta"}) {
+      if (const auto given = node.find(key)) {
+        given->fail("needs goal.dq beside it; without goal.dq the arm ends at rest and the motors with it");
+      }
+    }
+  }
+  goal.dq = dq.value_or(Pair<double>{});
+  resolve_goal_motors(node, problem, goal);
+  check_tip_speed(node, problem, goal.q, goal.dq);
+  if (goal.theta) check_deflection(node, problem, goal.q, *goal.theta);
+  if (goal.dtheta) check_motor_velocity(node, problem, *goal.dtheta);
+  if (goal.at_rest) check_holding(node, problem, goal.q);
+}
+
+double read_via_time(const YamlNode& node, double after, double duration) {
+  const auto given = node.find("time");
+  if (!given) {
+    throw InputError(node.source(), node.field() + ".time",
+                     fmt::format("a free via time is {}; give the time", kLater));
+  }
+  const double time = given->number("s");
+  const double spacing = kViaSpacing * (1 - 1e-9);  // so that 0.301 counts as 0.001 after 0.3
+  if (time - after < spacing || duration - time < spacing) {
+    given->fail(fmt::format("{} s must lie between {} s and {} s, at least {} s from both", time, after, duration,
+                            kViaSpacing));
+  }
+  return time;
+}
+
+Via read_via(const YamlNode& node, const Problem& problem) {
+  node.allow_keys({"time", "q", "dq"});
+  const double after = problem.via.empty() ? 0 : problem.via.back().time;
+  Via via;
+  via.time = read_via_time(node, after, problem.duration.max);
+  via.q = read_q(node, problem.limits);
+  via.dq = read_dq(node);
+  if (via.dq) check_tip_speed(node, problem, via.q, *via.dq);
+  return via;
+}
+
+void read_vias(const YamlNode& root, Problem& problem) {
+  const auto given = root.find("via");
+  if (!given) return;
+  const std::vector<YamlNode> items = given->items();
+  if (items.size() > kMaxVias) given->fail(fmt::format("{} points, above the {} allowed", items.size(), kMaxVias));
+  if (!items.empty() && !problem.duration.fixed()) {
+    given->fail(fmt::format("via points without a fixed duration are {}; give duration as a number", kLater));
+  }
+  for (const YamlNode& item : items) problem.via.push_back(read_via(item, problem));
+}
+
+// With a fixed duration, staying where one is can be meant; otherwise it takes no time at all.
+void refuse_empty_motion(const YamlNode& root, const Problem& problem) {
+  if (problem.duration.fixed() || !problem.start_at_rest || !problem.goal.at_rest) return;
+  if (same_angles(problem.start.q, problem.goal.q)) {
+    root.at("goal").fail("start and goal are the same state; nothing to plan");
+  }
+}
+
+// ---- hash ----
+
+// "name=value" lines of everything that decides the plan.
+class HashLines {
+ public:
+  void add(const std::string& name, double value) {
+    lines_.push_back(fmt::format("{}={:.17g}\n", name, value + 0.0));  // -0 is 0
+  }
+  void add(const std::string& name, const Pair<double>& pair) {
+    for (std::size_t j = 0; j < kJoints; ++j) add(fmt::format("{}[{}]", name, j), pair[j]);
+  }
+  void add(const std::string& name, const std::optional<Pair<double>>& pair) {
+    pair ? add(name, *pair) : add_text(name, "free");
+  }
+  void add_text(const std::string& name, std::string_view text) {
+    lines_.push_back(fmt::format("{}={}\n", name, text));
+  }
+
+  std::string hash() {
+    std::sort(lines_.begin(), lines_.end());
+    return sha256_hex(fmt::format("{}", fmt::join(lines_, "")));
+  }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+void add_states(HashLines& lines, const Problem& problem) {
+  lines.add("start.q", problem.start.q);
+  lines.add("start.dq", problem.start.dq);
+  lines.add("start.theta", problem.start.theta);
+  lines.add("start.dtheta", problem.start.dtheta);
+  lines.add("goal.q", problem.goal.q);
+  lines.add("goal.dq", problem.goal.dq);
+  lines.add("goal.theta", problem.goal.theta);
+  lines.add("goal.dtheta", problem.goal.dtheta);
+  for (std::size_t i = 0; i < problem.via.size(); ++i) {
+    lines.add(fmt::format("via[{}].time", i), problem.via[i].time);
+    lines.add(fmt::format("via[{}].q", i), problem.via[i].q);
+    lines.add(fmt::format("via[{}].dq", i), problem.via[i].dq);
+  }
+}
+
+std::string request_hash(const Problem& problem) {
+  HashLines lines;
+  lines.add_text("robot_hash", robot_hash(problem.robot));
+  add_states(lines, problem);
+  visit_pair_limits(problem.limits, [&](std::string_view name, std::string_view, const Pair<double>& limit) {
+    lines.add(fmt::format("limits.{}", name), limit);
+  });
+  lines.add("limits.tip_speed", problem.limits.tip_speed);
+  lines.add("duration.min", problem.duration.min);
+  lines.add("duration.max", problem.duration.max);
+  visit_weights(problem.weights,
+                [&](std::string_view name, double weight) { lines.add(fmt::format("objective.{}", name), weight); });
+  lines.add("sample_period", problem.sample_period);
+  lines.add_text("seed", std::to_string(problem.seed));
+  return lines.hash();
+}
+
+Problem resolve(const YamlNode& root, const fs::path& folder, const fs::path& default_robot) {
+  check_root_keys(root);
+  Problem problem;
+  problem.name = fs::path(root.source()).stem().string();
+  problem.robot = read_robot(root, folder, default_robot);
+  problem.limits = read_limits(root, problem.robot);
+  problem.duration = read_duration(root);
+  problem.weights = read_weights(root, problem.duration);
+  problem.sample_period = read_sample_period(root, problem.duration);
+  if (const auto seed = root.find("seed")) problem.seed = seed->whole_number();
+  read_start(root.at("start"), problem);
+  read_goal(root.at("goal"), problem);
+  read_vias(root, problem);
+  refuse_empty_motion(root, problem);
+  problem.request_hash = request_hash(problem);
+  return problem;
+}
+
+}  // namespace
+
+Problem load_request(const fs::path& file, const fs::path& default_robot) {
+  return resolve(YamlNode::load(file), file.parent_path(), default_robot);
+}
+
+Problem parse_request(const std::string& yaml, const std::string& source, const fs::path& folder,
+                      const fs::path& default_robot) {
+  return resolve(YamlNode::parse(yaml, source), folder, default_robot);
+}
+
+}  // namespace fjr

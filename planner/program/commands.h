@@ -1,0 +1,21 @@
+// The subcommands. A new one is one file with an add_... function, named twice here.
+#pragma once
+
+#include <array>
+
+namespace CLI {
+class App;
+}
+
+namespace fjr {
+
+// Adds the subcommand to `app`. When the command line selects it, it runs during parsing and leaves its exit code;
+// InputError and unexpected exceptions are left to main().
+using AddCommand = void (*)(CLI::App& app, int& exit_code);
+
+void add_plan(CLI::App& app, int& exit_code);
+void add_verify(CLI::App& app, int& exit_code);
+
+inline constexpr std::array<AddCommand, 2> kCommands = {add_plan, add_verify};  // in the order of --help
+
+}  // namespace fjr

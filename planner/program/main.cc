@@ -1,0 +1,61 @@
+// fjr: the command line.
+#include <dlfcn.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <exception>
+#include <stdexcept>
+#include <string>
+
+#include "model/input_error.h"
+#include "planner/program/commands.h"
+
+namespace {
+
+constexpr const char* kFooter =
+    "Exit codes: 0 certified, 2 bad input, 3 infeasible or not converged, 4 certificate failed,\n"
+    "            5 deadline or cancelled, 1 anything else; of several plans the largest.";
+
+// Plans are reproducible to the last bit, and not slowed down by idle BLAS threads, only with one thread. The BLAS is
+// whatever the system has linked Ipopt to; a threaded OpenBLAS has read its environment before main() starts, so it is
+// asked through its own function, which other libraries do not have.
+void hold_blas_to_one_thread() {
+  void* const function = dlsym(RTLD_DEFAULT, "openblas_set_num_threads");
+  if (function != nullptr) reinterpret_cast<void (*)(int)>(function)(1);
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("fjr: certified trajectories for flexible-joint robots", "fjr");
+  app.set_version_flag("--version", FJR_VERSION);
+  app.require_subcommand(1);
+  app.footer(kFooter);
+  int exit_code = 0;
+  for (const fjr::AddCommand add : fjr::kCommands) add(app, exit_code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {  // --help and --version arrive here too, with code 0
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  if (std::fflush(stdout) != 0) throw std::runtime_error("cannot write to stdout");
+  return exit_code;
+}
+
+int complain(const std::string& problem, int exit_code) {
+  std::fprintf(stderr, "fjr: %s\n", problem.c_str());
+  return exit_code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  hold_blas_to_one_thread();
+  try {
+    return run(argc, argv);
+  } catch (const fjr::InputError& error) {
+    return complain(error.what(), 2);
+  } catch (const std::exception& error) {
+    return complain(error.what(), 1);
+  } catch (...) {
+    return complain("unexpected error", 1);
+  }
+}

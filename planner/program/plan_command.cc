@@ -1,0 +1,189 @@
+// fjr plan: requests to certified trajectories.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <set>
+#include <string>
+#include <system_error>
+#include <vector>
+
+#include "model/input_error.h"
+#include "planner/plan.h"
+#include "planner/program/commands.h"
+#include "planner/program/interrupt.h"
+#include "planner/program/progress_line.h"
+#include "planner/program/summary.h"
+#include "planner/trajectory/atomic_file.h"
+#include "planner/trajectory/plan_json.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::vector<std::string> requests;
+  std::string out;
+  bool json = false;
+  bool keep_uncertified = false;
+  PlanOptions plan;
+};
+
+struct Job {
+  fs::path request;
+  fs::path folder;                 // of its results
+  std::optional<Problem> problem;  // none: refused
+  std::string refusal;
+
+  std::string name() const { return request.stem().string(); }
+};
+
+struct Outcome {
+  PlanStatus status;
+  nlohmann::ordered_json json;
+  std::string summary;  // for people; empty for a refusal, which went to stderr
+};
+
+std::vector<Job> jobs_of(const Options& options) {
+  std::vector<Job> jobs;
+  std::set<std::string> names;
+  for (const std::string& request : options.requests) {
+    Job job{.request = request, .folder = options.out, .problem = {}, .refusal = {}};
+    const std::string name = job.name();
+    if (name.empty() || name == "." || name == "..") throw InputError("'" + request + "'", "", "is not a request file");
+    if (!names.insert(name).second) {
+      throw InputError(request, "", "two requests named '" + name + "' would write the same files");
+    }
+    if (options.requests.size() > 1) job.folder /= name;
+    jobs.push_back(std::move(job));
+  }
+  return jobs;
+}
+
+// Results of an earlier run must not be taken for this one's, whatever becomes of it.
+void prepare_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", folder.string(), error.message()));
+  for (const char* file : {"plan.json", "trajectory.csv", "trajectory.uncertified.csv"}) {
+    fs::remove(folder / file, error);
+    if (error) {
+      throw InputError("--out", "", fmt::format("cannot remove {}: {}", (folder / file).string(), error.message()));
+    }
+  }
+}
+
+void load(Job& job) {
+  try {
+    job.problem = load_request(job.request, default_robot_file());
+  } catch (const InputError& error) {
+    job.refusal = error.what();
+  }
+}
+
+void complain(const std::string& problem) { fmt::print(stderr, "fjr: {}\n", problem); }
+
+// So that a trajectory file says by itself what it is for.
+void describe(Trajectory& trajectory, const Problem& problem, PlanStatus status) {
+  trajectory.metadata["request"] = problem.name;
+  trajectory.metadata["request_hash"] = problem.request_hash;
+  trajectory.metadata["robot_hash"] = robot_hash(problem.robot);
+  trajectory.metadata["status"] = name(status);
+  trajectory.metadata["version"] = FJR_VERSION;
+}
+
+// Returns what was written, for people.
+std::string write_trajectory(const Job& job, const Options& options, Plan& plan) {
+  const bool certified = plan.status == PlanStatus::kCertified;
+  if (!plan.trajectory || (!certified && !options.keep_uncertified)) return "";
+  const fs::path file = job.folder / (certified ? "trajectory.csv" : "trajectory.uncertified.csv");
+  describe(*plan.trajectory, *job.problem, plan.status);
+  write_csv(*plan.trajectory, file);
+  return file.string() + ", ";
+}
+
+Outcome refuse(const Job& job) {
+  Outcome outcome{PlanStatus::kBadInput, bad_input_json(job.name(), job.refusal), ""};
+  write_file(job.folder / "plan.json", json_text(outcome.json));
+  return outcome;
+}
+
+Plan solve(const Job& job, const Options& options) {
+  ProgressLine line(job.name());
+  PlanOptions plan_options = options.plan;
+  plan_options.on_progress = [&line](const Progress& progress) { line.show(progress); };
+  plan_options.cancelled = interrupted;
+  return plan(*job.problem, plan_options);
+}
+
+// A contradiction found only while planning is told on stderr like the others.
+Outcome make_plan(const Job& job, const Options& options) {
+  Plan result;
+  if (interrupted()) {
+    result.status = PlanStatus::kCancelled;
+    result.reason = "interrupted before it was started";
+  } else {
+    result = solve(job, options);
+  }
+  if (result.status == PlanStatus::kBadInput) complain(job.request.string() + ": " + result.reason);
+  const std::string written = write_trajectory(job, options, result);
+  Outcome outcome{result.status, plan_json(*job.problem, result), summary(*job.problem, result)};
+  write_file(job.folder / "plan.json", json_text(outcome.json));
+  outcome.summary += fmt::format("  {:<11} {}{}\n", "files", written, (job.folder / "plan.json").string());
+  return outcome;
+}
+
+void print_json(std::vector<Outcome>& outcomes) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (Outcome& outcome : outcomes) all.push_back(std::move(outcome.json));
+  fmt::print("{}", json_text(outcomes.size() == 1 ? all.front() : all));
+}
+
+int run(const Options& options) {
+  catch_interrupts();
+  std::vector<Job> jobs = jobs_of(options);
+  for (const Job& job : jobs) prepare_folder(job.folder);
+  for (Job& job : jobs) {  // a mistake in the last request is told at once, not after the first is solved
+    load(job);
+    if (!job.problem) complain(job.refusal);
+  }
+  std::vector<Outcome> outcomes;
+  int code = 0;
+  for (const Job& job : jobs) {
+    outcomes.push_back(job.problem ? make_plan(job, options) : refuse(job));
+    code = std::max(code, exit_code(outcomes.back().status));
+    if (!options.json) fmt::print("{}", outcomes.back().summary);
+    std::fflush(stdout);
+  }
+  if (options.json) print_json(outcomes);
+  return code;
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("plan", "Plan requests and write certified trajectories");
+  command->add_option("requests", options->requests, "Request files")->required()->type_name("REQUEST.yaml");
+  command->add_option("--out", options->out, "Folder of the results; of several requests each gets a folder in it")
+      ->required()
+      ->type_name("DIR");
+  command->add_flag("--json", options->json, "Only JSON on stdout: plan.json, an array of them for several requests");
+  command->add_option("--linear-solver", options->plan.linear_solver, "Solver of the linear systems")
+      ->check(CLI::IsMember({"mumps"}))
+      ->capture_default_str();
+  command->add_option("--deadline", options->plan.deadline, "Wall time allowed for each request, in seconds")
+      ->check(CLI::PositiveNumber)
+      ->type_name("S");
+  command->add_flag("--keep-uncertified", options->keep_uncertified,
+                    "Write trajectories without certificate too, as trajectory.uncertified.csv");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace fjr

@@ -1,0 +1,27 @@
+// One line on the terminal that is rewritten while a plan is made.
+#pragma once
+
+#include <chrono>
+#include <string>
+
+#include "planner/plan.h"
+
+namespace fjr {
+
+// Silent unless stderr is a terminal; wiped at the end.
+class ProgressLine {
+ public:
+  explicit ProgressLine(std::string name);
+  ~ProgressLine();
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  void show(const Progress& progress);
+
+ private:
+  std::string name_;
+  bool terminal_;
+  std::chrono::steady_clock::time_point next_{};
+};
+
+}  // namespace fjr

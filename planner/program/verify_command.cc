@@ -1,0 +1,67 @@
+// fjr verify: the certificate of any trajectory file.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "planner/certificate/certificate.h"
+#include "planner/program/commands.h"
+#include "planner/program/summary.h"
+#include "planner/trajectory/plan_json.h"
+
+namespace fjr {
+namespace {
+
+struct Options {
+  std::string trajectory;
+  std::string robot;  // empty: the default
+  bool json = false;
+};
+
+// The verdict is about the robot given here; that the file was made for another one is worth knowing.
+void warn_of_other_robot(const Options& options, const Trajectory& trajectory, const std::string& hash) {
+  const auto planned_for = trajectory.metadata.find("robot_hash");
+  if (planned_for == trajectory.metadata.end() || planned_for->second == hash) return;
+  fmt::print(stderr, "fjr: warning: {} was planned for another robot (robot_hash {}, this robot's is {})\n",
+             options.trajectory, planned_for->second, hash);
+}
+
+std::string text_for_people(const Options& options, const Trajectory& trajectory, const Certificate& certificate) {
+  return fmt::format("{}: {} ({} rows, {:.6g} s)\n{}", options.trajectory,
+                     certificate.certified ? "certified" : "certificate failed", trajectory.samples.size(),
+                     trajectory.end_time() - trajectory.start_time(), summary(certificate));
+}
+
+std::string text_for_machines(const Certificate& certificate, const std::string& hash) {
+  nlohmann::ordered_json json = certificate_json(certificate);
+  json["robot_hash"] = hash;
+  return json_text(json);
+}
+
+int run(const Options& options) {
+  const Parameters robot =
+      load_parameters(options.robot.empty() ? default_robot_file() : std::filesystem::path(options.robot));
+  const Trajectory trajectory = read_csv(options.trajectory);
+  const std::string hash = robot_hash(robot);
+  warn_of_other_robot(options, trajectory, hash);
+  const Certificate certificate = certify(robot, Limits::of(robot), trajectory);
+  fmt::print("{}",
+             options.json ? text_for_machines(certificate, hash) : text_for_people(options, trajectory, certificate));
+  return exit_code(certificate.certified ? PlanStatus::kCertified : PlanStatus::kUncertified);
+}
+
+}  // namespace
+
+void add_verify(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("verify", "Certify a trajectory file: exactness and the robot's limits");
+  command->add_option("trajectory", options->trajectory, "Trajectory file")->required()->type_name("TRAJECTORY.csv");
+  command->add_option("--robot", options->robot, "Robot file; without it the one shipped with fjr")->type_name("R");
+  command->add_flag("--json", options->json, "Only JSON on stdout: the certificate");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace fjr

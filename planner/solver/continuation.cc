@@ -1,0 +1,152 @@
+#include "planner/solver/continuation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/collocation/margins.h"
+#include "planner/collocation/refinement.h"
+
+namespace fjr {
+namespace {
+
+// Widths of the smoothed friction law [rad/s], each solution starting the next; 0 is the exact law. Effort lives in the
+// friction's step, where a motor parks: steps of about three keep every warm start within tens of iterations. Without
+// effort the law only moves a torque limit, and large steps do.
+const std::vector<double>& friction_widths(const Problem& problem) {
+  static const std::vector<double> fine{0.1, 0.03, 0.01, 0.003, 0.001, 0.0003, 0};
+  static const std::vector<double> coarse{0.1, 0.01, 0};
+  return problem.weights.effort > 0 ? fine : coarse;
+}
+
+constexpr double kCoarseFrictionWidth = 0.01;   // [rad/s] what the starts are compared at
+constexpr double kExcessWorthSplitting = 0.02;  // share of a limit beyond which a margin would cost more than intervals
+constexpr int kMeshRounds = 5;
+constexpr int kMarginRounds = 8;
+
+// Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
+int coarse_intervals(const Problem& problem, double duration) {
+  constexpr double kCoarseStep = 0.03;  // [s]
+  return std::clamp(static_cast<int>(std::ceil(duration / kCoarseStep)), 25, 400) +
+         2 * static_cast<int>(problem.via.size());
+}
+
+}  // namespace
+
+Continuation::Continuation(const Problem& problem, ContinuationSettings settings, Interrupted interrupted,
+                           std::function<void(const Progress&)> on_progress)
+    : problem_(&problem),
+      settings_(std::move(settings)),
+      interrupted_(std::move(interrupted)),
+      on_progress_(std::move(on_progress)) {}
+
+SolveOptions Continuation::options(const std::string& what) {
+  SolveOptions o;
+  o.linear_solver = settings_.linear_solver;
+  o.max_iterations = settings_.warm_iterations;
+  o.monitor = [this, what](const IterationInfo& info) {
+    if (on_progress_) on_progress_({what, iterations_ + info.iteration, info.objective, info.violation});
+    return !interrupted_();
+  };
+  return o;
+}
+
+// A warm start (no guess) begins from the present solution and its multipliers, on the same mesh.
+bool Continuation::attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess,
+                           SolveOptions solve_options) {
+  if (interrupted_()) {
+    status_ = SolveStatus::kStopped;
+    return false;
+  }
+  Collocated next = guess != nullptr ? collocate(*problem_, setup, *guess, solve_options)
+                                     : collocate(*problem_, setup, solution_.report.iterate, solve_options);
+  iterations_ += next.report.iterations;
+  status_ = next.report.status;
+  stages_.push_back({what, static_cast<int>(setup.mesh.size()), next.report.iterations, next.report.objective,
+                     name(next.report.status)});
+  if (!next.report.solved()) return false;
+  solution_ = std::move(next);
+  return true;
+}
+
+bool Continuation::cold(const Guess& guess) {
+  const std::string what = fmt::format("{}, {}", label, guess.name);
+  SolveOptions o = options(what);
+  o.max_iterations = settings_.cold_iterations;
+  const CollocationSetup setup{settings_.scheme,
+                               uniform_mesh(*problem_, coarse_intervals(*problem_, guess.duration)),
+                               friction_widths(*problem_).front(),
+                               {}};
+  return attempt(what, setup, &guess, o);
+}
+
+bool Continuation::follow_friction(double until) {
+  for (const double width : friction_widths(*problem_)) {
+    if (width >= solution_.setup.friction_width || width < until) continue;
+    const std::string what = fmt::format("{}, friction width {} rad/s", label, width);
+    SolveOptions o = options(what);
+    o.warm_start = true;
+    o.initial_barrier = 1e-5;
+    CollocationSetup setup = solution_.setup;
+    setup.friction_width = width;
+    // A step that fails is skipped: the published torque has the exact law whatever law it was optimised with.
+    if (!attempt(what, setup, nullptr, o) && status_ == SolveStatus::kStopped) return false;
+  }
+  return true;
+}
+
+bool Continuation::begin(const Guess& guess) { return cold(guess) && follow_friction(kCoarseFrictionWidth); }
+
+bool Continuation::refine(const std::vector<double>& errors) {
+  std::vector<double> wanted = errors;
+  const std::vector<Limits> excess = excesses(*problem_, solution_.motion);
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    for (std::size_t i = 0; i < Limits::kCount; ++i) {
+      const double limit = problem_->limits.data()[i];
+      const double margin = solution_.setup.margins.empty() ? 0 : solution_.setup.margins[k].data()[i];
+      if (std::isfinite(limit) && excess[k].data()[i] + margin > kExcessWorthSplitting * limit) {
+        wanted[k] = std::max(wanted[k], 1.5 * settings_.mesh_tolerance);
+      }
+    }
+  }
+  const std::vector<int> pieces = pieces_wanted(solution_.motion, wanted, settings_.mesh_tolerance,
+                                                settings_.scheme.order, settings_.shortest_interval);
+  CollocationSetup setup = solution_.setup;
+  setup.mesh = split(setup.mesh, pieces);
+  if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
+  if (!setup.margins.empty()) setup.margins = inherited(setup.margins, pieces);
+  const std::string what = fmt::format("{}, {} intervals", label, setup.mesh.size());
+  const Guess guess = guess_from(solution_.motion, solution_.motion.duration());
+  for (const double barrier : {1e-3, 1e-1}) {  // the second try forgets more of the guess, and fails more rarely
+    SolveOptions o = options(what);
+    o.initial_barrier = barrier;
+    if (attempt(what, setup, &guess, o)) return true;
+    if (status_ == SolveStatus::kStopped) return false;
+  }
+  return false;
+}
+
+bool Continuation::refine_mesh() {
+  for (int round = 0; round < kMeshRounds; ++round) {
+    if (!refine(interval_errors(problem_->robot, solution_.motion))) return status_ != SolveStatus::kStopped;
+  }
+  return true;
+}
+
+bool Continuation::keep_margins() {
+  for (int round = 0; round < kMarginRounds; ++round) {
+    CollocationSetup setup = solution_.setup;
+    if (!widen(setup.margins, excesses(*problem_, solution_.motion))) return true;
+    const std::string what = fmt::format("{}, margins", label);
+    SolveOptions o = options(what);
+    o.warm_start = true;
+    o.initial_barrier = 1e-5;
+    if (!attempt(what, setup, nullptr, o)) return false;
+  }
+  return true;
+}
+
+bool Continuation::finish() { return refine_mesh() && follow_friction(0) && refine_mesh() && keep_margins(); }
+
+}  // namespace fjr

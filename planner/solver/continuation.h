@@ -1,0 +1,71 @@
+// From a guess to a converged solution: friction made exact step by step, the mesh refined where it errs, margins
+// widened until the limits hold between the collocation points.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "planner/collocation/collocate.h"
+#include "planner/collocation/guess.h"
+#include "planner/plan.h"
+#include "planner/problem/problem.h"
+
+namespace fjr {
+
+struct ContinuationSettings {
+  Scheme scheme = hermite_simpson();
+  double mesh_tolerance = 1e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
+  double shortest_interval = 2.5e-4;  // [s] refinement stops there: a switch inside costs less than the tolerance
+  int cold_iterations = 400;
+  int warm_iterations = 150;
+  std::string linear_solver = "mumps";
+};
+
+// What stops everything: asked before every solve and in every iteration.
+using Interrupted = std::function<bool()>;
+
+class Continuation {
+ public:
+  Continuation(const Problem& problem, ContinuationSettings settings, Interrupted interrupted,
+               std::function<void(const Progress&)> on_progress);
+
+  // Solves on a coarse mesh from the guess and follows the friction law down to `coarse_friction_width()`.
+  // False when there is no solution; status() says how it ended.
+  bool begin(const Guess& guess);
+
+  // From there, or from a later solution: refined mesh, exact friction, margins. False when no usable solution is left.
+  bool finish();
+
+  // Splits the intervals whose given errors [rad] exceed the mesh tolerance, or whose limits are exceeded by much, and
+  // solves again. False when there was nothing to split or no solution; the last solution stays.
+  bool refine(const std::vector<double>& errors);
+
+  // Solves again with margins until every limit holds between the collocation points too.
+  bool keep_margins();
+
+  const Collocated& solution() const { return solution_; }
+  SolveStatus status() const { return status_; }
+  const std::vector<SolverStage>& stages() const { return stages_; }
+  int iterations() const { return iterations_; }
+
+  std::string label;  // of this start, for progress and stages
+
+ private:
+  bool cold(const Guess& guess);
+  bool follow_friction(double until);
+  bool refine_mesh();
+  bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, SolveOptions options);
+  SolveOptions options(const std::string& what);
+
+  const Problem* problem_;  // outlives this
+  ContinuationSettings settings_;
+  Interrupted interrupted_;
+  std::function<void(const Progress&)> on_progress_;
+  Collocated solution_;
+  SolveStatus status_ = SolveStatus::kFailed;
+  std::vector<SolverStage> stages_;
+  int iterations_ = 0;
+};
+
+}  // namespace fjr

@@ -1,0 +1,208 @@
+#include "planner/solver/ipopt.h"
+
+#include <IpIpoptApplication.hpp>
+#include <IpIpoptCalculatedQuantities.hpp>
+#include <IpTNLP.hpp>
+#include <algorithm>
+#include <cmath>
+
+namespace fjr {
+namespace {
+
+using Eigen::Map;
+using Eigen::VectorXd;
+using Ipopt::Index;
+using Ipopt::Number;
+
+constexpr double kInfinity = 2e19;  // Ipopt takes anything beyond 1e19 as no bound
+
+Map<const VectorXd> view(const Number* data, Index size) { return {data, size}; }
+Map<VectorXd> view(Number* data, Index size) { return {data, size}; }
+
+class Adapter final : public Ipopt::TNLP {
+ public:
+  Adapter(const Nlp& nlp, const Iterate& start, const SolveOptions& options)
+      : nlp_(nlp), start_(start), options_(options) {}
+
+  SolveReport report;
+
+  bool get_nlp_info(Index& n, Index& m, Index& jacobian, Index& hessian, IndexStyleEnum& style) override {
+    n = static_cast<Index>(nlp_.variables());
+    m = static_cast<Index>(nlp_.constraints());
+    jacobian = static_cast<Index>(nlp_.jacobian_pattern.size());
+    hessian = static_cast<Index>(nlp_.hessian_pattern.size());
+    style = TNLP::C_STYLE;
+    return true;
+  }
+
+  bool get_bounds_info(Index n, Number* x_lower, Number* x_upper, Index m, Number* g_lower, Number* g_upper) override {
+    const auto bounded = [](double b) { return std::clamp(b, -kInfinity, kInfinity); };
+    view(x_lower, n) = nlp_.x_lower.unaryExpr(bounded);
+    view(x_upper, n) = nlp_.x_upper.unaryExpr(bounded);
+    view(g_lower, m) = nlp_.g_lower.unaryExpr(bounded);
+    view(g_upper, m) = nlp_.g_upper.unaryExpr(bounded);
+    return true;
+  }
+
+  bool get_scaling_parameters(Number& objective, bool& use_x, Index n, Number* x, bool& use_g, Index m,
+                              Number* g) override {
+    objective = options_.objective_scaling;
+    use_x = options_.x_scaling.size() == n;
+    use_g = options_.g_scaling.size() == m;
+    if (use_x) view(x, n) = options_.x_scaling;
+    if (use_g) view(g, m) = options_.g_scaling;
+    return true;
+  }
+
+  bool get_starting_point(Index n, bool want_x, Number* x, bool want_z, Number* z_lower, Number* z_upper, Index m,
+                          bool want_lambda, Number* lambda) override {
+    if (want_x) view(x, n) = start_.x;
+    if (want_z) {
+      if (start_.z_lower.size() != n || start_.z_upper.size() != n) return false;
+      view(z_lower, n) = start_.z_lower;
+      view(z_upper, n) = start_.z_upper;
+    }
+    if (want_lambda) {
+      if (start_.lambda.size() != m) return false;
+      view(lambda, m) = start_.lambda;
+    }
+    return true;
+  }
+
+  bool eval_f(Index n, const Number* x, bool, Number& value) override {
+    value = nlp_.objective(view(x, n));
+    return std::isfinite(value);
+  }
+  bool eval_grad_f(Index n, const Number* x, bool, Number* out) override {
+    nlp_.gradient(view(x, n), view(out, n));
+    return true;
+  }
+  bool eval_g(Index n, const Number* x, bool, Index m, Number* out) override {
+    nlp_.constraint_values(view(x, n), view(out, m));
+    return view(out, m).allFinite();
+  }
+  bool eval_jac_g(Index n, const Number* x, bool, Index, Index count, Index* row, Index* col, Number* out) override {
+    if (out == nullptr) return copy(nlp_.jacobian_pattern, row, col);
+    nlp_.jacobian(view(x, n), view(out, count));
+    return true;
+  }
+  bool eval_h(Index n, const Number* x, bool, Number cost_factor, Index m, const Number* lambda, bool, Index count,
+              Index* row, Index* col, Number* out) override {
+    if (out == nullptr) return copy(nlp_.hessian_pattern, row, col);
+    nlp_.hessian(view(x, n), cost_factor, view(lambda, m), view(out, count));
+    return true;
+  }
+
+  bool intermediate_callback(Ipopt::AlgorithmMode, Index iteration, Number objective, Number violation, Number, Number,
+                             Number, Number, Number, Number, Index, const Ipopt::IpoptData*,
+                             Ipopt::IpoptCalculatedQuantities*) override {
+    report.iterations = iteration;
+    return !options_.monitor || options_.monitor({iteration, objective, violation});
+  }
+
+  void finalize_solution(Ipopt::SolverReturn, Index n, const Number* x, const Number* z_lower, const Number* z_upper,
+                         Index m, const Number* g, const Number* lambda, Number objective, const Ipopt::IpoptData*,
+                         Ipopt::IpoptCalculatedQuantities*) override {
+    report.iterate = {view(x, n), view(lambda, m), view(z_lower, n), view(z_upper, n)};
+    report.objective = objective;
+    const VectorXd values = view(g, m);
+    report.violation = 0;
+    if (m > 0) {
+      report.violation = std::max({0.0, (nlp_.g_lower - values).maxCoeff(), (values - nlp_.g_upper).maxCoeff()});
+    }
+  }
+
+ private:
+  static bool copy(const std::vector<Nlp::Entry>& pattern, Index* row, Index* col) {
+    for (const auto& entry : pattern) {
+      *row++ = entry.row;
+      *col++ = entry.col;
+    }
+    return true;
+  }
+
+  const Nlp& nlp_;
+  const Iterate& start_;
+  const SolveOptions& options_;
+};
+
+SolveStatus translate(Ipopt::ApplicationReturnStatus status) {
+  switch (status) {
+    case Ipopt::Solve_Succeeded:
+    case Ipopt::Feasible_Point_Found:
+      return SolveStatus::kOptimal;
+    case Ipopt::Solved_To_Acceptable_Level:
+      return SolveStatus::kAcceptable;
+    case Ipopt::Infeasible_Problem_Detected:
+      return SolveStatus::kInfeasible;
+    case Ipopt::Maximum_Iterations_Exceeded:
+      return SolveStatus::kIterationLimit;
+    case Ipopt::User_Requested_Stop:
+      return SolveStatus::kStopped;
+    default:
+      return SolveStatus::kFailed;
+  }
+}
+
+void configure(Ipopt::OptionsList& o, const SolveOptions& options) {
+  o.SetNumericValue("tol", options.tolerance);
+  o.SetNumericValue("constr_viol_tol", options.constraint_tolerance);
+  o.SetIntegerValue("max_iter", options.max_iterations);
+  o.SetStringValue("linear_solver", options.linear_solver);
+  o.SetStringValue("mu_strategy", options.barrier_strategy);
+  o.SetNumericValue("mu_init", options.initial_barrier);
+  o.SetIntegerValue("print_level", options.print_level);
+  o.SetStringValue("sb", "yes");
+  o.SetStringValue("fixed_variable_treatment", "make_parameter");
+  o.SetNumericValue("bound_relax_factor", 0);  // a limit is a limit; the certificate checks it to 1e-6
+  if (options.x_scaling.size() > 0 || options.g_scaling.size() > 0) {
+    o.SetStringValue("nlp_scaling_method", "user-scaling");
+  }
+  if (options.warm_start) {
+    o.SetStringValue("warm_start_init_point", "yes");
+    o.SetNumericValue("warm_start_bound_push", 1e-9);
+    o.SetNumericValue("warm_start_bound_frac", 1e-9);
+    o.SetNumericValue("warm_start_slack_bound_push", 1e-9);
+    o.SetNumericValue("warm_start_slack_bound_frac", 1e-9);
+    o.SetNumericValue("warm_start_mult_bound_push", 1e-9);
+  } else if (options.initial_barrier < 0.05) {  // a good primal guess: do not push it far off its bounds
+    o.SetNumericValue("bound_push", 1e-4);
+    o.SetNumericValue("bound_frac", 1e-4);
+    o.SetNumericValue("slack_bound_push", 1e-4);
+    o.SetNumericValue("slack_bound_frac", 1e-4);
+    o.SetStringValue("bound_mult_init_method", "mu-based");
+  }
+}
+
+}  // namespace
+
+const char* name(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::kOptimal:
+      return "optimal";
+    case SolveStatus::kAcceptable:
+      return "acceptable";
+    case SolveStatus::kInfeasible:
+      return "infeasible";
+    case SolveStatus::kIterationLimit:
+      return "iteration_limit";
+    case SolveStatus::kStopped:
+      return "stopped";
+    case SolveStatus::kFailed:
+      return "failed";
+  }
+  return "unknown";
+}
+
+SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
+  Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
+  configure(*application->Options(), options);
+  application->Initialize("");                          // no options file: a plan depends on its request alone
+  Adapter* adapter = new Adapter(nlp, start, options);  // owned by the smart pointer, Ipopt's own reference count
+  Ipopt::SmartPtr<Ipopt::TNLP> held = adapter;
+  const auto status = application->OptimizeTNLP(held);
+  adapter->report.status = translate(status);
+  return adapter->report;
+}
+
+}  // namespace fjr

@@ -1,0 +1,13 @@
+// Files that are either complete or not there.
+#pragma once
+
+#include <filesystem>
+#include <string_view>
+
+namespace fjr {
+
+// Writes `text` to a temporary file in the same folder and renames it: a reader sees the old content or all of the new.
+// Throws std::runtime_error, one sentence with the path and the system's reason; nothing is left behind.
+void write_file(const std::filesystem::path& file, std::string_view text);
+
+}  // namespace fjr

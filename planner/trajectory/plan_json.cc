@@ -1,0 +1,119 @@
+#include "planner/trajectory/plan_json.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace fjr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json numbers(const Pair<double>& values) { return Json::array({number(values[0]), number(values[1])}); }
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+Json numbers(const std::map<std::string, double>& values) {
+  Json json = Json::object();
+  for (const auto& [name, value] : values) json[name] = number(value);
+  return json;
+}
+
+Json rollout_json(const RolloutErrors& errors, bool required, const std::string& why_not) {
+  return {{"max_link_error_rad", number(errors.max_link())},
+          {"max_motor_error_rad", number(errors.max_motor())},
+          {"final_link_error_rad", number(errors.max_final_link())},
+          {"time_of_max_link_error", number(errors.time_of_max_link)},
+          {"required", required},
+          {"reason", text_or_null(why_not)},
+          {"completed", errors.completed},
+          {"failure", text_or_null(errors.failure)}};
+}
+
+Json closed_loop_json(const ClosedLoop& closed_loop) {
+  Json json = rollout_json(closed_loop, true, "");
+  json["max_feedback_torque"] = numbers(closed_loop.feedback_torque);
+  return json;
+}
+
+Json limit_json(const LimitCheck& check) {
+  return {{"name", check.name},
+          {"joint", check.joint == 0 ? Json(nullptr) : Json(check.joint)},
+          {"limit", number(check.limit)},
+          {"reached", number(check.reached)},
+          {"time", number(check.time)},
+          {"margin", number(check.margin())},
+          {"rollout", number(check.rollout)},
+          {"passed", check.passed}};
+}
+
+Json residual_json(const Residual& residual) {
+  if (!residual.evaluated) return nullptr;
+  return {{"window", number(residual.window)},
+          {"link_vibration_rad", numbers(residual.link_vibration)},
+          {"open_loop_drift_rad", numbers(residual.open_loop_drift)}};
+}
+
+Json tracking_json(const Tracking& tracking) {
+  return {{"link_error_rad", numbers(tracking.link_error)},
+          {"link_error_rms_rad", numbers(tracking.link_error_rms)},
+          {"feedback_torque", numbers(tracking.feedback_torque)},
+          {"peak_torque", numbers(tracking.peak_torque)},
+          {"saturated", tracking.saturated}};
+}
+
+Json solver_json(const Plan& plan) {
+  Json stages = Json::array();
+  for (const SolverStage& stage : plan.stages) {
+    stages.push_back({{"name", stage.name},
+                      {"intervals", stage.intervals},
+                      {"iterations", stage.iterations},
+                      {"objective", number(stage.objective)},
+                      {"status", stage.status}});
+  }
+  return {{"iterations", plan.iterations}, {"stages", std::move(stages)}, {"starts", plan.starts}};
+}
+
+Json head(PlanStatus status, const std::string& reason, const std::string& request) {
+  return {{"version", FJR_VERSION}, {"request", request}, {"status", name(status)}, {"reason", text_or_null(reason)}};
+}
+
+}  // namespace
+
+Json certificate_json(const Certificate& certificate) {
+  Json limits = Json::array();
+  for (const LimitCheck& check : certificate.limits) limits.push_back(limit_json(check));
+  const OpenLoop& open_loop = certificate.open_loop;
+  return {{"verdict", certificate.certified ? "certified" : "failed"},
+          {"failures", certificate.failures},
+          {"tolerance_rad", number(certificate.tolerance)},
+          {"open_loop", rollout_json(open_loop, open_loop.required, open_loop.why_not)},
+          {"closed_loop", closed_loop_json(certificate.closed_loop)},
+          {"limits", std::move(limits)},
+          {"residual", residual_json(certificate.residual)},
+          {"tracking", tracking_json(certificate.tracking)}};
+}
+
+Json plan_json(const Problem& problem, const Plan& plan) {
+  const bool moves = plan.trajectory.has_value();
+  Json json = head(plan.status, plan.reason, problem.name);
+  json["objective"] = {{"total", moves ? number(plan.objective) : Json(nullptr)}, {"terms", numbers(plan.terms)}};
+  json["duration"] = moves ? number(plan.duration) : Json(nullptr);
+  json["mesh"] = {{"intervals", plan.intervals},
+                  {"method", text_or_null(plan.method)},
+                  {"error_estimate", moves ? number(plan.error_estimate) : Json(nullptr)}};
+  json["solver"] = solver_json(plan);
+  json["certificate"] = plan.certificate ? certificate_json(*plan.certificate) : Json(nullptr);
+  json["robot_hash"] = robot_hash(problem.robot);
+  json["request_hash"] = problem.request_hash;
+  json["back_off"] = number(plan.back_off);
+  json["timing"] = numbers(plan.timing);
+  return json;
+}
+
+Json bad_input_json(const std::string& name, const std::string& reason) {
+  return head(PlanStatus::kBadInput, reason, name);
+}
+
+std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+}  // namespace fjr

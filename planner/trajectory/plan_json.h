@@ -1,0 +1,23 @@
+// plan.json: what became of a request, for machines (DESIGN 5.4).
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+#include "planner/plan.h"
+
+namespace fjr {
+
+// Everything but `timing` is the same for the same request, binary and machine. Numbers that are not finite become
+// null, and so does what a plan without a trajectory cannot have.
+nlohmann::ordered_json plan_json(const Problem& problem, const Plan& plan);
+
+// For a request that never became a Problem. name: of the request file, without extension.
+nlohmann::ordered_json bad_input_json(const std::string& name, const std::string& reason);
+
+nlohmann::ordered_json certificate_json(const Certificate& certificate);
+
+// Indented, ending with a new line. Text from outside that is not UTF-8 is replaced, never an error.
+std::string json_text(const nlohmann::ordered_json& json);
+
+}  // namespace fjr

@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Debian 12: installs what fjr needs, builds it into build/ and plans a first motion into out/reach.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+packages=(
+  g++ cmake ninja-build pkg-config ccache                       # build
+  libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev libssl-dev
+  libsundials-dev                                               # rollouts
+  coinor-libipopt-dev libmumps-seq-dev libopenblas0-serial      # optimisation; BLAS with one thread
+  libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev  # tests and benchmarks
+  clang-format clang-tidy                                       # style
+)
+missing=()
+for package in "${packages[@]}"; do
+  dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+done
+if ((${#missing[@]})); then
+  as_root=()
+  ((EUID == 0)) || as_root=(sudo)
+  "${as_root[@]}" apt-get update -q
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends "${missing[@]}"
+fi
+
+cmake --preset release
+cmake --build --preset release
+build/fjr plan config/requests/reach.yaml --out out/reach

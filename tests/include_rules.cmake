@@ -1,0 +1,35 @@
+# Who may include what (one adapter per foreign library, and one direction between the parts).
+#   cmake -D SOURCE=<repository> -P tests/include_rules.cmake
+cmake_minimum_required(VERSION 3.25)
+
+file(GLOB_RECURSE sources RELATIVE ${SOURCE} ${SOURCE}/model/*.h ${SOURCE}/model/*.cc ${SOURCE}/planner/*.h
+  ${SOURCE}/planner/*.cc)
+if(NOT sources)
+  message(FATAL_ERROR "no sources in ${SOURCE}")
+endif()
+set(broken "")
+
+# rule(what allowed forbidden): outside the files matching `allowed` nobody includes headers matching `forbidden`.
+function(rule what allowed forbidden)
+  foreach(source ${sources})
+    if(source MATCHES "${allowed}")
+      continue()
+    endif()
+    file(STRINGS ${SOURCE}/${source} lines REGEX "^[ \t]*#[ \t]*include[ \t]*[<\"](${forbidden})")
+    foreach(line ${lines})
+      string(APPEND broken "  ${source}: ${line}: ${what}\n")
+    endforeach()
+  endforeach()
+  set(broken "${broken}" PARENT_SCOPE)
+endfunction()
+
+rule("only planner/solver/ipopt* knows Ipopt" "^planner/solver/ipopt" "Ip[A-Z][A-Za-z]*\\.hpp|coin(-or)?/")
+rule("only planner/certificate and model/rig know SUNDIALS" "^(planner/certificate|model/rig)/"
+  "sundials/|cvodes?/|nvector/|sunmatrix/|sunlinsol/|sunnonlinsol/")
+rule("model stands below planner" "^planner/" "planner/")
+rule("only planner/program knows CLI11" "^planner/program/" "CLI/|CLI11")
+rule("nothing stands above planner/program" "^planner/program/" "planner/program/")
+
+if(broken)
+  message(FATAL_ERROR "include rules broken:\n${broken}")
+endif()

@@ -1,0 +1,189 @@
+// plan.json: the promised keys are there, and nothing that JSON cannot say.
+#include "planner/trajectory/plan_json.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "planner/plan.h"
+
+namespace fjr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using testing::ElementsAre;
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+Certificate some_certificate() {
+  Certificate certificate;
+  certificate.certified = true;
+  certificate.tolerance = 9.59e-5;
+  certificate.open_loop.link = {1e-5, 2e-5};
+  certificate.open_loop.motor = {4e-5, 3e-5};
+  certificate.open_loop.final_link = {1e-6, 5e-6};
+  certificate.open_loop.completed = true;
+  certificate.open_loop.required = false;
+  certificate.open_loop.why_not = "motor 2 rests";
+  certificate.closed_loop.link = {1e-6, 2e-6};
+  certificate.closed_loop.completed = true;
+  certificate.closed_loop.feedback_torque = {0.01, 0.002};
+  certificate.limits = {
+      {.name = "torque", .joint = 1, .limit = 12, .reached = 11.5, .time = 0.1, .rollout = 11.6, .passed = true},
+      {.name = "tip_speed", .joint = 0, .limit = kNoLimit, .reached = 2, .time = 0.2, .rollout = 2, .passed = true}};
+  return certificate;
+}
+
+Plan some_plan() {
+  Plan plan;
+  plan.status = PlanStatus::kCertified;
+  plan.duration = 0.43;
+  plan.objective = 0.43;
+  plan.terms = {{"time", 0.43}, {"effort", 30.0}};
+  plan.intervals = 80;
+  plan.method = "hermite-simpson";
+  plan.error_estimate = 1e-6;
+  plan.iterations = 70;
+  plan.stages = {
+      {.name = "friction 0.1 rad/s", .intervals = 40, .iterations = 30, .objective = 0.44, .status = "solved"}};
+  plan.starts = 2;
+  plan.back_off = 1e-4;
+  plan.trajectory = Trajectory{{Sample{}, Sample{.time = 0.43, .state = {}, .torque = {}}}, {}};
+  plan.certificate = some_certificate();
+  plan.timing = {{"total", 0.1}};
+  return plan;
+}
+
+Problem some_problem() {
+  Problem problem{};
+  problem.name = "reach";
+  problem.request_hash = "beef";
+  return problem;
+}
+
+std::vector<std::string> keys(const Json& json) {
+  std::vector<std::string> names;
+  for (const auto& item : json.items()) names.push_back(item.key());
+  return names;
+}
+
+TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
+  const Json json = plan_json(some_problem(), some_plan());
+  EXPECT_THAT(keys(json), ElementsAre("version", "request", "status", "reason", "objective", "duration", "mesh",
+                                      "solver", "certificate", "robot_hash", "request_hash", "back_off", "timing"));
+  EXPECT_THAT(keys(json["objective"]), ElementsAre("total", "terms"));
+  EXPECT_THAT(keys(json["mesh"]), ElementsAre("intervals", "method", "error_estimate"));
+  EXPECT_THAT(keys(json["solver"]), ElementsAre("iterations", "stages", "starts"));
+  EXPECT_THAT(keys(json["certificate"]), ElementsAre("verdict", "failures", "tolerance_rad", "open_loop", "closed_loop",
+                                                     "limits", "residual", "tracking"));
+  EXPECT_THAT(keys(json["certificate"]["limits"][0]),
+              ElementsAre("name", "joint", "limit", "reached", "time", "margin", "rollout", "passed"));
+}
+
+TEST(PlanJson, SaysWhatThePlanSays) {
+  const Json json = plan_json(some_problem(), some_plan());
+  EXPECT_EQ(json["status"], "certified");
+  EXPECT_EQ(json["request"], "reach");
+  EXPECT_TRUE(json["reason"].is_null());
+  EXPECT_EQ(json["objective"]["total"], 0.43);
+  EXPECT_EQ(json["objective"]["terms"]["effort"], 30.0);
+  EXPECT_EQ(json["solver"]["stages"][0]["iterations"], 30);
+  EXPECT_EQ(json["request_hash"], "beef");
+  EXPECT_EQ(json["robot_hash"].get<std::string>().size(), 64u);
+  EXPECT_EQ(json["timing"]["total"], 0.1);
+}
+
+TEST(PlanJson, CertificateTakesTheLargestErrorOfTheJoints) {
+  const Json json = certificate_json(some_certificate());
+  EXPECT_EQ(json["verdict"], "certified");
+  const Json& open_loop = json["open_loop"];
+  EXPECT_EQ(open_loop["max_link_error_rad"], 2e-5);
+  EXPECT_EQ(open_loop["max_motor_error_rad"], 4e-5);
+  EXPECT_EQ(open_loop["final_link_error_rad"], 5e-6);
+  EXPECT_EQ(open_loop["required"], false);
+  EXPECT_EQ(open_loop["reason"], "motor 2 rests");
+  EXPECT_EQ(json["closed_loop"]["required"], true);
+  EXPECT_THAT(json["closed_loop"]["max_feedback_torque"], ElementsAre(0.01, 0.002));
+  EXPECT_EQ(json["limits"][0]["margin"], 0.5);
+}
+
+TEST(PlanJson, AFailedCertificateSaysSo) {
+  Certificate certificate = some_certificate();
+  certificate.certified = false;
+  certificate.failures = {"torque 1 exceeds 12 N m"};
+  EXPECT_EQ(certificate_json(certificate)["verdict"], "failed");
+  EXPECT_THAT(certificate_json(certificate)["failures"], ElementsAre("torque 1 exceeds 12 N m"));
+}
+
+TEST(PlanJson, WhatIsNotFiniteIsNull) {
+  Plan plan = some_plan();
+  plan.objective = kNaN;
+  plan.terms["time"] = kNoLimit;
+  plan.stages[0].objective = -kNoLimit;
+  plan.certificate->open_loop.link = {kNoLimit, 0};
+  const Json json = Json::parse(json_text(plan_json(some_problem(), plan)));
+  EXPECT_TRUE(json["objective"]["total"].is_null());
+  EXPECT_TRUE(json["objective"]["terms"]["time"].is_null());
+  EXPECT_TRUE(json["solver"]["stages"][0]["objective"].is_null());
+  EXPECT_TRUE(json["certificate"]["open_loop"]["max_link_error_rad"].is_null());
+  EXPECT_TRUE(json["certificate"]["limits"][1]["limit"].is_null());
+  EXPECT_TRUE(json["certificate"]["limits"][1]["joint"].is_null());
+}
+
+TEST(PlanJson, WithoutATrajectoryThereIsNoDuration) {
+  Plan plan;
+  plan.status = PlanStatus::kInfeasible;
+  plan.reason = "torque 1 reaches its limit";
+  const Json json = plan_json(some_problem(), plan);
+  EXPECT_EQ(json["status"], "infeasible");
+  EXPECT_EQ(json["reason"], "torque 1 reaches its limit");
+  EXPECT_TRUE(json["duration"].is_null());
+  EXPECT_TRUE(json["objective"]["total"].is_null());
+  EXPECT_TRUE(json["certificate"].is_null());
+}
+
+TEST(PlanJson, RefusalsHaveTheSameFirstKeys) {
+  const Json json = bad_input_json("reach", "reach.yaml: goal.q[1]: 9 rad is outside [-2.6, 2.6]");
+  EXPECT_THAT(keys(json), ElementsAre("version", "request", "status", "reason"));
+  EXPECT_EQ(json["status"], "bad_input");
+}
+
+TEST(PlanJson, TextIsTheSameEveryTimeAndSurvivesAnyBytes) {
+  Plan plan = some_plan();
+  plan.reason = "caf\xe9 \x01 \"quoted\"";
+  const std::string text = json_text(plan_json(some_problem(), plan));
+  EXPECT_EQ(text, json_text(plan_json(some_problem(), plan)));
+  EXPECT_EQ(text.back(), '\n');
+  EXPECT_EQ(Json::parse(text)["reason"], "caf\xEF\xBF\xBD \x01 \"quoted\"");
+}
+
+TEST(PlanJson, NumbersReadBackToTheSameBits) {
+  Plan plan = some_plan();
+  plan.duration = 0.1 + 0.2;
+  EXPECT_EQ(Json::parse(json_text(plan_json(some_problem(), plan)))["duration"].get<double>(), 0.1 + 0.2);
+}
+
+struct Row {
+  PlanStatus status;
+  const char* name;
+  int exit_code;
+};
+
+TEST(PlanStatus, NamesAndExitCodesAreAsDocumented) {
+  const Row rows[] = {{PlanStatus::kCertified, "certified", 0},     {PlanStatus::kBadInput, "bad_input", 2},
+                      {PlanStatus::kInfeasible, "infeasible", 3},   {PlanStatus::kNotConverged, "not_converged", 3},
+                      {PlanStatus::kUncertified, "uncertified", 4}, {PlanStatus::kDeadline, "deadline", 5},
+                      {PlanStatus::kCancelled, "cancelled", 5}};
+  for (const Row& row : rows) {
+    EXPECT_STREQ(name(row.status), row.name);
+    EXPECT_EQ(exit_code(row.status), row.exit_code) << row.name;
+  }
+}
+
+}  // namespace
+}  // namespace fjr

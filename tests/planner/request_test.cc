@@ -1,0 +1,464 @@
+// Requests: what valid ones resolve to, and the exact words with which broken ones are refused.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "model/flatness.h"
+#include "model/input_error.h"
+#include "planner/problem/problem.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+using ::testing::StartsWith;
+using P = Pair<double>;
+
+const fs::path kRobot = fs::path(FJR_SOURCE_DIR) / "config/robot.yaml";
+
+Problem parse(const std::string& yaml) { return parse_request(yaml, "request.yaml", ".", kRobot); }
+
+std::string error_of(const std::string& yaml) {
+  try {
+    parse(yaml);
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "no error";
+}
+
+// A valid request; tests append to it or replace its lines.
+const std::string kMove = "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n";
+const std::string kStart = "start: {q: [0, 0]}\n", kGoal = "goal: {q: [1.2, -0.8]}\n";
+
+void expect_weights(const Weights& w, double time, double effort, double torque_rate, double link_acceleration) {
+  EXPECT_EQ(w.time, time);
+  EXPECT_EQ(w.effort, effort);
+  EXPECT_EQ(w.torque_rate, torque_rate);
+  EXPECT_EQ(w.link_acceleration, link_acceleration);
+}
+
+TEST(Request, DefaultsAreFastestFromRestToRestInFreeTime) {
+  const Problem problem = parse(kMove);
+  const State<double> rest = rest_at(problem.robot, {1.2, -0.8});
+  EXPECT_TRUE(problem.start_at_rest);
+  EXPECT_EQ(problem.start.q, (P{0, 0}));
+  EXPECT_TRUE(problem.goal.at_rest);
+  EXPECT_EQ(problem.goal.dq, (P{0, 0}));
+  EXPECT_EQ(problem.goal.theta, rest.theta);
+  EXPECT_EQ(problem.goal.dtheta, (P{0, 0}));
+  EXPECT_EQ(problem.duration.min, 0.02);
+  EXPECT_EQ(problem.duration.max, 20);
+  expect_weights(problem.weights, 1, 0, 0, 0);
+  EXPECT_EQ(problem.sample_period, 0.001);
+  EXPECT_EQ(problem.seed, 1U);
+  EXPECT_EQ(problem.name, "request");
+  EXPECT_EQ(problem.limits.torque, (P{12, 5}));
+  EXPECT_EQ(problem.limits.motor_velocity, (P{6, 8}));
+  EXPECT_EQ(problem.limits.link_position, (P{3.2, 2.6}));
+  EXPECT_EQ(problem.limits.spring_deflection, (P{0.3864, 0.2262}));
+  EXPECT_EQ(problem.limits.torque_rate, (P{kNoLimit, kNoLimit}));
+  EXPECT_EQ(problem.limits.tip_speed, kNoLimit);
+}
+
+TEST(Request, PresetsDependOnWhetherTheDurationIsFixed) {
+  expect_weights(parse(kMove + "duration: 1.5").weights, 0, 0.01, 0, 1e-3);
+  expect_weights(parse(kMove + "duration: 1.5\nobjective: gentle").weights, 0, 0.01, 0, 1e-3);
+  expect_weights(parse(kMove + "duration: 1.5\nobjective: efficient").weights, 0, 1, 0, 0);
+  expect_weights(parse(kMove + "duration: free\nobjective: gentle").weights, 1, 0.01, 0, 1e-3);
+  expect_weights(parse(kMove + "duration: {min: 0.4, max: 2}\nobjective: efficient").weights, 1, 1, 0, 0);
+  expect_weights(parse(kMove + "objective: fastest").weights, 1, 0, 0, 0);
+  expect_weights(parse(kMove + "objective: {time: 2, torque_rate: 1e-4}").weights, 2, 0, 1e-4, 0);
+  expect_weights(parse(kMove + "duration: 1\nobjective: {link_acceleration: 3, effort: 0}").weights, 0, 0, 0, 3);
+}
+
+TEST(Request, DurationsResolve) {
+  EXPECT_TRUE(parse(kMove + "duration: 1.5").duration.fixed());
+  const Problem between = parse(kMove + "duration: {min: 0.4, max: 2.0}");
+  EXPECT_EQ(between.duration.min, 0.4);
+  EXPECT_EQ(between.duration.max, 2);
+  EXPECT_EQ(parse(kMove + "duration: {max: 2.0}").duration.min, 0.02);
+  EXPECT_EQ(parse(kMove + "duration: {min: 2.0}").duration.max, 20);
+  EXPECT_TRUE(parse(kMove + "duration: {min: 2, max: 2}").duration.fixed());
+}
+
+TEST(Request, LimitsOnlyTighten) {
+  const Problem problem = parse(kMove +
+                                "limits: {torque: [10, 4], motor_velocity: [6, 2], link_position: [2, 1], "
+                                "spring_deflection: [0.35, 0.2], torque_rate: [100, 50], tip_speed: 1.5}");
+  EXPECT_EQ(problem.limits.torque, (P{10, 4}));
+  EXPECT_EQ(problem.limits.motor_velocity, (P{6, 2}));
+  EXPECT_EQ(problem.limits.link_position, (P{2, 1}));
+  EXPECT_EQ(problem.limits.spring_deflection, (P{0.35, 0.2}));
+  EXPECT_EQ(problem.limits.torque_rate, (P{100, 50}));
+  EXPECT_EQ(problem.limits.tip_speed, 1.5);
+  EXPECT_EQ(problem.robot.limits.torque, (P{12, 5}));  // the robot stays what it is
+}
+
+TEST(Request, AMovingStartFollowsByFlatness) {
+  const Problem problem = parse("start: {q: [0.5, 0.2], dq: [1, -1]}\n" + kGoal);
+  const FlatPoint flat = from_link_motion(problem.robot, {.q = {0.5, 0.2}, .dq = {1, -1}});
+  EXPECT_FALSE(problem.start_at_rest);
+  EXPECT_EQ(problem.start.dq, (P{1, -1}));
+  EXPECT_EQ(problem.start.theta, flat.state.theta);
+  EXPECT_EQ(problem.start.dtheta, flat.state.dtheta);
+}
+
+TEST(Request, AStartIsTakenAsGiven) {
+  const Problem motors = parse("start: {q: [0.5, 0.2], theta: [0.6, 0.25], dtheta: [0.5, 0]}\n" + kGoal);
+  EXPECT_FALSE(motors.start_at_rest);
+  EXPECT_EQ(motors.start.dq, (P{0, 0}));
+  EXPECT_EQ(motors.start.theta, (P{0.6, 0.25}));
+  EXPECT_EQ(motors.start.dtheta, (P{0.5, 0}));
+
+  const Problem turning = parse("start: {q: [0.5, 0.2], dtheta: [0.5, 0]}\n" + kGoal);
+  EXPECT_FALSE(turning.start_at_rest);
+  EXPECT_EQ(turning.start.theta, rest_at(turning.robot, {0.5, 0.2}).theta);
+
+  const Problem wound = parse("start: {q: [0.5, 0.2], dq: [1, 0], theta: [0.6, 0.25]}\n" + kGoal);
+  EXPECT_EQ(wound.start.theta, (P{0.6, 0.25}));
+  EXPECT_EQ(wound.start.dtheta, from_link_motion(wound.robot, {.q = {0.5, 0.2}, .dq = {1, 0}}).state.dtheta);
+
+  EXPECT_TRUE(parse("start: {q: [0, 0], dq: [0, 0], theta: [0, 0], dtheta: [0, 0]}\n" + kGoal).start_at_rest);
+}
+
+TEST(Request, GoalsResolve) {
+  const Problem thrown = parse(kStart + "goal: {q: [1, 0], dq: [2, 1]}");
+  EXPECT_FALSE(thrown.goal.at_rest);
+  EXPECT_EQ(thrown.goal.dq, (P{2, 1}));
+  EXPECT_FALSE(thrown.goal.theta.has_value());
+  EXPECT_FALSE(thrown.goal.dtheta.has_value());
+
+  const Problem stopped = parse(kStart + "goal: {q: [1, 0], dq: [0, 0]}");
+  EXPECT_TRUE(stopped.goal.at_rest);
+  EXPECT_EQ(stopped.goal.theta, rest_at(stopped.robot, {1, 0}).theta);
+
+  const Problem full = parse(kStart + "goal: {q: [1, 0], dq: [2, 1], theta: [1.1, 0.1], dtheta: [2, 1]}");
+  EXPECT_EQ(full.goal.theta, (P{1.1, 0.1}));
+  EXPECT_EQ(full.goal.dtheta, (P{2, 1}));
+
+  const Problem wound = parse(kStart + "goal: {q: [1, 0], dq: [0, 0], theta: [1.1, 0.1]}");
+  EXPECT_FALSE(wound.goal.at_rest);
+  EXPECT_FALSE(wound.goal.dtheta.has_value());
+
+  const Problem spelled_out =
+      parse(kStart + "goal: {q: [0, 0], dq: [0, 0], theta: [0, 0], dtheta: [0, 0]}\nduration: 1");
+  EXPECT_TRUE(spelled_out.goal.at_rest);
+}
+
+TEST(Request, ViasResolve) {
+  const Problem problem =
+      parse(kMove + "duration: 1\nvia: [{time: 0.3, q: [0.6, 0.4]}, {time: 0.301, q: [0.7, 0.4], dq: [1, 0]}]");
+  ASSERT_EQ(problem.via.size(), 2U);
+  EXPECT_EQ(problem.via[0].time, 0.3);
+  EXPECT_EQ(problem.via[0].q, (P{0.6, 0.4}));
+  EXPECT_FALSE(problem.via[0].dq.has_value());
+  EXPECT_EQ(problem.via[1].dq, (P{1, 0}));
+  EXPECT_TRUE(parse(kMove + "via: []").via.empty());
+  // With a fixed duration a motion may end where it began.
+  EXPECT_TRUE(parse(kStart + "goal: {q: [0, 0]}\nduration: 1").goal.at_rest);
+}
+
+TEST(Request, SeedAndSamplePeriodAreRead) {
+  const Problem problem = parse(kMove + "seed: 18446744073709551615\nsample_period: 0.005");
+  EXPECT_EQ(problem.seed, 18446744073709551615U);
+  EXPECT_EQ(problem.sample_period, 0.005);
+  EXPECT_EQ(parse(kMove + "seed: 0").seed, 0U);
+}
+
+TEST(Request, AsManyRowsAsATrajectoryMayHaveAreAccepted) {
+  EXPECT_EQ(parse(kMove + "duration: 16.3835\nsample_period: 0.0005").duration.max, 16.3835);  // 32767 intervals
+}
+
+TEST(Request, RobotsAreFoundRelativeToTheRequest) {
+  std::string name = (fs::temp_directory_path() / "fjr_XXXXXX").string();
+  const fs::path folder = mkdtemp(name.data());
+  fs::create_directories(folder / "cell");
+  fs::copy_file(kRobot, folder / "robot.yaml");
+  std::ofstream(folder / "cell/pick.yaml") << "robot: ../robot.yaml\n" << kMove;
+  const Problem problem = load_request(folder / "cell/pick.yaml", "/nonexistent/robot.yaml");
+  EXPECT_EQ(problem.name, "pick");
+  EXPECT_EQ(problem.request_hash, parse(kMove).request_hash);
+  std::ofstream(folder / "robot.yaml") << "link: 1\n";
+  try {
+    load_request(folder / "cell/pick.yaml", kRobot);
+    ADD_FAILURE() << "a broken robot was accepted";
+  } catch (const InputError& e) {
+    EXPECT_EQ(e.source(), (folder / "cell/../robot.yaml").string());  // blamed on the robot's file, not on the request
+  }
+  EXPECT_THROW(load_request(folder / "none.yaml", kRobot), InputError);
+  fs::remove_all(folder);
+}
+
+struct Broken {
+  std::string yaml, message;
+};
+
+void expect_refused(const std::vector<Broken>& cases) {
+  for (const Broken& c : cases) EXPECT_EQ(error_of(c.yaml), "request.yaml: " + c.message) << c.yaml;
+}
+
+TEST(BrokenRequest, ShapeOfTheDocument) {
+  expect_refused({
+      {"", "empty"},
+      {"# nothing\n", "empty"},
+      {"fastest",
+       "must be a map with the keys robot, start, goal, duration, objective, via, obstacles, tip, limits, "
+       "sample_period, seed, payload, not the text \"fastest\""},
+      {kMove + "durtion: 1",
+       "unknown key \"durtion\"; allowed: robot, start, goal, duration, objective, via, obstacles, "
+       "tip, limits, sample_period, seed, payload"},
+      {kMove + "seed: 1\nseed: 2", "line 4: key \"seed\" is given twice"},
+      {kGoal, "start: missing"},
+      {kStart, "goal: missing"},
+      {"start:\n" + kGoal, "start: must be a map with the keys q, dq, theta, dtheta, not empty"},
+  });
+}
+
+// The library's own words follow; what counts is the line.
+TEST(BrokenRequest, Syntax) {
+  EXPECT_THAT(error_of("start: {q: [0, 0}\n"), StartsWith("request.yaml: line 1: not valid YAML: "));
+  EXPECT_THAT(error_of(kMove + "\tseed: 1"), StartsWith("request.yaml: line 3: not valid YAML: "));
+  EXPECT_THAT(error_of(kMove + "seed: \"1"), StartsWith("request.yaml: line 3: not valid YAML: "));
+}
+
+TEST(BrokenRequest, NotSupportedYet) {
+  expect_refused({
+      {kMove + "obstacles: []", "obstacles: not supported by this version"},
+      {kMove + "tip: {box: [[-1, -1], [1, 1]]}", "tip: not supported by this version"},
+      {kMove + "payload: 1", "payload: not supported by this version"},
+      {kStart + "goal: {tip: [0.3, -0.4]}", "goal.tip: not supported by this version; give goal.q"},
+      {kStart + "goal: {q: [1, 0], elbow: left}", "goal.elbow: not supported by this version; give goal.q"},
+      {kStart + "goal: {q: [free, 0]}", "goal.q[0]: a free joint is not supported by this version; give both angles"},
+      {kMove + "duration: 1\nvia: [{q: [0.6, 0.4]}]",
+       "via[0].time: a free via time is not supported by this version; give the time"},
+      {kMove + "via: [{time: 0.1, q: [0.6, 0.4]}]",
+       "via: via points without a fixed duration are not supported by this version; give duration as a number"},
+      {kMove + "objective: {energy: 1}",
+       "objective.energy: not supported by this version; terms: time, effort, torque_rate, link_acceleration"},
+      {kMove + "objective: {link_jerk: 1}",
+       "objective.link_jerk: not supported by this version; terms: time, effort, torque_rate, link_acceleration"},
+  });
+}
+
+TEST(BrokenRequest, StartAndGoal) {
+  expect_refused({
+      {kStart + "goal: {q: [0, 3.4]}", "goal.q[1]: 3.4 rad is outside [-2.6, 2.6]"},
+      {"start: {q: [-3.3, 0]}\n" + kGoal, "start.q[0]: -3.3 rad is outside [-3.2, 3.2]"},
+      {kMove + "limits: {link_position: [1, 1]}", "goal.q[0]: 1.2 rad is outside [-1, 1]"},
+      {kStart + "goal: {q: [1]}", "goal.q: must be two numbers (rad), [joint 1, joint 2], not a list of 1"},
+      {kStart + "goal: {q: [1, .nan]}", "goal.q[1]: \".nan\" is not a finite number (rad)"},
+      {kStart + "goal: {q: [1, nan]}", "goal.q[1]: \"nan\" is not a finite number (rad)"},
+      {kStart + "goal: {q: [1, 1,2]}", "goal.q: must be two numbers (rad), [joint 1, joint 2], not a list of 3"},
+      {kStart + "goal: {q: [1, 30deg]}", "goal.q[1]: \"30deg\" is not a finite number (rad)"},
+      {kStart + "goal: {dq: [1, 1]}", "goal.q: missing"},
+      {kStart + "goal: {q: [1, 0], v: 3}",
+       "goal: unknown key \"v\"; allowed: q, dq, theta, dtheta, tip, elbow, tip_velocity"},
+      {kStart + "goal: {q: [1, 0], theta: [1, 0]}",
+       "goal.theta: needs goal.dq beside it; without goal.dq the arm ends at rest and the motors with it"},
+      {kStart + "goal: {q: [0, 0]}", "goal: start and goal are the same state; nothing to plan"},
+      {kStart + "goal: {q: [1, 0], dq: [2, 1], dtheta: [2, -9]}",
+       "goal.dtheta: joint 2: the motor would turn at 9 rad/s, above the limit of 8 rad/s"},
+      {kStart + "goal: {q: [1, 0], dq: [2, 1], theta: [1.4, 0]}",
+       "goal.theta: joint 1: the spring would be deflected by 0.4 rad, above the limit of 0.3864 rad"},
+      {kStart + "goal: {q: [1, 0], dq: [1e6, 0]}", "goal.dq[0]: 1000000 rad/s is outside [-100, 100]"},
+      {"start: {q: [0, 0], theta: [0, -0.3]}\n" + kGoal,
+       "start.theta: joint 2: the spring would be deflected by 0.3 rad, above the limit of 0.2262 rad"},
+      {"start: {q: [0, 0], dq: [0, 9]}\n" + kGoal,
+       "start.dq: joint 2: the motor would turn at 9.26873 rad/s, above the limit of 8 rad/s"},
+  });
+}
+
+TEST(BrokenRequest, GravityAndSpeed) {
+  expect_refused({
+      {kStart + "goal: {q: [1.5707963267948966, 0]}\nlimits: {torque: [6, 4]}",
+       "goal.q: joint 1: holding still here takes 6.7 N m, above the limit of 6 N m"},
+      {"start: {q: [0, 1.5707963267948966]}\n" + kGoal + "limits: {torque: [10, 0.5]}",
+       "start.q: joint 2: holding still here takes 0.53 N m, above the limit of 0.5 N m"},
+      {kStart + "goal: {q: [1.5707963267948966, 0]}\nlimits: {spring_deflection: [0.3, 0.2]}",
+       "goal.q: joint 1: the spring would be deflected by 0.327148 rad, above the limit of 0.3 rad"},
+      {kStart + "goal: {q: [1, 0], dq: [2, 0]}\nlimits: {tip_speed: 1.25}",
+       "goal.dq: moves the tip at 1.3 m/s, above the limit of 1.25 m/s"},
+      {"start: {q: [0, 0], dq: [2, 0]}\n" + kGoal + "limits: {tip_speed: 1.25}",
+       "start.dq: moves the tip at 1.3 m/s, above the limit of 1.25 m/s"},
+      {kMove + "duration: 1\nlimits: {tip_speed: 1.25}\nvia: [{time: 0.5, q: [0.5, 0], dq: [2, 0]}]",
+       "via[0].dq: moves the tip at 1.3 m/s, above the limit of 1.25 m/s"},
+  });
+}
+
+TEST(BrokenRequest, DurationAndObjective) {
+  expect_refused({
+      {kMove + "duration: 0.01", "duration: 0.01 s is outside [0.02, 20]"},
+      {kMove + "duration: -1", "duration: -1 s is outside [0.02, 20]"},
+      {kMove + "duration: soon", "duration: \"soon\" is not a finite number (s)"},
+      {kMove + "duration: [1, 2]", "duration: must be a number of seconds, free, or {min, max}"},
+      {kMove + "duration: {min: 2, max: 1}", "duration: min 2 s is above max 1 s"},
+      {kMove + "duration: {min: 0.4, max: 21}", "duration.max: 21 s is outside [0.02, 20]"},
+      {kMove + "duration: {minimum: 2}", "duration: unknown key \"minimum\"; allowed: min, max"},
+      {kMove + "duration: 1\nobjective: fastest",
+       "objective: fastest has nothing to choose when the duration is fixed; make it free, or choose gentle or "
+       "efficient"},
+      {kMove + "objective: quickest",
+       "objective: \"quickest\" is not a preset (fastest, gentle, efficient); weights are given as {effort: 1, ...}"},
+      {kMove + "objective: {effort: 1}",
+       "objective: a duration that is not fixed needs a time weight; add time: 1, or fix the duration"},
+      {kMove + "duration: 1\nobjective: {time: 1}",
+       "objective: time alone has nothing to choose when the duration is fixed; add another weight, such as effort: 1"},
+      {kMove + "objective: {time: -1}", "objective.time: -1 is outside [0, 1e+09]"},
+      {kMove + "objective: {time: 0}", "objective: at least one weight must be > 0"},
+      {kMove + "objective: {}", "objective: at least one weight must be > 0"},
+      {kMove + "objective: {speed: 1}",
+       "objective: unknown key \"speed\"; allowed: time, effort, torque_rate, link_acceleration"},
+      {kMove + "objective:", "objective: must be a preset (fastest, gentle, efficient) or weights {effort: 1, ...}"},
+  });
+}
+
+TEST(BrokenRequest, ViaPoints) {
+  const std::string fixed = kMove + "duration: 1\nvia: ";
+  std::string many = fixed + "[";
+  for (int i = 0; i < 33; ++i) many += "{time: 0.5, q: [0, 0]},";
+  expect_refused({
+      {fixed + "{time: 0.5, q: [0, 0]}", "via: must be a list, not a map"},
+      {fixed + "[{time: 0.5, q: [0, 2.7]}]", "via[0].q[1]: 2.7 rad is outside [-2.6, 2.6]"},
+      {fixed + "[{time: 0.5}]", "via[0].q: missing"},
+      {fixed + "[{time: 1, q: [0, 0]}]", "via[0].time: 1 s must lie between 0 s and 1 s, at least 0.001 s from both"},
+      {fixed + "[{time: 0.5, q: [0, 0]}, {time: 0.4, q: [0, 0]}]",
+       "via[1].time: 0.4 s must lie between 0.5 s and 1 s, at least 0.001 s from both"},
+      {fixed + "[{time: 0.5, q: [0, 0], theta: [0, 0]}]", "via[0]: unknown key \"theta\"; allowed: time, q, dq"},
+      {many + "]", "via: 33 points, above the 32 allowed"},
+  });
+}
+
+TEST(BrokenRequest, LimitsAndSampling) {
+  expect_refused({
+      {kMove + "limits: {torque: [15, 4]}",
+       "limits.torque[0]: 15 N m is above the robot's 12 N m (limits may only tighten)"},
+      {kMove + "limits: {torque: [10, 0]}", "limits.torque[1]: 0 N m must be > 0"},
+      {kMove + "limits: {torque: 10}",
+       "limits.torque: must be two numbers (N m), [joint 1, joint 2], not the text \"10\""},
+      {kMove + "limits: {tip_speed: -1}", "limits.tip_speed: -1 m/s must be > 0"},
+      {kMove + "limits: {link_velocity: [1, 1]}",
+       "limits: unknown key \"link_velocity\"; allowed: torque, motor_velocity, link_position, spring_deflection, "
+       "torque_rate, tip_speed"},
+      {kMove + "sample_period: 0.01", "sample_period: 0.01 s is outside [0.0005, 0.005]"},
+      {kMove + "sample_period: 0.0005\nduration: 20",
+       "sample_period: 20 s at 0.0005 s a row are 40001 rows, above the 32768 a trajectory may have; lengthen "
+       "sample_period"},
+      {kMove + "sample_period: 0.0005\nduration: {min: 16.384}",
+       "sample_period: 16.384 s at 0.0005 s a row are 32769 rows, above the 32768 a trajectory may have; lengthen "
+       "sample_period"},
+      {kMove + "seed: -1", "seed: \"-1\" is not a whole number from 0 to 18446744073709551615"},
+      {kMove + "seed: 1.5", "seed: \"1.5\" is not a whole number from 0 to 18446744073709551615"},
+      {kMove + "robot: none.yaml", "robot: no such file: \"./none.yaml\""},
+      {kMove + "robot: /dev/zero", "robot: no such file: \"/dev/zero\""},
+      {kMove + "robot: [a]", "robot: must be text, not a list of 1"},
+  });
+}
+
+TEST(RequestHash, DependsOnWhatIsMeantAndNotOnHowItIsWritten) {
+  const std::string plain = parse(kMove).request_hash;
+  EXPECT_EQ(plain.size(), 64U);
+  EXPECT_EQ(parse("# hello\nseed: 1\nobjective: {time: 1.0}\ngoal: {q: [12e-1, -0.80]}\n"
+                  "start: {q: [0, -0.0], dq: [0, 0]}\nduration: free\nlimits: {torque: [12, 5]}")
+                .request_hash,
+            plain);
+  const std::vector<std::string> others{
+      kMove + "seed: 2",
+      kMove + "sample_period: 0.002",
+      kMove + "objective: gentle",
+      kMove + "duration: {max: 3}",
+      kMove + "duration: {min: 0.3}",
+      kMove + "limits: {torque: [11, 5]}",
+      kMove + "limits: {torque_rate: [100, 100]}",
+      kMove + "limits: {tip_speed: 9}",
+      kMove + "duration: 1",
+      kMove + "duration: 1\nvia: [{time: 0.5, q: [0, 0]}]",
+      kMove + "duration: 1\nvia: [{time: 0.6, q: [0, 0]}]",
+      kMove + "duration: 1\nvia: [{time: 0.6, q: [0, 0], dq: [0, 0]}]",
+      kStart + "goal: {q: [1.2, -0.8], dq: [1, 0]}",
+      kStart + "goal: {q: [1.2, -0.8], dq: [1, 0], theta: [1.2, -0.8]}",
+      kStart + "goal: {q: [1.2, -0.8], dq: [1, 0], dtheta: [1, 0]}",
+      kStart + "goal: {q: [1.2, -0.8000000000000002]}",
+      "start: {q: [0, 0], dtheta: [0.1, 0]}\n" + kGoal,
+      "start: {q: [0, 0], dq: [0.1, 0]}\n" + kGoal,
+  };
+  std::vector<std::string> seen{plain};
+  for (const std::string& yaml : others) {
+    seen.push_back(parse(yaml).request_hash);
+    for (std::size_t i = 0; i + 1 < seen.size(); ++i) EXPECT_NE(seen.back(), seen[i]) << yaml;
+  }
+}
+
+// A valid Problem promises what the planner relies on, whatever text it came from.
+void expect_sound(const Problem& p) {
+  for (int i = 0; i < kStates; ++i) EXPECT_TRUE(std::isfinite(p.start.data()[i]));
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    EXPECT_LE(std::abs(p.goal.q[j]), p.limits.link_position[j]);
+    EXPECT_LE(p.limits.torque[j], p.robot.limits.torque[j]);
+    EXPECT_LE(std::abs(p.start.theta[j] - p.start.q[j]), p.limits.spring_deflection[j]);
+    EXPECT_LE(std::abs(p.start.dtheta[j]), p.limits.motor_velocity[j]);
+  }
+  EXPECT_LE(p.duration.min, p.duration.max);
+  EXPECT_TRUE(p.duration.fixed() || p.weights.time > 0);
+  EXPECT_TRUE(!p.goal.at_rest || (p.goal.theta && p.goal.dtheta));
+  for (std::size_t i = 0; i < p.via.size(); ++i) EXPECT_GT(p.via[i].time, i == 0 ? 0 : p.via[i - 1].time);
+}
+
+std::string mutated(std::string text, std::mt19937& random) {
+  static const std::string kBytes = "{}[],:-#&*!|>'\"%@`?0123456789e.~<=\n\t ";
+  const int edits = 1 + static_cast<int>(random() % 3);
+  for (int e = 0; e < edits && !text.empty(); ++e) {
+    const std::size_t at = random() % text.size();
+    switch (random() % 4) {
+      case 0:
+        text.erase(at, 1 + random() % 8);
+        break;
+      case 1:
+        text.insert(at, 1, kBytes[random() % kBytes.size()]);
+        break;
+      case 2:
+        text[at] = static_cast<char>(random() % 256);
+        break;
+      default:
+        text.insert(at, text.substr(random() % text.size(), random() % 12));
+        break;
+    }
+  }
+  return text;
+}
+
+TEST(Request, MutatedTextsAreReadOrRefused) {
+  const std::vector<std::string> valid{
+      kMove, "start: {q: [0.0, 0.0], dq: [1, -1]}\ngoal: {q: [1.2, -0.8], dq: [0.5, 0], theta: [1.3, -0.8]}\nseed: 7\n",
+      kMove +
+          "duration: 1.5\nobjective: {effort: 1, torque_rate: 1e-4}\n"
+          "via:\n  - {time: 0.5, q: [0.6, 0.4]}\n  - time: 0.8\n    q: [0.7, 0.4]\n    dq: [0, 0.1]\n",
+      "# comment\nstart:\n  q: [0, 0]\ngoal:\n  q:\n    - 1.2\n    - -0.8\nduration: {min: 0.4, max: 2.0}\n"
+      "objective: 'gentle'\nlimits: {torque: [10, 4], tip_speed: 3}\nsample_period: 0.002\n"};
+  std::mt19937 random(11);
+  int read = 0, refused = 0;
+  for (int i = 0; i < 6000; ++i) {
+    const std::string text = mutated(valid[static_cast<std::size_t>(i) % valid.size()], random);
+    try {
+      expect_sound(parse(text));
+      ++read;
+    } catch (const InputError& e) {
+      EXPECT_FALSE(e.problem().empty());
+      ++refused;
+    } catch (const std::exception& e) {
+      FAIL() << "round " << i << ": " << e.what() << "\n" << text;
+    }
+    ASSERT_FALSE(HasFailure()) << "round " << i << "\n" << text;
+  }
+  EXPECT_GT(read, 100);
+  EXPECT_GT(refused, 3000);
+}
+
+}  // namespace
+}  // namespace fjr

@@ -1,0 +1,292 @@
+// The built program, run as a process: exit codes, messages, and which files exist afterwards.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using testing::HasSubstr;
+
+const std::string kGood = "start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\nduration: free\nobjective: fastest\n";
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+struct Result {
+  int exit_code;  // -1: ended by a signal
+  std::string out, err;
+};
+
+class Cli : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  fs::path path(const std::string& name) const { return folder_ / name; }
+  Json plan_json(const std::string& folder = "out") const { return Json::parse(contents(path(folder) / "plan.json")); }
+
+  void write(const std::string& name, const std::string& text) const {
+    fs::create_directories(path(name).parent_path());
+    std::ofstream(path(name), std::ios::binary) << text;
+  }
+
+  // Starts fjr in the test's folder.
+  pid_t start(const std::vector<std::string>& arguments) const {
+    std::vector<std::string> words = {FJR_EXECUTABLE};
+    words.insert(words.end(), arguments.begin(), arguments.end());
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    const auto open = [&](int descriptor, const fs::path& file) {
+      posix_spawn_file_actions_addopen(&actions, descriptor, file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    };
+    open(STDOUT_FILENO, path("stdout"));
+    open(STDERR_FILENO, path("stderr"));
+    posix_spawn_file_actions_addchdir_np(&actions, folder_.c_str());
+    pid_t child = -1;
+    EXPECT_EQ(posix_spawn(&child, FJR_EXECUTABLE, &actions, nullptr, argv.data(), environ), 0);
+    posix_spawn_file_actions_destroy(&actions);
+    return child;
+  }
+
+  Result finish(pid_t child) const {
+    int status = 0;
+    EXPECT_EQ(waitpid(child, &status, 0), child);
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(path("stdout")), contents(path("stderr"))};
+  }
+
+  Result run(const std::vector<std::string>& arguments) const { return finish(start(arguments)); }
+
+ private:
+  fs::path folder_ = fs::temp_directory_path() / ("fjr_cli_test_" + std::to_string(::getpid()));
+};
+
+TEST_F(Cli, HelpAndVersion) {
+  const Result help = run({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* word : {"plan", "verify", "Exit codes"}) EXPECT_THAT(help.out, HasSubstr(word));
+  EXPECT_EQ(run({"plan", "--help"}).exit_code, 0);
+  EXPECT_EQ(run({"verify", "--help"}).exit_code, 0);
+  EXPECT_EQ(run({"--version"}).out, FJR_VERSION "\n");
+}
+
+TEST_F(Cli, WrongCommandLinesAreBadInput) {
+  write("good.yaml", kGood);
+  const std::vector<std::vector<std::string>> wrong = {
+      {},
+      {"paln"},
+      {"plan"},
+      {"plan", "--out", "out"},
+      {"plan", "good.yaml"},
+      {"plan", "good.yaml", "--out", "out", "--fast"},
+      {"plan", "good.yaml", "--out", "out", "--deadline", "-1"},
+      {"plan", "good.yaml", "--out", "out", "--deadline", "soon"},
+      {"plan", "good.yaml", "--out", "out", "--linear-solver", "none"},
+      {"verify"},
+      {"verify", "a.csv", "b.csv"},
+  };
+  for (const auto& arguments : wrong) {
+    const Result result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << testing::PrintToString(arguments);
+    EXPECT_NE(result.err, "") << testing::PrintToString(arguments);
+    EXPECT_EQ(result.out, "") << testing::PrintToString(arguments);
+  }
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+struct BadRequest {
+  std::string name, text, message;
+};
+void PrintTo(const BadRequest& request, std::ostream* out) { *out << request.name; }
+
+// kGood with one line replaced.
+std::string good_but(const std::string& from, const std::string& to) {
+  std::string text = kGood;
+  return text.replace(text.find(from), from.size(), to);
+}
+
+const BadRequest kBadRequests[] = {
+    {"empty", "", "request.yaml"},
+    {"not_yaml", "goal: [1, 2\n", "request.yaml"},
+    {"not_a_map", "- 1\n- 2\n", "request.yaml"},
+    {"no_goal", "start: {q: [0, 0]}\n", "goal"},
+    {"unknown_key", kGood + "gaol: {q: [0, 0]}\n", "gaol"},
+    {"unknown_nested_key", good_but("{q: [1.2, -0.8]}", "{q: [1.2, -0.8], tpi: 3}"), "tpi"},
+    {"goal_outside_limits", good_but("-0.8", "-2.7"), "goal.q[1]"},
+    {"start_outside_limits", good_but("[0.0, 0.0]", "[-3.3, 0.0]"), "start.q[0]"},
+    {"goal_is_a_word", good_but("-0.8", "left"), "goal.q[1]"},
+    {"goal_is_nan", good_but("-0.8", ".nan"), "goal.q[1]"},
+    {"three_joints", good_but("-0.8", "-0.8, 0.1"), "goal.q"},
+    {"duration_is_negative", good_but("free", "-1.0"), "duration"},
+    {"duration_is_too_long", good_but("free", "21"), "duration"},
+    {"fastest_in_fixed_time", good_but("free", "1.0"), "objective"},
+    {"unknown_objective", good_but("fastest", "elegant"), "elegant"},
+    {"free_duration_without_time_weight", good_but("fastest", "{effort: 1}"), "time"},
+    {"limits_are_loosened", kGood + "limits: {torque: [13, 4]}\n", "limits.torque[0]"},
+    {"sample_period_is_too_long", kGood + "sample_period: 0.1\n", "sample_period"},
+    {"via_time_with_free_duration", kGood + "via:\n  - {q: [0.6, 0.4], time: 0.2}\n", "via"},
+    {"robot_is_missing", kGood + "robot: nowhere.yaml\n", "nowhere.yaml"},
+};
+
+class CliBadRequest : public Cli, public testing::WithParamInterface<BadRequest> {};
+
+TEST_P(CliBadRequest, IsRefusedAndLeavesNoTrajectory) {
+  write("request.yaml", GetParam().text);
+  write("out/trajectory.csv", "of an earlier run");
+  const Result result = run({"plan", "request.yaml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, testing::StartsWith("fjr: "));
+  EXPECT_THAT(result.err, HasSubstr(GetParam().message));
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+  EXPECT_EQ(result.out, "");
+  EXPECT_EQ(plan_json()["status"], "bad_input");
+  EXPECT_EQ("fjr: " + plan_json()["reason"].get<std::string>() + "\n", result.err);
+  EXPECT_FALSE(fs::exists(path("out/trajectory.csv")));
+}
+INSTANTIATE_TEST_SUITE_P(Requests, CliBadRequest, testing::ValuesIn(kBadRequests),
+                         [](const auto& p) { return p.param.name; });
+
+TEST_F(Cli, AMissingRequestIsBadInput) {
+  const Result result = run({"plan", "none.yaml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("none.yaml"));
+  EXPECT_EQ(plan_json()["status"], "bad_input");
+}
+
+TEST_F(Cli, JsonOfARefusalIsTheOnlyThingOnStdout) {
+  write("request.yaml", "");
+  const Result result = run({"plan", "request.yaml", "--out", "out", "--json"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(Json::parse(result.out), plan_json());
+}
+
+TEST_F(Cli, RequestsOfOneNameAreRefusedBeforeAnythingIsWritten) {
+  write("a/reach.yaml", kGood);
+  write("b/reach.yaml", kGood);
+  const Result result = run({"plan", "a/reach.yaml", "b/reach.yaml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("two requests named 'reach'"));
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+TEST_F(Cli, ResultsNeverLeaveTheFolder) {
+  write("good.yaml", kGood);
+  EXPECT_EQ(run({"plan", "good.yaml", "..", "--out", "out"}).exit_code, 2);
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
+TEST_F(Cli, AnOutputFolderThatIsAFileIsBadInput) {
+  write("good.yaml", kGood);
+  write("out", "a file");
+  const Result result = run({"plan", "good.yaml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("out"));
+  EXPECT_EQ(contents(path("out")), "a file");
+}
+
+TEST_F(Cli, OneBadRequestDoesNotStopTheOthersAndTheLargestCodeWins) {
+  write("bad.yaml", "");
+  write("good.yaml", kGood);
+  const Result result = run({"plan", "bad.yaml", "good.yaml", "--out", "out", "--json", "--deadline", "1e-9"});
+  EXPECT_EQ(result.exit_code, 5);
+  EXPECT_EQ(plan_json("out/bad")["status"], "bad_input");
+  EXPECT_EQ(plan_json("out/good")["status"], "deadline");
+  EXPECT_EQ(Json::parse(result.out), Json::array({plan_json("out/bad"), plan_json("out/good")}));
+  EXPECT_FALSE(fs::exists(path("out/good/trajectory.csv")));
+}
+
+// The folder appears after the program has begun to listen for signals.
+TEST_F(Cli, SigtermCancels) {
+  write("good.yaml", kGood);
+  const pid_t child = start({"plan", "good.yaml", "--out", "out"});
+  for (int i = 0; i < 1000 && !fs::exists(path("out")); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  kill(child, SIGTERM);
+  const Result result = finish(child);
+  EXPECT_EQ(result.exit_code, 5);
+  EXPECT_EQ(plan_json()["status"], "cancelled");
+  EXPECT_FALSE(fs::exists(path("out/trajectory.csv")));
+}
+
+// The arm hangs still: any robot follows that.
+Trajectory at_rest() {
+  Trajectory trajectory;
+  for (int i = 0; i <= 20; ++i) trajectory.samples.push_back({.time = i / 1000.0, .state = {}, .torque = {}});
+  return trajectory;
+}
+
+TEST_F(Cli, VerifyAcceptsWhatTheRobotDoes) {
+  write_csv(at_rest(), path("t.csv"));
+  const Result result = run({"verify", "t.csv"});
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+  EXPECT_THAT(result.out, HasSubstr("certified"));
+  EXPECT_EQ(result.err, "");
+}
+
+TEST_F(Cli, VerifyRefusesATamperedFile) {
+  Trajectory trajectory = at_rest();
+  trajectory.samples[10].state.q[0] += 2e-4;  // two counts of the link encoder
+  write_csv(trajectory, path("t.csv"));
+  const Result result = run({"verify", "t.csv", "--json"});
+  EXPECT_EQ(result.exit_code, 4);
+  const Json certificate = Json::parse(result.out);
+  EXPECT_EQ(certificate["verdict"], "failed");
+  EXPECT_NE(certificate["failures"].size(), 0u);
+}
+
+TEST_F(Cli, VerifyRefusesWhatIsBeyondTheLimits) {
+  Trajectory trajectory = at_rest();
+  for (Sample& sample : trajectory.samples) sample.torque[1] = 50;
+  write_csv(trajectory, path("t.csv"));
+  EXPECT_EQ(run({"verify", "t.csv"}).exit_code, 4);
+}
+
+TEST_F(Cli, VerifyWarnsOfAnotherRobot) {
+  Trajectory trajectory = at_rest();
+  trajectory.metadata["robot_hash"] = "0123";
+  write_csv(trajectory, path("t.csv"));
+  const Result result = run({"verify", "t.csv", "--json"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("t.csv was planned for another robot (robot_hash 0123"));
+  EXPECT_EQ(Json::parse(result.out)["verdict"], "certified");
+}
+
+TEST_F(Cli, VerifyOfBadFilesIsBadInput) {
+  write_csv(at_rest(), path("good.csv"));
+  write("broken.csv", contents(path("good.csv")) + "1,2,3\n");
+  write("robot.yaml", "link: {}\n");
+  const Result broken = run({"verify", "broken.csv"});
+  EXPECT_EQ(broken.exit_code, 2);
+  EXPECT_EQ(broken.err, "fjr: broken.csv: line 23: 3 fields where the header has 11 columns\n");
+  EXPECT_EQ(run({"verify", "none.csv"}).exit_code, 2);
+  EXPECT_EQ(run({"verify", "."}).exit_code, 2);
+  EXPECT_EQ(run({"verify", "good.csv", "--robot", "none.yaml"}).exit_code, 2);
+  EXPECT_EQ(run({"verify", "good.csv", "--robot", "robot.yaml"}).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace fjr

@@ -19,8 +19,10 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-constexpr int kCertificateRounds = 4;  // refinements of one solution for the sake of its certificate
-constexpr double kSameMinimum = 1e-3;  // relative difference of objectives below which two minima count as one
+constexpr int kCertificateRounds = 4;     // refinements of one solution for the sake of its certificate
+constexpr double kWorthFinishing = 0.02;  // relative distance from the best coarse objective that refining may make up
+constexpr int kMostFinished = 3;          // solutions refined to the end
+constexpr double kSameMinimum = 1e-3;     // relative difference of objectives below which two minima count as one
 
 // Minimum time has one minimum for practical purposes. Effort at a given time has many: swinging through the springs,
 // parking in friction, waiting.
@@ -140,17 +142,22 @@ class Planner {
     try_start(guess_from(c.solution().motion, duration), "from the fastest");
   }
 
-  // Distinct minima are finished in turn until one is certified.
+  // Distinct minima are finished in the order of their coarse objectives; the best certified one is the plan. Those
+  // that are far behind, or too many, are only looked at when nothing before was certified.
   void finish_best() {
     const auto start = Clock::now();
+    const double best = candidates_.empty() ? 0 : candidates_.front().solution().report.objective;
+    int finished = 0;
     for (std::size_t i = 0; i < candidates_.size() && !interrupted(); ++i) {
       Continuation& c = candidates_[i];
       if (i > 0 && same_minimum(c, candidates_[i - 1])) continue;
+      ++minima_;
+      const bool promising = c.solution().report.objective < (1 + kWorthFinishing) * best && finished < kMostFinished;
+      if (plan_.status == PlanStatus::kCertified && !promising) continue;
       const std::size_t booked = c.stages().size();
-      const bool finished = c.finish();
-      if (finished) certify_and_refine(c);
+      if (c.finish()) certify_and_refine(c);
       book(c, booked);
-      if (plan_.status == PlanStatus::kCertified) break;
+      ++finished;
     }
     plan_.timing["finish"] = seconds_since(start) - plan_.timing["certificate"];
   }
@@ -171,9 +178,10 @@ class Planner {
       }
       Certificate certificate = certify(problem_.robot, problem_.limits, trajectory);
       const bool certified = certificate.certified;
+      const std::vector<double> errors = rollout_errors(c, trajectory);
       if (certified || !plan_.certificate) record(c, std::move(trajectory), std::move(certificate));
       plan_.timing["certificate"] += seconds_since(start);
-      if (certified || !c.refine(rollout_errors(c, *plan_.trajectory))) return;
+      if (certified || !c.refine(errors)) return;
       if (!c.keep_margins()) return;
     }
   }
@@ -190,14 +198,18 @@ class Planner {
     return errors;
   }
 
+  // Keeps the trajectory as the plan unless a better certified one is already there.
   void record(const Continuation& c, Trajectory trajectory, Certificate certificate) {
     const Collocated& solution = c.solution();
+    const auto terms = objective_terms(problem_, solution.motion, trajectory);
+    const double objective = weighted_sum(problem_.weights, terms);
+    if (plan_.status == PlanStatus::kCertified && objective >= plan_.objective) return;
     const std::vector<double> errors = interval_errors(problem_.robot, solution.motion);
     plan_.status = certificate.certified ? PlanStatus::kCertified : PlanStatus::kUncertified;
     plan_.reason = certificate.certified ? "" : certificate.failures.front();
     plan_.duration = trajectory.end_time();
-    plan_.terms = objective_terms(problem_, solution.motion, trajectory);
-    plan_.objective = weighted_sum(problem_.weights, plan_.terms);
+    plan_.terms = terms;
+    plan_.objective = objective;
     plan_.intervals = static_cast<int>(solution.setup.mesh.size());
     plan_.method = solution.setup.scheme.name;
     plan_.error_estimate = *std::max_element(errors.begin(), errors.end());
@@ -231,6 +243,7 @@ class Planner {
   bool stopped_ = false;
   std::vector<Continuation> candidates_;
   std::vector<SolveStatus> failures_;
+  int minima_ = 0;       // distinct ones among the candidates
   double shortest_ = 0;  // [s] duration of the fastest motion, once it was looked for
   Plan plan_;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "planner/collocation/transcription.h"
+#include "planner/collocation/transfer.h"
 #include "planner/problem/arm_ocp.h"
 
 namespace fjr {
@@ -142,16 +143,30 @@ Iterate evaluate_guess(const Transcription<ArmOcp<kRate>>& transcription, const 
 }
 
 template <bool kRate>
-Collocated run(const Problem& problem, const CollocationSetup& setup, const Guess* guess, const Iterate* start,
+Collocated run(const CollocationSetup& setup, const Transcription<ArmOcp<kRate>>& transcription, const Iterate& start,
                const SolveOptions& options) {
-  const auto transcription = transcribe<kRate>(problem, setup);
-  Collocated result{setup, {}, {}, {}};
-  result.report = solve(transcription, guess != nullptr ? evaluate_guess(transcription, *guess) : *start, options);
+  Collocated result{setup, solve(transcription, start, options), {}, {}};
   if (result.report.iterate.x.size() == transcription.variables()) {
     result.durations = transcription.durations(result.report.iterate.x);
     result.motion = motion_of(transcription, result.report.iterate.x);
   }
   return result;
+}
+
+template <bool kRate>
+Collocated run(const Problem& problem, const CollocationSetup& setup, const Guess& guess, const SolveOptions& options) {
+  const auto transcription = transcribe<kRate>(problem, setup);
+  return run(setup, transcription, evaluate_guess(transcription, guess), options);
+}
+
+template <bool kRate>
+Collocated run(const Problem& problem, const CollocationSetup& setup, const Collocated& start,
+               const SolveOptions& options) {
+  const auto transcription = transcribe<kRate>(problem, setup);
+  if (setup.mesh == start.setup.mesh) return run(setup, transcription, start.report.iterate, options);
+  const auto before = transcribe<kRate>(problem, start.setup);
+  const Iterate transferred = Transfer<ArmOcp<kRate>>(before, start.report.iterate, transcription).run();
+  return run(setup, transcription, transferred, options);
 }
 
 // The rate of u is the control only where something asks for it: two more states cost time.
@@ -177,14 +192,12 @@ Mesh uniform_mesh(const Problem& problem, int intervals) {
 
 Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Guess& guess,
                      const SolveOptions& options) {
-  return needs_rate(problem) ? run<true>(problem, setup, &guess, nullptr, options)
-                             : run<false>(problem, setup, &guess, nullptr, options);
+  return needs_rate(problem) ? run<true>(problem, setup, guess, options) : run<false>(problem, setup, guess, options);
 }
 
-Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Iterate& start,
+Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Collocated& start,
                      const SolveOptions& options) {
-  return needs_rate(problem) ? run<true>(problem, setup, nullptr, &start, options)
-                             : run<false>(problem, setup, nullptr, &start, options);
+  return needs_rate(problem) ? run<true>(problem, setup, start, options) : run<false>(problem, setup, start, options);
 }
 
 }  // namespace fjr

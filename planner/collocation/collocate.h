@@ -35,8 +35,8 @@ Mesh uniform_mesh(const Problem& problem, int intervals);
 Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Guess& guess,
                      const SolveOptions& options);
 
-// From an earlier solution on the same mesh, multipliers included.
-Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Iterate& start,
+// From an earlier solution, multipliers included, on the same mesh or on another.
+Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Collocated& start,
                      const SolveOptions& options);
 
 }  // namespace fjr

@@ -13,8 +13,11 @@ struct Mesh {
   struct Interval {
     double fraction;  // of its segment's duration; the fractions of a segment sum to 1
     int segment;      // non-decreasing along the chain, from 0
+    bool operator==(const Interval&) const = default;
   };
   std::vector<Interval> intervals;
+
+  bool operator==(const Mesh&) const = default;
 
   int segments() const { return intervals.empty() ? 0 : intervals.back().segment + 1; }
   std::size_t size() const { return intervals.size(); }

@@ -92,6 +92,15 @@ class Transcription final : public Nlp {
     return d;
   }
 
+  // Duration of interval k [s].
+  double step(const In& z, int k) const { return fraction(k) * z(duration_of(k)); }
+
+  // Where things are among the constraints: defect of stage i, component r; path row c at stage j, -1 if not asked
+  // there; the sum of the durations, -1 with one segment.
+  int defect_row(int k, int i, int r) const { return interval_row_[index(k)] + (i - first_new_) * kX + r; }
+  int path_row(int k, int j, int c) const { return path_rows_[index((k * stages_ + j) * kC + c)]; }
+  int total_row() const { return total_row_; }
+
   double objective(const In& z) const override {
     double total = 0;
     for (int s = 0; s < mesh_.segments(); ++s) total += ocp_.time_weight * z(duration_at(s));
@@ -213,9 +222,6 @@ class Transcription final : public Nlp {
   const auto& bounds_in(int k) const { return ocp_.bounds.size() == 1 ? ocp_.bounds[0] : ocp_.bounds[index(k)]; }
   double fraction(int k) const { return mesh_.intervals[index(k)].fraction; }
   int duration_of(int k) const { return duration_at(mesh_.intervals[index(k)].segment); }
-  double step(const In& z, int k) const { return fraction(k) * z(duration_of(k)); }
-  int defect_row(int k, int i, int r) const { return interval_row_[index(k)] + (i - first_new_) * kX + r; }
-  int path_row(int k, int j, int c) const { return path_rows_[index((k * stages_ + j) * kC + c)]; }
 
   PointValues values(const In& z, int k, int j) const {
     const Array<kV> v = stage_inputs(z, k, j);

@@ -72,7 +72,7 @@ struct ArmOcp {
 
 // Weight of the trace of effort in a minimum-time problem, as a share of the time weight: bounds what it can cost in
 // time.
-inline constexpr double kRegularisation = 1e-4;
+inline constexpr double kRegularisation = 1e-3;
 
 // The limits as bounds on states, controls and rows.
 template <bool kRateControlled>

@@ -22,12 +22,14 @@ const std::vector<double>& friction_widths(const Problem& problem) {
 
 constexpr double kCoarseFrictionWidth = 0.01;   // [rad/s] what the starts are compared at
 constexpr double kExcessWorthSplitting = 0.02;  // share of a limit beyond which a margin would cost more than intervals
+constexpr double kEffortTolerance = 3e-5;       // share of the objective by which an interval may misjudge the effort
+constexpr double kSlip = 1e-3;                  // relative increase of the objective that tells another minimum
 constexpr int kMeshRounds = 5;
 constexpr int kMarginRounds = 8;
 
 // Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
 int coarse_intervals(const Problem& problem, double duration) {
-  constexpr double kCoarseStep = 0.03;  // [s]
+  constexpr double kCoarseStep = 0.02;  // [s]
   return std::clamp(static_cast<int>(std::ceil(duration / kCoarseStep)), 25, 400) +
          2 * static_cast<int>(problem.via.size());
 }
@@ -60,7 +62,7 @@ bool Continuation::attempt(const std::string& what, const CollocationSetup& setu
     return false;
   }
   Collocated next = guess != nullptr ? collocate(*problem_, setup, *guess, solve_options)
-                                     : collocate(*problem_, setup, solution_.report.iterate, solve_options);
+                                     : collocate(*problem_, setup, solution_, solve_options);
   iterations_ += next.report.iterations;
   status_ = next.report.status;
   stages_.push_back({what, static_cast<int>(setup.mesh.size()), next.report.iterations, next.report.objective,
@@ -81,22 +83,30 @@ bool Continuation::cold(const Guess& guess) {
   return attempt(what, setup, &guess, o);
 }
 
-bool Continuation::follow_friction(double until) {
+bool Continuation::follow_friction() {
   for (const double width : friction_widths(*problem_)) {
-    if (width >= solution_.setup.friction_width || width < until) continue;
+    if (width >= solution_.setup.friction_width) continue;
     const std::string what = fmt::format("{}, friction width {} rad/s", label, width);
     SolveOptions o = options(what);
     o.warm_start = true;
     o.initial_barrier = 1e-5;
     CollocationSetup setup = solution_.setup;
     setup.friction_width = width;
-    // A step that fails is skipped: the published torque has the exact law whatever law it was optimised with.
-    if (!attempt(what, setup, nullptr, o) && status_ == SolveStatus::kStopped) return false;
+    const Collocated before = solution_;
+    const bool solved = attempt(what, setup, nullptr, o);
+    if (status_ == SolveStatus::kStopped) return false;
+    // A sharper law asks for less effort, so a solution that costs more has slipped into another minimum. Staying with
+    // the smoother law costs little, for the published torque has the exact law whatever law it was optimised with.
+    if (!solved) break;
+    if (solution_.report.objective > before.report.objective * (1 + kSlip)) {
+      solution_ = before;
+      break;
+    }
   }
   return true;
 }
 
-bool Continuation::begin(const Guess& guess) { return cold(guess) && follow_friction(kCoarseFrictionWidth); }
+bool Continuation::begin(const Guess& guess) { return cold(guess) && refine_mesh(); }
 
 bool Continuation::refine(const std::vector<double>& errors) {
   std::vector<double> wanted = errors;
@@ -110,6 +120,15 @@ bool Continuation::refine(const std::vector<double>& errors) {
       }
     }
   }
+  if (problem_->weights.effort > 0) {
+    Pair<FrictionLaw> law{FrictionLaw::of(problem_->robot, 0), FrictionLaw::of(problem_->robot, 1)};
+    for (FrictionLaw& l : law) l = l.smoothed(solution_.setup.friction_width);
+    const std::vector<double> effort = effort_errors(law, settings_.scheme, solution_.motion);
+    const double allowed = kEffortTolerance * solution_.report.objective / problem_->weights.effort;
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      if (effort[k] > allowed) wanted[k] = std::max(wanted[k], 1.5 * settings_.mesh_tolerance);
+    }
+  }
   const std::vector<int> pieces = pieces_wanted(solution_.motion, wanted, settings_.mesh_tolerance,
                                                 settings_.scheme.order, settings_.shortest_interval);
   CollocationSetup setup = solution_.setup;
@@ -117,14 +136,15 @@ bool Continuation::refine(const std::vector<double>& errors) {
   if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
   if (!setup.margins.empty()) setup.margins = inherited(setup.margins, pieces);
   const std::string what = fmt::format("{}, {} intervals", label, setup.mesh.size());
+  SolveOptions warm = options(what);
+  warm.warm_start = true;
+  warm.initial_barrier = 1e-4;
+  if (attempt(what, setup, nullptr, warm)) return true;
+  if (status_ == SolveStatus::kStopped) return false;
+  // Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
   const Guess guess = guess_from(solution_.motion, solution_.motion.duration());
-  for (const double barrier : {1e-3, 1e-1}) {  // the second try forgets more of the guess, and fails more rarely
-    SolveOptions o = options(what);
-    o.initial_barrier = barrier;
-    if (attempt(what, setup, &guess, o)) return true;
-    if (status_ == SolveStatus::kStopped) return false;
-  }
-  return false;
+  SolveOptions again = options(what + ", again");
+  return attempt(what + ", again", setup, &guess, again);
 }
 
 bool Continuation::refine_mesh() {
@@ -147,6 +167,6 @@ bool Continuation::keep_margins() {
   return true;
 }
 
-bool Continuation::finish() { return refine_mesh() && follow_friction(0) && refine_mesh() && keep_margins(); }
+bool Continuation::finish() { return follow_friction() && refine_mesh() && keep_margins(); }
 
 }  // namespace fjr

@@ -30,11 +30,11 @@ class Continuation {
   Continuation(const Problem& problem, ContinuationSettings settings, Interrupted interrupted,
                std::function<void(const Progress&)> on_progress);
 
-  // Solves on a coarse mesh from the guess and follows the friction law down to `coarse_friction_width()`.
-  // False when there is no solution; status() says how it ended.
+  // Solves with the smoothest friction law, on a coarse mesh from the guess and then on a refined one: what the starts
+  // are compared by. False when there is no solution; status() says how it ended.
   bool begin(const Guess& guess);
 
-  // From there, or from a later solution: refined mesh, exact friction, margins. False when no usable solution is left.
+  // From there to the exact friction law and to margins. False when no usable solution is left.
   bool finish();
 
   // Splits the intervals whose given errors [rad] exceed the mesh tolerance, or whose limits are exceeded by much, and
@@ -53,7 +53,7 @@ class Continuation {
 
  private:
   bool cold(const Guess& guess);
-  bool follow_friction(double until);
+  bool follow_friction();
   bool refine_mesh();
   bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, SolveOptions options);
   SolveOptions options(const std::string& what);

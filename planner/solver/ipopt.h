@@ -31,7 +31,7 @@ struct IterationInfo {
 };
 
 struct SolveOptions {
-  double tolerance = 1e-8;
+  double tolerance = 1e-6;
   double constraint_tolerance = 1e-9;  // absolute, unscaled
   int max_iterations = 500;
   double initial_barrier = 0.1;  // mu; small for warm starts

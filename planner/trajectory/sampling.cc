@@ -65,7 +65,8 @@ class Sampler {
   // Everything strictly between two ordinary rows: the mesh's nodes cut the stretch into smooth pieces.
   void between(double from, double to) {
     double start = from;
-    std::size_t k = motion_.interval_at(from);
+    // The row at `from` belongs to the interval before it: a node right there is met first.
+    std::size_t k = interval_before(from);
     for (; k + 1 < motion_.intervals.size(); ++k) {
       const double node = motion_.intervals[k + 1].start;
       if (node >= to - kJumpSpacing) break;

@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <stdexcept>
 
 #include "model/parameters.h"
 
@@ -57,6 +55,11 @@ struct FrictionLaw {
   // True when torque() increases everywhere, found by scanning the slope over all of the law's scales.
   bool increasing() const;
 
+  // Half width of the band around rest in which the complete law falls with speed, from zero to its first minimum; there a
+  // motor runs away from rest exponentially. 0 for a law that increases at rest, infinite for one that falls for ever.
+  // [rad/s]
+  double unstable_band() const;
+
   // d torque / dv at v.
   double slope(double v) const {
     const double s = v / width;
@@ -65,32 +68,5 @@ struct FrictionLaw {
     return viscous + amplitude / width * (dfirst - second_weight * (1 - second * second) * (1 - second_shape * dfirst));
   }
 };
-
-inline bool FrictionLaw::increasing() const {
-  if (!(slope(0) > 0)) return false;
-  for (double v = width * 1e-7; v < width * 1e3; v *= 1.02) {
-    if (!(slope(v) > 0)) return false;
-  }
-  return true;
-}
-
-inline double FrictionLaw::velocity(double torque_wanted) const {
-  if (!increasing()) throw std::domain_error("friction law is not increasing: its inverse is not unique");
-  // Odd and increasing with slope >= B eventually: bracket on a logarithmic scale, then bisect in log(v) to the last
-  // bit.
-  const double target = std::abs(torque_wanted);
-  if (target == 0) return 0;
-  double low = 0, high = width * 1e-8;
-  while (torque(high) < target) {
-    low = high;
-    high *= 2;
-  }
-  for (int i = 0; i < 200; ++i) {
-    const double middle = 0.5 * (low + high);
-    if (middle <= low || middle >= high) break;
-    (torque(middle) < target ? low : high) = middle;
-  }
-  return std::copysign(0.5 * (low + high), torque_wanted);
-}
 
 }  // namespace fjr

@@ -146,14 +146,15 @@ class Planner {
   // that are far behind, or too many, are only looked at when nothing before was certified.
   void finish_best() {
     const auto start = Clock::now();
-    const double best = candidates_.empty() ? 0 : candidates_.front().solution().report.objective;
+    std::vector<double> coarse;  // objectives before finishing, in ascending order
+    for (const Continuation& c : candidates_) coarse.push_back(c.solution().report.objective);
     int finished = 0;
     for (std::size_t i = 0; i < candidates_.size() && !interrupted(); ++i) {
-      Continuation& c = candidates_[i];
-      if (i > 0 && same_minimum(c, candidates_[i - 1])) continue;
-      ++minima_;
-      const bool promising = c.solution().report.objective < (1 + kWorthFinishing) * best && finished < kMostFinished;
+      if (i > 0 && same_minimum(coarse[i], coarse[i - 1])) continue;
+      ++plan_.distinct_minima;
+      const bool promising = coarse[i] < (1 + kWorthFinishing) * coarse.front() && finished < kMostFinished;
       if (plan_.status == PlanStatus::kCertified && !promising) continue;
+      Continuation& c = candidates_[i];
       const std::size_t booked = c.stages().size();
       if (c.finish()) certify_and_refine(c);
       book(c, booked);
@@ -162,8 +163,7 @@ class Planner {
     plan_.timing["finish"] = seconds_since(start) - plan_.timing["certificate"];
   }
 
-  static bool same_minimum(const Continuation& a, const Continuation& b) {
-    const double x = a.solution().report.objective, y = b.solution().report.objective;
+  static bool same_minimum(double x, double y) {
     return std::abs(x - y) <= kSameMinimum * std::max(std::abs(x), std::abs(y));
   }
 
@@ -181,7 +181,9 @@ class Planner {
       const std::vector<double> errors = rollout_errors(c, trajectory);
       if (certified || !plan_.certificate) record(c, std::move(trajectory), std::move(certificate));
       plan_.timing["certificate"] += seconds_since(start);
-      if (certified || !c.refine(errors)) return;
+      if (certified) return;
+      // A plan that rests where the arm cannot is not a matter of accuracy.
+      if (!c.creep() && !c.refine(errors)) return;
       if (!c.keep_margins()) return;
     }
   }
@@ -243,7 +245,6 @@ class Planner {
   bool stopped_ = false;
   std::vector<Continuation> candidates_;
   std::vector<SolveStatus> failures_;
-  int minima_ = 0;       // distinct ones among the candidates
   double shortest_ = 0;  // [s] duration of the fastest motion, once it was looked for
   Plan plan_;
 };

@@ -62,6 +62,7 @@ struct Plan {
   int iterations = 0;         // over all stages and starts
   std::vector<SolverStage> stages;
   int starts = 0;
+  int distinct_minima = 0;  // among the starts that converged, on their first meshes
   double back_off = 0;  // share of each limit kept free
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;

@@ -76,22 +76,6 @@ Growth gravity_growth(const Parameters& p, const Trajectory& trajectory) {
 
 }  // namespace
 
-double unstable_band(const FrictionLaw& law) {
-  if (law.slope(0) >= 0) return 0;
-  constexpr double kRatio = 1.02;  // of neighbouring velocities in the search for the sign change
-  double inside = 0, outside = law.width * 1e-7;
-  while (law.slope(outside) < 0) {
-    inside = outside;
-    outside *= kRatio;
-    if (outside > 1e6 * law.width) return std::numeric_limits<double>::infinity();  // falls for ever: never stable
-  }
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (inside + outside);
-    (law.slope(middle) < 0 ? inside : outside) = middle;
-  }
-  return outside;
-}
-
 double gravity_growth_rate(const Parameters& p, const Pair<double>& q) {
   if (dynamic_stiffness(p, q, 0).smallest_eigenvalue() >= 0) return 0;
   // Every term increases with s, so the smallest eigenvalue does: its zero is the largest root, and bisection finds it.
@@ -106,7 +90,7 @@ double gravity_growth_rate(const Parameters& p, const Pair<double>& q) {
 
 std::string why_open_loop_cannot_be_exact(const Parameters& p, const Trajectory& trajectory) {
   for (int joint = 0; joint < kJoints; ++joint) {
-    const double band = unstable_band(FrictionLaw::of(p, joint));
+    const double band = FrictionLaw::of(p, joint).unstable_band();
     if (band == 0) continue;
     const Stay rest = longest_rest(trajectory, static_cast<std::size_t>(joint), band);
     if (rest.length() <= kLongestRest) continue;

@@ -65,6 +65,11 @@ std::vector<typename ArmOcp<kRate>::Bounds> interval_bounds(const Problem& probl
       }
     }
     bounds.push_back(path_bounds<kRate>(kept));
+    for (std::size_t j = 0; j < kJoints && !setup.creep.empty(); ++j) {
+      const double creep = setup.creep[k][j];
+      if (creep > 0) bounds.back().x_lower[6 + j] = creep;
+      if (creep < 0) bounds.back().x_upper[6 + j] = creep;
+    }
   }
   return bounds;
 }

@@ -80,11 +80,4 @@ bool widen(std::vector<Limits>& margins, const std::vector<Limits>& excesses) {
   return any;
 }
 
-std::vector<Limits> inherited(const std::vector<Limits>& margins, const std::vector<int>& pieces) {
-  std::vector<Limits> result;
-  for (std::size_t k = 0; k < margins.size(); ++k)
-    result.insert(result.end(), static_cast<std::size_t>(pieces[k]), margins[k]);
-  return result;
-}
-
 }  // namespace fjr

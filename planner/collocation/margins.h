@@ -17,7 +17,5 @@ std::vector<Limits> excesses(const Problem& problem, const Motion& motion);
 // False when there was nothing to add.
 bool widen(std::vector<Limits>& margins, const std::vector<Limits>& excesses);
 
-// Margins of a refined mesh: each piece inherits its parent's. pieces[k] counts what interval k became.
-std::vector<Limits> inherited(const std::vector<Limits>& margins, const std::vector<int>& pieces);
 
 }  // namespace fjr

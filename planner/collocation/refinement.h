@@ -32,4 +32,14 @@ std::vector<int> pieces_wanted(const Motion& motion, const std::vector<double>& 
 // Interval k in pieces[k] equal pieces.
 Mesh split(const Mesh& mesh, const std::vector<int>& pieces);
 
+// What was known per interval of the mesh that was split, per interval of the finer one.
+template <class T>
+std::vector<T> inherited(const std::vector<T>& of_parents, const std::vector<int>& pieces) {
+  std::vector<T> result;
+  for (std::size_t k = 0; k < of_parents.size(); ++k) {
+    result.insert(result.end(), static_cast<std::size_t>(pieces[k]), of_parents[k]);
+  }
+  return result;
+}
+
 }  // namespace fjr

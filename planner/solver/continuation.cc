@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/collocation/creep.h"
 #include "planner/collocation/margins.h"
 #include "planner/collocation/refinement.h"
+#include "planner/trajectory/objective.h"
 
 namespace fjr {
 namespace {
@@ -23,9 +25,9 @@ const std::vector<double>& friction_widths(const Problem& problem) {
 constexpr double kCoarseFrictionWidth = 0.01;   // [rad/s] what the starts are compared at
 constexpr double kExcessWorthSplitting = 0.02;  // share of a limit beyond which a margin would cost more than intervals
 constexpr double kEffortTolerance = 3e-5;       // share of the objective by which an interval may misjudge the effort
-constexpr double kSlip = 1e-3;                  // relative increase of the objective that tells another minimum
 constexpr int kMeshRounds = 5;
 constexpr int kMarginRounds = 8;
+constexpr int kCreepRounds = 3;
 
 // Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
 int coarse_intervals(const Problem& problem, double duration) {
@@ -83,7 +85,11 @@ bool Continuation::cold(const Guess& guess) {
   return attempt(what, setup, &guess, o);
 }
 
+// Each law's solution starts the next. The one that would be published for the least, with the exact law, is kept: a
+// sharper law usually helps, but now and then a step slips into a worse minimum or fails.
 bool Continuation::follow_friction() {
+  Collocated best = solution_;
+  double least = published_objective(*problem_, best.motion);
   for (const double width : friction_widths(*problem_)) {
     if (width >= solution_.setup.friction_width) continue;
     const std::string what = fmt::format("{}, friction width {} rad/s", label, width);
@@ -92,18 +98,15 @@ bool Continuation::follow_friction() {
     o.initial_barrier = 1e-5;
     CollocationSetup setup = solution_.setup;
     setup.friction_width = width;
-    const Collocated before = solution_;
-    const bool solved = attempt(what, setup, nullptr, o);
-    if (status_ == SolveStatus::kStopped) return false;
-    // A sharper law asks for less effort, so a solution that costs more has slipped into another minimum. Staying with
-    // the smoother law costs little, for the published torque has the exact law whatever law it was optimised with.
-    if (!solved) break;
-    if (solution_.report.objective > before.report.objective * (1 + kSlip)) {
-      solution_ = before;
-      break;
+    if (!attempt(what, setup, nullptr, o)) break;
+    const double objective = published_objective(*problem_, solution_.motion);
+    if (objective < least) {
+      least = objective;
+      best = solution_;
     }
   }
-  return true;
+  solution_ = std::move(best);
+  return status_ != SolveStatus::kStopped;
 }
 
 bool Continuation::begin(const Guess& guess) { return cold(guess) && refine_mesh(); }
@@ -134,7 +137,8 @@ bool Continuation::refine(const std::vector<double>& errors) {
   CollocationSetup setup = solution_.setup;
   setup.mesh = split(setup.mesh, pieces);
   if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
-  if (!setup.margins.empty()) setup.margins = inherited(setup.margins, pieces);
+  setup.margins = inherited(setup.margins, pieces);
+  setup.creep = inherited(setup.creep, pieces);
   const std::string what = fmt::format("{}, {} intervals", label, setup.mesh.size());
   SolveOptions warm = options(what);
   warm.warm_start = true;
@@ -165,6 +169,31 @@ bool Continuation::keep_margins() {
     if (!attempt(what, setup, nullptr, o)) return false;
   }
   return true;
+}
+
+bool Continuation::creep() {
+  bool any = false;
+  for (int round = 0; round < kCreepRounds; ++round) {  // what is kept out of one interval may settle in the next
+    CollocationSetup setup = solution_.setup;
+    const std::vector<Pair<double>> wanted = creep_through_rests(*problem_, solution_.motion);
+    setup.creep.resize(wanted.size(), {0, 0});
+    bool more = false;
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        if (wanted[k][j] == 0) continue;
+        setup.creep[k][j] = wanted[k][j];
+        more = true;
+      }
+    }
+    if (!more) return any;
+    const std::string what = fmt::format("{}, no unstable rest", label);
+    SolveOptions o = options(what);
+    o.warm_start = true;
+    o.initial_barrier = 1e-4;
+    if (!attempt(what, setup, nullptr, o)) return false;
+    any = true;
+  }
+  return any;
 }
 
 bool Continuation::finish() { return follow_friction() && refine_mesh() && keep_margins(); }

@@ -44,6 +44,10 @@ class Continuation {
   // Solves again with margins until every limit holds between the collocation points too.
   bool keep_margins();
 
+  // Solves again with motors kept from resting where they cannot (creep.h). False when there was nothing to do, or no
+  // solution.
+  bool creep();
+
   const Collocated& solution() const { return solution_; }
   SolveStatus status() const { return status_; }
   const std::vector<SolverStage>& stages() const { return stages_; }

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "planner/trajectory/sampling.h"
+
 namespace fjr {
 namespace {
 
@@ -61,6 +63,10 @@ double weighted_sum(const Weights& weights, const std::map<std::string, double>&
     if (weight > 0) sum += weight * terms.at(name);
   });
   return sum;
+}
+
+double published_objective(const Problem& problem, const Motion& motion) {
+  return weighted_sum(problem.weights, objective_terms(problem, motion, sample(problem, motion)));
 }
 
 }  // namespace fjr

@@ -17,4 +17,7 @@ std::map<std::string, double> objective_terms(const Problem& problem, const Moti
 
 double weighted_sum(const Weights& weights, const std::map<std::string, double>& terms);
 
+// The objective of the motion as it would be published: sampled, with the exact friction law.
+double published_objective(const Problem& problem, const Motion& motion);
+
 }  // namespace fjr

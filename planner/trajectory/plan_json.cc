@@ -70,7 +70,10 @@ Json solver_json(const Plan& plan) {
                       {"objective", number(stage.objective)},
                       {"status", stage.status}});
   }
-  return {{"iterations", plan.iterations}, {"stages", std::move(stages)}, {"starts", plan.starts}};
+  return {{"iterations", plan.iterations},
+          {"stages", std::move(stages)},
+          {"starts", plan.starts},
+          {"distinct_minima", plan.distinct_minima}};
 }
 
 Json head(PlanStatus status, const std::string& reason, const std::string& request) {

@@ -343,9 +343,9 @@ TEST(Rollout, RecordsReversalsAndLimitCrossings) {
 // ---- rest, and the upright ----
 
 TEST(Amplification, BandIsWhereTheCompleteLawFalls) {
-  EXPECT_EQ(unstable_band(FrictionLaw::of(robot(), 0)), 0);
+  EXPECT_EQ(FrictionLaw::of(robot(), 0).unstable_band(), 0);
   const FrictionLaw second = FrictionLaw::of(robot(), 1);
-  const double band = unstable_band(second);
+  const double band = second.unstable_band();
   EXPECT_NEAR(band, 5.08e-4, 1e-6);
   EXPECT_NEAR(second.torque(band), -1.77e-3, 1e-5);
 }

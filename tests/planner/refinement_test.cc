@@ -1,0 +1,235 @@
+// Error estimates on motions that the schemes themselves produced, the bookkeeping of splitting, and margins.
+#include "planner/collocation/refinement.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <ostream>
+
+#include "planner/collocation/collocate.h"
+#include "planner/collocation/margins.h"
+#include "tests/support/arbitrary.h"
+#include "tests/support/plants.h"
+
+namespace fjr {
+namespace {
+
+using Vector8 = Eigen::Matrix<double, kStates, 1>;
+
+const Parameters& robot() {
+  static const Parameters p = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
+  return p;
+}
+
+// The collocation solution of an initial value problem on equal steps, u linear in time throughout: stages by fixed
+// point iteration (the steps are short enough to contract).
+Motion simulated(const Scheme& scheme, int steps, double duration) {
+  const auto torque = [&](double t) { return Pair<double>{2 - 3 * t / duration, -0.5 + 1.5 * t / duration}; };
+  Motion motion;
+  const State<double> start = rest_at(robot(), {0.2, -0.3});
+  Vector8 node = Eigen::Map<const Vector8>(start.data());
+  const double h = duration / steps;
+  for (int k = 0; k < steps; ++k) {
+    Eigen::Matrix<double, kStates, Eigen::Dynamic> y = node.replicate(1, scheme.stages()), f = y;
+    for (int iteration = 0; iteration < 100; ++iteration) {
+      for (int j = 0; j < scheme.stages(); ++j) {
+        const Vector8 stage = y.col(j);
+        const auto rate =
+            compensated_dynamics(robot(), State<double>::from(stage.data()), torque(h * (k + scheme.points(j))));
+        f.col(j) = Eigen::Map<const Vector8>(rate.data());
+      }
+      y = node.replicate(1, scheme.stages()) + h * f * scheme.A.transpose();
+    }
+    Motion::Interval interval{k * h, h, Eigen::MatrixXd::Zero(kStates, scheme.stages() + 1),
+                              Eigen::MatrixXd::Zero(kControls, 2)};
+    interval.state.col(0) = node;
+    for (int d = 0; d < scheme.stages(); ++d) interval.state.col(d + 1) = h / (d + 1) * f * scheme.lagrange.col(d);
+    const Pair<double> begin = torque(k * h), end = torque((k + 1) * h);
+    interval.torque << begin[0], end[0] - begin[0], begin[1], end[1] - begin[1];
+    motion.intervals.push_back(interval);
+    node = y.col(scheme.stages() - 1);
+  }
+  return motion;
+}
+
+double largest(const std::vector<double>& values) { return *std::max_element(values.begin(), values.end()); }
+
+class Errors : public testing::TestWithParam<Scheme> {};
+
+TEST_P(Errors, FallWithTheOrderPlusOneWhenIntervalsAreHalved) {
+  const Scheme& scheme = GetParam();
+  constexpr double kDuration = 0.16;
+  const double coarse = largest(interval_errors(robot(), simulated(scheme, 16, kDuration)));
+  const double fine = largest(interval_errors(robot(), simulated(scheme, 32, kDuration)));
+  // The estimate's own integration (classical Runge-Kutta in eight substeps, local order 5) is all that is seen of a
+  // method of order 6. A quarter: the intervals are not yet so short that the first term of the error is all there is.
+  EXPECT_NEAR(std::log2(coarse / fine), scheme.order == 6 ? 5 : scheme.order + 1, 0.25) << coarse << " -> " << fine;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Errors, testing::ValuesIn(all_schemes()),
+                         [](const auto& test) { return identifier(test.param.name); });
+
+TEST(Errors, SeeADefectOfAKnownSize) {
+  Motion motion = simulated(hermite_simpson(), 32, 0.16);
+  motion.intervals[5].state(0, 1) += 1e-3;  // q1 at the end of interval 5
+  motion.intervals[9].state(7, 1) -= 0.2;   // dtheta2 at the end of interval 9
+  const std::vector<double> errors = interval_errors(robot(), motion);
+  EXPECT_NEAR(errors[5], 1e-3, 1e-6);  // up to the interval's own error
+  EXPECT_NEAR(errors[9], 0.2 * kErrorTime, 1e-6);
+}
+
+TEST(Errors, SizeIsTheLargestPositionOrVelocityTimesItsTime) {
+  EXPECT_EQ(error_size({{1e-3, -2e-3}, {0, 0}, {0, 1e-3}, {0, 0}}), 2e-3);
+  EXPECT_EQ(error_size({{0, 0}, {0.1, 0}, {0, 0}, {-0.4, 0}}), 0.4 * kErrorTime);
+}
+
+// ---- splitting ----
+
+TEST(Pieces, FollowTheErrorTheOrderAndTheShortestInterval) {
+  Motion motion;
+  for (const double duration : {0.1, 0.1, 0.1, 0.1, 0.1, 0.01, 0.005}) {
+    motion.intervals.push_back({0, duration, Eigen::MatrixXd::Zero(kStates, 1), Eigen::MatrixXd::Zero(kControls, 1)});
+  }
+  constexpr double kTolerance = 1e-6;
+  constexpr int kOrder = 4;  // two pieces divide an interval's error by 2^5
+  const std::vector<double> errors{0, kTolerance, 2 * kTolerance, 31 * kTolerance, 33 * kTolerance, 1e-3, 1e-3};
+  EXPECT_EQ(pieces_wanted(motion, errors, kTolerance, kOrder, 0.004), (std::vector<int>{1, 1, 2, 2, 4, 2, 1}));
+}
+
+RC_GTEST_PROP(Split, KeepsTheSegmentsWhole, ()) {
+  Mesh mesh;
+  std::vector<int> pieces;
+  const int segments = *rc::gen::inRange(1, 4);
+  for (int s = 0; s < segments; ++s) {
+    const int intervals = *rc::gen::inRange(1, 30);
+    std::vector<double> lengths;
+    for (int i = 0; i < intervals; ++i) lengths.push_back(between(0.1, 1));
+    const double total = std::accumulate(lengths.begin(), lengths.end(), 0.0);
+    for (const double length : lengths) {
+      mesh.intervals.push_back({length / total, s});
+      pieces.push_back(1 << *rc::gen::inRange(0, 3));
+    }
+  }
+  const Mesh finer = split(mesh, pieces);
+  RC_ASSERT(finer.size() == static_cast<std::size_t>(std::accumulate(pieces.begin(), pieces.end(), 0)));
+  RC_ASSERT(finer.segments() == segments);
+  std::vector<double> sums(static_cast<std::size_t>(segments), 0);
+  for (const auto& interval : finer.intervals) sums[static_cast<std::size_t>(interval.segment)] += interval.fraction;
+  for (const double sum : sums) RC_ASSERT(std::abs(sum - 1) < 1e-14);  // at most 120 terms
+  // Every old node is still a node.
+  const std::vector<double> durations(static_cast<std::size_t>(segments), 1.0);
+  const auto before = mesh.node_times(durations), after = finer.node_times(durations);
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < mesh.size(); ++i) {
+    RC_ASSERT(std::abs(before[i] - after[k]) < 1e-14 * 30);
+    k += static_cast<std::size_t>(pieces[i]);
+  }
+}
+
+// ---- margins ----
+
+Problem limited() {
+  Problem problem;
+  problem.robot = robot();
+  problem.limits.torque = {12, 5};
+  problem.limits.motor_velocity = {6, 8};
+  problem.limits.spring_deflection = {0.3864, 0.2262};
+  return problem;
+}
+
+// At rest for 0.1 s: every polynomial zero.
+Motion still() {
+  Motion motion;
+  motion.intervals.push_back({0, 0.1, Eigen::MatrixXd::Zero(kStates, 4), Eigen::MatrixXd::Zero(kControls, 4)});
+  return motion;
+}
+
+// What margins.h calls "a part of the back-off" may be kept: at most all of it counts as an excess.
+constexpr double kBackedOff = 12 * kBackOff;
+
+TEST(Excesses, AreNoneWellInside) {
+  const auto found = excesses(limited(), still());
+  ASSERT_EQ(found.size(), 1u);
+  for (std::size_t i = 0; i < Limits::kCount; ++i) EXPECT_EQ(found[0].data()[i], 0);
+}
+
+TEST(Excesses, SeeATorqueBeyondItsLimitBetweenTheEnds) {
+  Motion motion = still();
+  // 11 + 12 c (1 - c) - friction at rest (none): 14 in the middle, 11 at both ends
+  motion.intervals[0].torque.row(0) << 11, 12, -12, 0;
+  EXPECT_NEAR(excesses(limited(), motion)[0].torque[0], 2, kBackedOff);
+  motion.intervals[0].torque.row(0) *= -1;
+  EXPECT_NEAR(excesses(limited(), motion)[0].torque[0], 2, kBackedOff);
+}
+
+// Motor 1 reverses somewhere within the interval: u = 11.5 is inside on the negative side of the friction step and
+// beyond the limit on the positive one, wherever exactly that is.
+TEST(Excesses, SeeATorqueAcrossTheFrictionStepWhereverItFalls) {
+  const FrictionLaw law = FrictionLaw::of(robot(), 0);
+  for (const double crossing : {0.001, 0.31, 0.5, 0.77, 0.999}) {
+    Motion motion = still();
+    motion.intervals[0].torque.row(0) << 11.5, 0, 0, 0;
+    motion.intervals[0].state.row(6) << -0.1 * crossing, 0.1, 0, 0;  // dtheta1 [rad/s]
+    const double end = law.nonlinear(0.1 * (1 - crossing));
+    const double expected = std::max(0.0, 11.5 + end - 12);
+    EXPECT_NEAR(excesses(limited(), motion)[0].torque[0], expected, kBackedOff) << crossing;
+  }
+}
+
+// u falls just as the friction rises: no probe sees both high together, yet between two of them they may be.
+TEST(Excesses, CountTheStepWithTheTorqueOfBothSides) {
+  Motion motion = still();
+  motion.intervals[0].torque.row(0) << 12, -8, 0, 0;     // 12 -> 4 N m
+  motion.intervals[0].state.row(6) << -0.02, 0.6, 0, 0;  // reverses at c = 1/30, between the first two probes
+  const double step = FrictionLaw::of(robot(), 0).nonlinear(0.01);  // 0.81 N m, soon after it
+  const double found = excesses(limited(), motion)[0].torque[0];
+  EXPECT_GE(found, 12 - 8.0 / 30 + step - 12 - kBackedOff);  // what really happens
+  EXPECT_LE(found, 12 + 1.1 * step - 12);                    // what the whole step can make at most
+}
+
+TEST(Excesses, SeeVelocityDeflectionAndTipSpeed) {
+  Problem problem = limited();
+  problem.limits.tip_speed = 2;
+  Motion motion = still();
+  motion.intervals[0].state.row(6) << 0, 4 * 6.5, -4 * 6.5, 0;    // dtheta1 peaks at 6.5
+  motion.intervals[0].state.row(5) << 0, -4 * 0.25, 4 * 0.25, 0;  // theta2 - q2 peaks at -0.25
+  motion.intervals[0].state.row(2) << 0, 4 * 5.0, -4 * 5.0, 0;    // dq1 peaks at 5: tip at 5 * 0.65 m/s
+  const Limits found = excesses(problem, motion)[0];
+  EXPECT_NEAR(found.motor_velocity[0], 0.5, 6 * kBackOff);
+  EXPECT_NEAR(found.spring_deflection[1], 0.25 - 0.2262, kBackOff);
+  EXPECT_NEAR(found.tip_speed, 5 * 0.65 - 2, 2 * kBackOff);
+  EXPECT_EQ(found.motor_velocity[1], 0);
+  EXPECT_EQ(found.link_position[0], 0);  // no limit there
+}
+
+TEST(Margins, GrowByTheExcessesAndALittleMore) {
+  Motion motion = still();
+  motion.intervals[0].torque.row(0) << 11, 12, -12, 0;
+  const auto found = excesses(limited(), motion);
+  std::vector<Limits> margins;
+  EXPECT_TRUE(widen(margins, found));
+  ASSERT_EQ(margins.size(), 1u);
+  EXPECT_GE(margins[0].torque[0], found[0].torque[0]);
+  EXPECT_LE(margins[0].torque[0], 1.5 * found[0].torque[0]);
+  EXPECT_EQ(margins[0].torque[1], 0);
+  const double before = margins[0].torque[0];
+  EXPECT_TRUE(widen(margins, found));
+  EXPECT_DOUBLE_EQ(margins[0].torque[0], 2 * before);
+  EXPECT_FALSE(widen(margins, excesses(limited(), still())));
+  EXPECT_DOUBLE_EQ(margins[0].torque[0], 2 * before);
+}
+
+TEST(Margins, AreInheritedByEveryPiece) {
+  std::vector<Limits> margins(3);
+  for (std::size_t k = 0; k < 3; ++k) margins[k].torque[0] = static_cast<double>(k);
+  const auto inherits = inherited(margins, {1, 4, 2});
+  ASSERT_EQ(inherits.size(), 7u);
+  const std::vector<double> expected{0, 1, 1, 1, 1, 2, 2};
+  for (std::size_t k = 0; k < 7; ++k) EXPECT_EQ(inherits[k].torque[0], expected[k]);
+  EXPECT_TRUE(inherited(std::vector<Limits>{}, {1, 2}).empty());
+}
+
+}  // namespace
+}  // namespace fjr

@@ -1,0 +1,219 @@
+// Published rows against the motion they were taken from: where they lie, what they hold, and what chords between them
+// lose of the torque's impulse.
+#include "planner/trajectory/sampling.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <vector>
+
+#include "model/friction.h"
+
+namespace fjr {
+namespace {
+
+const Parameters& robot() {
+  static const Parameters p = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
+  return p;
+}
+
+Problem problem() {
+  Problem p;
+  p.robot = robot();
+  p.limits.torque = {12, 5};
+  p.sample_period = 0.001;
+  return p;
+}
+
+// A motion with given node times: dtheta1 = 2 - 14 t (reverses at 1/7 s), dtheta2 = -1 + 9 t (at 1/9 s), the links
+// slow; u linear on every interval and jumping at the nodes. It obeys no dynamics: sampling does not ask for them.
+Motion made(const std::vector<double>& nodes) {
+  Motion motion;
+  for (std::size_t k = 0; k + 1 < nodes.size(); ++k) {
+    const double t = nodes[k], h = nodes[k + 1] - nodes[k];
+    Motion::Interval interval{t, h, Eigen::MatrixXd::Zero(kStates, 3), Eigen::MatrixXd::Zero(kControls, 2)};
+    interval.state << 0.1 + 0.2 * t, 0.2 * h, 0,          // q1
+        -0.3 * t, -0.3 * h, 0,                            // q2
+        0.2, 0, 0, -0.3, 0, 0,                            // dq
+        2 * t - 7 * t * t, (2 - 14 * t) * h, -7 * h * h,  // theta1
+        -t + 4.5 * t * t, (-1 + 9 * t) * h, 4.5 * h * h,  // theta2
+        2 - 14 * t, -14 * h, 0, -1 + 9 * t, 9 * h, 0;     // dtheta
+    const double jump = k % 2 == 0 ? 1 : -1;
+    interval.torque << 3 * jump, 20 * h, 2 * jump, -10 * h;
+    motion.intervals.push_back(interval);
+  }
+  return motion;
+}
+
+std::vector<double> uneven_nodes() { return {0, 0.0313, 0.0655, 0.1001, 0.14217, 0.1777, 0.2, 0.2345}; }
+
+Pair<double> exact_torque(const Motion& motion, std::size_t interval, double time) {
+  Pair<double> tau = motion.torque_in(interval, time);
+  const State<double> x = motion.state_in(interval, time);
+  for (int j = 0; j < kJoints; ++j) {
+    tau[static_cast<std::size_t>(j)] += FrictionLaw::of(robot(), j).nonlinear(x.dtheta[static_cast<std::size_t>(j)]);
+  }
+  return tau;
+}
+
+bool is_multiple(double time, double period) {
+  return std::abs(time - std::round(time / period) * period) < 1e-12;  // times below 1 s: roundings
+}
+
+TEST(Sampling, RowsIncreaseAndReachFromStartToEnd) {
+  const Motion motion = made(uneven_nodes());
+  const auto rows = sample(problem(), motion).samples;
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) EXPECT_LT(rows[i].time, rows[i + 1].time);
+  EXPECT_EQ(rows.front().time, 0);
+  EXPECT_EQ(rows.back().time, motion.duration());
+  const State<double> first = motion.state_in(0, 0), last = motion.state_in(6, motion.duration());
+  for (int i = 0; i < kStates; ++i) {
+    EXPECT_EQ(rows.front().state.data()[i], first.data()[i]);
+    EXPECT_EQ(rows.back().state.data()[i], last.data()[i]);
+  }
+}
+
+TEST(Sampling, EveryMultipleOfThePeriodHasARowAndTheRestArePairs) {
+  const Motion motion = made(uneven_nodes());
+  const auto rows = sample(problem(), motion).samples;
+  int multiples = 0;
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    if (is_multiple(rows[i].time, 0.001)) {
+      ++multiples;
+      continue;
+    }
+    const double spacing = std::min(rows[i].time - rows[i - 1].time, rows[i + 1].time - rows[i].time);
+    EXPECT_NEAR(spacing, kJumpSpacing, 1e-12) << rows[i].time;
+  }
+  EXPECT_EQ(multiples, 235);  // 0 .. 0.234; the end is at 0.2345
+}
+
+TEST(Sampling, RowsHoldTheStateAndTorqueOfTheMotion) {
+  const Motion motion = made(uneven_nodes());
+  for (const Sample& row : sample(problem(), motion).samples) {
+    std::size_t k = motion.interval_at(row.time);
+    if (k > 0 && row.time - motion.intervals[k].start < 0.4 * kJumpSpacing) --k;  // rows at a node hold what was before
+    const State<double> x = motion.state_in(k, row.time);
+    for (int i = 0; i < kStates; ++i) EXPECT_NEAR(row.state.data()[i], x.data()[i], 1e-13) << row.time;
+    const Pair<double> tau = exact_torque(motion, k, row.time);
+    // A rounding of dtheta (1e-16 rad/s) times the steepest slope of the friction law (5,500 N m s/rad).
+    for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(row.torque[j], tau[j], 1e-11) << row.time;
+  }
+}
+
+TEST(Sampling, TorqueIsHeldToItsLimits) {
+  Motion motion = made(uneven_nodes());
+  for (auto& interval : motion.intervals) interval.torque *= 5;  // up to 15 N m
+  bool reached = false;
+  for (const Sample& row : sample(problem(), motion).samples) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      EXPECT_LE(std::abs(row.torque[j]), problem().limits.torque[j]);
+      reached = reached || std::abs(row.torque[j]) == problem().limits.torque[j];
+    }
+  }
+  EXPECT_TRUE(reached);
+}
+
+// Both rows of the pair at `node`, or nothing.
+std::vector<Sample> pair_at(const std::vector<Sample>& rows, double node) {
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    const bool pair = rows[i + 1].time - rows[i].time < 1.5 * kJumpSpacing;
+    if (pair && rows[i].time <= node + kJumpSpacing && rows[i + 1].time >= node - kJumpSpacing) {
+      return {rows[i], rows[i + 1]};
+    }
+  }
+  return {};
+}
+
+TEST(Sampling, JumpsAtNodesBecomePairs) {
+  const auto nodes = uneven_nodes();
+  const Motion motion = made(nodes);
+  const auto rows = sample(problem(), motion).samples;
+  for (std::size_t k = 1; k + 1 < nodes.size(); ++k) {  // 0.2 is a multiple of the period as well
+    const auto pair = pair_at(rows, nodes[k]);
+    ASSERT_EQ(pair.size(), 2u) << nodes[k];
+    const Pair<double> before = exact_torque(motion, k - 1, nodes[k]), after = exact_torque(motion, k, nodes[k]);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      EXPECT_NEAR(pair[0].torque[j], before[j], 1e-3);  // u and friction change by less in a microsecond
+      EXPECT_NEAR(pair[1].torque[j], after[j], 1e-3);
+    }
+  }
+}
+
+// What is wanted between two times: int of u + exact friction, by a fine midpoint rule between the nodes.
+Pair<double> impulse(const Motion& motion, double from, double to) {
+  Pair<double> sum{0, 0};
+  double at = from;
+  for (std::size_t k = motion.interval_at(from); at < to; ++k) {
+    const double node = k + 1 < motion.intervals.size() ? std::min(motion.intervals[k + 1].start, to) : to;
+    constexpr int kPieces = 2000;  // of half a microsecond, in which friction crosses a twentieth of its step
+    const double h = (node - at) / kPieces;
+    for (int i = 0; i < kPieces && h > 0; ++i) {
+      const Pair<double> tau = exact_torque(motion, k, at + (i + 0.5) * h);
+      for (std::size_t j = 0; j < kJoints; ++j) sum[j] += h * tau[j];
+    }
+    at = std::max(node, at);
+  }
+  return sum;
+}
+
+// Largest velocity error [rad/s] that the chords make of a motor in any one period, and over the whole motion.
+struct Missed {
+  double in_a_period = 0, in_all = 0;
+};
+
+Missed missed(const Motion& motion) {
+  const auto rows = sample(problem(), motion).samples;
+  Missed missed;
+  Pair<double> total{0, 0}, period{0, 0};
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    const double h = rows[i + 1].time - rows[i].time;
+    const Pair<double> wanted = impulse(motion, rows[i].time, rows[i + 1].time);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double miss = 0.5 * h * (rows[i].torque[j] + rows[i + 1].torque[j]) - wanted[j];
+      period[j] += miss / robot().motor.inertia[j];
+      total[j] += miss / robot().motor.inertia[j];
+      missed.in_a_period = std::max(missed.in_a_period, std::abs(period[j]));
+    }
+    if (is_multiple(rows[i + 1].time, 0.001)) period = {0, 0};
+  }
+  missed.in_all = std::max(std::abs(total[0]), std::abs(total[1]));
+  return missed;
+}
+
+// sampling.cc promises 1e-4 rad/s a piece; a period with a reversal and a jump in it has several pieces.
+constexpr double kVelocityError = 1e-4;
+
+TEST(Sampling, ChordsCarryTheImpulseOfTheTorque) {
+  const Missed m = missed(made(uneven_nodes()));
+  EXPECT_LT(m.in_a_period, 3 * kVelocityError);
+  EXPECT_LT(m.in_all, 10 * kVelocityError);  // two reversals, six jumps, and nothing to speak of in between
+}
+
+// Fixed durations put nodes onto multiples of the sample period, up to rounding and up to a fraction of a jump's
+// spacing.
+TEST(Sampling, ChordsCarryTheImpulseWhenNodesFallOnRows) {
+  for (const double offset :
+       {0.0, 1e-17, 1e-15, -1e-15, 1e-13, -1e-13, 2e-7, -2e-7, 4e-7, -4e-7, 9e-7, -9e-7, 2e-6, -2e-6}) {
+    std::vector<double> nodes;
+    for (int k = 0; k <= 8; ++k) nodes.push_back(0.03 * k + (k > 0 && k < 8 ? offset : 0));
+    const Missed m = missed(made(nodes));
+    EXPECT_LT(m.in_a_period, 3 * kVelocityError) << offset;
+    EXPECT_LT(m.in_all, 10 * kVelocityError) << offset;
+  }
+}
+
+TEST(Sampling, IsTheSameToTheBitTheSecondTime) {
+  const Motion motion = made(uneven_nodes());
+  const auto a = sample(problem(), motion).samples, b = sample(problem(), motion).samples;
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    EXPECT_EQ(a[i].time, b[i].time);
+    EXPECT_EQ(a[i].torque, b[i].torque);
+  }
+}
+
+}  // namespace
+}  // namespace fjr

@@ -99,8 +99,8 @@ TEST_P(Optimum, BrysonDenhamWithTheStateBoundedAsAVariableOrAsARow) {
     const Plant nlp = bryson_denham(GetParam(), 24, kL, as_row);
     const SolveReport report = solve(nlp, zeros(nlp, 1), exact());
     ASSERT_EQ(report.status, SolveStatus::kOptimal);
-    // Order 2: h^2 = 1.7e-3 times curvatures of some hundreds. Higher orders: the solver's tolerance.
-    EXPECT_NEAR(report.objective, 4 / (9 * kL), GetParam().order > 2 ? 1e-6 : 2e-2) << as_row;
+    // Order 2: measured 1.6e-2. Higher orders: the solver's tolerance.
+    EXPECT_NEAR(report.objective, 4 / (9 * kL), GetParam().order > 2 ? 1e-8 : 2e-2) << as_row;
     for (int k = 0; k <= nlp.intervals(); ++k) EXPECT_LE(report.iterate.x(nlp.node_at(k)), kL + 1e-9);
   }
 }
@@ -189,8 +189,8 @@ TEST(Ipopt, WarmStartTakesTheMultipliers) {
   options.initial_barrier = 1e-8;
   const SolveReport warm = solve(nlp, cold.iterate, options);
   EXPECT_EQ(warm.status, SolveStatus::kOptimal);
-  EXPECT_LE(warm.iterations, 3);  // measured: 1
-  EXPECT_GT(cold.iterations, 3 * warm.iterations);
+  EXPECT_LE(warm.iterations, 1);  // measured: 0
+  EXPECT_GT(cold.iterations, 5);
 }
 
 }  // namespace

@@ -183,13 +183,14 @@ Missed missed(const Motion& motion) {
   return missed;
 }
 
-// sampling.cc promises 1e-4 rad/s a piece; a period with a reversal and a jump in it has several pieces.
-constexpr double kVelocityError = 1e-4;
+// sampling.cc promises 1e-4 rad/s a piece; a period with a reversal and a jump in it has several. Measured: 2.7e-4 in
+// the worst period, 2.1e-4 in all; one jump missed makes 2.7e-3.
+constexpr double kMissed = 4e-4;
 
 TEST(Sampling, ChordsCarryTheImpulseOfTheTorque) {
   const Missed m = missed(made(uneven_nodes()));
-  EXPECT_LT(m.in_a_period, 3 * kVelocityError);
-  EXPECT_LT(m.in_all, 10 * kVelocityError);  // two reversals, six jumps, and nothing to speak of in between
+  EXPECT_LT(m.in_a_period, kMissed);
+  EXPECT_LT(m.in_all, kMissed);  // two reversals, six jumps, and nothing to speak of in between
 }
 
 // Fixed durations put nodes onto multiples of the sample period, up to rounding and up to a fraction of a jump's
@@ -200,8 +201,8 @@ TEST(Sampling, ChordsCarryTheImpulseWhenNodesFallOnRows) {
     std::vector<double> nodes;
     for (int k = 0; k <= 8; ++k) nodes.push_back(0.03 * k + (k > 0 && k < 8 ? offset : 0));
     const Missed m = missed(made(nodes));
-    EXPECT_LT(m.in_a_period, 3 * kVelocityError) << offset;
-    EXPECT_LT(m.in_all, 10 * kVelocityError) << offset;
+    EXPECT_LT(m.in_a_period, kMissed) << offset;
+    EXPECT_LT(m.in_all, kMissed) << offset;
   }
 }
 

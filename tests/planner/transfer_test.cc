@@ -96,7 +96,7 @@ TEST_P(TransferOf, ASolutionToAMixedMeshIsNearItsOptimum) {
   VectorXd defects(fine.constraints());
   fine.constraint_values(moved.x, defects);
   const auto beyond = (fine.g_lower - defects).cwiseMax(defects - fine.g_upper);
-  EXPECT_LT(beyond.maxCoeff(), GetParam().order > 2 ? 1e-5 : 1e-2);  // local errors of intervals of 0.06 s
+  EXPECT_LT(beyond.maxCoeff(), GetParam().order > 2 ? 1e-5 : 1e-4);  // local errors; measured 3e-6, 3e-5
 }
 
 // A multiplier of the wrong sign costs an interior-point method more than one of the wrong size.

@@ -36,7 +36,7 @@ struct Progress {
 
 struct PlanOptions {
   double deadline = 0;  // [s] of wall time; 0: none
-  std::string linear_solver = "mumps";
+  std::string linear_solver = "stage";
   int starts = 0;  // 0: the default for the objective
   std::function<void(const Progress&)> on_progress;
   std::function<bool()> cancelled;  // polled between iterations

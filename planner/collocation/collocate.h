@@ -18,7 +18,7 @@ inline constexpr double kBackOff = 1e-4;
 struct CollocationSetup {
   Scheme scheme;
   Mesh mesh;
-  double friction_width = 0;    // [rad/s] of the smoothed law; 0: the exact law
+  double friction_width = 0;          // [rad/s] of the smoothed law; 0: the exact law
   std::vector<Limits> margins{};      // per interval, taken off each limit (same units); empty: none
   std::vector<Pair<double>> creep{};  // [rad/s] per interval, see creep.h; empty: none
 };

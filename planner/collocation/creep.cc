@@ -7,9 +7,9 @@
 namespace fjr {
 namespace {
 
-constexpr int kProbes = 8;           // per interval
+constexpr int kProbes = 8;              // per interval
 constexpr double kShortestRest = 0.04;  // [s] shorter ones are over before the deviation has grown to a count
-constexpr double kFaster = 2.0;      // than the band's edge, where the law's slope is zero: here it is clearly positive
+constexpr double kFaster = 2.0;  // than the band's edge, where the law's slope is zero: here it is clearly positive
 
 bool rests(const Motion& motion, std::size_t interval, std::size_t joint, double band) {
   const auto& i = motion.intervals[interval];

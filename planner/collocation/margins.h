@@ -17,5 +17,4 @@ std::vector<Limits> excesses(const Problem& problem, const Motion& motion);
 // False when there was nothing to add.
 bool widen(std::vector<Limits>& margins, const std::vector<Limits>& excesses);
 
-
 }  // namespace fjr

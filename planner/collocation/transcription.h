@@ -74,6 +74,7 @@ class Transcription final : public Nlp {
     find_structure();
     set_bounds();
     set_patterns();
+    set_stages();
   }
 
   const Ocp& ocp() const { return ocp_; }
@@ -336,6 +337,19 @@ class Transcription final : public Nlp {
           hessian_pattern.push_back({std::max(row, col), std::min(row, col)});
         });
       }
+    }
+  }
+
+  // Interval k is stage k, with the node at its end; the durations are the border.
+  void set_stages() {
+    stages = intervals();
+    variable_stage.assign(static_cast<std::size_t>(x_lower.size()), intervals());
+    constraint_stage.assign(static_cast<std::size_t>(rows_), intervals());
+    std::fill_n(variable_stage.begin(), kX, 0);
+    for (int k = 0; k < intervals(); ++k) {
+      std::fill(variable_stage.begin() + interval_at(k), variable_stage.begin() + interval_at(k + 1), k);
+      const int end = k + 1 < intervals() ? interval_row_[index(k + 1)] : (total_row_ >= 0 ? total_row_ : rows_);
+      std::fill(constraint_stage.begin() + interval_row_[index(k)], constraint_stage.begin() + end, k);
     }
   }
 

@@ -176,8 +176,10 @@ void add_plan(CLI::App& app, int& exit_code) {
       ->type_name("DIR");
   command->add_flag("--json", options->json, "Only JSON on stdout: plan.json, an array of them for several requests");
   command->add_option("--linear-solver", options->plan.linear_solver, "Solver of the linear systems")
-      ->check(CLI::IsMember({"mumps"}))
+      ->check(CLI::IsMember({"stage", "mumps"}))
       ->capture_default_str();
+  command->add_option("--starts", options->plan.starts, "Starts of the optimiser; default by objective, 1 to 6")
+      ->check(CLI::Range(1, 100));
   command->add_option("--deadline", options->plan.deadline, "Wall time allowed for each request, in seconds")
       ->check(CLI::PositiveNumber)
       ->type_name("S");

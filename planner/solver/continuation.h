@@ -19,7 +19,7 @@ struct ContinuationSettings {
   double shortest_interval = 2.5e-4;  // [s] refinement stops there: a switch inside costs less than the tolerance
   int cold_iterations = 400;
   int warm_iterations = 150;
-  std::string linear_solver = "mumps";
+  std::string linear_solver = "stage";
 };
 
 // What stops everything: asked before every solve and in every iteration.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/solver/kkt/ma27.h"
+
 namespace fjr {
 namespace {
 
@@ -144,11 +146,12 @@ SolveStatus translate(Ipopt::ApplicationReturnStatus status) {
   }
 }
 
-void configure(Ipopt::OptionsList& o, const SolveOptions& options) {
+void configure(Ipopt::OptionsList& o, const SolveOptions& options, const std::string& linear_solver) {
   o.SetNumericValue("tol", options.tolerance);
   o.SetNumericValue("constr_viol_tol", options.constraint_tolerance);
   o.SetIntegerValue("max_iter", options.max_iterations);
-  o.SetStringValue("linear_solver", options.linear_solver);
+  o.SetStringValue("linear_solver", linear_solver == "stage" ? "ma27" : linear_solver);
+  o.SetStringValue("linear_system_scaling", "none");
   o.SetStringValue("mu_strategy", options.barrier_strategy);
   o.SetNumericValue("mu_init", options.initial_barrier);
   o.SetIntegerValue("print_level", options.print_level);
@@ -174,6 +177,23 @@ void configure(Ipopt::OptionsList& o, const SolveOptions& options) {
   }
 }
 
+// Stages of the rows of Ipopt's KKT matrix: free variables (fixed ones are parameters), slacks, equalities,
+// inequalities.
+std::vector<int> kkt_stages(const Nlp& nlp) {
+  std::vector<int> stages, equalities, inequalities;
+  for (Index i = 0; i < nlp.variables(); ++i) {
+    if (nlp.x_lower(i) != nlp.x_upper(i)) stages.push_back(nlp.variable_stage[static_cast<std::size_t>(i)]);
+  }
+  for (Index i = 0; i < nlp.constraints(); ++i) {
+    (nlp.g_lower(i) == nlp.g_upper(i) ? equalities : inequalities)
+        .push_back(nlp.constraint_stage[static_cast<std::size_t>(i)]);
+  }
+  for (const auto* part : {&inequalities, &equalities, &inequalities}) {
+    stages.insert(stages.end(), part->begin(), part->end());
+  }
+  return stages;
+}
+
 }  // namespace
 
 const char* name(SolveStatus status) {
@@ -196,7 +216,10 @@ const char* name(SolveStatus status) {
 
 SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
-  configure(*application->Options(), options);
+  if (linear_solver == "stage") describe_chain(kkt_stages(nlp), nlp.stages);
+  // A problem of no known structure has no stages to factorise by.
+  const std::string linear_solver = nlp.stages == 0 ? "mumps" : options.linear_solver;
+  configure(*application->Options(), options, linear_solver);
   application->Initialize("");                          // no options file: a plan depends on its request alone
   Adapter* adapter = new Adapter(nlp, start, options);  // owned by the smart pointer, Ipopt's own reference count
   Ipopt::SmartPtr<Ipopt::TNLP> held = adapter;

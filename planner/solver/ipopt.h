@@ -37,7 +37,7 @@ struct SolveOptions {
   double initial_barrier = 0.1;  // mu; small for warm starts
   bool warm_start = false;       // start from the given multipliers and do not push the point off its bounds
   std::string barrier_strategy = "adaptive";  // or "monotone"
-  std::string linear_solver = "mumps";
+  std::string linear_solver = "stage";        // kkt/chain_ldlt.h; or any name stock Ipopt knows, such as "mumps"
   int print_level = 0;
   // Called after every iteration; return false to stop.
   std::function<bool(const IterationInfo&)> monitor;

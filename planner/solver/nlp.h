@@ -23,6 +23,12 @@ class Nlp {
   std::vector<Entry> jacobian_pattern;
   std::vector<Entry> hessian_pattern;  // lower triangle; repeated entries add up
 
+  // Stage of every variable and constraint when the problem is a chain: constraints of a stage see variables of that
+  // and of the stage before, and those of the border, whose stage is `stages`. 0 stages: nothing is known of the
+  // structure.
+  int stages = 0;
+  std::vector<int> variable_stage, constraint_stage;
+
   Eigen::Index variables() const { return x_lower.size(); }
   Eigen::Index constraints() const { return g_lower.size(); }
 

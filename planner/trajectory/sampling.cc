@@ -37,8 +37,8 @@ class Sampler {
   }
 
  private:
-  // The interval that a time belongs to when approached from before. A node that is nearer than a jump is wide counts as
-  // ahead: between() meets it there.
+  // The interval that a time belongs to when approached from before. A node that is nearer than a jump is wide counts
+  // as ahead: between() meets it there.
   std::size_t interval_before(double time) const {
     const std::size_t k = motion_.interval_at(time);
     return k > 0 && motion_.intervals[k].start >= time - kJumpSpacing ? k - 1 : k;

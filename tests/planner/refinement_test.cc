@@ -64,8 +64,8 @@ TEST_P(Errors, FallWithTheOrderPlusOneWhenIntervalsAreHalved) {
   const double coarse = largest(interval_errors(robot(), simulated(scheme, 16, kDuration)));
   const double fine = largest(interval_errors(robot(), simulated(scheme, 32, kDuration)));
   // The estimate's own integration (classical Runge-Kutta in eight substeps, local order 5) is all that is seen of a
-  // method of order 6. 0.2: what
-  // the next power of h leaves at these lengths (measured: at most 0.13).
+  // method of order 6.
+  // 0.2: what the next power of h leaves at these lengths (measured: at most 0.13).
   EXPECT_NEAR(std::log2(coarse / fine), scheme.order == 6 ? 5 : scheme.order + 1, 0.2) << coarse << " -> " << fine;
 }
 

@@ -397,7 +397,7 @@ TEST_P(Values, BoundsLandAtTheirVariables) {
   tight.u_upper = {0.5};
   tight.row_upper = {0.25, kInfinity, kInfinity};
   ocp.bounds = {loose, tight, loose, loose};
-  ocp.at_nodes = {{0, {0.1, 7}, {0.1, 7}}, {3, {-1, -kInfinity}, {kInfinity, 1.5}}};  // 7 is beyond the general bound
+  ocp.at_nodes = {{0, {-7, 7}, {-7, 7}}, {3, {-1, -kInfinity}, {kInfinity, 1.5}}};  // 7 is beyond the general bounds
   ocp.durations = {{0.1, 2}, {0.2, 3}};
   ocp.total_duration = {0.5, 4};
   const Transcription<VanDerPol> nlp(ocp, scheme, mesh_of_segments(2));
@@ -406,9 +406,9 @@ TEST_P(Values, BoundsLandAtTheirVariables) {
     EXPECT_EQ(nlp.x_lower(at), lower) << at;
     EXPECT_EQ(nlp.x_upper(at), upper) << at;
   };
-  expect(nlp.node_at(0), 0.1, 0.1);  // given
-  expect(nlp.node_at(0) + 1, 7, 7);  // given, whatever the general bound
-  expect(nlp.node_at(2), -5, 1);     // the node between intervals 1 and 2: the tighter of both
+  expect(nlp.node_at(0), -7, -7);  // given, whatever the general bound
+  expect(nlp.node_at(0) + 1, 7, 7);
+  expect(nlp.node_at(2), -5, 1);  // the node between intervals 1 and 2: the tighter of both
   expect(nlp.node_at(2) + 1, -kInfinity, 2);
   expect(nlp.node_at(3), -1, 5);  // bounded at the node below, in general above
   expect(nlp.node_at(3) + 1, -kInfinity, 1.5);

@@ -1,0 +1,78 @@
+#include "planner/solver/kkt/ma27.h"
+
+#include <algorithm>
+#include <exception>
+#include <span>
+
+#include "planner/solver/kkt/chain_ldlt.h"
+
+namespace fjr {
+namespace {
+
+thread_local std::vector<int> described_stage;
+thread_local int described_stages = 0;
+thread_local ChainLdlt factor;
+thread_local std::vector<int> rows, cols;
+
+}  // namespace
+
+void describe_chain(std::vector<int> stage, int stages) {
+  described_stage = std::move(stage);
+  described_stages = stages;
+}
+
+}  // namespace fjr
+
+// The Fortran interface of MA27 (HSL specification): every argument by address, arrays 1-based. Only what Ipopt reads
+// is set: info(1) status, info(5) and info(6) recommended lengths, info(15) negative eigenvalues; the rest is zero. The
+// factors stay in `factor`, so of the caller's work space nothing is used.
+extern "C" {
+
+void ma27id_(int* icntl, double* cntl) {
+  std::fill_n(icntl, 30, 0);
+  std::fill_n(cntl, 5, 0.0);
+  cntl[0] = 0.1;
+}
+
+void ma27ad_(const int* n, const int* nz, const int* irn, const int* icn, int* /*iw*/, const int* /*liw*/,
+             int* /*ikeep*/, int* /*iw1*/, int* nsteps, const int* /*iflag*/, const int* /*icntl*/,
+             const double* /*cntl*/, int* info, double* ops) {
+  std::fill_n(info, 20, 0);
+  *ops = 0;
+  *nsteps = 1;
+  const auto count = static_cast<std::size_t>(*nz);
+  info[4] = std::max(*nz, 1);
+  info[5] = std::max(*nz, 1);
+  if (fjr::described_stage.size() != static_cast<std::size_t>(*n)) {
+    info[0] = -1;  // "N out of range": nobody said what this matrix is
+    return;
+  }
+  fjr::rows.resize(count);
+  fjr::cols.resize(count);
+  const auto zero_based = [](int i) { return i - 1; };
+  std::transform(irn, irn + count, fjr::rows.begin(), zero_based);
+  std::transform(icn, icn + count, fjr::cols.begin(), zero_based);
+  try {
+    fjr::factor.analyse(*n, fjr::rows, fjr::cols, fjr::described_stage, fjr::described_stages);
+  } catch (const std::exception&) {
+    info[0] = -1;
+  }
+}
+
+void ma27bd_(const int* /*n*/, const int* nz, const int* /*irn*/, const int* /*icn*/, const double* a,
+             const int* /*la*/, int* /*iw*/, const int* /*liw*/, int* /*ikeep*/, const int* /*nsteps*/, int* maxfrt,
+             int* /*iw1*/, const int* /*icntl*/, const double* cntl, int* info) {
+  std::fill_n(info, 20, 0);
+  *maxfrt = 1;
+  const double threshold = std::clamp(cntl[0], 1e-10, 0.5);
+  if (!fjr::factor.factorise(std::span(a, static_cast<std::size_t>(*nz)), threshold)) info[0] = -5;  // singular
+  info[14] = fjr::factor.negative_eigenvalues();
+}
+
+void ma27cd_(const int* n, const double* /*a*/, const int* /*la*/, const int* /*iw*/, const int* /*liw*/, double* /*w*/,
+             const int* /*maxfrt*/, double* rhs, int* /*iw1*/, const int* /*nsteps*/, const int* /*icntl*/,
+             const double* /*cntl*/) {
+  fjr::factor.solve(std::span(rhs, static_cast<std::size_t>(*n)));
+}
+
+}  // extern "C"

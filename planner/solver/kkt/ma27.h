@@ -1,0 +1,17 @@
+// The chain factorisation behind the calling convention that stock Ipopt loads its linear solvers by.
+//
+// Debian's Ipopt has no headers for a solver of one's own, but it loads MA27 at run time from a library named
+// libhsl.so. The library that this file belongs to has that name and those symbols, and is linked into the program: the
+// loader finds it already there, and linear_solver = ma27 then means ChainLdlt. The convention has no room for the
+// stages, so they are told beforehand.
+#pragma once
+
+#include <vector>
+
+namespace fjr {
+
+// Stage of every row of the KKT matrices to come on this thread, in Ipopt's order: free variables, slacks of the
+// inequalities, equality rows, inequality rows; and how many stages there are (see ChainLdlt::analyse).
+void describe_chain(std::vector<int> stage, int stages);
+
+}  // namespace fjr

@@ -55,9 +55,9 @@ struct FrictionLaw {
   // True when torque() increases everywhere, found by scanning the slope over all of the law's scales.
   bool increasing() const;
 
-  // Half width of the band around rest in which the complete law falls with speed, from zero to its first minimum; there a
-  // motor runs away from rest exponentially. 0 for a law that increases at rest, infinite for one that falls for ever.
-  // [rad/s]
+  // Half width of the band around rest in which the complete law falls with speed, from zero to its first minimum;
+  // there a motor runs away from rest exponentially. 0 for a law that increases at rest, infinite for one that falls
+  // for ever. [rad/s]
   double unstable_band() const;
 
   // d torque / dv at v.

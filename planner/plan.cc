@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "planner/collocation/guess.h"
+#include "planner/collocation/margins.h"
 #include "planner/collocation/refinement.h"
 #include "planner/solver/continuation.h"
 #include "planner/trajectory/objective.h"
@@ -40,32 +41,43 @@ std::vector<Guess> guesses(const Problem& problem, int count) {
   return all;
 }
 
+// The optimiser's tolerances and regularisation are meant for objectives of order 1 to 100; weights may be of any size.
+double objective_scale(const Weights& weights) {
+  return std::max({weights.time, weights.effort, 10 * weights.link_acceleration, 1e4 * weights.torque_rate});
+}
+
 // One request on its way through the pipeline.
 class Planner {
  public:
-  Planner(const Problem& problem, const PlanOptions& options) : problem_(problem), options_(options) {
+  Planner(const Problem& problem, const PlanOptions& options)
+      : problem_(problem), scale_(objective_scale(problem.weights)), scaled_(problem), options_(options) {
     settings_.linear_solver = options.linear_solver;
+    visit_weights(scaled_.weights, [this](const char*, double& weight) { weight /= scale_; });
   }
 
   Plan run() {
     find_starts();
     if (!stopped()) finish_best();
-    if (!plan_.certificate && !stopped()) explain_failure();
-    if (stopped()) {
-      plan_.status = deadline_passed() ? PlanStatus::kDeadline : PlanStatus::kCancelled;
-      plan_.reason = deadline_passed() ? fmt::format("the time budget of {} s was used up", options_.deadline)
-                                       : "stopped on request";
+    if (plan_.status == PlanStatus::kCertified && deadline_passed_) {
+      plan_.reason = "";  // what was certified in time is the plan, though other starts were not finished
+    } else if (stopped()) {
+      plan_.status = deadline_passed_ ? PlanStatus::kDeadline : PlanStatus::kCancelled;
+      plan_.reason = deadline_passed_ ? fmt::format("the time budget of {} s was used up", options_.deadline)
+                                      : "stopped on request";
       plan_.trajectory.reset();
       plan_.certificate.reset();
+    } else if (!plan_.certificate) {
+      explain_failure();
     }
     plan_.timing["total"] = seconds_since(began_);
     return std::move(plan_);
   }
 
  private:
-  bool deadline_passed() const { return options_.deadline > 0 && seconds_since(began_) > options_.deadline; }
   bool interrupted() {
-    stopped_ = stopped_ || deadline_passed() || (options_.cancelled && options_.cancelled());
+    if (stopped_) return true;
+    deadline_passed_ = options_.deadline > 0 && seconds_since(began_) > options_.deadline;
+    stopped_ = deadline_passed_ || (options_.cancelled && options_.cancelled());
     return stopped_;
   }
   bool stopped() const { return stopped_; }
@@ -76,7 +88,8 @@ class Planner {
         [this](const Progress& p) {
           if (!options_.on_progress) return;
           Progress overall = p;
-          overall.iteration += plan_.iterations;
+          overall.iteration += plan_.iterations - booked_of_present_;
+          overall.objective *= scale_;
           options_.on_progress(overall);
         });
     c.label = label;
@@ -87,6 +100,7 @@ class Planner {
   void book(const Continuation& c, std::size_t from = 0) {
     for (std::size_t i = from; i < c.stages().size(); ++i) {
       plan_.stages.push_back(c.stages()[i]);
+      plan_.stages.back().objective *= scale_;
       plan_.iterations += c.stages()[i].iterations;
     }
   }
@@ -99,7 +113,7 @@ class Planner {
     for (std::size_t i = 0; i < all.size() && !interrupted(); ++i) {
       // The further guesses are there for other minima, and for when the first finds nothing.
       if (static_cast<int>(i) >= count && !candidates_.empty()) break;
-      try_start(all[i], fmt::format("start {} of {}", i + 1, count));
+      try_start(all[i], fmt::format("start {} of {}", i + 1, std::max(static_cast<int>(i) + 1, count)));
     }
     if (candidates_.empty() && !interrupted()) try_from_fastest();
     std::stable_sort(candidates_.begin(), candidates_.end(), [](const Continuation& a, const Continuation& b) {
@@ -109,7 +123,7 @@ class Planner {
   }
 
   void try_start(const Guess& guess, const std::string& label) {
-    Continuation c = continuation(problem_, label);
+    Continuation c = continuation(scaled_, label);
     const bool found = c.begin(guess);
     book(c);
     ++plan_.starts;
@@ -123,7 +137,7 @@ class Planner {
   // The fastest motion of the same request is a feasible start for it, stretched to the time it has; and when even that
   // takes longer than allowed, the reason is found.
   void try_from_fastest() {
-    Problem fastest = problem_;
+    Problem fastest = scaled_;
     fastest.weights = Weights{};
     fastest.weights.time = 1;
     if (!problem_.via.empty()) return;  // via points come with a fixed duration
@@ -149,14 +163,18 @@ class Planner {
     std::vector<double> coarse;  // objectives before finishing, in ascending order
     for (const Continuation& c : candidates_) coarse.push_back(c.solution().report.objective);
     int finished = 0;
+    bool minimum_certified = false;  // the one that the candidates at hand share
     for (std::size_t i = 0; i < candidates_.size() && !interrupted(); ++i) {
-      if (i > 0 && same_minimum(coarse[i], coarse[i - 1])) continue;
-      ++plan_.distinct_minima;
+      const bool same = i > 0 && same_minimum(coarse[i], coarse[i - 1]);
+      if (!same) ++plan_.distinct_minima;
+      if (same && minimum_certified) continue;
       const bool promising = coarse[i] < (1 + kWorthFinishing) * coarse.front() && finished < kMostFinished;
       if (plan_.status == PlanStatus::kCertified && !promising) continue;
       Continuation& c = candidates_[i];
       const std::size_t booked = c.stages().size();
-      if (c.finish()) certify_and_refine(c);
+      booked_of_present_ = c.iterations();
+      minimum_certified = c.finish() && certify_and_refine(c);
+      booked_of_present_ = 0;
       book(c, booked);
       ++finished;
     }
@@ -167,25 +185,61 @@ class Planner {
     return std::abs(x - y) <= kSameMinimum * std::max(std::abs(x), std::abs(y));
   }
 
-  void certify_and_refine(Continuation& c) {
+  // True when a certified trajectory came of it.
+  bool certify_and_refine(Continuation& c) {
     for (int round = 0; round < kCertificateRounds && !interrupted(); ++round) {
       const auto start = Clock::now();
       Trajectory trajectory = sample(problem_, c.solution().motion);
       if (trajectory.samples.size() > kMaxRows) {
-        plan_.reason =
-            fmt::format("the trajectory needs {} rows, more than the {} allowed", trajectory.samples.size(), kMaxRows);
-        return;
+        failure_ =
+            fmt::format("the trajectory needs {} rows, more than the {} allowed: a longer sample_period would do",
+                        trajectory.samples.size(), kMaxRows);
+        return false;
       }
       Certificate certificate = certify(problem_.robot, problem_.limits, trajectory);
+      check_against_request(trajectory, certificate);
       const bool certified = certificate.certified;
+      const std::vector<LimitCheck> limits = certificate.limits;
       const std::vector<double> errors = rollout_errors(c, trajectory);
-      if (certified || !plan_.certificate) record(c, std::move(trajectory), std::move(certificate));
+      record(c, std::move(trajectory), std::move(certificate));
       plan_.timing["certificate"] += seconds_since(start);
-      if (certified) return;
-      // A plan that rests where the arm cannot is not a matter of accuracy.
-      if (!c.creep() && !c.refine(errors)) return;
-      if (!c.keep_margins()) return;
+      if (certified) return true;
+      // A limit that only the rows exceed wants a margin; a rest where the arm cannot rest, motion; the rest, accuracy.
+      if (!c.keep_margins(limits) && !c.creep() && !c.refine(errors)) return false;
+      c.keep_margins();
     }
+    return false;
+  }
+
+  // The certificate is about a trajectory and a robot; that it is also the motion asked for is checked here.
+  void check_against_request(const Trajectory& trajectory, Certificate& certificate) const {
+    const auto fail = [&certificate](const std::string& what) {
+      certificate.certified = false;
+      certificate.failures.push_back(what);
+    };
+    constexpr double kMet = 1e-7;  // [rad], [rad/s]: a hundred times the optimiser's constraint tolerance
+    const auto differ = [](const Pair<double>& a, const Pair<double>& b) {
+      return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1])) > kMet;
+    };
+    const State<double>&first = trajectory.samples.front().state, &last = trajectory.samples.back().state;
+    const State<double>& start = problem_.start;
+    if (differ(first.q, start.q) || differ(first.dq, start.dq) || differ(first.theta, start.theta) ||
+        differ(first.dtheta, start.dtheta)) {
+      fail("the first row is not the start");
+    }
+    const Goal& goal = problem_.goal;
+    if (differ(last.q, goal.q) || differ(last.dq, goal.dq) || (goal.theta && differ(last.theta, *goal.theta)) ||
+        (goal.dtheta && differ(last.dtheta, *goal.dtheta))) {
+      fail("the last row is not the goal");
+    }
+    Interpolator at(trajectory);
+    for (const Via& via : problem_.via) {  // between rows the interpolation of positions is good to 1e-6 rad
+      const Pair<double> q = at.at(via.time).state.q;
+      if (std::max(std::abs(q[0] - via.q[0]), std::abs(q[1] - via.q[1])) > 1e-5) {
+        fail(fmt::format("the via point at {} s is missed", via.time));
+      }
+    }
+    if (goal.at_rest && !certificate.residual.evaluated) fail("the motion does not end at rest");
   }
 
   // Local errors of the published rows against the exact model; where the rollout has no answer, the mesh's own
@@ -200,12 +254,13 @@ class Planner {
     return errors;
   }
 
-  // Keeps the trajectory as the plan unless a better certified one is already there.
+  // Keeps the trajectory as the plan unless a better certified one is already there. Of several that failed the last,
+  // and best refined, is reported.
   void record(const Continuation& c, Trajectory trajectory, Certificate certificate) {
     const Collocated& solution = c.solution();
     const auto terms = objective_terms(problem_, solution.motion, trajectory);
     const double objective = weighted_sum(problem_.weights, terms);
-    if (plan_.status == PlanStatus::kCertified && objective >= plan_.objective) return;
+    if (plan_.status == PlanStatus::kCertified && (!certificate.certified || objective >= plan_.objective)) return;
     const std::vector<double> errors = interval_errors(problem_.robot, solution.motion);
     plan_.status = certificate.certified ? PlanStatus::kCertified : PlanStatus::kUncertified;
     plan_.reason = certificate.certified ? "" : certificate.failures.front();
@@ -215,7 +270,7 @@ class Planner {
     plan_.intervals = static_cast<int>(solution.setup.mesh.size());
     plan_.method = solution.setup.scheme.name;
     plan_.error_estimate = *std::max_element(errors.begin(), errors.end());
-    plan_.back_off = kBackOff;
+    plan_.back_off = largest_share_kept_free(problem_.limits, solution.setup.margins);
     trajectory.metadata["robot_hash"] = robot_hash(problem_.robot);
     trajectory.metadata["request_hash"] = problem_.request_hash;
     plan_.trajectory = std::move(trajectory);
@@ -234,17 +289,23 @@ class Planner {
       plan_.reason = "no motion within the limits was found from any start";
     } else {
       plan_.status = PlanStatus::kNotConverged;
-      plan_.reason = "the optimiser converged from no start";
+      plan_.reason = !failure_.empty()     ? failure_
+                     : candidates_.empty() ? "the optimiser converged from no start"
+                                           : "the optimiser converged on a coarse mesh, but not on a finer one";
     }
   }
 
   const Problem& problem_;
+  const double scale_;  // of the objective
+  Problem scaled_;      // the problem with its objective divided by scale_: what is optimised
   const PlanOptions& options_;
   ContinuationSettings settings_;
   const Clock::time_point began_ = Clock::now();
-  bool stopped_ = false;
+  bool stopped_ = false, deadline_passed_ = false;
+  int booked_of_present_ = 0;  // iterations of the continuation at work that are in plan_.iterations already
   std::vector<Continuation> candidates_;
   std::vector<SolveStatus> failures_;
+  std::string failure_;  // why a solution could not be published
   double shortest_ = 0;  // [s] duration of the fastest motion, once it was looked for
   Plan plan_;
 };

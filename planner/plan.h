@@ -63,7 +63,7 @@ struct Plan {
   std::vector<SolverStage> stages;
   int starts = 0;
   int distinct_minima = 0;  // among the starts that converged, on their first meshes
-  double back_off = 0;  // share of each limit kept free
+  double back_off = 0;      // share of each limit kept free
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;
   std::map<std::string, double> timing;  // [s] by part, and "total"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/collocation/margins.h"
 #include "planner/collocation/transcription.h"
 #include "planner/collocation/transfer.h"
 #include "planner/problem/arm_ocp.h"
@@ -48,23 +49,12 @@ std::vector<NodeBounds<N>> node_bounds(const Problem& problem, const Mesh& mesh)
   return bounds;
 }
 
-// Limits less back-off and margins, but never tighter than the given state at the end of the motion.
 template <bool kRate>
 std::vector<typename ArmOcp<kRate>::Bounds> interval_bounds(const Problem& problem, const CollocationSetup& setup) {
   std::vector<typename ArmOcp<kRate>::Bounds> bounds;
+  const std::vector<Limits> kept = kept_limits(problem, setup.mesh, setup.margins);
   for (std::size_t k = 0; k < setup.mesh.size(); ++k) {
-    Limits kept = problem.limits;
-    for (std::size_t i = 0; i < Limits::kCount; ++i) {
-      kept.data()[i] *= 1 - kBackOff;
-      if (!setup.margins.empty()) kept.data()[i] -= setup.margins[k].data()[i];
-    }
-    if (k + 1 == setup.mesh.size() && problem.goal.theta) {
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        const double deflection = std::abs((*problem.goal.theta)[j] - problem.goal.q[j]);
-        kept.spring_deflection[j] = std::max(kept.spring_deflection[j], deflection);
-      }
-    }
-    bounds.push_back(path_bounds<kRate>(kept));
+    bounds.push_back(path_bounds<kRate>(kept[k]));
     for (std::size_t j = 0; j < kJoints && !setup.creep.empty(); ++j) {
       const double creep = setup.creep[k][j];
       if (creep > 0) bounds.back().x_lower[6 + j] = creep;

@@ -12,9 +12,6 @@
 
 namespace fjr {
 
-// Share of each limit that is always kept free: what the rollout may differ from the plan by, with room to spare.
-inline constexpr double kBackOff = 1e-4;
-
 struct CollocationSetup {
   Scheme scheme;
   Mesh mesh;

@@ -29,9 +29,6 @@ std::size_t leg_of(const std::vector<Waypoint>& points, double s) {
   return leg;
 }
 
-// Equilibrium angle of the motors that carry the links at q, at the speed dq.
-State<double> equilibrium(const Parameters& p, const Pair<double>& q) { return rest_at(p, q); }
-
 }  // namespace
 
 Guess straight_guess(const Problem& problem, double duration) {
@@ -42,7 +39,7 @@ Guess straight_guess(const Problem& problem, double duration) {
     Pair<double> q;
     for (std::size_t j = 0; j < kJoints; ++j)
       q[j] = points[leg].q[j] + inside * (points[leg + 1].q[j] - points[leg].q[j]);
-    return equilibrium(robot, q);
+    return rest_at(robot, q);
   };
   return {"straight", duration, state, [](double) { return Pair<double>{0, 0}; }};
 }
@@ -85,7 +82,7 @@ Guess displaced_guess(const Problem& problem, double duration, double size, std:
       const double shape = std::sin(static_cast<double>(k + 1) * std::numbers::pi * s);
       for (std::size_t j = 0; j < kJoints; ++j) q[j] += amplitude[k][j] * shape;
     }
-    return equilibrium(robot, q);
+    return rest_at(robot, q);
   };
   return guess;
 }

@@ -3,18 +3,32 @@
 
 #include <vector>
 
+#include "planner/collocation/mesh.h"
 #include "planner/collocation/motion.h"
 #include "planner/problem/problem.h"
 
 namespace fjr {
 
+// Share of each limit that is kept free everywhere: what the rollout may differ from the plan by, with room to spare.
+inline constexpr double kBackOff = 1e-4;
+
+// The limits as the optimiser is given them on each interval of the mesh: less the back-off and the interval's margin,
+// but never tighter than what start, via points and goal ask for themselves. Leaving a state that lies on a limit takes
+// time, so where one does, no margin acts near it, and the back-off of that limit is
+// given up.
+std::vector<Limits> kept_limits(const Problem& problem, const Mesh& mesh, const std::vector<Limits>& margins);
+
 // By how much each limit, less a part of the back-off, is exceeded on each interval of the motion between and at the
-// collocation points, with the exact friction law (0 where it is not). Same units and order as the limits. A torque
-// that passes the friction law's step counts with the whole step, wherever in the interval that falls.
+// collocation points, with the exact friction law (0 where it is not, and where no margin can act). Same units and
+// order as the limits. A torque that passes the friction law's step counts with the whole step, wherever in the
+// interval that falls.
 std::vector<Limits> excesses(const Problem& problem, const Motion& motion);
 
 // Adds the excesses to the margins (empty: none so far), a little enlarged so that the next solution is inside.
 // False when there was nothing to add.
 bool widen(std::vector<Limits>& margins, const std::vector<Limits>& excesses);
+
+// Largest share of any limit that back-off and margins keep free somewhere.
+double largest_share_kept_free(const Limits& limits, const std::vector<Limits>& margins);
 
 }  // namespace fjr

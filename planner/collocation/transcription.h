@@ -3,14 +3,15 @@
 // An Ocp is a struct with
 //   static constexpr int kStates, kControls, kRows;
 //   static constexpr std::array<bool, kRows> kRowUsesControl;
-//   template <class T> void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const;   dx/dt, running cost, path
-//   rows std::vector<PathBounds<kStates, kControls, kRows>> bounds;   one for all intervals, or one per interval
+//   template <class T>                                dx/dt, running cost, path rows
+//   void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const;
+//   std::vector<PathBounds<kStates, kControls, kRows>> bounds;  one for all intervals, or one per interval
 //   std::vector<NodeBounds<kStates>> at_nodes;        start, goal, via points
 //   std::vector<std::array<double, 2>> durations;     [s] bounds, one per segment of the mesh
 //   std::array<double, 2> total_duration;             [s] bounds of their sum
 //   double time_weight;                               cost = time_weight T + int cost dt
 //
-// Every stage keeps its own state and control as variables ("separated form"): the defects
+// Every stage keeps its own state as variables ("separated form"): the defects
 //   y_i - y_0 - h sum_j A(i,j) f(y_j, u_j) = 0
 // are linear in f, so the Hessian of the Lagrangian is one small block per collocation point plus the durations' rows.
 // Controls are linear on their interval and may jump at every node (see Scheme::control_share).
@@ -176,7 +177,7 @@ class Transcription final : public Nlp {
   }
 
   // The collocation polynomials of interval k in monomials of c, lowest degree first: y(c) = y_0 + h sum_j f_j int l_j,
-  // u(c) = sum_j u_j l_j.
+  // u(c) = (1 - c) u_begin + c u_end.
   Eigen::Matrix<double, kX, Eigen::Dynamic> state_polynomial(const In& z, int k) const {
     Eigen::Matrix<double, kX, Eigen::Dynamic> y = Eigen::Matrix<double, kX, Eigen::Dynamic>::Zero(kX, stages_ + 1);
     y.col(0) = z.template segment<kX>(node_at(k));
@@ -310,8 +311,16 @@ class Transcription final : public Nlp {
       for (int j = 0; j < stages_; ++j) {
         for (int c = 0; c < kC; ++c) {
           if (path_row(k, j, c) < 0) continue;
-          g_lower(path_row(k, j, c)) = bounds_in(k).row_lower[index(c)];
-          g_upper(path_row(k, j, c)) = bounds_in(k).row_upper[index(c)];
+          double& lower = g_lower(path_row(k, j, c));
+          double& upper = g_upper(path_row(k, j, c));
+          lower = bounds_in(k).row_lower[index(c)];
+          upper = bounds_in(k).row_upper[index(c)];
+          // A row on the state at a shared node is asked once: the tighter of both intervals' bounds holds.
+          const bool shared = !Ocp::kRowUsesControl[index(c)] && first_new_ == 1 && j + 1 == stages_;
+          if (shared && k + 1 < intervals()) {
+            lower = std::max(lower, bounds_in(k + 1).row_lower[index(c)]);
+            upper = std::min(upper, bounds_in(k + 1).row_upper[index(c)]);
+          }
         }
       }
     }

@@ -6,6 +6,7 @@
 #include <limits>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "model/dynamics.h"
@@ -32,6 +33,19 @@ struct Limits {
 };
 
 static_assert(sizeof(Limits) == Limits::kCount * sizeof(double));
+
+// visit(name, unit, limit) for the limits that are a pair.
+template <class L, class Visit>
+void visit_pair_limits(L& limits, Visit&& visit) {
+  visit("torque", "N m", limits.torque);
+  visit("motor_velocity", "rad/s", limits.motor_velocity);
+  visit("link_position", "rad", limits.link_position);
+  visit("spring_deflection", "rad", limits.spring_deflection);
+  visit("torque_rate", "N m/s", limits.torque_rate);
+}
+
+// The limit called `name` ("torque", ...) of a joint (1 or 2; 0 for tip_speed); null if there is none of that name.
+double* limit_of(Limits& limits, std::string_view name, int joint);
 
 // Weights of the objective's terms; the objective is the weighted sum, each term summed over the joints.
 struct Weights {

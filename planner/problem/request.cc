@@ -16,6 +16,15 @@
 
 namespace fjr {
 
+double* limit_of(Limits& limits, std::string_view name, int joint) {
+  if (name == "tip_speed") return &limits.tip_speed;
+  double* found = nullptr;
+  visit_pair_limits(limits, [&](std::string_view candidate, std::string_view, Pair<double>& limit) {
+    if (candidate == name) found = &limit[static_cast<std::size_t>(joint - 1)];
+  });
+  return found;
+}
+
 Limits Limits::of(const Parameters& p) {
   Limits limits;
   limits.torque = p.limits.torque;
@@ -37,16 +46,6 @@ constexpr double kLargestWeight = 1e9;
 constexpr double kSameAngle = 1e-9;  // [rad] below this two given angles mean the same; 1e-5 of an encoder count
 constexpr double kLargestLinkVelocity = 100;  // [rad/s] several times what motors and springs together can reach
 constexpr std::string_view kLater = "not supported by this version";
-
-// visit(name, unit, limit) for the limits that are a pair.
-template <class L, class Visit>
-void visit_pair_limits(L& limits, Visit&& visit) {
-  visit("torque", "N m", limits.torque);
-  visit("motor_velocity", "rad/s", limits.motor_velocity);
-  visit("link_position", "rad", limits.link_position);
-  visit("spring_deflection", "rad", limits.spring_deflection);
-  visit("torque_rate", "N m/s", limits.torque_rate);
-}
 
 // ---- keys ----
 

@@ -66,7 +66,7 @@ std::string terms(const Problem& problem, const Plan& plan) {
   std::string text;
   visit_weights(problem.weights, [&](const char* term, double weight) {
     const auto found = plan.terms.find(term);
-    if (found == plan.terms.end()) return;
+    if (found == plan.terms.end() || (weight == 0 && !std::isfinite(found->second))) return;
     text += fmt::format("{}{} {:.6g} {}{}", text.empty() ? "" : ", ", term, found->second, unit_of_term(term),
                         weight != 0 ? fmt::format(" x {:g}", weight) : "");
   });
@@ -76,8 +76,9 @@ std::string terms(const Problem& problem, const Plan& plan) {
 std::string effort(const Plan& plan) {
   const auto total = plan.timing.find("total");
   const std::string time = total == plan.timing.end() ? "" : fmt::format(", {:.3f} s", total->second);
-  return fmt::format("{} iterations, {} start{}, {} intervals {}{}", plan.iterations, plan.starts,
-                     plan.starts == 1 ? "" : "s", plan.intervals, plan.method, time);
+  const std::string mesh = plan.intervals == 0 ? "" : fmt::format(", {} intervals {}", plan.intervals, plan.method);
+  return fmt::format("{} iterations, {} start{}{}{}", plan.iterations, plan.starts, plan.starts == 1 ? "" : "s", mesh,
+                     time);
 }
 
 }  // namespace
@@ -90,6 +91,14 @@ std::string summary(const Certificate& certificate) {
   text += line("closed loop", exactness(certificate.closed_loop, certificate.tolerance));
   text += line("feedback", fmt::format("at most {:.2e} and {:.2e} N m", feedback[0], feedback[1]));
   text += tightest_limits(certificate);
+  if (certificate.residual.evaluated) {
+    const auto& after = certificate.residual;
+    text += line("afterwards", fmt::format("links within {:.2e} and {:.2e} rad of the goal for {:g} s",
+                                           after.link_vibration[0], after.link_vibration[1], after.window));
+  }
+  const auto& tracking = certificate.tracking;
+  text += line("on hardware", fmt::format("predicted link error {:.2e} and {:.2e} rad", tracking.link_error[0],
+                                          tracking.link_error[1]));
   for (const std::string& failure : certificate.failures) text += line("failed", failure);
   return text;
 }

@@ -100,7 +100,8 @@ bool Continuation::follow_friction() {
     setup.friction_width = width;
     if (!attempt(what, setup, nullptr, o)) break;
     const double objective = published_objective(*problem_, solution_.motion);
-    if (objective < least) {
+    // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
+    if (objective < least || problem_->weights.effort == 0) {
       least = objective;
       best = solution_;
     }
@@ -171,6 +172,26 @@ bool Continuation::keep_margins() {
   return true;
 }
 
+bool Continuation::keep_margins(const std::vector<LimitCheck>& checks) {
+  std::vector<Limits> more(solution_.setup.mesh.size());
+  for (Limits& l : more) std::fill_n(l.data(), Limits::kCount, 0.0);
+  for (const LimitCheck& check : checks) {
+    const double limit = check.limit * (1 - kBackOff);
+    if (check.passed || check.reached <= limit) continue;
+    const std::size_t at = solution_.motion.interval_at(check.time);
+    for (std::size_t k = at > 0 ? at - 1 : 0; k < std::min(at + 2, more.size()); ++k) {
+      *limit_of(more[k], check.name, check.joint) = check.reached - limit;
+    }
+  }
+  CollocationSetup setup = solution_.setup;
+  if (!widen(setup.margins, more)) return false;
+  const std::string what = fmt::format("{}, margins from the certificate", label);
+  SolveOptions o = options(what);
+  o.warm_start = true;
+  o.initial_barrier = 1e-5;
+  return attempt(what, setup, nullptr, o) && keep_margins();
+}
+
 bool Continuation::creep() {
   bool any = false;
   for (int round = 0; round < kCreepRounds; ++round) {  // what is kept out of one interval may settle in the next
@@ -196,6 +217,11 @@ bool Continuation::creep() {
   return any;
 }
 
-bool Continuation::finish() { return follow_friction() && refine_mesh() && keep_margins(); }
+bool Continuation::finish() {
+  if (!follow_friction() || !refine_mesh()) return false;
+  // Where margins cannot be had, the certificate decides about what there is.
+  keep_margins();
+  return status_ != SolveStatus::kStopped;
+}
 
 }  // namespace fjr

@@ -44,6 +44,10 @@ class Continuation {
   // Solves again with margins until every limit holds between the collocation points too.
   bool keep_margins();
 
+  // The same where a certificate found limits of the published rows exceeded: interpolation between rows can do what
+  // the collocation polynomial does not. False when there was nothing to do, or no solution.
+  bool keep_margins(const std::vector<LimitCheck>& checks);
+
   // Solves again with motors kept from resting where they cannot (creep.h). False when there was nothing to do, or no
   // solution.
   bool creep();

@@ -5,6 +5,7 @@
 #include <IpTNLP.hpp>
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "planner/solver/kkt/ma27.h"
 
@@ -146,9 +147,25 @@ SolveStatus translate(Ipopt::ApplicationReturnStatus status) {
   }
 }
 
-void configure(Ipopt::OptionsList& o, const SolveOptions& options, const std::string& linear_solver) {
+// Options by name; a misspelt one is a bug, not something to pass over.
+class Options {
+ public:
+  explicit Options(Ipopt::OptionsList& list) : list_(list) {}
+  void SetNumericValue(const char* name, double value) { check(list_.SetNumericValue(name, value), name); }
+  void SetIntegerValue(const char* name, Index value) { check(list_.SetIntegerValue(name, value), name); }
+  void SetStringValue(const char* name, const std::string& value) { check(list_.SetStringValue(name, value), name); }
+
+ private:
+  static void check(bool accepted, const char* name) {
+    if (!accepted) throw std::logic_error(std::string("Ipopt refuses the option ") + name);
+  }
+  Ipopt::OptionsList& list_;
+};
+
+void configure(Options o, const SolveOptions& options, const std::string& linear_solver) {
   o.SetNumericValue("tol", options.tolerance);
   o.SetNumericValue("constr_viol_tol", options.constraint_tolerance);
+  o.SetNumericValue("acceptable_constr_viol_tol", 10 * options.constraint_tolerance);  // Ipopt's own default is 1e-2
   o.SetIntegerValue("max_iter", options.max_iterations);
   o.SetStringValue("linear_solver", linear_solver == "stage" ? "ma27" : linear_solver);
   o.SetStringValue("linear_system_scaling", "none");
@@ -216,10 +233,10 @@ const char* name(SolveStatus status) {
 
 SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
-  if (linear_solver == "stage") describe_chain(kkt_stages(nlp), nlp.stages);
   // A problem of no known structure has no stages to factorise by.
   const std::string linear_solver = nlp.stages == 0 ? "mumps" : options.linear_solver;
-  configure(*application->Options(), options, linear_solver);
+  if (linear_solver == "stage") describe_chain(kkt_stages(nlp), nlp.stages);
+  configure(Options(*application->Options()), options, linear_solver);
   application->Initialize("");                          // no options file: a plan depends on its request alone
   Adapter* adapter = new Adapter(nlp, start, options);  // owned by the smart pointer, Ipopt's own reference count
   Ipopt::SmartPtr<Ipopt::TNLP> held = adapter;

@@ -23,7 +23,7 @@ double torque_rate(const Motion& motion) {
   double sum = 0;
   for (std::size_t k = 0; k < motion.intervals.size(); ++k) {
     const auto& interval = motion.intervals[k];
-    constexpr int kPieces = 8;  // u has degree <= 4: the midpoint rule on an eighth is exact to 1e-3 of its curvature
+    constexpr int kPieces = 8;  // chords of an eighth: u is linear, or bends with a collocation polynomial
     for (int i = 0; i < kPieces; ++i) {
       const double h = interval.duration / kPieces, from = interval.start + i * h;
       const Pair<double> a = motion.torque_in(k, from), b = motion.torque_in(k, from + h);

@@ -56,6 +56,7 @@ TEST(Plan, MinimumTimeMeetsTheConvergedReference) {
   EXPECT_TRUE(result.certificate->open_loop.required);
 }
 
+// The whole of plan.json, too, is compared by the test of the program.
 TEST(Plan, TheSameRequestGivesTheSameBytes) {
   const Problem problem = request("{start: {q: [0.3, 0.2]}, goal: {q: [0.42, 0.08]}, objective: fastest}");
   const Plan first = plan(problem, {}), second = plan(problem, {});
@@ -110,6 +111,72 @@ TEST(Plan, AMovingGoalIsReachedMoving) {
   const Plan result = plan(problem, {});
   expect_sound(problem, result);
   EXPECT_FALSE(result.certificate->residual.evaluated);
+}
+
+// A state on a limit leaves no room for the usual back-off: the motion must not be slowed down to make some.
+TEST(Plan, AStartOrAGoalOnALimitIsNoObstacle) {
+  const Problem start = request("{start: {q: [3.2, 0.0]}, goal: {q: [2.8, 0.3]}, objective: fastest}");
+  const Problem inside = request("{start: {q: [3.19, 0.0]}, goal: {q: [2.79, 0.3]}, objective: fastest}");
+  const Plan on = plan(start, {}), near = plan(inside, {});
+  expect_sound(start, on);
+  expect_sound(inside, near);
+  // The same motion a hundredth of a radian away, whose gravity differs by less than a per cent.
+  EXPECT_NEAR(on.duration, near.duration, 0.02 * near.duration);
+
+  const Problem goal = request(
+      "{start: {q: [0.0, 0.0]}, goal: {q: [0.5, 0.2]}, objective: fastest, limits: {link_position: [0.5, 0.5]}}");
+  const Problem free = request("{start: {q: [0.0, 0.0]}, goal: {q: [0.5, 0.2]}, objective: fastest}");
+  const Plan without_overshoot = plan(goal, {}), any = plan(free, {});
+  expect_sound(goal, without_overshoot);
+  EXPECT_LT(without_overshoot.duration, 1.3 * any.duration);
+}
+
+TEST(Plan, AMovingGoalMayBeAtTheMotorsTopSpeed) {
+  for (const char* dtheta : {"[5, 1]", "[6, 1]"}) {
+    const Problem problem =
+        request(std::string("{start: {q: [0.0, 0.0]}, objective: fastest, goal: {q: [0.6, 0.2], dq: [3, 1], "
+                            "theta: [0.6, 0.2], dtheta: ") +
+                dtheta + "}}");
+    expect_sound(problem, plan(problem, {}));
+  }
+}
+
+TEST(Plan, AMovingStartIsTakenAsItIs) {
+  const Problem problem =
+      request("{start: {q: [0.2, 0.1], dq: [0.8, -0.5]}, goal: {q: [-0.3, 0.4]}, objective: fastest}");
+  expect_sound(problem, plan(problem, {}));
+}
+
+TEST(Plan, ABoundedDurationStaysWithinItsBounds) {
+  const Problem problem = request(
+      "{start: {q: [0.0, 0.0]}, goal: {q: [0.4, -0.2]}, duration: {min: 0.5, max: 0.9}, objective: {time: 1, "
+      "effort: 0.001}}");
+  const Plan result = plan(problem, {});
+  expect_sound(problem, result);
+  EXPECT_GE(result.duration, 0.5);
+  EXPECT_LE(result.duration, 0.9);
+}
+
+TEST(Plan, TheSizeOfTheWeightsDoesNotMatter) {
+  const auto with = [](const std::string& objective) {
+    return plan(request("{start: {q: [0.0, 0.0]}, goal: {q: [0.4, 0.2]}, duration: 0.7, objective: " + objective + "}"),
+                {});
+  };
+  // Factors of two leave the optimiser's numbers the same to the last bit.
+  const Plan one = with("{effort: 1, link_acceleration: 0.0625}");
+  const Plan tiny = with("{effort: 9.5367431640625e-07, link_acceleration: 5.9604644775390625e-08}");
+  ASSERT_TRUE(one.trajectory && tiny.trajectory);
+  EXPECT_EQ(one.iterations, tiny.iterations);
+  EXPECT_EQ(csv(one), csv(tiny));
+}
+
+// Motor 2 cannot rest to a count: a plan that waits creeps, or is not there.
+TEST(Plan, ALongWaitIsCertifiedToo) {
+  const Problem problem =
+      request("{start: {q: [0.0, 0.0]}, goal: {q: [0.1, 0.0]}, duration: 2.5, objective: efficient}");
+  PlanOptions options;
+  options.starts = 1;
+  expect_sound(problem, plan(problem, options));
 }
 
 TEST(Plan, ADurationThatIsTooShortIsNamedWithTheShortestThatIsNot) {

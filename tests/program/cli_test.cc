@@ -221,6 +221,34 @@ TEST_F(Cli, OneBadRequestDoesNotStopTheOthersAndTheLargestCodeWins) {
 }
 
 // The folder appears after the program has begun to listen for signals.
+// A plan with several starts and refinements: the same request gives the same bytes, and plan.json apart from timing.
+TEST_F(Cli, TheSameRequestGivesTheSameFiles) {
+  write("move.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\nduration: 0.6\nobjective: gentle\n");
+  for (const char* out : {"first", "second"}) {
+    const Result result = run({"plan", "move.yaml", "--out", out});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.out, HasSubstr("certified"));
+    EXPECT_EQ(result.err, "");  // no progress in a pipe
+    const Result check = run({"verify", std::string(out) + "/trajectory.csv"});
+    EXPECT_EQ(check.exit_code, 0) << check.out;
+  }
+  EXPECT_EQ(contents(path("first") / "trajectory.csv"), contents(path("second") / "trajectory.csv"));
+  Json first = plan_json("first"), second = plan_json("second");
+  first.erase("timing");
+  second.erase("timing");
+  EXPECT_EQ(first, second);
+}
+
+// Both solvers of the linear systems find the same minimum; their rounding differs.
+TEST_F(Cli, TheLinearSolverIsAMatterOfSpeed) {
+  write("move.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\nobjective: fastest\n");
+  ASSERT_EQ(run({"plan", "move.yaml", "--out", "stage", "--linear-solver", "stage"}).exit_code, 0);
+  ASSERT_EQ(run({"plan", "move.yaml", "--out", "mumps", "--linear-solver", "mumps"}).exit_code, 0);
+  // Meshes may differ by an interval or two where an error is at its tolerance: a few 1e-5 of the duration.
+  const double stage = plan_json("stage")["duration"], mumps = plan_json("mumps")["duration"];
+  EXPECT_NEAR(stage, mumps, 2e-4 * mumps);
+}
+
 TEST_F(Cli, SigtermCancels) {
   write("good.yaml", kGood);
   const pid_t child = start({"plan", "good.yaml", "--out", "out"});

@@ -15,6 +15,8 @@ constexpr double kZero = 1e-20;
 // Pivots that bound growth this well are taken first; the caller's threshold is what is accepted before delaying.
 constexpr double kComfortable = 1e-2;
 
+constexpr int kMostDelayed = 40;
+
 // A slack whose own curvature is beyond this is better eliminated alone: the pair's Schur complement would carry the
 // large number into the states' block and lose their digits to it.
 constexpr double kLargestCondensed = 1e4;
@@ -320,7 +322,11 @@ bool ChainLdlt::factorise(std::span<const double> values, double threshold) {
   for (std::size_t k = 0; k < fronts_.size(); ++k) {
     assemble(k, values);
     Front& front = fronts_[k];
-    front.pivots = eliminate(front, front.pivots, threshold);
+    const int summed = front.pivots;
+    front.pivots = eliminate(front, summed, threshold);
+    // Pivots that pile up along the chain mean that no stage has the curvature to place them: the fronts would grow
+    // with the chain's length, and what comes out at its end would be noise. The caller's perturbation is the cure.
+    if (summed - front.pivots > kMostDelayed) return false;
     if (k + 1 < fronts_.size()) continue;
     // Nothing follows: what is left takes the best pivot there is, or the matrix is singular.
     if (front.pivots < front.order) return false;

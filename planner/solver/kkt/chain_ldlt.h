@@ -20,8 +20,9 @@ class ChainLdlt {
   // stages that are neither neighbours nor one of them the border.
   void analyse(int size, std::span<const int> rows, std::span<const int> cols, std::span<const int> stage, int stages);
 
-  // Values of the entries. False when the matrix is singular to working precision. threshold in (0, 0.5]: a pivot must
-  // exceed this share of what it would divide; larger is more stable and less sparse.
+  // Values of the entries. False when the matrix is singular to working precision, or so nearly that pivots pile up.
+  // threshold in (0, 0.5]: a pivot must exceed this share of what it would divide; larger is more stable and less
+  // sparse.
   bool factorise(std::span<const double> values, double threshold);
 
   int negative_eigenvalues() const { return negative_; }  // of the last factorised matrix, exact by Sylvester's law

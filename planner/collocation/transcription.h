@@ -271,7 +271,7 @@ class Transcription final : public Nlp {
         bool curved = structure_.cost.curved_in(i, j);
         for (const auto& f : structure_.f) curved = curved || f.curved_in(i, j);
         for (const auto& row : structure_.rows) curved = curved || row.curved_in(i, j);
-        if (curved) curved_pairs_.push_back({i, j});
+        if (curved) curved_pairs_.emplace_back(i, j);
       }
     }
   }

@@ -58,7 +58,7 @@ SolveOptions Continuation::options(const std::string& what) {
 
 // A warm start (no guess) begins from the present solution and its multipliers, on the same mesh.
 bool Continuation::attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess,
-                           SolveOptions solve_options) {
+                           const SolveOptions& solve_options) {
   if (interrupted_()) {
     status_ = SolveStatus::kStopped;
     return false;

@@ -63,7 +63,7 @@ class Continuation {
   bool cold(const Guess& guess);
   bool follow_friction();
   bool refine_mesh();
-  bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, SolveOptions options);
+  bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, const SolveOptions& options);
   SolveOptions options(const std::string& what);
 
   const Problem* problem_;  // outlives this

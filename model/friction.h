@@ -49,7 +49,7 @@ struct FrictionLaw {
   }
 
   // Velocity at which the complete law gives `torque` [N m]; only for laws that increase everywhere (joint 1's).
-  // Throws std::domain_error otherwise: joint 2's law is three-valued around zero (DESIGN: unstable at rest).
+  // Throws std::domain_error otherwise: joint 2's law is three-valued around zero, and unstable there.
   double velocity(double torque_wanted) const;
 
   // True when torque() increases everywhere, found by scanning the slope over all of the law's scales.

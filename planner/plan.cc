@@ -131,6 +131,7 @@ class Planner {
       candidates_.push_back(std::move(c));
     } else {
       failures_.push_back(c.status());
+      if (!c.obstacle().empty()) obstacle_ = "; in the last attempt " + c.obstacle();
     }
   }
 
@@ -286,11 +287,11 @@ class Planner {
           problem_.duration.max, shortest_);
     } else if (infeasible && candidates_.empty()) {
       plan_.status = PlanStatus::kInfeasible;
-      plan_.reason = "no motion within the limits was found from any start";
+      plan_.reason = "no motion within the limits was found from any start" + obstacle_;
     } else {
       plan_.status = PlanStatus::kNotConverged;
       plan_.reason = !failure_.empty()     ? failure_
-                     : candidates_.empty() ? "the optimiser converged from no start"
+                     : candidates_.empty() ? "the optimiser converged from no start" + obstacle_
                                            : "the optimiser converged on a coarse mesh, but not on a finer one";
     }
   }
@@ -305,8 +306,9 @@ class Planner {
   int booked_of_present_ = 0;  // iterations of the continuation at work that are in plan_.iterations already
   std::vector<Continuation> candidates_;
   std::vector<SolveStatus> failures_;
-  std::string failure_;  // why a solution could not be published
-  double shortest_ = 0;  // [s] duration of the fastest motion, once it was looked for
+  std::string obstacle_;  // what a start without solution failed at
+  std::string failure_;   // why a solution could not be published
+  double shortest_ = 0;   // [s] duration of the fastest motion, once it was looked for
   Plan plan_;
 };
 

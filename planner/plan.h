@@ -24,7 +24,7 @@ enum class PlanStatus {
 };
 
 const char* name(PlanStatus status);  // as in plan.json: "certified", "bad_input", ...
-int exit_code(PlanStatus status);     // as in DESIGN 5.1
+int exit_code(PlanStatus status);     // as in the README
 
 // Asked and told between iterations of the optimiser.
 struct Progress {

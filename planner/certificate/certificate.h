@@ -1,4 +1,4 @@
-// The proof that travels with a trajectory: rollouts of its published rows on the exact model (DESIGN 1, 2 and 7).
+// The proof that travels with a trajectory: rollouts of its published rows on the exact model.
 #pragma once
 
 #include <string>

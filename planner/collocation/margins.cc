@@ -1,5 +1,7 @@
 #include "planner/collocation/margins.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -159,6 +161,29 @@ double largest_share_kept_free(const Limits& limits, const std::vector<Limits>& 
     }
   }
   return share;
+}
+
+std::string worst_excess(const Problem& problem, const Motion& motion) {
+  const std::vector<Limits> excess = excesses(problem, motion);
+  double worst = 0;
+  std::string sentence;
+  const auto consider = [&](std::string_view name, std::string_view unit, std::size_t joint, double over, double limit,
+                            double time) {
+    if (!(over > worst * limit)) return;
+    worst = over / limit;
+    const std::string of_joint = joint == 0 ? "" : fmt::format(" of joint {}", joint);
+    sentence =
+        fmt::format("{}{} exceeds its limit {:.6g} {} by {:.3g} at {:.3f} s", name, of_joint, limit, unit, over, time);
+  };
+  for (std::size_t k = 0; k < excess.size(); ++k) {
+    const double time = motion.intervals[k].start;
+    visit_pair_limits(problem.limits, [&](std::string_view name, std::string_view unit, const Pair<double>& limit) {
+      const auto at = static_cast<std::size_t>(limit.data() - problem.limits.data());
+      for (std::size_t j = 0; j < kJoints; ++j) consider(name, unit, j + 1, excess[k].data()[at + j], limit[j], time);
+    });
+    consider("tip_speed", "m/s", 0, excess[k].tip_speed, problem.limits.tip_speed, time);
+  }
+  return sentence;
 }
 
 bool widen(std::vector<Limits>& margins, const std::vector<Limits>& excesses) {

@@ -1,6 +1,7 @@
 // Limits hold at the collocation points by construction; between them they are made to hold by margins.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "planner/collocation/mesh.h"
@@ -23,6 +24,9 @@ std::vector<Limits> kept_limits(const Problem& problem, const Mesh& mesh, const 
 // order as the limits. A torque that passes the friction law's step counts with the whole step, wherever in the
 // interval that falls.
 std::vector<Limits> excesses(const Problem& problem, const Motion& motion);
+
+// The limit that a motion exceeds most, as a sentence ("spring_deflection of joint 1 exceeds ..."); empty if none.
+std::string worst_excess(const Problem& problem, const Motion& motion);
 
 // Adds the excesses to the margins (empty: none so far), a little enlarged so that the next solution is inside.
 // False when there was nothing to add.

@@ -97,10 +97,10 @@ struct Problem {
   std::string request_hash;  // SHA-256 over the resolved values, not over the file's bytes
 };
 
-// Reads a request (DESIGN 5.2) and resolves it: presets, defaults, moving starts by flatness, limits tightened.
-// Throws InputError naming file, field, value and what is allowed, for malformed and for contradictory requests alike
-// (outside limits, static torque too large, free duration without a time weight, ...). Nothing is optimised here.
-// default_robot: used when the request names none.
+// Reads a request (config/requests/annotated.yaml) and resolves it: presets, defaults, moving starts by flatness,
+// limits tightened. Throws InputError naming file, field, value and what is allowed, for malformed and for
+// contradictory requests alike (outside limits, static torque too large, free duration without a time weight, ...).
+// Nothing is optimised here. default_robot: used when the request names none.
 Problem load_request(const std::filesystem::path& file, const std::filesystem::path& default_robot);
 
 // The same from text; `source` names it in errors, `folder` is what relative paths are relative to.

@@ -34,9 +34,10 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {  // --help and --version arrive here too, with code 0
-    return app.exit(error) == 0 ? 0 : 2;
+    if (error.get_exit_code() == 0) return app.exit(error);
+    throw fjr::InputError("command line", "", std::string(error.what()) + " (see --help)");
   }
-  if (std::fflush(stdout) != 0) throw std::runtime_error("cannot write to stdout");
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw std::runtime_error("cannot write to stdout");
   return exit_code;
 }
 

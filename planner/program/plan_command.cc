@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -94,6 +95,7 @@ void describe(Trajectory& trajectory, const Problem& problem, PlanStatus status)
   trajectory.metadata["request"] = problem.name;
   trajectory.metadata["request_hash"] = problem.request_hash;
   trajectory.metadata["robot_hash"] = robot_hash(problem.robot);
+  trajectory.metadata["rows"] = std::to_string(trajectory.samples.size());  // a file that was cut short shows it
   trajectory.metadata["status"] = name(status);
   trajectory.metadata["version"] = FJR_VERSION;
 }
@@ -161,7 +163,13 @@ int run(const Options& options) {
     if (!options.json) fmt::print("{}", outcomes.back().summary);
     std::fflush(stdout);
   }
-  if (options.json) print_json(outcomes);
+  if (options.json) {
+    print_json(outcomes);
+  } else if (outcomes.size() > 1) {
+    const auto certified = std::count_if(outcomes.begin(), outcomes.end(),
+                                         [](const Outcome& o) { return o.status == PlanStatus::kCertified; });
+    fmt::print("{} of {} certified\n", certified, outcomes.size());
+  }
   return code;
 }
 
@@ -181,7 +189,14 @@ void add_plan(CLI::App& app, int& exit_code) {
   command->add_option("--starts", options->plan.starts, "Starts of the optimiser; default by objective, 1 to 6")
       ->check(CLI::Range(1, 100));
   command->add_option("--deadline", options->plan.deadline, "Wall time allowed for each request, in seconds")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            double seconds = 0;
+            const bool number = CLI::detail::lexical_cast(text, seconds);
+            return number && std::isfinite(seconds) && seconds > 0 ? ""
+                                                                   : '"' + text + "\" is not a number of seconds > 0";
+          },
+          ""))
       ->type_name("S");
   command->add_flag("--keep-uncertified", options->keep_uncertified,
                     "Write trajectories without certificate too, as trajectory.uncertified.csv");

@@ -97,8 +97,11 @@ std::string summary(const Certificate& certificate) {
                                            after.link_vibration[0], after.link_vibration[1], after.window));
   }
   const auto& tracking = certificate.tracking;
-  text += line("on hardware", fmt::format("predicted link error {:.2e} and {:.2e} rad", tracking.link_error[0],
-                                          tracking.link_error[1]));
+  text += line(
+      "on hardware",
+      fmt::format("predicted: links within {:.1f} and {:.1f} counts, motors at most {:.4g} and {:.4g} N m{}",
+                  tracking.link_error[0] / certificate.tolerance, tracking.link_error[1] / certificate.tolerance,
+                  tracking.peak_torque[0], tracking.peak_torque[1], tracking.saturated ? " (the drive's peak)" : ""));
   for (const std::string& failure : certificate.failures) text += line("failed", failure);
   return text;
 }

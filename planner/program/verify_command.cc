@@ -29,10 +29,26 @@ void warn_of_other_robot(const Options& options, const Trajectory& trajectory, c
              options.trajectory, planned_for->second, hash);
 }
 
+// A file that was cut short is as exact as before, but not what was planned.
+void check_completeness(const Trajectory& trajectory, Certificate& certificate) {
+  const auto rows = trajectory.metadata.find("rows");
+  if (rows == trajectory.metadata.end() || rows->second == std::to_string(trajectory.samples.size())) return;
+  certificate.certified = false;
+  certificate.failures.push_back(
+      fmt::format("the file has {} rows, but says that it had {}", trajectory.samples.size(), rows->second));
+}
+
+std::string end_of(const Trajectory& trajectory, const Certificate& certificate) {
+  if (certificate.residual.evaluated) return "ends at rest";
+  const Pair<double>& dq = trajectory.samples.back().state.dq;
+  return fmt::format("ends MOVING, links at {:.4g} and {:.4g} rad/s", dq[0], dq[1]);
+}
+
 std::string text_for_people(const Options& options, const Trajectory& trajectory, const Certificate& certificate) {
-  return fmt::format("{}: {} ({} rows, {:.6g} s)\n{}", options.trajectory,
+  return fmt::format("{}: {} against the robot's limits ({} rows, {:.6g} s, {})\n{}", options.trajectory,
                      certificate.certified ? "certified" : "certificate failed", trajectory.samples.size(),
-                     trajectory.end_time() - trajectory.start_time(), summary(certificate));
+                     trajectory.end_time() - trajectory.start_time(), end_of(trajectory, certificate),
+                     summary(certificate));
 }
 
 std::string text_for_machines(const Certificate& certificate, const std::string& hash) {
@@ -47,7 +63,8 @@ int run(const Options& options) {
   const Trajectory trajectory = read_csv(options.trajectory);
   const std::string hash = robot_hash(robot);
   warn_of_other_robot(options, trajectory, hash);
-  const Certificate certificate = certify(robot, Limits::of(robot), trajectory);
+  Certificate certificate = certify(robot, Limits::of(robot), trajectory);
+  check_completeness(trajectory, certificate);
   fmt::print("{}",
              options.json ? text_for_machines(certificate, hash) : text_for_people(options, trajectory, certificate));
   return exit_code(certificate.certified ? PlanStatus::kCertified : PlanStatus::kUncertified);

@@ -69,7 +69,10 @@ bool Continuation::attempt(const std::string& what, const CollocationSetup& setu
   status_ = next.report.status;
   stages_.push_back({what, static_cast<int>(setup.mesh.size()), next.report.iterations, next.report.objective,
                      name(next.report.status)});
-  if (!next.report.solved()) return false;
+  if (!next.report.solved()) {
+    if (!next.motion.intervals.empty()) obstacle_ = worst_excess(*problem_, next.motion);
+    return false;
+  }
   solution_ = std::move(next);
   return true;
 }

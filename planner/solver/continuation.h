@@ -54,6 +54,8 @@ class Continuation {
 
   const Collocated& solution() const { return solution_; }
   SolveStatus status() const { return status_; }
+  // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.
+  const std::string& obstacle() const { return obstacle_; }
   const std::vector<SolverStage>& stages() const { return stages_; }
   int iterations() const { return iterations_; }
 
@@ -72,6 +74,7 @@ class Continuation {
   std::function<void(const Progress&)> on_progress_;
   Collocated solution_;
   SolveStatus status_ = SolveStatus::kFailed;
+  std::string obstacle_;
   std::vector<SolverStage> stages_;
   int iterations_ = 0;
 };

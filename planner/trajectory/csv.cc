@@ -1,4 +1,4 @@
-// trajectory.csv: reading strictly, writing reproducibly (DESIGN 5.3).
+// trajectory.csv: reading strictly, writing reproducibly.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// plan.json: what became of a request, for machines (DESIGN 5.4).
+// plan.json: what became of a request, for machines.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

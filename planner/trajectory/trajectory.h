@@ -45,7 +45,7 @@ class Interpolator {
   std::size_t last_ = 0;
 };
 
-// CSV as in DESIGN 5.3. Reading is strict: InputError names file, line and column for anything that is not a finite
+// The CSV of README, Files. Reading is strict: InputError names file, line and column for anything that is not a finite
 // number, a missing or repeated column, times that do not increase, fewer than 2 or more than kMaxRows rows. Additional
 // columns are allowed and ignored. Writing is atomic (temporary file, then rename) and byte-reproducible.
 Trajectory read_csv(const std::filesystem::path& file);

@@ -1,4 +1,4 @@
-// Motor friction against a second evaluation of (24), the figures of DESIGN section 2, and what its smoothed family
+// Motor friction against a second evaluation of (24), figures known beforehand, and what its smoothed family
 // promises; encoders and the velocity filter at the end.
 #include "model/friction.h"
 
@@ -73,7 +73,7 @@ RC_GTEST_PROP(Friction, SlopeIsTheDerivative, ()) {
   }
 }
 
-// ---- the figures of DESIGN section 2: tolerances are half a unit of their last digit ----
+// ---- figures known beforehand: tolerances are half a unit of their last digit ----
 
 TEST(Friction, OfJoint1IsAStepOfTheStatedWidthAndHeight) {
   const FrictionLaw f = law(0);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <map>
 #include <optional>
 
 #include "planner/service/dds/client_port.h"
@@ -102,5 +103,17 @@ class Client {
 }  // namespace
 
 Reply request_plan(const Order& order, const ClientOptions& options) { return Client(order, options).run(); }
+
+std::vector<ServiceStatus> find_services(unsigned domain, double wait) {
+  dds::ClientPort port(domain, new_client());
+  std::map<std::string, ServiceStatus> latest;
+  for (const auto began = Clock::now(); seconds_since(began) < wait;) {
+    port.wait(std::chrono::milliseconds(20));
+    for (ServiceStatus& status : port.take_services()) latest[status.instance] = std::move(status);
+  }
+  std::vector<ServiceStatus> services;
+  for (auto& [instance, status] : latest) services.push_back(std::move(status));
+  return services;
+}
 
 }  // namespace fjr

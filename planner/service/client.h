@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <stdexcept>
+#include <vector>
 
 #include "planner/service/messages.h"
 
@@ -26,5 +27,8 @@ struct ClientOptions {
 // Sends the order under its id and returns the final reply. Throws NoAnswer, and InputError for a document that has not
 // the shape of a request.
 Reply request_plan(const Order& order, const ClientOptions& options);
+
+// The latest word of every service heard within `wait` seconds, by instance.
+std::vector<ServiceStatus> find_services(unsigned domain, double wait);
 
 }  // namespace fjr

@@ -30,6 +30,7 @@ class ServiceTest : public testing::Test {
   void SetUp() override { fs::create_directories(folder_); }
   void TearDown() override {
     if (HasFailure() && service_) std::fputs(service_->output().c_str(), stderr);
+    port_.reset();  // first: it lingers for a second over what a service that is gone has not acknowledged
     service_.reset();
     fs::remove_all(folder_);
   }
@@ -331,6 +332,46 @@ TEST_F(ServiceTest, ClientCancelsWhenInterrupted) {
   EXPECT_EQ(request.wait(), 5) << request.output();
   EXPECT_THAT(contents(path("a/plan.json")), HasSubstr("\"status\": \"cancelled\""));
   EXPECT_FALSE(fs::exists(path("a/trajectory.csv")));
+}
+
+TEST_F(ServiceTest, TellsHowItIsDoing) {
+  serve();
+  const Order fast = order(kFast);
+  send(fast);
+  EXPECT_EQ(final_reply(fast.id).state, ReplyState::kSolved);
+  Process status = fjr({"status", "--domain", domain(), "--json"}, "status.log");
+  EXPECT_EQ(status.wait(), 0);
+  EXPECT_THAT(status.output(), HasSubstr("\"solved\": 1"));
+}
+
+// Each waits for its turn, all are answered.
+TEST_F(ServiceTest, ServesManyClientsAtOnce) {
+  serve();
+  write("bad.yaml", "start: {q: [0, 0]}\ngoal: {q: [1.2, 3.4]}\n");
+  write("fast.yaml", kFast);
+  std::vector<std::unique_ptr<Process>> clients;
+  for (int i = 0; i < 30; ++i) {
+    const std::string file = path(i % 10 == 0 ? "fast.yaml" : "bad.yaml").string();
+    clients.push_back(std::make_unique<Process>(
+        std::vector<std::string>{FJR_EXECUTABLE, "request", file, "--domain", domain()}, path(std::to_string(i))));
+  }
+  for (std::size_t i = 0; i < clients.size(); ++i) {
+    EXPECT_EQ(clients[i]->wait(), i % 10 == 0 ? 0 : 2) << clients[i]->output();
+  }
+}
+
+// A client that keeps asking meets the service again.
+TEST_F(ServiceTest, ClientOutlivesTheService) {
+  serve();
+  write("slow.yaml", kSlow);
+  write("fast.yaml", kFast);
+  Process request = fjr({"request", path("fast.yaml"), "--domain", domain(), "--out", path("a")}, "request.log");
+  wait_until_solving();
+  service().send(SIGKILL);
+  EXPECT_EQ(service().wait(), -1);
+  serve();
+  EXPECT_EQ(request.wait(), 0) << request.output();
+  EXPECT_TRUE(fs::exists(path("a/trajectory.csv")));
 }
 
 TEST_F(ServiceTest, ClientPassesOnTheRefusal) {

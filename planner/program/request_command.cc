@@ -29,6 +29,7 @@ struct Options {
   std::string request;
   std::string out;
   bool json = false;
+  bool execute = false;
   double budget = 0;
   int priority = 0;
   ClientOptions client;
@@ -53,6 +54,7 @@ Order load_order(const Options& options) {
   Order order;
   order.id = new_client();
   order.name = file.filename().string();
+  order.execute = options.execute;
   order.priority = options.priority;
   order.budget = options.budget;
   order.yaml = text_of(file);
@@ -102,7 +104,16 @@ std::string summary(const Options& options, const Reply& reply, double elapsed) 
   return text;
 }
 
-Reply ask(const Options& options, const Order& order) {
+std::string summary(const ExecutionResult& r) {
+  return fmt::format(
+      "  execution   code {}, link error {:.2e} and {:.2e} rad, residual vibration {:.2e} and {:.2e} rad, feedback "
+      "{:.2f} "
+      "and {:.2f} N m\n",
+      static_cast<int>(r.code), r.link_error[0], r.link_error[1], r.residual_vibration[0], r.residual_vibration[1],
+      r.feedback_torque[0], r.feedback_torque[1]);
+}
+
+Answer ask(const Options& options, const Order& order) {
   ProgressLine line(fs::path(order.name).stem().string());
   ClientOptions client = options.client;
   client.on_progress = [&line](const ProgressReport& report) { line.show(report.progress); };
@@ -115,14 +126,19 @@ int run(const Options& options) {
   if (!options.out.empty()) prepare_folder(options.out);
   const Order order = load_order(options);
   const auto began = std::chrono::steady_clock::now();
-  const Reply reply = ask(options, order);
+  const Answer answer = ask(options, order);
+  const Reply& reply = answer.reply;
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   store(options, order, reply);
   if (reply.state != ReplyState::kSolved) {
     fmt::print(stderr, "fjr: {}: {}: {}\n", options.request, name(reply.state), reason_of(reply));
   }
   fmt::print("{}", options.json ? json_of(order, reply) : summary(options, reply, elapsed));
-  return exit_code_of(reply);
+  if (!answer.result) return exit_code_of(reply);
+  if (!options.json) fmt::print("{}", summary(*answer.result));
+  if (answer.result->code == ResultCode::kSuccessful) return 0;
+  fmt::print(stderr, "fjr: {}: not executed to its end: {}\n", options.request, answer.result->sentence);
+  return 1;
 }
 
 }  // namespace
@@ -132,6 +148,7 @@ void add_request(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("request", "Have a request planned by the service and store the results");
   command->add_option("request", options->request, "Request file")->required()->type_name("REQUEST.yaml");
   command->add_option("--out", options->out, "Folder of the results")->type_name("DIR");
+  command->add_flag("--execute", options->execute, "Have it executed, and wait for the result");
   command->add_flag("--json", options->json, "Only JSON on stdout: plan.json");
   command->add_option("--budget", options->budget, "Time the service may take, in seconds")
       ->check(CLI::PositiveNumber)

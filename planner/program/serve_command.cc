@@ -1,7 +1,5 @@
 // fjr serve: the planning service on DDS; fjr worker: one of its solving processes.
 #include <signal.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
-#include <spdlog/spdlog.h>
 #include <sys/prctl.h>
 #include <unistd.h>
 
@@ -11,35 +9,13 @@
 #include <thread>
 
 #include "planner/program/commands.h"
+#include "planner/program/ending.h"
+#include "planner/program/service_log.h"
 #include "planner/service/service.h"
 #include "planner/service/solve_loop.h"
 
 namespace fjr {
 namespace {
-
-sigset_t ending_signals() {
-  sigset_t signals;
-  sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
-  return signals;
-}
-
-// In this thread and all it starts: only wait_for_end() takes them, where anything may be called.
-void block_ending_signals() {
-  const sigset_t signals = ending_signals();
-  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-}
-
-std::jthread wait_for_end(Service& service) {
-  return std::jthread([&service](const std::stop_token& over) {
-    const sigset_t signals = ending_signals();
-    const timespec a_while{0, 100'000'000};
-    while (!over.stop_requested()) {
-      if (sigtimedwait(&signals, nullptr, &a_while) > 0) return service.stop();
-    }
-  });
-}
 
 struct Options {
   std::string config;
@@ -50,13 +26,12 @@ struct Options {
 int serve(const Options& options) {
   block_ending_signals();  // before any other thread is started
   ::signal(SIGPIPE, SIG_IGN);
-  spdlog::set_default_logger(spdlog::stderr_color_mt("fjr"));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
+  log_to_stderr();
   ServiceConfig config = options.config.empty() ? default_service_config() : load_service_config(options.config);
   if (options.domain >= 0) config.domain = static_cast<unsigned>(options.domain);
   if (options.workers > 0) config.workers = static_cast<std::size_t>(options.workers);
   Service service(config);
-  const std::jthread ending = wait_for_end(service);
+  const std::jthread ending = stop_at_end(service);
   service.run();
   return 0;
 }

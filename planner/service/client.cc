@@ -22,13 +22,13 @@ class Client {
   Client(const Order& order, const ClientOptions& options)
       : order_(order), options_(options), port_(options.domain, order.id) {}
 
-  Reply run() {
+  Answer run() {
     find_service();
     port_.send(order_);
     last_heard_ = last_sent_ = Clock::now();
     for (;;) {
       port_.wait(std::chrono::milliseconds(50));
-      if (auto reply = listen()) return std::move(*reply);
+      if (auto reply = listen()) return with_execution(std::move(*reply));
       cancel_if_asked();
       ask_again_if_silent();
     }
@@ -64,6 +64,24 @@ class Client {
       if (reply.final()) return std::move(reply);
     }
     return std::nullopt;
+  }
+
+  Answer with_execution(Reply reply) {
+    Answer answer{std::move(reply), {}};
+    if (!order_.execute || answer.reply.state != ReplyState::kSolved) return answer;
+    const double patience = answer.reply.rows.back().time + options_.execution;
+    for (const auto began = Clock::now(); seconds_since(began) < patience && !cancelled();) {
+      for (ExecutionResult& result : port_.take_results()) {
+        if (result.trajectory_id == order_.id) {
+          answer.result = std::move(result);
+          return answer;
+        }
+      }
+      port_.wait(std::chrono::milliseconds(20));
+      (void)port_.take_replies();
+      (void)port_.take_services();
+    }
+    throw NoAnswer("the trajectory was published, but no executor has reported: is `fjr executor` running?");
   }
 
   void cancel_if_asked() {
@@ -102,7 +120,7 @@ class Client {
 
 }  // namespace
 
-Reply request_plan(const Order& order, const ClientOptions& options) { return Client(order, options).run(); }
+Answer request_plan(const Order& order, const ClientOptions& options) { return Client(order, options).run(); }
 
 std::vector<ServiceStatus> find_services(unsigned domain, double wait) {
   dds::ClientPort port(domain, new_client());

@@ -62,6 +62,7 @@ struct Refusal {
 struct Order {
   RequestId id;
   std::string name;
+  bool execute = false;    // once it is solved
   int priority = 0;        // larger goes first
   double budget = 0;       // [s]; 0: the service's default
   std::string robot_hash;  // empty: any

@@ -89,7 +89,14 @@ std::optional<Refusal> Service::refusal_of(const Order& order, std::string& requ
     return Refusal{Reason::kWrongRobot, "robot", "the service plans for the robot with hash " + robot_hash_};
   }
   try {
-    request_hash = parse_request(order.yaml, order.name, {}, config_.robot).request_hash;
+    const Problem problem = parse_request(order.yaml, order.name, {}, config_.robot);
+    request_hash = problem.request_hash;
+    if (order.execute && !problem.start_at_rest) {
+      return Refusal{Reason::kBadInput, "start", "must be at rest to be executed"};
+    }
+    if (order.execute && !problem.goal.at_rest) {
+      return Refusal{Reason::kBadInput, "goal", "must be at rest to be executed"};
+    }
     return std::nullopt;
   } catch (const InputError& error) {
     const bool later = error.problem().find("not supported by this version") != std::string::npos;
@@ -290,6 +297,7 @@ void Service::finish(const Job& job, Reply reply) {
   cache_.add(shared);
   tally_.count(*shared, seconds(now - job.arrived));
   send(*shared);
+  if (job.order.execute && shared->state == ReplyState::kSolved) publish(*shared);
   spdlog::info("finished id={} state={} wait={:.3f} solve={:.3f} {}", text(shared->id), name(shared->state),
                shared->wait_time, shared->solve_time, shared->why.sentence);
 }
@@ -306,6 +314,22 @@ void Service::reject(const Order& order, Refusal why, bool remember) {
   if (log_refusals_.allows()) {
     spdlog::info("rejected id={} field={} {}", text(order.id), reply->why.field, reply->why.sentence);
   }
+}
+
+// Only a certified trajectory has rows. A repeated request is answered again but never published again.
+void Service::publish(const Reply& reply) {
+  TrajectoryOrder order;
+  order.robot_id = config_.robot_id;
+  order.id = reply.id;
+  order.epoch = 1;
+  order.published =
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  order.robot_hash = reply.robot_hash;
+  order.request_hash = reply.request_hash;
+  order.certified = reply.state == ReplyState::kSolved;
+  order.ends_at_rest = true;  // seen to at admission
+  order.rows = reply.rows;
+  if (!port_.send(order)) spdlog::error("not published id={}: the executor is too slow", text(reply.id));
 }
 
 void Service::send(const Reply& reply) {

@@ -61,6 +61,7 @@ class Service {
   void finish(const Job& job, Reply reply);
   void give_up(const Job& job, ReplyState state, Reason reason, const std::string& sentence);
   void reject(const Order& order, Refusal why, bool remember);
+  void publish(const Reply& reply);
   void send(const Reply& reply);
   std::vector<Event> take_events();
 

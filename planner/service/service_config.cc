@@ -45,13 +45,14 @@ ServiceConfig default_service_config() {
 ServiceConfig load_service_config(const std::filesystem::path& file) {
   ServiceConfig config = default_service_config();
   const YamlNode root = YamlNode::load(file);
-  root.allow_keys({"domain", "instance", "robot", "workers", "queue", "budget", "longest_budget"});
+  root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "queue", "budget", "longest_budget"});
   read_whole(root, "domain", 0, 230, config.domain);
   read_whole(root, "workers", 1, 64, config.workers);
   read_whole(root, "queue", 1, 4096, config.queue);
   read_seconds(root, "budget", config.budget);
   read_seconds(root, "longest_budget", config.longest_budget);
   if (const auto node = root.find("instance")) config.instance = node->text();
+  if (const auto node = root.find("robot_id")) config.robot_id = node->text();
   if (const auto node = root.find("robot")) config.robot = file.parent_path() / node->text();
   return config;
 }

@@ -1,5 +1,6 @@
 #include "planner/service/dds/client_port.h"
 
+#include "planner/service/dds/wire_execution.h"
 #include "planner/service/dds/wire_reply.h"
 #include "planner/service/dds/wire_request.h"
 
@@ -12,11 +13,13 @@ ClientPort::ClientPort(unsigned domain, const RequestId& client)
       subscriber_(participant_.subscriber(client_name(client))),
       replies_(participant_, subscriber_.handle()),
       progress_(participant_, subscriber_.handle()),
+      results_(participant_, participant_.handle()),
       services_(participant_, participant_.handle()),
       requests_(participant_, participant_.handle()),
       cancels_(participant_, participant_.handle()) {
   waitset_.attach(replies_.arrived());
   waitset_.attach(progress_.arrived());
+  waitset_.attach(results_.arrived());
   waitset_.attach(services_.arrived());
 }
 
@@ -38,6 +41,14 @@ std::vector<ProgressReport> ClientPort::take_progress() {
     if (info.valid_data) reports.push_back(decode(message));
   });
   return reports;
+}
+
+std::vector<ExecutionResult> ClientPort::take_results() {
+  std::vector<ExecutionResult> results;
+  results_.take_all([&](const fjr_msg_ExecutionResult& message, const dds_sample_info_t& info) {
+    if (info.valid_data) results.push_back(decode(message));
+  });
+  return results;
 }
 
 std::vector<ServiceStatus> ClientPort::take_services() {

@@ -8,6 +8,7 @@
 #include "planner/service/dds/reader.h"
 #include "planner/service/dds/waitset.h"
 #include "planner/service/dds/writer.h"
+#include "planner/service/execution_messages.h"
 #include "planner/service/messages.h"
 
 namespace fjr::dds {
@@ -24,6 +25,7 @@ class ClientPort {
 
   std::vector<Reply> take_replies();
   std::vector<ProgressReport> take_progress();
+  std::vector<ExecutionResult> take_results();
   std::vector<ServiceStatus> take_services();  // the latest word of each
 
  private:
@@ -32,6 +34,7 @@ class ClientPort {
   Entity subscriber_;
   Reader<fjr_msg_PlanReply> replies_;
   Reader<fjr_msg_PlanStatus> progress_;
+  Reader<fjr_msg_ExecutionResult> results_;
   Reader<fjr_msg_PlannerStatus> services_;
   Writer<fjr_msg_PlanRequest> requests_;
   Writer<fjr_msg_PlanCancel> cancels_;

@@ -251,7 +251,7 @@ void write_motion(Document& document, const fjr_msg_PlanRequest& message) {
 }
 
 std::optional<Refusal> refusal_of_terms(const fjr_msg_PlanRequest& message) {
-  if (message.action != fjr_msg_ACTION_PLAN) {
+  if (message.action > fjr_msg_ACTION_PLAN_AND_EXECUTE) {
     return Refusal{Reason::kUnsupported, "action", fmt::format("{} is not supported by this version", message.action)};
   }
   if (!std::isfinite(message.budget) || message.budget < 0) {
@@ -273,6 +273,7 @@ Order decode(const fjr_msg_PlanRequest& message) {
   Order order;
   order.id = decode(message.id);
   order.name = text_of(message.name);
+  order.execute = message.action == fjr_msg_ACTION_PLAN_AND_EXECUTE;
   order.priority = message.priority;
   order.budget = message.budget;
   order.robot_hash = text_of(message.robot_hash);

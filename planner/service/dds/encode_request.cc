@@ -232,7 +232,7 @@ WireRequest encode(const Order& order) {
   WireRequest wire;
   fjr_msg_PlanRequest& message = wire.message;
   message.id = encode(order.id);
-  message.action = fjr_msg_ACTION_PLAN;
+  message.action = order.execute ? fjr_msg_ACTION_PLAN_AND_EXECUTE : fjr_msg_ACTION_PLAN;
   message.priority = order.priority;
   message.budget = order.budget;
   set_text(message.name, order.name);

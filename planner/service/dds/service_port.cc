@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "planner/service/dds/wire_execution.h"
 #include "planner/service/dds/wire_reply.h"
 #include "planner/service/dds/wire_request.h"
 
@@ -23,7 +24,8 @@ ServicePort::ServicePort(unsigned domain)
       waitset_(participant_),
       requests_(participant_, participant_.handle()),
       cancels_(participant_, participant_.handle()),
-      status_(participant_, participant_.handle()) {
+      status_(participant_, participant_.handle()),
+      trajectories_(participant_, participant_.handle()) {
   waitset_.attach(requests_.arrived());
   waitset_.attach(cancels_.arrived());
 }
@@ -65,6 +67,8 @@ void ServicePort::send(const ProgressReport& report) {
 }
 
 void ServicePort::send(const ServiceStatus& status) { (void)status_.write(encode(status)); }
+
+bool ServicePort::send(const TrajectoryOrder& order) { return trajectories_.write(encode(order)); }
 
 void ServicePort::flush(std::chrono::nanoseconds timeout) {
   const auto end = std::chrono::steady_clock::now() + timeout;

@@ -9,6 +9,7 @@
 #include "planner/service/dds/reader.h"
 #include "planner/service/dds/waitset.h"
 #include "planner/service/dds/writer.h"
+#include "planner/service/execution_messages.h"
 #include "planner/service/messages.h"
 
 namespace fjr::dds {
@@ -28,6 +29,7 @@ class ServicePort {
   bool send(const Reply& reply);
   void send(const ProgressReport& report);
   void send(const ServiceStatus& status);
+  bool send(const TrajectoryOrder& order);  // to the executor
 
   // Waits until the clients have their replies, at most so long.
   void flush(std::chrono::nanoseconds timeout);
@@ -49,6 +51,7 @@ class ServicePort {
   Reader<fjr_msg_PlanRequest> requests_;
   Reader<fjr_msg_PlanCancel> cancels_;
   Writer<fjr_msg_PlannerStatus> status_;
+  Writer<fjr_msg_Trajectory> trajectories_;
   std::map<ClientKey, Client> clients_;
   std::uint64_t uses_ = 0;
 };

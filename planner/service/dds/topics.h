@@ -53,4 +53,39 @@ struct TopicOf<fjr_msg_PlannerStatus> {
   }
 };
 
+// A restarted executor gets the latest; of two owners the stronger counts.
+template <>
+struct TopicOf<fjr_msg_Trajectory> {
+  static constexpr const char* kName = "fjr/trajectory";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_Trajectory_desc; }
+  static Qos qos() {
+    return std::move(Qos()
+                         .reliable(DDS_MSECS(100))
+                         .transient_local()
+                         .keep_last(1)
+                         .exclusive_ownership()
+                         .automatic_liveliness(DDS_MSECS(500))
+                         .keep_instances());
+  }
+};
+
+// Telemetry: the latest wins.
+template <>
+struct TopicOf<fjr_msg_ExecutorState> {
+  static constexpr const char* kName = "fjr/executor_state";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ExecutorState_desc; }
+  static Qos qos() {
+    return std::move(Qos().best_effort().keep_last(1).deadline(DDS_MSECS(3)).automatic_liveliness(DDS_MSECS(300)));
+  }
+};
+
+template <>
+struct TopicOf<fjr_msg_ExecutionResult> {
+  static constexpr const char* kName = "fjr/execution_result";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ExecutionResult_desc; }
+  static Qos qos() {
+    return std::move(Qos().reliable(DDS_MSECS(5)).transient_local().keep_last(16).automatic_liveliness(DDS_MSECS(300)));
+  }
+};
+
 }  // namespace fjr::dds

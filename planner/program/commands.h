@@ -15,7 +15,13 @@ using AddCommand = void (*)(CLI::App& app, int& exit_code);
 
 void add_plan(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
+void add_serve(CLI::App& app, int& exit_code);
+void add_request(CLI::App& app, int& exit_code);
+void add_executor(CLI::App& app, int& exit_code);
+void add_status(CLI::App& app, int& exit_code);
+void add_worker(CLI::App& app, int& exit_code);
 
-inline constexpr std::array<AddCommand, 2> kCommands = {add_plan, add_verify};  // in the order of --help
+inline constexpr std::array<AddCommand, 7> kCommands = {
+    add_plan, add_verify, add_serve, add_request, add_executor, add_status, add_worker};  // in the order of --help
 
 }  // namespace fjr

@@ -11,7 +11,6 @@
 #include <optional>
 #include <set>
 #include <string>
-#include <system_error>
 #include <vector>
 
 #include "model/input_error.h"
@@ -19,6 +18,7 @@
 #include "planner/program/commands.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/progress_line.h"
+#include "planner/program/result_files.h"
 #include "planner/program/summary.h"
 #include "planner/trajectory/atomic_file.h"
 #include "planner/trajectory/plan_json.h"
@@ -67,19 +67,6 @@ std::vector<Job> jobs_of(const Options& options) {
   return jobs;
 }
 
-// Results of an earlier run must not be taken for this one's, whatever becomes of it.
-void prepare_folder(const fs::path& folder) {
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", folder.string(), error.message()));
-  for (const char* file : {"plan.json", "trajectory.csv", "trajectory.uncertified.csv"}) {
-    fs::remove(folder / file, error);
-    if (error) {
-      throw InputError("--out", "", fmt::format("cannot remove {}: {}", (folder / file).string(), error.message()));
-    }
-  }
-}
-
 void load(Job& job) {
   try {
     job.problem = load_request(job.request, default_robot_file());
@@ -90,22 +77,13 @@ void load(Job& job) {
 
 void complain(const std::string& problem) { fmt::print(stderr, "fjr: {}\n", problem); }
 
-// So that a trajectory file says by itself what it is for.
-void describe(Trajectory& trajectory, const Problem& problem, PlanStatus status) {
-  trajectory.metadata["request"] = problem.name;
-  trajectory.metadata["request_hash"] = problem.request_hash;
-  trajectory.metadata["robot_hash"] = robot_hash(problem.robot);
-  trajectory.metadata["rows"] = std::to_string(trajectory.samples.size());  // a file that was cut short shows it
-  trajectory.metadata["status"] = name(status);
-  trajectory.metadata["version"] = FJR_VERSION;
-}
-
 // Returns what was written, for people.
 std::string write_trajectory(const Job& job, const Options& options, Plan& plan) {
   const bool certified = plan.status == PlanStatus::kCertified;
   if (!plan.trajectory || (!certified && !options.keep_uncertified)) return "";
   const fs::path file = job.folder / (certified ? "trajectory.csv" : "trajectory.uncertified.csv");
-  describe(*plan.trajectory, *job.problem, plan.status);
+  const Problem& problem = *job.problem;
+  describe(*plan.trajectory, problem.name, problem.request_hash, robot_hash(problem.robot), plan.status);
   write_csv(*plan.trajectory, file);
   return file.string() + ", ";
 }

@@ -1,0 +1,66 @@
+#include "planner/executor/acceptance.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace fjr {
+namespace {
+
+bool finite(const Sample& row) {
+  const auto& x = row.state;
+  const auto both = [](const Pair<double>& v) { return std::isfinite(v[0]) && std::isfinite(v[1]); };
+  return std::isfinite(row.time) && both(x.q) && both(x.dq) && both(x.theta) && both(x.dtheta) && both(row.torque);
+}
+
+// Nothing: they are a trajectory.
+std::optional<std::string> fault_of(const std::vector<Sample>& rows) {
+  if (rows.size() < 2) return fmt::format("{} rows; a trajectory has at least 2", rows.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (!finite(rows[i])) return fmt::format("row {} is not finite", i);
+    if (i > 0 && !(rows[i].time > rows[i - 1].time)) return fmt::format("time does not increase at row {}", i);
+  }
+  return std::nullopt;
+}
+
+double age(const TrajectoryOrder& order, const Situation& situation) {
+  return static_cast<double>(situation.now - order.published) * 1e-9;
+}
+
+}  // namespace
+
+std::optional<ExecutionRefusal> refusal_of(const TrajectoryOrder& order, const Situation& situation) {
+  const auto invalid = [](std::string sentence) {
+    return ExecutionRefusal{ResultCode::kInvalidGoal, std::move(sentence)};
+  };
+  if (order.robot_hash != situation.robot_hash) {
+    return ExecutionRefusal{ResultCode::kInvalidJoints, "planned for another robot: " + order.robot_hash};
+  }
+  if (!order.certified) return invalid("not certified");
+  if (!order.ends_at_rest) return invalid("does not end at rest");
+  if (const auto fault = fault_of(order.rows)) return invalid(*fault);
+  if (order.epoch < situation.epoch) {
+    return invalid(fmt::format("from an earlier owner: epoch {}, {} was seen", order.epoch, situation.epoch));
+  }
+  if (situation.run.contains(order.id)) return invalid("was run before");
+  if (order.published < situation.started) {
+    return ExecutionRefusal{ResultCode::kOldHeaderTimestamp, "published before the executor was started"};
+  }
+  if (!(age(order, situation) <= kOldest)) {
+    return ExecutionRefusal{ResultCode::kOldHeaderTimestamp,
+                            fmt::format("published {:.1f} s ago, more than {} s", age(order, situation), kOldest)};
+  }
+  if (situation.mode != ExecutorMode::kResting && situation.mode != ExecutorMode::kHolding) {
+    return invalid("the arm is not at rest");
+  }
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double start = order.rows.front().state.q[j];
+    if (!(std::abs(start - situation.q[j]) <= kStartTolerance)) {
+      return invalid(fmt::format("starts at q{} = {:.6g} rad, the arm is at {:.6g} rad", j + 1, start, situation.q[j]));
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace fjr

@@ -1,0 +1,25 @@
+#include "planner/executor/dds/executor_port.h"
+
+#include "planner/service/dds/wire_execution.h"
+
+namespace fjr::dds {
+
+ExecutorPort::ExecutorPort(unsigned domain)
+    : participant_(domain),
+      trajectories_(participant_, participant_.handle()),
+      state_(participant_, participant_.handle()),
+      results_(participant_, participant_.handle()) {}
+
+std::vector<TrajectoryOrder> ExecutorPort::take_trajectories() {
+  std::vector<TrajectoryOrder> orders;
+  trajectories_.take_all([&](const fjr_msg_Trajectory& message, const dds_sample_info_t& info) {
+    if (info.valid_data) orders.push_back(decode(message));
+  });
+  return orders;
+}
+
+void ExecutorPort::send(const ExecutorState& state) { (void)state_.write(encode(state)); }
+
+void ExecutorPort::send(const ExecutionResult& result) { (void)results_.write(encode(result)); }
+
+}  // namespace fjr::dds

@@ -1,0 +1,167 @@
+// fjr request: have a request planned by the service.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "model/input_error.h"
+#include "model/strict_yaml.h"
+#include "planner/program/commands.h"
+#include "planner/program/interrupt.h"
+#include "planner/program/progress_line.h"
+#include "planner/program/result_files.h"
+#include "planner/service/client.h"
+#include "planner/trajectory/atomic_file.h"
+#include "planner/trajectory/plan_json.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+  std::string request;
+  std::string out;
+  bool json = false;
+  bool execute = false;
+  double budget = 0;
+  int priority = 0;
+  ClientOptions client;
+};
+
+std::string text_of(const fs::path& file) {
+  (void)YamlNode::load(file);  // refuses what is not a document, or far too large
+  std::ifstream in(file, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+// The service plans for one robot; a request that names another must not be planned for it silently.
+std::string hash_of_named_robot(const Order& order, const fs::path& folder) {
+  const auto robot = YamlNode::parse(order.yaml, order.name).find("robot");
+  return robot ? robot_hash(load_parameters(folder / robot->text())) : "";
+}
+
+Order load_order(const Options& options) {
+  const fs::path file = options.request;
+  Order order;
+  order.id = new_client();
+  order.name = file.filename().string();
+  order.execute = options.execute;
+  order.priority = options.priority;
+  order.budget = options.budget;
+  order.yaml = text_of(file);
+  order.robot_hash = hash_of_named_robot(order, file.parent_path());
+  return order;
+}
+
+// A request the service had no room for may be all right.
+int exit_code_of(const Reply& reply) {
+  return reply.why.reason == Reason::kQueueFull ? 1 : exit_code(status_of(reply));
+}
+
+std::string reason_of(const Reply& reply) {
+  return reply.why.field.empty() ? reply.why.sentence : reply.why.field + ": " + reply.why.sentence;
+}
+
+std::string json_of(const Order& order, const Reply& reply) {
+  if (!reply.plan_json.empty()) return reply.plan_json;
+  auto json = bad_input_json(fs::path(order.name).stem().string(), reason_of(reply));
+  json["status"] = name(status_of(reply));
+  return json_text(json);
+}
+
+void store(const Options& options, const Order& order, const Reply& reply) {
+  if (options.out.empty()) return;
+  const fs::path folder = options.out;
+  if (!reply.rows.empty()) {
+    Trajectory trajectory{reply.rows, {}};
+    describe(trajectory, fs::path(order.name).stem().string(), reply.request_hash, reply.robot_hash, status_of(reply));
+    write_csv(trajectory, folder / "trajectory.csv");
+  }
+  write_file(folder / "plan.json", json_of(order, reply));
+}
+
+std::string summary(const Options& options, const Reply& reply, double elapsed) {
+  std::string text = fmt::format("{}: {}\n", fs::path(options.request).stem().string(), name(status_of(reply)));
+  if (!reply.rows.empty()) {
+    text += fmt::format("  duration    {:.6g} s, {} rows\n", reply.rows.back().time, reply.rows.size());
+  }
+  text += fmt::format("  service     solved in {:.3f} s after {:.3f} s in the queue; {:.3f} s in all\n",
+                      reply.solve_time, reply.wait_time, elapsed);
+  if (!options.out.empty()) {
+    text += fmt::format("  files       {}{}\n",
+                        reply.rows.empty() ? "" : (fs::path(options.out) / "trajectory.csv, ").string(),
+                        (fs::path(options.out) / "plan.json").string());
+  }
+  return text;
+}
+
+std::string summary(const ExecutionResult& r) {
+  return fmt::format(
+      "  execution   code {}, link error {:.2e} and {:.2e} rad, residual vibration {:.2e} and {:.2e} rad, feedback "
+      "{:.2f} "
+      "and {:.2f} N m\n",
+      static_cast<int>(r.code), r.link_error[0], r.link_error[1], r.residual_vibration[0], r.residual_vibration[1],
+      r.feedback_torque[0], r.feedback_torque[1]);
+}
+
+Answer ask(const Options& options, const Order& order) {
+  ProgressLine line(fs::path(order.name).stem().string());
+  ClientOptions client = options.client;
+  client.on_progress = [&line](const ProgressReport& report) { line.show(report.progress); };
+  client.cancelled = interrupted;
+  return request_plan(order, client);
+}
+
+int run(const Options& options) {
+  catch_interrupts();
+  if (!options.out.empty()) prepare_folder(options.out);
+  const Order order = load_order(options);
+  const auto began = std::chrono::steady_clock::now();
+  const Answer answer = ask(options, order);
+  const Reply& reply = answer.reply;
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  store(options, order, reply);
+  if (reply.state != ReplyState::kSolved) {
+    fmt::print(stderr, "fjr: {}: {}: {}\n", options.request, name(reply.state), reason_of(reply));
+  }
+  fmt::print("{}", options.json ? json_of(order, reply) : summary(options, reply, elapsed));
+  if (!answer.result) return exit_code_of(reply);
+  if (!options.json) fmt::print("{}", summary(*answer.result));
+  if (answer.result->code == ResultCode::kSuccessful) return 0;
+  fmt::print(stderr, "fjr: {}: not executed to its end: {}\n", options.request, answer.result->sentence);
+  return 1;
+}
+
+}  // namespace
+
+void add_request(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("request", "Have a request planned by the service and store the results");
+  command->add_option("request", options->request, "Request file")->required()->type_name("REQUEST.yaml");
+  command->add_option("--out", options->out, "Folder of the results")->type_name("DIR");
+  command->add_flag("--execute", options->execute, "Have it executed, and wait for the result");
+  command->add_flag("--json", options->json, "Only JSON on stdout: plan.json");
+  command->add_option("--budget", options->budget, "Time the service may take, in seconds")
+      ->check(CLI::PositiveNumber)
+      ->type_name("S");
+  command->add_option("--priority", options->priority, "Larger goes first")->type_name("N");
+  command->add_option("--domain", options->client.domain, "DDS domain")->check(CLI::Range(0, 230));
+  command->add_option("--find", options->client.find, "How long to look for a service, in seconds")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--silence", options->client.silence, "Silence after which no answer is expected, in seconds")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace fjr

@@ -1,0 +1,19 @@
+// The files of a planned request, the same however it was planned.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "planner/plan.h"
+
+namespace fjr {
+
+// Makes the folder and removes results of an earlier run, which must not be taken for this one's whatever becomes of
+// it.
+void prepare_folder(const std::filesystem::path& folder);
+
+// So that a trajectory file says by itself what it is for.
+void describe(Trajectory& trajectory, const std::string& request, const std::string& request_hash,
+              const std::string& robot_hash, PlanStatus status);
+
+}  // namespace fjr

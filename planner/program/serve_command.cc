@@ -1,0 +1,68 @@
+// fjr serve: the planning service on DDS; fjr worker: one of its solving processes.
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "planner/program/commands.h"
+#include "planner/program/ending.h"
+#include "planner/program/service_log.h"
+#include "planner/service/service.h"
+#include "planner/service/solve_loop.h"
+
+namespace fjr {
+namespace {
+
+struct Options {
+  std::string config;
+  int domain = -1;  // < 0: as configured
+  int workers = 0;  // 0: as configured
+};
+
+int serve(const Options& options) {
+  block_ending_signals();  // before any other thread is started
+  ::signal(SIGPIPE, SIG_IGN);
+  log_to_stderr();
+  ServiceConfig config = options.config.empty() ? default_service_config() : load_service_config(options.config);
+  if (options.domain >= 0) config.domain = static_cast<unsigned>(options.domain);
+  if (options.workers > 0) config.workers = static_cast<std::size_t>(options.workers);
+  Service service(config);
+  const std::jthread ending = stop_at_end(service);
+  service.run();
+  return 0;
+}
+
+// Results have stdout for themselves; whatever a library prints goes to stderr. Without the service there is nothing to
+// solve for.
+int work(const std::string& robot) {
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const int results = ::dup(STDOUT_FILENO);
+  ::dup2(STDERR_FILENO, STDOUT_FILENO);
+  solve_requests(STDIN_FILENO, results, robot);
+  return 0;
+}
+
+}  // namespace
+
+void add_serve(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("serve", "Plan for others: the planning service on DDS, until SIGTERM");
+  command->add_option("--config", options->config, "Configuration; without it the defaults")->type_name("SERVICE.yaml");
+  command->add_option("--domain", options->domain, "DDS domain")->check(CLI::Range(0, 230));
+  command->add_option("--workers", options->workers, "Solving processes")->check(CLI::Range(1, 64));
+  command->callback([options, &exit_code] { exit_code = serve(*options); });
+}
+
+void add_worker(CLI::App& app, int& exit_code) {
+  const auto robot = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("worker", "One solving process of fjr serve, which starts it itself");
+  command->group("");  // not for people
+  command->add_option("--robot", *robot, "Robot file")->required();
+  command->callback([robot, &exit_code] { exit_code = work(*robot); });
+}
+
+}  // namespace fjr

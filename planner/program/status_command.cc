@@ -1,0 +1,85 @@
+// fjr status: how the planning services are doing.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "planner/program/commands.h"
+#include "planner/service/client.h"
+#include "planner/trajectory/plan_json.h"
+
+namespace fjr {
+namespace {
+
+struct Options {
+  unsigned domain = 0;
+  double wait = 1;
+  bool json = false;
+};
+
+std::string text_for_people(const ServiceStatus& s) {
+  std::string text =
+      fmt::format("{}: up {:.0f} s, fjr {}, robot {}\n", s.instance, s.uptime, s.version, s.robot_hash.substr(0, 12));
+  text += fmt::format("  queue       {} of {}\n", s.queued, s.queue_capacity);
+  text +=
+      fmt::format("  workers     {} of {} solving, {} lost since the start\n", s.solving, s.workers, s.workers_lost);
+  text += fmt::format(
+      "  requests    {} received, {} repeated; {} solved, {} rejected, {} infeasible, {} failed, {} cancelled, {} "
+      "expired\n",
+      s.received, s.duplicates, s.solved, s.rejected, s.infeasible, s.failed, s.cancelled, s.expired);
+  text += fmt::format("  latency     p50 {:.3f} s, p90 {:.3f} s, p99 {:.3f} s of the last solved ones\n", s.latency_p50,
+                      s.latency_p90, s.latency_p99);
+  text += fmt::format("  memory      {:.1f} MB, workers included\n", static_cast<double>(s.memory) / 1e6);
+  return text;
+}
+
+nlohmann::ordered_json json_of(const ServiceStatus& s) {
+  return {{"instance", s.instance},
+          {"version", s.version},
+          {"robot_hash", s.robot_hash},
+          {"uptime", s.uptime},
+          {"queue", {{"waiting", s.queued}, {"capacity", s.queue_capacity}}},
+          {"workers", {{"all", s.workers}, {"solving", s.solving}, {"lost", s.workers_lost}}},
+          {"requests",
+           {{"received", s.received},
+            {"repeated", s.duplicates},
+            {"solved", s.solved},
+            {"rejected", s.rejected},
+            {"infeasible", s.infeasible},
+            {"failed", s.failed},
+            {"cancelled", s.cancelled},
+            {"expired", s.expired}}},
+          {"latency", {{"p50", s.latency_p50}, {"p90", s.latency_p90}, {"p99", s.latency_p99}}},
+          {"memory_bytes", s.memory}};
+}
+
+int run(const Options& options) {
+  const std::vector<ServiceStatus> services = find_services(options.domain, options.wait);
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const ServiceStatus& service : services) {
+    if (!options.json) fmt::print("{}", text_for_people(service));
+    all.push_back(json_of(service));
+  }
+  if (options.json) fmt::print("{}", json_text(all));
+  if (!services.empty()) return 0;
+  fmt::print(stderr, "fjr: no planning service on DDS domain {} (looked for {:g} s)\n", options.domain, options.wait);
+  return 1;
+}
+
+}  // namespace
+
+void add_status(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("status", "Show how the planning services on DDS are doing");
+  command->add_option("--domain", options->domain, "DDS domain")->check(CLI::Range(0, 230));
+  command->add_option("--wait", options->wait, "How long to listen, in seconds")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Only JSON on stdout: an array of services");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace fjr

@@ -1,0 +1,40 @@
+// Asking a planning service, and not giving up too early nor waiting forever.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include "planner/service/execution_messages.h"
+
+namespace fjr {
+
+// Nobody takes requests, or whoever does is silent. One sentence that says what to look at.
+class NoAnswer : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct ClientOptions {
+  unsigned domain = 0;
+  double find = 3;        // [s] to find a service
+  double ask_again = 2;   // [s] of silence after which the same request is sent again
+  double execution = 15;  // [s] beyond the trajectory's duration for the executor to report
+  double silence = 10;    // [s] after which nobody is expected to answer any more
+  std::function<void(const ProgressReport&)> on_progress;
+  std::function<bool()> cancelled;  // polled; then the request is cancelled, which is answered too
+};
+
+// Sends the order under its id and returns the final reply. Throws NoAnswer, and InputError for a document that has not
+// the shape of a request.
+struct Answer {
+  Reply reply;
+  std::optional<ExecutionResult> result;  // when it was solved and to be executed
+};
+Answer request_plan(const Order& order, const ClientOptions& options);
+
+// The latest word of every service heard within `wait` seconds, by instance.
+std::vector<ServiceStatus> find_services(unsigned domain, double wait);
+
+}  // namespace fjr

@@ -1,0 +1,62 @@
+#include "planner/service/dds/client_port.h"
+
+#include "planner/service/dds/wire_execution.h"
+#include "planner/service/dds/wire_reply.h"
+#include "planner/service/dds/wire_request.h"
+
+namespace fjr::dds {
+
+// The readers come before the writers: who sees the request can answer it.
+ClientPort::ClientPort(unsigned domain, const RequestId& client)
+    : participant_(domain),
+      waitset_(participant_),
+      subscriber_(participant_.subscriber(client_name(client))),
+      replies_(participant_, subscriber_.handle()),
+      progress_(participant_, subscriber_.handle()),
+      results_(participant_, participant_.handle()),
+      services_(participant_, participant_.handle()),
+      requests_(participant_, participant_.handle()),
+      cancels_(participant_, participant_.handle()) {
+  waitset_.attach(replies_.arrived());
+  waitset_.attach(progress_.arrived());
+  waitset_.attach(results_.arrived());
+  waitset_.attach(services_.arrived());
+}
+
+bool ClientPort::send(const Order& order) { return requests_.write(encode(order).message); }
+
+bool ClientPort::cancel(const RequestId& id) { return cancels_.write({encode(id)}); }
+
+std::vector<Reply> ClientPort::take_replies() {
+  std::vector<Reply> replies;
+  replies_.take_all([&](const fjr_msg_PlanReply& message, const dds_sample_info_t& info) {
+    if (info.valid_data) replies.push_back(decode(message));
+  });
+  return replies;
+}
+
+std::vector<ProgressReport> ClientPort::take_progress() {
+  std::vector<ProgressReport> reports;
+  progress_.take_all([&](const fjr_msg_PlanStatus& message, const dds_sample_info_t& info) {
+    if (info.valid_data) reports.push_back(decode(message));
+  });
+  return reports;
+}
+
+std::vector<ExecutionResult> ClientPort::take_results() {
+  std::vector<ExecutionResult> results;
+  results_.take_all([&](const fjr_msg_ExecutionResult& message, const dds_sample_info_t& info) {
+    if (info.valid_data) results.push_back(decode(message));
+  });
+  return results;
+}
+
+std::vector<ServiceStatus> ClientPort::take_services() {
+  std::vector<ServiceStatus> services;
+  services_.take_all([&](const fjr_msg_PlannerStatus& message, const dds_sample_info_t& info) {
+    if (info.valid_data) services.push_back(decode(message));
+  });
+  return services;
+}
+
+}  // namespace fjr::dds

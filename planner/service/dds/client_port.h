@@ -1,0 +1,43 @@
+// The client's side of the protocol.
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "planner/service/dds/participant.h"
+#include "planner/service/dds/reader.h"
+#include "planner/service/dds/waitset.h"
+#include "planner/service/dds/writer.h"
+#include "planner/service/execution_messages.h"
+#include "planner/service/messages.h"
+
+namespace fjr::dds {
+
+class ClientPort {
+ public:
+  ClientPort(unsigned domain, const RequestId& client);
+
+  void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
+
+  bool served() const { return requests_.has_reader(); }  // somebody takes requests; no proof of delivery
+  bool send(const Order& order);                          // InputError: not the shape of a request
+  bool cancel(const RequestId& id);
+
+  std::vector<Reply> take_replies();
+  std::vector<ProgressReport> take_progress();
+  std::vector<ExecutionResult> take_results();
+  std::vector<ServiceStatus> take_services();  // the latest word of each
+
+ private:
+  Participant participant_;
+  Waitset waitset_;
+  Entity subscriber_;
+  Reader<fjr_msg_PlanReply> replies_;
+  Reader<fjr_msg_PlanStatus> progress_;
+  Reader<fjr_msg_ExecutionResult> results_;
+  Reader<fjr_msg_PlannerStatus> services_;
+  Writer<fjr_msg_PlanRequest> requests_;
+  Writer<fjr_msg_PlanCancel> cancels_;
+};
+
+}  // namespace fjr::dds

@@ -1,0 +1,248 @@
+// Request document -> wire.
+#include <algorithm>
+
+#include "model/strict_yaml.h"
+#include "planner/service/dds/text.h"
+#include "planner/service/dds/wire_request.h"
+
+namespace fjr::dds {
+namespace {
+
+void set_pair(const YamlNode& node, std::string_view unit, double (&to)[2]) {
+  const Pair<double> pair = node.pair(unit);
+  std::copy(pair.begin(), pair.end(), to);
+}
+
+void set_optional(const YamlNode& map, std::string_view key, std::string_view unit, bool& given, double (&to)[2]) {
+  const auto node = map.find(key);
+  given = node.has_value();
+  if (given) set_pair(*node, unit, to);
+}
+
+void set_optional(const YamlNode& map, std::string_view key, std::string_view unit, bool& given, double& to) {
+  const auto node = map.find(key);
+  given = node.has_value();
+  if (given) to = node->number(unit);
+}
+
+void encode_start(const YamlNode& root, fjr_msg_StartState& start) {
+  const auto node = root.find("start");
+  start.given = node.has_value();
+  if (!start.given) return;
+  node->allow_keys({"q", "dq", "theta", "dtheta"});
+  set_pair(node->at("q"), "rad", start.q);
+  set_optional(*node, "dq", "rad/s", start.has_dq, start.dq);
+  set_optional(*node, "theta", "rad", start.has_theta, start.theta);
+  set_optional(*node, "dtheta", "rad/s", start.has_dtheta, start.dtheta);
+}
+
+void encode_goal_joints(const YamlNode& q, fjr_msg_GoalState& goal) {
+  const std::vector<YamlNode> items = q.items();
+  if (items.size() != kJoints) (void)q.pair("rad");  // refuses, saying what is expected
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    goal.q_free[j] = items[j].says("free");
+    if (!goal.q_free[j]) goal.q[j] = items[j].number("rad");
+  }
+}
+
+void encode_goal_tip(const YamlNode& node, fjr_msg_GoalState& goal) {
+  goal.kind = fjr_msg_GOAL_TIP;
+  set_pair(node.at("tip"), "m", goal.tip);
+  set_optional(node, "tip_velocity", "m/s", goal.has_tip_velocity, goal.tip_velocity);
+  const auto elbow = node.find("elbow");
+  if (!elbow || elbow->says("any")) return;
+  if (elbow->says("left")) {
+    goal.elbow = fjr_msg_ELBOW_LEFT;
+  } else if (elbow->says("right")) {
+    goal.elbow = fjr_msg_ELBOW_RIGHT;
+  } else {
+    elbow->fail("must be any, left or right");
+  }
+}
+
+void encode_goal(const YamlNode& node, fjr_msg_GoalState& goal) {
+  node.allow_keys({"q", "dq", "theta", "dtheta", "tip", "elbow", "tip_velocity"});
+  if (node.find("tip")) {
+    if (const auto q = node.find("q")) q->fail("give either q or tip");
+    encode_goal_tip(node, goal);
+  } else {
+    encode_goal_joints(node.at("q"), goal);
+  }
+  set_optional(node, "dq", "rad/s", goal.has_dq, goal.dq);
+  set_optional(node, "theta", "rad", goal.has_theta, goal.theta);
+  set_optional(node, "dtheta", "rad/s", goal.has_dtheta, goal.dtheta);
+}
+
+void encode_duration(const YamlNode& root, fjr_msg_DurationRange& duration) {
+  const auto node = root.find("duration");
+  if (!node || node->says("free")) return;
+  if (node->is_scalar()) {
+    duration.has_min = duration.has_max = true;
+    duration.min = duration.max = node->number("s");
+    return;
+  }
+  if (!node->is_map()) node->fail("must be a number of seconds, free, or {min, max}");
+  node->allow_keys({"min", "max"});
+  set_optional(*node, "min", "s", duration.has_min, duration.min);
+  set_optional(*node, "max", "s", duration.has_max, duration.max);
+}
+
+std::uint8_t preset_of(const YamlNode& node) {
+  if (node.says("fastest")) return fjr_msg_OBJECTIVE_FASTEST;
+  if (node.says("gentle")) return fjr_msg_OBJECTIVE_GENTLE;
+  if (node.says("efficient")) return fjr_msg_OBJECTIVE_EFFICIENT;
+  node.fail(shown(node.text()) + " is not a preset (fastest, gentle, efficient)");
+}
+
+void encode_objective(const YamlNode& root, fjr_msg_Objective& objective) {
+  const auto node = root.find("objective");
+  if (!node) return;
+  if (node->is_scalar()) {
+    objective.preset = preset_of(*node);
+    return;
+  }
+  objective.preset = fjr_msg_OBJECTIVE_WEIGHTS;
+  node->allow_keys({"time", "effort", "torque_rate", "link_acceleration", "link_jerk", "energy"});
+  bool given = false;
+  set_optional(*node, "time", "1", given, objective.time);
+  set_optional(*node, "effort", "1", given, objective.effort);
+  set_optional(*node, "torque_rate", "1", given, objective.torque_rate);
+  set_optional(*node, "link_acceleration", "1", given, objective.link_acceleration);
+  set_optional(*node, "link_jerk", "1", given, objective.link_jerk);
+  set_optional(*node, "energy", "1", given, objective.energy);
+}
+
+void refuse_long_list(const YamlNode& list, std::size_t count, std::size_t most) {
+  if (count > most) list.fail(std::to_string(count) + " entries, above the " + std::to_string(most) + " allowed");
+}
+
+std::vector<fjr_msg_ViaPoint> encode_vias(const YamlNode& root) {
+  std::vector<fjr_msg_ViaPoint> vias;
+  const auto list = root.find("via");
+  if (!list) return vias;
+  const std::vector<YamlNode> items = list->items();
+  refuse_long_list(*list, items.size(), fjr_msg_MAX_VIAS);
+  for (const YamlNode& item : items) {
+    item.allow_keys({"time", "q", "dq"});
+    fjr_msg_ViaPoint via{};
+    set_optional(item, "time", "s", via.has_time, via.time);
+    set_pair(item.at("q"), "rad", via.q);
+    set_optional(item, "dq", "rad/s", via.has_dq, via.dq);
+    vias.push_back(via);
+  }
+  return vias;
+}
+
+std::vector<fjr_msg_Disc> encode_obstacles(const YamlNode& root) {
+  std::vector<fjr_msg_Disc> discs;
+  const auto list = root.find("obstacles");
+  if (!list) return discs;
+  const std::vector<YamlNode> items = list->items();
+  refuse_long_list(*list, items.size(), fjr_msg_MAX_OBSTACLES);
+  for (const YamlNode& item : items) {
+    item.allow_keys({"center", "radius", "margin"});
+    fjr_msg_Disc disc{};
+    set_pair(item.at("center"), "m", disc.center);
+    disc.radius = item.at("radius").number("m");
+    if (const auto margin = item.find("margin")) disc.margin = margin->number("m");
+    discs.push_back(disc);
+  }
+  return discs;
+}
+
+void encode_tip_segment(const YamlNode& node, fjr_msg_TipPath& tip) {
+  set_pair(node.at("from"), "m", tip.from);
+  set_pair(node.at("to"), "m", tip.to);
+  tip.tolerance = node.at("tolerance").number("m");
+}
+
+void encode_tip(const YamlNode& root, fjr_msg_TipPath& tip) {
+  const auto node = root.find("tip");
+  if (!node) return;
+  node->allow_keys({"box", "line", "arc"});
+  if (const auto box = node->find("box")) {
+    const std::vector<YamlNode> corners = box->items();
+    if (corners.size() != 2) box->fail("must be two corners");
+    tip.kind = fjr_msg_TIP_BOX;
+    set_pair(corners[0], "m", tip.lower);
+    set_pair(corners[1], "m", tip.upper);
+  } else if (const auto line = node->find("line")) {
+    line->allow_keys({"from", "to", "tolerance"});
+    tip.kind = fjr_msg_TIP_LINE;
+    encode_tip_segment(*line, tip);
+  } else {
+    const YamlNode arc = node->at("arc");
+    arc.allow_keys({"center", "from", "to", "tolerance"});
+    tip.kind = fjr_msg_TIP_ARC;
+    set_pair(arc.at("center"), "m", tip.center);
+    encode_tip_segment(arc, tip);
+  }
+}
+
+void encode_limits(const YamlNode& root, fjr_msg_TightenedLimits& limits) {
+  const auto node = root.find("limits");
+  if (!node) return;
+  node->allow_keys({"torque", "torque_rate", "motor_velocity", "link_position", "spring_deflection", "tip_speed"});
+  set_optional(*node, "torque", "N m", limits.has_torque, limits.torque);
+  set_optional(*node, "torque_rate", "N m/s", limits.has_torque_rate, limits.torque_rate);
+  set_optional(*node, "motor_velocity", "rad/s", limits.has_motor_velocity, limits.motor_velocity);
+  set_optional(*node, "link_position", "rad", limits.has_link_position, limits.link_position);
+  set_optional(*node, "spring_deflection", "rad", limits.has_spring_deflection, limits.spring_deflection);
+  set_optional(*node, "tip_speed", "m/s", limits.has_tip_speed, limits.tip_speed);
+}
+
+void encode_payload(const YamlNode& root, fjr_msg_Payload& payload) {
+  const auto node = root.find("payload");
+  payload.given = node.has_value();
+  if (!payload.given) return;
+  node->allow_keys({"mass", "inertia"});
+  payload.mass = node->at("mass").number("kg");
+  if (const auto inertia = node->find("inertia")) payload.inertia = inertia->number("kg m^2");
+}
+
+void encode_motion(const YamlNode& root, WireRequest& wire) {
+  root.allow_keys({"robot", "start", "goal", "duration", "objective", "via", "obstacles", "tip", "limits",
+                   "sample_period", "seed", "payload"});
+  fjr_msg_PlanRequest& message = wire.message;
+  encode_start(root, message.start);
+  encode_goal(root.at("goal"), message.goal);
+  encode_duration(root, message.duration);
+  encode_objective(root, message.objective);
+  wire.via = encode_vias(root);
+  wire.obstacles = encode_obstacles(root);
+  encode_tip(root, message.tip);
+  encode_limits(root, message.limits);
+  encode_payload(root, message.payload);
+  set_optional(root, "sample_period", "s", message.has_sample_period, message.sample_period);
+  const auto seed = root.find("seed");
+  message.has_seed = seed.has_value();
+  if (seed) message.seed = seed->whole_number();
+}
+
+}  // namespace
+
+fjr_msg_RequestId encode(const RequestId& id) {
+  fjr_msg_RequestId wire{};
+  std::copy(id.client.begin(), id.client.end(), wire.client);
+  wire.number = id.number;
+  return wire;
+}
+
+WireRequest encode(const Order& order) {
+  WireRequest wire;
+  fjr_msg_PlanRequest& message = wire.message;
+  message.id = encode(order.id);
+  message.action = order.execute ? fjr_msg_ACTION_PLAN_AND_EXECUTE : fjr_msg_ACTION_PLAN;
+  message.priority = order.priority;
+  message.budget = order.budget;
+  set_text(message.name, order.name);
+  set_text(message.robot_hash, order.robot_hash);
+  encode_motion(YamlNode::parse(order.yaml, order.name), wire);
+  message.via._length = message.via._maximum = static_cast<std::uint32_t>(wire.via.size());
+  message.via._buffer = wire.via.data();
+  message.obstacles._length = message.obstacles._maximum = static_cast<std::uint32_t>(wire.obstacles.size());
+  message.obstacles._buffer = wire.obstacles.data();
+  return wire;
+}
+
+}  // namespace fjr::dds

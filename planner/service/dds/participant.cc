@@ -1,0 +1,46 @@
+#include "planner/service/dds/participant.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <system_error>
+
+#include "model/input_error.h"
+#include "model/parameters.h"
+
+namespace fjr::dds {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool configured_by_user() {
+  const char* uri = std::getenv("CYCLONEDDS_URI");
+  return uri != nullptr && *uri != '\0';
+}
+
+Entity loopback_domain(unsigned domain) {
+  const fs::path file = default_robot_file().parent_path() / "cyclonedds.xml";
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) throw InputError(file.string(), "", "no such file; CYCLONEDDS_URI is not set");
+  const std::string uri = "file://" + fs::absolute(file).string();
+  return Entity(dds_create_domain(domain, uri.c_str()), "domain");
+}
+
+// A process configures a domain once, and it must outlive all its participants.
+std::shared_ptr<Entity> shared_domain(unsigned domain) {
+  if (configured_by_user()) return nullptr;
+  static std::mutex mutex;
+  static std::map<unsigned, std::weak_ptr<Entity>> known;
+  const std::lock_guard lock(mutex);
+  std::shared_ptr<Entity> shared = known[domain].lock();
+  if (!shared) known[domain] = shared = std::make_shared<Entity>(loopback_domain(domain));
+  return shared;
+}
+
+}  // namespace
+
+Participant::Participant(unsigned domain)
+    : domain_(shared_domain(domain)), participant_(dds_create_participant(domain, nullptr, nullptr), "participant") {}
+
+}  // namespace fjr::dds

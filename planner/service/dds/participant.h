@@ -1,0 +1,40 @@
+// Taking part in a DDS domain, and what everything else is made from.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "planner/service/dds/entity.h"
+#include "planner/service/dds/qos.h"
+#include "planner/service/dds/topics.h"
+
+namespace fjr::dds {
+
+// Applies the shipped loopback configuration unless CYCLONEDDS_URI says otherwise.
+class Participant {
+ public:
+  explicit Participant(unsigned domain);
+
+  dds_entity_t handle() const { return participant_.handle(); }
+
+  template <class T>
+  Entity topic() const {
+    using Topic = TopicOf<T>;
+    return Entity(dds_create_topic(handle(), Topic::descriptor(), Topic::kName, Topic::qos().get(), nullptr),
+                  Topic::kName);
+  }
+
+  // Groups: readers and writers made from these only meet within the partition.
+  Entity publisher(const std::string& partition) const {
+    return Entity(dds_create_publisher(handle(), Qos().partition(partition).get(), nullptr), "publisher");
+  }
+  Entity subscriber(const std::string& partition) const {
+    return Entity(dds_create_subscriber(handle(), Qos().partition(partition).get(), nullptr), "subscriber");
+  }
+
+ private:
+  std::shared_ptr<Entity> domain_;  // none: CYCLONEDDS_URI configures it
+  Entity participant_;
+};
+
+}  // namespace fjr::dds

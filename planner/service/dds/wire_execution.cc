@@ -1,0 +1,122 @@
+#include "planner/service/dds/wire_execution.h"
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+#include "planner/service/dds/text.h"
+#include "planner/service/dds/wire_request.h"
+
+namespace fjr::dds {
+namespace {
+
+void set_pair(double (&to)[2], const Pair<double>& from) { std::copy(from.begin(), from.end(), to); }
+Pair<double> pair_of(const double (&from)[2]) { return {from[0], from[1]}; }
+
+}  // namespace
+
+fjr_msg_Trajectory encode(const TrajectoryOrder& order) {
+  if (order.rows.size() > fjr_msg_MAX_ROWS) throw std::length_error("more rows than the wire type allows");
+  fjr_msg_Trajectory message{};
+  set_text(message.robot_id, order.robot_id);
+  message.id = encode(order.id);
+  message.epoch = order.epoch;
+  message.published = order.published;
+  set_text(message.robot_hash, order.robot_hash);
+  set_text(message.request_hash, order.request_hash);
+  message.certified = order.certified;
+  message.ends_at_rest = order.ends_at_rest;
+  set_pair(message.tolerances.path, order.tolerances.path);
+  set_pair(message.tolerances.goal, order.tolerances.goal);
+  message.tolerances.goal_time = order.tolerances.goal_time;
+  set_pair(message.tolerances.stopped_velocity, order.tolerances.stopped_velocity);
+  message.rows._length = message.rows._maximum = static_cast<std::uint32_t>(order.rows.size());
+  // Only read when written.
+  message.rows._buffer = reinterpret_cast<fjr_msg_Row*>(const_cast<Sample*>(order.rows.data()));
+  return message;
+}
+
+TrajectoryOrder decode(const fjr_msg_Trajectory& message) {
+  TrajectoryOrder order;
+  order.robot_id = text_of(message.robot_id);
+  order.id = decode(message.id);
+  order.epoch = message.epoch;
+  order.published = message.published;
+  order.robot_hash = text_of(message.robot_hash);
+  order.request_hash = text_of(message.request_hash);
+  order.certified = message.certified;
+  order.ends_at_rest = message.ends_at_rest;
+  order.tolerances.path = pair_of(message.tolerances.path);
+  order.tolerances.goal = pair_of(message.tolerances.goal);
+  order.tolerances.goal_time = message.tolerances.goal_time;
+  order.tolerances.stopped_velocity = pair_of(message.tolerances.stopped_velocity);
+  order.rows.resize(message.rows._length);
+  if (!order.rows.empty()) {
+    std::memcpy(static_cast<void*>(order.rows.data()), message.rows._buffer, order.rows.size() * sizeof(Sample));
+  }
+  return order;
+}
+
+fjr_msg_ExecutorState encode(const ExecutorState& state) {
+  fjr_msg_ExecutorState message{};
+  set_text(message.robot_id, state.robot_id);
+  set_text(message.robot_hash, state.robot_hash);
+  message.mode = static_cast<std::uint8_t>(state.mode);
+  message.trajectory_id = encode(state.trajectory_id);
+  message.epoch = state.epoch;
+  message.stamp = state.stamp;
+  message.time = state.time;
+  set_pair(message.q, state.q);
+  set_pair(message.theta, state.theta);
+  set_pair(message.planned_q, state.planned_q);
+  set_pair(message.torque, state.torque);
+  set_pair(message.feedback, state.feedback);
+  return message;
+}
+
+ExecutorState decode(const fjr_msg_ExecutorState& message) {
+  ExecutorState state;
+  state.robot_id = text_of(message.robot_id);
+  state.robot_hash = text_of(message.robot_hash);
+  state.mode = static_cast<ExecutorMode>(message.mode);
+  state.trajectory_id = decode(message.trajectory_id);
+  state.epoch = message.epoch;
+  state.stamp = message.stamp;
+  state.time = message.time;
+  state.q = pair_of(message.q);
+  state.theta = pair_of(message.theta);
+  state.planned_q = pair_of(message.planned_q);
+  state.torque = pair_of(message.torque);
+  state.feedback = pair_of(message.feedback);
+  return state;
+}
+
+fjr_msg_ExecutionResult encode(const ExecutionResult& result) {
+  fjr_msg_ExecutionResult message{};
+  set_text(message.robot_id, result.robot_id);
+  message.trajectory_id = encode(result.trajectory_id);
+  message.error_code = static_cast<std::int32_t>(result.code);
+  set_text(message.sentence, result.sentence);
+  set_pair(message.link_error, result.link_error);
+  set_pair(message.link_error_rms, result.link_error_rms);
+  set_pair(message.final_link_error, result.final_link_error);
+  set_pair(message.residual_vibration, result.residual_vibration);
+  set_pair(message.feedback_torque, result.feedback_torque);
+  return message;
+}
+
+ExecutionResult decode(const fjr_msg_ExecutionResult& message) {
+  ExecutionResult result;
+  result.robot_id = text_of(message.robot_id);
+  result.trajectory_id = decode(message.trajectory_id);
+  result.code = static_cast<ResultCode>(message.error_code);
+  result.sentence = text_of(message.sentence);
+  result.link_error = pair_of(message.link_error);
+  result.link_error_rms = pair_of(message.link_error_rms);
+  result.final_link_error = pair_of(message.final_link_error);
+  result.residual_vibration = pair_of(message.residual_vibration);
+  result.feedback_torque = pair_of(message.feedback_torque);
+  return result;
+}
+
+}  // namespace fjr::dds

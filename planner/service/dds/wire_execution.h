@@ -1,0 +1,20 @@
+// Trajectories, the executor's state and its results on the wire.
+#pragma once
+
+#include <fjr_msgs.h>
+
+#include "planner/service/execution_messages.h"
+
+namespace fjr::dds {
+
+// Points into `order`, which must outlive the message; nothing is copied.
+fjr_msg_Trajectory encode(const TrajectoryOrder& order);
+TrajectoryOrder decode(const fjr_msg_Trajectory& message);
+
+fjr_msg_ExecutorState encode(const ExecutorState& state);
+ExecutorState decode(const fjr_msg_ExecutorState& message);
+
+fjr_msg_ExecutionResult encode(const ExecutionResult& result);
+ExecutionResult decode(const fjr_msg_ExecutionResult& message);
+
+}  // namespace fjr::dds

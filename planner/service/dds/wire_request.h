@@ -1,0 +1,29 @@
+// Requests between their document (DESIGN 5.2) and the wire.
+#pragma once
+
+#include <fjr_msgs.h>
+
+#include <vector>
+
+#include "planner/service/messages.h"
+
+namespace fjr::dds {
+
+// A message together with the lists it points to.
+struct WireRequest {
+  fjr_msg_PlanRequest message{};
+  std::vector<fjr_msg_ViaPoint> via;
+  std::vector<fjr_msg_Disc> obstacles;
+};
+
+fjr_msg_RequestId encode(const RequestId& id);
+RequestId decode(const fjr_msg_RequestId& id);
+
+// Throws InputError for a document that has not the shape of a request; what it asks for is the service's to judge.
+WireRequest encode(const Order& order);
+
+// Never throws for what is on the wire: what cannot be meant (not finite, an unknown choice) becomes order.refusal. All
+// else is written down as a document for parse_request(), so that a request is validated in one place however it came.
+Order decode(const fjr_msg_PlanRequest& message);
+
+}  // namespace fjr::dds

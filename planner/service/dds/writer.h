@@ -1,0 +1,41 @@
+// Writing samples of one type.
+#pragma once
+
+#include "planner/service/dds/entity.h"
+#include "planner/service/dds/participant.h"
+
+namespace fjr::dds {
+
+template <class T>
+class Writer {
+ public:
+  // parent: a participant or a publisher of it.
+  Writer(const Participant& participant, dds_entity_t parent)
+      : topic_(participant.topic<T>()),
+        writer_(dds_create_writer(parent, topic_.handle(), TopicOf<T>::qos().get(), nullptr), "writer") {}
+
+  dds_entity_t handle() const { return writer_.handle(); }
+
+  // False: a reader is too slow and the time to wait for it is over. The sample stays the caller's.
+  [[nodiscard]] bool write(const T& sample) {
+    const dds_return_t returned = dds_write(writer_.handle(), &sample);
+    if (returned == DDS_RETCODE_TIMEOUT) return false;
+    checked(returned, TopicOf<T>::kName);
+    return true;
+  }
+
+  bool has_reader() const {
+    dds_publication_matched_status_t status;
+    checked(dds_get_publication_matched_status(writer_.handle(), &status), "publication matched");
+    return status.current_count > 0;
+  }
+
+  // Waits until the readers have everything; false: not within the time.
+  bool flush(dds_duration_t timeout) const { return dds_wait_for_acks(writer_.handle(), timeout) == DDS_RETCODE_OK; }
+
+ private:
+  Entity topic_;
+  Entity writer_;
+};
+
+}  // namespace fjr::dds

@@ -1,0 +1,29 @@
+// Keeps a flood of requests from becoming a flood of log lines.
+#pragma once
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+
+namespace fjr {
+
+class LogLimit {
+ public:
+  // True for the first few of a second; how many were left out is logged with the first of the next.
+  bool allows() {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - began_ > std::chrono::seconds(1)) {
+      if (count_ > kPerSecond) spdlog::warn("{} similar lines left out", count_ - kPerSecond);
+      began_ = now;
+      count_ = 0;
+    }
+    return ++count_ <= kPerSecond;
+  }
+
+ private:
+  static constexpr int kPerSecond = 20;
+  std::chrono::steady_clock::time_point began_{};
+  int count_ = 0;
+};
+
+}  // namespace fjr

@@ -1,0 +1,109 @@
+// What clients and the service say to each other, apart from how it travels.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planner/plan.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+
+struct RequestId {
+  std::array<std::uint8_t, 16> client{};
+  std::uint64_t number = 0;
+
+  auto operator<=>(const RequestId&) const = default;
+};
+
+std::string client_name(const RequestId& id);  // 32 hexadecimal digits: also the client's partition
+std::string text(const RequestId& id);         // "0123456789ab-7", short, for logs
+RequestId new_client();                        // random, number 0
+
+enum class ReplyState : std::uint8_t {  // ACCEPTED, then one of the others; or REJECTED at once
+  kAccepted = 1,
+  kRejected,
+  kSolved,
+  kInfeasible,
+  kFailed,
+  kCancelled,
+  kExpired,
+};
+
+enum class Reason : std::uint8_t {
+  kNone = 0,
+  kBadInput,
+  kQueueFull,
+  kWrongRobot,
+  kInfeasible,
+  kNotConverged,
+  kUncertified,
+  kBudget,
+  kCancelled,
+  kWorkerLost,
+  kShuttingDown,
+  kUnsupported,
+};
+
+const char* name(ReplyState state);  // "SOLVED", ...
+
+struct Refusal {
+  Reason reason = Reason::kNone;
+  std::string field;     // of the request; may be empty
+  std::string sentence;  // for people
+};
+
+// One request on its way. The motion itself is a request document (DESIGN 5.2) on both sides.
+struct Order {
+  RequestId id;
+  std::string name;
+  bool execute = false;    // once it is solved
+  int priority = 0;        // larger goes first
+  double budget = 0;       // [s]; 0: the service's default
+  std::string robot_hash;  // empty: any
+  std::string yaml;
+  std::optional<Refusal> refusal;  // set by the receiving side for what cannot be meant
+};
+
+struct Reply {
+  RequestId id;
+  ReplyState state = ReplyState::kRejected;
+  Refusal why;  // empty when accepted or solved
+  std::string robot_hash, request_hash, version;
+  double solve_time = 0, wait_time = 0;  // [s]
+  std::string plan_json;                 // empty when nothing was planned
+  std::vector<Sample> rows;              // of a certified trajectory, otherwise empty
+
+  bool final() const { return state != ReplyState::kAccepted; }
+};
+
+using SharedReply = std::shared_ptr<const Reply>;  // sent, and kept for repetitions
+
+struct ProgressReport {
+  RequestId id;
+  std::uint32_t queue_position = 0;  // 0: being solved
+  Progress progress;
+  double elapsed = 0;  // [s] since arrival
+};
+
+struct ServiceStatus {
+  std::string instance, robot_hash, version;
+  double uptime = 0;  // [s]
+  std::uint32_t queued = 0, queue_capacity = 0, workers = 0, solving = 0, workers_lost = 0;
+  std::uint64_t received = 0, duplicates = 0;
+  std::uint64_t solved = 0, rejected = 0, infeasible = 0, failed = 0, cancelled = 0, expired = 0;
+  double latency_p50 = 0, latency_p90 = 0, latency_p99 = 0;  // [s] arrival to reply, of the last solved ones
+  std::uint64_t memory = 0;                                  // [bytes] resident, workers included
+};
+
+// How the service tells a plan's outcome, and back.
+ReplyState state_of(PlanStatus status);
+Reason reason_of(PlanStatus status);
+PlanStatus status_of(const Reply& reply);
+
+}  // namespace fjr

@@ -1,0 +1,26 @@
+// service.yaml: how `fjr serve` runs.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace fjr {
+
+struct ServiceConfig {
+  unsigned domain = 0;           // of DDS
+  std::string instance;          // unique among the running services; by default host name and process
+  std::string robot_id = "arm";  // whose trajectories it publishes
+  std::filesystem::path robot;   // what is planned for
+  std::size_t workers = 1;       // solving processes
+  std::size_t queue = 64;        // requests that may wait
+  double budget = 60;            // [s] for a request that names none
+  double longest_budget = 600;   // [s] a request may ask for
+};
+
+// The defaults, with the robot shipped with the program.
+ServiceConfig default_service_config();
+
+// Throws InputError naming file, field, value and what is allowed.
+ServiceConfig load_service_config(const std::filesystem::path& file);
+
+}  // namespace fjr

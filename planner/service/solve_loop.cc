@@ -1,0 +1,61 @@
+#include "planner/service/solve_loop.h"
+
+#include <chrono>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "model/input_error.h"
+#include "planner/plan.h"
+#include "planner/service/frames.h"
+#include "planner/service/progress_frame.h"
+#include "planner/trajectory/plan_json.h"
+
+namespace fjr {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kProgressPause{50};
+
+void send_done(int out, PlanStatus status, const std::string& reason) {
+  write_frame(out, FrameKind::kDone, std::string(1, static_cast<char>(status)) + reason);
+}
+
+void send_rows(int out, const Trajectory& trajectory) {
+  const auto& rows = trajectory.samples;
+  write_frame(out, FrameKind::kRows, {reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(Sample)});
+}
+
+PlanOptions with_progress(int out) {
+  PlanOptions options;
+  options.on_progress = [out, next = Clock::time_point{}](const Progress& progress) mutable {
+    if (Clock::now() < next) return;
+    next = Clock::now() + kProgressPause;
+    write_frame(out, FrameKind::kProgress, to_payload(progress));
+  };
+  return options;
+}
+
+void solve(int out, const Problem& problem) {
+  const Plan result = plan(problem, with_progress(out));
+  write_frame(out, FrameKind::kPlanJson, json_text(plan_json(problem, result)));
+  if (result.status == PlanStatus::kCertified) send_rows(out, *result.trajectory);
+  send_done(out, result.status, result.reason);
+}
+
+}  // namespace
+
+void solve_requests(int in, int out, const std::filesystem::path& robot) {
+  std::string name;
+  while (const auto frame = read_frame(in)) {
+    if (frame->kind == FrameKind::kName) name = frame->payload;
+    if (frame->kind != FrameKind::kSolve) continue;
+    try {
+      solve(out, parse_request(frame->payload, name, {}, robot));
+    } catch (const InputError& error) {
+      send_done(out, PlanStatus::kBadInput, error.what());
+    }
+  }
+}
+
+}  // namespace fjr

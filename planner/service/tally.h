@@ -1,0 +1,74 @@
+// What became of the requests, in numbers.
+#pragma once
+
+#include <algorithm>
+#include <vector>
+
+#include "planner/service/messages.h"
+
+namespace fjr {
+
+class Tally {
+ public:
+  void count(const Reply& reply, double latency) {
+    switch (reply.state) {
+      case ReplyState::kAccepted:
+        return;
+      case ReplyState::kRejected:
+        ++counts_.rejected;
+        return;
+      case ReplyState::kSolved:
+        ++counts_.solved;
+        remember(latency);
+        return;
+      case ReplyState::kInfeasible:
+        ++counts_.infeasible;
+        return;
+      case ReplyState::kFailed:
+        ++counts_.failed;
+        return;
+      case ReplyState::kCancelled:
+        ++counts_.cancelled;
+        return;
+      case ReplyState::kExpired:
+        ++counts_.expired;
+        return;
+    }
+  }
+  void received() { ++counts_.received; }
+  void duplicate() { ++counts_.duplicates; }
+  void worker_lost() { ++counts_.workers_lost; }
+
+  // Counts and latencies; the rest is left to the caller.
+  ServiceStatus status() const {
+    ServiceStatus status = counts_;
+    std::vector<double> sorted = latencies_;
+    std::sort(sorted.begin(), sorted.end());
+    status.latency_p50 = share_below(sorted, 0.50);
+    status.latency_p90 = share_below(sorted, 0.90);
+    status.latency_p99 = share_below(sorted, 0.99);
+    return status;
+  }
+
+ private:
+  static constexpr std::size_t kRemembered = 512;
+
+  void remember(double latency) {
+    if (latencies_.size() < kRemembered) {
+      latencies_.push_back(latency);
+    } else {
+      latencies_[oldest_] = latency;
+      oldest_ = (oldest_ + 1) % kRemembered;
+    }
+  }
+  static double share_below(const std::vector<double>& sorted, double share) {
+    if (sorted.empty()) return 0;
+    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5)];
+  }
+
+  ServiceStatus counts_;
+  std::vector<double> latencies_;  // [s] of the last solved ones
+  std::size_t oldest_ = 0;
+};
+
+}  // namespace fjr

@@ -1,0 +1,38 @@
+// One solving process: this program again, started by fork and exec (never fork alone: DDS has threads), spoken to over
+// pipes. A crash or an overdue solve costs this process, never the service.
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include "planner/service/descriptor.h"
+#include "planner/service/frames.h"
+
+namespace fjr {
+
+class Worker {
+ public:
+  // Called from the worker's own thread: its frames in order, then once without a frame when it has ended.
+  using Listener = std::function<void(std::optional<Frame>)>;
+
+  Worker(const std::filesystem::path& robot, Listener listener);
+  ~Worker();  // kills it, whatever it is doing
+  Worker(const Worker&) = delete;
+  Worker& operator=(const Worker&) = delete;
+
+  // False: it is gone.
+  bool solve(const std::string& name, const std::string& yaml);
+
+  pid_t pid() const { return pid_; }
+
+ private:
+  pid_t pid_ = -1;
+  Descriptor to_worker_, from_worker_;
+  std::thread listening_;
+};
+
+}  // namespace fjr

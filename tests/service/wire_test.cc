@@ -1,0 +1,170 @@
+// The parts of the service that need neither processes nor DDS: documents and the wire, the queue, remembered replies.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <limits>
+
+#include "model/input_error.h"
+#include "planner/problem/problem.h"
+#include "planner/service/dds/text.h"
+#include "planner/service/dds/wire_reply.h"
+#include "planner/service/dds/wire_request.h"
+#include "planner/service/job_queue.h"
+#include "planner/service/reply_cache.h"
+#include "tests/support/process.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+const std::string kShort = "start: {q: [0.3, 0.2]}\ngoal: {q: [0.42, 0.08]}\n";
+
+Order order_of(const std::string& yaml) {
+  Order order;
+  order.id.number = 7;
+  order.name = "request.yaml";
+  order.yaml = yaml;
+  return order;
+}
+
+Problem resolved(const std::string& yaml) { return parse_request(yaml, "request.yaml", {}, default_robot_file()); }
+
+// What becomes of `yaml` on the wire.
+std::string through_the_wire(const std::string& yaml) {
+  const dds::WireRequest wire = dds::encode(order_of(yaml));
+  const Order received = dds::decode(wire.message);
+  EXPECT_FALSE(received.refusal) << received.refusal->field << received.refusal->sentence;
+  return received.yaml;
+}
+
+TEST(Wire, EveryExampleArrivesAsTheSameProblem) {
+  int examples = 0;
+  for (const auto& entry : fs::directory_iterator(FJR_SOURCE_DIR "/config/requests")) {
+    const std::string yaml = contents(entry.path());
+    EXPECT_EQ(resolved(through_the_wire(yaml)).request_hash, resolved(yaml).request_hash) << entry.path();
+    ++examples;
+  }
+  EXPECT_GT(examples, 5);
+}
+
+TEST(Wire, NumbersArriveToTheLastBit) {
+  const std::string yaml =
+      "start: {q: [0.1, -0.30000000000000004], dq: [1e-17, 0.2]}\ngoal: {q: [1.2345678901234567, 0], dq: [0.1, 0.2]}\n"
+      "duration: {min: 0.30000000000000004}\nobjective: {time: 3, effort: 0.1}\nseed: 18446744073709551615\n"
+      "limits: {torque: [11.1, 4.9], tip_speed: 3.3}\nsample_period: 0.002\n";
+  EXPECT_EQ(resolved(through_the_wire(yaml)).request_hash, resolved(yaml).request_hash);
+}
+
+TEST(Wire, WhatIsNotSupportedYetIsRefusedByName) {
+  const auto refused = [](const std::string& more, const std::string& field) {
+    try {
+      (void)resolved(through_the_wire(kShort + more));
+      ADD_FAILURE() << more;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.field(), field);
+      EXPECT_THAT(error.problem(), HasSubstr("not supported by this version"));
+    }
+  };
+  refused("obstacles: [{center: [0.1, -0.6], radius: 0.05}]\n", "obstacles");
+  refused("tip: {box: [[-0.7, -0.7], [0.7, 0.3]]}\n", "tip");
+  refused("tip: {line: {from: [0, 1], to: [1, 0], tolerance: 0.01}}\n", "tip");
+  refused("payload: {mass: 0.5}\n", "payload");
+  refused("objective: {time: 1, link_jerk: 1}\n", "objective.link_jerk");
+}
+
+TEST(Wire, NumbersThatAreNotFiniteAreRefusedByName) {
+  const auto refusal = [](auto change) {
+    dds::WireRequest wire = dds::encode(order_of(
+        kShort + "duration: 1\nobjective: efficient\nvia: [{time: 0.3, q: [0, 0]}, {time: 0.5, q: [0, 0]}]\n"));
+    change(wire);
+    const Order order = dds::decode(wire.message);
+    return order.refusal ? order.refusal->field + ": " + order.refusal->sentence : "none";
+  };
+  using Wire = dds::WireRequest;
+  EXPECT_EQ(refusal([](Wire& w) { w.message.goal.q[1] = kNan; }), "goal.q[1]: nan is not finite");
+  EXPECT_EQ(refusal([](Wire& w) { w.message.start.q[0] = -kInfinity; }), "start.q[0]: -inf is not finite");
+  EXPECT_EQ(refusal([](Wire& w) { w.via[1].q[0] = kNan; }), "via[1].q[0]: nan is not finite");
+  EXPECT_EQ(refusal([](Wire& w) { w.message.budget = kNan; }), "budget: nan s must be finite and not negative");
+  EXPECT_EQ(refusal([](Wire& w) { w.message.goal.kind = 9; }), "goal.kind: 9 is not one of 0 to 1");
+  EXPECT_EQ(refusal([](Wire& w) { w.message.objective.preset = 200; }), "objective: 200 is not one of 0 to 4");
+  EXPECT_EQ(refusal([](Wire& w) { w.message.action = 2; }), "action: 2 is not supported by this version");
+}
+
+TEST(Wire, WrongShapesAreRefusedBeforeSending) {
+  EXPECT_THROW((void)dds::encode(order_of("goal: {q: [1]}\n")), InputError);
+  EXPECT_THROW((void)dds::encode(order_of("start: {q: [0, 0]}\n")), InputError);
+  EXPECT_THROW((void)dds::encode(order_of(kShort + "sped: 1\n")), InputError);
+}
+
+TEST(Wire, ReplyArrivesComplete) {
+  Reply reply;
+  reply.id.client[3] = 42;
+  reply.state = ReplyState::kFailed;
+  reply.why = {Reason::kUncertified, "goal", "a sentence"};
+  reply.plan_json = "{}";
+  reply.rows = {{0.0, {}, {1, 2}}, {0.5, {}, {3, 4}}};
+  const Reply received = dds::decode(dds::encode(reply));
+  EXPECT_EQ(received.id, reply.id);
+  EXPECT_EQ(received.why.sentence, "a sentence");
+  EXPECT_EQ(received.plan_json, "{}");
+  ASSERT_EQ(received.rows.size(), 2u);
+  EXPECT_EQ(received.rows[1].time, 0.5);
+  EXPECT_EQ(received.rows[1].torque[1], 4);
+}
+
+TEST(Wire, TextIsCutBetweenCharacters) {
+  char bounded[4];
+  dds::set_text(bounded, "ab\xC3\xA9");  // the last character takes two bytes, one more than there is room for
+  EXPECT_EQ(dds::text_of(bounded), "ab");
+}
+
+Job job_of(std::uint64_t number, int priority) {
+  Job job;
+  job.order.id.number = number;
+  job.order.priority = priority;
+  return job;
+}
+
+TEST(JobQueue, GoesByPriorityThenArrival) {
+  JobQueue queue(4);
+  for (const auto& [number, priority] : {std::pair{1, 0}, {2, 5}, {3, 0}, {4, 5}}) {
+    EXPECT_FALSE(queue.full());
+    queue.push(job_of(static_cast<std::uint64_t>(number), priority));
+  }
+  EXPECT_TRUE(queue.full());
+  for (const std::uint64_t expected : {2, 4, 1, 3}) EXPECT_EQ(queue.pop().order.id.number, expected);
+}
+
+TEST(ReplyCache, ForgetsTheOldestBeyondItsBounds) {
+  ReplyCache cache(2, 1 << 20);
+  std::vector<RequestId> ids(3);
+  for (std::uint64_t i = 0; i < ids.size(); ++i) {
+    ids[i].number = i;
+    Reply reply;
+    reply.id = ids[i];
+    cache.add(std::make_shared<const Reply>(reply));
+  }
+  EXPECT_EQ(cache.find(ids[0]), nullptr);
+  EXPECT_NE(cache.find(ids[1]), nullptr);
+  EXPECT_NE(cache.find(ids[2]), nullptr);
+}
+
+TEST(ReplyCache, IsBoundedInBytes) {
+  ReplyCache cache(1000, 1 << 20);
+  for (std::uint64_t i = 0; i < 10; ++i) {
+    Reply reply;
+    reply.id.number = i;
+    reply.rows.resize(4096);  // 360 kB
+    cache.add(std::make_shared<const Reply>(reply));
+  }
+  EXPECT_EQ(cache.size(), 2u);
+}
+
+}  // namespace
+}  // namespace fjr

@@ -26,8 +26,11 @@ endfunction()
 rule("only planner/solver/ipopt* knows Ipopt" "^planner/solver/ipopt" "Ip[A-Z][A-Za-z]*\\.hpp|coin(-or)?/")
 rule("only planner/certificate and model/rig know SUNDIALS" "^(planner/certificate|model/rig)/"
   "sundials/|cvodes?/|nvector/|sunmatrix/|sunlinsol/|sunnonlinsol/")
+rule("only model/identify/curve_fit.cc knows Ceres" "^model/identify/curve_fit\\.cc$" "ceres/|glog/")
 rule("model stands below planner" "^planner/" "planner/")
 rule("only planner/program knows CLI11" "^planner/program/" "CLI/|CLI11")
+rule("the rig and identification stand side by side" "^(model/rig|planner)/" "model/rig/(rig|experiments|record|simulated_arm|normal)")
+rule("the rig and identification stand side by side" "^(model/identify|planner/program)/" "model/identify/")
 rule("nothing stands above planner/program" "^planner/program/" "planner/program/")
 
 if(broken)

@@ -16,8 +16,9 @@ using AddCommand = void (*)(CLI::App& app, int& exit_code);
 void add_plan(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
 void add_experiment(CLI::App& app, int& exit_code);
+void add_identify(CLI::App& app, int& exit_code);
 
-inline constexpr std::array<AddCommand, 3> kCommands = {add_plan, add_verify,
-                                                        add_experiment};  // in the order of --help
+inline constexpr std::array<AddCommand, 4> kCommands = {add_plan, add_verify, add_experiment,
+                                                        add_identify};  // in the order of --help
 
 }  // namespace fjr

@@ -100,16 +100,17 @@ double* place_of(Parameters& p, const std::string& wanted) {
 struct MotorParameter {
   std::string name;
   Eigen::Index row;  // of the estimate
+  bool assumed;      // a value to go with the others, but not found out
 };
 
 // What an estimate of a motor tells directly.
 std::vector<MotorParameter> motor_parameters(const Estimate& e) {
-  if (e.procedure == "motor_inertia") return {{fmt::format("motor.inertia[{}]", e.joint), e.index("inertia")}};
+  if (e.procedure == "motor_inertia") return {{fmt::format("motor.inertia[{}]", e.joint), e.index("inertia"), false}};
   std::vector<MotorParameter> found;
   if (e.procedure != "motor_friction") return found;
   for (const std::string& name : e.names) {
-    if (std::find(e.assumed.begin(), e.assumed.end(), name) != e.assumed.end()) continue;
-    found.push_back({fmt::format("friction.{}[{}]", name, e.joint), e.index(name)});
+    const bool assumed = std::find(e.assumed.begin(), e.assumed.end(), name) != e.assumed.end();
+    found.push_back({fmt::format("friction.{}[{}]", name, e.joint), e.index(name), assumed});
   }
   return found;
 }
@@ -148,6 +149,7 @@ void tell_motor(const Estimate& e, Identified& result) {
   std::vector<Eigen::Index> told;
   for (const MotorParameter& parameter : motor_parameters(e)) {
     *place_of(result.robot, parameter.name) = e.value[parameter.row];
+    if (parameter.assumed) continue;
     result.names.push_back(parameter.name);
     result.from[parameter.name].push_back(&e);
     told.push_back(parameter.row);

@@ -94,14 +94,21 @@ class Writer {
       const auto row = row_of(name);
       if (!row) {
         entry.error[j] = old_errors[j];
-        kept += fmt::format("{}joint {} as before ({})", kept.empty() ? "" : "; ", j + 1, old.at("source").text());
+        const bool same = old.at("value").pair(entry.unit)[j] == entry.value[j];
+        kept +=
+            fmt::format("{}joint {} {}", kept.empty() ? "" : "; ", j + 1,
+                        same ? "as before (" + old.at("source").text() + ")" : "only bounded by its log: the bound");
         continue;
       }
       entry.error[j] = std::sqrt(identified_.covariance(*row, *row));
       for (const Estimate* e : identified_.from.at(name)) logs.insert(log_text(*e));
     }
-    entry.source =
-        logs.empty() ? old.at("source").text() : "identified: " + joined(logs) + (kept.empty() ? "" : "; " + kept);
+    if (!logs.empty()) {
+      entry.source = "identified: " + joined(logs) + (kept.empty() ? "" : "; " + kept);
+    } else {
+      const bool untouched = old.at("value").pair(entry.unit) == entry.value;
+      entry.source = untouched ? old.at("source").text() : kept;
+    }
   }
 
   void fill_damping(const YamlNode& old, Entry& entry) const {

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <iterator>
 #include <memory>
@@ -11,6 +12,7 @@
 
 #include "model/identify/arm.h"
 #include "model/identify/procedures.h"
+#include "model/identify/report.h"
 #include "model/identify/robot_file.h"
 #include "model/input_error.h"
 #include "planner/program/commands.h"
@@ -26,7 +28,7 @@ namespace fs = std::filesystem;
 constexpr const char* kProcedures[] = {"stiffness", "gravity", "link_inertia", "motor_friction", "motor_inertia"};
 
 struct Options {
-  std::string name, out, robot;
+  std::string name, out, report, robot;
   std::vector<std::string> logs, columns;
   int joint = 0;  // 1 or 2; 0: as the log says
   bool json = false, link_damping = false;
@@ -114,6 +116,12 @@ void write_robot(const Options& options, const fs::path& base, const std::vector
   load_parameters(options.out);  // what is unphysical is said now, not when somebody plans with it
 }
 
+// Of a whole identification the report stands beside robot.yaml; otherwise it is written where asked.
+fs::path report_file(const Options& options) {
+  if (!options.report.empty() || options.name != "all" || options.out.empty()) return options.report;
+  return fs::path(options.out).replace_extension(".html");
+}
+
 int run(const Options& options) {
   const fs::path base = options.robot.empty() ? default_robot_file() : fs::path(options.robot);
   const Parameters robot = load_parameters(base);
@@ -128,8 +136,10 @@ int run(const Options& options) {
     }
   }
   if (options.json) fmt::print("{}", json_text(json));
+  const fs::path report = report_file(options);
+  if (!report.empty()) write_file(report, format_identification_report(estimates));
   write_robot(options, base, estimates);
-  if (!options.out.empty() && !options.json) fmt::print("{}: written\n", options.out);
+  if (!options.json) fmt::print("{}{}{}\n", options.out, options.out.empty() ? "" : " ", report.string());
   return 0;
 }
 
@@ -147,6 +157,10 @@ void add_identify(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("LOG.csv...|DIR");
   command->add_option("--out", options->out, "Write a complete robot.yaml")->type_name("robot.yaml");
+  command
+      ->add_option("--report", options->report,
+                   "Write plots of fits and residuals; of all to the --out name with .html")
+      ->type_name("REPORT.html");
   command->add_option("--robot", options->robot, "What is known so far; without it the robot.yaml shipped with fjr");
   command->add_option("--joint", options->joint, "Joint of the logs, where they do not say")->check(CLI::Range(1, 2));
   command->add_option("--column", options->columns, "Column name in the logs, as in q1=link_1_position")

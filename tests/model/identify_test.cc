@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "model/identify/fit.h"
+#include "model/identify/report.h"
 #include "model/identify/robot_file.h"
 #include "model/input_error.h"
 #include "tests/model/virtual_lab.h"
@@ -228,6 +229,31 @@ TEST_F(RobotFile, IsCompleteAndLoads) {
   const Parameters damped = load_parameters(write(format_robot(found, kRobot, true)));
   EXPECT_NEAR(damped.link.damping[0], 0.2516, 1e-3);
   EXPECT_NEAR(damped.link.damping[1], 0.01, 1e-4);
+}
+
+TEST_F(RobotFile, TakesTheBoundWhereTheKnownShapeContradictsTheLog) {
+  Parameters known = load_parameters(kRobot);
+  known.friction.second_shape[0] = -20;
+  const std::vector<Estimate> one = {identify("motor_friction", noisy_log("motor_friction", 0), 0, known)};
+  EXPECT_THAT(warnings_of(one[0]), HasSubstr("is this bound"));
+  const Identified found = combine(known, one);
+  EXPECT_LT(found.robot.friction.second_shape[0], -50);
+  EXPECT_THAT(found.names, testing::Not(testing::Contains("friction.second_shape[0]")));
+  const std::string text = format_robot(found, kRobot, false);
+  EXPECT_EQ(load_parameters(write(text)).friction.second_shape, found.robot.friction.second_shape);
+  EXPECT_THAT(text, HasSubstr("joint 1 only bounded by its log: the bound"));
+}
+
+TEST(Report, IsSelfContainedAndShowsEveryFit) {
+  const std::vector<Estimate> two = {identify_quietly("stiffness", noisy_log("stiffness", 0), 0),
+                                     identify_quietly("motor_friction", noisy_log("motor_friction", 0), 0)};
+  const std::string html = format_identification_report(two);
+  for (const char* part : {"Stiffness of joint 1", "Friction of motor 1", "<svg", "h is not determined", "h &lt; -"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  for (const char* part : {"http:", "https:", "src=", "nan", "inf "}) {
+    EXPECT_THAT(html, testing::Not(HasSubstr(part)));
+  }
 }
 
 TEST_F(RobotFile, KeepsWhatNoLogTells) {

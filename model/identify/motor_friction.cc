@@ -3,7 +3,7 @@
 //   tau(v) = B v + f tanh(v/eta) - g tanh(v/eta - h tanh(v/eta)),   g = f omega
 //
 // For given (eta, h) it is linear in (B, f, g): a grid over those two with linear fits finds every sensible start, and
-// the best few are finished by nonlinear least squares. eta > 0, for (-f, -eta, -h...) is the same law.
+// the best few are finished by nonlinear least squares. eta > 0, for (-f, -eta, omega, h) is the same law.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -102,7 +102,7 @@ Eigen::VectorXd start_at(const std::vector<Point>& points, const std::vector<dou
   return p;
 }
 
-// The law with the parameters `p`, of which those in `fixed` (only h, if any) stay.
+// Nonlinear least squares from `p`, with h free or kept.
 Fit finish(const std::vector<Point>& points, const std::vector<double>& sigma, const Eigen::VectorXd& p, bool fix_h) {
   const auto size = static_cast<Eigen::Index>(points.size());
   const Eigen::Index free = fix_h ? kAsinhH : kAll;

@@ -78,7 +78,6 @@ TEST(Coverage, NinetyFivePercentIntervalsHoldTheTruth) {
   for (const auto& [name, count] : held) {
     RecordProperty(name, count);
     EXPECT_GE(count, 90) << name;
-    std::printf("%-28s %d of %d\n", name.c_str(), count, kRepetitions);
   }
 }
 

@@ -57,7 +57,14 @@ void check(const YamlNode& list, const Pair<double>& values, const Rule& rule, s
 
 void check_standard_error(const YamlNode& entry, std::string_view unit) {
   const YamlNode error = entry.at("standard_error");
-  if (!error.is_null()) check(error, error.pair(unit), kNotNegative, unit);
+  if (error.is_null()) return;
+  const std::vector<YamlNode> joints = error.items();
+  if (joints.size() != kJoints) error.pair(unit);  // says what is wrong
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (joints[j].is_null()) continue;  // known for the other joint alone
+    const double value = joints[j].number(unit);
+    if (!kNotNegative.holds(value)) error.fail_at(j, fmt::format("{} must be >= 0", with_unit(value, unit)));
+  }
 }
 
 // One `name: {value, unit, source, standard_error}`.

@@ -6,7 +6,8 @@ cd "$(dirname "$0")/.."
 packages=(
   g++ cmake ninja-build pkg-config ccache                       # build
   libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev libssl-dev
-  libsundials-dev                                               # rollouts
+  libsundials-dev                                               # rollouts, virtual rig
+  libceres-dev                                                  # identification
   coinor-libipopt-dev libmumps-seq-dev libopenblas0-serial      # optimisation; BLAS with one thread
   cyclonedds-dev cyclonedds-tools libspdlog-dev                 # the planning service and its log
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev  # tests and benchmarks

@@ -26,12 +26,15 @@ endfunction()
 rule("only planner/solver/ipopt* knows Ipopt" "^planner/solver/ipopt" "Ip[A-Z][A-Za-z]*\\.hpp|coin(-or)?/")
 rule("only planner/certificate and model/rig know SUNDIALS" "^(planner/certificate|model/rig)/"
   "sundials/|cvodes?/|nvector/|sunmatrix/|sunlinsol/|sunnonlinsol/")
+rule("only model/identify/curve_fit.cc knows Ceres" "^model/identify/curve_fit\\.cc$" "ceres/|glog/")
 rule("model stands below planner" "^planner/" "planner/")
 rule("only planner/service/dds and planner/executor/dds know DDS and the wire types" "^planner/(service|executor)/dds/"
   "dds/|ddsc/|fjr_msgs\\.h|trajectory_msgs\\.h")
 rule("only service, executor and program know planner/service" "^planner/(service|executor|program)/" "planner/service/")
 rule("only service, executor and program log" "^planner/(service|executor|program)/" "spdlog/")
 rule("only planner/program knows CLI11" "^planner/program/" "CLI/|CLI11")
+rule("the rig and identification stand side by side" "^(model/rig|planner)/" "model/rig/(rig|experiments|record|simulated_arm|normal)")
+rule("the rig and identification stand side by side" "^(model/identify|planner/program)/" "model/identify/")
 rule("nothing stands above planner/program" "^planner/program/" "planner/program/")
 
 if(broken)

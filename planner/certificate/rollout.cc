@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "model/dual.h"
-#include "planner/certificate/sundials_handles.h"
+#include "model/rig/sundials_handles.h"
 
 namespace fjr {
 namespace {

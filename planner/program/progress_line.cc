@@ -28,16 +28,29 @@ ProgressLine::~ProgressLine() {
   if (terminal_) std::fputs(kWipe, stderr);
 }
 
-void ProgressLine::show(const Progress& progress) {
-  if (!terminal_) return;
+// Whether a line is to be printed now.
+bool ProgressLine::due() {
+  if (!terminal_) return false;
   const auto now = std::chrono::steady_clock::now();
-  if (now < next_) return;
+  if (now < next_) return false;
   next_ = now + kPause;
-  std::string line = fmt::format("{}: {}, iteration {}, objective {:.6g}, violation {:.1e}", name_, progress.stage,
-                                 progress.iteration, progress.objective, progress.violation);
+  return true;
+}
+
+void ProgressLine::print(std::string line) const {
   line.resize(std::min(line.size(), terminal_width() - 1));  // a wrapped line could not be wiped
   fmt::print(stderr, "{}{}", kWipe, line);
   std::fflush(stderr);
+}
+
+void ProgressLine::show(const Progress& progress) {
+  if (!due()) return;
+  print(fmt::format("{}: {}, iteration {}, objective {:.6g}, violation {:.1e}", name_, progress.stage,
+                    progress.iteration, progress.objective, progress.violation));
+}
+
+void ProgressLine::show(double fraction) {
+  if (due()) print(fmt::format("{}: {:.0f} %", name_, 100 * fraction));
 }
 
 }  // namespace fjr

@@ -1,4 +1,4 @@
-// One line on the terminal that is rewritten while a plan is made.
+// One line on the terminal that is rewritten while something takes its time.
 #pragma once
 
 #include <chrono>
@@ -17,8 +17,12 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(const Progress& progress);
+  void show(double fraction);
 
  private:
+  bool due();
+  void print(std::string line) const;
+
   std::string name_;
   bool terminal_;
   std::chrono::steady_clock::time_point next_{};

@@ -27,6 +27,7 @@ void describe(Trajectory& trajectory, const std::string& request, const std::str
   trajectory.metadata["request"] = request;
   trajectory.metadata["request_hash"] = request_hash;
   trajectory.metadata["robot_hash"] = robot_hash;
+  trajectory.metadata["rows"] = std::to_string(trajectory.samples.size());  // a file that was cut short shows it
   trajectory.metadata["status"] = name(status);
   trajectory.metadata["version"] = FJR_VERSION;
 }

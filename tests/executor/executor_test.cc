@@ -98,7 +98,7 @@ TEST_F(ExecutorTest, MovesTheArmAndThenRefusesToStartFromElsewhere) {
   EXPECT_THAT(first.output(), HasSubstr("execution   code 0"));
   Process second = fjr({"request", path("there.yaml"), "--execute"}, "second.log");
   EXPECT_EQ(second.wait(), 1) << second.output();
-  EXPECT_THAT(second.output(), HasSubstr("starts at q1 = 0.3 rad, the arm is at 0.42"));
+  EXPECT_THAT(second.output(), HasSubstr("starts at q1 = 0.3 rad, the arm is at 0.4"));
   executor.send(SIGTERM);
   EXPECT_EQ(executor.wait(), 0);
 }

@@ -145,6 +145,17 @@ TEST(Parameters, StandardErrorsAndCovarianceAreAccepted) {
   EXPECT_EQ(robot_hash(p), robot_hash(load_parameters(kShipped)));  // statistics are not part of the robot
 }
 
+TEST(Parameters, StandardErrorMayBeKnownForOneJointAlone) {
+  const auto with = [](const std::string& errors) {
+    return error_after("source: \"paper eq. (8)\", standard_error: null",
+                       "source: \"measured\", standard_error: " + errors);
+  };
+  EXPECT_EQ(with("[null, 0.01]"), "no error");
+  EXPECT_EQ(with("[null, -0.01]"), "link.gravity_torque.standard_error[1]: -0.01 N m must be >= 0");
+  EXPECT_EQ(with("[null]"),
+            "link.gravity_torque.standard_error: must be two numbers (N m), [joint 1, joint 2], not a list of 1");
+}
+
 TEST(Parameters, BrokenEntriesAreRefusedByName) {
   EXPECT_EQ(error_after("[20.48, 17.75]", "[20.48, -17.75]"), "spring.stiffness.value[1]: -17.75 N m/rad must be > 0");
   EXPECT_EQ(error_after("[20.48, 17.75]", "[0, 17.75]"), "spring.stiffness.value[0]: 0 N m/rad must be > 0");

@@ -316,5 +316,33 @@ TEST_F(Cli, VerifyOfBadFilesIsBadInput) {
   EXPECT_EQ(run({"verify", "good.csv", "--robot", "robot.yaml"}).exit_code, 2);
 }
 
+TEST_F(Cli, ExperimentAndIdentifyGoTogether) {
+  const Result log = run({"experiment", "link_inertia", "--joint", "2", "--out", "log.csv", "--seed", "7"});
+  EXPECT_EQ(log.exit_code, 0);
+  EXPECT_THAT(contents(path("log.csv")), HasSubstr("# joint: 2\n"));
+  const Result found =
+      run({"identify", "link_inertia", "log.csv", "--json", "--out", "robot.yaml", "--report", "r.html"});
+  EXPECT_EQ(found.exit_code, 0);
+  const Json json = Json::parse(found.out);
+  EXPECT_EQ(json[0]["joint"], 2);
+  EXPECT_NEAR(json[0]["parameters"]["damping_over_inertia"]["value"], 0.862, 0.01);
+  EXPECT_THAT(contents(path("robot.yaml")), HasSubstr("log.csv sha256 " + std::string(json[0]["sha256"])));
+  EXPECT_THAT(contents(path("r.html")), HasSubstr("<svg"));
+}
+
+TEST_F(Cli, ExperimentAndIdentifyRefuseBadInput) {
+  EXPECT_EQ(run({"experiment", "juggling", "--joint", "1", "--out", "log.csv"}).exit_code, 2);
+  EXPECT_EQ(run({"experiment", "link_inertia", "--out", "log.csv"}).exit_code, 2);
+  EXPECT_EQ(run({"experiment", "link_inertia", "--joint", "3", "--out", "log.csv"}).exit_code, 2);
+  EXPECT_FALSE(fs::exists(path("log.csv")));
+  EXPECT_EQ(run({"identify", "stiffness", "none.csv"}).err, "fjr: none.csv: no such file\n");
+  EXPECT_EQ(run({"identify", "all", "none"}).exit_code, 2);
+  write("log.csv", "time,q1\n");
+  const Result broken = run({"identify", "stiffness", "log.csv", "--out", "robot.yaml"});
+  EXPECT_EQ(broken.exit_code, 2);
+  EXPECT_EQ(broken.err, "fjr: log.csv: line 1: column q2 is missing in \"time,q1\"\n");
+  EXPECT_FALSE(fs::exists(path("robot.yaml")));
+}
+
 }  // namespace
 }  // namespace fjr

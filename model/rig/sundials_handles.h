@@ -1,4 +1,4 @@
-// SUNDIALS objects that free themselves, and calls that cannot fail unseen. Included by rollout.cc alone.
+// SUNDIALS objects that free themselves, and calls that cannot fail unseen: for the rollouts and for the virtual rig.
 #pragma once
 
 #include <cvode/cvode.h>
@@ -6,6 +6,7 @@
 #include <sundials/sundials_context.h>
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
+#include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
 
 #include <memory>
 #include <stdexcept>
@@ -48,6 +49,7 @@ using Context = Handle<SUNContext, free_context>;
 using Vector = Handle<N_Vector, N_VDestroy>;
 using Matrix = Handle<SUNMatrix, SUNMatDestroy>;
 using LinearSolver = Handle<SUNLinearSolver, SUNLinSolFree>;
+using NonlinearSolver = Handle<SUNNonlinearSolver, SUNNonlinSolFree>;
 using Cvode = Handle<void*, free_cvode>;
 
 inline Context make_context() {

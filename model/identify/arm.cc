@@ -1,0 +1,176 @@
+#include "model/identify/arm.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "model/dual.h"
+#include "model/dynamics.h"
+
+namespace fjr {
+namespace {
+
+// Inputs: K1, K2, S1 (6), S2 (7), k1 = K1/I1, k2 = K2/I2, d1 = D1/I1, d2 = D2/I2.
+constexpr std::size_t kStiffness = 0, kSlope = 2, kRate = 4, kDecay = 6, kInputs = 8;
+constexpr std::size_t kOutputs = 10, kDamping = 8;
+constexpr std::array<const char*, kOutputs> kOutputNames = {"spring.stiffness[0]",
+                                                            "spring.stiffness[1]",
+                                                            "link.gravity_torque[0]",
+                                                            "link.gravity_torque[1]",
+                                                            "link.com_fraction[0]",
+                                                            "link.com_fraction[1]",
+                                                            "link.inertia[0]",
+                                                            "link.inertia[1]",
+                                                            "damping[0]",
+                                                            "damping[1]"};
+// The input without whose experiment an output stays as it was; the others may come from the robot known so far.
+constexpr std::array<std::size_t, kOutputs> kDecidedBy = {0, 1, 2, 3, 2, 3, 4, 5, 6, 7};
+
+template <class T>
+std::array<T, kOutputs> arm_parameters(const Parameters& p, const std::array<T, kInputs>& in) {
+  const double l1 = p.link.length[0], l2 = p.link.length[1], m1 = p.link.mass[0], m2 = p.link.mass[1];
+  const T i1 = in[kStiffness] / in[kRate], i2 = in[kStiffness + 1] / in[kRate + 1];  // (11)
+  const T g1 = in[kSlope] - in[kSlope + 1], g2 = in[kSlope + 1];                     // (6), (7) -> (8)
+  const T alpha1 = (g1 / (kPaperGravity * l1) - m2) / m1;
+  const T alpha2 = g2 / (m2 * kPaperGravity * l2);
+  const T r2 = alpha2 * l2;
+  const T inertia1 = i1 - m2 * l1 * l1 - i2 - 2.0 * m2 * l1 * r2, inertia2 = i2 - m2 * r2 * r2;  // (18)
+  return {in[kStiffness],  in[kStiffness + 1], g1, g2, alpha1, alpha2, inertia1, inertia2,
+          in[kDecay] * i1, in[kDecay + 1] * i2};
+}
+
+struct Inputs {
+  std::array<double, kInputs> value;
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(kInputs, kInputs);
+  std::array<const Estimate*, kInputs> from{};
+};
+
+Inputs inputs_of(const Parameters& p) {
+  const MassMatrix<double> m = mass_matrix(p, 0.0);
+  const Pair<double>& k = p.spring.stiffness;
+  const Pair<double>& g = p.link.gravity_torque;
+  return {{k[0], k[1], g[0] + g[1], g[1], k[0] / m.m11, k[1] / m.m22, p.link.damping[0] / m.m11,
+           p.link.damping[1] / m.m22}};
+}
+
+void take(Inputs& in, const Estimate& e, std::initializer_list<std::size_t> places) {
+  std::vector<Eigen::Index> rows;
+  for (const std::size_t place : places) {
+    const std::size_t at = place + static_cast<std::size_t>(e.joint);
+    in.value[at] = e.value[static_cast<Eigen::Index>(rows.size())];
+    in.from[at] = &e;
+    rows.push_back(static_cast<Eigen::Index>(at));
+  }
+  in.covariance(rows, rows) = e.covariance;
+}
+
+struct Outputs {
+  std::array<double, kOutputs> value;
+  Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(kOutputs, kInputs);
+};
+
+Outputs outputs_of(const Parameters& p, const Inputs& in) {
+  using Active = Dual<static_cast<int>(kInputs)>;
+  std::array<Active, kInputs> active;
+  for (std::size_t i = 0; i < kInputs; ++i) active[i] = Active::input(in.value[i], static_cast<int>(i));
+  const std::array<Active, kOutputs> out = arm_parameters(p, active);
+  Outputs outputs;
+  for (std::size_t i = 0; i < kOutputs; ++i) {
+    outputs.value[i] = out[i].v;
+    for (std::size_t k = 0; k < kInputs; ++k) {
+      outputs.jacobian(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) = out[i].g[k];
+    }
+  }
+  return outputs;
+}
+
+double* place_of(Parameters& p, const std::string& wanted) {
+  double* found = nullptr;
+  visit_parameters(p, [&](const char* section, const char* name, const char*, Pair<double>& value) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      if (fmt::format("{}.{}[{}]", section, name, j) == wanted) found = &value[j];
+    }
+  });
+  return found;
+}
+
+struct MotorParameter {
+  std::string name;
+  Eigen::Index row;  // of the estimate
+  bool assumed;      // a value to go with the others, but not found out
+};
+
+// What an estimate of a motor tells directly.
+std::vector<MotorParameter> motor_parameters(const Estimate& e) {
+  if (e.procedure == "motor_inertia") return {{fmt::format("motor.inertia[{}]", e.joint), e.index("inertia"), false}};
+  std::vector<MotorParameter> found;
+  if (e.procedure != "motor_friction") return found;
+  for (const std::string& name : e.names) {
+    const bool assumed = std::find(e.assumed.begin(), e.assumed.end(), name) != e.assumed.end();
+    found.push_back({fmt::format("friction.{}[{}]", name, e.joint), e.index(name), assumed});
+  }
+  return found;
+}
+
+// Appends a block that has nothing to do with what is there.
+void append(Eigen::MatrixXd& covariance, const Eigen::MatrixXd& block) {
+  const Eigen::Index n = covariance.rows(), m = block.rows();
+  covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(n + m, n + m));
+  covariance.bottomRightCorner(m, m) = block;
+}
+
+void tell_arm(const Inputs& in, const Outputs& out, Identified& result) {
+  const Eigen::MatrixXd covariance = out.jacobian * in.covariance * out.jacobian.transpose();
+  std::vector<Eigen::Index> told;
+  for (std::size_t i = 0; i < kOutputs; ++i) {
+    if (in.from[kDecidedBy[i]] == nullptr) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    if (i >= kDamping) {
+      result.damping[i - kDamping] = out.value[i];
+      result.damping_error[i - kDamping] = std::sqrt(covariance(row, row));
+      result.has_damping[i - kDamping] = true;
+      continue;
+    }
+    *place_of(result.robot, kOutputNames[i]) = out.value[i];
+    result.names.emplace_back(kOutputNames[i]);
+    told.push_back(row);
+    for (std::size_t k = 0; k < kInputs; ++k) {
+      const bool matters = out.jacobian(row, static_cast<Eigen::Index>(k)) != 0;
+      if (matters && in.from[k] != nullptr) result.from[kOutputNames[i]].push_back(in.from[k]);
+    }
+  }
+  append(result.covariance, covariance(told, told));
+}
+
+void tell_motor(const Estimate& e, Identified& result) {
+  std::vector<Eigen::Index> told;
+  for (const MotorParameter& parameter : motor_parameters(e)) {
+    *place_of(result.robot, parameter.name) = e.value[parameter.row];
+    if (parameter.assumed) continue;
+    result.names.push_back(parameter.name);
+    result.from[parameter.name].push_back(&e);
+    told.push_back(parameter.row);
+  }
+  append(result.covariance, e.covariance(told, told));
+}
+
+}  // namespace
+
+Identified combine(const Parameters& base, const std::vector<Estimate>& estimates) {
+  Inputs in = inputs_of(base);
+  for (const Estimate& e : estimates) {
+    if (e.procedure == "stiffness") take(in, e, {kStiffness});
+    if (e.procedure == "gravity") take(in, e, {kSlope});
+    if (e.procedure == "link_inertia") take(in, e, {kRate, kDecay});
+  }
+  Identified result;
+  result.robot = base;
+  tell_arm(in, outputs_of(base, in), result);
+  for (const Estimate& e : estimates) tell_motor(e, result);
+  return result;
+}
+
+}  // namespace fjr

@@ -1,0 +1,76 @@
+#include "model/identify/checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "model/identify/fit.h"
+#include "model/input_error.h"
+
+namespace fjr {
+namespace {
+
+constexpr double kMostDifferent = 10;
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+bool near(double ratio, double factor) { return ratio > factor / 2 && ratio < factor * 2; }
+
+std::string guess(double ratio) {
+  if (near(ratio, kDegrees) || near(ratio, 1 / kDegrees)) return "; degrees in place of radians would explain it";
+  if (near(ratio, 1000) || near(ratio, 1e-3)) return "; a torque in mN m or kN m would explain it";
+  if (near(ratio, 60 / (2 * std::numbers::pi)) || near(ratio, 2 * std::numbers::pi / 60)) {
+    return "; 1/min in place of rad/s would explain it";
+  }
+  return "; is a column in another unit, or on the motor's side of the gear?";
+}
+
+}  // namespace
+
+void require_plausible(const Log& log, const std::string& what, double found, double expected) {
+  if (!(expected > 0)) return;
+  const double ratio = found / expected;
+  if (!(ratio > 0)) {
+    throw InputError(log.source, "", fmt::format("{} comes out as {:.4g}: a column has the wrong sign", what, found));
+  }
+  if (ratio > kMostDifferent || ratio < 1 / kMostDifferent) {
+    throw InputError(
+        log.source, "",
+        fmt::format("{} comes out as {:.4g}, robot.yaml says {:.4g}{}", what, found, expected, guess(ratio)));
+  }
+}
+
+void require_experiment(const Log& log, const std::string& experiment, int joint) {
+  const auto named = log.metadata.find("experiment");
+  if (named != log.metadata.end() && named->second != experiment) {
+    throw InputError(log.source, "# experiment", fmt::format("is {}, not {}", named->second, experiment));
+  }
+  const double said = log.number("joint", joint + 1);
+  if (said != joint + 1) throw InputError(log.source, "# joint", fmt::format("is {}, not {}", said, joint + 1));
+}
+
+void require_radians(const Log& log, int joint) {
+  const std::string name = joint_column("q", joint);
+  for (const double q : log.column(name)) {
+    if (std::abs(q) > 4 * std::numbers::pi) {
+      throw InputError(log.source, name, fmt::format("reaches {:.4g} rad; is it in degrees?", q));
+    }
+  }
+}
+
+void warn_of_gaps(const Log& log, std::vector<std::string>& warnings) {
+  const std::vector<double>& time = log.column("time");
+  std::vector<double> intervals;
+  for (std::size_t i = 1; i < time.size(); ++i) intervals.push_back(time[i] - time[i - 1]);
+  const double usual = median(intervals);
+  double missing = 0;
+  for (const double interval : intervals) missing += std::max(std::round(interval / usual) - 1, 0.0);
+  if (missing > 0) warnings.push_back(fmt::format("{:.0f} samples are missing of {}", missing, time.size()));
+}
+
+void warn_of_outliers(std::size_t rejected, const std::string& what, std::vector<std::string>& warnings) {
+  if (rejected > 0) warnings.push_back(fmt::format("{} {} rejected as outliers", rejected, what));
+}
+
+}  // namespace fjr

@@ -1,0 +1,81 @@
+// The one place that knows Ceres.
+#include <ceres/ceres.h>
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "model/identify/fit.h"
+
+namespace fjr {
+namespace {
+
+struct Functor {
+  const Residuals& residuals;
+  Eigen::Index parameters, size;
+
+  bool operator()(double const* const* x, double* out) const {
+    Eigen::VectorXd r(size);
+    residuals(Eigen::Map<const Eigen::VectorXd>(x[0], parameters), r);
+    if (!r.allFinite()) return false;
+    Eigen::Map<Eigen::VectorXd>(out, size) = r;
+    return true;
+  }
+};
+
+Eigen::MatrixXd dense(const ceres::CRSMatrix& sparse) {
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
+  for (int row = 0; row < sparse.num_rows; ++row) {
+    const auto r = static_cast<std::size_t>(row);
+    for (int k = sparse.rows[r]; k < sparse.rows[r + 1]; ++k) {
+      matrix(row, sparse.cols[static_cast<std::size_t>(k)]) = sparse.values[static_cast<std::size_t>(k)];
+    }
+  }
+  return matrix;
+}
+
+// Worse than any other fit.
+Fit failed(Eigen::Index size, const Eigen::VectorXd& value) {
+  Fit fit;
+  fit.value = value;
+  fit.covariance = Eigen::MatrixXd::Zero(value.size(), value.size());
+  fit.residuals = Eigen::VectorXd::Constant(size, HUGE_VAL);
+  fit.residual_rms = HUGE_VAL;
+  fit.determined = false;
+  return fit;
+}
+
+}  // namespace
+
+Fit curve_fit(const Residuals& residuals, Eigen::Index size, const Eigen::VectorXd& start) {
+  const Functor functor{residuals, start.size(), size};
+  Fit fit;
+  fit.value = start;
+  fit.residuals.resize(size);
+  if (const double* x = start.data(); !functor(&x, fit.residuals.data())) return failed(size, start);
+  auto cost = std::make_unique<ceres::DynamicNumericDiffCostFunction<Functor, ceres::CENTRAL>>(new Functor(functor));
+  cost->AddParameterBlock(static_cast<int>(start.size()));
+  cost->SetNumResiduals(static_cast<int>(size));
+  ceres::Problem problem;
+  problem.AddResidualBlock(cost.release(), nullptr, fit.value.data());  // the problem owns it from here
+
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.logging_type = ceres::SILENT;
+  options.max_num_iterations = 200;
+  options.function_tolerance = 1e-14;
+  options.parameter_tolerance = 1e-12;
+  options.gradient_tolerance = 1e-20;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+
+  std::vector<double> r;
+  ceres::CRSMatrix jacobian;
+  if (!problem.Evaluate({}, nullptr, &r, nullptr, &jacobian))
+    throw std::runtime_error("the fit left the model's range");
+  fit.residuals = Eigen::Map<const Eigen::VectorXd>(r.data(), size);
+  add_uncertainty(dense(jacobian), fit);
+  return fit;
+}
+
+}  // namespace fjr

@@ -1,0 +1,44 @@
+// What a procedure found out, with its doubt.
+#pragma once
+
+#include <Eigen/Core>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace fjr {
+
+// Points of a plot of the report, and the fitted curve through them.
+struct Plot {
+  std::string title, x_label, y_label;
+  std::vector<double> x, y, fitted;  // fitted and y at the same x; their difference are the residuals
+};
+
+struct Estimate {
+  std::string procedure;  // "stiffness", ...
+  int joint = 0;          // 0 or 1
+  std::string log, hash;  // file and its SHA-256
+
+  std::vector<std::string> names, units;
+  Eigen::VectorXd value;
+  Eigen::MatrixXd covariance;  // zero rows for what was not identified but assumed, see `warnings`
+  std::vector<std::string> assumed;
+
+  std::size_t points = 0;   // used by the final fit
+  double residual_rms = 0;  // in the unit of the fitted quantity, residual_unit
+  std::string residual_unit;
+  double r_squared = 0;  // share of the variance explained
+  std::vector<std::string> warnings;
+  Plot plot;
+
+  Eigen::Index index(const std::string& name) const {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (names[i] == name) return static_cast<Eigen::Index>(i);
+    }
+    return -1;
+  }
+  double at(const std::string& name) const { return value[index(name)]; }
+  double standard_error(const std::string& name) const { return std::sqrt(covariance(index(name), index(name))); }
+};
+
+}  // namespace fjr

@@ -1,0 +1,46 @@
+// Least squares, linear and not, with uncertainty.
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace fjr {
+
+// covariance = s^2 (J' J)^-1 with s^2 = |r|^2 / (m - n) and J the Jacobian of the residuals r (m) in the value (n):
+// linear theory, exact for a linear model with independent residuals of one variance.
+struct Fit {
+  Eigen::VectorXd value;
+  Eigen::MatrixXd covariance;
+  Eigen::VectorXd residuals;
+  double residual_rms = 0;
+  bool determined = true;  // false: the data leave some direction free, and the covariance means nothing
+};
+
+// argmin |A x - b|^2 by rank-revealing QR of the column-scaled A (m x n), never by normal equations.
+Fit linear_fit(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+
+// argmin |r(x)|^2 from `start`. `residuals` fills its second argument, of size `size`. By Ceres (Levenberg-Marquardt,
+// central differences), the one place that knows it.
+using Residuals = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& r)>;
+Fit curve_fit(const Residuals& residuals, Eigen::Index size, const Eigen::VectorXd& start);
+
+// The covariance of Fit from a Jacobian and residuals at the minimum.
+void add_uncertainty(const Eigen::MatrixXd& jacobian, Fit& fit);
+
+// Which of `values` are no outliers: within 6 robust standard deviations (1.4826 MAD) of the median. `floor`:
+// deviations up to this are never outliers.
+std::vector<bool> inliers(std::span<const double> values, double floor);
+
+double median(std::vector<double> values);
+
+// Mean without outliers.
+struct Average {
+  double mean = 0, standard_error = 0;
+  std::size_t rejected = 0;
+};
+Average robust_mean(std::span<const double> values);
+
+}  // namespace fjr

@@ -1,0 +1,27 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "model/identify/checks.h"
+#include "model/identify/procedures.h"
+#include "model/identify/staircase.h"
+
+namespace fjr {
+
+// At rest the motor's torque is the spring's and the spring's is gravity's: no stiffness and no hysteresis enters.
+Estimate identify_gravity(const Log& log, int joint, const Parameters& robot) {
+  require_experiment(log, "gravity", joint);
+  require_radians(log, joint);
+  Estimate e;
+  e.names = {"gravity_slope"};
+  e.units = {"N m"};
+  e.plot = {fmt::format("Gravity of joint {}", joint + 1), "sin q", "tau [N m]", {}, {}, {}};
+  fit_branches(
+      log, landings(log, joint, e.warnings), [](const Landing& l) { return std::sin(l.q); }, e);
+  const Pair<double>& g = robot.link.gravity_torque;
+  require_plausible(log, fmt::format("the gravity torque of joint {} [N m]", joint + 1), e.value[0],
+                    joint == 0 ? g[0] + g[1] : g[1]);
+  return e;
+}
+
+}  // namespace fjr

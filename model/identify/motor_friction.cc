@@ -1,0 +1,310 @@
+// IV-E: the friction law (24) through the average torques at constant speeds.
+//
+//   tau(v) = B v + f tanh(v/eta) - g tanh(v/eta - h tanh(v/eta)),   g = f omega
+//
+// For given (eta, h) it is linear in (B, f, g): a grid over those two with linear fits finds every sensible start, and
+// the best few are finished by nonlinear least squares. eta > 0, for (-f, -eta, omega, h) is the same law.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/friction.h"
+#include "model/identify/checks.h"
+#include "model/identify/fit.h"
+#include "model/identify/procedures.h"
+#include "model/input_error.h"
+
+namespace fjr {
+namespace {
+
+struct Point {
+  double v, tau;              // [rad/s], [N m]
+  double sigma_v, sigma_tau;  // standard errors of these averages
+};
+
+constexpr std::size_t kFewestRows = 20, kFewestSpeeds = 8;
+constexpr double kSkipped = 0.2;        // of each constant speed, for its transient
+constexpr std::size_t kFinished = 4;    // starts
+constexpr double kChiSquare95 = 3.841;  // one degree of freedom
+constexpr double kLargestShape = 1e5;   // |h| beyond which nobody could measure
+constexpr double kWidestKnown = 0.3;    // relative standard error of h - 1 up to which linear theory is believed
+constexpr double kSharpExcluded = 25;   // by five standard deviations
+
+// Constant speeds are where the commanded one, dtheta<joint>_plan, is constant.
+std::vector<Point> averages(const Log& log, int joint, std::vector<std::string>& warnings) {
+  const std::vector<double>& planned = log.column(joint_column("dtheta", joint, "_plan"));
+  const std::vector<double>& v = log.column(joint_column("dtheta", joint));
+  const std::vector<double>& tau = log.column(joint_column("tau", joint));
+  std::vector<Point> points;
+  std::size_t rejected = 0;
+  for (std::size_t from = 0; from < planned.size();) {
+    std::size_t to = from + 1;
+    while (to < planned.size() && planned[to] == planned[from]) ++to;
+    const std::size_t first = from + static_cast<std::size_t>(kSkipped * static_cast<double>(to - from));
+    if (planned[from] != 0 && to - first >= kFewestRows) {
+      const Average speed = robust_mean(std::span(v).subspan(first, to - first));
+      const Average torque = robust_mean(std::span(tau).subspan(first, to - first));
+      rejected += speed.rejected + torque.rejected;
+      points.push_back({speed.mean, torque.mean, speed.standard_error, torque.standard_error});
+    }
+    from = to;
+  }
+  warn_of_outliers(rejected, "samples", warnings);
+  if (points.size() < kFewestSpeeds) {
+    throw InputError(log.source, joint_column("dtheta", joint, "_plan"),
+                     fmt::format("{} constant speeds; at least {} are needed", points.size(), kFewestSpeeds));
+  }
+  return points;
+}
+
+enum Index { kB, kF, kLogEta, kG, kAsinhH, kAll };
+
+// h; where the points do not determine it, the search would run away.
+double shape(const Eigen::VectorXd& p) { return std::clamp(std::sinh(p[kAsinhH]), -kLargestShape, kLargestShape); }
+
+FrictionLaw law_of(const Eigen::VectorXd& p) { return {p[kB], p[kF], std::exp(p[kLogEta]), p[kG] / p[kF], shape(p)}; }
+
+// tau of the law, without dividing by f.
+double torque(const Eigen::VectorXd& p, double v) {
+  const double s = v / std::exp(p[kLogEta]), first = std::tanh(s);
+  return p[kB] * v + p[kF] * first - p[kG] * std::tanh(s - shape(p) * first);
+}
+
+// Standard deviation of a point around the law: the torque's own, and the speed's by the law's slope.
+std::vector<double> deviations(const std::vector<Point>& points, const FrictionLaw* law) {
+  double range = 0;
+  for (const Point& point : points) range = std::max(range, std::abs(point.tau));
+  std::vector<double> sigma;
+  for (const Point& point : points) {
+    const double by_speed = law == nullptr ? 0 : law->slope(point.v) * point.sigma_v;
+    sigma.push_back(std::max(std::hypot(point.sigma_tau, by_speed), 1e-6 * range));
+  }
+  return sigma;
+}
+
+Eigen::VectorXd start_at(const std::vector<Point>& points, const std::vector<double>& sigma, double eta, double h,
+                         double& cost) {
+  const auto m = static_cast<Eigen::Index>(points.size());
+  Eigen::MatrixXd a(m, 3);
+  Eigen::VectorXd b(m);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const Point& point = points[static_cast<std::size_t>(i)];
+    const double s = point.v / eta, first = std::tanh(s), weight = 1 / sigma[static_cast<std::size_t>(i)];
+    a.row(i) << weight * point.v, weight * first, -weight * std::tanh(s - h * first);
+    b[i] = weight * point.tau;
+  }
+  const Fit fit = linear_fit(a, b);
+  Eigen::VectorXd p(static_cast<Eigen::Index>(kAll));
+  p << fit.value[0], fit.value[1], std::log(eta), fit.value[2], std::asinh(h);
+  const bool physical = fit.determined && fit.value[0] > 0 && fit.value[1] > 0;
+  cost = physical ? fit.residuals.squaredNorm() : HUGE_VAL;
+  return p;
+}
+
+// Nonlinear least squares from `p`, with h free or kept.
+Fit finish(const std::vector<Point>& points, const std::vector<double>& sigma, const Eigen::VectorXd& p, bool fix_h) {
+  const auto size = static_cast<Eigen::Index>(points.size());
+  const Eigen::Index free = fix_h ? kAsinhH : kAll;
+  const double h = p[kAsinhH];
+  Fit fit = curve_fit(
+      [&](const Eigen::VectorXd& x, Eigen::VectorXd& r) {
+        Eigen::VectorXd all(static_cast<Eigen::Index>(kAll));
+        all.head(free) = x;
+        if (fix_h) all[kAsinhH] = h;
+        for (Eigen::Index i = 0; i < size; ++i) {
+          const Point& point = points[static_cast<std::size_t>(i)];
+          r[i] = (torque(all, point.v) - point.tau) / sigma[static_cast<std::size_t>(i)];
+        }
+      },
+      size, p.head(free));
+  if (fix_h) {
+    fit.value.conservativeResize(kAll);
+    fit.value[kAsinhH] = h;
+    fit.covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(kAll, kAll));
+  }
+  return fit;
+}
+
+bool physical(const Eigen::VectorXd& p) { return p.allFinite() && p[kB] >= 0 && p[kF] > 0; }
+
+Fit best_of_many_starts(const Log& log, const std::vector<Point>& points, const std::vector<double>& sigma) {
+  double slowest = HUGE_VAL, fastest = 0;
+  for (const Point& point : points) {
+    slowest = std::min(slowest, std::abs(point.v));
+    fastest = std::max(fastest, std::abs(point.v));
+  }
+  std::vector<std::pair<double, Eigen::VectorXd>> starts;
+  for (double eta = std::max(slowest, 1e-3 * fastest); eta <= fastest; eta *= 1.25) {
+    for (double size = 0.1; size < kLargestShape; size *= 1.3) {
+      for (const double h : {size, -size}) {
+        double cost = 0;
+        Eigen::VectorXd p = start_at(points, sigma, eta, h, cost);
+        if (std::isfinite(cost)) starts.emplace_back(cost, std::move(p));
+      }
+    }
+  }
+  std::sort(starts.begin(), starts.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  Fit best;
+  double cost = HUGE_VAL;
+  std::size_t finished = 0;
+  const Eigen::VectorXd* last = nullptr;
+  for (const auto& [unused, p] : starts) {
+    // Neighbours on the grid end in the same minimum.
+    if (last != nullptr && std::abs(p[kLogEta] - (*last)[kLogEta]) < 0.3 && p[kAsinhH] * (*last)[kAsinhH] > 0 &&
+        std::abs(p[kAsinhH] - (*last)[kAsinhH]) < 0.5) {
+      continue;
+    }
+    if (finished++ == kFinished) break;
+    last = &p;
+    Fit fit = finish(points, sigma, p, false);
+    if (!physical(fit.value) || !(fit.residuals.squaredNorm() < cost)) continue;
+    cost = fit.residuals.squaredNorm();
+    best = std::move(fit);
+  }
+  if (!std::isfinite(cost))
+    throw InputError(log.source, "", "no friction law with positive f and B fits these torques");
+  return best;
+}
+
+// Covariance of (B, f, eta, omega, h) from that of the fitted parameters.
+Eigen::MatrixXd in_law_parameters(const Fit& fit) {
+  const FrictionLaw law = law_of(fit.value);
+  Eigen::MatrixXd j = Eigen::MatrixXd::Zero(kAll, kAll);
+  j(0, kB) = 1;
+  j(1, kF) = 1;
+  j(2, kLogEta) = law.width;
+  j(3, kG) = 1 / law.amplitude;
+  j(3, kF) = -law.second_weight / law.amplitude;
+  j(4, kAsinhH) = std::hypot(1.0, law.second_shape);
+  return j * fit.covariance * j.transpose();
+}
+
+double chi_square_at(const std::vector<Point>& points, const std::vector<double>& sigma, const Fit& fit,
+                     double asinh_h) {
+  Eigen::VectorXd p = fit.value;
+  p[kAsinhH] = asinh_h;
+  return finish(points, sigma, p, true).residuals.squaredNorm();
+}
+
+// Only if a perfectly sharp kink is excluded by much: chance makes it look blunt in a few logs of a hundred.
+bool shape_is_known(const std::vector<Point>& points, const std::vector<double>& sigma, const Fit& fit) {
+  if (!fit.determined) return false;
+  const double error = std::sqrt(in_law_parameters(fit)(4, 4)), h = shape(fit.value);
+  if (error > kWidestKnown * std::abs(h - 1)) return false;
+  const double best = fit.residuals.squaredNorm();
+  const double noise = best / static_cast<double>(points.size() - static_cast<std::size_t>(kAll));
+  return chi_square_at(points, sigma, fit, std::copysign(std::asinh(kLargestShape), h)) > best + kSharpExcluded * noise;
+}
+
+// The least sharp |h| on the fitted side that the points still allow (95 %, profile of chi^2).
+double bound_on_shape(const std::vector<Point>& points, const std::vector<double>& sigma, const Fit& fit) {
+  const double best = fit.residuals.squaredNorm();
+  const double noise = best / std::max(static_cast<double>(points.size()) - 4, 1.0);
+  const auto allowed = [&](double asinh_h) {
+    return chi_square_at(points, sigma, fit, asinh_h) < best + kChiSquare95 * noise;
+  };
+  double inside = std::asinh(shape(fit.value)), outside = 0;
+  for (int i = 0; i < 20; ++i) {
+    const double middle = 0.5 * (inside + outside);
+    (allowed(middle) ? inside : outside) = middle;
+  }
+  return std::sinh(inside);
+}
+
+// (g, h) and (-g, -h) are the same step at rest when it is too sharp to be seen; but h > 0 would hide a second kink at
+// the unseen speed h eta.
+Eigen::VectorXd with_step_at_rest(Eigen::VectorXd p) {
+  if (p[kAsinhH] > 0) {
+    p[kAsinhH] = -p[kAsinhH];
+    p[kG] = -p[kG];
+  }
+  return p;
+}
+
+// When no speed falls into the kink: h stays what robot.yaml says if the points allow that, or becomes the bound.
+Fit assume_shape(const std::vector<Point>& points, const std::vector<double>& sigma, const Fit& free, double known,
+                 double& h, Estimate& e) {
+  Eigen::VectorXd sharp = with_step_at_rest(free.value);
+  sharp[kAsinhH] = -std::asinh(kLargestShape);
+  const Fit sharpest = finish(points, sigma, sharp, true);
+  const double bound = bound_on_shape(points, sigma, sharpest);
+  h = std::min(known, bound);
+  const double eta = std::exp(sharpest.value[kLogEta]);
+  e.assumed = {"second_shape"};
+  e.warnings.push_back(fmt::format(
+      "h is not determined: no speed falls into its kink, narrower than {:.2g} rad/s. The log says h < {:.3g} "
+      "(95 %); {:.6g} is {}",
+      eta / (1 - bound), bound, h, h == known ? "kept from robot.yaml" : "this bound"));
+  sharp = sharpest.value;
+  sharp[kAsinhH] = std::asinh(h);
+  return finish(points, sigma, sharp, true);
+}
+
+std::vector<Point> without_outliers(const std::vector<Point>& points, const Fit& fit) {
+  const std::vector<bool> inside = inliers({fit.residuals.data(), points.size()}, 10.0);  // in standard deviations
+  std::vector<Point> kept;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (inside[i]) kept.push_back(points[i]);
+  }
+  return kept;
+}
+
+void check_signs(const Log& log, const std::vector<Point>& points, int joint) {
+  double power = 0;
+  for (const Point& point : points) power += point.tau * point.v;
+  if (power <= 0) {
+    throw InputError(log.source, joint_column("tau", joint), "friction drives the motor: a column has the wrong sign");
+  }
+}
+
+}  // namespace
+
+Estimate identify_motor_friction(const Log& log, int joint, const Parameters& robot) {
+  const auto j = static_cast<std::size_t>(joint);
+  require_experiment(log, "motor_friction", joint);
+  Estimate e;
+  e.names = {"viscous", "amplitude", "width", "second_weight", "second_shape"};
+  e.units = {"N m s/rad", "N m", "rad/s", "1", "1"};
+  warn_of_gaps(log, e.warnings);
+  std::vector<Point> points = averages(log, joint, e.warnings);
+  check_signs(log, points, joint);
+
+  Fit fit = best_of_many_starts(log, points, deviations(points, nullptr));
+  const std::size_t before = points.size();
+  FrictionLaw law = law_of(fit.value);
+  fit = finish(points, deviations(points, &law), fit.value, false);
+  points = without_outliers(points, fit);
+  warn_of_outliers(before - points.size(), "speeds", e.warnings);
+  law = law_of(fit.value);
+  const std::vector<double> sigma = deviations(points, &law);
+  fit = finish(points, sigma, fit.value, false);
+  double h = shape(fit.value);
+  if (!shape_is_known(points, sigma, fit)) fit = assume_shape(points, sigma, fit, robot.friction.second_shape[j], h, e);
+
+  law = law_of(fit.value);
+  law.second_shape = h;  // unrounded, where it was assumed
+  e.value.resize(5);
+  e.value << law.viscous, law.amplitude, law.width, law.second_weight, law.second_shape;
+  e.covariance = in_law_parameters(fit);
+  e.points = points.size();
+  e.residual_unit = "N m";
+  e.plot = {fmt::format("Friction of motor {}", joint + 1), "dtheta [rad/s]", "tau [N m]", {}, {}, {}};
+  double square = 0, total = 0;
+  for (const Point& point : points) {
+    e.plot.x.push_back(point.v);
+    e.plot.y.push_back(point.tau);
+    e.plot.fitted.push_back(law.torque(point.v));
+    square += std::pow(law.torque(point.v) - point.tau, 2);
+    total += point.tau * point.tau;
+  }
+  e.residual_rms = std::sqrt(square / static_cast<double>(points.size()));
+  e.r_squared = 1 - square / total;
+  require_plausible(log, fmt::format("the viscous friction of motor {} [N m s/rad]", joint + 1), law.viscous,
+                    robot.friction.viscous[j]);
+  require_plausible(log, fmt::format("the amplitude f of motor {} [N m]", joint + 1), law.amplitude,
+                    robot.friction.amplitude[j]);
+  return e;
+}
+
+}  // namespace fjr

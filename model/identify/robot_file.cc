@@ -1,0 +1,160 @@
+#include "model/identify/robot_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <set>
+
+#include "model/strict_yaml.h"
+
+namespace fjr {
+namespace {
+
+std::string joined(const std::set<std::string>& parts) { return fmt::format("{}", fmt::join(parts, ", ")); }
+
+std::string log_text(const Estimate& e) {
+  const std::string name = std::filesystem::path(e.log).filename().string();
+  return e.hash.empty() ? name : fmt::format("{} sha256 {}", name, e.hash);
+}
+
+// YAML's double quotes know backslashes.
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') result += '\\';
+    result += c >= ' ' ? c : ' ';
+  }
+  return result + "\"";
+}
+
+std::string error_text(const std::optional<double>& error) { return error ? fmt::format("{:.6g}", *error) : "null"; }
+
+struct Entry {
+  Pair<double> value;
+  std::string unit, source;
+  Pair<std::optional<double>> error;
+};
+
+std::string format_entry(const std::string& name, const Entry& e) {
+  const bool known = e.error[0] || e.error[1];
+  const std::string errors = known ? fmt::format("[{}, {}]", error_text(e.error[0]), error_text(e.error[1])) : "null";
+  return fmt::format("  {}: {{value: [{}, {}], unit: \"{}\", source: {}, standard_error: {}}}\n", name, e.value[0],
+                     e.value[1], e.unit, quoted(e.source), errors);
+}
+
+Pair<std::optional<double>> errors_in(const YamlNode& entry) {
+  const YamlNode node = entry.at("standard_error");
+  Pair<std::optional<double>> errors;
+  if (node.is_null()) return errors;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const YamlNode item = node.items()[j];
+    if (!item.is_null()) errors[j] = item.number("1");
+  }
+  return errors;
+}
+
+// What the logs tell of one entry, over what the base file says.
+class Writer {
+ public:
+  Writer(const Identified& identified, const std::filesystem::path& base, bool use_damping)
+      : identified_(identified), base_(YamlNode::load(base)), use_damping_(use_damping) {}
+
+  std::string write() {
+    std::string section_before;
+    text_ = "# Written by `fjr identify`. SI units; motor quantities are in link coordinates; [joint 1, joint 2].\n";
+    visit_parameters(identified_.robot, [&](const std::string& section, const std::string& name,
+                                            const std::string& unit, const Pair<double>& value) {
+      if (section != section_before) text_ += "\n" + section + ":\n";
+      section_before = section;
+      Entry entry{value, unit, "", {}};
+      const YamlNode old = base_.at(section).at(name);
+      fill(section + "." + name, old, entry);
+      if (section == "link" && name == "damping") fill_damping(old, entry);
+      text_ += format_entry(name, entry);
+    });
+    write_covariance();
+    return text_;
+  }
+
+ private:
+  std::optional<Eigen::Index> row_of(const std::string& name) const {
+    const auto found = std::find(identified_.names.begin(), identified_.names.end(), name);
+    if (found == identified_.names.end()) return std::nullopt;
+    return found - identified_.names.begin();
+  }
+
+  void fill(const std::string& path, const YamlNode& old, Entry& entry) const {
+    const Pair<std::optional<double>> old_errors = errors_in(old);
+    std::set<std::string> logs;
+    std::string kept;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const std::string name = fmt::format("{}[{}]", path, j);
+      const auto row = row_of(name);
+      if (!row) {
+        entry.error[j] = old_errors[j];
+        const bool same = old.at("value").pair(entry.unit)[j] == entry.value[j];
+        kept +=
+            fmt::format("{}joint {} {}", kept.empty() ? "" : "; ", j + 1,
+                        same ? "as before (" + old.at("source").text() + ")" : "only bounded by its log: the bound");
+        continue;
+      }
+      entry.error[j] = std::sqrt(identified_.covariance(*row, *row));
+      for (const Estimate* e : identified_.from.at(name)) logs.insert(log_text(*e));
+    }
+    if (!logs.empty()) {
+      entry.source = "identified: " + joined(logs) + (kept.empty() ? "" : "; " + kept);
+    } else {
+      const bool untouched = old.at("value").pair(entry.unit) == entry.value;
+      entry.source = untouched ? old.at("source").text() : kept;
+    }
+  }
+
+  void fill_damping(const YamlNode& old, Entry& entry) const {
+    const Pair<bool>& has = identified_.has_damping;
+    if (!has[0] && !has[1]) return;
+    std::string found;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      if (!has[j]) continue;
+      found += fmt::format("{}joint {}: {:.6g} +- {:.2g}", found.empty() ? "" : ", ", j + 1, identified_.damping[j],
+                           identified_.damping_error[j]);
+      if (!use_damping_) continue;
+      entry.value[j] = std::max(identified_.damping[j], 0.0);
+      entry.error[j] = identified_.damping_error[j];
+    }
+    entry.source = use_damping_ ? "identified: free decay, eqs. (11), (13); " + found
+                                : fmt::format("{}; identified but not used: {}", old.at("source").text(), found);
+  }
+
+  void write_covariance() {
+    if (identified_.names.empty()) return;
+    text_ += "\ncovariance:\n  names: [";
+    for (std::size_t i = 0; i < identified_.names.size(); ++i) {
+      text_ += fmt::format("{}\"{}\"", i == 0 ? "" : ", ", identified_.names[i]);
+    }
+    text_ += "]\n  matrix:\n";
+    for (Eigen::Index row = 0; row < identified_.covariance.rows(); ++row) {
+      text_ += "    - [";
+      for (Eigen::Index column = 0; column < identified_.covariance.cols(); ++column) {
+        // Rounding must not make it unsymmetric.
+        const double value = identified_.covariance(std::max(row, column), std::min(row, column));
+        text_ += fmt::format("{}{:.10g}", column == 0 ? "" : ", ", value);
+      }
+      text_ += "]\n";
+    }
+  }
+
+  const Identified& identified_;
+  YamlNode base_;
+  bool use_damping_;
+  std::string text_;
+};
+
+}  // namespace
+
+std::string format_robot(const Identified& identified, const std::filesystem::path& base, bool use_damping) {
+  return Writer(identified, base, use_damping).write();
+}
+
+}  // namespace fjr

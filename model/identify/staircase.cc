@@ -1,0 +1,132 @@
+#include "model/identify/staircase.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/identify/checks.h"
+#include "model/identify/fit.h"
+#include "model/input_error.h"
+
+namespace fjr {
+namespace {
+
+// A reversal is taken as forgotten after this share of the largest deflection.
+constexpr double kForgotten = 0.15;
+constexpr std::size_t kFewest = 8;  // settled landings on a branch
+
+std::span<const double> part(const std::vector<double>& values, std::size_t from, std::size_t to) {
+  return std::span(values).subspan(from, to - from);
+}
+
+// Directions and distance from the last reversal follow from the averages themselves.
+void classify(std::vector<Landing>& all) {
+  double reach = 0;
+  for (const Landing& l : all) reach = std::max(reach, std::abs(l.theta));
+  double before = 0, turned_at = 0;
+  bool rising = !all.empty() && all.front().theta >= 0;
+  for (Landing& l : all) {
+    l.rising = l.theta == before ? rising : l.theta > before;
+    if (l.rising != rising) turned_at = before;
+    rising = l.rising;
+    l.settled = std::abs(l.theta - turned_at) >= kForgotten * reach;
+    before = l.theta;
+  }
+}
+
+std::vector<Landing> settled_ones(const Log& log, const std::vector<Landing>& all) {
+  std::vector<Landing> settled;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(settled), [](const Landing& l) { return l.settled; });
+  const auto rising = static_cast<std::size_t>(
+      std::count_if(settled.begin(), settled.end(), [](const Landing& l) { return l.rising; }));
+  if (rising < kFewest || settled.size() - rising < kFewest) {
+    throw InputError(log.source, "",
+                     fmt::format("{} rising and {} falling steps; at least {} of each are needed. Does `# period:` say "
+                                 "how long a step takes?",
+                                 rising, settled.size() - rising, kFewest));
+  }
+  return settled;
+}
+
+Fit fit_line(const std::vector<Landing>& points, double (*x_of)(const Landing&)) {
+  const auto m = static_cast<Eigen::Index>(points.size());
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(m, 3);
+  Eigen::VectorXd b(m);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const Landing& point = points[static_cast<std::size_t>(i)];
+    a(i, 0) = x_of(point);
+    a(i, point.rising ? 1 : 2) = 1;
+    b[i] = point.tau;
+  }
+  return linear_fit(a, b);
+}
+
+double range_of_torque(const std::vector<Landing>& points) {
+  const auto [low, high] = std::minmax_element(points.begin(), points.end(),
+                                               [](const Landing& a, const Landing& b) { return a.tau < b.tau; });
+  return high->tau - low->tau;
+}
+
+std::vector<Landing> without_outliers(const std::vector<Landing>& points, const Fit& fit) {
+  const std::vector<bool> inside = inliers({fit.residuals.data(), points.size()}, 1e-3 * range_of_torque(points));
+  std::vector<Landing> kept;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (inside[i]) kept.push_back(points[i]);
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::vector<Landing> landings(const Log& log, int joint, std::vector<std::string>& warnings) {
+  const double period = log.number("period", 10), average = log.number("average", 2);
+  const std::vector<double>& time = log.column("time");
+  const std::vector<double>& theta = log.column(joint_column("theta", joint));
+  const std::vector<double>& q = log.column(joint_column("q", joint));
+  const std::vector<double>& tau = log.column(joint_column("tau", joint));
+  std::vector<Landing> all;
+  std::size_t rejected = 0;
+  for (std::size_t from = 0; from < time.size();) {
+    const double start = time.front() + period * std::floor((time[from] - time.front()) / period + 1e-9);
+    const auto until = [&](double t) {
+      return static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), t - 1e-9) - time.begin());
+    };
+    const std::size_t to = until(start + period), first = until(start + period - average);
+    if (to - first >= 5 && first > from) {
+      const Average mean = robust_mean(part(tau, first, to));
+      rejected += mean.rejected;
+      all.push_back(
+          {robust_mean(part(theta, first, to)).mean, robust_mean(part(q, first, to)).mean, mean.mean, true, true});
+    }
+    from = std::max(to, from + 1);
+  }
+  warn_of_gaps(log, warnings);
+  warn_of_outliers(rejected, "torque samples", warnings);
+  classify(all);
+  return all;
+}
+
+void fit_branches(const Log& log, const std::vector<Landing>& points, double (*x_of)(const Landing&),
+                  Estimate& estimate) {
+  const std::vector<Landing> settled = settled_ones(log, points);
+  const std::vector<Landing> kept = without_outliers(settled, fit_line(settled, x_of));
+  const Fit fit = fit_line(kept, x_of);
+  warn_of_outliers(settled.size() - kept.size(), "steps", estimate.warnings);
+  estimate.value = fit.value.head(1);
+  estimate.covariance = fit.covariance.topLeftCorner(1, 1);
+  estimate.points = kept.size();
+  estimate.residual_rms = fit.residual_rms;
+  estimate.residual_unit = "N m";
+  double mean = 0, square = 0;
+  for (const Landing& l : kept) mean += l.tau / static_cast<double>(kept.size());
+  for (const Landing& l : kept) square += (l.tau - mean) * (l.tau - mean);
+  estimate.r_squared = 1 - fit.residuals.squaredNorm() / square;
+  for (const Landing& l : points) {
+    estimate.plot.x.push_back(x_of(l));
+    estimate.plot.y.push_back(l.tau);
+    estimate.plot.fitted.push_back(fit.value[0] * x_of(l) + fit.value[l.rising ? 1 : 2]);
+  }
+}
+
+}  // namespace fjr

@@ -1,0 +1,76 @@
+// The experiments of section IV of the paper, performed on the virtual rig.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "model/rig/record.h"
+#include "model/rig/rig.h"
+
+namespace fjr {
+
+// Asked now and then with the fraction done; false abandons the experiment (std::runtime_error).
+using RigProgress = std::function<bool(double fraction)>;
+
+// Staircase 0 -> +n -> 0 -> -n -> 0 steps of one motor, 50 Hz: within `move` to the next step, then at rest.
+struct Staircase {
+  int steps;                // n
+  double step;              // [rad]
+  double period = 10;       // [s]
+  double move = 0.1;        // [s]
+  double average = 2;       // [s]  at the end of each period, for whoever reads the log
+  double sample_rate = 50;  // [Hz]
+
+  static Staircase of_stiffness(int joint) { return {joint == 0 ? 82 : 48, 4.7124e-3}; }
+  static Staircase of_gravity(int joint) { return {155, joint == 0 ? 7.8540e-3 : 9.4248e-3}; }
+};
+
+// joint: 0 or 1, here and below.
+// IV-A: both links fixed.
+Record perform_stiffness(const Rig& rig, int joint, const Staircase& staircase, const RigProgress& progress = {});
+// IV-B: the other link fixed at zero, gravity on.
+Record perform_gravity(const Rig& rig, int joint, const Staircase& staircase, const RigProgress& progress = {});
+
+// IV-C: arm parallel to the ground, motors held at zero, the other link fixed; a push of 10 ms sets the link swinging.
+struct Impulse {
+  double amplitude;  // [rad]  of the swing without damping
+  double duration;   // [s]
+  double sample_rate = 1000;
+
+  static Impulse of(int joint) { return {joint == 0 ? 0.33 : 0.20, 6}; }
+};
+Record perform_link_inertia(const Rig& rig, int joint, const Impulse& impulse);
+
+// IV-E: link removed, velocity mode; each speed in both directions, one after the other.
+struct ConstantSpeeds {
+  std::vector<double> speeds;     // [rad/s], positive
+  double ramp = 0.1, hold = 0.5;  // [s]
+  double sample_rate = 1000;
+
+  // The speeds a rig can hold; `slow` adds those in which the kinks of (24) lie and which only an ideal drive holds.
+  static ConstantSpeeds of(int joint, bool slow);
+};
+Record perform_motor_friction(const Rig& rig, int joint, const ConstantSpeeds& speeds);
+
+// IV-F: link removed, torque mode, nonlinear friction compensated from the drive's own velocity (26); each constant
+// torque u in both directions from standstill. The log's column u<joint>_plan is u.
+struct ConstantTorques {
+  std::vector<double> torques;  // u [N m], positive
+  double rest = 0.2, push;      // [s]
+  double sample_rate = 1000;
+
+  static ConstantTorques of(int joint) {
+    return joint == 0 ? ConstantTorques{{1, 1.5, 2, 2.5, 3}, 0.2, 0.8}
+                      : ConstantTorques{{1, 1.75, 2.5, 3.25, 4}, 0.2, 0.2};
+  }
+};
+Record perform_motor_inertia(const Rig& rig, int joint, const ConstantTorques& torques);
+
+inline constexpr const char* kExperiments[] = {"stiffness", "gravity", "link_inertia", "motor_friction",
+                                               "motor_inertia"};
+
+// The experiment of that name (one of kExperiments) as in the paper. `slow`: see ConstantSpeeds.
+Record perform(const std::string& name, const Rig& rig, int joint, bool slow, const RigProgress& progress = {});
+
+}  // namespace fjr

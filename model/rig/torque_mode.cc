@@ -1,0 +1,97 @@
+// Motor inertia, IV-F: link removed, constant friction-compensated torques from standstill.
+#include <cmath>
+#include <memory>
+
+#include "model/rig/experiments.h"
+#include "model/rig/normal.h"
+#include "model/rig/simulated_arm.h"
+
+namespace fjr {
+namespace {
+
+// The drive's compensation (26): u + tau_fm_nonlinear(v), v being the velocity the drive believes in. Its noise is new
+// every millisecond; in between its loop is fast.
+struct Compensation {
+  FrictionLaw law;
+  double u = 0;        // [N m]
+  double noise = 0;    // [rad/s]
+  bool braked = true;  // before and between the pushes
+
+  double torque(double dtheta) const { return braked ? law.torque(dtheta) : u + law.nonlinear(dtheta + noise); }
+};
+
+class TorqueMode {
+ public:
+  TorqueMode(const Rig& rig, int joint, const ConstantTorques& plan)
+      : rig_(rig),
+        joint_(joint),
+        j_(static_cast<std::size_t>(joint)),
+        plan_(plan),
+        compensation_(std::make_shared<Compensation>(Compensation{FrictionLaw::of(rig.truth, joint)})),
+        arm_(rig, mounting()),
+        noise_(rig.seed * 16 + 3) {
+    record_.log_velocity = true;
+  }
+
+  Record perform() {
+    for (const double u : plan_.torques) {
+      push(u);
+      push(-u);
+    }
+    return std::move(record_);
+  }
+
+ private:
+  Mounting mounting() const {
+    Mounting m;
+    m.links = {LinkMount::kRemoved, LinkMount::kRemoved};
+    m.drives[j_] = {{}, [c = compensation_](double, double dtheta) { return c->torque(dtheta); }};
+    return m;
+  }
+
+  void push(double u) {
+    compensation_->braked = true;
+    arm_.stop_motor(joint_);
+    run(plan_.rest);
+    compensation_->braked = false;
+    compensation_->u = u;
+    arm_.restart();
+    run(plan_.push);
+  }
+
+  void run(double duration) {
+    const auto ticks = std::lround(duration * plan_.sample_rate);
+    for (long i = 0; i < ticks; ++i) {
+      Pair<double> velocity = arm_.state().dtheta;
+      if (rig_.noisy()) {
+        compensation_->noise = rig_.instruments.velocity_noise[j_] * noise_();
+        velocity[j_] += compensation_->noise;
+        arm_.restart();
+      }
+      record_.add(arm_.time(), arm_.state(), arm_.motor_torque());
+      record_.drive_velocity.push_back(velocity);
+      record_.planned[joint_column("u", joint_, "_plan")].push_back(compensation_->braked ? 0 : compensation_->u);
+      const double end = static_cast<double>(++ticks_) / plan_.sample_rate;
+      arm_.announce_corner(end);
+      arm_.advance(end);
+    }
+  }
+
+  const Rig& rig_;
+  int joint_;
+  std::size_t j_;
+  const ConstantTorques& plan_;
+  std::shared_ptr<Compensation> compensation_;
+  SimulatedArm arm_;
+  Normal noise_;
+  Record record_;
+  long ticks_ = 0;
+};
+
+}  // namespace
+
+Record perform_motor_inertia(const Rig& rig, int joint, const ConstantTorques& torques) {
+  return TorqueMode(rig, joint, torques).perform();
+}
+
+}  // namespace fjr

@@ -1,0 +1,175 @@
+// fjr identify: from logs to robot.yaml.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "model/identify/arm.h"
+#include "model/identify/procedures.h"
+#include "model/identify/report.h"
+#include "model/identify/robot_file.h"
+#include "model/input_error.h"
+#include "planner/program/commands.h"
+#include "planner/trajectory/atomic_file.h"
+#include "planner/trajectory/plan_json.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+
+// In the order of section IV.
+constexpr const char* kProcedures[] = {"stiffness", "gravity", "link_inertia", "motor_friction", "motor_inertia"};
+
+struct Options {
+  std::string name, out, report, robot;
+  std::vector<std::string> logs, columns;
+  int joint = 0;  // 1 or 2; 0: as the log says
+  bool json = false, link_damping = false;
+};
+
+ColumnNames renamed_columns(const std::vector<std::string>& pairs) {
+  ColumnNames renamed;
+  for (const std::string& pair : pairs) {
+    const std::size_t equals = pair.find('=');
+    if (equals == 0 || equals == std::string::npos || equals + 1 == pair.size()) {
+      throw InputError("--column", "", "'" + pair + "' must be OURS=THEIRS, as in q1=link_1_position");
+    }
+    renamed[pair.substr(0, equals)] = pair.substr(equals + 1);
+  }
+  return renamed;
+}
+
+int joint_of(const Log& log, const Options& options) {
+  const double joint = options.joint != 0 ? options.joint : log.number("joint", 0);
+  if (joint == 1 || joint == 2) return static_cast<int>(joint) - 1;
+  throw InputError(log.source, "# joint", "is missing or neither 1 nor 2; --joint says it too");
+}
+
+std::string text_of(const Estimate& e) {
+  std::string text = fmt::format("{}, joint {} ({})\n", e.procedure, e.joint + 1, e.log);
+  for (std::size_t i = 0; i < e.names.size(); ++i) {
+    const double error = e.standard_error(e.names[i]);
+    const bool assumed = std::find(e.assumed.begin(), e.assumed.end(), e.names[i]) != e.assumed.end();
+    text += fmt::format("  {:<24} {:>12.6g}  {:<12} {}\n", e.names[i], e.value[static_cast<Eigen::Index>(i)],
+                        e.units[i], assumed ? "assumed" : fmt::format("+- {:.2g} (95 %: {:.2g})", error, 1.96 * error));
+  }
+  text += fmt::format("  {:<24} {} points, residual {:.3g} {}, R^2 {:.8f}\n", "fit", e.points, e.residual_rms,
+                      e.residual_unit, e.r_squared);
+  for (const std::string& warning : e.warnings) text += "  warning: " + warning + "\n";
+  return text;
+}
+
+nlohmann::ordered_json json_of(const Estimate& e) {
+  nlohmann::ordered_json json{{"procedure", e.procedure}, {"joint", e.joint + 1}, {"log", e.log}, {"sha256", e.hash}};
+  for (std::size_t i = 0; i < e.names.size(); ++i) {
+    nlohmann::ordered_json value{{"value", e.value[static_cast<Eigen::Index>(i)]}, {"unit", e.units[i]}};
+    const bool assumed = std::find(e.assumed.begin(), e.assumed.end(), e.names[i]) != e.assumed.end();
+    if (assumed) {
+      value["assumed"] = true;
+    } else {
+      value["standard_error"] = e.standard_error(e.names[i]);
+    }
+    json["parameters"][e.names[i]] = value;
+  }
+  json["points"] = e.points;
+  json["residual_rms"] = e.residual_rms;
+  json["residual_unit"] = e.residual_unit;
+  json["r_squared"] = e.r_squared;
+  json["warnings"] = e.warnings;
+  return json;
+}
+
+std::vector<Estimate> from_logs(const Options& options, const Parameters& robot) {
+  std::vector<Estimate> estimates;
+  for (const std::string& file : options.logs) {
+    const Log log = read_log(file, renamed_columns(options.columns));
+    estimates.push_back(identify(options.name, log, joint_of(log, options), robot));
+  }
+  return estimates;
+}
+
+std::vector<Estimate> from_folder(const Options& options, const Parameters& robot) {
+  if (options.logs.size() != 1 || !fs::is_directory(options.logs.front())) {
+    throw InputError(options.logs.front(), "", "'all' needs one folder with <experiment>_<joint>.csv");
+  }
+  std::vector<Estimate> estimates;
+  for (const char* name : kProcedures) {
+    for (int joint = 0; joint < kJoints; ++joint) {
+      const fs::path file = fs::path(options.logs.front()) / fmt::format("{}_{}.csv", name, joint + 1);
+      estimates.push_back(identify(name, read_log(file, renamed_columns(options.columns)), joint, robot));
+    }
+  }
+  return estimates;
+}
+
+void write_robot(const Options& options, const fs::path& base, const std::vector<Estimate>& estimates) {
+  if (options.out.empty()) return;
+  const Parameters robot = load_parameters(base);
+  write_file(options.out, format_robot(combine(robot, estimates), base, options.link_damping));
+  load_parameters(options.out);  // what is unphysical is said now, not when somebody plans with it
+}
+
+// Of a whole identification the report stands beside robot.yaml; otherwise it is written where asked.
+fs::path report_file(const Options& options) {
+  if (!options.report.empty() || options.name != "all" || options.out.empty()) return options.report;
+  return fs::path(options.out).replace_extension(".html");
+}
+
+int run(const Options& options) {
+  const fs::path base = options.robot.empty() ? default_robot_file() : fs::path(options.robot);
+  const Parameters robot = load_parameters(base);
+  const std::vector<Estimate> estimates =
+      options.name == "all" ? from_folder(options, robot) : from_logs(options, robot);
+  nlohmann::ordered_json json = nlohmann::ordered_json::array();
+  for (const Estimate& e : estimates) {
+    if (options.json) {
+      json.push_back(json_of(e));
+    } else {
+      fmt::print("{}", text_of(e));
+    }
+  }
+  if (options.json) fmt::print("{}", json_text(json));
+  const fs::path report = report_file(options);
+  if (!report.empty()) write_file(report, format_identification_report(estimates));
+  write_robot(options, base, estimates);
+  if (!options.json) fmt::print("{}{}{}\n", options.out, options.out.empty() ? "" : " ", report.string());
+  return 0;
+}
+
+}  // namespace
+
+void add_identify(CLI::App& app, int& exit_code) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("identify", "Identify parameters from logs and write robot.yaml");
+  std::vector<std::string> names(std::begin(kProcedures), std::end(kProcedures));
+  names.emplace_back("all");
+  command->add_option("name", options->name, "Procedure: stiffness, gravity, ..., or all over a folder of logs")
+      ->required()
+      ->check(CLI::IsMember(names));
+  command->add_option("logs", options->logs, "Logs, or the folder of <experiment>_<joint>.csv")
+      ->required()
+      ->type_name("LOG.csv...|DIR");
+  command->add_option("--out", options->out, "Write a complete robot.yaml")->type_name("robot.yaml");
+  command
+      ->add_option("--report", options->report,
+                   "Write plots of fits and residuals; of all to the --out name with .html")
+      ->type_name("REPORT.html");
+  command->add_option("--robot", options->robot, "What is known so far; without it the robot.yaml shipped with fjr");
+  command->add_option("--joint", options->joint, "Joint of the logs, where they do not say")->check(CLI::Range(1, 2));
+  command->add_option("--column", options->columns, "Column name in the logs, as in q1=link_1_position")
+      ->type_name("OURS=THEIRS")
+      ->expected(1)
+      ->take_all();
+  command->add_flag("--link-damping", options->link_damping, "Write the identified link damping as the model's");
+  command->add_flag("--json", options->json, "Only JSON on stdout");
+  command->callback([options, &exit_code] { exit_code = run(*options); });
+}
+
+}  // namespace fjr

@@ -1,0 +1,270 @@
+// Each procedure on logs whose truth is known, and on logs that are not what they should be.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "model/identify/fit.h"
+#include "model/identify/report.h"
+#include "model/identify/robot_file.h"
+#include "model/input_error.h"
+#include "tests/model/virtual_lab.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+const std::string kRobot = FJR_SOURCE_DIR "/config/robot.yaml";
+
+std::vector<Estimate> estimates_of(const Rig& rig, bool slow_speeds) {
+  std::vector<Estimate> estimates;
+  for (const NamedRecord& r : short_experiments(rig, slow_speeds)) {
+    estimates.push_back(identify(r.name, measure(r.record, rig), r.joint, rig.truth));
+  }
+  return estimates;
+}
+
+// Logs of one noisy lab, made once.
+const Log& noisy_log(const std::string& name, int joint) {
+  static const Rig rig = Rig::of(load_parameters(kRobot));
+  static const std::vector<NamedRecord> records = short_experiments(rig, false);
+  static std::map<std::string, Log> logs;
+  for (const NamedRecord& r : records) {
+    if (r.name == name && r.joint == joint) {
+      return logs.try_emplace(name + std::to_string(joint), measure(r.record, rig)).first->second;
+    }
+  }
+  throw std::logic_error("no log of " + name);
+}
+
+Estimate identify_quietly(const std::string& name, const Log& log, int joint) {
+  return identify(name, log, joint, load_parameters(kRobot));
+}
+
+std::string error_of(const std::string& name, const Log& log, int joint) {
+  try {
+    identify_quietly(name, log, joint);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+std::string warnings_of(const Estimate& e) {
+  std::string all;
+  for (const std::string& warning : e.warnings) all += warning + "\n";
+  return all;
+}
+
+Log scaled(Log log, const std::string& column, double factor) {
+  for (double& value : log.column(column)) value *= factor;
+  return log;
+}
+
+// A certified linear regression: Longley's would need six regressors; Norris (NIST StRD) shows the digits as well.
+TEST(LinearFit, AgreesWithTheCertifiedNorrisRegression) {
+  const double y[] = {.1, 338.8, 118.1, 888.0, 9.2,   228.1, 668.5, 998.5, 449.1, 778.9, 559.2, .3,
+                      .1, 778.1, 668.8, 339.3, 448.9, 10.8,  557.7, 228.3, 998.0, 888.8, 119.6, .3,
+                      .6, 557.6, 339.3, 888.0, 998.5, 778.9, 10.2,  117.6, 228.9, 668.4, 449.2, .2};
+  const double x[] = {.2, 337.4, 118.2, 884.6, 10.1,  226.5, 666.3, 996.3, 448.6, 777.0, 558.2, .4,
+                      .6, 775.5, 666.9, 338.0, 447.5, 11.6,  556.0, 228.1, 995.8, 887.6, 120.2, .3,
+                      .3, 556.8, 339.1, 887.2, 999.0, 779.0, 11.1,  118.3, 229.2, 669.1, 448.9, .5};
+  Eigen::MatrixXd a(36, 2);
+  Eigen::VectorXd b(36);
+  for (Eigen::Index i = 0; i < 36; ++i) {
+    a.row(i) << 1, x[i];
+    b[i] = y[i];
+  }
+  const Fit fit = linear_fit(a, b);
+  EXPECT_NEAR(fit.value[0], -0.262323073774029, 1e-12);
+  EXPECT_NEAR(fit.value[1], 1.00211681802045, 1e-13);
+  EXPECT_NEAR(std::sqrt(fit.covariance(0, 0)), 0.232818234301152, 1e-11);
+  EXPECT_NEAR(std::sqrt(fit.covariance(1, 1)), 0.429796848199937e-3, 1e-14);
+}
+
+TEST(LinearFit, SaysWhenTheDataDoNotDetermineEverything) {
+  Eigen::MatrixXd a(4, 2);
+  a << 1, 2, 2, 4, 3, 6, 4, 8;
+  EXPECT_FALSE(linear_fit(a, Eigen::VectorXd::Ones(4)).determined);
+}
+
+TEST(CurveFit, FindsAnExponentialAndItsUncertainty) {
+  const Residuals residuals = [](const Eigen::VectorXd& p, Eigen::VectorXd& r) {
+    for (Eigen::Index i = 0; i < r.size(); ++i) {
+      const double t = 0.1 * static_cast<double>(i);
+      r[i] = p[0] * std::exp(-p[1] * t) - 2 * std::exp(-0.7 * t) - (i % 2 == 0 ? 1e-3 : -1e-3);
+    }
+  };
+  const Fit fit = curve_fit(residuals, 50, Eigen::Vector2d(1, 1));
+  EXPECT_NEAR(fit.value[0], 2, 1e-3);
+  EXPECT_NEAR(fit.value[1], 0.7, 1e-3);
+  EXPECT_NEAR(fit.residual_rms, 1e-3, 1e-5);
+  EXPECT_LT(std::sqrt(fit.covariance(1, 1)), 1e-3);
+}
+
+TEST(RobustMean, ForgetsOutliersAndKeepsCounts) {
+  EXPECT_NEAR(robust_mean(std::vector<double>{1, 1.1, 0.9, 1, 1.05, 0.95, 50}).mean, 1, 1e-12);
+  EXPECT_EQ(robust_mean(std::vector<double>{1, 1.1, 0.9, 1, 1.05, 0.95, 50}).rejected, 1U);
+  EXPECT_NEAR(robust_mean(std::vector<double>{2, 2, 2, 2.001, 2, 2}).mean, 2 + 0.001 / 6, 1e-12);
+}
+
+TEST(Identify, IdealLogsGiveTheTruth) {
+  const Rig rig = Rig::ideal(consistent_robot());
+  const std::vector<Estimate> estimates = estimates_of(rig, true);
+  const Identified found = combine(rig.truth, estimates);
+  EXPECT_EQ(found.names.size(), 20U);
+  for (const std::string& name : found.names) {
+    const double truth = parameter(rig.truth, name);
+    EXPECT_NEAR(parameter(found.robot, name), truth, 1e-3 * std::abs(truth)) << name;
+  }
+  for (const Estimate& e : estimates) EXPECT_EQ(warnings_of(e), "") << e.procedure;
+}
+
+TEST(Identify, UndeterminedShapeIsSaidWithABound) {
+  const Estimate e = identify_quietly("motor_friction", noisy_log("motor_friction", 0), 0);
+  EXPECT_EQ(e.assumed, std::vector<std::string>{"second_shape"});
+  EXPECT_EQ(e.at("second_shape"), -6539.2);
+  EXPECT_THAT(warnings_of(e), HasSubstr("h is not determined: no speed falls into its kink"));
+  EXPECT_THAT(warnings_of(e), HasSubstr("kept from robot.yaml"));
+  EXPECT_TRUE(identify_quietly("motor_friction", noisy_log("motor_friction", 1), 1).assumed.empty());
+}
+
+TEST(Identify, WrongSignsAreRefused) {
+  for (const std::string column : {"tau1", "theta1"}) {
+    EXPECT_THAT(error_of("stiffness", scaled(noisy_log("stiffness", 0), column, -1), 0), HasSubstr("wrong sign"));
+  }
+  EXPECT_THAT(error_of("gravity", scaled(noisy_log("gravity", 1), "q2", -1), 1), HasSubstr("wrong sign"));
+  EXPECT_THAT(error_of("motor_friction", scaled(noisy_log("motor_friction", 0), "tau1", -1), 0),
+              HasSubstr("wrong sign"));
+  EXPECT_THAT(error_of("motor_inertia", scaled(noisy_log("motor_inertia", 0), "dtheta1", -1), 0),
+              HasSubstr("wrong sign"));
+}
+
+TEST(Identify, WrongUnitsAreRefusedWithAGuess) {
+  const double degrees = 180 / M_PI;
+  EXPECT_THAT(error_of("stiffness", scaled(noisy_log("stiffness", 0), "theta1", degrees), 0), HasSubstr("degrees"));
+  EXPECT_THAT(error_of("gravity", scaled(noisy_log("gravity", 0), "q1", degrees), 0), HasSubstr("degrees"));
+  EXPECT_THAT(error_of("stiffness", scaled(noisy_log("stiffness", 1), "tau2", 1000), 1), HasSubstr("mN m"));
+  EXPECT_THAT(error_of("motor_inertia", scaled(noisy_log("motor_inertia", 1), "dtheta2", degrees), 1),
+              HasSubstr("degrees"));
+  Log slow = noisy_log("link_inertia", 0);
+  for (double& t : slow.column("time")) t *= 1000;  // milliseconds
+  EXPECT_NE(error_of("link_inertia", slow, 0), "no error");
+}
+
+TEST(Identify, AnotherExperimentsLogIsRefused) {
+  Log log = noisy_log("stiffness", 0);
+  log.metadata["experiment"] = "gravity";
+  EXPECT_THAT(error_of("stiffness", log, 0), HasSubstr("# experiment: is gravity, not stiffness"));
+  log.metadata.clear();
+  log.metadata["joint"] = "2";
+  EXPECT_THAT(error_of("stiffness", log, 0), HasSubstr("# joint: is 2, not 1"));
+}
+
+// One sample in 200 is nonsense, and one in 50 is missing.
+Log spoiled(const Log& log, const std::vector<std::string>& columns) {
+  Log bad = log;
+  for (auto& values : bad.values) values.clear();
+  for (std::size_t row = 0; row < log.rows(); ++row) {
+    if (row % 50 == 17) continue;
+    for (std::size_t i = 0; i < log.values.size(); ++i) bad.values[i].push_back(log.values[i][row]);
+    if (row % 200 != 31) continue;
+    for (const std::string& column : columns) bad.column(column).back() += 7;
+  }
+  return bad;
+}
+
+TEST(Identify, OutliersAndDroppedSamplesChangeLittleAndAreSaid) {
+  const std::map<std::string, std::vector<std::string>> columns = {{"stiffness", {"tau1"}},
+                                                                   {"gravity", {"tau1"}},
+                                                                   {"link_inertia", {"q1"}},
+                                                                   {"motor_friction", {"tau1"}},
+                                                                   {"motor_inertia", {"dtheta1"}}};
+  for (const auto& [name, spoiled_columns] : columns) {
+    const Log& log = noisy_log(name, 0);
+    const Estimate good = identify_quietly(name, log, 0);
+    const Estimate bad = identify_quietly(name, spoiled(log, spoiled_columns), 0);
+    for (Eigen::Index i = 0; i < good.value.size(); ++i) {
+      EXPECT_NEAR(bad.value[i], good.value[i], 5e-3 * std::abs(good.value[i])) << name << " " << i;
+    }
+    EXPECT_THAT(warnings_of(bad), HasSubstr("rejected as outliers")) << name;
+    EXPECT_THAT(warnings_of(bad), HasSubstr("samples are missing")) << name;
+  }
+}
+
+// A folder of this test's own, gone with it.
+class RobotFile : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override { fs::remove_all(folder_); }
+  fs::path write(const std::string& text) const {
+    std::ofstream(folder_ / "robot.yaml") << text;
+    return folder_ / "robot.yaml";
+  }
+
+ private:
+  fs::path folder_ = fs::temp_directory_path() / ("fjr_robot_" + std::to_string(getpid()));
+};
+
+TEST_F(RobotFile, IsCompleteAndLoads) {
+  const Rig rig = Rig::of(load_parameters(kRobot));
+  std::vector<Estimate> estimates;
+  for (const NamedRecord& r : short_experiments(rig, false)) {
+    Log log = measure(r.record, rig);
+    log.source = r.name + ".csv";
+    log.hash = "0123abcd";
+    estimates.push_back(identify(r.name, log, r.joint, rig.truth));
+  }
+  const Identified found = combine(load_parameters(kRobot), estimates);
+  const std::string text = format_robot(found, kRobot, false);
+  EXPECT_EQ(robot_hash(load_parameters(write(text))), robot_hash(found.robot));
+  EXPECT_THAT(text, HasSubstr("identified: gravity.csv sha256 0123abcd"));
+  EXPECT_THAT(text, HasSubstr("identified but not used: joint 1: 0.25"));
+  EXPECT_EQ(load_parameters(write(text)).link.damping, (Pair<double>{0, 0}));
+  const Parameters damped = load_parameters(write(format_robot(found, kRobot, true)));
+  EXPECT_NEAR(damped.link.damping[0], 0.2516, 1e-3);
+  EXPECT_NEAR(damped.link.damping[1], 0.01, 1e-4);
+}
+
+TEST_F(RobotFile, TakesTheBoundWhereTheKnownShapeContradictsTheLog) {
+  Parameters known = load_parameters(kRobot);
+  known.friction.second_shape[0] = -20;
+  const std::vector<Estimate> one = {identify("motor_friction", noisy_log("motor_friction", 0), 0, known)};
+  EXPECT_THAT(warnings_of(one[0]), HasSubstr("is this bound"));
+  const Identified found = combine(known, one);
+  EXPECT_LT(found.robot.friction.second_shape[0], -50);
+  EXPECT_THAT(found.names, testing::Not(testing::Contains("friction.second_shape[0]")));
+  const std::string text = format_robot(found, kRobot, false);
+  EXPECT_EQ(load_parameters(write(text)).friction.second_shape, found.robot.friction.second_shape);
+  EXPECT_THAT(text, HasSubstr("joint 1 only bounded by its log: the bound"));
+}
+
+TEST(Report, IsSelfContainedAndShowsEveryFit) {
+  const std::vector<Estimate> two = {identify_quietly("stiffness", noisy_log("stiffness", 0), 0),
+                                     identify_quietly("motor_friction", noisy_log("motor_friction", 0), 0)};
+  const std::string html = format_identification_report(two);
+  for (const char* part : {"Stiffness of joint 1", "Friction of motor 1", "<svg", "h is not determined", "h &lt; -"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+  for (const char* part : {"http:", "https:", "src=", "nan", "inf "}) {
+    EXPECT_THAT(html, testing::Not(HasSubstr(part)));
+  }
+}
+
+TEST_F(RobotFile, KeepsWhatNoLogTells) {
+  const std::vector<Estimate> one = {identify_quietly("stiffness", noisy_log("stiffness", 0), 0)};
+  const Identified found = combine(load_parameters(kRobot), one);
+  EXPECT_EQ(found.names, std::vector<std::string>{"spring.stiffness[0]"});
+  const Parameters p = load_parameters(write(format_robot(found, kRobot, false)));
+  EXPECT_EQ(p.spring.stiffness[1], 17.75);
+  EXPECT_EQ(p.link.inertia[0], 0.0915);
+  EXPECT_NE(p.spring.stiffness[0], 20.48);
+}
+
+}  // namespace
+}  // namespace fjr

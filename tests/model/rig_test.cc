@@ -1,0 +1,167 @@
+// The virtual rig against what theory says of each experiment, and its instruments.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "model/encoder.h"
+#include "model/input_error.h"
+#include "model/rig/experiments.h"
+#include "model/rig/normal.h"
+
+namespace fjr {
+namespace {
+
+Parameters robot() { return load_parameters(FJR_SOURCE_DIR "/config/robot.yaml"); }
+
+// Index of the last row of every period of a staircase.
+std::vector<std::size_t> rests(const Staircase& stairs, const Record& record) {
+  std::vector<std::size_t> rows;
+  const auto period = static_cast<std::size_t>(stairs.period * stairs.sample_rate);
+  for (std::size_t row = period - 1; row < record.time.size(); row += period) rows.push_back(row);
+  return rows;
+}
+
+TEST(Rig, IdealStiffnessStaircaseIsHookesLaw) {
+  const Rig rig = Rig::ideal(robot());
+  const Staircase stairs = Staircase::of_stiffness(0);
+  const Record record = perform_stiffness(rig, 0, stairs);
+  const auto rows = rests(stairs, record);
+  ASSERT_EQ(rows.size(), 4U * 82);
+  for (const std::size_t row : rows) {
+    EXPECT_NEAR(record.torques[row][0], rig.truth.spring.stiffness[0] * record.states[row].theta[0], 1e-12);
+  }
+  EXPECT_NEAR(record.states[rows[81]].theta[0], 0.3864, 1e-4);  // the paper's
+  EXPECT_NEAR(record.states[rows[327]].theta[0], 0, 1e-12);
+}
+
+TEST(Rig, HysteresisOpensTheLoopByTwiceItsHeight) {
+  const Rig rig = Rig::of(robot());
+  const Staircase stairs = Staircase::of_stiffness(0);
+  const Record record = perform_stiffness(rig, 0, stairs);
+  const auto rows = rests(stairs, record);
+  EXPECT_NEAR(record.torques[rows[40]][0] - record.torques[rows[122]][0], 2 * rig.hysteresis.height[0], 1e-6);
+  EXPECT_NEAR(record.states[rows[40]].theta[0], record.states[rows[122]].theta[0], 1e-12);
+}
+
+TEST(Rig, ArmHangsFromItsSpringInEquilibrium) {
+  for (const Rig& rig : {Rig::ideal(robot()), Rig::of(robot())}) {
+    Staircase stairs{4, 0.3};
+    stairs.period = 40;
+    const Record record = perform_gravity(rig, 0, stairs);
+    for (const std::size_t row : rests(stairs, record)) {
+      EXPECT_NEAR(record.torques[row][0], 6.70 * std::sin(record.states[row].q[0]), 1e-4);
+    }
+  }
+}
+
+TEST(Rig, IdealLinkSwingsAsADampedOscillator) {
+  const Rig rig = Rig::ideal(robot());
+  const Record record = perform_link_inertia(rig, 1, {0.2, 3});
+  const double inertia = mass_matrix(rig.truth, 0.0).m22, half = rig.truth.link.damping[1] / (2 * inertia);
+  const double omega = std::sqrt(rig.truth.spring.stiffness[1] / inertia - half * half);
+  const std::size_t first = 300, second = 2900;
+  const auto& a = record.states[first];
+  const double t = record.time[second] - record.time[first];
+  const double expected =
+      std::exp(-half * t) * (a.q[1] * std::cos(omega * t) + (a.dq[1] + half * a.q[1]) / omega * std::sin(omega * t));
+  EXPECT_NEAR(record.states[second].q[1], expected, 1e-5);
+  EXPECT_EQ(record.states[second].q[0], 0);
+}
+
+TEST(Rig, CompensatedMotorAnswersAsAFirstOrderElement) {  // (27)
+  const Rig rig = Rig::ideal(robot());
+  for (int joint = 0; joint < kJoints; ++joint) {
+    const auto j = static_cast<std::size_t>(joint);
+    const double b = rig.truth.friction.viscous[j], inertia = rig.truth.motor.inertia[j];
+    const Record record = perform_motor_inertia(rig, joint, {{2.0}, 0.1, 0.1});
+    const double t = 0.05;
+    EXPECT_NEAR(record.states[150].dtheta[j], 2.0 / b * (1 - std::exp(-t * b / inertia)), 1e-6);
+    EXPECT_LT(record.states[350].dtheta[j], -1);  // the other direction, after standstill
+  }
+}
+
+TEST(Rig, ConstantSpeedTakesTheFrictionTorque) {
+  const Rig rig = Rig::ideal(robot());
+  const Record record = perform_motor_friction(rig, 1, {{0.2, 3.0}});
+  EXPECT_EQ(record.torques[599][1], FrictionLaw::of(rig.truth, 1).torque(0.2));
+  EXPECT_EQ(record.torques[1199][1], FrictionLaw::of(rig.truth, 1).torque(-0.2));
+}
+
+TEST(Rig, InstrumentsAddQuantisationAndNoiseOfTheirSize) {
+  const Rig rig = Rig::of(robot());
+  Staircase stairs{3, 0.01};
+  stairs.period = 20;
+  const Record record = perform_stiffness(rig, 0, stairs);
+  const Log log = measure(record, rig);
+  const double count = count_angle(4000);
+  double square = 0;
+  for (std::size_t row = 0; row < log.rows(); ++row) {
+    const double theta = log.column("theta1")[row];
+    EXPECT_NEAR(theta / count, std::round(theta / count), 1e-9);
+    EXPECT_LE(std::abs(theta - record.states[row].theta[0]), count);
+    square += std::pow(log.column("tau1")[row] - record.torques[row][0], 2);
+  }
+  EXPECT_NEAR(std::sqrt(square / static_cast<double>(log.rows())), 0.05, 0.002);
+}
+
+TEST(Rig, LogsAreReproducibleAndReadBack) {
+  Rig rig = Rig::of(robot());
+  const std::string once = format_log(measure(perform("link_inertia", rig, 1, false), rig));
+  EXPECT_EQ(once, format_log(measure(perform("link_inertia", rig, 1, false), rig)));
+  const Log log = parse_log(once, "log.csv");
+  EXPECT_EQ(format_log(log), once);
+  EXPECT_EQ(log.metadata.at("experiment"), "link_inertia");
+  EXPECT_EQ(log.number("joint", 0), 2);
+  rig.seed = 2;
+  EXPECT_NE(once, format_log(measure(perform("link_inertia", rig, 1, false), rig)));
+}
+
+TEST(Normal, HasTheMomentsOfTheNormalDistribution) {
+  Normal normal(3);
+  constexpr int kCount = 100000;
+  double sum = 0, square = 0, fourth = 0;
+  for (int i = 0; i < kCount; ++i) {
+    const double x = normal();
+    sum += x;
+    square += x * x;
+    fourth += x * x * x * x;
+  }
+  EXPECT_NEAR(sum / kCount, 0, 0.02);
+  EXPECT_NEAR(square / kCount, 1, 0.02);
+  EXPECT_NEAR(fourth / kCount, 3, 0.15);
+}
+
+const std::string kHeader = "time,q1,q2,theta1,theta2,tau1,tau2\n";
+
+std::string error_of(const std::string& text, const ColumnNames& renamed = {}) {
+  try {
+    parse_log(text, "log.csv", renamed);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+TEST(Log, ErrorsNameLineAndColumn) {
+  EXPECT_EQ(error_of(""), "log.csv: no header: a log begins with the names of its columns");
+  EXPECT_EQ(error_of(kHeader + "0,0,0,0,0,0,0\n"), "log.csv: 1 rows; a log has at least 2");
+  EXPECT_EQ(error_of("time,q1\n"), "log.csv: line 1: column q2 is missing in \"time,q1\"");
+  EXPECT_EQ(error_of("# a: 1\n" + kHeader + "0,0,0,x,0,0,0\n"),
+            "log.csv: line 3, column theta1: \"x\" is not a number");
+  EXPECT_EQ(error_of(kHeader + "0,0,0,0,0,0,nan\n"), "log.csv: line 2, column tau2: \"nan\" is not finite");
+  EXPECT_EQ(error_of(kHeader + "0,0,0,0,0,0\n"), "log.csv: line 2: 6 fields where the header has 7 columns");
+  EXPECT_EQ(error_of(kHeader + "1,0,0,0,0,0,0\n1,0,0,0,0,0,0\n"),
+            "log.csv: line 3, column time: 1 does not come after 1 of the row before");
+  EXPECT_EQ(error_of(kHeader, {{"dtheta1", "speed"}}),
+            "log.csv: line 1: no column \"speed\", which was said to be dtheta1");
+}
+
+TEST(Log, ColumnsMayHaveOtherNames) {
+  const Log log =
+      parse_log("t,q1,q2,theta1,theta2,tau1,tau2\n0,1,2,3,4,5,6\n1,1,2,3,4,5,6\n", "log.csv", {{"time", "t"}});
+  EXPECT_EQ(log.column("time"), (std::vector<double>{0, 1}));
+}
+
+}  // namespace
+}  // namespace fjr

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -78,8 +79,10 @@ class ServiceTest : public testing::Test {
     while (seconds_since(began) < limit) {
       for (auto reply = arrived_.begin(); reply != arrived_.end(); ++reply) {
         if (reply->id != id || !wanted(*reply)) continue;
-        Reply found = std::move(*reply);
-        arrived_.erase(arrived_.begin(), reply + 1);
+        Reply found = *reply;
+        // Earlier replies to it are passed over; those to other requests stay to be asked for.
+        const auto end = reply + 1;
+        arrived_.erase(std::remove_if(arrived_.begin(), end, [&](const Reply& r) { return r.id == id; }), end);
         return found;
       }
       port_->wait(milliseconds(20));

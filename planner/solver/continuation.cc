@@ -22,7 +22,6 @@ const std::vector<double>& friction_widths(const Problem& problem) {
   return problem.weights.effort > 0 ? fine : coarse;
 }
 
-constexpr double kCoarseFrictionWidth = 0.01;   // [rad/s] what the starts are compared at
 constexpr double kExcessWorthSplitting = 0.02;  // share of a limit beyond which a margin would cost more than intervals
 constexpr double kEffortTolerance = 3e-5;       // share of the objective by which an interval may misjudge the effort
 constexpr int kMeshRounds = 5;

@@ -12,8 +12,8 @@
 namespace fjr {
 
 // Error of each interval [rad]: the compensated dynamics are integrated from the interval's own start under its own u
-// by Runge-Kutta of order 4 in eight substeps, and compared with the polynomial's end: for lobatto4, of order 6, that is
-// an upper bound. A velocity difference counts by what it makes of the position in kErrorTime.
+// by Runge-Kutta of order 4 in eight substeps, and compared with the polynomial's end: for lobatto4, of order 6, that
+// is an upper bound. A velocity difference counts by what it makes of the position in kErrorTime.
 std::vector<double> interval_errors(const Parameters& robot, const Motion& motion);
 inline constexpr double kErrorTime = 0.03;  // [s] about one radian of the fastest spring oscillation
 

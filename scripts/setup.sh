@@ -9,7 +9,7 @@ packages=(
   libsundials-dev                                               # rollouts, virtual rig
   libceres-dev                                                  # identification
   coinor-libipopt-dev libmumps-seq-dev libopenblas0-serial      # optimisation; BLAS with one thread
-  cyclonedds-dev cyclonedds-tools libspdlog-dev                 # the planning service and its log
+  cyclonedds-dev cyclonedds-tools libspdlog-dev libsystemd-dev  # the planning service, its log and its watchdog
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev  # tests and benchmarks
   clang-format clang-tidy                                       # style
 )

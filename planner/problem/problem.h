@@ -107,4 +107,7 @@ Problem load_request(const std::filesystem::path& file, const std::filesystem::p
 Problem parse_request(const std::string& yaml, const std::string& source, const std::filesystem::path& folder,
                       const std::filesystem::path& default_robot);
 
+// The same for a robot that is known already, from a request that names none.
+Problem parse_request(const std::string& yaml, const std::string& source, const Parameters& robot);
+
 }  // namespace fjr

@@ -445,17 +445,22 @@ std::string request_hash(const Problem& problem) {
   return lines.hash();
 }
 
-Problem resolve(const YamlNode& root, const fs::path& folder, const fs::path& default_robot) {
-  check_root_keys(root);
+YamlNode given_start(const YamlNode& root) {
+  if (const auto start = root.find("start")) return *start;
+  throw InputError(root.source(), "start",
+                   "missing; only a request to the service may leave it out, which then starts where the arm rests");
+}
+
+Problem resolve(const YamlNode& root, const Parameters& robot) {
   Problem problem;
   problem.name = fs::path(root.source()).stem().string();
-  problem.robot = read_robot(root, folder, default_robot);
+  problem.robot = robot;
   problem.limits = read_limits(root, problem.robot);
   problem.duration = read_duration(root);
   problem.weights = read_weights(root, problem.duration);
   problem.sample_period = read_sample_period(root, problem.duration);
   if (const auto seed = root.find("seed")) problem.seed = seed->whole_number();
-  read_start(root.at("start"), problem);
+  read_start(given_start(root), problem);
   read_goal(root.at("goal"), problem);
   read_vias(root, problem);
   refuse_empty_motion(root, problem);
@@ -466,12 +471,23 @@ Problem resolve(const YamlNode& root, const fs::path& folder, const fs::path& de
 }  // namespace
 
 Problem load_request(const fs::path& file, const fs::path& default_robot) {
-  return resolve(YamlNode::load(file), file.parent_path(), default_robot);
+  const YamlNode root = YamlNode::load(file);
+  check_root_keys(root);
+  return resolve(root, read_robot(root, file.parent_path(), default_robot));
 }
 
 Problem parse_request(const std::string& yaml, const std::string& source, const fs::path& folder,
                       const fs::path& default_robot) {
-  return resolve(YamlNode::parse(yaml, source), folder, default_robot);
+  const YamlNode root = YamlNode::parse(yaml, source);
+  check_root_keys(root);
+  return resolve(root, read_robot(root, folder, default_robot));
+}
+
+Problem parse_request(const std::string& yaml, const std::string& source, const Parameters& robot) {
+  const YamlNode root = YamlNode::parse(yaml, source);
+  check_root_keys(root);
+  if (const auto named = root.find("robot")) named->fail("the robot is given already");
+  return resolve(root, robot);
 }
 
 }  // namespace fjr

@@ -49,6 +49,10 @@ void ProgressLine::show(const Progress& progress) {
                     progress.iteration, progress.objective, progress.violation));
 }
 
+void ProgressLine::show(const std::string& what) {
+  if (due()) print(fmt::format("{}: {}", name_, what));
+}
+
 void ProgressLine::show(double fraction) {
   if (due()) print(fmt::format("{}: {:.0f} %", name_, 100 * fraction));
 }

@@ -18,6 +18,7 @@ class ProgressLine {
 
   void show(const Progress& progress);
   void show(double fraction);
+  void show(const std::string& what);
 
  private:
   bool due();

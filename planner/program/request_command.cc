@@ -26,8 +26,9 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string request;
+  std::string request;  // a file, or the folder of an earlier request
   std::string out;
+  std::string robot_id;
   bool json = false;
   bool execute = false;
   double budget = 0;
@@ -49,22 +50,50 @@ std::string hash_of_named_robot(const Order& order, const fs::path& folder) {
   return robot ? robot_hash(load_parameters(folder / robot->text())) : "";
 }
 
-Order load_order(const Options& options) {
-  const fs::path file = options.request;
+Order order_of(const Options& options) {
   Order order;
   order.id = new_client();
-  order.name = file.filename().string();
-  order.execute = options.execute;
   order.priority = options.priority;
   order.budget = options.budget;
+  order.robot_id = options.robot_id;
+  return order;
+}
+
+// What was planned before is executed as it is.
+Order load_earlier(const Options& options) {
+  if (!options.execute) {
+    throw InputError(options.request, "", "is a folder; --execute has its trajectory executed, planning needs a file");
+  }
+  if (!options.out.empty()) throw InputError("--out", "", "goes with a request file; the folder has its files already");
+  Order order = order_of(options);
+  order.name = fs::path(options.request).lexically_normal().filename().string();
+  order.action = Action::kExecute;
+  order.trajectory_id = read_trajectory_id(options.request);
+  return order;
+}
+
+Order load_order(const Options& options) {
+  std::error_code error;
+  if (fs::is_directory(options.request, error)) return load_earlier(options);
+  const fs::path file = options.request;
+  Order order = order_of(options);
+  order.name = file.filename().string();
+  order.action = options.execute ? Action::kPlanAndExecute : Action::kPlan;
   order.yaml = text_of(file);
   order.robot_hash = hash_of_named_robot(order, file.parent_path());
   return order;
 }
 
-// A request the service had no room for may be all right.
+// The request may be all right where it was refused for what may be different a moment later.
 int exit_code_of(const Reply& reply) {
-  return reply.why.reason == Reason::kQueueFull ? 1 : exit_code(status_of(reply));
+  switch (reply.why.reason) {
+    case Reason::kQueueFull:
+    case Reason::kArmNotAtRest:
+    case Reason::kNoTrajectory:
+      return 1;
+    default:
+      return exit_code(status_of(reply));
+  }
 }
 
 std::string reason_of(const Reply& reply) {
@@ -85,6 +114,7 @@ void store(const Options& options, const Order& order, const Reply& reply) {
     Trajectory trajectory{reply.rows, {}};
     describe(trajectory, fs::path(order.name).stem().string(), reply.request_hash, reply.robot_hash, status_of(reply));
     write_csv(trajectory, folder / "trajectory.csv");
+    write_trajectory_id(order.id, folder);
   }
   write_file(folder / "plan.json", json_of(order, reply));
 }
@@ -98,25 +128,34 @@ std::string summary(const Options& options, const Reply& reply, double elapsed) 
                       reply.solve_time, reply.wait_time, elapsed);
   if (!options.out.empty()) {
     text += fmt::format("  files       {}{}\n",
-                        reply.rows.empty() ? "" : (fs::path(options.out) / "trajectory.csv, ").string(),
+                        reply.rows.empty() ? "" : fmt::format("{0}/trajectory.csv, {0}/trajectory.id, ", options.out),
                         (fs::path(options.out) / "plan.json").string());
   }
   return text;
 }
 
 std::string summary(const ExecutionResult& r) {
-  return fmt::format(
-      "  execution   code {}, link error {:.2e} and {:.2e} rad, residual vibration {:.2e} and {:.2e} rad, feedback "
-      "{:.2f} "
-      "and {:.2f} N m\n",
-      static_cast<int>(r.code), r.link_error[0], r.link_error[1], r.residual_vibration[0], r.residual_vibration[1],
-      r.feedback_torque[0], r.feedback_torque[1]);
+  std::string text = fmt::format("  execution   code {} {}, trajectory {}\n", static_cast<int>(r.code), name(r.code),
+                                 to_text(r.trajectory_id));
+  const auto line = [&](const char* what, const Pair<double>& pair, const char* unit) {
+    text += fmt::format("    {:<22}{:.3g} and {:.3g} {}\n", what, pair[0], pair[1], unit);
+  };
+  line("link error", r.link_error, "rad at most");
+  line("", r.link_error_rms, "rad rms");
+  line("", r.final_link_error, "rad at the end");
+  line("residual vibration", r.residual_vibration, "rad");
+  line("feedback", r.feedback_torque, "N m at most");
+  return text;
 }
 
 Answer ask(const Options& options, const Order& order) {
   ProgressLine line(fs::path(order.name).stem().string());
   ClientOptions client = options.client;
   client.on_progress = [&line](const ProgressReport& report) { line.show(report.progress); };
+  client.on_execution = [&line](const ExecutionProgress& p) {
+    line.show(fmt::format("executing, {:.2f} of {:.2f} s, links {:.1e} and {:.1e} rad off", p.time, p.duration,
+                          p.error[0], p.error[1]));
+  };
   client.cancelled = interrupted;
   return request_plan(order, client);
 }
@@ -146,7 +185,12 @@ int run(const Options& options) {
 void add_request(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("request", "Have a request planned by the service and store the results");
-  command->add_option("request", options->request, "Request file")->required()->type_name("REQUEST.yaml");
+  command
+      ->add_option("request", options->request,
+                   "Request file; with --execute also the folder of an earlier request, whose trajectory is then "
+                   "executed as it was planned")
+      ->required()
+      ->type_name("REQUEST.yaml|DIR");
   command->add_option("--out", options->out, "Folder of the results")->type_name("DIR");
   command->add_flag("--execute", options->execute, "Have it executed, and wait for the result");
   command->add_flag("--json", options->json, "Only JSON on stdout: plan.json");
@@ -154,6 +198,8 @@ void add_request(CLI::App& app, int& exit_code) {
       ->check(CLI::PositiveNumber)
       ->type_name("S");
   command->add_option("--priority", options->priority, "Larger goes first")->type_name("N");
+  command->add_option("--robot-id", options->robot_id, "Which arm; needed only where several are served")
+      ->type_name("NAME");
   command->add_option("--domain", options->client.domain, "DDS domain")->check(CLI::Range(0, 230));
   command->add_option("--find", options->client.find, "How long to look for a service, in seconds")
       ->check(CLI::PositiveNumber)

@@ -2,24 +2,51 @@
 
 #include <fmt/format.h>
 
+#include <fstream>
 #include <system_error>
 
 #include "model/input_error.h"
+#include "model/strict_yaml.h"
+#include "planner/trajectory/atomic_file.h"
 
 namespace fjr {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+constexpr const char* kTrajectoryId = "trajectory.id";
+
+}  // namespace
+
 void prepare_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", folder.string(), error.message()));
-  for (const char* file : {"plan.json", "trajectory.csv", "trajectory.uncertified.csv"}) {
+  for (const char* file : {"plan.json", "trajectory.csv", "trajectory.uncertified.csv", kTrajectoryId}) {
     fs::remove(folder / file, error);
     if (error) {
       throw InputError("--out", "", fmt::format("cannot remove {}: {}", (folder / file).string(), error.message()));
     }
   }
+}
+
+void write_trajectory_id(const RequestId& id, const fs::path& folder) {
+  write_file(folder / kTrajectoryId, to_text(id) + "\n");
+}
+
+RequestId read_trajectory_id(const fs::path& folder) {
+  const fs::path file = folder / kTrajectoryId;
+  std::ifstream in(file);
+  if (!in) {
+    throw InputError(
+        folder.string(), "",
+        "has no trajectory.id: it holds no trajectory planned by the service (fjr request REQUEST --out DIR)");
+  }
+  std::string line;
+  std::getline(in, line);
+  if (const auto id = request_id_from(line)) return *id;
+  throw InputError(file.string(), "", shown(line) + " is not 32 hexadecimal digits, a minus and a number");
 }
 
 void describe(Trajectory& trajectory, const std::string& request, const std::string& request_hash,

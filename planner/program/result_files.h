@@ -5,12 +5,17 @@
 #include <string>
 
 #include "planner/plan.h"
+#include "planner/service/messages.h"
 
 namespace fjr {
 
 // Makes the folder and removes results of an earlier run, which must not be taken for this one's whatever becomes of
 // it.
 void prepare_folder(const std::filesystem::path& folder);
+
+// The id under which the service planned it, by which it is executed later: file trajectory.id.
+void write_trajectory_id(const RequestId& id, const std::filesystem::path& folder);
+RequestId read_trajectory_id(const std::filesystem::path& folder);  // InputError: there is none
 
 // So that a trajectory file says by itself what it is for.
 void describe(Trajectory& trajectory, const std::string& request, const std::string& request_hash,

@@ -1,4 +1,4 @@
-// fjr status: how the planning services are doing.
+// fjr status: how the planning services and executors are doing.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -21,8 +21,9 @@ struct Options {
 };
 
 std::string text_for_people(const ServiceStatus& s) {
-  std::string text =
-      fmt::format("{}: up {:.0f} s, fjr {}, robot {}\n", s.instance, s.uptime, s.version, s.robot_hash.substr(0, 12));
+  std::string text = fmt::format("{}: up {:.0f} s, fjr {}, {}\n", s.instance, s.uptime, s.version,
+                                 s.epoch > 0 ? fmt::format("owner, epoch {}", s.epoch) : "standby");
+  text += fmt::format("  robot       {}, {}\n", s.robot_id, s.robot_hash.substr(0, 12));
   text += fmt::format("  queue       {} of {}\n", s.queued, s.queue_capacity);
   text +=
       fmt::format("  workers     {} of {} solving, {} lost since the start\n", s.solving, s.workers, s.workers_lost);
@@ -39,7 +40,10 @@ std::string text_for_people(const ServiceStatus& s) {
 nlohmann::ordered_json json_of(const ServiceStatus& s) {
   return {{"instance", s.instance},
           {"version", s.version},
+          {"robot_id", s.robot_id},
           {"robot_hash", s.robot_hash},
+          {"owner", s.epoch > 0},
+          {"epoch", s.epoch},
           {"uptime", s.uptime},
           {"queue", {{"waiting", s.queued}, {"capacity", s.queue_capacity}}},
           {"workers", {{"all", s.workers}, {"solving", s.solving}, {"lost", s.workers_lost}}},
@@ -56,15 +60,45 @@ nlohmann::ordered_json json_of(const ServiceStatus& s) {
           {"memory_bytes", s.memory}};
 }
 
-int run(const Options& options) {
-  const std::vector<ServiceStatus> services = find_services(options.domain, options.wait);
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  for (const ServiceStatus& service : services) {
-    if (!options.json) fmt::print("{}", text_for_people(service));
-    all.push_back(json_of(service));
+std::string text_for_people(const ExecutorState& s) {
+  std::string text = fmt::format("executor of {}: {}, largest epoch {}\n", s.robot_id, name(s.mode), s.epoch);
+  text += fmt::format("  robot       {}\n", s.robot_hash.substr(0, 12));
+  if (s.trajectory_id != RequestId{}) {
+    text += fmt::format("  trajectory  {}, {:.3f} s\n", to_text(s.trajectory_id), s.time);
   }
+  text += fmt::format("  links       at {:.5f} and {:.5f} rad, planned {:.5f} and {:.5f} rad\n", s.q[0], s.q[1],
+                      s.planned_q[0], s.planned_q[1]);
+  text += fmt::format("  motors      at {:.5f} and {:.5f} rad, {:.3f} and {:.3f} N m, feedback {:.3f} and {:.3f} N m\n",
+                      s.theta[0], s.theta[1], s.torque[0], s.torque[1], s.feedback[0], s.feedback[1]);
+  return text;
+}
+
+nlohmann::ordered_json json_of(const ExecutorState& s) {
+  return {{"robot_id", s.robot_id},   {"robot_hash", s.robot_hash},
+          {"mode", name(s.mode)},     {"trajectory_id", s.trajectory_id == RequestId{} ? "" : to_text(s.trajectory_id)},
+          {"epoch", s.epoch},         {"stamp_ns", s.stamp},
+          {"time", s.time},           {"q", s.q},
+          {"planned_q", s.planned_q}, {"theta", s.theta},
+          {"torque", s.torque},       {"feedback", s.feedback}};
+}
+
+template <class List>
+nlohmann::ordered_json show(const List& list, bool json) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const auto& one : list) {
+    if (!json) fmt::print("{}", text_for_people(one));
+    all.push_back(json_of(one));
+  }
+  return all;
+}
+
+int run(const Options& options) {
+  const Overview found = overview(options.domain, options.wait);
+  nlohmann::ordered_json all;
+  all["services"] = show(found.services, options.json);
+  all["executors"] = show(found.executors, options.json);
   if (options.json) fmt::print("{}", json_text(all));
-  if (!services.empty()) return 0;
+  if (!found.services.empty()) return 0;
   fmt::print(stderr, "fjr: no planning service on DDS domain {} (looked for {:g} s)\n", options.domain, options.wait);
   return 1;
 }
@@ -73,12 +107,12 @@ int run(const Options& options) {
 
 void add_status(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("status", "Show how the planning services on DDS are doing");
+  CLI::App* command = app.add_subcommand("status", "Show how the planning services and executors on DDS are doing");
   command->add_option("--domain", options->domain, "DDS domain")->check(CLI::Range(0, 230));
   command->add_option("--wait", options->wait, "How long to listen, in seconds")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_flag("--json", options->json, "Only JSON on stdout: an array of services");
+  command->add_flag("--json", options->json, "Only JSON on stdout: {services: [...], executors: [...]}");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <map>
 #include <optional>
@@ -14,6 +15,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr double kCancelPatience = 3;  // [s] for the answer to a cancellation
+constexpr std::chrono::milliseconds kCancelAgain{500};
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -41,10 +43,7 @@ class Client {
     const auto began = Clock::now();
     while (!port_.served()) {
       if (seconds_since(began) > options_.find || cancelled()) {
-        throw NoAnswer(fmt::format(
-            "nobody serves plan requests on DDS domain {} (looked for {:g} s): is `fjr serve` running, on this domain "
-            "and with the same CYCLONEDDS_URI?",
-            options_.domain, options_.find));
+        throw NoAnswer(about_nobody());
       }
       port_.wait(std::chrono::milliseconds(5));
       (void)port_.take_services();
@@ -68,26 +67,49 @@ class Client {
 
   Answer with_execution(Reply reply) {
     Answer answer{std::move(reply), {}};
-    if (!order_.execute || answer.reply.state != ReplyState::kSolved) return answer;
-    const double patience = answer.reply.rows.back().time + options_.execution;
-    for (const auto began = Clock::now(); seconds_since(began) < patience && !cancelled();) {
+    if (order_.action == Action::kPlan || answer.reply.state != ReplyState::kSolved) return answer;
+    const double duration = answer.reply.rows.back().time;
+    port_.follow_executors();
+    for (const auto began = Clock::now(); !cancelled();) {
       for (ExecutionResult& result : port_.take_results()) {
         if (result.trajectory_id == order_.id) {
           answer.result = std::move(result);
           return answer;
         }
       }
+      follow(duration);
+      if (seconds_since(began) > options_.find && !port_.any_executor()) {
+        throw NoAnswer(
+            fmt::format("the trajectory was published, but there is no executor on DDS domain {}: is `fjr "
+                        "executor` running?",
+                        options_.domain));
+      }
+      if (seconds_since(began) > duration + options_.execution) {
+        throw NoAnswer("the trajectory was published, but the executor has not reported: is it for the same robot?");
+      }
       port_.wait(std::chrono::milliseconds(20));
       (void)port_.take_replies();
       (void)port_.take_services();
     }
-    throw NoAnswer("the trajectory was published, but no executor has reported: is `fjr executor` running?");
+    throw NoAnswer("the trajectory was published, and its execution goes on: it was not waited for");
   }
 
+  void follow(double duration) {
+    for (const ExecutorState& state : port_.take_executors()) {
+      if (state.trajectory_id != order_.id || !options_.on_execution) continue;
+      options_.on_execution({std::min(state.time, duration),
+                             duration,
+                             {state.q[0] - state.planned_q[0], state.q[1] - state.planned_q[1]}});
+    }
+  }
+
+  // Cancelling is idempotent, so it is repeated: it may have met nobody, or an instance that is gone now.
   void cancel_if_asked() {
     if (!cancelled()) return;
-    if (!cancelled_at_) {
-      cancelled_at_ = Clock::now();
+    const auto now = Clock::now();
+    if (!cancelled_at_) cancelled_at_ = now;
+    if (now - last_cancel_ > kCancelAgain) {
+      last_cancel_ = now;
       port_.cancel(order_.id);
     }
     if (seconds_since(*cancelled_at_) > kCancelPatience) throw NoAnswer("the service does not answer the cancellation");
@@ -100,10 +122,24 @@ class Client {
     port_.send(order_);
   }
 
+  std::string about_nobody() const {
+    if (const auto why = port_.why_unserved()) {
+      return fmt::format("nobody on DDS domain {} can take this program's requests: {}", options_.domain, *why);
+    }
+    return fmt::format(
+        "nobody serves plan requests on DDS domain {} (looked for {:g} s): is `fjr serve` running, on this domain and "
+        "with the same CYCLONEDDS_URI?",
+        options_.domain, options_.find);
+  }
+
   std::string about_the_silence() const {
     if (!port_.served()) {
       return fmt::format("the service went away before it answered, and nobody else serves on DDS domain {}",
                          options_.domain);
+    }
+    if (const auto why = port_.why_unanswered()) {
+      return fmt::format("a service takes requests on DDS domain {}, but its replies cannot be read: {}",
+                         options_.domain, *why);
     }
     return fmt::format(
         "a service takes requests on DDS domain {} but has not answered for {:g} s: it hangs, or its version has other "
@@ -114,7 +150,7 @@ class Client {
   const Order& order_;
   const ClientOptions& options_;
   dds::ClientPort port_;
-  Clock::time_point last_heard_, last_sent_;
+  Clock::time_point last_heard_, last_sent_, last_cancel_;
   std::optional<Clock::time_point> cancelled_at_;
 };
 
@@ -122,16 +158,20 @@ class Client {
 
 Answer request_plan(const Order& order, const ClientOptions& options) { return Client(order, options).run(); }
 
-std::vector<ServiceStatus> find_services(unsigned domain, double wait) {
+Overview overview(unsigned domain, double wait) {
   dds::ClientPort port(domain, new_client());
-  std::map<std::string, ServiceStatus> latest;
+  port.follow_executors();
+  std::map<std::string, ServiceStatus> services;
+  std::map<std::string, ExecutorState> executors;
   for (const auto began = Clock::now(); seconds_since(began) < wait;) {
     port.wait(std::chrono::milliseconds(20));
-    for (ServiceStatus& status : port.take_services()) latest[status.instance] = std::move(status);
+    for (ServiceStatus& status : port.take_services()) services[status.instance] = std::move(status);
+    for (ExecutorState& state : port.take_executors()) executors[state.robot_id] = std::move(state);
   }
-  std::vector<ServiceStatus> services;
-  for (auto& [instance, status] : latest) services.push_back(std::move(status));
-  return services;
+  Overview found;
+  for (auto& [instance, status] : services) found.services.push_back(std::move(status));
+  for (auto& [robot, state] : executors) found.executors.push_back(std::move(state));
+  return found;
 }
 
 }  // namespace fjr

@@ -16,13 +16,19 @@ class NoAnswer : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+struct ExecutionProgress {
+  double time = 0, duration = 0;  // [s] within the trajectory
+  Pair<double> error{};           // [rad] of the links, by their encoders
+};
+
 struct ClientOptions {
   unsigned domain = 0;
-  double find = 3;        // [s] to find a service
+  double find = 3;        // [s] to find a service, and an executor
   double ask_again = 2;   // [s] of silence after which the same request is sent again
   double execution = 15;  // [s] beyond the trajectory's duration for the executor to report
   double silence = 10;    // [s] after which nobody is expected to answer any more
   std::function<void(const ProgressReport&)> on_progress;
+  std::function<void(const ExecutionProgress&)> on_execution;
   std::function<bool()> cancelled;  // polled; then the request is cancelled, which is answered too
 };
 
@@ -34,7 +40,11 @@ struct Answer {
 };
 Answer request_plan(const Order& order, const ClientOptions& options);
 
-// The latest word of every service heard within `wait` seconds, by instance.
-std::vector<ServiceStatus> find_services(unsigned domain, double wait);
+// The latest word of everybody heard within `wait` seconds: services by instance, executors by robot.
+struct Overview {
+  std::vector<ServiceStatus> services;
+  std::vector<ExecutorState> executors;
+};
+Overview overview(unsigned domain, double wait);
 
 }  // namespace fjr

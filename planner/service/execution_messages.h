@@ -50,6 +50,9 @@ enum class ResultCode : std::int32_t {  // FollowJointTrajectory's
   kGoalToleranceViolated = -5,
 };
 
+const char* name(ResultCode code);    // "SUCCESSFUL", ...
+const char* name(ExecutorMode mode);  // "resting", ...
+
 struct ExecutionResult {
   std::string robot_id;
   RequestId trajectory_id;

@@ -15,6 +15,7 @@ struct Job {
 
   Order order;
   std::string request_hash;
+  bool rest_to_rest = false;
   Clock::time_point arrived, deadline, started;
 };
 

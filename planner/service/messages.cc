@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <sys/random.h>
 
+#include <charconv>
 #include <stdexcept>
 
 namespace fjr {
@@ -17,6 +18,27 @@ RequestId new_client() {
     throw std::runtime_error("no random numbers from the system");
   }
   return id;
+}
+
+std::string to_text(const RequestId& id) { return fmt::format("{}-{}", client_name(id), id.number); }
+
+std::optional<RequestId> request_id_from(std::string_view text) {
+  constexpr std::size_t kDigits = 32;
+  if (text.size() < kDigits + 2 || text[kDigits] != '-') return std::nullopt;
+  const auto read = [](std::string_view digits, auto& to, int base) {
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), to, base);
+    return error == std::errc() && end == digits.data() + digits.size();
+  };
+  RequestId id;
+  for (std::size_t i = 0; i < id.client.size(); ++i) {
+    if (!read(text.substr(2 * i, 2), id.client[i], 16)) return std::nullopt;
+  }
+  if (!read(text.substr(kDigits + 1), id.number, 10)) return std::nullopt;
+  return id;
+}
+
+std::size_t size_of(const Reply& reply) {
+  return sizeof(Reply) + reply.plan_json.capacity() + reply.rows.capacity() * sizeof(Sample);
 }
 
 const char* name(ReplyState state) {

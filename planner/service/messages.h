@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "planner/plan.h"
@@ -24,6 +25,9 @@ struct RequestId {
 std::string client_name(const RequestId& id);  // 32 hexadecimal digits: also the client's partition
 std::string text(const RequestId& id);         // "0123456789ab-7", short, for logs
 RequestId new_client();                        // random, number 0
+
+std::string to_text(const RequestId& id);  // in full: the client's 32 digits, a minus, the number
+std::optional<RequestId> request_id_from(std::string_view text);
 
 enum class ReplyState : std::uint8_t {  // ACCEPTED, then one of the others; or REJECTED at once
   kAccepted = 1,
@@ -48,6 +52,8 @@ enum class Reason : std::uint8_t {
   kWorkerLost,
   kShuttingDown,
   kUnsupported,
+  kArmNotAtRest,
+  kNoTrajectory,
 };
 
 const char* name(ReplyState state);  // "SOLVED", ...
@@ -58,15 +64,24 @@ struct Refusal {
   std::string sentence;  // for people
 };
 
+enum class Action : std::uint8_t {
+  kPlan = 0,
+  kPlanAndExecute,
+  kExecute,  // what was planned before
+};
+
 // One request on its way. The motion itself is a request document (DESIGN 5.2) on both sides.
 struct Order {
   RequestId id;
   std::string name;
-  bool execute = false;    // once it is solved
-  int priority = 0;        // larger goes first
-  double budget = 0;       // [s]; 0: the service's default
-  std::string robot_hash;  // empty: any
+  Action action = Action::kPlan;
+  RequestId trajectory_id;  // of what was planned before; with kExecute, which has no document
+  int priority = 0;         // larger goes first
+  double budget = 0;        // [s]; 0: the service's default
+  std::string robot_id;     // empty: whichever is served
+  std::string robot_hash;   // empty: any
   std::string yaml;
+  bool start_given = true;         // false: where the arm rests; set by the receiving side
   std::optional<Refusal> refusal;  // set by the receiving side for what cannot be meant
 };
 
@@ -74,13 +89,16 @@ struct Reply {
   RequestId id;
   ReplyState state = ReplyState::kRejected;
   Refusal why;  // empty when accepted or solved
-  std::string robot_hash, request_hash, version;
+  std::string robot_id, robot_hash, request_hash, version;
   double solve_time = 0, wait_time = 0;  // [s]
   std::string plan_json;                 // empty when nothing was planned
   std::vector<Sample> rows;              // of a certified trajectory, otherwise empty
+  bool rest_to_rest = false;             // known to the service that planned it only
 
   bool final() const { return state != ReplyState::kAccepted; }
 };
+
+std::size_t size_of(const Reply& reply);  // [bytes] it takes
 
 using SharedReply = std::shared_ptr<const Reply>;  // sent, and kept for repetitions
 
@@ -92,8 +110,9 @@ struct ProgressReport {
 };
 
 struct ServiceStatus {
-  std::string instance, robot_hash, version;
-  double uptime = 0;  // [s]
+  std::string instance, robot_id, robot_hash, version;
+  std::uint64_t epoch = 0;  // of its trajectories; 0: another instance answers for the robot
+  double uptime = 0;        // [s]
   std::uint32_t queued = 0, queue_capacity = 0, workers = 0, solving = 0, workers_lost = 0;
   std::uint64_t received = 0, duplicates = 0;
   std::uint64_t solved = 0, rejected = 0, infeasible = 0, failed = 0, cancelled = 0, expired = 0;

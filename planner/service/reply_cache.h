@@ -30,10 +30,6 @@ class ReplyCache {
   std::size_t size() const { return order_.size(); }
 
  private:
-  static std::size_t size_of(const Reply& reply) {
-    return sizeof(Reply) + reply.plan_json.capacity() + reply.rows.capacity() * sizeof(Sample);
-  }
-
   void drop_oldest() {
     const auto found = replies_.find(order_.front());
     bytes_ -= size_of(*found->second);

@@ -5,21 +5,24 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
 #include <utility>
+#include <variant>
 
 #include "model/input_error.h"
-#include "planner/problem/problem.h"
 #include "planner/service/memory.h"
-#include "planner/service/progress_frame.h"
+#include "planner/service/watchdog.h"
 
 namespace fjr {
 namespace {
 
-constexpr std::chrono::milliseconds kHeartbeat{200};
+constexpr std::chrono::milliseconds kHeartbeat{150};
+constexpr std::chrono::milliseconds kLease{500};     // topics.h: silent for longer, an instance counts as gone
+constexpr std::chrono::milliseconds kSettle{250};    // to hear of other instances, which takes 13 ms on an idle machine
 constexpr std::chrono::milliseconds kFarewell{400};  // for clients to take their last replies
 constexpr std::size_t kRemembered = 256;             // replies kept for repeated requests
 constexpr std::size_t kRememberedBytes = 32 << 20;
+constexpr std::size_t kOutboxBytes = 32 << 20;
+constexpr std::size_t kBacklog = 1024;  // requests a standby remembers
 
 double seconds(Job::Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
@@ -27,16 +30,28 @@ Job::Clock::duration duration_of(double seconds) {
   return std::chrono::duration_cast<Job::Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
+bool executes(const Order& order) { return order.action != Action::kPlan; }
+
+std::string with_start(const std::string& yaml, const Pair<double>& q) {
+  return fmt::format("{{start: {{q: [{}, {}]}}, {}", q[0], q[1], yaml.substr(1));  // decode() writes one flow map
+}
+
 }  // namespace
 
 Service::Service(const ServiceConfig& config)
     : config_(config),
-      robot_hash_(robot_hash(load_parameters(config.robot))),
+      robot_(load_parameters(config.robot)),
+      robot_hash_(robot_hash(robot_)),
       port_(config.domain),
+      ownership_(config.instance, config.robot_id),
+      executor_(config.robot_id, robot_hash_),
+      backlog_(kBacklog),
+      settled_at_(Clock::now() + kSettle),
       queue_(config.queue),
       cache_(kRemembered, kRememberedBytes),
-      solvers_(config.workers) {
-  start_workers();
+      outbox_([this](const Reply& reply) { return port_.clients().send(reply); }, kOutboxBytes),
+      solvers_(config.workers, config.robot, [this] { port_.wake(); }) {
+  if (config.joint_trajectory) ros_.emplace(port_.participant(), robot_, config.joint_names);
 }
 
 void Service::stop() {
@@ -45,234 +60,326 @@ void Service::stop() {
 }
 
 void Service::run() {
-  spdlog::info("serving instance={} domain={} workers={} queue={} robot={}", config_.instance, config_.domain,
-               config_.workers, config_.queue, robot_hash_.substr(0, 12));
   while (!stopping_) {
-    for (const RequestId& id : port_.take_cancels()) cancel(id);
-    for (Order& order : port_.take_requests()) admit(std::move(order));
-    for (Event& event : take_events()) handle(std::move(event));
-    expire();
-    give_work();
     if (Clock::now() >= next_heartbeat_) heartbeat();
+    listen_to_others();
+    for (const RequestId& id : port_.take_cancels()) cancel(id);
+    for (Order& order : port_.take_requests()) receive(std::move(order));
+    if (settled()) work();
+    outbox_.deliver();
     port_.wait(time_to_next());
   }
-  answer_all_in_flight();
+  end();
 }
 
 // ---- what comes in ----
 
-void Service::admit(Order order) {
+void Service::receive(Order order) {
+  if (settled() && ownership_.answers_for(order.robot_id)) return admit(std::move(order), Clock::now());
+  backlog_.add(std::move(order), Clock::now());
+}
+
+void Service::admit(Order order, Clock::time_point arrived) {
   if (repeat(order)) return;
   tally_.received();
+  if (auto refusal = refusal_of_terms(order)) return reject(order, std::move(*refusal), true);
+  if (order.action == Action::kExecute) return execute_planned(order, arrived);
+  // What may be different a moment later is not remembered: the same request may be sent again.
   if (queue_.full()) {
-    // Not remembered: the same request may find room later.
     return reject(order, {Reason::kQueueFull, "", fmt::format("{} requests wait already", queue_.size())}, false);
   }
+  if (auto refusal = resolve_start(order)) return reject(order, std::move(*refusal), false);
   Job job;
-  if (auto refusal = refusal_of(order, job.request_hash)) return reject(order, std::move(*refusal), true);
-  job.arrived = Clock::now();
-  job.deadline = job.arrived + duration_of(order.budget > 0 ? order.budget : config_.budget);
-  spdlog::info("accepted id={} name={} priority={} queued={}", text(order.id), order.name, order.priority,
-               queue_.size());
-  send(reply_to(order, ReplyState::kAccepted));
   job.order = std::move(order);
+  if (auto refusal = refusal_of_motion(job)) return reject(job.order, std::move(*refusal), true);
+  job.arrived = arrived;
+  job.deadline = arrived + duration_of(job.order.budget > 0 ? job.order.budget : config_.budget);
+  if (log_requests_.allows()) {
+    spdlog::info("accepted id={} name={} priority={} queued={}", text(job.order.id), job.order.name, job.order.priority,
+                 queue_.size());
+  }
+  post(std::make_shared<const Reply>(reply_to(job.order, ReplyState::kAccepted)));
   queue_.push(std::move(job));
 }
 
-std::optional<Refusal> Service::refusal_of(const Order& order, std::string& request_hash) const {
+// What is wrong with a request before its motion is looked at.
+std::optional<Refusal> Service::refusal_of_terms(const Order& order) const {
   if (order.refusal) return order.refusal;
-  if (order.budget > config_.longest_budget) {
-    return Refusal{Reason::kBadInput, "budget",
-                   fmt::format("{} s is above {} s", order.budget, config_.longest_budget)};
+  const auto robots = ownership_.robots();
+  if (order.robot_id.empty() && robots.size() > 1) {
+    return Refusal{Reason::kWrongRobot, "robot_id",
+                   fmt::format("several robots are served ({}): name one", fmt::join(robots, ", "))};
+  }
+  if (!order.robot_id.empty() && order.robot_id != config_.robot_id) {
+    return Refusal{Reason::kWrongRobot, "robot_id",
+                   fmt::format("{} is not served; there is {}", order.robot_id, fmt::join(robots, ", "))};
   }
   if (!order.robot_hash.empty() && order.robot_hash != robot_hash_) {
     return Refusal{Reason::kWrongRobot, "robot", "the service plans for the robot with hash " + robot_hash_};
   }
+  if (order.budget > config_.longest_budget) {
+    return Refusal{Reason::kBadInput, "budget",
+                   fmt::format("{} s is above {} s", order.budget, config_.longest_budget)};
+  }
+  return std::nullopt;
+}
+
+std::optional<Refusal> Service::resolve_start(Order& order) const {
+  if (order.start_given) return std::nullopt;
+  const auto refused = [](const std::string& why) {
+    return Refusal{Reason::kArmNotAtRest, "start", "left out, but " + why};
+  };
+  if (motion_pending()) return refused("an earlier request is still to move the arm");
+  const auto rest = executor_.rest();
+  if (const auto* why = std::get_if<std::string>(&rest)) return refused(*why);
+  order.yaml = with_start(order.yaml, std::get<Pair<double>>(rest));
+  return std::nullopt;
+}
+
+std::optional<Refusal> Service::refusal_of_motion(Job& job) const {
   try {
-    const Problem problem = parse_request(order.yaml, order.name, {}, config_.robot);
-    request_hash = problem.request_hash;
-    if (order.execute && !problem.start_at_rest) {
-      return Refusal{Reason::kBadInput, "start", "must be at rest to be executed"};
-    }
-    if (order.execute && !problem.goal.at_rest) {
-      return Refusal{Reason::kBadInput, "goal", "must be at rest to be executed"};
-    }
-    return std::nullopt;
+    const Problem problem = parse_request(job.order.yaml, job.order.name, robot_);
+    job.request_hash = problem.request_hash;
+    job.rest_to_rest = problem.start_at_rest && problem.goal.at_rest;
+    if (!executes(job.order) || job.rest_to_rest) return std::nullopt;
+    return Refusal{Reason::kBadInput, problem.start_at_rest ? "goal" : "start", "must be at rest to be executed"};
   } catch (const InputError& error) {
     const bool later = error.problem().find("not supported by this version") != std::string::npos;
     return Refusal{later ? Reason::kUnsupported : Reason::kBadInput, error.field(), error.problem()};
   }
 }
 
+// It is published under the id of the request to execute it: asked for again under another id, it moves again.
+void Service::execute_planned(const Order& order, Clock::time_point arrived) {
+  const SharedReply planned = cache_.find(order.trajectory_id);
+  if (auto refusal = refusal_of_execution(planned, order.trajectory_id)) {
+    return reject(order, std::move(*refusal), false);
+  }
+  post(std::make_shared<const Reply>(reply_to(order, ReplyState::kAccepted)));
+  Job job;
+  job.order = order;
+  job.request_hash = planned->request_hash;
+  job.rest_to_rest = true;
+  job.arrived = arrived;
+  Reply reply = reply_to(order, ReplyState::kSolved);
+  reply.plan_json = planned->plan_json;
+  reply.rows = planned->rows;
+  finish(job, std::move(reply));
+}
+
+std::optional<Refusal> Service::refusal_of_execution(const SharedReply& planned, const RequestId& id) const {
+  const auto refused = [&](const std::string& why) {
+    return Refusal{Reason::kNoTrajectory, "trajectory_id", fmt::format("{} {}", text(id), why)};
+  };
+  if (in_hand(id)) return refused("is still being planned");
+  if (!planned) return refused("is not among the requests this service has planned lately; have it planned again");
+  if (planned->state != ReplyState::kSolved) return refused(fmt::format("ended as {}", name(planned->state)));
+  if (!planned->rest_to_rest) return refused("does not go from rest to rest, or was planned by another instance");
+  return std::nullopt;
+}
+
 // A client that hears nothing asks again: it gets the reply it missed, or hears that its request is in hand.
 bool Service::repeat(const Order& order) {
   if (const SharedReply reply = cache_.find(order.id)) {
     tally_.duplicate();
-    send(*reply);
+    post(reply);
     return true;
   }
   if (!in_hand(order.id)) return false;
   tally_.duplicate();
-  send(reply_to(order, ReplyState::kAccepted));
+  post(std::make_shared<const Reply>(reply_to(order, ReplyState::kAccepted)));
   return true;
 }
 
 bool Service::in_hand(const RequestId& id) const {
-  return queue_.contains(id) || std::any_of(solvers_.begin(), solvers_.end(), [&](const Solver& solver) {
-           return solver.job && solver.job->order.id == id;
-         });
+  const auto solving = solvers_.jobs();
+  return queue_.contains(id) ||
+         std::any_of(solving.begin(), solving.end(), [&](const Job* job) { return job->order.id == id; });
+}
+
+bool Service::motion_pending() const {
+  const auto solving = solvers_.jobs();
+  return std::any_of(solving.begin(), solving.end(), [](const Job* job) { return executes(job->order); }) ||
+         std::any_of(queue_.jobs().begin(), queue_.jobs().end(), [](const Job& job) { return executes(job.order); });
 }
 
 void Service::cancel(const RequestId& id) {
-  if (const SharedReply reply = cache_.find(id)) return send(*reply);
-  if (const auto job = queue_.remove_if([&](const Job& waiting) { return waiting.order.id == id; })) {
+  if (!settled() || !ownership_.owner()) return backlog_.cancel(id);
+  if (const SharedReply reply = cache_.find(id)) return post(reply);
+  const auto is_it = [&](const Job& job) { return job.order.id == id; };
+  if (const auto job = queue_.remove_if(is_it)) {
     return give_up(*job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it waited");
   }
-  for (Solver& solver : solvers_) {
-    if (!solver.job || solver.job->order.id != id) continue;
-    give_up(*solver.job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it was solved");
-    return replace(solver);
+  if (const auto job = solvers_.stop_if(is_it)) {
+    return give_up(*job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it was solved");
   }
-  // Perhaps it has overtaken its request, which will then find this.
-  Job unknown;
-  unknown.order.id = id;
-  unknown.arrived = Clock::now();
-  give_up(unknown, ReplyState::kCancelled, Reason::kCancelled, "cancelled before it arrived");
+  // It may still be on its way, for the two come on different topics.
+  Order unknown;
+  unknown.id = id;
+  finish({unknown, {}, {}, {}, {}, {}},
+         reply_to(unknown, ReplyState::kCancelled, {Reason::kCancelled, "", "cancelled before it arrived"}));
 }
 
-// ---- workers ----
+// ---- work and time ----
 
-std::vector<Service::Event> Service::take_events() {
-  const std::lock_guard lock(events_mutex_);
-  return std::exchange(events_, {});
-}
-
-void Service::start_workers() {
-  for (Solver& solver : solvers_) {
-    if (solver.worker) continue;
-    const std::uint64_t serial = next_serial_++;
-    solver.serial = serial;
-    solver.worker = std::make_unique<Worker>(config_.robot, [this, serial](std::optional<Frame> frame) {
-      {
-        const std::lock_guard lock(events_mutex_);
-        events_.push_back({serial, std::move(frame)});
-      }
-      port_.wake();
-    });
+void Service::work() {
+  Solvers::News news = solvers_.take_news();
+  for (const ProgressReport& report : news.progress) port_.clients().send(report);
+  for (Outcome& outcome : news.outcomes) {
+    Reply reply = reply_to(outcome.job.order, outcome.state, std::move(outcome.why));
+    reply.plan_json = std::move(outcome.plan_json);
+    reply.rows = std::move(outcome.rows);
+    finish(outcome.job, std::move(reply));
   }
-}
-
-// What it was doing is over; its later words are of a serial nobody knows.
-void Service::replace(Solver& solver) {
-  solver = Solver{};
-  start_workers();
-}
-
-void Service::handle(Event event) {
-  const auto found = std::find_if(solvers_.begin(), solvers_.end(),
-                                  [&](const Solver& solver) { return solver.worker && solver.serial == event.worker; });
-  if (found == solvers_.end()) return;
-  event.frame ? take_frame(*found, std::move(*event.frame)) : lose(*found);
-}
-
-void Service::take_frame(Solver& solver, Frame frame) {
-  if (!solver.job) return;
-  switch (frame.kind) {
-    case FrameKind::kProgress:
-      report_progress(solver, frame.payload);
-      break;
-    case FrameKind::kPlanJson:
-      solver.result.plan_json = std::move(frame.payload);
-      break;
-    case FrameKind::kRows:
-      solver.result.rows.resize(frame.payload.size() / sizeof(Sample));
-      std::memcpy(static_cast<void*>(solver.result.rows.data()), frame.payload.data(),
-                  solver.result.rows.size() * sizeof(Sample));
-      break;
-    case FrameKind::kDone: {
-      const auto status = static_cast<PlanStatus>(frame.payload.at(0));
-      Reply reply = reply_to(solver.job->order, state_of(status), {reason_of(status), "", frame.payload.substr(1)});
-      reply.plan_json = std::move(solver.result.plan_json);
-      if (status == PlanStatus::kCertified) reply.rows = std::move(solver.result.rows);
-      finish(*solver.job, std::move(reply));
-      solver.job.reset();
-      solver.result = {};
-      break;
-    }
-    case FrameKind::kName:
-    case FrameKind::kSolve:
-      break;
-  }
-}
-
-// It is started again with the next heartbeat: one that cannot start at all must not keep the service busy.
-void Service::lose(Solver& solver) {
-  tally_.worker_lost();
-  spdlog::error("worker lost pid={} solving={}", solver.worker->pid(),
-                solver.job ? text(solver.job->order.id) : "none");
-  if (solver.job)
-    give_up(*solver.job, ReplyState::kFailed, Reason::kWorkerLost, "the solving process ended unexpectedly");
-  solver = Solver{};
-}
-
-void Service::report_progress(const Solver& solver, const std::string& payload) {
-  const auto progress = progress_from(payload);
-  if (progress)
-    port_.send(ProgressReport{solver.job->order.id, 0, *progress, seconds(Clock::now() - solver.job->arrived)});
+  expire();
+  give_work();
 }
 
 void Service::give_work() {
-  for (Solver& solver : solvers_) {
-    if (queue_.empty()) return;
-    if (!solver.worker || solver.job) continue;
-    solver.job = queue_.pop();
-    solver.job->started = Clock::now();
-    solver.result = {};
-    if (!solver.worker->solve(solver.job->order.name, solver.job->order.yaml)) lose(solver);
-  }
+  while (!queue_.empty() && solvers_.idle()) solvers_.solve(queue_.pop());
 }
 
-// ---- time ----
-
 void Service::expire() {
-  const auto now = Clock::now();
-  const auto overdue = [&](const Job& job) { return job.deadline <= now; };
+  const auto overdue = [now = Clock::now()](const Job& job) { return job.deadline <= now; };
   while (const auto job = queue_.remove_if(overdue)) {
     give_up(*job, ReplyState::kExpired, Reason::kBudget, "the time budget was used up while it waited");
   }
-  for (Solver& solver : solvers_) {
-    if (!solver.job || !overdue(*solver.job)) continue;
-    give_up(*solver.job, ReplyState::kExpired, Reason::kBudget, "the time budget was used up while it was solved");
-    replace(solver);
+  while (const auto job = solvers_.stop_if(overdue)) {
+    give_up(*job, ReplyState::kExpired, Reason::kBudget, "the time budget was used up while it was solved");
   }
 }
 
 std::chrono::nanoseconds Service::time_to_next() const {
-  Clock::time_point next = next_heartbeat_;
+  Clock::time_point next = std::min(next_heartbeat_, outbox_.next());
+  if (!settled()) next = std::min(next, settled_at_);
   for (const Job& job : queue_.jobs()) next = std::min(next, job.deadline);
-  for (const Solver& solver : solvers_) {
-    if (solver.job) next = std::min(next, solver.job->deadline);
-  }
+  for (const Job* job : solvers_.jobs()) next = std::min(next, job->deadline);
   return std::max(Clock::duration::zero(), next - Clock::now());
 }
 
 void Service::heartbeat() {
-  next_heartbeat_ = Clock::now() + kHeartbeat;
-  start_workers();
+  const auto now = Clock::now();
+  if (now - last_heartbeat_ > kLease) {
+    // The others have taken this instance for gone: it does nothing before it knows what became of its robot.
+    spdlog::warn("absent for {:.2f} s", seconds(now - last_heartbeat_));
+    settled_at_ = now + kSettle;
+  }
+  last_heartbeat_ = now;
+  next_heartbeat_ = now + kHeartbeat;
+  solvers_.replace_missing();
+  backlog_.forget_if([&](const Backlog::Entry& entry) {
+    return now - entry.arrived > duration_of(entry.order.budget > 0 ? entry.order.budget : config_.budget);
+  });
+  port_.send(status());
+  tell_alive();
+}
+
+ServiceStatus Service::status() const {
   ServiceStatus status = tally_.status();
   status.instance = config_.instance;
+  status.robot_id = config_.robot_id;
   status.robot_hash = robot_hash_;
   status.version = FJR_VERSION;
+  status.epoch = ownership_.epoch();
   status.uptime = seconds(Clock::now() - began_);
   status.queued = static_cast<std::uint32_t>(queue_.size());
   status.queue_capacity = static_cast<std::uint32_t>(queue_.capacity());
   status.workers = static_cast<std::uint32_t>(solvers_.size());
-  status.memory = resident_bytes(::getpid());
-  for (const Solver& solver : solvers_) {
-    if (solver.job) ++status.solving;
-    if (solver.worker) status.memory += resident_bytes(solver.worker->pid());
+  status.workers_lost = static_cast<std::uint32_t>(solvers_.lost());
+  status.solving = static_cast<std::uint32_t>(solvers_.jobs().size());
+  status.memory = resident_bytes(::getpid()) + solvers_.memory();
+  return status;
+}
+
+// With a standby nothing needs to be asked for again: it has heard the requests and takes over.
+void Service::end() {
+  tell_stopping();
+  const bool handing_over = settled() && ownership_.has_standby();
+  const auto farewell = [this](const Job& job) {
+    give_up(job, ReplyState::kCancelled, Reason::kShuttingDown, "the service is shutting down; send the request again");
+  };
+  if (!handing_over) {
+    while (const auto job = solvers_.stop_if([](const Job&) { return true; })) farewell(*job);
+    while (!queue_.empty()) farewell(queue_.pop());
+    for (const Backlog::Entry& entry : backlog_.take()) {
+      if (ownership_.answers_for(entry.order.robot_id)) admit(entry.order, entry.arrived);
+    }
+    while (!queue_.empty()) farewell(queue_.pop());
   }
-  port_.send(status);
+  const auto over = Clock::now() + kFarewell;
+  for (outbox_.deliver(); !outbox_.empty() && Clock::now() < over; outbox_.deliver()) {
+    port_.wait(std::chrono::milliseconds(1));
+  }
+  port_.clients().flush(over - Clock::now());
+  spdlog::info("stopped handed_over={}", handing_over ? solvers_.jobs().size() + queue_.size() : 0);
+}
+
+// ---- other instances, and the executor ----
+
+void Service::listen_to_others() {
+  for (const auto& peer : port_.take_peers()) hear(peer);
+  for (Reply& reply : port_.take_replies_of_others()) {
+    if (!reply.final()) continue;
+    backlog_.answered(reply.id);
+    if (reply.why.reason != Reason::kQueueFull) cache_.add(std::make_shared<const Reply>(std::move(reply)));
+  }
+  for (const auto& executor : port_.take_executors()) {
+    executor.alive ? executor_.heard(executor.state) : executor_.lost(executor.state.robot_id);
+  }
+  ownership_.heard_epoch(executor_.epoch());
+  if (settled()) review_ownership();
+}
+
+void Service::hear(const dds::ServicePort::Peer& peer) {
+  const ServiceStatus& status = peer.status;
+  if (status.instance == config_.instance) {
+    const std::string problem =
+        fmt::format("another service is running as instance {} on DDS domain {}", config_.instance, config_.domain);
+    if (!port_.is_open() && peer.alive) throw std::runtime_error(problem);
+    if (log_others_.allows()) spdlog::error(problem);
+  } else if (!peer.alive) {
+    if (log_others_.allows()) spdlog::info("instance gone name={}", status.instance);
+    ownership_.lost(status.instance);
+  } else if (!status.robot_id.empty()) {
+    ownership_.heard(status.instance, status.robot_id, status.epoch);
+  }
+}
+
+// Not before the others are known: what this instance answers, another must not answer too.
+void Service::open() {
+  port_.open();
+  spdlog::info("serving instance={} domain={} workers={} queue={} robot={} {}", config_.instance, config_.domain,
+               config_.workers, config_.queue, robot_hash_.substr(0, 12),
+               ownership_.owner() ? "as owner" : "as standby");
+  tell_ready();
+}
+
+void Service::review_ownership() {
+  const bool changed = ownership_.review();
+  if (!port_.is_open()) open();
+  if (!changed) return;
+  ownership_.owner() ? take_over() : give_up_ownership();
+  next_heartbeat_ = {};  // the others are told at once
+}
+
+void Service::take_over() {
+  spdlog::info("owner robot_id={} epoch={} remembered={}", config_.robot_id, ownership_.epoch(), backlog_.size());
+  port_.own(ownership_.epoch());
+  for (Backlog::Entry& entry : backlog_.take()) {
+    if (!ownership_.answers_for(entry.order.robot_id)) continue;
+    const RequestId id = entry.order.id;
+    admit(std::move(entry.order), entry.arrived);
+    if (entry.cancelled) cancel(id);
+  }
+}
+
+// Whoever owns the robot now has heard the same requests.
+void Service::give_up_ownership() {
+  spdlog::warn("superseded robot_id={}", config_.robot_id);
+  port_.disown();
+  const auto keep = [this](Job job) { backlog_.add(std::move(job.order), job.arrived); };
+  while (auto job = solvers_.stop_if([](const Job&) { return true; })) keep(std::move(*job));
+  while (!queue_.empty()) keep(queue_.pop());
 }
 
 // ---- what goes out ----
@@ -282,6 +389,7 @@ Reply Service::reply_to(const Order& order, ReplyState state, Refusal why) const
   reply.id = order.id;
   reply.state = state;
   reply.why = std::move(why);
+  reply.robot_id = config_.robot_id;
   reply.robot_hash = robot_hash_;
   reply.version = FJR_VERSION;
   return reply;
@@ -291,15 +399,18 @@ void Service::finish(const Job& job, Reply reply) {
   const auto now = Clock::now();
   const bool started = job.started != Clock::time_point{};
   reply.request_hash = job.request_hash;
+  reply.rest_to_rest = job.rest_to_rest;
   reply.solve_time = started ? seconds(now - job.started) : 0;
   reply.wait_time = seconds((started ? job.started : now) - job.arrived);
   const auto shared = std::make_shared<const Reply>(std::move(reply));
   cache_.add(shared);
   tally_.count(*shared, seconds(now - job.arrived));
-  send(*shared);
-  if (job.order.execute && shared->state == ReplyState::kSolved) publish(*shared);
-  spdlog::info("finished id={} state={} wait={:.3f} solve={:.3f} {}", text(shared->id), name(shared->state),
-               shared->wait_time, shared->solve_time, shared->why.sentence);
+  if (executes(job.order) && shared->state == ReplyState::kSolved) publish(*shared);
+  post(shared);
+  if (log_requests_.allows()) {
+    spdlog::info("finished id={} state={} wait={:.3f} solve={:.3f} {}", text(shared->id), name(shared->state),
+                 shared->wait_time, shared->solve_time, shared->why.sentence);
+  }
 }
 
 void Service::give_up(const Job& job, ReplyState state, Reason reason, const std::string& sentence) {
@@ -310,44 +421,37 @@ void Service::reject(const Order& order, Refusal why, bool remember) {
   const auto reply = std::make_shared<const Reply>(reply_to(order, ReplyState::kRejected, std::move(why)));
   if (remember) cache_.add(reply);
   tally_.count(*reply, 0);
-  send(*reply);
-  if (log_refusals_.allows()) {
+  post(reply);
+  if (log_requests_.allows()) {
     spdlog::info("rejected id={} field={} {}", text(order.id), reply->why.field, reply->why.sentence);
   }
 }
 
-// Only a certified trajectory has rows. A repeated request is answered again but never published again.
+// Only a certified trajectory has rows. A repeated request is answered again but never published again, nor is what an
+// earlier owner published before it could answer.
 void Service::publish(const Reply& reply) {
+  if (executor_.runs_or_ran(reply.id)) return spdlog::info("published before id={}", text(reply.id));
   TrajectoryOrder order;
   order.robot_id = config_.robot_id;
   order.id = reply.id;
-  order.epoch = 1;
+  order.epoch = ownership_.epoch();
   order.published =
       std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
   order.robot_hash = reply.robot_hash;
   order.request_hash = reply.request_hash;
   order.certified = reply.state == ReplyState::kSolved;
-  order.ends_at_rest = true;  // seen to at admission
+  order.ends_at_rest = reply.rest_to_rest;
   order.rows = reply.rows;
+  executor_.published(reply.id);
   if (!port_.send(order)) spdlog::error("not published id={}: the executor is too slow", text(reply.id));
+  if (ros_) ros_->send(order);
 }
 
-void Service::send(const Reply& reply) {
-  if (!port_.send(reply) && log_slow_clients_.allows()) {
-    spdlog::warn("slow client id={}: it will have to ask again", text(reply.id));
+void Service::post(SharedReply reply) {
+  const RequestId id = reply->id;
+  if (!outbox_.post(std::move(reply)) && log_slow_clients_.allows()) {
+    spdlog::warn("slow clients: too many replies wait, after id={} the oldest is dropped", text(id));
   }
-}
-
-void Service::answer_all_in_flight() {
-  const auto farewell = [this](const Job& job) {
-    give_up(job, ReplyState::kCancelled, Reason::kShuttingDown, "the service is shutting down; send the request again");
-  };
-  for (Solver& solver : solvers_) {
-    if (solver.job) farewell(*solver.job);
-  }
-  while (!queue_.empty()) farewell(queue_.pop());
-  port_.flush(kFarewell);
-  spdlog::info("stopped");
 }
 
 }  // namespace fjr

@@ -1,21 +1,28 @@
 // Planning as a service: admits requests, queues them, has them solved in worker processes, answers. One thread does
 // all of it; workers and signals only leave word and wake it.
+//
+// Of several instances for a robot one, the owner, answers; the others remember what they hear and take over when it is
+// gone (ownership.h).
 #pragma once
 
 #include <atomic>
-#include <memory>
-#include <mutex>
 #include <optional>
-#include <vector>
+#include <string>
 
 #include "model/parameters.h"
+#include "planner/problem/problem.h"
+#include "planner/service/backlog.h"
+#include "planner/service/dds/joint_trajectory.h"
 #include "planner/service/dds/service_port.h"
+#include "planner/service/executor_watch.h"
 #include "planner/service/job_queue.h"
 #include "planner/service/log_limit.h"
+#include "planner/service/outbox.h"
+#include "planner/service/ownership.h"
 #include "planner/service/reply_cache.h"
 #include "planner/service/service_config.h"
+#include "planner/service/solvers.h"
 #include "planner/service/tally.h"
-#include "planner/service/worker.h"
 
 namespace fjr {
 
@@ -29,58 +36,65 @@ class Service {
  private:
   using Clock = Job::Clock;
 
-  struct Event {  // a worker's word
-    std::uint64_t worker;
-    std::optional<Frame> frame;  // none: it has ended
-  };
-  struct Solver {  // a worker and what it is doing
-    std::uint64_t serial = 0;
-    std::unique_ptr<Worker> worker;  // none: to be started again
-    std::optional<Job> job;
-    Reply result;  // as far as it has come
-  };
-
-  void admit(Order order);
-  std::optional<Refusal> refusal_of(const Order& order, std::string& request_hash) const;
+  // What comes in.
+  void receive(Order order);
+  void admit(Order order, Clock::time_point arrived);
+  std::optional<Refusal> refusal_of_terms(const Order& order) const;
+  std::optional<Refusal> resolve_start(Order& order) const;
+  std::optional<Refusal> refusal_of_motion(Job& job) const;
+  void execute_planned(const Order& order, Clock::time_point arrived);
+  std::optional<Refusal> refusal_of_execution(const SharedReply& planned, const RequestId& id) const;
   bool repeat(const Order& order);
   bool in_hand(const RequestId& id) const;
+  bool motion_pending() const;
   void cancel(const RequestId& id);
-  void handle(Event event);
-  void take_frame(Solver& solver, Frame frame);
-  void lose(Solver& solver);
-  void report_progress(const Solver& solver, const std::string& payload);
+
+  // Work and time.
+  void work();
   void expire();
   void give_work();
-  void start_workers();
-  void replace(Solver& solver);
   void heartbeat();
+  ServiceStatus status() const;
   std::chrono::nanoseconds time_to_next() const;
-  void answer_all_in_flight();
+  void end();
 
+  // Other instances, and the executor.
+  bool settled() const { return Clock::now() >= settled_at_; }
+  void listen_to_others();
+  void hear(const dds::ServicePort::Peer& peer);
+  void open();
+  void review_ownership();
+  void take_over();
+  void give_up_ownership();
+
+  // What goes out.
   Reply reply_to(const Order& order, ReplyState state, Refusal why = {}) const;
   void finish(const Job& job, Reply reply);
   void give_up(const Job& job, ReplyState state, Reason reason, const std::string& sentence);
   void reject(const Order& order, Refusal why, bool remember);
   void publish(const Reply& reply);
-  void send(const Reply& reply);
-  std::vector<Event> take_events();
+  void post(SharedReply reply);
 
   const ServiceConfig config_;
+  const Parameters robot_;
   const std::string robot_hash_;
   const Clock::time_point began_ = Clock::now();
   dds::ServicePort port_;
+  std::optional<dds::JointTrajectoryWriter> ros_;
   std::atomic<bool> stopping_ = false;
 
-  std::mutex events_mutex_;
-  std::vector<Event> events_;
+  Ownership ownership_;
+  ExecutorWatch executor_;
+  Backlog backlog_;
+  Clock::time_point settled_at_;  // from then on the others are known
+  Clock::time_point next_heartbeat_{}, last_heartbeat_ = Clock::now();
 
   JobQueue queue_;
   ReplyCache cache_;
+  Outbox outbox_;
   Tally tally_;
-  LogLimit log_refusals_, log_slow_clients_;
-  Clock::time_point next_heartbeat_{};
-  std::uint64_t next_serial_ = 1;
-  std::vector<Solver> solvers_;  // last: their threads end before what they speak to
+  LogLimit log_requests_, log_slow_clients_, log_others_;
+  Solvers solvers_;  // last: it wakes the port
 };
 
 }  // namespace fjr

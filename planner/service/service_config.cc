@@ -11,6 +11,8 @@
 namespace fjr {
 namespace {
 
+constexpr std::size_t kLongestName = 64;  // idl/fjr_msgs.idl: RobotId, instance
+
 std::string this_process() {
   std::array<char, 48> host{};
   ::gethostname(host.data(), host.size() - 1);
@@ -33,6 +35,30 @@ void read_seconds(const YamlNode& root, std::string_view key, double& to) {
   if (!(to > 0) || to > 86400) node->fail(fmt::format("{} s is outside (0, 86400]", to));
 }
 
+// What travels as a bounded string is refused rather than cut.
+void read_name(const YamlNode& root, std::string_view key, std::string& to) {
+  const auto node = root.find(key);
+  if (!node) return;
+  to = node->text();
+  if (to.size() > kLongestName) node->fail(fmt::format("{} characters, above the {} allowed", to.size(), kLongestName));
+}
+
+bool read_switch(const YamlNode& node) {
+  if (!node.says("true") && !node.says("false")) node.fail(shown(node.text()) + " is neither true nor false");
+  return node.says("true");
+}
+
+void read_ros2(const YamlNode& node, ServiceConfig& config) {
+  node.allow_keys({"joint_trajectory", "joint_names"});
+  if (const auto on = node.find("joint_trajectory")) config.joint_trajectory = read_switch(*on);
+  const auto names = node.find("joint_names");
+  if (!names) return;
+  const std::vector<YamlNode> items = names->items();
+  if (items.size() != kJoints) names->fail(fmt::format("{} names, there are {} joints", items.size(), kJoints));
+  for (std::size_t j = 0; j < kJoints; ++j) config.joint_names[j] = items[j].text();
+  if (config.joint_names[0] == config.joint_names[1]) names->fail("the two names are the same");
+}
+
 }  // namespace
 
 ServiceConfig default_service_config() {
@@ -45,14 +71,15 @@ ServiceConfig default_service_config() {
 ServiceConfig load_service_config(const std::filesystem::path& file) {
   ServiceConfig config = default_service_config();
   const YamlNode root = YamlNode::load(file);
-  root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "queue", "budget", "longest_budget"});
+  root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "queue", "budget", "longest_budget", "ros2"});
   read_whole(root, "domain", 0, 230, config.domain);
   read_whole(root, "workers", 1, 64, config.workers);
   read_whole(root, "queue", 1, 4096, config.queue);
   read_seconds(root, "budget", config.budget);
   read_seconds(root, "longest_budget", config.longest_budget);
-  if (const auto node = root.find("instance")) config.instance = node->text();
-  if (const auto node = root.find("robot_id")) config.robot_id = node->text();
+  read_name(root, "instance", config.instance);
+  read_name(root, "robot_id", config.robot_id);
+  if (const auto node = root.find("ros2")) read_ros2(*node, config);
   if (const auto node = root.find("robot")) config.robot = file.parent_path() / node->text();
   return config;
 }

@@ -3,18 +3,21 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace fjr {
 
 struct ServiceConfig {
-  unsigned domain = 0;           // of DDS
-  std::string instance;          // unique among the running services; by default host name and process
-  std::string robot_id = "arm";  // whose trajectories it publishes
-  std::filesystem::path robot;   // what is planned for
-  std::size_t workers = 1;       // solving processes
-  std::size_t queue = 64;        // requests that may wait
-  double budget = 60;            // [s] for a request that names none
-  double longest_budget = 600;   // [s] a request may ask for
+  unsigned domain = 0;            // of DDS
+  std::string instance;           // unique among the running services; by default host name and process
+  std::string robot_id = "arm";   // whose trajectories it publishes
+  std::filesystem::path robot;    // what is planned for
+  std::size_t workers = 1;        // solving processes
+  std::size_t queue = 64;         // requests that may wait
+  double budget = 60;             // [s] for a request that names none
+  double longest_budget = 600;    // [s] a request may ask for
+  bool joint_trajectory = false;  // for ROS 2: what goes to the executor also goes to rt/joint_trajectory
+  std::vector<std::string> joint_names{"joint1", "joint2"};
 };
 
 // The defaults, with the robot shipped with the program.

@@ -46,12 +46,13 @@ void solve(int out, const Problem& problem) {
 }  // namespace
 
 void solve_requests(int in, int out, const std::filesystem::path& robot) {
+  const Parameters parameters = load_parameters(robot);
   std::string name;
   while (const auto frame = read_frame(in)) {
     if (frame->kind == FrameKind::kName) name = frame->payload;
     if (frame->kind != FrameKind::kSolve) continue;
     try {
-      solve(out, parse_request(frame->payload, name, {}, robot));
+      solve(out, parse_request(frame->payload, name, parameters));
     } catch (const InputError& error) {
       send_done(out, PlanStatus::kBadInput, error.what());
     }

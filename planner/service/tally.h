@@ -37,7 +37,6 @@ class Tally {
   }
   void received() { ++counts_.received; }
   void duplicate() { ++counts_.duplicates; }
-  void worker_lost() { ++counts_.workers_lost; }
 
   // Counts and latencies; the rest is left to the caller.
   ServiceStatus status() const {

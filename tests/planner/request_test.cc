@@ -215,7 +215,7 @@ TEST(BrokenRequest, ShapeOfTheDocument) {
        "unknown key \"durtion\"; allowed: robot, start, goal, duration, objective, via, obstacles, "
        "tip, limits, sample_period, seed, payload"},
       {kMove + "seed: 1\nseed: 2", "line 4: key \"seed\" is given twice"},
-      {kGoal, "start: missing"},
+      {kGoal, "start: missing; only a request to the service may leave it out, which then starts where the arm rests"},
       {kStart, "goal: missing"},
       {"start:\n" + kGoal, "start: must be a map with the keys q, dq, theta, dtheta, not empty"},
   });

@@ -93,7 +93,7 @@ TEST(Wire, NumbersThatAreNotFiniteAreRefusedByName) {
   EXPECT_EQ(refusal([](Wire& w) { w.message.budget = kNan; }), "budget: nan s must be finite and not negative");
   EXPECT_EQ(refusal([](Wire& w) { w.message.goal.kind = 9; }), "goal.kind: 9 is not one of 0 to 1");
   EXPECT_EQ(refusal([](Wire& w) { w.message.objective.preset = 200; }), "objective: 200 is not one of 0 to 4");
-  EXPECT_EQ(refusal([](Wire& w) { w.message.action = 2; }), "action: 2 is not supported by this version");
+  EXPECT_EQ(refusal([](Wire& w) { w.message.action = 3; }), "action: 3 is not supported by this version");
 }
 
 TEST(Wire, WrongShapesAreRefusedBeforeSending) {

@@ -1,5 +1,6 @@
 #include "planner/service/dds/client_port.h"
 
+#include "planner/service/dds/incompatible.h"
 #include "planner/service/dds/wire_execution.h"
 #include "planner/service/dds/wire_reply.h"
 #include "planner/service/dds/wire_request.h"
@@ -57,6 +58,33 @@ std::vector<ServiceStatus> ClientPort::take_services() {
     if (info.valid_data) services.push_back(decode(message));
   });
   return services;
+}
+
+// They are looked at when something else has ended the wait, so as not to end it a thousand times a second.
+void ClientPort::follow_executors() {
+  if (!executors_) executors_.emplace(participant_, participant_.handle());
+}
+
+std::vector<ExecutorState> ClientPort::take_executors() {
+  std::vector<ExecutorState> states;
+  if (!executors_) return states;
+  executors_->take_all([&](const fjr_msg_ExecutorState& message, const dds_sample_info_t& info) {
+    if (info.valid_data) states.push_back(decode(message));
+  });
+  return states;
+}
+
+std::optional<std::string> ClientPort::why_unserved() const {
+  using Topic = TopicOf<fjr_msg_PlanRequest>;
+  return incompatibility(participant_, Side::kReaders, Topic::kName, Topic::descriptor()->m_typename,
+                         requests_.handle());
+}
+
+std::optional<std::string> ClientPort::why_unanswered() const {
+  using Topic = TopicOf<fjr_msg_PlanReply>;
+  if (replies_.has_writer()) return std::nullopt;
+  return incompatibility(participant_, Side::kWriters, Topic::kName, Topic::descriptor()->m_typename,
+                         replies_.handle());
 }
 
 }  // namespace fjr::dds

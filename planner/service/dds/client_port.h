@@ -2,6 +2,8 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "planner/service/dds/participant.h"
@@ -28,6 +30,15 @@ class ClientPort {
   std::vector<ExecutionResult> take_results();
   std::vector<ServiceStatus> take_services();  // the latest word of each
 
+  // The executors' states come a thousand times a second, to whoever wants them.
+  void follow_executors();
+  bool any_executor() const { return executors_ && executors_->has_writer(); }
+  std::vector<ExecutorState> take_executors();
+
+  // Why requests, or replies to them, do not come through although somebody is there; nothing: nobody is.
+  std::optional<std::string> why_unserved() const;
+  std::optional<std::string> why_unanswered() const;
+
  private:
   Participant participant_;
   Waitset waitset_;
@@ -38,6 +49,7 @@ class ClientPort {
   Reader<fjr_msg_PlannerStatus> services_;
   Writer<fjr_msg_PlanRequest> requests_;
   Writer<fjr_msg_PlanCancel> cancels_;
+  std::optional<Reader<fjr_msg_ExecutorState>> executors_;
 };
 
 }  // namespace fjr::dds

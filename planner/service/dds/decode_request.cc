@@ -251,7 +251,7 @@ void write_motion(Document& document, const fjr_msg_PlanRequest& message) {
 }
 
 std::optional<Refusal> refusal_of_terms(const fjr_msg_PlanRequest& message) {
-  if (message.action > fjr_msg_ACTION_PLAN_AND_EXECUTE) {
+  if (message.action > fjr_msg_ACTION_EXECUTE) {
     return Refusal{Reason::kUnsupported, "action", fmt::format("{} is not supported by this version", message.action)};
   }
   if (!std::isfinite(message.budget) || message.budget < 0) {
@@ -273,14 +273,18 @@ Order decode(const fjr_msg_PlanRequest& message) {
   Order order;
   order.id = decode(message.id);
   order.name = text_of(message.name);
-  order.execute = message.action == fjr_msg_ACTION_PLAN_AND_EXECUTE;
+  order.action = static_cast<Action>(message.action);
+  order.trajectory_id = decode(message.trajectory_id);
   order.priority = message.priority;
   order.budget = message.budget;
+  order.robot_id = text_of(message.robot_id);
   order.robot_hash = text_of(message.robot_hash);
+  order.refusal = refusal_of_terms(message);
+  if (order.action == Action::kExecute) return order;
   Document document;
   write_motion(document, message);
   order.yaml = document.text();
-  order.refusal = refusal_of_terms(message);
+  order.start_given = message.start.given;
   if (!order.refusal) order.refusal = document.refusal();
   return order;
 }

@@ -8,6 +8,8 @@
 namespace fjr::dds {
 namespace {
 
+static_assert(static_cast<int>(Action::kExecute) == fjr_msg_ACTION_EXECUTE);
+
 void set_pair(const YamlNode& node, std::string_view unit, double (&to)[2]) {
   const Pair<double> pair = node.pair(unit);
   std::copy(pair.begin(), pair.end(), to);
@@ -232,11 +234,14 @@ WireRequest encode(const Order& order) {
   WireRequest wire;
   fjr_msg_PlanRequest& message = wire.message;
   message.id = encode(order.id);
-  message.action = order.execute ? fjr_msg_ACTION_PLAN_AND_EXECUTE : fjr_msg_ACTION_PLAN;
+  message.action = static_cast<std::uint8_t>(order.action);
+  message.trajectory_id = encode(order.trajectory_id);
   message.priority = order.priority;
   message.budget = order.budget;
   set_text(message.name, order.name);
+  set_text(message.robot_id, order.robot_id);
   set_text(message.robot_hash, order.robot_hash);
+  if (order.action == Action::kExecute) return wire;
   encode_motion(YamlNode::parse(order.yaml, order.name), wire);
   message.via._length = message.via._maximum = static_cast<std::uint32_t>(wire.via.size());
   message.via._buffer = wire.via.data();

@@ -27,7 +27,13 @@ class Qos {
   Qos& manual_liveliness(dds_duration_t lease) {
     return set(dds_qset_liveliness, DDS_LIVELINESS_MANUAL_BY_TOPIC, lease);
   }
-  Qos& keep_instances() { return set(dds_qset_writer_data_lifecycle, false); }  // when their writer goes
+  Qos& late_joiners_get(int depth) {
+    dds_qset_durability_service(qos_.get(), 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED,
+                                DDS_LENGTH_UNLIMITED);
+    return *this;
+  }
+  Qos& ignore_own() { return set(dds_qset_ignorelocal, DDS_IGNORELOCAL_PARTICIPANT); }  // of the same participant
+  Qos& keep_instances() { return set(dds_qset_writer_data_lifecycle, false); }          // when their writer goes
   Qos& partition(const std::string& name) { return set(dds_qset_partition1, name.c_str()); }
 
   const dds_qos_t* get() const { return qos_.get(); }

@@ -13,9 +13,9 @@ template <class T>
 class Reader {
  public:
   // parent: a participant or a subscriber of it.
-  Reader(const Participant& participant, dds_entity_t parent)
+  Reader(const Participant& participant, dds_entity_t parent, const Qos& qos = TopicOf<T>::qos())
       : topic_(participant.topic<T>()),
-        reader_(dds_create_reader(parent, topic_.handle(), TopicOf<T>::qos().get(), nullptr), "reader"),
+        reader_(dds_create_reader(parent, topic_.handle(), qos.get(), nullptr), "reader"),
         arrived_(dds_create_readcondition(reader_.handle(), DDS_ANY_STATE), "read condition") {}
 
   dds_entity_t handle() const { return reader_.handle(); }
@@ -26,6 +26,22 @@ class Reader {
   void take_all(Use&& use) {
     while (take_some(use) == kMost) {
     }
+  }
+
+  // The same for about `most`; what is left keeps arrived() triggered.
+  template <class Use>
+  void take_at_most(std::size_t most, Use&& use) {
+    for (std::size_t taken = 0; taken < most;) {
+      const std::size_t some = take_some(use);
+      taken += some;
+      if (some < kMost) return;
+    }
+  }
+
+  bool has_writer() const {
+    dds_subscription_matched_status_t status;
+    checked(dds_get_subscription_matched_status(reader_.handle(), &status), "subscription matched");
+    return status.current_count > 0;
   }
 
  private:

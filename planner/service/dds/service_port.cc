@@ -1,7 +1,9 @@
 #include "planner/service/dds/service_port.h"
 
 #include <algorithm>
+#include <limits>
 
+#include "planner/service/dds/text.h"
 #include "planner/service/dds/wire_execution.h"
 #include "planner/service/dds/wire_reply.h"
 #include "planner/service/dds/wire_request.h"
@@ -9,30 +11,46 @@
 namespace fjr::dds {
 namespace {
 
-// Writers are kept for late replies' sake; the least recently used client makes room, and is met anew when it returns.
-constexpr std::size_t kMostClients = 128;
+constexpr std::size_t kAtOnce = 128;  // requests taken before the service looks at anything else
+
+// A standby only listens: without acknowledgements it cannot hold up the owner's replies, whatever becomes of it.
+Qos overheard() { return std::move(Qos().best_effort().keep_last(64).ignore_own()); }
+
+Qos of_others() { return std::move(TopicOf<fjr_msg_PlannerStatus>::qos().ignore_own()); }
+
+Qos of_owner(std::uint64_t epoch) {
+  const auto strength = std::min<std::uint64_t>(epoch, std::numeric_limits<int>::max());
+  return std::move(TopicOf<fjr_msg_Trajectory>::qos().ownership_strength(static_cast<int>(strength)));
+}
+
+bool alive(const dds_sample_info_t& info) { return info.instance_state == DDS_IST_ALIVE; }
 
 }  // namespace
-
-ServicePort::Client::Client(const Participant& participant, const RequestId& id)
-    : publisher(participant.publisher(client_name(id))),
-      replies(participant, publisher.handle()),
-      progress(participant, publisher.handle()) {}
 
 ServicePort::ServicePort(unsigned domain)
     : participant_(domain),
       waitset_(participant_),
-      requests_(participant_, participant_.handle()),
-      cancels_(participant_, participant_.handle()),
+      everywhere_(participant_.subscriber("*")),
+      peers_(participant_, participant_.handle(), of_others()),
+      replies_of_others_(participant_, everywhere_.handle(), overheard()),
+      executors_(participant_, participant_.handle()),
       status_(participant_, participant_.handle()),
-      trajectories_(participant_, participant_.handle()) {
-  waitset_.attach(requests_.arrived());
-  waitset_.attach(cancels_.arrived());
+      clients_(participant_) {
+  waitset_.attach(peers_.arrived());
+}
+
+// Who sees the reader of requests can cancel them.
+void ServicePort::open() {
+  cancels_.emplace(participant_, participant_.handle());
+  requests_.emplace(participant_, participant_.handle());
+  waitset_.attach(requests_->arrived());
+  waitset_.attach(cancels_->arrived());
 }
 
 std::vector<Order> ServicePort::take_requests() {
   std::vector<Order> orders;
-  requests_.take_all([&](const fjr_msg_PlanRequest& message, const dds_sample_info_t& info) {
+  if (!requests_) return orders;
+  requests_->take_at_most(kAtOnce, [&](const fjr_msg_PlanRequest& message, const dds_sample_info_t& info) {
     if (info.valid_data) orders.push_back(decode(message));
   });
   return orders;
@@ -40,42 +58,50 @@ std::vector<Order> ServicePort::take_requests() {
 
 std::vector<RequestId> ServicePort::take_cancels() {
   std::vector<RequestId> ids;
-  cancels_.take_all([&](const fjr_msg_PlanCancel& message, const dds_sample_info_t& info) {
+  if (!cancels_) return ids;
+  cancels_->take_at_most(kAtOnce, [&](const fjr_msg_PlanCancel& message, const dds_sample_info_t& info) {
     if (info.valid_data) ids.push_back(decode(message.id));
   });
   return ids;
 }
 
-ServicePort::Client& ServicePort::client(const RequestId& id) {
-  auto found = clients_.find(id.client);
-  if (found == clients_.end()) {
-    if (clients_.size() >= kMostClients) {
-      clients_.erase(std::min_element(clients_.begin(), clients_.end(), [](const auto& a, const auto& b) {
-        return a.second.last_used < b.second.last_used;
-      }));
-    }
-    found = clients_.try_emplace(id.client, participant_, id).first;
-  }
-  found->second.last_used = ++uses_;
-  return found->second;
+std::vector<ServicePort::Peer> ServicePort::take_peers() {
+  std::vector<Peer> peers;
+  peers_.take_all([&](const fjr_msg_PlannerStatus& message, const dds_sample_info_t& info) {
+    if (info.valid_data) peers.push_back({decode(message), alive(info)});
+    if (info.valid_data) return;
+    peers.push_back({{}, alive(info)});
+    peers.back().status.instance = text_of(message.instance);
+  });
+  return peers;
 }
 
-bool ServicePort::send(const Reply& reply) { return client(reply.id).replies.write(encode(reply)); }
+std::vector<Reply> ServicePort::take_replies_of_others() {
+  std::vector<Reply> replies;
+  replies_of_others_.take_all([&](const fjr_msg_PlanReply& message, const dds_sample_info_t& info) {
+    if (info.valid_data) replies.push_back(decode(message));
+  });
+  return replies;
+}
 
-void ServicePort::send(const ProgressReport& report) {
-  (void)client(report.id).progress.write(encode(report));  // disposable
+std::vector<ServicePort::Executor> ServicePort::take_executors() {
+  std::vector<Executor> executors;
+  executors_.take_all([&](const fjr_msg_ExecutorState& message, const dds_sample_info_t& info) {
+    if (info.valid_data) executors.push_back({decode(message), alive(info)});
+    if (info.valid_data) return;
+    executors.push_back({{}, alive(info)});
+    executors.back().state.robot_id = text_of(message.robot_id);
+  });
+  return executors;
 }
 
 void ServicePort::send(const ServiceStatus& status) { (void)status_.write(encode(status)); }
 
-bool ServicePort::send(const TrajectoryOrder& order) { return trajectories_.write(encode(order)); }
-
-void ServicePort::flush(std::chrono::nanoseconds timeout) {
-  const auto end = std::chrono::steady_clock::now() + timeout;
-  for (const auto& [key, client] : clients_) {
-    const std::chrono::nanoseconds left = end - std::chrono::steady_clock::now();
-    if (left.count() <= 0 || !client.replies.flush(left.count())) return;
-  }
+void ServicePort::own(std::uint64_t epoch) {
+  trajectories_.reset();
+  trajectories_.emplace(participant_, participant_.handle(), of_owner(epoch));
 }
+
+bool ServicePort::send(const TrajectoryOrder& order) { return trajectories_ && trajectories_->write(encode(order)); }
 
 }  // namespace fjr::dds

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <chrono>
-#include <map>
+#include <optional>
+#include <string>
 #include <vector>
 
+#include "planner/service/dds/client_writers.h"
 #include "planner/service/dds/participant.h"
 #include "planner/service/dds/reader.h"
 #include "planner/service/dds/waitset.h"
@@ -18,42 +20,52 @@ class ServicePort {
  public:
   explicit ServicePort(unsigned domain);
 
-  // Until something arrives, wake() is called (from any thread) or the time is over.
+  // Until something arrives, wake() is called (from any thread) or the time is over. The executor's states, a thousand
+  // a second, and other instances' replies do not end the wait.
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
   void wake() const { waitset_.wake(); }
 
+  // From now on requests and cancellations are heard.
+  void open();
+  bool is_open() const { return requests_.has_value(); }
+
+  // A part of what has come, so that a flood leaves time for everything else.
   std::vector<Order> take_requests();
   std::vector<RequestId> take_cancels();
 
-  // To the client's own partition. False: the client is too slow, and will ask again.
-  bool send(const Reply& reply);
-  void send(const ProgressReport& report);
-  void send(const ServiceStatus& status);
-  bool send(const TrajectoryOrder& order);  // to the executor
+  struct Peer {
+    ServiceStatus status;  // of one that is gone only the instance
+    bool alive = false;
+  };
+  std::vector<Peer> take_peers();
+  std::vector<Reply> take_replies_of_others();
+  struct Executor {
+    ExecutorState state;  // of one that is gone only the robot
+    bool alive = false;
+  };
+  std::vector<Executor> take_executors();
 
-  // Waits until the clients have their replies, at most so long.
-  void flush(std::chrono::nanoseconds timeout);
+  const Participant& participant() const { return participant_; }
+  ClientWriters& clients() { return clients_; }
+  void send(const ServiceStatus& status);
+
+  // Trajectories are published by their robot's owner only.
+  void own(std::uint64_t epoch);
+  void disown() { trajectories_.reset(); }
+  bool send(const TrajectoryOrder& order);  // to the executor; false: it is too slow
 
  private:
-  using ClientKey = std::array<std::uint8_t, 16>;
-  struct Client {
-    Client(const Participant& participant, const RequestId& id);
-    Entity publisher;
-    Writer<fjr_msg_PlanReply> replies;
-    Writer<fjr_msg_PlanStatus> progress;
-    std::uint64_t last_used = 0;
-  };
-
-  Client& client(const RequestId& id);
-
   Participant participant_;
   Waitset waitset_;
-  Reader<fjr_msg_PlanRequest> requests_;
-  Reader<fjr_msg_PlanCancel> cancels_;
+  Entity everywhere_;  // a subscriber in all clients' partitions
+  std::optional<Reader<fjr_msg_PlanCancel>> cancels_;
+  std::optional<Reader<fjr_msg_PlanRequest>> requests_;
+  Reader<fjr_msg_PlannerStatus> peers_;
+  Reader<fjr_msg_PlanReply> replies_of_others_;
+  Reader<fjr_msg_ExecutorState> executors_;
   Writer<fjr_msg_PlannerStatus> status_;
-  Writer<fjr_msg_Trajectory> trajectories_;
-  std::map<ClientKey, Client> clients_;
-  std::uint64_t uses_ = 0;
+  std::optional<Writer<fjr_msg_Trajectory>> trajectories_;
+  ClientWriters clients_;
 };
 
 }  // namespace fjr::dds

@@ -27,12 +27,15 @@ struct TopicOf<fjr_msg_PlanCancel> {
 };
 
 // One writer per client, in the client's own partition: with a shared one a stalled client costs the others replies.
+// Nothing is overwritten before the client has it, and nobody waits for a slow one: what finds no room is kept by the
+// service and tried again (outbox.h).
 template <>
 struct TopicOf<fjr_msg_PlanReply> {
   static constexpr const char* kName = "fjr/plan_reply";
   static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_PlanReply_desc; }
   static Qos qos() {
-    return std::move(Qos().reliable(DDS_MSECS(5)).transient_local().keep_last(4).lifespan(DDS_SECS(60)));
+    return std::move(
+        Qos().reliable(DDS_MSECS(0)).transient_local().late_joiners_get(4).keep_all().lifespan(DDS_SECS(60)));
   }
 };
 

@@ -18,7 +18,7 @@ static_assert(kMaxRows == fjr_msg_MAX_ROWS);
 static_assert(static_cast<int>(ReplyState::kAccepted) == fjr_msg_STATE_ACCEPTED);
 static_assert(static_cast<int>(ReplyState::kExpired) == fjr_msg_STATE_EXPIRED);
 static_assert(static_cast<int>(Reason::kBadInput) == fjr_msg_REASON_BAD_INPUT);
-static_assert(static_cast<int>(Reason::kUnsupported) == fjr_msg_REASON_UNSUPPORTED);
+static_assert(static_cast<int>(Reason::kNoTrajectory) == fjr_msg_REASON_NO_TRAJECTORY);
 
 // The wire's lists are not const, and only read when written.
 template <class List, class T>
@@ -37,6 +37,7 @@ fjr_msg_PlanReply encode(const Reply& reply) {
   message.reason = static_cast<std::uint8_t>(reply.why.reason);
   set_text(message.field, reply.why.field);
   set_text(message.sentence, reply.why.sentence);
+  set_text(message.robot_id, reply.robot_id);
   set_text(message.robot_hash, reply.robot_hash);
   set_text(message.request_hash, reply.request_hash);
   set_text(message.version, reply.version);
@@ -52,6 +53,7 @@ Reply decode(const fjr_msg_PlanReply& message) {
   reply.id = decode(message.id);
   reply.state = static_cast<ReplyState>(message.state);
   reply.why = {static_cast<Reason>(message.reason), text_of(message.field), text_of(message.sentence)};
+  reply.robot_id = text_of(message.robot_id);
   reply.robot_hash = text_of(message.robot_hash);
   reply.request_hash = text_of(message.request_hash);
   reply.version = text_of(message.version);
@@ -89,8 +91,10 @@ ProgressReport decode(const fjr_msg_PlanStatus& message) {
 fjr_msg_PlannerStatus encode(const ServiceStatus& status) {
   fjr_msg_PlannerStatus message{};
   set_text(message.instance, status.instance);
+  set_text(message.robot_id, status.robot_id);
   set_text(message.robot_hash, status.robot_hash);
   set_text(message.version, status.version);
+  message.epoch = status.epoch;
   message.uptime = status.uptime;
   message.queued = status.queued;
   message.queue_capacity = status.queue_capacity;
@@ -115,8 +119,10 @@ fjr_msg_PlannerStatus encode(const ServiceStatus& status) {
 ServiceStatus decode(const fjr_msg_PlannerStatus& message) {
   ServiceStatus status;
   status.instance = text_of(message.instance);
+  status.robot_id = text_of(message.robot_id);
   status.robot_hash = text_of(message.robot_hash);
   status.version = text_of(message.version);
+  status.epoch = message.epoch;
   status.uptime = message.uptime;
   status.queued = message.queued;
   status.queue_capacity = message.queue_capacity;

@@ -1,0 +1,87 @@
+// Replies that their clients have no room for yet. Each client's stay in order; no client makes another wait.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <deque>
+#include <functional>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "planner/service/messages.h"
+
+namespace fjr {
+
+class Outbox {
+ public:
+  using Clock = std::chrono::steady_clock;
+  using Send = std::function<bool(const Reply&)>;  // false: the client has no room now
+
+  Outbox(Send send, std::size_t most_bytes) : send_(std::move(send)), most_bytes_(most_bytes) {}
+
+  // False: there was too much to keep, and the client furthest behind has to ask again for its oldest reply.
+  bool post(SharedReply reply) {
+    const auto behind = waiting_.find(reply->id.client);
+    if (behind == waiting_.end() && send_(*reply)) return true;
+    Client& client = behind == waiting_.end() ? waiting_[reply->id.client] : behind->second;
+    if (waiting_.size() == 1 && client.replies.empty()) next_ = Clock::now() + (pause_ = kShortest);
+    bytes_ += size_of(*reply);
+    client.bytes += size_of(*reply);
+    client.replies.push_back(std::move(reply));
+    bool all_kept = true;
+    for (; bytes_ > most_bytes_; all_kept = false) drop_one();
+    return all_kept;
+  }
+
+  // Sends what there is room for by now.
+  void deliver() {
+    if (waiting_.empty() || Clock::now() < next_) return;
+    bool progress = false;
+    for (auto client = waiting_.begin(); client != waiting_.end();) {
+      auto& replies = client->second.replies;
+      while (!replies.empty() && send_(*replies.front())) {
+        remove_oldest(client->second);
+        progress = true;
+      }
+      client = replies.empty() ? waiting_.erase(client) : std::next(client);
+    }
+    pause_ = progress ? kShortest : std::min(2 * pause_, kLongest);
+    next_ = Clock::now() + pause_;
+  }
+
+  bool empty() const { return waiting_.empty(); }
+  Clock::time_point next() const { return waiting_.empty() ? Clock::time_point::max() : next_; }
+
+ private:
+  struct Client {
+    std::deque<SharedReply> replies;
+    std::size_t bytes = 0;
+  };
+
+  // DDS does not tell when there is room: it is asked again, the less often the longer nothing moves.
+  static constexpr Clock::duration kShortest = std::chrono::milliseconds(1), kLongest = std::chrono::milliseconds(50);
+
+  void remove_oldest(Client& client) {
+    const std::size_t size = size_of(*client.replies.front());
+    bytes_ -= size;
+    client.bytes -= size;
+    client.replies.pop_front();
+  }
+
+  void drop_one() {
+    const auto furthest = std::max_element(
+        waiting_.begin(), waiting_.end(), [](const auto& a, const auto& b) { return a.second.bytes < b.second.bytes; });
+    remove_oldest(furthest->second);
+    if (furthest->second.replies.empty()) waiting_.erase(furthest);
+  }
+
+  const Send send_;
+  const std::size_t most_bytes_;
+  std::size_t bytes_ = 0;
+  std::map<decltype(RequestId::client), Client> waiting_;
+  Clock::duration pause_ = kShortest;
+  Clock::time_point next_{};
+};
+
+}  // namespace fjr

@@ -1,0 +1,81 @@
+#include "planner/service/ownership.h"
+
+#include <algorithm>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+namespace fjr {
+namespace {
+
+// The same on every machine: FNV-1a, then SplitMix64's finaliser, for FNV alone hardly mixes the last characters.
+std::uint64_t rank(std::string_view robot, std::string_view instance) {
+  std::uint64_t hash = 0xcbf29ce484222325;
+  for (const std::string_view part : {robot, std::string_view("\0", 1), instance}) {
+    for (const char c : part) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
+  }
+  hash = (hash ^ (hash >> 30)) * 0xbf58476d1ce4e5b9;
+  hash = (hash ^ (hash >> 27)) * 0x94d049bb133111eb;
+  return hash ^ (hash >> 31);
+}
+
+}  // namespace
+
+Ownership::Ownership(std::string instance, std::string robot_id)
+    : instance_(std::move(instance)), robot_id_(std::move(robot_id)) {}
+
+void Ownership::heard(const std::string& instance, const std::string& robot_id, std::uint64_t epoch) {
+  peers_[instance] = {robot_id, epoch};
+  if (robot_id == robot_id_) heard_epoch(epoch);
+}
+
+void Ownership::lost(const std::string& instance) { peers_.erase(instance); }
+
+void Ownership::heard_epoch(std::uint64_t epoch) { largest_ = std::max(largest_, epoch); }
+
+bool Ownership::outranked() const {
+  const auto mine = std::tuple(epoch_, rank(robot_id_, instance_));
+  return std::any_of(peers_.begin(), peers_.end(), [&](const auto& entry) {
+    const auto& [name, peer] = entry;
+    return peer.robot_id == robot_id_ && std::tuple(peer.epoch, rank(robot_id_, name)) > mine;
+  });
+}
+
+bool Ownership::somebody_owns() const {
+  return std::any_of(peers_.begin(), peers_.end(),
+                     [&](const auto& entry) { return entry.second.robot_id == robot_id_ && entry.second.epoch > 0; });
+}
+
+bool Ownership::first_in_line() const {
+  return std::none_of(peers_.begin(), peers_.end(), [&](const auto& entry) {
+    return entry.second.robot_id == robot_id_ && rank(robot_id_, entry.first) > rank(robot_id_, instance_);
+  });
+}
+
+bool Ownership::review() {
+  const std::uint64_t before = epoch_;
+  if (owner() && outranked()) epoch_ = 0;
+  // An owner that is behind what the executor has seen would be refused: it goes ahead of it again.
+  const bool entitled = owner() ? epoch_ < largest_ : !somebody_owns() && first_in_line();
+  if (entitled) epoch_ = largest_ = largest_ + 1;
+  return epoch_ != before;
+}
+
+bool Ownership::has_standby() const {
+  return std::any_of(peers_.begin(), peers_.end(),
+                     [&](const auto& entry) { return entry.second.robot_id == robot_id_; });
+}
+
+bool Ownership::answers_for(const std::string& robot_id) const {
+  if (robot_id == robot_id_) return owner();
+  const std::set<std::string> served = robots();
+  return owner() && !served.contains(robot_id) && *served.begin() == robot_id_;
+}
+
+std::set<std::string> Ownership::robots() const {
+  std::set<std::string> served{robot_id_};
+  for (const auto& [name, peer] : peers_) served.insert(peer.robot_id);
+  return served;
+}
+
+}  // namespace fjr

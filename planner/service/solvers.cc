@@ -1,0 +1,142 @@
+#include "planner/service/solvers.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "planner/service/memory.h"
+#include "planner/service/progress_frame.h"
+
+namespace fjr {
+
+Solvers::Solvers(std::size_t count, std::filesystem::path robot, std::function<void()> wake)
+    : robot_(std::move(robot)), wake_(std::move(wake)), solvers_(count) {
+  replace_missing();
+}
+
+void Solvers::replace_missing() {
+  for (Solver& solver : solvers_) {
+    if (!solver.worker) start(solver);
+  }
+}
+
+void Solvers::start(Solver& solver) {
+  const std::uint64_t serial = next_serial_++;
+  solver = {};
+  solver.serial = serial;
+  solver.worker = std::make_unique<Worker>(robot_, [this, serial](std::optional<Frame> frame) {
+    {
+      const std::lock_guard lock(events_mutex_);
+      events_.push_back({serial, std::move(frame)});
+    }
+    wake_();
+  });
+}
+
+bool Solvers::idle() const {
+  return std::any_of(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.worker && !s.job; });
+}
+
+// One that is gone by now says so itself.
+void Solvers::solve(Job job) {
+  const auto solver =
+      std::find_if(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.worker && !s.job; });
+  job.started = Job::Clock::now();
+  solver->job = std::move(job);
+  solver->result = {};
+  (void)solver->worker->solve(solver->job->order.name, solver->job->order.yaml);
+}
+
+// What it was doing is over; its later words are of a serial nobody knows.
+Job Solvers::stop(Solver& solver) {
+  Job job = std::move(*solver.job);
+  start(solver);
+  return job;
+}
+
+Solvers::News Solvers::take_news() {
+  std::vector<Event> events;
+  {
+    const std::lock_guard lock(events_mutex_);
+    events.swap(events_);
+  }
+  News news;
+  for (Event& event : events) {
+    const auto found = std::find_if(solvers_.begin(), solvers_.end(),
+                                    [&](const Solver& s) { return s.worker && s.serial == event.worker; });
+    if (found == solvers_.end()) continue;
+    event.frame ? take_frame(*found, std::move(*event.frame), news) : lose(*found, news);
+  }
+  return news;
+}
+
+void Solvers::take_frame(Solver& solver, Frame frame, News& news) {
+  if (!solver.job) return;
+  switch (frame.kind) {
+    case FrameKind::kProgress:
+      return report_progress(*solver.job, frame.payload, news);
+    case FrameKind::kPlanJson:
+      solver.result.plan_json = std::move(frame.payload);
+      return;
+    case FrameKind::kRows:
+      solver.result.rows.resize(frame.payload.size() / sizeof(Sample));
+      std::memcpy(static_cast<void*>(solver.result.rows.data()), frame.payload.data(),
+                  solver.result.rows.size() * sizeof(Sample));
+      return;
+    case FrameKind::kDone:
+      return conclude(solver, frame.payload, news);
+    case FrameKind::kName:
+    case FrameKind::kSolve:
+      return;
+  }
+}
+
+void Solvers::report_progress(const Job& job, const std::string& payload, News& news) const {
+  const auto progress = progress_from(payload);
+  const std::chrono::duration<double> elapsed = Job::Clock::now() - job.arrived;
+  if (progress) news.progress.push_back({job.order.id, 0, *progress, elapsed.count()});
+}
+
+void Solvers::conclude(Solver& solver, const std::string& payload, News& news) {
+  const auto status = static_cast<PlanStatus>(payload.at(0));
+  Outcome outcome = std::exchange(solver.result, {});
+  outcome.job = std::move(*std::exchange(solver.job, std::nullopt));
+  outcome.state = state_of(status);
+  outcome.why = {reason_of(status), "", payload.substr(1)};
+  if (status != PlanStatus::kCertified) outcome.rows.clear();
+  news.outcomes.push_back(std::move(outcome));
+}
+
+// It is started again with the next heartbeat: one that cannot start at all must not keep the service busy.
+void Solvers::lose(Solver& solver, News& news) {
+  ++lost_;
+  spdlog::error("worker lost pid={} solving={}", solver.worker->pid(),
+                solver.job ? text(solver.job->order.id) : "none");
+  if (solver.job) {
+    Outcome outcome;
+    outcome.job = std::move(*solver.job);
+    outcome.why = {Reason::kWorkerLost, "", "the solving process ended unexpectedly"};
+    news.outcomes.push_back(std::move(outcome));
+  }
+  solver = Solver{};
+}
+
+std::vector<const Job*> Solvers::jobs() const {
+  std::vector<const Job*> jobs;
+  for (const Solver& solver : solvers_) {
+    if (solver.job) jobs.push_back(&*solver.job);
+  }
+  return jobs;
+}
+
+std::uint64_t Solvers::memory() const {
+  std::uint64_t bytes = 0;
+  for (const Solver& solver : solvers_) {
+    if (solver.worker) bytes += resident_bytes(solver.worker->pid());
+  }
+  return bytes;
+}
+
+}  // namespace fjr

@@ -1,0 +1,80 @@
+// The solving processes, and what each of them is doing.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planner/service/job_queue.h"
+#include "planner/service/worker.h"
+
+namespace fjr {
+
+struct Outcome {
+  Job job;
+  ReplyState state = ReplyState::kFailed;
+  Refusal why;
+  std::string plan_json;
+  std::vector<Sample> rows;  // of a certified trajectory only
+};
+
+class Solvers {
+ public:
+  // `wake` is called from other threads whenever take_news() has something to tell.
+  Solvers(std::size_t count, std::filesystem::path robot, std::function<void()> wake);
+
+  bool idle() const;       // one of them is
+  void solve(Job job);     // by an idle one
+  void replace_missing();  // starts those again that have ended
+
+  struct News {
+    std::vector<ProgressReport> progress;
+    std::vector<Outcome> outcomes;
+  };
+  News take_news();
+
+  // Stops the first one that solves a job of which `which` holds, and returns the job.
+  template <class Which>
+  std::optional<Job> stop_if(Which&& which) {
+    for (Solver& solver : solvers_) {
+      if (solver.job && which(*solver.job)) return stop(solver);
+    }
+    return std::nullopt;
+  }
+
+  std::vector<const Job*> jobs() const;  // being solved
+  std::size_t size() const { return solvers_.size(); }
+  std::uint64_t lost() const { return lost_; }  // ended unexpectedly
+  std::uint64_t memory() const;                 // [bytes] resident
+
+ private:
+  struct Event {  // a worker's word
+    std::uint64_t worker;
+    std::optional<Frame> frame;  // none: it has ended
+  };
+  struct Solver {
+    std::uint64_t serial = 0;
+    std::unique_ptr<Worker> worker;  // none: to be started again
+    std::optional<Job> job;
+    Outcome result;  // as far as it has come
+  };
+
+  void start(Solver& solver);
+  Job stop(Solver& solver);
+  void lose(Solver& solver, News& news);
+  void take_frame(Solver& solver, Frame frame, News& news);
+  void report_progress(const Job& job, const std::string& payload, News& news) const;
+  void conclude(Solver& solver, const std::string& payload, News& news);
+
+  const std::filesystem::path robot_;
+  const std::function<void()> wake_;
+  std::uint64_t next_serial_ = 1, lost_ = 0;
+  std::mutex events_mutex_;
+  std::vector<Event> events_;
+  std::vector<Solver> solvers_;  // last: their threads end before what they speak to
+};
+
+}  // namespace fjr

@@ -1,0 +1,132 @@
+// More than the service can do: every request is answered, and whoever does not listen costs the others nothing.
+#include <csignal>
+#include <functional>
+#include <set>
+#include <thread>
+
+#include "tests/service/service_fixture.h"
+
+namespace fjr {
+namespace {
+
+class FloodTest : public ServiceTest {};
+
+// One client that sends its requests as fast as it can and hears the first answer to each.
+class Crowd {
+ public:
+  Crowd(unsigned domain, std::uint64_t count) : count_(count), port_(domain, me_) {
+    while (!port_.served()) port_.wait(milliseconds(5));
+  }
+
+  void run(const Order& pattern, double patience, std::function<void()> on_sent = nullptr) {
+    const auto began = Clock::now();
+    Order order = pattern;
+    order.id = me_;
+    while (answered_.size() < count_ && seconds_since(began) < patience) {
+      if (order.id.number < count_) {
+        ++order.id.number;
+        if (!port_.send(order)) --order.id.number;  // again
+        if (order.id.number == count_) sent_in_ = seconds_since(began);
+      } else {
+        if (on_sent) std::exchange(on_sent, nullptr)();
+        port_.wait(milliseconds(20));
+      }
+      if (order.id.number == count_ || order.id.number % 32 == 0) listen();
+    }
+    answered_in_ = seconds_since(began);
+  }
+
+  std::size_t answered() const { return answered_.size(); }
+  double sent_in() const { return sent_in_; }
+  double answered_in() const { return answered_in_; }
+
+ private:
+  void listen() {
+    (void)port_.take_progress();
+    (void)port_.take_services();
+    for (const Reply& reply : port_.take_replies()) answered_.insert(reply.id.number);
+  }
+
+  const std::uint64_t count_;
+  const RequestId me_ = new_client();
+  dds::ClientPort port_;
+  std::set<std::uint64_t> answered_;
+  double sent_in_ = 0, answered_in_ = 0;
+};
+
+void flood(unsigned domain, std::size_t clients, std::uint64_t each, const Order& pattern) {
+  std::vector<std::unique_ptr<Crowd>> crowds;
+  for (std::size_t i = 0; i < clients; ++i) crowds.push_back(std::make_unique<Crowd>(domain, each));
+  {
+    std::vector<std::jthread> threads;
+    for (auto& crowd : crowds) threads.emplace_back([&] { crowd->run(pattern, 20); });
+  }
+  for (const auto& crowd : crowds) {
+    EXPECT_EQ(crowd->answered(), each);
+    std::printf("%llu sent in %.3f s, answered in %.3f s\n", static_cast<unsigned long long>(each), crowd->sent_in(),
+                crowd->answered_in());
+  }
+}
+
+TEST_F(FloodTest, TenThousandRequestsOfFourClientsAreAllAnswered) {
+  serve();
+  flood(domain_, 4, 2500, order(kSlow));
+}
+
+TEST_F(FloodTest, TenThousandRequestsOfOneClientAreAllAnswered) {
+  serve();
+  flood(domain_, 1, 10000, order(kSlow));
+}
+
+// A client that stops to listen as soon as it has asked, which many do not survive: this program again.
+int stopped_client(unsigned domain, std::uint64_t count) {
+  Crowd crowd(domain, count);
+  Order pattern;
+  pattern.yaml = kSlow;
+  crowd.run(pattern, 30, [] { std::raise(SIGSTOP); });
+  return crowd.answered() == count ? 0 : 1;
+}
+
+bool stopped(const Process& process) {
+  const std::string stat = contents("/proc/" + std::to_string(process.pid()) + "/stat");
+  return stat.find(") T ") != std::string::npos;
+}
+
+// 2,000 replies are more than the 500 kB that a writer keeps for a reader that does not acknowledge.
+TEST_F(FloodTest, TwentyStoppedClientsCostTheOthersNothingAndMissNothing) {
+  serve();
+  std::vector<std::unique_ptr<Process>> clients;
+  for (int i = 0; i < 20; ++i) {
+    const std::vector<std::string> words{"/proc/self/exe", "stopped-client", domain(), "2000"};
+    clients.push_back(std::make_unique<Process>(words, path("client" + std::to_string(i))));
+  }
+  const auto began = Clock::now();
+  for (const auto& client : clients) {
+    while (!stopped(*client) && seconds_since(began) < 30) std::this_thread::sleep_for(milliseconds(5));
+  }
+  std::vector<double> round_trips;
+  for (int i = 0; i < 200; ++i) {
+    const Order bad = order("start: {q: [0, 0]}\ngoal: {q: [1.2, 3.4]}\n");
+    const auto asked = Clock::now();
+    send(bad);
+    EXPECT_EQ(final_reply(bad.id, 5).state, ReplyState::kRejected);
+    round_trips.push_back(seconds_since(asked));
+  }
+  std::sort(round_trips.begin(), round_trips.end());
+  std::printf("round trip beside 20 stopped clients: median %.2f ms, p99 %.2f ms\n", 1e3 * round_trips[100],
+              1e3 * round_trips[197]);
+  EXPECT_LT(round_trips[100], 0.05);
+  for (const auto& client : clients) client->send(SIGCONT);
+  for (const auto& client : clients) EXPECT_EQ(client->wait(), 0) << client->output();
+}
+
+}  // namespace
+}  // namespace fjr
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  if (argc == 4 && std::string(argv[1]) == "stopped-client") {
+    return fjr::stopped_client(static_cast<unsigned>(std::stoul(argv[2])), std::stoul(argv[3]));
+  }
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,138 @@
+// A service as its clients see it: real processes, real DDS over the loopback interface.
+#pragma once
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planner/service/dds/client_port.h"
+#include "tests/support/process.h"
+
+namespace fjr {
+
+namespace fs = std::filesystem;
+using Clock = std::chrono::steady_clock;
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+
+inline const std::string kFast = "start: {q: [0.3, 0.2]}\ngoal: {q: [0.42, 0.08]}\nobjective: fastest\n";  // about 1 s
+inline const std::string kSlow =
+    "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\nduration: 1.5\nobjective: efficient\n";  // many
+
+inline double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+class ServiceTest : public testing::Test {
+ protected:
+  void SetUp() override { fs::create_directories(folder_); }
+  void TearDown() override {
+    if (HasFailure() && service_) std::fputs(service_->output().c_str(), stderr);
+    port_.reset();  // first: it lingers for a second over what a service that is gone has not acknowledged
+    service_.reset();
+    fs::remove_all(folder_);
+  }
+
+  fs::path path(const std::string& name) const { return folder_ / name; }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
+
+  // Tests that run at the same time, each in its own process, have domains of their own.
+  std::string domain() const { return std::to_string(domain_); }
+
+  void serve(const std::string& configuration = "{workers: 1}\n") {
+    write("service.yaml", configuration);
+    service_ = std::make_unique<Process>(std::vector<std::string>{FJR_EXECUTABLE, "serve", "--domain", domain(),
+                                                                  "--config", path("service.yaml").string()},
+                                         path("serve.log"));
+    port_ = std::make_unique<dds::ClientPort>(domain_, me_);
+    const auto began = Clock::now();
+    while (!port_->served() && seconds_since(began) < 10) port_->wait(milliseconds(5));
+    ASSERT_TRUE(port_->served());
+  }
+
+  Process& service() { return *service_; }
+
+  Process fjr(std::vector<std::string> words, const std::string& log) const {
+    words.insert(words.begin(), FJR_EXECUTABLE);
+    return Process(words, path(log));
+  }
+
+  Order order(const std::string& yaml) {
+    Order order;
+    order.id = me_;
+    order.id.number = ++sent_;
+    order.name = "request.yaml";
+    order.yaml = yaml;
+    return order;
+  }
+
+  void send(const Order& order) { EXPECT_TRUE(port_->send(order)); }
+  void cancel(const RequestId& id) { EXPECT_TRUE(port_->cancel(id)); }
+
+  // The next reply to `id` within `limit` seconds of which `wanted` holds.
+  template <class Wanted>
+  std::optional<Reply> next(const RequestId& id, Wanted wanted, double limit = 20) {
+    const auto began = Clock::now();
+    while (seconds_since(began) < limit) {
+      for (auto reply = arrived_.begin(); reply != arrived_.end(); ++reply) {
+        if (reply->id != id || !wanted(*reply)) continue;
+        Reply found = *reply;
+        // Earlier replies to it are passed over; those to other requests stay to be asked for.
+        const auto end = reply + 1;
+        arrived_.erase(std::remove_if(arrived_.begin(), end, [&](const Reply& r) { return r.id == id; }), end);
+        return found;
+      }
+      port_->wait(milliseconds(20));
+      (void)port_->take_progress();
+      for (const ServiceStatus& status : port_->take_services()) status_ = status;
+      for (Reply& reply : port_->take_replies()) arrived_.push_back(std::move(reply));
+    }
+    ADD_FAILURE() << "no such reply within " << limit << " s";
+    return std::nullopt;
+  }
+  Reply final_reply(const RequestId& id, double limit = 20) {
+    return next(
+               id, [](const Reply& reply) { return reply.final(); }, limit)
+        .value_or(Reply{});
+  }
+  void expect_accepted(const RequestId& id) {
+    next(id, [](const Reply& reply) { return reply.state == ReplyState::kAccepted; });
+  }
+
+  // What the service says of itself once `holds`.
+  template <class Holds>
+  ServiceStatus status_when(Holds holds) {
+    const auto began = Clock::now();
+    while (!holds(status_) && seconds_since(began) < 5) {
+      port_->wait(milliseconds(20));
+      (void)port_->take_progress();
+      for (const ServiceStatus& status : port_->take_services()) status_ = status;
+      for (Reply& reply : port_->take_replies()) arrived_.push_back(std::move(reply));
+    }
+    EXPECT_TRUE(holds(status_));
+    return status_;
+  }
+  void wait_until_solving() {
+    status_when([](const ServiceStatus& status) { return status.solving == 1; });
+  }
+
+  const unsigned domain_ = 20 + static_cast<unsigned>(::getpid()) % 200;
+  const RequestId me_ = new_client();
+
+ private:
+  fs::path folder_ = fs::temp_directory_path() / ("fjr_service_test_" + std::to_string(::getpid()));
+  std::unique_ptr<Process> service_;
+  std::unique_ptr<dds::ClientPort> port_;
+  std::vector<Reply> arrived_;
+  ServiceStatus status_;
+  std::uint64_t sent_ = 0;
+};
+
+}  // namespace fjr

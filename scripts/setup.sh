@@ -10,6 +10,7 @@ packages=(
   libceres-dev                                                  # identification
   coinor-libipopt-dev libmumps-seq-dev libopenblas0-serial      # optimisation; BLAS with one thread
   cyclonedds-dev cyclonedds-tools libspdlog-dev libsystemd-dev  # the planning service, its log and its watchdog
+  openssl iproute2 nftables                                     # credentials; networks that lose packets, in tests
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev  # tests and benchmarks
   clang-format clang-tidy                                       # style
 )

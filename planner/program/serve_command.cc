@@ -21,6 +21,7 @@ struct Options {
   std::string config;
   int domain = -1;  // < 0: as configured
   int workers = 0;  // 0: as configured
+  bool insecure_network = false;
 };
 
 int serve(const Options& options) {
@@ -30,6 +31,7 @@ int serve(const Options& options) {
   ServiceConfig config = options.config.empty() ? default_service_config() : load_service_config(options.config);
   if (options.domain >= 0) config.domain = static_cast<unsigned>(options.domain);
   if (options.workers > 0) config.workers = static_cast<std::size_t>(options.workers);
+  config.allow_insecure_network = config.allow_insecure_network || options.insecure_network;
   Service service(config);
   const std::jthread ending = stop_at_end(service);
   service.run();
@@ -54,6 +56,8 @@ void add_serve(CLI::App& app, int& exit_code) {
   command->add_option("--config", options->config, "Configuration; without it the defaults")->type_name("SERVICE.yaml");
   command->add_option("--domain", options->domain, "DDS domain")->check(CLI::Range(0, 230));
   command->add_option("--workers", options->workers, "Solving processes")->check(CLI::Range(1, 64));
+  command->add_flag("--insecure-network", options->insecure_network,
+                    "Serve on a network without DDS Security: everybody on it can have the arm moved");
   command->callback([options, &exit_code] { exit_code = serve(*options); });
 }
 

@@ -42,7 +42,7 @@ Service::Service(const ServiceConfig& config)
     : config_(config),
       robot_(load_parameters(config.robot)),
       robot_hash_(robot_hash(robot_)),
-      port_(config.domain),
+      port_(dds::guarded_participant(config.domain, config.security, config.allow_insecure_network)),
       ownership_(config.instance, config.robot_id),
       executor_(config.robot_id, robot_hash_),
       backlog_(kBacklog),

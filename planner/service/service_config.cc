@@ -7,6 +7,7 @@
 
 #include "model/parameters.h"
 #include "model/strict_yaml.h"
+#include "planner/service/dds/credentials.h"
 
 namespace fjr {
 namespace {
@@ -65,13 +66,15 @@ ServiceConfig default_service_config() {
   ServiceConfig config;
   config.instance = this_process();
   config.robot = default_robot_file();
+  config.security = dds::credentials_from_environment();
   return config;
 }
 
 ServiceConfig load_service_config(const std::filesystem::path& file) {
   ServiceConfig config = default_service_config();
   const YamlNode root = YamlNode::load(file);
-  root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "queue", "budget", "longest_budget", "ros2"});
+  root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "queue", "budget", "longest_budget", "ros2",
+                   "security", "allow_insecure_network"});
   read_whole(root, "domain", 0, 230, config.domain);
   read_whole(root, "workers", 1, 64, config.workers);
   read_whole(root, "queue", 1, 4096, config.queue);
@@ -81,6 +84,8 @@ ServiceConfig load_service_config(const std::filesystem::path& file) {
   read_name(root, "robot_id", config.robot_id);
   if (const auto node = root.find("ros2")) read_ros2(*node, config);
   if (const auto node = root.find("robot")) config.robot = file.parent_path() / node->text();
+  if (const auto node = root.find("security")) config.security = file.parent_path() / node->text();
+  if (const auto node = root.find("allow_insecure_network")) config.allow_insecure_network = read_switch(*node);
   return config;
 }
 

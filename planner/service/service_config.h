@@ -18,9 +18,11 @@ struct ServiceConfig {
   double longest_budget = 600;    // [s] a request may ask for
   bool joint_trajectory = false;  // for ROS 2: what goes to the executor also goes to rt/joint_trajectory
   std::vector<std::string> joint_names{"joint1", "joint2"};
+  std::filesystem::path security;       // credentials for DDS Security; empty: off
+  bool allow_insecure_network = false;  // serve beyond the loopback interface without
 };
 
-// The defaults, with the robot shipped with the program.
+// The defaults, with the robot shipped with the program and the credentials that FJR_SECURITY names.
 ServiceConfig default_service_config();
 
 // Throws InputError naming file, field, value and what is allowed.

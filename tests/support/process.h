@@ -28,8 +28,9 @@ inline std::string contents(const std::filesystem::path& file) {
 
 class Process {
  public:
-  // stdout and stderr go to `log`.
-  Process(std::vector<std::string> words, std::filesystem::path log) : log_(std::move(log)) {
+  // stdout and stderr go to `log`; it runs in `folder`, by default the test's.
+  Process(std::vector<std::string> words, std::filesystem::path log, const std::filesystem::path& folder = ".")
+      : log_(std::move(log)) {
     std::vector<char*> argv;
     for (std::string& word : words) argv.push_back(word.data());
     argv.push_back(nullptr);
@@ -37,6 +38,7 @@ class Process {
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, log_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     posix_spawn_file_actions_adddup2(&actions, STDOUT_FILENO, STDERR_FILENO);
+    posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
     const int error = posix_spawn(&pid_, words.front().c_str(), &actions, nullptr, argv.data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     if (error != 0) throw std::runtime_error("cannot start " + words.front());

@@ -8,6 +8,7 @@
 
 #include "model/input_error.h"
 #include "model/parameters.h"
+#include "planner/service/dds/reach.h"
 
 namespace fjr::dds {
 namespace {
@@ -38,9 +39,32 @@ std::shared_ptr<Entity> shared_domain(unsigned domain) {
   return shared;
 }
 
+Entity created(unsigned domain, const fs::path& credentials) {
+  const Qos qos = credentials.empty() ? Qos() : with_credentials(credentials);
+  const dds_entity_t participant = dds_create_participant(domain, qos.get(), nullptr);
+  if (participant < 0 && !credentials.empty()) {
+    throw InputError(credentials.string(), "", "not accepted by DDS Security, which says above why");
+  }
+  return Entity(participant, "participant");
+}
+
 }  // namespace
 
-Participant::Participant(unsigned domain)
-    : domain_(shared_domain(domain)), participant_(dds_create_participant(domain, nullptr, nullptr), "participant") {}
+Participant::Participant(unsigned domain, const fs::path& credentials)
+    : domain_(shared_domain(domain)), participant_(created(domain, credentials)) {
+  if (sends_only_over_loopback()) hear_only_loopback();
+}
+
+Participant guarded_participant(unsigned domain, const fs::path& credentials, bool allow_insecure_network) {
+  Participant participant(domain, credentials);
+  if (credentials.empty() && !allow_insecure_network && !sends_only_over_loopback()) {
+    throw InputError(
+        "CYCLONEDDS_URI", "",
+        "DDS uses a network without DDS Security, and everybody on it could move the arm: give credentials "
+        "(service.yaml: security, or FJR_SECURITY; config/security/README.md), or accept it with "
+        "--insecure-network (service.yaml: allow_insecure_network: true)");
+  }
+  return participant;
+}
 
 }  // namespace fjr::dds

@@ -1,19 +1,22 @@
 // Taking part in a DDS domain, and what everything else is made from.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <string>
 
+#include "planner/service/dds/credentials.h"
 #include "planner/service/dds/entity.h"
 #include "planner/service/dds/qos.h"
 #include "planner/service/dds/topics.h"
 
 namespace fjr::dds {
 
-// Applies the shipped loopback configuration unless CYCLONEDDS_URI says otherwise.
+// Applies the shipped loopback configuration unless CYCLONEDDS_URI says otherwise. With credentials (credentials.h)
+// only participants with credentials of the same authorities are met.
 class Participant {
  public:
-  explicit Participant(unsigned domain);
+  explicit Participant(unsigned domain, const std::filesystem::path& credentials = credentials_from_environment());
 
   dds_entity_t handle() const { return participant_.handle(); }
 
@@ -36,5 +39,9 @@ class Participant {
   std::shared_ptr<Entity> domain_;  // none: CYCLONEDDS_URI configures it
   Entity participant_;
 };
+
+// For those who are told what to do: throws InputError when others on a network could and would not have to say who
+// they are, unless that is allowed.
+Participant guarded_participant(unsigned domain, const std::filesystem::path& credentials, bool allow_insecure_network);
 
 }  // namespace fjr::dds

@@ -35,6 +35,9 @@ class Qos {
   Qos& ignore_own() { return set(dds_qset_ignorelocal, DDS_IGNORELOCAL_PARTICIPANT); }  // of the same participant
   Qos& keep_instances() { return set(dds_qset_writer_data_lifecycle, false); }          // when their writer goes
   Qos& partition(const std::string& name) { return set(dds_qset_partition1, name.c_str()); }
+  Qos& property(const std::string& name, const std::string& value) {
+    return set(dds_qset_prop, name.c_str(), value.c_str());
+  }
 
   const dds_qos_t* get() const { return qos_.get(); }
 

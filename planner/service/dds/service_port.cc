@@ -27,8 +27,8 @@ bool alive(const dds_sample_info_t& info) { return info.instance_state == DDS_IS
 
 }  // namespace
 
-ServicePort::ServicePort(unsigned domain)
-    : participant_(domain),
+ServicePort::ServicePort(Participant participant)
+    : participant_(std::move(participant)),
       waitset_(participant_),
       everywhere_(participant_.subscriber("*")),
       peers_(participant_, participant_.handle(), of_others()),

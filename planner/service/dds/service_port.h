@@ -18,7 +18,7 @@ namespace fjr::dds {
 
 class ServicePort {
  public:
-  explicit ServicePort(unsigned domain);
+  explicit ServicePort(Participant participant);
 
   // Until something arrives, wake() is called (from any thread) or the time is over. The executor's states, a thousand
   // a second, and other instances' replies do not end the wait.

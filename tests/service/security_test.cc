@@ -1,0 +1,138 @@
+// DDS Security as config/security sets it up: who may take part does, nobody else; and no network without it.
+#include <gmock/gmock.h>
+
+#include "planner/service/dds/reader.h"
+#include "planner/service/dds/writer.h"
+#include "tests/support/service_processes.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+
+class SecurityTest : public ServiceProcesses {
+ protected:
+  void SetUp() override {
+    ServiceProcesses::SetUp();
+    make_credentials("ours");
+  }
+
+  void make_credentials(const std::string& folder) {
+    Process script({FJR_SOURCE_DIR "/config/security/make_credentials.sh", path(folder).string()}, path("make.log"));
+    ASSERT_EQ(script.wait(), 0) << script.output();
+  }
+  std::string credentials(const std::string& name) const { return path("ours") / name; }
+  std::unique_ptr<Process> guest(const std::string& log, const std::string& environment) const {
+    return std::make_unique<Process>(
+        std::vector<std::string>{"/usr/bin/env", environment, FJR_GUEST, std::to_string(domain_), "3"}, path(log));
+  }
+  std::vector<std::string> as(const std::string& name) const { return {"FJR_SECURITY=" + credentials(name)}; }
+};
+
+TEST_F(SecurityTest, PlansAndExecutesForThoseWhoMay) {
+  const auto service = serve({}, as("service"));
+  const auto executor = fjr({"executor", "--start", "0.3,0.2"}, "executor.log", as("executor"));
+  ASSERT_TRUE(comes_true([&] { return executor->output().find("executing for") != std::string::npos; }));
+  const auto request = fjr({"request", path("quick.yaml"), "--execute"}, "request.log", as("client"));
+  EXPECT_EQ(request->wait(), 0) << request->output();
+  EXPECT_THAT(request->output(), HasSubstr("execution   code 0"));
+}
+
+// A guest without credentials, one with those of other authorities, and one with our authority's identity who wrote and
+// signed permissions himself.
+TEST_F(SecurityTest, IgnoresEverybodyElse) {
+  make_credentials("theirs");
+  fs::copy(credentials("executor"), path("impostor"));
+  Process forge({"/bin/sh", "-ec",
+                 "sed s/CN=client/CN=executor/ ours/client/permissions.xml > forged.xml;"
+                 "openssl smime -sign -text -in forged.xml -out impostor/permissions.p7s"
+                 " -signer theirs/authority/permissions_ca.cert.pem -inkey theirs/authority/permissions_ca.key.pem;"
+                 "cp theirs/authority/governance.p7s theirs/authority/permissions_ca.cert.pem impostor"},
+                path("forge.log"), path(""));
+  ASSERT_EQ(forge.wait(), 0) << forge.output();
+
+  const auto service = serve({}, as("service"));
+  const auto unknown = guest("unknown.log", "FJR_SECURITY=");
+  const auto foreign = guest("foreign.log", "FJR_SECURITY=" + (path("theirs") / "client").string());
+  const auto impostor = guest("impostor.log", "FJR_SECURITY=" + path("impostor").string());
+  const auto welcome = guest("welcome.log", as("client")[0]);
+  for (const auto& refused : {&unknown, &foreign, &impostor}) {
+    EXPECT_EQ((*refused)->wait(), 0);
+    EXPECT_THAT((*refused)->output(), HasSubstr("matched=0 heard=0 replies=0"));
+  }
+  EXPECT_EQ(welcome->wait(), 0);
+  EXPECT_THAT(welcome->output(), ContainsRegex("matched=1 heard=[1-9][0-9]* replies=2"));
+  const auto status = fjr({"status", "--json"}, "status.log", as("client"));
+  EXPECT_EQ(status->wait(), 0);
+  EXPECT_THAT(status->output(), HasSubstr("\"received\": 1,"));
+  EXPECT_THAT(status->output(), HasSubstr("\"solved\": 1,"));
+}
+
+TEST_F(SecurityTest, HoldsEverybodyToTheirRole) {
+  const auto observer = guest("observer.log", as("observer")[0]);
+  EXPECT_NE(observer->wait(), 0);
+  EXPECT_THAT(observer->output(), HasSubstr("Not Allowed By Security"));
+  const dds::Participant client(domain_, credentials("client"));
+  EXPECT_THROW(dds::Writer<fjr_msg_Trajectory>(client, client.handle()), dds::Error);
+  EXPECT_THROW(dds::Reader<fjr_msg_PlanRequest>(client, client.handle()), dds::Error);
+  EXPECT_NO_THROW(dds::Writer<fjr_msg_PlanRequest>(client, client.handle()));
+}
+
+TEST_F(SecurityTest, NamesCredentialsThatAreNoGood) {
+  fs::remove(path("ours") / "service" / "key.pem");
+  const auto incomplete = fjr({"serve"}, "incomplete.log", as("service"));
+  EXPECT_EQ(incomplete->wait(), 2);
+  EXPECT_THAT(incomplete->output(), HasSubstr("service/key.pem: no such file; DDS Security needs it"));
+  write("ours/client/permissions.p7s", "nobody signed this");
+  const auto unsigned_permissions = fjr({"status"}, "unsigned.log", as("client"));
+  EXPECT_EQ(unsigned_permissions->wait(), 2);
+  EXPECT_THAT(unsigned_permissions->output(), HasSubstr("ours/client: not accepted by DDS Security"));
+}
+
+// In a namespace with an interface that is not the loopback one.
+TEST_F(SecurityTest, DoesNotServeANetworkUnprotectedUnlessToldTo) {
+  const std::string network =
+      "ip link set lo up && ip link add fjr0 type veth peer name fjr1 && ip addr add 10.99.0.1/24 dev fjr0 &&"
+      " ip link set fjr0 up && ip link set fjr1 up || exit 99; " FJR_EXECUTABLE " serve --config " +
+      path("service.yaml").string();
+  const auto serving = [&](const std::string& environment, const std::string& configuration) {
+    write("service.yaml", configuration);
+    return in_network_namespace(environment + "; export CYCLONEDDS_URI FJR_INTERFACE FJR_SECURITY; " + network +
+                                "& service=$!; while ! grep -q serving serve.log && kill -0 $service; do sleep 0.05; "
+                                "done; kill $service; wait $service");
+  };
+  if (serving("", "{}").empty()) GTEST_SKIP() << "network namespaces are not allowed here";
+  const std::string lab = "FJR_INTERFACE=fjr0; CYCLONEDDS_URI=file://" FJR_SOURCE_DIR "/config/cyclonedds-lab.xml";
+  const std::string inline_xml =
+      "CYCLONEDDS_URI='file://" FJR_SOURCE_DIR
+      "/config/cyclonedds.xml,"
+      "<General><Interfaces><NetworkInterface address=\"10.99.0.1\"/></Interfaces></General>'";
+  const auto outcome = [&](const std::string& environment, const std::string& configuration) {
+    Process service(serving(environment, configuration), path("serve.log"), path(""));
+    const int code = service.wait();
+    return std::to_string(code) + " " + service.output();
+  };
+  for (const std::string& unprotected : {lab, inline_xml, std::string("CYCLONEDDS_URI='<Tracing/>'")}) {
+    const std::string text = outcome(unprotected, "{workers: 1}");
+    EXPECT_EQ(text.substr(0, 2), "2 ") << text;
+    EXPECT_THAT(text, HasSubstr("DDS uses a network without DDS Security"));
+    EXPECT_THAT(text, Not(HasSubstr("serving")));
+  }
+  const std::string ours = (path("ours") / "service").string();
+  for (const auto& [environment, configuration] : std::vector<std::pair<std::string, std::string>>{
+           {lab, "{allow_insecure_network: true}"},
+           {lab, "{security: ours/service}"},
+           {lab + " FJR_SECURITY=" + ours, "{workers: 1}"},
+           {"CYCLONEDDS_URI='<General><Interfaces><NetworkInterface name=\"lo\"/></Interfaces></General>'", "{}"},
+           {"CYCLONEDDS_URI=", "{}"}}) {
+    const std::string text = outcome(environment, configuration);
+    EXPECT_EQ(text.substr(0, 2), "0 ") << text;
+    EXPECT_THAT(text, HasSubstr("serving"));
+  }
+}
+
+}  // namespace
+}  // namespace fjr

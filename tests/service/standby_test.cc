@@ -144,6 +144,21 @@ TEST_F(StandbyTest, WhoIsAnsweredByOneIsNotAnsweredByTheOther) {
   EXPECT_EQ(heard_["b"].solved, 0u);
 }
 
+// Longer than the lease: it first makes sure that nobody has taken its place.
+TEST_F(StandbyTest, AnAbsentOwnerAnswersWhatItMissed) {
+  a_ = start("a");
+  connect();
+  wait_until([&] { return owner() == "a"; });
+  a_->send(SIGSTOP);
+  const Order one = order(kFast);
+  send(one);
+  std::this_thread::sleep_for(milliseconds(800));
+  a_->send(SIGCONT);
+  EXPECT_EQ(final_reply(one.id).state, ReplyState::kSolved);
+  EXPECT_THAT(a_->output(), HasSubstr("absent for"));
+  EXPECT_EQ(epoch("a"), 1u);
+}
+
 TEST_F(StandbyTest, ASecondInstanceOfTheSameNameDoesNotStart) {
   a_ = start("a");
   connect();

@@ -13,6 +13,13 @@ install(TARGETS fjr_model fjr_planner
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fjr)
 install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fjr/config USE_SOURCE_PERMISSIONS)
+# The unit names the program by its full path, which is known when it is installed (--prefix). systemd looks in
+# /usr/lib and /usr/local/lib; from elsewhere: `systemctl link`.
+install(CODE "
+  set(FJR_BIN \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\")
+  set(FJR_DATA \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}\")
+  configure_file(\"${PROJECT_SOURCE_DIR}/cmake/fjr.service.in\" \"${PROJECT_BINARY_DIR}/cmake/fjr.service\" @ONLY)
+  file(INSTALL \"${PROJECT_BINARY_DIR}/cmake/fjr.service\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/lib/systemd/system\")")
 install(DIRECTORY model planner
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fjr
   FILES_MATCHING PATTERN "*.h"

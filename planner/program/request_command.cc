@@ -137,6 +137,7 @@ std::string summary(const Options& options, const Reply& reply, double elapsed) 
 std::string summary(const ExecutionResult& r) {
   std::string text = fmt::format("  execution   code {} {}, trajectory {}\n", static_cast<int>(r.code), name(r.code),
                                  to_text(r.trajectory_id));
+  if (r.code > ResultCode::kPathToleranceViolated && r.code < ResultCode::kSuccessful) return text;  // it never moved
   const auto line = [&](const char* what, const Pair<double>& pair, const char* unit) {
     text += fmt::format("    {:<22}{:.3g} and {:.3g} {}\n", what, pair[0], pair[1], unit);
   };

@@ -79,6 +79,9 @@ std::variant<Pair<double>, std::string> ExecutorWatch::rest() const {
   const double age = seconds_since(state_->stamp);
   if (!(std::abs(age) <= kFresh)) return fmt::format("the executor's last word is {:.1f} s old", age);
   if (!at_rest(state_->mode)) return fmt::format("the arm is {}", doing(state_->mode));
+  if (!std::isfinite(state_->q[0] + state_->q[1])) {
+    return fmt::format("the executor says that the arm is at {:.6g} and {:.6g} rad", state_->q[0], state_->q[1]);
+  }
   if (about_to_move()) return std::string("the arm is about to execute a trajectory");
   return held_position(*state_);
 }

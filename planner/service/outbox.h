@@ -34,20 +34,20 @@ class Outbox {
     return all_kept;
   }
 
-  // Sends what there is room for by now.
+  // Sends what there is room for by now, a few to each client so that it does not take long; the rest is due at once.
   void deliver() {
     if (waiting_.empty() || Clock::now() < next_) return;
-    bool progress = false;
+    bool progress = false, more = false;
     for (auto client = waiting_.begin(); client != waiting_.end();) {
       auto& replies = client->second.replies;
-      while (!replies.empty() && send_(*replies.front())) {
-        remove_oldest(client->second);
-        progress = true;
-      }
+      int sent = 0;
+      for (; sent < kAtOnce && !replies.empty() && send_(*replies.front()); ++sent) remove_oldest(client->second);
+      progress = progress || sent > 0;
+      more = more || sent == kAtOnce;
       client = replies.empty() ? waiting_.erase(client) : std::next(client);
     }
     pause_ = progress ? kShortest : std::min(2 * pause_, kLongest);
-    next_ = Clock::now() + pause_;
+    next_ = more ? Clock::now() : Clock::now() + pause_;
   }
 
   bool empty() const { return waiting_.empty(); }
@@ -61,6 +61,8 @@ class Outbox {
 
   // DDS does not tell when there is room: it is asked again, the less often the longer nothing moves.
   static constexpr Clock::duration kShortest = std::chrono::milliseconds(1), kLongest = std::chrono::milliseconds(50);
+
+  static constexpr int kAtOnce = 8;
 
   void remove_oldest(Client& client) {
     const std::size_t size = size_of(*client.replies.front());

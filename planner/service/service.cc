@@ -357,14 +357,20 @@ void Service::open() {
 void Service::review_ownership() {
   const bool changed = ownership_.review();
   if (!port_.is_open()) open();
-  if (!changed) return;
-  ownership_.owner() ? take_over() : give_up_ownership();
-  next_heartbeat_ = {};  // the others are told at once
+  if (changed) {
+    ownership_.owner() ? take_over() : give_up_ownership();
+    next_heartbeat_ = {};  // the others are told at once
+  }
+  if (ownership_.owner()) answer_backlog();
 }
 
 void Service::take_over() {
   spdlog::info("owner robot_id={} epoch={} remembered={}", config_.robot_id, ownership_.epoch(), backlog_.size());
   port_.own(ownership_.epoch());
+}
+
+// What was heard while another instance, or nobody, was the owner.
+void Service::answer_backlog() {
   for (Backlog::Entry& entry : backlog_.take()) {
     if (!ownership_.answers_for(entry.order.robot_id)) continue;
     const RequestId id = entry.order.id;

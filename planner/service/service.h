@@ -65,6 +65,7 @@ class Service {
   void open();
   void review_ownership();
   void take_over();
+  void answer_backlog();
   void give_up_ownership();
 
   // What goes out.

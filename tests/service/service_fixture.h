@@ -51,10 +51,27 @@ class ServiceTest : public testing::Test {
     service_ = std::make_unique<Process>(std::vector<std::string>{FJR_EXECUTABLE, "serve", "--domain", domain(),
                                                                   "--config", path("service.yaml").string()},
                                          path("serve.log"));
+    connect();
+  }
+
+  // To whoever serves.
+  void connect() {
     port_ = std::make_unique<dds::ClientPort>(domain_, me_);
     const auto began = Clock::now();
     while (!port_->served() && seconds_since(began) < 10) port_->wait(milliseconds(5));
     ASSERT_TRUE(port_->served());
+  }
+
+  // Waits a little; replies are kept for next().
+  template <class Use>
+  void listen_once(Use use) {
+    port_->wait(milliseconds(20));
+    (void)port_->take_progress();
+    for (const ServiceStatus& status : port_->take_services()) use(status);
+    for (Reply& reply : port_->take_replies()) arrived_.push_back(std::move(reply));
+  }
+  void listen_once() {
+    listen_once([&](const ServiceStatus& status) { status_ = status; });
   }
 
   Process& service() { return *service_; }
@@ -62,6 +79,10 @@ class ServiceTest : public testing::Test {
   Process fjr(std::vector<std::string> words, const std::string& log) const {
     words.insert(words.begin(), FJR_EXECUTABLE);
     return Process(words, path(log));
+  }
+  std::unique_ptr<Process> start_fjr(std::vector<std::string> words, const std::string& log) const {
+    words.insert(words.begin(), FJR_EXECUTABLE);
+    return std::make_unique<Process>(words, path(log));
   }
 
   Order order(const std::string& yaml) {
@@ -76,6 +97,12 @@ class ServiceTest : public testing::Test {
   void send(const Order& order) { EXPECT_TRUE(port_->send(order)); }
   void cancel(const RequestId& id) { EXPECT_TRUE(port_->cancel(id)); }
 
+  // Time for whoever has just started to meet everybody.
+  void settle() {
+    const auto began = Clock::now();
+    while (seconds_since(began) < 0.4) listen_once();
+  }
+
   // The next reply to `id` within `limit` seconds of which `wanted` holds.
   template <class Wanted>
   std::optional<Reply> next(const RequestId& id, Wanted wanted, double limit = 20) {
@@ -89,10 +116,7 @@ class ServiceTest : public testing::Test {
         arrived_.erase(std::remove_if(arrived_.begin(), end, [&](const Reply& r) { return r.id == id; }), end);
         return found;
       }
-      port_->wait(milliseconds(20));
-      (void)port_->take_progress();
-      for (const ServiceStatus& status : port_->take_services()) status_ = status;
-      for (Reply& reply : port_->take_replies()) arrived_.push_back(std::move(reply));
+      listen_once();
     }
     ADD_FAILURE() << "no such reply within " << limit << " s";
     return std::nullopt;
@@ -111,10 +135,7 @@ class ServiceTest : public testing::Test {
   ServiceStatus status_when(Holds holds) {
     const auto began = Clock::now();
     while (!holds(status_) && seconds_since(began) < 5) {
-      port_->wait(milliseconds(20));
-      (void)port_->take_progress();
-      for (const ServiceStatus& status : port_->take_services()) status_ = status;
-      for (Reply& reply : port_->take_replies()) arrived_.push_back(std::move(reply));
+      listen_once();
     }
     EXPECT_TRUE(holds(status_));
     return status_;

@@ -1,4 +1,6 @@
 // The planning service as its clients see it: real processes, real DDS over the loopback interface.
+#include <fmt/format.h>
+
 #include <limits>
 
 #include "planner/service/dds/wire_request.h"
@@ -169,20 +171,149 @@ TEST_F(ServiceTest, RefusesByName) {
   EXPECT_THAT(refusal(long_budget), HasSubstr("budget: 1000000 s is above 600 s"));
 }
 
+// Every number a request can carry, by the name under which it is refused.
+struct Field {
+  std::string name;
+  double* value;
+};
+
+void add_pair(std::vector<Field>& fields, const std::string& name, double (&pair)[2]) {
+  for (int j = 0; j < 2; ++j) fields.push_back({fmt::format("{}[{}]", name, j), &pair[j]});
+}
+
+// A message in which all that is optional is given; `kind` chooses among what excludes each other.
+struct FullRequest {
+  FullRequest(const Order& order, int kind) : wire(dds::encode(order)), via(2), obstacles(1) {
+    fjr_msg_PlanRequest& m = wire.message;
+    m.start.has_dq = m.start.has_theta = m.start.has_dtheta = true;
+    m.goal.has_dq = m.goal.has_theta = m.goal.has_dtheta = m.goal.has_tip_velocity = true;
+    m.goal.kind = kind == 0 ? fjr_msg_GOAL_JOINTS : fjr_msg_GOAL_TIP;
+    m.duration = {true, 0.5, true, 1.5};
+    m.objective = {fjr_msg_OBJECTIVE_WEIGHTS, 1, 1, 1, 1, 1, 1};
+    for (auto& point : via) point.has_time = point.has_dq = true;
+    via[0].time = 0.2;
+    via[1].time = 0.3;
+    obstacles[0].radius = 0.1;
+    m.tip.kind = static_cast<std::uint8_t>(kind);  // free, box, line, arc
+    m.limits = {true, {1, 1}, true, {1, 1}, true, {1, 1}, true, {1, 1}, true, {0.1, 0.1}, true, 1};
+    m.payload.given = m.has_sample_period = true;
+    m.sample_period = 0.001;
+    m.via = {2, 2, via.data(), false};
+    m.obstacles = {1, 1, obstacles.data(), false};
+  }
+
+  std::vector<Field> fields(int kind) {
+    fjr_msg_PlanRequest& m = wire.message;
+    std::vector<Field> all;
+    add_pair(all, "start.q", m.start.q);
+    add_pair(all, "start.dq", m.start.dq);
+    add_pair(all, "start.theta", m.start.theta);
+    add_pair(all, "start.dtheta", m.start.dtheta);
+    if (kind == 0) add_pair(all, "goal.q", m.goal.q);
+    if (kind != 0) add_pair(all, "goal.tip", m.goal.tip);
+    if (kind != 0) add_pair(all, "goal.tip_velocity", m.goal.tip_velocity);
+    add_pair(all, "goal.dq", m.goal.dq);
+    add_pair(all, "goal.theta", m.goal.theta);
+    add_pair(all, "goal.dtheta", m.goal.dtheta);
+    all.push_back({"duration.min", &m.duration.min});
+    all.push_back({"duration.max", &m.duration.max});
+    all.push_back({"objective.time", &m.objective.time});
+    all.push_back({"objective.effort", &m.objective.effort});
+    all.push_back({"objective.torque_rate", &m.objective.torque_rate});
+    all.push_back({"objective.link_acceleration", &m.objective.link_acceleration});
+    all.push_back({"objective.link_jerk", &m.objective.link_jerk});
+    all.push_back({"objective.energy", &m.objective.energy});
+    all.push_back({"via[1].time", &via[1].time});
+    add_pair(all, "via[1].q", via[1].q);
+    add_pair(all, "via[1].dq", via[1].dq);
+    add_pair(all, "obstacles[0].center", obstacles[0].center);
+    all.push_back({"obstacles[0].radius", &obstacles[0].radius});
+    all.push_back({"obstacles[0].margin", &obstacles[0].margin});
+    if (kind == 1) add_pair(all, "tip.box[0]", m.tip.lower);
+    if (kind == 1) add_pair(all, "tip.box[1]", m.tip.upper);
+    for (const auto& [shape, word] : {std::pair{2, "tip.line"}, {3, "tip.arc"}}) {
+      if (kind != shape) continue;
+      if (shape == 3) add_pair(all, "tip.arc.center", m.tip.center);
+      add_pair(all, fmt::format("{}.from", word), m.tip.from);
+      add_pair(all, fmt::format("{}.to", word), m.tip.to);
+      all.push_back({fmt::format("{}.tolerance", word), &m.tip.tolerance});
+    }
+    add_pair(all, "limits.torque", m.limits.torque);
+    add_pair(all, "limits.torque_rate", m.limits.torque_rate);
+    add_pair(all, "limits.motor_velocity", m.limits.motor_velocity);
+    add_pair(all, "limits.link_position", m.limits.link_position);
+    add_pair(all, "limits.spring_deflection", m.limits.spring_deflection);
+    all.push_back({"limits.tip_speed", &m.limits.tip_speed});
+    all.push_back({"payload.mass", &m.payload.mass});
+    all.push_back({"payload.inertia", &m.payload.inertia});
+    all.push_back({"sample_period", &m.sample_period});
+    all.push_back({"budget", &m.budget});
+    return all;
+  }
+
+  dds::WireRequest wire;
+  std::vector<fjr_msg_ViaPoint> via;
+  std::vector<fjr_msg_Disc> obstacles;
+};
+
 // DDS carries any number.
-TEST_F(ServiceTest, RefusesWhatIsNotANumberByName) {
+TEST_F(ServiceTest, RefusesEveryFieldThatIsNotANumberByName) {
   serve();
   const dds::Participant participant(domain_);
   dds::Writer<fjr_msg_PlanRequest> writer(participant, participant.handle());
   while (!writer.has_reader()) std::this_thread::sleep_for(milliseconds(5));
-  const Order bad = order(kFast);
-  dds::WireRequest wire = dds::encode(bad);
-  wire.message.goal.q[1] = std::numeric_limits<double>::quiet_NaN();
-  ASSERT_TRUE(writer.write(wire.message));
-  const Reply reply = final_reply(bad.id);
-  EXPECT_EQ(reply.state, ReplyState::kRejected);
-  EXPECT_EQ(reply.why.field, "goal.q[1]");
-  EXPECT_EQ(reply.why.sentence, "nan is not finite");
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  int checked = 0;
+  for (int kind = 0; kind < 4; ++kind) {
+    const std::size_t count = FullRequest(order(kFast), kind).fields(kind).size();
+    for (std::size_t i = 0; i < count; ++i) {
+      for (const double bad : {std::numeric_limits<double>::quiet_NaN(), kInfinity, -kInfinity}) {
+        const Order one = order(kFast);
+        FullRequest request(one, kind);
+        const Field field = request.fields(kind)[i];
+        *field.value = bad;
+        ASSERT_TRUE(writer.write(request.wire.message));
+        const Reply reply = final_reply(one.id, 5);
+        EXPECT_EQ(reply.state, ReplyState::kRejected);
+        EXPECT_EQ(reply.why.field, field.name) << bad << ": " << reply.why.sentence;
+        EXPECT_THAT(reply.why.sentence, HasSubstr("finite"));
+        ++checked;
+      }
+    }
+  }
+  EXPECT_GT(checked, 500);
+}
+
+TEST_F(ServiceTest, RefusesWhatIsOutsideLimitsByName) {
+  serve();
+  const auto refused_field = [&](const std::string& yaml) {
+    const Order bad = order(yaml);
+    send(bad);
+    const Reply reply = final_reply(bad.id, 5);
+    EXPECT_EQ(reply.state, ReplyState::kRejected) << yaml;
+    return reply.why.field;
+  };
+  const std::string fixed = "start: {q: [0, 0]}\ngoal: {q: [0.4, 0.2]}\nduration: 1\nobjective: efficient\n";
+  EXPECT_EQ(refused_field("start: {q: [-3.3, 0]}\ngoal: {q: [0, 0]}\n"), "start.q[0]");
+  EXPECT_EQ(refused_field("start: {q: [0, 0], dq: [0, 1e300]}\ngoal: {q: [0.3, 0]}\n"), "start.dq[1]");
+  EXPECT_EQ(refused_field("start: {q: [0, 0], dtheta: [9, 0]}\ngoal: {q: [0.3, 0]}\n"), "start.dtheta");
+  EXPECT_EQ(refused_field(kFast + "duration: {max: 1e300}\n"), "duration.max");
+  EXPECT_EQ(refused_field(kFast + "duration: {min: 2, max: 1}\n"), "duration");
+  EXPECT_EQ(refused_field(kFast + "limits: {torque: [10, 1e300]}\n"), "limits.torque[1]");
+  EXPECT_EQ(refused_field(kFast + "limits: {tip_speed: -1}\n"), "limits.tip_speed");
+  EXPECT_EQ(refused_field(kFast + "sample_period: 1e300\n"), "sample_period");
+  EXPECT_EQ(refused_field(fixed + "via: [{time: 0.6, q: [0, 0]}, {time: 0.3, q: [0, 0]}]\n"), "via[1].time");
+  EXPECT_EQ(refused_field(fixed + "via: [{time: 0.6, q: [0, 3]}]\n"), "via[0].q[1]");
+}
+
+TEST_F(ServiceTest, TooLongAListIsRefusedBeforeItIsSent) {
+  serve();
+  std::string via = "via: [";
+  for (int i = 0; i < 33; ++i) via += fmt::format("{{time: {}, q: [0, 0]}}, ", 0.02 * (i + 1));
+  write("long.yaml", kFast + "duration: 1\n" + via + "]\n");
+  Process request = fjr({"request", path("long.yaml"), "--domain", domain()}, "request.log");
+  EXPECT_EQ(request.wait(), 2);
+  EXPECT_THAT(request.output(), HasSubstr("via: 33 entries, above the 32 allowed"));
 }
 
 TEST_F(ServiceTest, ClientSaysWhenNobodyServes) {

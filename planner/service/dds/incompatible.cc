@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint32_t kMost = 64;
 
+// Null: it is the type, which is counted among the policies.
 const char* policy_name(std::uint32_t id) {
   switch (id) {
     case DDS_DURABILITY_QOS_POLICY_ID:
@@ -26,13 +27,21 @@ const char* policy_name(std::uint32_t id) {
       return "reliability";
     case DDS_DATA_REPRESENTATION_QOS_POLICY_ID:
       return "data representation";
+    case DDS_PARTITION_QOS_POLICY_ID:
+      return "partition";
+    case DDS_LATENCYBUDGET_QOS_POLICY_ID:
+      return "latency budget";
+    case DDS_PRESENTATION_QOS_POLICY_ID:
+      return "presentation";
+    case DDS_DESTINATIONORDER_QOS_POLICY_ID:
+      return "destination order";
     default:
-      return "another policy";
+      return nullptr;
   }
 }
 
 // Of the last endpoint whose quality of service did not go with ours.
-std::optional<std::string> policy_in_the_way(dds_entity_t ours, Side side) {
+const char* policy_in_the_way(dds_entity_t ours, Side side) {
   if (side == Side::kReaders) {
     dds_offered_incompatible_qos_status_t status;
     checked(dds_get_offered_incompatible_qos_status(ours, &status), "offered incompatible qos");
@@ -42,7 +51,7 @@ std::optional<std::string> policy_in_the_way(dds_entity_t ours, Side side) {
     checked(dds_get_requested_incompatible_qos_status(ours, &status), "requested incompatible qos");
     if (status.total_count > 0) return policy_name(status.last_policy_id);
   }
-  return std::nullopt;
+  return nullptr;
 }
 
 // The types of all endpoints of the topic that are known on the domain.
@@ -75,9 +84,9 @@ std::optional<std::string> incompatibility(const Participant& participant, Side 
   if (other != types.end()) {
     return fmt::format("a {} of {} is there, but its type is {} and not {}", who, topic, *other, type);
   }
-  if (const auto policy = policy_in_the_way(ours, side)) {
+  if (const char* policy = policy_in_the_way(ours, side)) {
     return fmt::format("a {} of {} is there, but its quality of service does not go with ours ({})", who, topic,
-                       *policy);
+                       policy);
   }
   return fmt::format("a {} of {} is there, but its {} is defined differently: it is of another version", who, topic,
                      type);

@@ -1,0 +1,193 @@
+// Requests that have to do with the executor: executing what was planned before, starting where the arm rests, telling
+// ROS 2.
+#include <cmath>
+
+#include "model/dynamics.h"
+#include "planner/service/dds/joint_trajectory.h"
+#include "planner/service/dds/reader.h"
+#include "tests/service/service_fixture.h"
+
+namespace fjr {
+namespace {
+
+const std::string kBack = "start: {q: [0.42, 0.08]}\ngoal: {q: [0.3, 0.2]}\nobjective: fastest\n";
+const std::string kToBack = "goal: {q: [0.3, 0.2]}\nobjective: fastest\n";  // from wherever the arm rests
+
+class ExecuteTest : public ServiceTest {
+ protected:
+  // The arm rests at the start of kFast.
+  void start_executor() { executor_ = start_fjr({"executor", "--start", "0.3,0.2", "--domain", domain()}, "executor"); }
+  Process& executor() { return *executor_; }
+  void wait_for(const std::string& in_log) {
+    const auto began = Clock::now();
+    while (executor().output().find(in_log) == std::string::npos && seconds_since(began) < 10) listen_once();
+    EXPECT_THAT(executor().output(), HasSubstr(in_log));
+  }
+
+  Order execution_of(const RequestId& planned) {
+    Order execute = order("");
+    execute.action = Action::kExecute;
+    execute.trajectory_id = planned;
+    return execute;
+  }
+  Reply answer_to(const Order& order) {
+    send(order);
+    return final_reply(order.id);
+  }
+  Reply expect_refused(const Order& order, const std::string& field, const std::string& sentence) {
+    const Reply reply = answer_to(order);
+    EXPECT_EQ(reply.state, ReplyState::kRejected);
+    EXPECT_EQ(reply.why.field, field);
+    EXPECT_THAT(reply.why.sentence, HasSubstr(sentence));
+    return reply;
+  }
+
+  std::unique_ptr<Process> executor_;
+};
+
+TEST_F(ExecuteTest, WhatWasPlannedBeforeIsExecutedByItsId) {
+  serve();
+  start_executor();
+  const Order plan = order(kFast);
+  const Reply planned = answer_to(plan);
+  ASSERT_EQ(planned.state, ReplyState::kSolved);
+  const Order execute = execution_of(plan.id);
+  const Reply reply = answer_to(execute);
+  EXPECT_EQ(reply.state, ReplyState::kSolved);
+  EXPECT_EQ(reply.rows.size(), planned.rows.size());
+  wait_for("finished id=" + text(execute.id) + " code=0");
+  // The same id again is the same execution, which is over.
+  EXPECT_EQ(answer_to(execute).state, ReplyState::kSolved);
+  EXPECT_THAT(executor().output(), testing::Not(HasSubstr("refused")));
+}
+
+TEST_F(ExecuteTest, WhatCannotBeExecutedIsRefusedByName) {
+  serve();
+  RequestId unknown = me_;
+  unknown.number = 12345;
+  expect_refused(execution_of(unknown), "trajectory_id", "not among the requests this service has planned lately");
+  const Order slow = order(kSlow);
+  send(slow);
+  expect_refused(execution_of(slow.id), "trajectory_id", "is still being planned");
+  cancel(slow.id);
+  EXPECT_EQ(final_reply(slow.id).state, ReplyState::kCancelled);
+  expect_refused(execution_of(slow.id), "trajectory_id", "ended as CANCELLED");
+  const Order moving = order("start: {q: [0.3, 0.2]}\ngoal: {q: [0.42, 0.08], dq: [0.1, 0.1]}\nobjective: fastest\n");
+  EXPECT_EQ(answer_to(moving).state, ReplyState::kSolved);
+  expect_refused(execution_of(moving.id), "trajectory_id", "does not go from rest to rest");
+}
+
+TEST_F(ExecuteTest, TheFolderOfAnEarlierRequestIsExecuted) {
+  serve();
+  start_executor();
+  write("fast.yaml", kFast);
+  Process plan = fjr({"request", path("fast.yaml"), "--out", path("a"), "--domain", domain()}, "plan");
+  EXPECT_EQ(plan.wait(), 0) << plan.output();
+  Process execute = fjr({"request", path("a"), "--execute", "--domain", domain()}, "execute");
+  EXPECT_EQ(execute.wait(), 0) << execute.output();
+  EXPECT_THAT(execute.output(), HasSubstr("code 0 SUCCESSFUL"));
+  Process plain = fjr({"request", path("a"), "--domain", domain()}, "plain");
+  EXPECT_EQ(plain.wait(), 2);
+  EXPECT_THAT(plain.output(), HasSubstr("is a folder"));
+  fs::create_directories(path("empty"));
+  Process empty = fjr({"request", path("empty"), "--execute", "--domain", domain()}, "empty_log");
+  EXPECT_EQ(empty.wait(), 2);
+  EXPECT_THAT(empty.output(), HasSubstr("has no trajectory.id"));
+}
+
+TEST_F(ExecuteTest, WithoutAStartItIsWhereTheArmRests) {
+  serve();
+  start_executor();
+  wait_for("executing for robot=");
+  settle();
+  Order there = order("goal: {q: [0.42, 0.08]}\nobjective: fastest\n");
+  there.action = Action::kPlanAndExecute;
+  const Reply first = answer_to(there);
+  ASSERT_EQ(first.state, ReplyState::kSolved) << first.why.sentence;
+  expect_refused(order(kToBack), "start", "left out, but the arm is");
+  wait_for("finished id=" + text(there.id) + " code=0");
+  settle();
+  Order back = order(kToBack);
+  back.action = Action::kPlanAndExecute;
+  const Reply second = answer_to(back);
+  ASSERT_EQ(second.state, ReplyState::kSolved) << second.why.sentence;
+  // The goal that is held, to the last bit: not what the encoders count.
+  EXPECT_EQ(second.rows.front().state.q, (Pair<double>{0.42, 0.08}));
+  wait_for("finished id=" + text(back.id) + " code=0");
+}
+
+TEST_F(ExecuteTest, WithoutAnExecutorTheStartIsAskedFor) {
+  serve();
+  expect_refused(order(kToBack), "start", "no executor of robot arm says where the arm is");
+  start_executor();
+  wait_for("executing for robot=");
+  settle();
+  Order plan = order(kToBack);
+  plan.yaml = "goal: {q: [0.42, 0.08]}\n";
+  EXPECT_EQ(answer_to(plan).state, ReplyState::kSolved);
+  executor().send(SIGSTOP);
+  std::this_thread::sleep_for(milliseconds(700));  // a state counts for half a second
+  const Reply stale = answer_to(order(kToBack));
+  EXPECT_EQ(stale.state, ReplyState::kRejected);
+  EXPECT_EQ(stale.why.field, "start");
+  EXPECT_EQ(stale.why.reason, Reason::kArmNotAtRest);
+}
+
+TEST_F(ExecuteTest, PlanningAloneNeedsAStart) {
+  write("nowhere.yaml", kToBack);
+  Process plan = fjr({"plan", path("nowhere.yaml"), "--out", path("a")}, "plan");
+  EXPECT_EQ(plan.wait(), 2);
+  EXPECT_THAT(plan.output(), HasSubstr("start: missing; only a request to the service may leave it out"));
+}
+
+// What a ROS 2 subscription asks for by default: reliable, volatile, the last 10.
+TEST_F(ExecuteTest, Ros2SeesWhatIsExecuted) {
+  EXPECT_STREQ(dds::TopicOf<dds::JointTrajectory>::descriptor()->m_typename,
+               "trajectory_msgs::msg::dds_::JointTrajectory_");
+  EXPECT_STREQ(dds::TopicOf<dds::JointTrajectory>::kName, "rt/joint_trajectory");
+  serve("{ros2: {joint_trajectory: true, joint_names: [shoulder, elbow]}}\n");
+  const dds::Participant participant(domain_);
+  dds::Qos ros;
+  ros.reliable(DDS_MSECS(100)).keep_last(10);
+  dds::Reader<dds::JointTrajectory> reader(participant, participant.handle(), ros);
+  const auto began = Clock::now();
+  while (!reader.has_writer() && seconds_since(began) < 5) listen_once();
+  Order there = order(kFast);
+  there.action = Action::kPlanAndExecute;
+  const Reply reply = answer_to(there);
+  ASSERT_EQ(reply.state, ReplyState::kSolved);
+  std::size_t messages = 0;
+  while (messages == 0 && seconds_since(began) < 15) {
+    reader.take_all([&](const dds::JointTrajectory& message, const dds_sample_info_t& info) {
+      if (!info.valid_data) return;
+      ++messages;
+      EXPECT_STREQ(message.joint_names_._buffer[1], "elbow");
+      ASSERT_EQ(message.points_._length, reply.rows.size());
+      for (std::size_t i = 0; i < reply.rows.size(); ++i) {
+        const auto& point = message.points_._buffer[i];
+        const double time = point.time_from_start_.sec + 1e-9 * point.time_from_start_.nanosec;
+        EXPECT_NEAR(time, reply.rows[i].time, 1e-9);  // whole nanoseconds
+        ASSERT_EQ(point.positions_._length, 2u);
+        EXPECT_EQ(point.positions_._buffer[1], reply.rows[i].state.q[1]);
+        EXPECT_EQ(point.velocities_._buffer[0], reply.rows[i].state.dq[0]);
+        EXPECT_EQ(point.effort_._buffer[1], reply.rows[i].torque[1]);
+      }
+      // Accelerations are those of the motion: the change of velocity over 10 ms, by the trapezoidal rule. Their own
+      // change within a row is what the rule cannot see.
+      double gained = 0;
+      std::size_t last = 0;
+      for (; reply.rows[last].time < 0.01; ++last) {
+        const double step = reply.rows[last + 1].time - reply.rows[last].time;
+        gained += 0.5 * step *
+                  (message.points_._buffer[last].accelerations_._buffer[0] +
+                   message.points_._buffer[last + 1].accelerations_._buffer[0]);
+      }
+      EXPECT_NEAR(gained, reply.rows[last].state.dq[0], 0.02 * std::abs(reply.rows[last].state.dq[0]) + 1e-6);
+    });
+    listen_once();
+  }
+  EXPECT_EQ(messages, 1u);
+}
+
+}  // namespace
+}  // namespace fjr

@@ -1,0 +1,235 @@
+// Who owns a robot, what waits for whom: the parts of the service that need neither processes nor DDS nor time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "planner/service/backlog.h"
+#include "planner/service/executor_watch.h"
+#include "planner/service/outbox.h"
+#include "planner/service/ownership.h"
+
+namespace fjr {
+namespace {
+
+using testing::HasSubstr;
+
+// Both hear of each other whatever was decided before.
+void meet(Ownership& a, Ownership& b) {
+  a.heard("b", "arm", b.epoch());
+  b.heard("a", "arm", a.epoch());
+}
+
+TEST(Ownership, OfTwoThatStartTogetherOneOwns) {
+  Ownership a("a", "arm"), b("b", "arm");
+  meet(a, b);
+  a.review();
+  b.review();
+  EXPECT_NE(a.owner(), b.owner());
+}
+
+TEST(Ownership, WhoJoinsTakesNothingAway) {
+  for (const std::string name : {"b", "c", "d", "e", "f"}) {
+    Ownership a("a", "arm"), late(name, "arm");
+    EXPECT_TRUE(a.review());
+    late.heard("a", "arm", a.epoch());
+    a.heard(name, "arm", 0);
+    EXPECT_FALSE(late.review());
+    EXPECT_FALSE(a.review());
+    EXPECT_TRUE(a.owner());
+  }
+}
+
+TEST(Ownership, TheStandbyTakesOverWithALargerEpochAndTheOldOwnerGivesUp) {
+  Ownership a("a", "arm"), b("b", "arm");
+  a.review();
+  b.heard("a", "arm", a.epoch());
+  EXPECT_FALSE(b.review());
+  b.lost("a");
+  EXPECT_TRUE(b.review());
+  EXPECT_GT(b.epoch(), a.epoch());
+  meet(a, b);
+  EXPECT_TRUE(a.review());
+  EXPECT_FALSE(a.owner());
+  EXPECT_FALSE(b.review());
+  EXPECT_TRUE(b.owner());
+}
+
+// Two that did not see each other have the same epoch; one of them stays.
+TEST(Ownership, ATieIsBroken) {
+  Ownership a("a", "arm"), b("b", "arm");
+  a.review();
+  b.review();
+  EXPECT_EQ(a.epoch(), b.epoch());
+  meet(a, b);
+  a.review();
+  b.review();
+  EXPECT_NE(a.owner(), b.owner());
+}
+
+TEST(Ownership, AnEpochIsAboveWhatTheExecutorHasSeen) {
+  Ownership a("a", "arm");
+  a.heard_epoch(7);
+  EXPECT_TRUE(a.review());
+  EXPECT_EQ(a.epoch(), 8u);
+  a.heard_epoch(8);
+  EXPECT_FALSE(a.review());
+  a.heard_epoch(12);  // somebody else was here, and is gone
+  EXPECT_TRUE(a.review());
+  EXPECT_EQ(a.epoch(), 13u);
+}
+
+TEST(Ownership, ARequestIsAnsweredByExactlyOne) {
+  Ownership left("a", "left"), right("b", "right");
+  left.heard("b", "right", 1);
+  right.heard("a", "left", 1);
+  left.review();
+  right.review();
+  for (const std::string robot : {"left", "right", "", "unknown"}) {
+    EXPECT_NE(left.answers_for(robot), right.answers_for(robot)) << robot;
+  }
+  EXPECT_TRUE(right.answers_for("right"));
+}
+
+TEST(Ownership, FallsToTheSameOneWhoeverLooks) {
+  std::map<std::string, int> owned;
+  for (int robot = 0; robot < 300; ++robot) {
+    const std::string id = "arm" + std::to_string(robot);
+    for (const std::string name : {"a", "b", "c"}) {
+      Ownership instance(name, id);
+      for (const std::string other : {"a", "b", "c"}) {
+        if (other != name) instance.heard(other, id, 0);
+      }
+      if (instance.review()) ++owned[name];
+    }
+  }
+  // A third each: 100 +- 8.2 by chance; five of those.
+  for (const std::string name : {"a", "b", "c"}) EXPECT_NEAR(owned[name], 100, 41) << name;
+  EXPECT_EQ(owned["a"] + owned["b"] + owned["c"], 300);
+}
+
+SharedReply reply_to(std::uint8_t client, std::uint64_t number, std::size_t rows = 0) {
+  Reply reply;
+  reply.id.client[0] = client;
+  reply.id.number = number;
+  reply.rows.resize(rows);
+  return std::make_shared<const Reply>(std::move(reply));
+}
+
+void deliver_when_due(Outbox& outbox) {
+  std::this_thread::sleep_until(outbox.next());
+  outbox.deliver();
+}
+
+TEST(Outbox, KeepsEachClientsOrderAndMakesNoOtherWait) {
+  bool blocked = true;
+  std::vector<std::pair<int, std::uint64_t>> sent;
+  Outbox outbox(
+      [&](const Reply& reply) {
+        if (blocked && reply.id.client[0] == 1) return false;
+        sent.emplace_back(reply.id.client[0], reply.id.number);
+        return true;
+      },
+      1 << 20);
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    EXPECT_TRUE(outbox.post(reply_to(1, i)));
+    EXPECT_TRUE(outbox.post(reply_to(2, i)));
+  }
+  EXPECT_EQ(sent, (std::vector<std::pair<int, std::uint64_t>>{{2, 0}, {2, 1}, {2, 2}}));
+  deliver_when_due(outbox);
+  EXPECT_FALSE(outbox.empty());
+  blocked = false;
+  sent.clear();
+  deliver_when_due(outbox);
+  EXPECT_EQ(sent, (std::vector<std::pair<int, std::uint64_t>>{{1, 0}, {1, 1}, {1, 2}}));
+  EXPECT_TRUE(outbox.empty());
+}
+
+TEST(Outbox, IsBoundedAtTheCostOfWhoIsFurthestBehind) {
+  bool blocked = true;
+  std::vector<std::pair<int, std::uint64_t>> sent;
+  Outbox outbox(
+      [&](const Reply& reply) {
+        if (!blocked) sent.emplace_back(reply.id.client[0], reply.id.number);
+        return !blocked;
+      },
+      1 << 20);
+  EXPECT_TRUE(outbox.post(reply_to(2, 0)));
+  bool all_kept = true;
+  for (std::uint64_t i = 0; i < 5; ++i) all_kept = outbox.post(reply_to(1, i, 4096)) && all_kept;  // 360 kB each
+  EXPECT_FALSE(all_kept);
+  blocked = false;
+  deliver_when_due(outbox);
+  EXPECT_EQ(sent, (std::vector<std::pair<int, std::uint64_t>>{{1, 3}, {1, 4}, {2, 0}}));
+}
+
+TEST(Backlog, RemembersTheLatestUnanswered) {
+  Backlog backlog(3);
+  Order order;
+  for (std::uint64_t i = 0; i < 5; ++i) {
+    order.id.number = i;
+    backlog.add(order, {});
+  }
+  backlog.add(order, {});  // asked for again
+  order.id.number = 3;
+  backlog.answered(order.id);
+  order.id.number = 4;
+  backlog.cancel(order.id);
+  const auto entries = backlog.take();
+  ASSERT_EQ(entries.size(), 2u);
+  EXPECT_EQ(entries[0].order.id.number, 2u);
+  EXPECT_FALSE(entries[0].cancelled);
+  EXPECT_TRUE(entries[1].cancelled);
+}
+
+ExecutorState resting() {
+  ExecutorState state;
+  state.robot_id = "arm";
+  state.robot_hash = "mine";
+  state.stamp =
+      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  state.q = {0.41983, 0.0814};
+  state.planned_q = {0.42, 0.08};
+  return state;
+}
+
+TEST(ExecutorWatch, TheArmRestsWhereItIsHeld) {
+  ExecutorWatch watch("arm", "mine");
+  watch.heard(resting());
+  EXPECT_EQ(std::get<Pair<double>>(watch.rest()), (Pair<double>{0.42, 0.08}));
+  ExecutorState pushed = resting();
+  pushed.q[1] = 0.15;
+  watch.heard(pushed);
+  EXPECT_EQ(std::get<Pair<double>>(watch.rest()), (Pair<double>{0.42, 0.15}));
+}
+
+TEST(ExecutorWatch, SaysWhyThereIsNoRest) {
+  const auto why = [](auto change) {
+    ExecutorWatch watch("arm", "mine");
+    ExecutorState state = resting();
+    change(state, watch);
+    watch.heard(state);
+    const auto rest = watch.rest();
+    return std::holds_alternative<std::string>(rest) ? std::get<std::string>(rest) : "";
+  };
+  using State = ExecutorState;
+  EXPECT_EQ(why([](State& s, auto&) { s.robot_id = "other"; }), "no executor of robot arm says where the arm is");
+  EXPECT_THAT(why([](State& s, auto&) { s.robot_hash = "other"; }), HasSubstr("has hash other, the service's mine"));
+  EXPECT_EQ(why([](State& s, auto&) { s.stamp -= 2'000'000'000; }), "the executor's last word is 2.0 s old");
+  EXPECT_EQ(why([](State& s, auto&) { s.mode = ExecutorMode::kExecuting; }), "the arm is executing a trajectory");
+  EXPECT_EQ(why([](State& s, auto&) { s.mode = ExecutorMode::kStopped; }),
+            "the arm is stopped until it is started again");
+  EXPECT_EQ(why([](State& s, auto&) { s.q[0] = s.planned_q[0] = std::numeric_limits<double>::quiet_NaN(); }),
+            "the executor says that the arm is at nan and 0.0814 rad");
+  RequestId id;
+  id.number = 7;
+  EXPECT_EQ(why([&](State&, auto& watch) { watch.published(id); }), "the arm is about to execute a trajectory");
+  EXPECT_EQ(why([&](State& s, auto& watch) {
+              watch.published(id);
+              s.trajectory_id = id;
+            }),
+            "");
+}
+
+}  // namespace
+}  // namespace fjr

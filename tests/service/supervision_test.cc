@@ -1,0 +1,128 @@
+// The service and the world it runs in: systemd, services of other versions, other robots.
+#include <fjr_msgs.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+
+#include <cstdlib>
+#include <cstring>
+#include <map>
+
+#include "planner/service/dds/participant.h"
+#include "planner/service/dds/reader.h"
+#include "planner/service/descriptor.h"
+#include "tests/service/service_fixture.h"
+
+namespace fjr {
+namespace {
+
+// What systemd listens on.
+class NotifySocket {
+ public:
+  explicit NotifySocket(const fs::path& file) : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    std::strncpy(address.sun_path, file.c_str(), sizeof address.sun_path - 1);
+    EXPECT_EQ(::bind(socket_.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+    const timeval patience{10, 0};
+    ::setsockopt(socket_.number(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  }
+
+  std::string next() const {
+    char word[256];
+    const ssize_t length = ::recv(socket_.number(), word, sizeof word, 0);
+    return length < 0 ? "" : std::string(word, static_cast<std::size_t>(length));
+  }
+  // True: it comes within ten words.
+  bool hear(const std::string& wanted) const {
+    for (int i = 0; i < 10; ++i) {
+      if (next() == wanted) return true;
+    }
+    return false;
+  }
+
+ private:
+  Descriptor socket_;
+};
+
+class SupervisionTest : public ServiceTest {};
+
+TEST_F(SupervisionTest, SystemdHearsOfStartWorkAndEnd) {
+  const NotifySocket systemd(path("notify"));
+  ::setenv("NOTIFY_SOCKET", path("notify").c_str(), 1);
+  serve();
+  ::unsetenv("NOTIFY_SOCKET");
+  EXPECT_TRUE(systemd.hear("READY=1"));
+  EXPECT_TRUE(systemd.hear("WATCHDOG=1"));
+  EXPECT_TRUE(systemd.hear("WATCHDOG=1"));
+  service().send(SIGTERM);
+  EXPECT_TRUE(systemd.hear("STOPPING=1"));
+  EXPECT_EQ(service().wait(), 0);
+}
+
+// A reader of requests as another version of the service might have it.
+class OtherReader {
+ public:
+  OtherReader(unsigned domain, const dds_topic_descriptor_t& type, const dds::Qos& qos)
+      : participant_(domain),
+        topic_(dds_create_topic(participant_.handle(), &type, "fjr/plan_request", nullptr, nullptr), "topic"),
+        reader_(dds_create_reader(participant_.handle(), topic_.handle(), qos.get(), nullptr), "reader") {}
+
+ private:
+  dds::Participant participant_;
+  dds::Entity topic_, reader_;
+};
+
+TEST_F(SupervisionTest, ClientSaysWhatIsIncompatible) {
+  write("fast.yaml", kFast);
+  const auto said = [&] {
+    Process request = fjr({"request", path("fast.yaml"), "--domain", domain(), "--find", "0.5"}, "request");
+    EXPECT_EQ(request.wait(), 1);
+    return request.output();
+  };
+  dds::Qos reliable, demanding;
+  reliable.reliable(DDS_MSECS(100));
+  demanding.reliable(DDS_MSECS(100)).transient_local();
+  {
+    const OtherReader reader(domain_, fjr_msg_PlanCancel_desc, reliable);
+    EXPECT_THAT(said(), HasSubstr("its type is fjr::msg::PlanCancel and not fjr::msg::PlanRequest"));
+  }
+  {
+    dds_topic_descriptor_t changed = fjr_msg_PlanCancel_desc;
+    changed.m_typename = "fjr::msg::PlanRequest";
+    const OtherReader reader(domain_, changed, reliable);
+    EXPECT_THAT(said(), HasSubstr("fjr::msg::PlanRequest is defined differently: it is of another version"));
+  }
+  {
+    const OtherReader reader(domain_, fjr_msg_PlanRequest_desc, demanding);
+    EXPECT_THAT(said(), HasSubstr("its quality of service does not go with ours (durability)"));
+  }
+}
+
+TEST_F(SupervisionTest, EachRobotHasItsOwner) {
+  serve("{instance: one, robot_id: left}\n");
+  write("other.yaml", "{instance: two, robot_id: right}\n");
+  const auto other = start_fjr({"serve", "--config", path("other.yaml"), "--domain", domain()}, "other.log");
+  std::map<std::string, ServiceStatus> heard;
+  const auto began = Clock::now();
+  const auto served = [&] { return heard["one"].epoch > 0 && heard["two"].epoch > 0; };
+  while (!served() && seconds_since(began) < 10) {
+    listen_once([&](const ServiceStatus& status) { heard[status.instance] = status; });
+  }
+  ASSERT_TRUE(served());
+  settle();
+  const auto answer = [&](const std::string& robot) {
+    Order plan = order(kFast);
+    plan.robot_id = robot;
+    send(plan);
+    return final_reply(plan.id);
+  };
+  EXPECT_EQ(answer("left").robot_id, "left");
+  EXPECT_EQ(answer("right").robot_id, "right");
+  const Reply unnamed = answer("");
+  EXPECT_EQ(unnamed.why.field, "robot_id");
+  EXPECT_EQ(unnamed.why.sentence, "several robots are served (left, right): name one");
+  EXPECT_EQ(answer("middle").why.sentence, "middle is not served; there is left, right");
+}
+
+}  // namespace
+}  // namespace fjr

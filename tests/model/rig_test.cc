@@ -144,17 +144,16 @@ std::string error_of(const std::string& text, const ColumnNames& renamed = {}) {
 }
 
 TEST(Log, ErrorsNameLineAndColumn) {
-  EXPECT_EQ(error_of(""), "log.csv: no header: a log begins with the names of its columns");
+  EXPECT_EQ(error_of(""), "log.csv: no header: expected a line 'time,q1,q2,theta1,theta2,tau1,tau2'");
   EXPECT_EQ(error_of(kHeader + "0,0,0,0,0,0,0\n"), "log.csv: 1 rows; a log has at least 2");
-  EXPECT_EQ(error_of("time,q1\n"), "log.csv: line 1: column q2 is missing in \"time,q1\"");
-  EXPECT_EQ(error_of("# a: 1\n" + kHeader + "0,0,0,x,0,0,0\n"),
-            "log.csv: line 3, column theta1: \"x\" is not a number");
-  EXPECT_EQ(error_of(kHeader + "0,0,0,0,0,0,nan\n"), "log.csv: line 2, column tau2: \"nan\" is not finite");
+  EXPECT_EQ(error_of("time,q1\n"), "log.csv: line 1: column q2 is missing in 'time,q1'");
+  EXPECT_EQ(error_of("# a: 1\n" + kHeader + "0,0,0,x,0,0,0\n"), "log.csv: line 3, column theta1: 'x' is not a number");
+  EXPECT_EQ(error_of(kHeader + "0,0,0,0,0,0,nan\n"), "log.csv: line 2, column tau2: 'nan' is not finite");
   EXPECT_EQ(error_of(kHeader + "0,0,0,0,0,0\n"), "log.csv: line 2: 6 fields where the header has 7 columns");
   EXPECT_EQ(error_of(kHeader + "1,0,0,0,0,0,0\n1,0,0,0,0,0,0\n"),
             "log.csv: line 3, column time: 1 does not come after 1 of the row before");
   EXPECT_EQ(error_of(kHeader, {{"dtheta1", "speed"}}),
-            "log.csv: line 1: no column \"speed\", which was said to be dtheta1");
+            "log.csv: line 1: no column 'speed', which was said to be dtheta1");
 }
 
 TEST(Log, ColumnsMayHaveOtherNames) {

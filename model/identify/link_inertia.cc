@@ -1,9 +1,11 @@
 // IV-C: a link swings freely on its spring, the motor held:
 //
-//   ddq + d dq + k (q - offset) + c z = 0,   dz/dt = (dq - z |dq|) / width,   k = K/I, d = D/I, c = hysteresis / I
+//   ddq + d dq + k (q - offset) + c z = 0,   dz/dt = (1 - z sgn dq)^n dq / width,   k = K/I, d = D/I, c = hysteresis /
+//   I
 //
 // which is (9) for c = 0. Peaks give k and d by (10)-(14); from there the whole curve is fitted. The paper's own way
-// ends at the peaks; a spring with hysteresis, though, is stiffer the less it swings, and that would end up in I.
+// ends at the peaks; a spring with hysteresis, though, is stiffer the less it swings, and that would end up in I. The
+// hysteresis is Dahl's: n = 1 is also Bouc and Wen's model, n = 1/2 the Maxwell-slip model with evenly spread yields.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -95,17 +97,23 @@ Decrement decrement(const std::vector<Peak>& peaks) {
   return {omega * omega + sigma * sigma, 2 * sigma};
 }
 
-enum Index { kQ, kDq, kOffset, kK, kD, kC, kWidth };  // of the fitted parameters; the last two only with hysteresis
-constexpr Eigen::Index kPlain = kC, kWithHysteresis = kWidth + 1;
+// Of the fitted parameters; the last three only with hysteresis, the last only where n = 1 does not explain the curve.
+enum Index { kQ, kDq, kOffset, kK, kD, kC, kWidth, kExponent };
+constexpr Eigen::Index kPlain = kC, kWithHysteresis = kWidth + 1, kWithExponent = kExponent + 1;
 
 struct Swing {
   double q, dq, z;
 };
 
+double hysteresis_slope(const Eigen::VectorXd& p, const Swing& s) {
+  if (p.size() == kPlain) return 0;
+  const double ahead = std::max(1 - s.z * std::copysign(1.0, s.dq), 0.0);
+  return (p.size() == kWithExponent ? std::pow(ahead, std::max(p[kExponent], 0.0)) : ahead) / p[kWidth];
+}
+
 Swing derivative(const Eigen::VectorXd& p, const Swing& s) {
-  const bool hysteresis = p.size() == kWithHysteresis;
-  const double c = hysteresis ? p[kC] : 0, width = hysteresis ? p[kWidth] : 1;
-  return {s.dq, -p[kD] * s.dq - p[kK] * (s.q - p[kOffset]) - c * s.z, (s.dq - s.z * std::abs(s.dq)) / width};
+  const double c = p.size() == kPlain ? 0 : p[kC];
+  return {s.dq, -p[kD] * s.dq - p[kK] * (s.q - p[kOffset]) - c * s.z, hysteresis_slope(p, s) * s.dq};
 }
 
 Swing moved(const Swing& s, const Swing& f, double h) { return {s.q + h * f.q, s.dq + h * f.dq, s.z + h * f.z}; }
@@ -152,18 +160,25 @@ Curve without_outliers(const Curve& curve, const Fit& fit, double floor) {
   return kept;
 }
 
+Fit better(const Fit& richer, const Fit& plain) {
+  return richer.determined && richer.residual_rms < 0.9 * plain.residual_rms ? richer : plain;
+}
+
 // With hysteresis where the plain oscillator leaves more than the encoder explains, and only if that explains more.
 Fit best_fit(const Curve& curve, const Fit& plain, double resolution) {
   if (plain.residual_rms < kUnexplained * resolution) return plain;
   Eigen::VectorXd start(kWithHysteresis);
   start << plain.value, 0.003 * plain.value[kK] * std::abs(plain.value[kQ]), 0.03 * std::abs(plain.value[kQ]);
-  const Fit fit = fit_swing(curve, start);
-  return fit.determined && fit.residual_rms < 0.9 * plain.residual_rms ? fit : plain;
+  const Fit bouc_wen = better(fit_swing(curve, start), plain);
+  if (bouc_wen.residual_rms < kUnexplained * resolution || bouc_wen.value.size() == kPlain) return bouc_wen;
+  Eigen::VectorXd with_exponent(kWithExponent);
+  with_exponent << bouc_wen.value, 0.7;
+  return better(fit_swing(curve, with_exponent), bouc_wen);
 }
 
 Curve centred(const Log& log, int joint) {
   Curve curve{log.column("time"), log.column(joint_column("q", joint))};
-  const double rest = robust_mean(std::span(curve.q).last(std::max<std::size_t>(curve.q.size() / 20, 1))).mean;
+  const double rest = median(curve.q);
   for (double& q : curve.q) q -= rest;
   return curve;
 }

@@ -30,6 +30,7 @@ constexpr double kChiSquare95 = 3.841;  // one degree of freedom
 constexpr double kLargestShape = 1e5;   // |h| beyond which nobody could measure
 constexpr double kWidestKnown = 0.3;    // relative standard error of h - 1 up to which linear theory is believed
 constexpr double kSharpExcluded = 25;   // by five standard deviations
+constexpr double kExact = 0.1;          // a reduced chi^2 below this: the points have no noise of their own to tell
 
 // Constant speeds are where the commanded one, dtheta<joint>_plan, is constant.
 std::vector<Point> averages(const Log& log, int joint, std::vector<std::string>& warnings) {
@@ -167,6 +168,14 @@ Fit best_of_many_starts(const Log& log, const std::vector<Point>& points, const 
   return best;
 }
 
+// Residuals are in standard errors of the points, which the samples themselves tell: that the points happen to lie
+// closer to the law than these allow makes it no more certain; that they lie farther off does make it less so.
+void never_below_the_points(Fit& fit) {
+  const double degrees = static_cast<double>(std::max<Eigen::Index>(fit.residuals.size() - kAll, 1));
+  const double reduced_chi_square = fit.residuals.squaredNorm() / degrees;
+  if (reduced_chi_square < 1 && reduced_chi_square > kExact) fit.covariance /= reduced_chi_square;
+}
+
 // Covariance of (B, f, eta, omega, h) from that of the fitted parameters.
 Eigen::MatrixXd in_law_parameters(const Fit& fit) {
   const FrictionLaw law = law_of(fit.value);
@@ -282,6 +291,7 @@ Estimate identify_motor_friction(const Log& log, int joint, const Parameters& ro
   double h = shape(fit.value);
   if (!shape_is_known(points, sigma, fit)) fit = assume_shape(points, sigma, fit, robot.friction.second_shape[j], h, e);
 
+  never_below_the_points(fit);
   law = law_of(fit.value);
   law.second_shape = h;  // unrounded, where it was assumed
   e.value.resize(5);

@@ -244,7 +244,8 @@ Estimate identify_link_inertia(const Log& log, int joint, const Parameters& robo
   decay = without_outliers(decay, plain, std::max(3 * count, 4 * plain.residual_rms));
   warn_of_outliers(before - decay.q.size() + raw.q.size() - whole.q.size(), "positions", e.warnings);
   if (decay.q.size() < before) plain = fit_swing(decay, plain.value);
-  const Fit fit = best_fit(decay, plain, resolution);
+  Fit fit = best_fit(decay, plain, resolution);
+  allow_for_correlation(fit);
 
   e.value = fit.value.segment(kK, 2);
   e.covariance = fit.covariance.block(kK, kK, 2, 2);
@@ -262,6 +263,7 @@ Estimate identify_link_inertia(const Log& log, int joint, const Parameters& robo
                     "resolution explains",
                     fit.residual_rms));
   }
+  warn_of_doubt(e);
   return e;
 }
 

@@ -13,6 +13,8 @@
 #include "model/identify/checks.h"
 #include "model/identify/fit.h"
 #include "model/identify/procedures.h"
+#include "model/identify/stretches.h"
+#include "model/identify/velocity.h"
 #include "model/input_error.h"
 
 namespace fjr {
@@ -23,7 +25,9 @@ struct Point {
   double sigma_v, sigma_tau;  // standard errors of these averages
 };
 
-constexpr std::size_t kFewestRows = 20, kFewestSpeeds = 8;
+constexpr std::size_t kFewestRows = 8, kFewestSpeeds = 8;
+constexpr double kShortest = 0.2;       // [s]  of a constant speed that nobody commands
+constexpr double kStanding = 1;         // standard errors of the speed: below that the motor may as well stand
 constexpr double kSkipped = 0.2;        // of each constant speed, for its transient
 constexpr std::size_t kFinished = 4;    // starts
 constexpr double kChiSquare95 = 3.841;  // one degree of freedom
@@ -32,28 +36,31 @@ constexpr double kWidestKnown = 0.3;    // relative standard error of h - 1 up t
 constexpr double kSharpExcluded = 25;   // by five standard deviations
 constexpr double kExact = 0.1;          // a reduced chi^2 below this: the points have no noise of their own to tell
 
-// Constant speeds are where the commanded one, dtheta<joint>_plan, is constant.
-std::vector<Point> averages(const Log& log, int joint, std::vector<std::string>& warnings) {
-  const std::vector<double>& planned = log.column(joint_column("dtheta", joint, "_plan"));
-  const std::vector<double>& v = log.column(joint_column("dtheta", joint));
+// Where dtheta<joint>_plan, the commanded speed, is constant; where nobody commands, where speed and torque are.
+std::vector<Stretch> constant_speeds(const Log& log, int joint, const Parameters& robot) {
+  const std::string planned = joint_column("dtheta", joint, "_plan");
+  if (log.has(planned)) return commanded_stretches(log.column(planned));
+  const auto rows = static_cast<std::size_t>(kShortest / sample_interval(log));
+  return steady_stretches({velocity(log, joint, robot, rows / 4), {log.column(joint_column("tau", joint)), 0}},
+                          std::max(rows, kFewestRows));
+}
+
+std::vector<Point> averages(const Log& log, int joint, const Parameters& robot, std::vector<std::string>& warnings) {
   const std::vector<double>& tau = log.column(joint_column("tau", joint));
   std::vector<Point> points;
   std::size_t rejected = 0;
-  for (std::size_t from = 0; from < planned.size();) {
-    std::size_t to = from + 1;
-    while (to < planned.size() && planned[to] == planned[from]) ++to;
-    const std::size_t first = from + static_cast<std::size_t>(kSkipped * static_cast<double>(to - from));
-    if (planned[from] != 0 && to - first >= kFewestRows) {
-      const Average speed = robust_mean(std::span(v).subspan(first, to - first));
-      const Average torque = robust_mean(std::span(tau).subspan(first, to - first));
-      rejected += speed.rejected + torque.rejected;
-      points.push_back({speed.mean, torque.mean, speed.standard_error, torque.standard_error});
-    }
-    from = to;
+  for (Stretch stretch : constant_speeds(log, joint, robot)) {
+    stretch.from += static_cast<std::size_t>(kSkipped * static_cast<double>(stretch.rows()));
+    if (stretch.rows() < kFewestRows) continue;
+    const Speed speed = constant_speed(log, joint, robot, stretch);
+    if (std::abs(speed.mean) <= kStanding * speed.standard_error) continue;
+    const Average torque = robust_mean(std::span(tau).subspan(stretch.from, stretch.rows()));
+    rejected += speed.rejected + torque.rejected;
+    points.push_back({speed.mean, torque.mean, speed.standard_error, torque.standard_error});
   }
   warn_of_outliers(rejected, "samples", warnings);
   if (points.size() < kFewestSpeeds) {
-    throw InputError(log.source, joint_column("dtheta", joint, "_plan"),
+    throw InputError(log.source, joint_column("dtheta", joint),
                      fmt::format("{} constant speeds; at least {} are needed", points.size(), kFewestSpeeds));
   }
   return points;
@@ -196,6 +203,17 @@ double chi_square_at(const std::vector<Point>& points, const std::vector<double>
   return finish(points, sigma, p, true).residuals.squaredNorm();
 }
 
+// A sharp kink at rest is the same with (g, h) and (-g, 2 - h), but h > 0 adds a kink at the speed h eta. Where that is
+// beyond every speed, h < 0 is meant.
+Eigen::VectorXd without_unseen_kink(const std::vector<Point>& points, Eigen::VectorXd p) {
+  double fastest = 0;
+  for (const Point& point : points) fastest = std::max(fastest, std::abs(point.v));
+  if (shape(p) * std::exp(p[kLogEta]) < 2 * fastest || shape(p) < 2) return p;
+  p[kAsinhH] = std::asinh(2 - shape(p));
+  p[kG] = -p[kG];
+  return p;
+}
+
 // Only if a perfectly sharp kink is excluded by much: chance makes it look blunt in a few logs of a hundred.
 bool shape_is_known(const std::vector<Point>& points, const std::vector<double>& sigma, const Fit& fit) {
   if (!fit.determined) return false;
@@ -221,20 +239,11 @@ double bound_on_shape(const std::vector<Point>& points, const std::vector<double
   return std::sinh(inside);
 }
 
-// (g, h) and (-g, -h) are the same step at rest when it is too sharp to be seen; but h > 0 would hide a second kink at
-// the unseen speed h eta.
-Eigen::VectorXd with_step_at_rest(Eigen::VectorXd p) {
-  if (p[kAsinhH] > 0) {
-    p[kAsinhH] = -p[kAsinhH];
-    p[kG] = -p[kG];
-  }
-  return p;
-}
-
 // When no speed falls into the kink: h stays what robot.yaml says if the points allow that, or becomes the bound.
 Fit assume_shape(const std::vector<Point>& points, const std::vector<double>& sigma, const Fit& free, double known,
                  double& h, Estimate& e) {
-  Eigen::VectorXd sharp = with_step_at_rest(free.value);
+  Eigen::VectorXd sharp = free.value;
+  if (sharp[kAsinhH] > 0) sharp[kG] = -sharp[kG];  // a step at rest alone
   sharp[kAsinhH] = -std::asinh(kLargestShape);
   const Fit sharpest = finish(points, sigma, sharp, true);
   const double bound = bound_on_shape(points, sigma, sharpest);
@@ -276,7 +285,7 @@ Estimate identify_motor_friction(const Log& log, int joint, const Parameters& ro
   e.names = {"viscous", "amplitude", "width", "second_weight", "second_shape"};
   e.units = {"N m s/rad", "N m", "rad/s", "1", "1"};
   warn_of_gaps(log, e.warnings);
-  std::vector<Point> points = averages(log, joint, e.warnings);
+  std::vector<Point> points = averages(log, joint, robot, e.warnings);
   check_signs(log, points, joint);
 
   Fit fit = best_of_many_starts(log, points, deviations(points, nullptr));
@@ -287,7 +296,7 @@ Estimate identify_motor_friction(const Log& log, int joint, const Parameters& ro
   warn_of_outliers(before - points.size(), "speeds", e.warnings);
   law = law_of(fit.value);
   const std::vector<double> sigma = deviations(points, &law);
-  fit = finish(points, sigma, fit.value, false);
+  fit = finish(points, sigma, without_unseen_kink(points, fit.value), false);
   double h = shape(fit.value);
   if (!shape_is_known(points, sigma, fit)) fit = assume_shape(points, sigma, fit, robot.friction.second_shape[j], h, e);
 
@@ -310,6 +319,7 @@ Estimate identify_motor_friction(const Log& log, int joint, const Parameters& ro
   }
   e.residual_rms = std::sqrt(square / static_cast<double>(points.size()));
   e.r_squared = 1 - square / total;
+  warn_of_doubt(e);
   require_plausible(log, fmt::format("the viscous friction of motor {} [N m s/rad]", joint + 1), law.viscous,
                     robot.friction.viscous[j]);
   require_plausible(log, fmt::format("the amplitude f of motor {} [N m]", joint + 1), law.amplitude,

@@ -7,6 +7,7 @@
 
 #include "model/identify/checks.h"
 #include "model/identify/fit.h"
+#include "model/identify/schedule.h"
 #include "model/input_error.h"
 
 namespace fjr {
@@ -14,7 +15,8 @@ namespace {
 
 // A reversal is taken as forgotten after this share of the largest deflection.
 constexpr double kForgotten = 0.15;
-constexpr std::size_t kFewest = 8;  // settled landings on a branch
+constexpr std::size_t kFewest = 8;      // settled landings on a branch
+constexpr std::size_t kFewestRows = 5;  // to be averaged
 
 std::span<const double> part(const std::vector<double>& values, std::size_t from, std::size_t to) {
   return std::span(values).subspan(from, to - from);
@@ -80,26 +82,25 @@ std::vector<Landing> without_outliers(const std::vector<Landing>& points, const 
 }  // namespace
 
 std::vector<Landing> landings(const Log& log, int joint, std::vector<std::string>& warnings) {
-  const double period = log.number("period", 10), average = log.number("average", 2);
+  const Schedule schedule = schedule_of(log, joint, warnings);
   const std::vector<double>& time = log.column("time");
   const std::vector<double>& theta = log.column(joint_column("theta", joint));
   const std::vector<double>& q = log.column(joint_column("q", joint));
   const std::vector<double>& tau = log.column(joint_column("tau", joint));
   std::vector<Landing> all;
   std::size_t rejected = 0;
-  for (std::size_t from = 0; from < time.size();) {
-    const double start = time.front() + period * std::floor((time[from] - time.front()) / period + 1e-9);
-    const auto until = [&](double t) {
-      return static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), t - 1e-9) - time.begin());
-    };
-    const std::size_t to = until(start + period), first = until(start + period - average);
-    if (to - first >= 5 && first > from) {
-      const Average mean = robust_mean(part(tau, first, to));
-      rejected += mean.rejected;
-      all.push_back(
-          {robust_mean(part(theta, first, to)).mean, robust_mean(part(q, first, to)).mean, mean.mean, true, true});
-    }
-    from = std::max(to, from + 1);
+  const auto row_at = [&](double t) {
+    return static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), t - 1e-9) - time.begin());
+  };
+  for (int step = 1;; ++step) {
+    const double end = schedule.start + step * schedule.period;
+    const std::size_t first = row_at(end - schedule.average), to = row_at(end);
+    if (first >= time.size()) break;
+    if (to - first < kFewestRows) continue;
+    const Average torque = robust_mean(part(tau, first, to));
+    rejected += torque.rejected;
+    all.push_back(
+        {robust_mean(part(theta, first, to)).mean, robust_mean(part(q, first, to)).mean, torque.mean, true, true});
   }
   warn_of_gaps(log, warnings);
   warn_of_outliers(rejected, "torque samples", warnings);
@@ -111,10 +112,12 @@ void fit_branches(const Log& log, const std::vector<Landing>& points, double (*x
                   Estimate& estimate) {
   const std::vector<Landing> settled = settled_ones(log, points);
   const std::vector<Landing> kept = without_outliers(settled, fit_line(settled, x_of));
-  const Fit fit = fit_line(kept, x_of);
+  Fit fit = fit_line(kept, x_of);
+  allow_for_correlation(fit);
   warn_of_outliers(settled.size() - kept.size(), "steps", estimate.warnings);
   estimate.value = fit.value.head(1);
   estimate.covariance = fit.covariance.topLeftCorner(1, 1);
+  warn_of_doubt(estimate);
   estimate.points = kept.size();
   estimate.residual_rms = fit.residual_rms;
   estimate.residual_unit = "N m";

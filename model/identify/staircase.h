@@ -8,7 +8,7 @@
 
 namespace fjr {
 
-// One period of the staircase: averages over its last seconds. Metadata `period` (10 s) and `average` (2 s) say which.
+// One period of the staircase: averages over its last seconds (schedule.h).
 struct Landing {
   double theta, q, tau;  // [rad], [rad], [N m]
   bool rising;           // reached by increasing theta

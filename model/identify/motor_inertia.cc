@@ -8,9 +8,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "model/friction.h"
 #include "model/identify/checks.h"
+#include "model/identify/figures.h"
 #include "model/identify/fit.h"
 #include "model/identify/procedures.h"
 #include "model/identify/stretches.h"
@@ -173,6 +175,53 @@ std::vector<Response> without_outliers(const std::vector<Response>& all, const F
   return kept;
 }
 
+// One of the paper's two figures: the responses to the torques of one sign.
+Chart response_chart(const std::string& title, const std::string& y_label, const std::vector<Response>& all,
+                     const Fit& fit, double sign) {
+  constexpr const char* kColours[] = {"#1f77b4", "#ff7f0e", "#9467bd", "#8c564b", "#17becf", "#bcbd22"};
+  Chart chart{title, "time [s]", y_label, {}};
+  Series fitted{"fits", kFittedColour, Style::kLine, {}, {}};
+  Eigen::Index i = 0;
+  for (const Response& r : all) {
+    const Eigen::Index begin = i;
+    i += static_cast<Eigen::Index>(r.y.size());
+    if (r.u * sign <= 0) continue;
+    chart.series.push_back({fmt::format("u = {:.3g} N m", r.u), kColours[chart.series.size() % std::size(kColours)],
+                            Style::kDots, r.time, r.y});
+    for (std::size_t row = 0; row < r.y.size(); ++row) {
+      fitted.x.push_back(r.time[row]);
+      fitted.y.push_back(r.y[row] + fit.residuals[begin + static_cast<Eigen::Index>(row)]);
+    }
+    fitted.x.push_back(NAN);  // the next curve begins anew
+    fitted.y.push_back(NAN);
+  }
+  chart.series.insert(chart.series.begin(), std::move(fitted));
+  return chart;
+}
+
+std::vector<Chart> charts_of(int joint, Measured measured, const std::vector<Response>& all, const Fit& fit) {
+  const bool velocities = measured == Measured::kVelocity;
+  const std::string what = velocities ? "velocity" : "position",
+                    y_label = velocities ? "dtheta [rad/s]" : "theta [rad]";
+  const auto title = [&](int figure) {
+    return fmt::format("Fig. {}: {} responses of motor {}", figure + 2 * joint, what, joint + 1);
+  };
+  std::vector<double> time, residuals;
+  for (const Response& r : all) time.insert(time.end(), r.time.begin(), r.time.end());
+  for (const double r : fit.residuals) residuals.push_back(-r);
+  return {response_chart(title(11), y_label, all, fit, 1), response_chart(title(12), y_label, all, fit, -1),
+          residual_chart(fmt::format("Figs. {} and {}", 11 + 2 * joint, 12 + 2 * joint), "time [s]",
+                         velocities ? "residual [rad/s]" : "residual [rad]", time, residuals)};
+}
+
+double r_squared(const std::vector<Response>& all, const Fit& fit) {
+  double square = 0;
+  for (const Response& r : all) {
+    for (const double y : r.y) square += y * y;
+  }
+  return 1 - fit.residuals.squaredNorm() / square;
+}
+
 }  // namespace
 
 Estimate identify_motor_inertia(const Log& log, int joint, const Parameters& robot) {
@@ -199,25 +248,9 @@ Estimate identify_motor_inertia(const Log& log, int joint, const Parameters& rob
   e.covariance = fit.covariance.topLeftCorner(2, 2);
   e.points = static_cast<std::size_t>(fit.residuals.size());
   e.residual_rms = fit.residual_rms;
-  const bool velocities = measured == Measured::kVelocity;
-  e.residual_unit = velocities ? "rad/s" : "rad";
-  e.plot = {fmt::format("{} responses of motor {}", velocities ? "Velocity" : "Position", joint + 1),
-            "time [s]",
-            velocities ? "dtheta [rad/s]" : "theta [rad]",
-            {},
-            {},
-            {}};
-  double square = 0;
-  Eigen::Index i = 0;
-  for (const Response& r : all) {
-    for (std::size_t row = 0; row < r.y.size(); ++row, ++i) {
-      square += r.y[row] * r.y[row];
-      e.plot.x.push_back(r.time[row]);
-      e.plot.y.push_back(r.y[row]);
-      e.plot.fitted.push_back(r.y[row] + fit.residuals[i]);
-    }
-  }
-  e.r_squared = 1 - fit.residuals.squaredNorm() / square;
+  e.residual_unit = measured == Measured::kVelocity ? "rad/s" : "rad";
+  e.r_squared = r_squared(all, fit);
+  e.charts = charts_of(joint, measured, all, fit);
   warn_of_doubt(e);
   require_plausible(log, fmt::format("the inertia of motor {} [kg m^2]", joint + 1), e.value[0],
                     robot.motor.inertia[j]);

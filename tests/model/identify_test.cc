@@ -379,16 +379,57 @@ TEST_F(RobotFile, TakesTheBoundWhereTheKnownShapeContradictsTheLog) {
   EXPECT_THAT(text, HasSubstr("joint 1 only bounded by its log: the bound"));
 }
 
-TEST(Report, IsSelfContainedAndShowsEveryFit) {
-  const std::vector<Estimate> two = {identify_quietly("stiffness", noisy_log("stiffness", 0), 0),
-                                     identify_quietly("motor_friction", noisy_log("motor_friction", 0), 0)};
-  const std::string html = format_identification_report(two);
-  for (const char* part : {"Stiffness of joint 1", "Friction of motor 1", "<svg", "h is not determined", "h &lt; -"}) {
+std::size_t count_of(const std::string& part, const std::string& text) {
+  std::size_t count = 0;
+  for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++count;
+  return count;
+}
+
+std::string full_report() {
+  std::vector<Estimate> estimates;
+  for (const char* name : kExperiments) {
+    for (int joint = 0; joint < kJoints; ++joint) {
+      estimates.push_back(identify_quietly(name, noisy_log(name, joint), joint));
+    }
+  }
+  return format_identification_report(estimates);
+}
+
+TEST(Report, RedrawsThePapersFiguresWithResiduals) {
+  const std::string html = full_report();
+  for (int figure : {3, 4, 6, 7, 8, 9, 10, 11, 12, 13, 14}) {
+    EXPECT_THAT(html, HasSubstr("<figcaption>Fig. " + std::to_string(figure) + ": "));
+  }
+  EXPECT_EQ(count_of("<figcaption>Residuals of Fig", html), 10U);
+  EXPECT_EQ(count_of("<canvas id='chart", html), count_of("\"x_label\":", html));  // each has its data
+  for (const char* part : {"#e377c2", "#2ca02c", "#d62728", "#111111",             // the paper's branches
+                           "\"logarithmic_x\":true", "ln q peak", "envelope", "h is not determined", "h &lt; -"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
-  for (const char* part : {"http:", "https:", "src=", "nan", "inf "}) {
+}
+
+TEST(Report, NeedsNothingButItself) {
+  std::string html = full_report();
+  const std::size_t library = html.find(kChartJs);
+  ASSERT_NE(library, std::string::npos);
+  EXPECT_THAT(kChartJs, HasSubstr("Chart.js v"));
+  for (const char* part : {"import(", "fetch(", "XMLHttpRequest", "</script"}) {
+    EXPECT_THAT(kChartJs, testing::Not(HasSubstr(part)));
+  }
+  html.erase(library, std::string(kChartJs).size());
+  for (const char* part : {"http", "src=", "href=", "url(", "@import", "<link", "NaN", "Infinity"}) {
     EXPECT_THAT(html, testing::Not(HasSubstr(part)));
   }
+}
+
+TEST(ChartPage, TextsCannotBreakThePage) {
+  ChartPage page("<b>");
+  page.add_paragraph("</script><script>alert(1)</script>");
+  page.add_charts({{"\"><img>", "</script>", "y", {{"\xff", "red", Style::kLine, {1, NAN}, {2, 3}}}}});
+  const std::string html = page.html();
+  EXPECT_EQ(count_of("</script>", html), 2U);  // the library's and the page's own
+  EXPECT_EQ(count_of("<img", html) + count_of("<b>", html), 0U);
+  EXPECT_THAT(html, HasSubstr(R"({"x":null,"y":null})"));
 }
 
 TEST_F(RobotFile, KeepsWhatNoLogTells) {

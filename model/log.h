@@ -2,19 +2,20 @@
 #pragma once
 
 #include <filesystem>
-#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "model/csv.h"
+
 namespace fjr {
 
 // Columns `time,q1,q2,theta1,theta2,tau1,tau2`, optional `dtheta1,dtheta2` (the drive's own) and planned values with
-// suffix `_plan`; SI units, motor quantities in link coordinates. Other columns are kept too.
+// suffix `_plan`; SI units, motor quantities in link coordinates. Other columns are ignored.
 struct Log {
-  std::string source;                           // the file, for messages
-  std::string hash;                             // SHA-256 of the file's bytes; empty for a log that was never a file
-  std::map<std::string, std::string> metadata;  // `# key: value`
+  std::string source;  // the file, for messages
+  std::string hash;    // SHA-256 of the file's bytes; empty for a log that was never a file
+  Metadata metadata;
   std::vector<std::string> names;
   std::vector<std::vector<double>> values;  // values[i] belongs to names[i]; equally long
 
@@ -30,9 +31,6 @@ struct Log {
 
 // "q", 0 -> "q1".
 std::string joint_column(std::string_view quantity, int joint, std::string_view suffix = "");
-
-// Column names of ours -> those of the file, where they differ.
-using ColumnNames = std::map<std::string, std::string>;
 
 // Reads strictly: InputError names line and column of missing, repeated or malformed columns, of fields that are no
 // finite numbers, and of times that do not increase. Any sampling rate; at least 2 rows.

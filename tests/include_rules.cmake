@@ -33,7 +33,7 @@ rule("only planner/service/dds and planner/executor/dds know DDS and the wire ty
 rule("only service, executor and program know planner/service" "^planner/(service|executor|program)/" "planner/service/")
 rule("only service, executor and program log" "^planner/(service|executor|program)/" "spdlog/")
 rule("only planner/program knows CLI11" "^planner/program/" "CLI/|CLI11")
-rule("the rig and identification stand side by side" "^(model/rig|planner)/" "model/rig/(rig|experiments|record|simulated_arm|normal)")
+rule("the rig and identification stand side by side" "^(model/rig|planner)/" "model/rig/(rig|experiments|record|simulated_arm|normal|rig_file)")
 rule("the rig and identification stand side by side" "^(model/identify|planner/program)/" "model/identify/")
 rule("nothing stands above planner/program" "^planner/program/" "planner/program/")
 

@@ -13,6 +13,7 @@ namespace fjr {
 namespace {
 
 constexpr double kMostDifferent = 10;
+constexpr double kDoubtful = 0.2;  // relative standard error
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 bool near(double ratio, double factor) { return ratio > factor / 2 && ratio < factor * 2; }
@@ -24,6 +25,13 @@ std::string guess(double ratio) {
     return "; 1/min in place of rad/s would explain it";
   }
   return "; is a column in another unit, or on the motor's side of the gear?";
+}
+
+std::vector<double> intervals(const Log& log) {
+  const std::vector<double>& time = log.column("time");
+  std::vector<double> all;
+  for (std::size_t i = 1; i < time.size(); ++i) all.push_back(time[i] - time[i - 1]);
+  return all;
 }
 
 }  // namespace
@@ -59,18 +67,25 @@ void require_radians(const Log& log, int joint) {
   }
 }
 
+double sample_interval(const Log& log) { return median(intervals(log)); }
+
 void warn_of_gaps(const Log& log, std::vector<std::string>& warnings) {
-  const std::vector<double>& time = log.column("time");
-  std::vector<double> intervals;
-  for (std::size_t i = 1; i < time.size(); ++i) intervals.push_back(time[i] - time[i - 1]);
-  const double usual = median(intervals);
+  const double usual = sample_interval(log);
   double missing = 0;
-  for (const double interval : intervals) missing += std::max(std::round(interval / usual) - 1, 0.0);
-  if (missing > 0) warnings.push_back(fmt::format("{:.0f} samples are missing of {}", missing, time.size()));
+  for (const double interval : intervals(log)) missing += std::max(std::round(interval / usual) - 1, 0.0);
+  if (missing > 0) warnings.push_back(fmt::format("{:.0f} samples are missing of {}", missing, log.rows()));
 }
 
 void warn_of_outliers(std::size_t rejected, const std::string& what, std::vector<std::string>& warnings) {
   if (rejected > 0) warnings.push_back(fmt::format("{} {} rejected as outliers", rejected, what));
+}
+
+void warn_of_doubt(Estimate& estimate) {
+  for (const std::string& name : estimate.names) {
+    const double value = estimate.at(name), error = estimate.standard_error(name);
+    if (error <= kDoubtful * std::abs(value)) continue;
+    estimate.warnings.push_back(fmt::format("{} is hardly determined: {:.3g} +- {:.2g}", name, value, error));
+  }
 }
 
 }  // namespace fjr

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "model/identify/estimate.h"
 #include "model/log.h"
 
 namespace fjr {
@@ -18,8 +19,13 @@ void require_experiment(const Log& log, const std::string& experiment, int joint
 // Throws InputError for positions that must be degrees: beyond two revolutions in a link's column.
 void require_radians(const Log& log, int joint);
 
+// The usual one. [s]
+double sample_interval(const Log& log);
+
 // Says how many samples are missing.
 void warn_of_gaps(const Log& log, std::vector<std::string>& warnings);
 void warn_of_outliers(std::size_t rejected, const std::string& what, std::vector<std::string>& warnings);
+// Says which parameters the log hardly determines.
+void warn_of_doubt(Estimate& estimate);
 
 }  // namespace fjr

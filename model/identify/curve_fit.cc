@@ -74,7 +74,8 @@ Fit curve_fit(const Residuals& residuals, Eigen::Index size, const Eigen::Vector
   if (!problem.Evaluate({}, nullptr, &r, nullptr, &jacobian))
     throw std::runtime_error("the fit left the model's range");
   fit.residuals = Eigen::Map<const Eigen::VectorXd>(r.data(), size);
-  add_uncertainty(dense(jacobian), fit);
+  fit.jacobian = dense(jacobian);
+  add_uncertainty(fit);
   return fit;
 }
 

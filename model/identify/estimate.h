@@ -6,13 +6,9 @@
 #include <string>
 #include <vector>
 
-namespace fjr {
+#include "model/chart_page.h"
 
-// Points of a plot of the report, and the fitted curve through them.
-struct Plot {
-  std::string title, x_label, y_label;
-  std::vector<double> x, y, fitted;  // fitted and y at the same x; their difference are the residuals
-};
+namespace fjr {
 
 struct Estimate {
   std::string procedure;  // "stiffness", ...
@@ -29,7 +25,7 @@ struct Estimate {
   std::string residual_unit;
   double r_squared = 0;  // share of the variance explained
   std::vector<std::string> warnings;
-  Plot plot;
+  std::vector<Chart> charts;  // the paper's figures, and the residuals
 
   Eigen::Index index(const std::string& name) const {
     for (std::size_t i = 0; i < names.size(); ++i) {

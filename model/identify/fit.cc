@@ -9,6 +9,7 @@ namespace {
 
 constexpr double kOutlier = 6;          // robust standard deviations
 constexpr double kMadToSigma = 1.4826;  // for normally distributed values
+constexpr Eigen::Index kBlocks = 20;    // of neighbouring residuals
 constexpr double kUndetermined = 1e-9;  // relative pivot of a column-scaled Jacobian
 
 Eigen::VectorXd column_norms(const Eigen::MatrixXd& a) {
@@ -19,7 +20,8 @@ Eigen::VectorXd column_norms(const Eigen::MatrixXd& a) {
 
 }  // namespace
 
-void add_uncertainty(const Eigen::MatrixXd& jacobian, Fit& fit) {
+void add_uncertainty(Fit& fit) {
+  const Eigen::MatrixXd& jacobian = fit.jacobian;
   const Eigen::Index m = jacobian.rows(), n = jacobian.cols();
   const Eigen::VectorXd scale = column_norms(jacobian);
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(jacobian * scale.cwiseInverse().asDiagonal());
@@ -44,8 +46,28 @@ Fit linear_fit(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   Fit fit;
   fit.value = scale.cwiseInverse().asDiagonal() * qr.solve(b);
   fit.residuals = a * fit.value - b;
-  add_uncertainty(a, fit);
+  fit.jacobian = a;
+  add_uncertainty(fit);
   return fit;
+}
+
+void allow_for_correlation(Fit& fit) {
+  const Eigen::Index m = fit.jacobian.rows(), n = fit.jacobian.cols();
+  if (!fit.determined || m < 5 * kBlocks) return;
+  Eigen::MatrixXd scores(kBlocks, n);
+  for (Eigen::Index block = 0; block < kBlocks; ++block) {
+    const Eigen::Index from = block * m / kBlocks, rows = (block + 1) * m / kBlocks - from;
+    scores.row(block) = fit.residuals.segment(from, rows).transpose() * fit.jacobian.middleRows(from, rows);
+  }
+  const double variance = fit.residuals.squaredNorm() / static_cast<double>(m - n);
+  if (!(variance > 0)) return;
+  const Eigen::MatrixXd root = scores * fit.covariance / variance;  // sandwich = root' root
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double sandwich = root.col(i).squaredNorm() * kBlocks / (kBlocks - 1.0);
+    const double grown = std::sqrt(std::max(sandwich / fit.covariance(i, i), 1.0));
+    fit.covariance.row(i) *= grown;
+    fit.covariance.col(i) *= grown;
+  }
 }
 
 double median(std::vector<double> values) {

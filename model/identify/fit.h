@@ -15,6 +15,7 @@ struct Fit {
   Eigen::VectorXd value;
   Eigen::MatrixXd covariance;
   Eigen::VectorXd residuals;
+  Eigen::MatrixXd jacobian;
   double residual_rms = 0;
   bool determined = true;  // false: the data leave some direction free, and the covariance means nothing
 };
@@ -27,8 +28,13 @@ Fit linear_fit(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 using Residuals = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& r)>;
 Fit curve_fit(const Residuals& residuals, Eigen::Index size, const Eigen::VectorXd& start);
 
-// The covariance of Fit from a Jacobian and residuals at the minimum.
-void add_uncertainty(const Eigen::MatrixXd& jacobian, Fit& fit);
+// Fills covariance, residual_rms and determined from Jacobian and residuals at the minimum.
+void add_uncertainty(Fit& fit);
+
+// For residuals in the order of time: neighbours that err alike, as they do where the model is not quite the truth, say
+// less than independent ones. Standard errors grow to those of the sandwich estimator with blocks of neighbours as
+// clusters (Liang & Zeger, Biometrika 73, 1986), and never shrink.
+void allow_for_correlation(Fit& fit);
 
 // Which of `values` are no outliers: within 6 robust standard deviations (1.4826 MAD) of the median. `floor`:
 // deviations up to this are never outliers.

@@ -15,9 +15,11 @@ Estimate identify_gravity(const Log& log, int joint, const Parameters& robot) {
   Estimate e;
   e.names = {"gravity_slope"};
   e.units = {"N m"};
-  e.plot = {fmt::format("Gravity of joint {}", joint + 1), "sin q", "tau [N m]", {}, {}, {}};
-  fit_branches(
-      log, landings(log, joint, e.warnings), [](const Landing& l) { return std::sin(l.q); }, e);
+  const std::string title = fmt::format("Fig. {}: gravity of joint {}", 6 + joint, joint + 1);
+  const std::vector<Landing> points = landings(log, joint, e.warnings);
+  fit_branches(log, points, {[](const Landing& l) { return std::sin(l.q); }, "sin q"}, title, e);
+  e.charts.insert(e.charts.begin(),
+                  branch_chart(title + " over q", points, {[](const Landing& l) { return l.q; }, "q [rad]"}));
   const Pair<double>& g = robot.link.gravity_torque;
   require_plausible(log, fmt::format("the gravity torque of joint {} [N m]", joint + 1), e.value[0],
                     joint == 0 ? g[0] + g[1] : g[1]);

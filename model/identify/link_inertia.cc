@@ -1,9 +1,11 @@
 // IV-C: a link swings freely on its spring, the motor held:
 //
-//   ddq + d dq + k (q - offset) + c z = 0,   dz/dt = (dq - z |dq|) / width,   k = K/I, d = D/I, c = hysteresis / I
+//   ddq + d dq + k (q - offset) + c z = 0,   dz/dt = (1 - z sgn dq)^n dq / width,   k = K/I, d = D/I, c = hysteresis /
+//   I
 //
 // which is (9) for c = 0. Peaks give k and d by (10)-(14); from there the whole curve is fitted. The paper's own way
-// ends at the peaks; a spring with hysteresis, though, is stiffer the less it swings, and that would end up in I.
+// ends at the peaks; a spring with hysteresis, though, is stiffer the less it swings, and that would end up in I. The
+// hysteresis is Dahl's: n = 1 is also Bouc and Wen's model, n = 1/2 the Maxwell-slip model with evenly spread yields.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -13,6 +15,7 @@
 #include "model/dynamics.h"
 #include "model/encoder.h"
 #include "model/identify/checks.h"
+#include "model/identify/figures.h"
 #include "model/identify/fit.h"
 #include "model/identify/procedures.h"
 #include "model/input_error.h"
@@ -23,6 +26,8 @@ namespace {
 struct Curve {
   std::vector<double> time, q;  // [s], [rad]
 };
+
+double resolution_of(double count) { return count / std::sqrt(12.0); }  // [rad]  standard deviation of rounding
 
 struct Peak {
   std::size_t row;
@@ -74,6 +79,19 @@ std::vector<Peak> crests(const Curve& curve) {
   return peaks;
 }
 
+// The line (12) through the logarithms of the crests; its slope is all damping, hysteresis included.
+Fit decrement_line(const std::vector<Peak>& peaks) {
+  const auto m = static_cast<Eigen::Index>(peaks.size());
+  Eigen::MatrixXd a(m, 2);
+  Eigen::VectorXd logarithm(m);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const Peak& peak = peaks[static_cast<std::size_t>(i)];
+    a.row(i) << 1, peak.time;
+    logarithm[i] = std::log(peak.height);
+  }
+  return linear_fit(a, logarithm);
+}
+
 // (12) and (14) from the crests: slope of their logarithm and time between them.
 struct Decrement {
   double k, d;  // [1/s^2], [1/s]
@@ -81,31 +99,34 @@ struct Decrement {
 
 Decrement decrement(const std::vector<Peak>& peaks) {
   const auto m = static_cast<Eigen::Index>(peaks.size());
-  Eigen::MatrixXd a(m, 2), line(m, 2);
-  Eigen::VectorXd logarithm(m), time(m);
+  Eigen::MatrixXd line(m, 2);
+  Eigen::VectorXd time(m);
   for (Eigen::Index i = 0; i < m; ++i) {
-    const Peak& peak = peaks[static_cast<std::size_t>(i)];
-    a.row(i) << 1, peak.time;
     line.row(i) << 1, static_cast<double>(i);
-    logarithm[i] = std::log(peak.height);
-    time[i] = peak.time;
+    time[i] = peaks[static_cast<std::size_t>(i)].time;
   }
-  const double sigma = -linear_fit(a, logarithm).value[1];  // zeta omega_s (13)
+  const double sigma = -decrement_line(peaks).value[1];  // zeta omega_s (13)
   const double omega = 2 * std::numbers::pi / linear_fit(line, time).value[1];
   return {omega * omega + sigma * sigma, 2 * sigma};
 }
 
-enum Index { kQ, kDq, kOffset, kK, kD, kC, kWidth };  // of the fitted parameters; the last two only with hysteresis
-constexpr Eigen::Index kPlain = kC, kWithHysteresis = kWidth + 1;
+// Of the fitted parameters; the last three only with hysteresis, the last only where n = 1 does not explain the curve.
+enum Index { kQ, kDq, kOffset, kK, kD, kC, kWidth, kExponent };
+constexpr Eigen::Index kPlain = kC, kWithHysteresis = kWidth + 1, kWithExponent = kExponent + 1;
 
 struct Swing {
   double q, dq, z;
 };
 
+double hysteresis_slope(const Eigen::VectorXd& p, const Swing& s) {
+  if (p.size() == kPlain) return 0;
+  const double ahead = std::max(1 - s.z * std::copysign(1.0, s.dq), 0.0);
+  return (p.size() == kWithExponent ? std::pow(ahead, std::max(p[kExponent], 0.0)) : ahead) / p[kWidth];
+}
+
 Swing derivative(const Eigen::VectorXd& p, const Swing& s) {
-  const bool hysteresis = p.size() == kWithHysteresis;
-  const double c = hysteresis ? p[kC] : 0, width = hysteresis ? p[kWidth] : 1;
-  return {s.dq, -p[kD] * s.dq - p[kK] * (s.q - p[kOffset]) - c * s.z, (s.dq - s.z * std::abs(s.dq)) / width};
+  const double c = p.size() == kPlain ? 0 : p[kC];
+  return {s.dq, -p[kD] * s.dq - p[kK] * (s.q - p[kOffset]) - c * s.z, hysteresis_slope(p, s) * s.dq};
 }
 
 Swing moved(const Swing& s, const Swing& f, double h) { return {s.q + h * f.q, s.dq + h * f.dq, s.z + h * f.z}; }
@@ -152,18 +173,25 @@ Curve without_outliers(const Curve& curve, const Fit& fit, double floor) {
   return kept;
 }
 
+Fit better(const Fit& richer, const Fit& plain) {
+  return richer.determined && richer.residual_rms < 0.9 * plain.residual_rms ? richer : plain;
+}
+
 // With hysteresis where the plain oscillator leaves more than the encoder explains, and only if that explains more.
 Fit best_fit(const Curve& curve, const Fit& plain, double resolution) {
   if (plain.residual_rms < kUnexplained * resolution) return plain;
   Eigen::VectorXd start(kWithHysteresis);
   start << plain.value, 0.003 * plain.value[kK] * std::abs(plain.value[kQ]), 0.03 * std::abs(plain.value[kQ]);
-  const Fit fit = fit_swing(curve, start);
-  return fit.determined && fit.residual_rms < 0.9 * plain.residual_rms ? fit : plain;
+  const Fit bouc_wen = better(fit_swing(curve, start), plain);
+  if (bouc_wen.residual_rms < kUnexplained * resolution || bouc_wen.value.size() == kPlain) return bouc_wen;
+  Eigen::VectorXd with_exponent(kWithExponent);
+  with_exponent << bouc_wen.value, 0.7;
+  return better(fit_swing(curve, with_exponent), bouc_wen);
 }
 
 Curve centred(const Log& log, int joint) {
   Curve curve{log.column("time"), log.column(joint_column("q", joint))};
-  const double rest = robust_mean(std::span(curve.q).last(std::max<std::size_t>(curve.q.size() / 20, 1))).mean;
+  const double rest = median(curve.q);
   for (double& q : curve.q) q -= rest;
   return curve;
 }
@@ -199,6 +227,80 @@ double r_squared(const Curve& curve, const Fit& fit) {
   return 1 - fit.residuals.squaredNorm() / (q.array() - q.mean()).square().sum();
 }
 
+std::vector<double> fitted_curve(const Curve& curve, const Fit& fit) {
+  std::vector<double> q;
+  for (std::size_t i = 0; i < curve.q.size(); ++i)
+    q.push_back(curve.q[i] + fit.residuals[static_cast<Eigen::Index>(i)]);
+  return q;
+}
+
+// The paper's logarithmic decrement: ln q_peak over time with its line (12), and the damping of the fitted curve, which
+// is what remains without hysteresis.
+Chart decrement_chart(const std::string& title, const std::vector<Peak>& peaks, const Fit& fit) {
+  const Eigen::VectorXd line = decrement_line(peaks).value;
+  const double viscous = -0.5 * fit.value[kD], middle = 0.5 * (peaks.front().time + peaks.back().time);
+  Series measured{"ln q peak", kMeasuredColour, Style::kRings, {}, {}};
+  Series all{fmt::format("line (12): {:.4f}/s", line[1]), kFittedColour, Style::kLine, {}, {}};
+  Series damping{fmt::format("without hysteresis: {:.4f}/s", viscous), "#888", Style::kLine, {}, {}};
+  for (const Peak& peak : peaks) {
+    for (Series* s : {&measured, &all, &damping}) s->x.push_back(peak.time);
+    measured.y.push_back(std::log(peak.height));
+    all.y.push_back(line[0] + line[1] * peak.time);
+    damping.y.push_back(line[0] + line[1] * middle + viscous * (peak.time - middle));
+  }
+  return {title + ", decrement", "time [s]", "ln(q peak / rad)", {measured, all, damping}};
+}
+
+std::vector<Chart> charts_of(int joint, const Curve& whole, const std::vector<Peak>& peaks, const Curve& decay,
+                             const Fit& fit) {
+  const std::string title = fmt::format("Fig. {}: free decay of link {}", 8 + joint, joint + 1);
+  Series crests{"crests", kMeasuredColour, Style::kRings, {}, {}},
+      envelope{"envelope (10)", "#888", Style::kLine, {}, {}};
+  for (const Peak& peak : peaks) {
+    crests.x.push_back(peak.time);
+    crests.y.push_back(peak.height);
+  }
+  const Eigen::VectorXd line = decrement_line(peaks).value;
+  for (int i = 0; i <= 100; ++i) {
+    envelope.x.push_back(decay.time.front() + (decay.time.back() - decay.time.front()) * i / 100);
+    envelope.y.push_back(std::exp(line[0] + line[1] * envelope.x.back()));
+  }
+  const Series fitted{"fit", kFittedColour, Style::kLine, decay.time, fitted_curve(decay, fit)};
+  const Series measured{"measured", kResidualColour, Style::kDots, whole.time, whole.q};
+  const Chart swing{title, "time [s]", "q [rad]", {crests, fitted, envelope, measured}};
+  std::vector<double> residuals(fit.residuals.data(), fit.residuals.data() + fit.residuals.size());
+  for (double& r : residuals) r = -r;
+  return {swing, decrement_chart(title, peaks, fit),
+          residual_chart(title, "time [s]", "residual [rad]", decay.time, std::move(residuals))};
+}
+
+std::vector<Peak> enough_crests(const Log& log, int joint, const Curve& curve) {
+  std::vector<Peak> peaks = crests(curve);
+  if (peaks.size() >= kFewestPeaks) return peaks;
+  throw InputError(log.source, joint_column("q", joint),
+                   fmt::format("{} wave crests; {} are needed", peaks.size(), kFewestPeaks));
+}
+
+struct Swung {
+  Curve decay;  // without outliers
+  Fit fit;
+  std::size_t rejected;
+};
+
+Swung fit_decay(const Curve& whole, const std::vector<Peak>& peaks, const Decrement& start, double count) {
+  Curve decay = between(whole, peaks.front().row, peaks.back().row + 1);
+  Eigen::VectorXd p(kPlain);
+  p << peaks.front().height, 0, 0, start.k, start.d;
+  Fit plain = fit_swing(decay, p);
+  const std::size_t before = decay.q.size();
+  decay = without_outliers(decay, plain, std::max(3 * count, 4 * plain.residual_rms));
+  if (decay.q.size() < before) plain = fit_swing(decay, plain.value);
+  Fit fit = best_fit(decay, plain, resolution_of(count));
+  allow_for_correlation(fit);
+  const std::size_t rejected = before - decay.q.size();
+  return {std::move(decay), std::move(fit), rejected};
+}
+
 }  // namespace
 
 Estimate identify_link_inertia(const Log& log, int joint, const Parameters& robot) {
@@ -211,42 +313,30 @@ Estimate identify_link_inertia(const Log& log, int joint, const Parameters& robo
   warn_of_gaps(log, e.warnings);
 
   const Curve raw = centred(log, joint), whole = without_spikes(raw);
-  const std::vector<Peak> peaks = crests(whole);
-  if (peaks.size() < kFewestPeaks) {
-    throw InputError(log.source, joint_column("q", joint),
-                     fmt::format("{} wave crests; {} are needed", peaks.size(), kFewestPeaks));
-  }
+  const std::vector<Peak> peaks = enough_crests(log, joint, whole);
   const Decrement start = decrement(peaks);
   const MassMatrix<double> m = mass_matrix(robot, 0.0);
   require_plausible(log, fmt::format("K/I of joint {} [1/s^2]", joint + 1), start.k,
                     robot.spring.stiffness[j] / (joint == 0 ? m.m11 : m.m22));
-  Curve decay = between(whole, peaks.front().row, peaks.back().row + 1);
-  const double count = count_angle(robot.encoder.link_counts[j]), resolution = count / std::sqrt(12.0);
-  Eigen::VectorXd p(kPlain);
-  p << peaks.front().height, 0, 0, start.k, start.d;
-  Fit plain = fit_swing(decay, p);
-  const std::size_t before = decay.q.size();
-  decay = without_outliers(decay, plain, std::max(3 * count, 4 * plain.residual_rms));
-  warn_of_outliers(before - decay.q.size() + raw.q.size() - whole.q.size(), "positions", e.warnings);
-  if (decay.q.size() < before) plain = fit_swing(decay, plain.value);
-  const Fit fit = best_fit(decay, plain, resolution);
+  const double count = count_angle(robot.encoder.link_counts[j]);
+  const Swung swung = fit_decay(whole, peaks, start, count);
+  const Fit& fit = swung.fit;
+  warn_of_outliers(swung.rejected + raw.q.size() - whole.q.size(), "positions", e.warnings);
 
   e.value = fit.value.segment(kK, 2);
   e.covariance = fit.covariance.block(kK, kK, 2, 2);
-  e.points = decay.q.size();
+  e.points = swung.decay.q.size();
   e.residual_rms = fit.residual_rms;
   e.residual_unit = "rad";
-  e.r_squared = r_squared(decay, fit);
-  e.plot = {fmt::format("Free decay of link {}", joint + 1), "time [s]", "q [rad]", decay.time, decay.q, {}};
-  for (std::size_t i = 0; i < decay.q.size(); ++i) {
-    e.plot.fitted.push_back(decay.q[i] + fit.residuals[static_cast<Eigen::Index>(i)]);
-  }
-  if (fit.residual_rms > kUnexplained * resolution) {
+  e.r_squared = r_squared(swung.decay, fit);
+  e.charts = charts_of(joint, whole, peaks, swung.decay, fit);
+  if (fit.residual_rms > kUnexplained * resolution_of(count)) {
     e.warnings.push_back(
         fmt::format("the decay differs from a damped oscillation by {:.2g} rad, more than the encoder's "
                     "resolution explains",
                     fit.residual_rms));
   }
+  warn_of_doubt(e);
   return e;
 }
 

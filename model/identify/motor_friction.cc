@@ -11,8 +11,11 @@
 
 #include "model/friction.h"
 #include "model/identify/checks.h"
+#include "model/identify/figures.h"
 #include "model/identify/fit.h"
 #include "model/identify/procedures.h"
+#include "model/identify/stretches.h"
+#include "model/identify/velocity.h"
 #include "model/input_error.h"
 
 namespace fjr {
@@ -23,36 +26,42 @@ struct Point {
   double sigma_v, sigma_tau;  // standard errors of these averages
 };
 
-constexpr std::size_t kFewestRows = 20, kFewestSpeeds = 8;
+constexpr std::size_t kFewestRows = 8, kFewestSpeeds = 8;
+constexpr double kShortest = 0.2;       // [s]  of a constant speed that nobody commands
+constexpr double kStanding = 1;         // standard errors of the speed: below that the motor may as well stand
 constexpr double kSkipped = 0.2;        // of each constant speed, for its transient
 constexpr std::size_t kFinished = 4;    // starts
 constexpr double kChiSquare95 = 3.841;  // one degree of freedom
 constexpr double kLargestShape = 1e5;   // |h| beyond which nobody could measure
 constexpr double kWidestKnown = 0.3;    // relative standard error of h - 1 up to which linear theory is believed
 constexpr double kSharpExcluded = 25;   // by five standard deviations
+constexpr double kExact = 0.1;          // a reduced chi^2 below this: the points have no noise of their own to tell
 
-// Constant speeds are where the commanded one, dtheta<joint>_plan, is constant.
-std::vector<Point> averages(const Log& log, int joint, std::vector<std::string>& warnings) {
-  const std::vector<double>& planned = log.column(joint_column("dtheta", joint, "_plan"));
-  const std::vector<double>& v = log.column(joint_column("dtheta", joint));
+// Where dtheta<joint>_plan, the commanded speed, is constant; where nobody commands, where speed and torque are.
+std::vector<Stretch> constant_speeds(const Log& log, int joint, const Parameters& robot) {
+  const std::string planned = joint_column("dtheta", joint, "_plan");
+  if (log.has(planned)) return commanded_stretches(log.column(planned));
+  const auto rows = static_cast<std::size_t>(kShortest / sample_interval(log));
+  return steady_stretches({velocity(log, joint, robot, rows / 4), {log.column(joint_column("tau", joint)), 0}},
+                          std::max(rows, kFewestRows));
+}
+
+std::vector<Point> averages(const Log& log, int joint, const Parameters& robot, std::vector<std::string>& warnings) {
   const std::vector<double>& tau = log.column(joint_column("tau", joint));
   std::vector<Point> points;
   std::size_t rejected = 0;
-  for (std::size_t from = 0; from < planned.size();) {
-    std::size_t to = from + 1;
-    while (to < planned.size() && planned[to] == planned[from]) ++to;
-    const std::size_t first = from + static_cast<std::size_t>(kSkipped * static_cast<double>(to - from));
-    if (planned[from] != 0 && to - first >= kFewestRows) {
-      const Average speed = robust_mean(std::span(v).subspan(first, to - first));
-      const Average torque = robust_mean(std::span(tau).subspan(first, to - first));
-      rejected += speed.rejected + torque.rejected;
-      points.push_back({speed.mean, torque.mean, speed.standard_error, torque.standard_error});
-    }
-    from = to;
+  for (Stretch stretch : constant_speeds(log, joint, robot)) {
+    stretch.from += static_cast<std::size_t>(kSkipped * static_cast<double>(stretch.rows()));
+    if (stretch.rows() < kFewestRows) continue;
+    const Speed speed = constant_speed(log, joint, robot, stretch);
+    if (std::abs(speed.mean) <= kStanding * speed.standard_error) continue;
+    const Average torque = robust_mean(std::span(tau).subspan(stretch.from, stretch.rows()));
+    rejected += speed.rejected + torque.rejected;
+    points.push_back({speed.mean, torque.mean, speed.standard_error, torque.standard_error});
   }
   warn_of_outliers(rejected, "samples", warnings);
   if (points.size() < kFewestSpeeds) {
-    throw InputError(log.source, joint_column("dtheta", joint, "_plan"),
+    throw InputError(log.source, joint_column("dtheta", joint),
                      fmt::format("{} constant speeds; at least {} are needed", points.size(), kFewestSpeeds));
   }
   return points;
@@ -167,6 +176,14 @@ Fit best_of_many_starts(const Log& log, const std::vector<Point>& points, const 
   return best;
 }
 
+// Residuals are in standard errors of the points, which the samples themselves tell: that the points happen to lie
+// closer to the law than these allow makes it no more certain; that they lie farther off does make it less so.
+void never_below_the_points(Fit& fit) {
+  const double degrees = static_cast<double>(std::max<Eigen::Index>(fit.residuals.size() - kAll, 1));
+  const double reduced_chi_square = fit.residuals.squaredNorm() / degrees;
+  if (reduced_chi_square < 1 && reduced_chi_square > kExact) fit.covariance /= reduced_chi_square;
+}
+
 // Covariance of (B, f, eta, omega, h) from that of the fitted parameters.
 Eigen::MatrixXd in_law_parameters(const Fit& fit) {
   const FrictionLaw law = law_of(fit.value);
@@ -185,6 +202,17 @@ double chi_square_at(const std::vector<Point>& points, const std::vector<double>
   Eigen::VectorXd p = fit.value;
   p[kAsinhH] = asinh_h;
   return finish(points, sigma, p, true).residuals.squaredNorm();
+}
+
+// A sharp kink at rest is the same with (g, h) and (-g, 2 - h), but h > 0 adds a kink at the speed h eta. Where that is
+// beyond every speed, h < 0 is meant.
+Eigen::VectorXd without_unseen_kink(const std::vector<Point>& points, Eigen::VectorXd p) {
+  double fastest = 0;
+  for (const Point& point : points) fastest = std::max(fastest, std::abs(point.v));
+  if (shape(p) * std::exp(p[kLogEta]) < 2 * fastest || shape(p) < 2) return p;
+  p[kAsinhH] = std::asinh(2 - shape(p));
+  p[kG] = -p[kG];
+  return p;
 }
 
 // Only if a perfectly sharp kink is excluded by much: chance makes it look blunt in a few logs of a hundred.
@@ -212,20 +240,11 @@ double bound_on_shape(const std::vector<Point>& points, const std::vector<double
   return std::sinh(inside);
 }
 
-// (g, h) and (-g, -h) are the same step at rest when it is too sharp to be seen; but h > 0 would hide a second kink at
-// the unseen speed h eta.
-Eigen::VectorXd with_step_at_rest(Eigen::VectorXd p) {
-  if (p[kAsinhH] > 0) {
-    p[kAsinhH] = -p[kAsinhH];
-    p[kG] = -p[kG];
-  }
-  return p;
-}
-
 // When no speed falls into the kink: h stays what robot.yaml says if the points allow that, or becomes the bound.
 Fit assume_shape(const std::vector<Point>& points, const std::vector<double>& sigma, const Fit& free, double known,
                  double& h, Estimate& e) {
-  Eigen::VectorXd sharp = with_step_at_rest(free.value);
+  Eigen::VectorXd sharp = free.value;
+  if (sharp[kAsinhH] > 0) sharp[kG] = -sharp[kG];  // a step at rest alone
   sharp[kAsinhH] = -std::asinh(kLargestShape);
   const Fit sharpest = finish(points, sigma, sharp, true);
   const double bound = bound_on_shape(points, sigma, sharpest);
@@ -258,6 +277,63 @@ void check_signs(const Log& log, const std::vector<Point>& points, int joint) {
   }
 }
 
+// tau of the law over its speeds: evenly spaced on a logarithmic scale, for the kinks are at the slow end.
+Series law_curve(const FrictionLaw& law, double slowest, double fastest) {
+  constexpr int kPoints = 400;
+  Series curve{"fit (24)", kFittedColour, Style::kLine, {}, {}};
+  for (int i = 0; i <= kPoints; ++i) {
+    const double v = slowest * std::pow(fastest / slowest, static_cast<double>(i) / kPoints);
+    curve.x.push_back(v);
+    curve.y.push_back(law.torque(v));
+  }
+  return curve;
+}
+
+// Fig. 10 as the paper has it; and over |dtheta| on a logarithmic scale, where the kinks can be seen.
+std::vector<Chart> charts_of(int joint, const std::vector<Point>& points, const FrictionLaw& law) {
+  const std::string title = fmt::format("Fig. 10: friction of motor {}", joint + 1);
+  const std::string speed = "|dtheta| [rad/s]";
+  Series measured{"measured", kMeasuredColour, Style::kRings, {}, {}}, forward = measured, backward = measured;
+  forward.name = "forward";
+  backward.name = "backward, tau reversed";
+  backward.colour = "#e377c2";
+  std::vector<double> size, residuals;
+  for (const Point& point : points) {
+    measured.x.push_back(point.v);
+    measured.y.push_back(point.tau);
+    Series& side = point.v > 0 ? forward : backward;
+    size.push_back(std::abs(point.v));
+    side.x.push_back(size.back());
+    side.y.push_back(std::copysign(1.0, point.v) * point.tau);
+    residuals.push_back(point.tau - law.torque(point.v));
+  }
+  const auto [slowest, fastest] = std::minmax_element(size.begin(), size.end());
+  const Series half = law_curve(law, *slowest, *fastest);
+  Series whole = half;  // the law is odd
+  for (std::size_t i = 0; i < half.x.size(); ++i) {
+    whole.x.insert(whole.x.begin(), -half.x[i]);
+    whole.y.insert(whole.y.begin(), -half.y[i]);
+  }
+  Chart residual = residual_chart(title, speed, "residual [N m]", size, residuals);
+  residual.logarithmic_x = true;
+  return {{title, "dtheta [rad/s]", "tau [N m]", {measured, whole}},
+          {title + ", slow speeds", speed, "tau [N m]", {forward, backward, half}, true},
+          residual};
+}
+
+// In N m, unlike the residuals of the fit.
+void add_goodness(const std::vector<Point>& points, const FrictionLaw& law, Estimate& e) {
+  double square = 0, total = 0;
+  for (const Point& point : points) {
+    square += std::pow(law.torque(point.v) - point.tau, 2);
+    total += point.tau * point.tau;
+  }
+  e.points = points.size();
+  e.residual_unit = "N m";
+  e.residual_rms = std::sqrt(square / static_cast<double>(points.size()));
+  e.r_squared = 1 - square / total;
+}
+
 }  // namespace
 
 Estimate identify_motor_friction(const Log& log, int joint, const Parameters& robot) {
@@ -267,7 +343,7 @@ Estimate identify_motor_friction(const Log& log, int joint, const Parameters& ro
   e.names = {"viscous", "amplitude", "width", "second_weight", "second_shape"};
   e.units = {"N m s/rad", "N m", "rad/s", "1", "1"};
   warn_of_gaps(log, e.warnings);
-  std::vector<Point> points = averages(log, joint, e.warnings);
+  std::vector<Point> points = averages(log, joint, robot, e.warnings);
   check_signs(log, points, joint);
 
   Fit fit = best_of_many_starts(log, points, deviations(points, nullptr));
@@ -278,28 +354,19 @@ Estimate identify_motor_friction(const Log& log, int joint, const Parameters& ro
   warn_of_outliers(before - points.size(), "speeds", e.warnings);
   law = law_of(fit.value);
   const std::vector<double> sigma = deviations(points, &law);
-  fit = finish(points, sigma, fit.value, false);
+  fit = finish(points, sigma, without_unseen_kink(points, fit.value), false);
   double h = shape(fit.value);
   if (!shape_is_known(points, sigma, fit)) fit = assume_shape(points, sigma, fit, robot.friction.second_shape[j], h, e);
 
+  never_below_the_points(fit);
   law = law_of(fit.value);
   law.second_shape = h;  // unrounded, where it was assumed
   e.value.resize(5);
   e.value << law.viscous, law.amplitude, law.width, law.second_weight, law.second_shape;
   e.covariance = in_law_parameters(fit);
-  e.points = points.size();
-  e.residual_unit = "N m";
-  e.plot = {fmt::format("Friction of motor {}", joint + 1), "dtheta [rad/s]", "tau [N m]", {}, {}, {}};
-  double square = 0, total = 0;
-  for (const Point& point : points) {
-    e.plot.x.push_back(point.v);
-    e.plot.y.push_back(point.tau);
-    e.plot.fitted.push_back(law.torque(point.v));
-    square += std::pow(law.torque(point.v) - point.tau, 2);
-    total += point.tau * point.tau;
-  }
-  e.residual_rms = std::sqrt(square / static_cast<double>(points.size()));
-  e.r_squared = 1 - square / total;
+  add_goodness(points, law, e);
+  e.charts = charts_of(joint, points, law);
+  warn_of_doubt(e);
   require_plausible(log, fmt::format("the viscous friction of motor {} [N m s/rad]", joint + 1), law.viscous,
                     robot.friction.viscous[j]);
   require_plausible(log, fmt::format("the amplitude f of motor {} [N m]", joint + 1), law.amplitude,

@@ -3,15 +3,20 @@
 //   dtheta(t) = u/B (1 - exp(-(t - t0) B/J)),   of initial slope u/J;
 //
 // all responses are fitted together, each with its own t0: what is lost before the compensation gets hold is no
-// inertia.
+// inertia. Where only counts tell how fast the motor turns, theta is fitted by the integral of this: no differences.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
+#include "model/friction.h"
 #include "model/identify/checks.h"
+#include "model/identify/figures.h"
 #include "model/identify/fit.h"
 #include "model/identify/procedures.h"
+#include "model/identify/stretches.h"
+#include "model/identify/velocity.h"
 #include "model/input_error.h"
 
 namespace fjr {
@@ -19,28 +24,61 @@ namespace {
 
 struct Response {
   double u;                     // [N m]
-  std::vector<double> time, v;  // since u was switched on
+  std::vector<double> time, y;  // since u was switched on; dtheta [rad/s], or theta [rad] from there
 };
 
-constexpr std::size_t kFewestRows = 20, kFewestResponses = 2;
+// What the responses are of.
+enum class Measured { kVelocity, kPosition };
 
-std::vector<Response> responses(const Log& log, int joint) {
-  const std::vector<double>& u = log.column(joint_column("u", joint, "_plan"));
-  const std::vector<double>& v = log.column(joint_column("dtheta", joint));
+constexpr std::size_t kFewestRows = 20, kFewestResponses = 2;
+constexpr double kShortest = 0.1;  // [s]  of a push that nobody commands
+constexpr double kPushed = 0.1;    // of the largest torque: pushes that nobody commands are beyond that
+
+struct Push {
+  double u;  // [N m]
+  Stretch rows;
+};
+
+// tau - tau_fm_nonlinear(dtheta): u of (26), by the friction known so far.
+std::vector<double> compensated_torque(const Log& log, int joint, const Parameters& robot, std::size_t window) {
+  const FrictionLaw law = FrictionLaw::of(robot, joint);
+  const std::vector<double> v = velocity(log, joint, robot, window).values;
+  std::vector<double> u = log.column(joint_column("tau", joint));
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] -= law.nonlinear(v[i]);
+  return u;
+}
+
+// By u<joint>_plan; where nobody commands, where the compensated torque is steady and not small.
+std::vector<Push> pushes(const Log& log, int joint, const Parameters& robot) {
+  std::vector<Push> found;
+  if (const std::string planned = joint_column("u", joint, "_plan"); log.has(planned)) {
+    for (const Stretch& s : commanded_stretches(log.column(planned))) found.push_back({log.column(planned)[s.from], s});
+    return found;
+  }
+  const auto rows = static_cast<std::size_t>(kShortest / sample_interval(log));
+  const std::vector<double> u = compensated_torque(log, joint, robot, rows / 4);
+  double largest = 0;
+  for (const Stretch& s : steady_stretches({{u, 0}}, std::max(rows, kFewestRows))) {
+    found.push_back({robust_mean(std::span(u).subspan(s.from, s.rows())).mean, s});
+    largest = std::max(largest, std::abs(found.back().u));
+  }
+  std::erase_if(found, [&](const Push& push) { return std::abs(push.u) < kPushed * largest; });
+  return found;
+}
+
+std::vector<Response> responses(const Log& log, int joint, const Parameters& robot, Measured measured) {
   const std::vector<double>& time = log.column("time");
+  const std::vector<double>& y = log.column(joint_column(measured == Measured::kVelocity ? "dtheta" : "theta", joint));
   std::vector<Response> all;
-  for (std::size_t from = 0; from < u.size();) {
-    std::size_t to = from + 1;
-    while (to < u.size() && u[to] == u[from]) ++to;
-    if (u[from] != 0 && to - from >= kFewestRows) {
-      Response r{u[from], {}, {}};
-      for (std::size_t row = from; row < to; ++row) {
-        r.time.push_back(time[row] - time[from]);
-        r.v.push_back(v[row]);
-      }
-      all.push_back(std::move(r));
+  for (const Push& push : pushes(log, joint, robot)) {
+    if (push.rows.rows() < kFewestRows) continue;
+    Response r{push.u, {}, {}};
+    const double origin = measured == Measured::kVelocity ? 0 : y[push.rows.from];
+    for (std::size_t row = push.rows.from; row < push.rows.to; ++row) {
+      r.time.push_back(time[row] - time[push.rows.from]);
+      r.y.push_back(y[row] - origin);
     }
-    from = to;
+    all.push_back(std::move(r));
   }
   if (all.size() < kFewestResponses) {
     throw InputError(log.source, joint_column("u", joint, "_plan"),
@@ -49,50 +87,76 @@ std::vector<Response> responses(const Log& log, int joint) {
   return all;
 }
 
-double model(double u, double inertia, double viscous, double t) {
-  return t > 0 ? -u / viscous * std::expm1(-t * viscous / inertia) : 0;
+// Of dtheta, or of theta from where it stood at t = 0.
+double model(Measured measured, double u, double inertia, double viscous, double t) {
+  if (t <= 0) return 0;
+  const double constant = inertia / viscous, risen = -std::expm1(-t / constant);
+  return u / viscous * (measured == Measured::kVelocity ? risen : t - constant * risen);
 }
 
-// Parameters: J, B, t0 of each response.
+// Parameters: J, B; then of each response t0, and of positions where it began.
 class Residual {
  public:
-  explicit Residual(const std::vector<Response>& all) : all_(all) {}
+  Residual(Measured measured, const std::vector<Response>& all) : measured_(measured), all_(all) {}
 
   Eigen::Index size() const {
     Eigen::Index n = 0;
-    for (const Response& r : all_) n += static_cast<Eigen::Index>(r.v.size());
+    for (const Response& r : all_) n += static_cast<Eigen::Index>(r.y.size());
     return n;
   }
 
+  Eigen::Index parameters() const {
+    return 2 + static_cast<Eigen::Index>(all_.size()) * (measured_ == Measured::kVelocity ? 1 : 2);
+  }
+
   void operator()(const Eigen::VectorXd& p, Eigen::VectorXd& out) const {
+    const auto count = static_cast<Eigen::Index>(all_.size());
     Eigen::Index i = 0;
-    for (std::size_t k = 0; k < all_.size(); ++k) {
-      const double t0 = p[static_cast<Eigen::Index>(2 + k)];
-      for (std::size_t row = 0; row < all_[k].v.size(); ++row) {
-        out[i++] = model(all_[k].u, p[0], p[1], all_[k].time[row] - t0) - all_[k].v[row];
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Response& r = all_[static_cast<std::size_t>(k)];
+      const double t0 = p[2 + k], began = measured_ == Measured::kVelocity ? 0 : p[2 + count + k];
+      for (std::size_t row = 0; row < r.y.size(); ++row) {
+        out[i++] = began + model(measured_, r.u, p[0], p[1], r.time[row] - t0) - r.y[row];
       }
     }
   }
 
  private:
+  Measured measured_;
   const std::vector<Response>& all_;
 };
 
 // Final speed u/B, and the time constant J/B at which 1 - 1/e of it is reached.
-Eigen::VectorXd start(const std::vector<Response>& all) {
-  Eigen::VectorXd p = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(2 + all.size()));
-  const Response& r = all.back();
-  const double last = robust_mean(std::span(r.v).last(r.v.size() / 10 + 1)).mean;
+Eigen::Vector2d from_velocity(const Response& r) {
+  const double last = robust_mean(std::span(r.y).last(r.y.size() / 10 + 1)).mean;
   std::size_t row = 0;
-  while (row + 1 < r.v.size() && std::abs(r.v[row]) < (1 - std::exp(-1)) * std::abs(last)) ++row;
-  p[1] = r.u / last;
-  p[0] = p[1] * r.time[row];
+  while (row + 1 < r.y.size() && std::abs(r.y[row]) < (1 - std::exp(-1)) * std::abs(last)) ++row;
+  return {r.u / last * r.time[row], r.u / last};
+}
+
+// Final speed u/B, and the time constant J/B by which theta lags behind it.
+Eigen::Vector2d from_position(const Response& r) {
+  const std::size_t n = r.y.size(), late = n - n / 10 - 2;
+  const double duration = r.time.back(), last = (r.y.back() - r.y[late]) / (duration - r.time[late]);
+  const double constant = std::clamp(duration - r.y.back() / last, 0.02 * duration, duration);
+  return {r.u / last * constant, r.u / last};
+}
+
+Eigen::VectorXd start(Measured measured, const std::vector<Response>& all) {
+  Eigen::VectorXd p = Eigen::VectorXd::Zero(Residual(measured, all).parameters());
+  p.head(2) = measured == Measured::kVelocity ? from_velocity(all.back()) : from_position(all.back());
   return p;
 }
 
-Fit fit_all(const std::vector<Response>& all, const Eigen::VectorXd& from) {
-  const Residual residual(all);
+Fit fit_all(Measured measured, const std::vector<Response>& all, const Eigen::VectorXd& from) {
+  const Residual residual(measured, all);
   return curve_fit(residual, residual.size(), from);
+}
+
+double largest(const std::vector<Response>& all) {
+  double most = 0;
+  for (const Response& r : all) most = std::max(most, std::abs(median({r.y.end() - kFewestRows / 2, r.y.end()})));
+  return most;
 }
 
 std::vector<Response> without_outliers(const std::vector<Response>& all, const Fit& fit, double floor) {
@@ -102,13 +166,60 @@ std::vector<Response> without_outliers(const std::vector<Response>& all, const F
   std::size_t i = 0;
   for (const Response& r : all) {
     kept.push_back({r.u, {}, {}});
-    for (std::size_t row = 0; row < r.v.size(); ++row, ++i) {
+    for (std::size_t row = 0; row < r.y.size(); ++row, ++i) {
       if (!inside[i]) continue;
       kept.back().time.push_back(r.time[row]);
-      kept.back().v.push_back(r.v[row]);
+      kept.back().y.push_back(r.y[row]);
     }
   }
   return kept;
+}
+
+// One of the paper's two figures: the responses to the torques of one sign.
+Chart response_chart(const std::string& title, const std::string& y_label, const std::vector<Response>& all,
+                     const Fit& fit, double sign) {
+  constexpr const char* kColours[] = {"#1f77b4", "#ff7f0e", "#9467bd", "#8c564b", "#17becf", "#bcbd22"};
+  Chart chart{title, "time [s]", y_label, {}};
+  Series fitted{"fits", kFittedColour, Style::kLine, {}, {}};
+  Eigen::Index i = 0;
+  for (const Response& r : all) {
+    const Eigen::Index begin = i;
+    i += static_cast<Eigen::Index>(r.y.size());
+    if (r.u * sign <= 0) continue;
+    chart.series.push_back({fmt::format("u = {:.3g} N m", r.u), kColours[chart.series.size() % std::size(kColours)],
+                            Style::kDots, r.time, r.y});
+    for (std::size_t row = 0; row < r.y.size(); ++row) {
+      fitted.x.push_back(r.time[row]);
+      fitted.y.push_back(r.y[row] + fit.residuals[begin + static_cast<Eigen::Index>(row)]);
+    }
+    fitted.x.push_back(NAN);  // the next curve begins anew
+    fitted.y.push_back(NAN);
+  }
+  chart.series.insert(chart.series.begin(), std::move(fitted));
+  return chart;
+}
+
+std::vector<Chart> charts_of(int joint, Measured measured, const std::vector<Response>& all, const Fit& fit) {
+  const bool velocities = measured == Measured::kVelocity;
+  const std::string what = velocities ? "velocity" : "position",
+                    y_label = velocities ? "dtheta [rad/s]" : "theta [rad]";
+  const auto title = [&](int figure) {
+    return fmt::format("Fig. {}: {} responses of motor {}", figure + 2 * joint, what, joint + 1);
+  };
+  std::vector<double> time, residuals;
+  for (const Response& r : all) time.insert(time.end(), r.time.begin(), r.time.end());
+  for (const double r : fit.residuals) residuals.push_back(-r);
+  return {response_chart(title(11), y_label, all, fit, 1), response_chart(title(12), y_label, all, fit, -1),
+          residual_chart(fmt::format("Figs. {} and {}", 11 + 2 * joint, 12 + 2 * joint), "time [s]",
+                         velocities ? "residual [rad/s]" : "residual [rad]", time, residuals)};
+}
+
+double r_squared(const std::vector<Response>& all, const Fit& fit) {
+  double square = 0;
+  for (const Response& r : all) {
+    for (const double y : r.y) square += y * y;
+  }
+  return 1 - fit.residuals.squaredNorm() / square;
 }
 
 }  // namespace
@@ -120,35 +231,27 @@ Estimate identify_motor_inertia(const Log& log, int joint, const Parameters& rob
   e.names = {"inertia", "viscous"};
   e.units = {"kg m^2", "N m s/rad"};
   warn_of_gaps(log, e.warnings);
-  std::vector<Response> all = responses(log, joint);
-  const Eigen::VectorXd from = start(all);
+  const Measured measured = has_own_velocity(log, joint, robot) ? Measured::kVelocity : Measured::kPosition;
+  std::vector<Response> all = responses(log, joint, robot, measured);
+  const Eigen::VectorXd from = start(measured, all);
   require_plausible(log, fmt::format("the viscous friction of motor {} [N m s/rad]", joint + 1), from[1],
                     robot.friction.viscous[j]);
-  Fit fit = fit_all(all, from);
-  double fastest = 0;
-  for (const Response& r : all) fastest = std::max(fastest, std::abs(r.u) / fit.value[1]);
-  all = without_outliers(all, fit, 1e-3 * fastest);
-  const auto rejected = static_cast<std::size_t>(fit.residuals.size() - Residual(all).size());
-  warn_of_outliers(rejected, "velocities", e.warnings);
-  if (rejected > 0) fit = fit_all(all, fit.value);
+  Fit fit = fit_all(measured, all, from);
+  all = without_outliers(all, fit, 1e-3 * largest(all));
+  const auto rejected = static_cast<std::size_t>(fit.residuals.size() - Residual(measured, all).size());
+  warn_of_outliers(rejected, "samples", e.warnings);
+  if (rejected > 0) fit = fit_all(measured, all, fit.value);
+
+  allow_for_correlation(fit);
 
   e.value = fit.value.head(2);
   e.covariance = fit.covariance.topLeftCorner(2, 2);
   e.points = static_cast<std::size_t>(fit.residuals.size());
   e.residual_rms = fit.residual_rms;
-  e.residual_unit = "rad/s";
-  e.plot = {fmt::format("Velocity responses of motor {}", joint + 1), "time [s]", "dtheta [rad/s]", {}, {}, {}};
-  double square = 0;
-  Eigen::Index i = 0;
-  for (const Response& r : all) {
-    for (std::size_t row = 0; row < r.v.size(); ++row, ++i) {
-      square += r.v[row] * r.v[row];
-      e.plot.x.push_back(r.time[row]);
-      e.plot.y.push_back(r.v[row]);
-      e.plot.fitted.push_back(r.v[row] + fit.residuals[i]);
-    }
-  }
-  e.r_squared = 1 - fit.residuals.squaredNorm() / square;
+  e.residual_unit = measured == Measured::kVelocity ? "rad/s" : "rad";
+  e.r_squared = r_squared(all, fit);
+  e.charts = charts_of(joint, measured, all, fit);
+  warn_of_doubt(e);
   require_plausible(log, fmt::format("the inertia of motor {} [kg m^2]", joint + 1), e.value[0],
                     robot.motor.inertia[j]);
   return e;

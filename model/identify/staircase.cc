@@ -3,10 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "model/identify/checks.h"
+#include "model/identify/figures.h"
 #include "model/identify/fit.h"
+#include "model/identify/schedule.h"
 #include "model/input_error.h"
 
 namespace fjr {
@@ -15,6 +19,12 @@ namespace {
 // A reversal is taken as forgotten after this share of the largest deflection.
 constexpr double kForgotten = 0.15;
 constexpr std::size_t kFewest = 8;  // settled landings on a branch
+// The paper's, in the order of the staircase.
+constexpr std::array<std::pair<const char*, const char*>, 4> kBranches = {{{"0 to maximum", "#e377c2"},
+                                                                           {"maximum to 0", "#2ca02c"},
+                                                                           {"0 to minimum", "#d62728"},
+                                                                           {"minimum to 0", "#111111"}}};
+constexpr std::size_t kFewestRows = 5;  // to be averaged
 
 std::span<const double> part(const std::vector<double>& values, std::size_t from, std::size_t to) {
   return std::span(values).subspan(from, to - from);
@@ -77,29 +87,62 @@ std::vector<Landing> without_outliers(const std::vector<Landing>& points, const 
   return kept;
 }
 
+// Sum of squares about the mean. [(N m)^2]
+double scatter(const std::vector<Landing>& points) {
+  double mean = 0, square = 0;
+  for (const Landing& l : points) mean += l.tau / static_cast<double>(points.size());
+  for (const Landing& l : points) square += (l.tau - mean) * (l.tau - mean);
+  return square;
+}
+
+// Half a step: theta closer to zero than this is zero. [rad]
+double zero_band(const std::vector<Landing>& points) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < points.size(); ++i) steps.push_back(std::abs(points[i].theta - points[i - 1].theta));
+  return 0.5 * median(std::move(steps));
+}
+
+std::vector<Chart> charts_of(const std::string& title, const std::vector<Landing>& points, const Abscissa& x,
+                             const Fit& fit) {
+  Chart chart = branch_chart(title, points, x);
+  std::vector<double> all_x, residuals;
+  Series rising{"fit, rising", kResidualColour, Style::kLine, {}, {}},
+      falling{"falling", "#9467bd", Style::kLine, {}, {}};
+  for (const Landing& l : points) {
+    const double fitted = fit.value[0] * x.of(l) + fit.value[l.rising ? 1 : 2];
+    Series& line = l.rising ? rising : falling;
+    line.x.push_back(x.of(l));
+    line.y.push_back(fitted);
+    all_x.push_back(x.of(l));
+    residuals.push_back(l.tau - fitted);
+  }
+  chart.series.push_back(std::move(rising));
+  chart.series.push_back(std::move(falling));
+  return {chart, residual_chart(title, x.label, "residual [N m]", std::move(all_x), std::move(residuals))};
+}
+
 }  // namespace
 
 std::vector<Landing> landings(const Log& log, int joint, std::vector<std::string>& warnings) {
-  const double period = log.number("period", 10), average = log.number("average", 2);
+  const Schedule schedule = schedule_of(log, joint, warnings);
   const std::vector<double>& time = log.column("time");
   const std::vector<double>& theta = log.column(joint_column("theta", joint));
   const std::vector<double>& q = log.column(joint_column("q", joint));
   const std::vector<double>& tau = log.column(joint_column("tau", joint));
   std::vector<Landing> all;
   std::size_t rejected = 0;
-  for (std::size_t from = 0; from < time.size();) {
-    const double start = time.front() + period * std::floor((time[from] - time.front()) / period + 1e-9);
-    const auto until = [&](double t) {
-      return static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), t - 1e-9) - time.begin());
-    };
-    const std::size_t to = until(start + period), first = until(start + period - average);
-    if (to - first >= 5 && first > from) {
-      const Average mean = robust_mean(part(tau, first, to));
-      rejected += mean.rejected;
-      all.push_back(
-          {robust_mean(part(theta, first, to)).mean, robust_mean(part(q, first, to)).mean, mean.mean, true, true});
-    }
-    from = std::max(to, from + 1);
+  const auto row_at = [&](double t) {
+    return static_cast<std::size_t>(std::lower_bound(time.begin(), time.end(), t - 1e-9) - time.begin());
+  };
+  for (int step = 1;; ++step) {
+    const double end = schedule.start + step * schedule.period;
+    const std::size_t first = row_at(end - schedule.average), to = row_at(end);
+    if (first >= time.size()) break;
+    if (to - first < kFewestRows) continue;
+    const Average torque = robust_mean(part(tau, first, to));
+    rejected += torque.rejected;
+    all.push_back(
+        {robust_mean(part(theta, first, to)).mean, robust_mean(part(q, first, to)).mean, torque.mean, true, true});
   }
   warn_of_gaps(log, warnings);
   warn_of_outliers(rejected, "torque samples", warnings);
@@ -107,26 +150,34 @@ std::vector<Landing> landings(const Log& log, int joint, std::vector<std::string
   return all;
 }
 
-void fit_branches(const Log& log, const std::vector<Landing>& points, double (*x_of)(const Landing&),
+Chart branch_chart(const std::string& title, const std::vector<Landing>& points, const Abscissa& x, double slope) {
+  Chart chart{title, x.label, "tau [N m]", {}};
+  for (const auto& [name, colour] : kBranches) chart.series.push_back({name, colour, Style::kDots, {}, {}});
+  for (const Landing& l : points) {
+    // At zero a branch ends: the middle of the first step away from it decides.
+    const bool positive = l.rising ? l.theta > zero_band(points) : l.theta >= -zero_band(points);
+    Series& series = chart.series[positive ? (l.rising ? 0 : 1) : (l.rising ? 3 : 2)];
+    series.x.push_back(x.of(l));
+    series.y.push_back(l.tau - slope * x.of(l));
+  }
+  return chart;
+}
+
+void fit_branches(const Log& log, const std::vector<Landing>& points, const Abscissa& x, const std::string& title,
                   Estimate& estimate) {
   const std::vector<Landing> settled = settled_ones(log, points);
-  const std::vector<Landing> kept = without_outliers(settled, fit_line(settled, x_of));
-  const Fit fit = fit_line(kept, x_of);
+  const std::vector<Landing> kept = without_outliers(settled, fit_line(settled, x.of));
+  Fit fit = fit_line(kept, x.of);
+  allow_for_correlation(fit);
   warn_of_outliers(settled.size() - kept.size(), "steps", estimate.warnings);
   estimate.value = fit.value.head(1);
   estimate.covariance = fit.covariance.topLeftCorner(1, 1);
+  warn_of_doubt(estimate);
   estimate.points = kept.size();
   estimate.residual_rms = fit.residual_rms;
   estimate.residual_unit = "N m";
-  double mean = 0, square = 0;
-  for (const Landing& l : kept) mean += l.tau / static_cast<double>(kept.size());
-  for (const Landing& l : kept) square += (l.tau - mean) * (l.tau - mean);
-  estimate.r_squared = 1 - fit.residuals.squaredNorm() / square;
-  for (const Landing& l : points) {
-    estimate.plot.x.push_back(x_of(l));
-    estimate.plot.y.push_back(l.tau);
-    estimate.plot.fitted.push_back(fit.value[0] * x_of(l) + fit.value[l.rising ? 1 : 2]);
-  }
+  estimate.r_squared = 1 - fit.residuals.squaredNorm() / scatter(kept);
+  estimate.charts = charts_of(title, points, x, fit);
 }
 
 }  // namespace fjr

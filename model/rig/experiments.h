@@ -21,7 +21,9 @@ struct Staircase {
   double move = 0.1;        // [s]
   double average = 2;       // [s]  at the end of each period, for whoever reads the log
   double sample_rate = 50;  // [Hz]
+  bool gravity = true;      // where both links are fixed their clamps carry it
 
+  bool operator==(const Staircase&) const = default;
   static Staircase of_stiffness(int joint) { return {joint == 0 ? 82 : 48, 4.7124e-3}; }
   static Staircase of_gravity(int joint) { return {155, joint == 0 ? 7.8540e-3 : 9.4248e-3}; }
 };
@@ -29,7 +31,7 @@ struct Staircase {
 // joint: 0 or 1, here and below.
 // IV-A: both links fixed.
 Record perform_stiffness(const Rig& rig, int joint, const Staircase& staircase, const RigProgress& progress = {});
-// IV-B: the other link fixed at zero, gravity on.
+// IV-B: the other link fixed at zero.
 Record perform_gravity(const Rig& rig, int joint, const Staircase& staircase, const RigProgress& progress = {});
 
 // IV-C: arm parallel to the ground, motors held at zero, the other link fixed; a push of 10 ms sets the link swinging.
@@ -37,7 +39,9 @@ struct Impulse {
   double amplitude;  // [rad]  of the swing without damping
   double duration;   // [s]
   double sample_rate = 1000;
+  bool gravity = false;
 
+  bool operator==(const Impulse&) const = default;
   static Impulse of(int joint) { return {joint == 0 ? 0.33 : 0.20, 6}; }
 };
 Record perform_link_inertia(const Rig& rig, int joint, const Impulse& impulse);
@@ -48,6 +52,7 @@ struct ConstantSpeeds {
   double ramp = 0.1, hold = 0.5;  // [s]
   double sample_rate = 1000;
 
+  bool operator==(const ConstantSpeeds&) const = default;
   // The speeds a rig can hold; `slow` adds those in which the kinks of (24) lie and which only an ideal drive holds.
   static ConstantSpeeds of(int joint, bool slow);
 };
@@ -60,6 +65,7 @@ struct ConstantTorques {
   double rest = 0.2, push;      // [s]
   double sample_rate = 1000;
 
+  bool operator==(const ConstantTorques&) const = default;
   static ConstantTorques of(int joint) {
     return joint == 0 ? ConstantTorques{{1, 1.5, 2, 2.5, 3}, 0.2, 0.8}
                       : ConstantTorques{{1, 1.75, 2.5, 3.25, 4}, 0.2, 0.2};
@@ -67,10 +73,28 @@ struct ConstantTorques {
 };
 Record perform_motor_inertia(const Rig& rig, int joint, const ConstantTorques& torques);
 
+// How each experiment is performed, for both joints.
+struct Experiments {
+  Pair<Staircase> stiffness{Staircase::of_stiffness(0), Staircase::of_stiffness(1)};
+  Pair<Staircase> gravity{Staircase::of_gravity(0), Staircase::of_gravity(1)};
+  Pair<Impulse> link_inertia{Impulse::of(0), Impulse::of(1)};
+  Pair<ConstantSpeeds> motor_friction;
+  Pair<ConstantTorques> motor_inertia{ConstantTorques::of(0), ConstantTorques::of(1)};
+
+  bool operator==(const Experiments&) const = default;
+  // slow: see ConstantSpeeds.
+  static Experiments of_paper(bool slow) {
+    Experiments all;
+    all.motor_friction = {ConstantSpeeds::of(0, slow), ConstantSpeeds::of(1, slow)};
+    return all;
+  }
+};
+
 inline constexpr const char* kExperiments[] = {"stiffness", "gravity", "link_inertia", "motor_friction",
                                                "motor_inertia"};
 
-// The experiment of that name (one of kExperiments) as in the paper. `slow`: see ConstantSpeeds.
-Record perform(const std::string& name, const Rig& rig, int joint, bool slow, const RigProgress& progress = {});
+// The experiment of that name, one of kExperiments.
+Record perform(const std::string& name, const Rig& rig, int joint, const Experiments& experiments,
+               const RigProgress& progress = {});
 
 }  // namespace fjr

@@ -1,6 +1,8 @@
 // Link inertia, IV-C: a push, then free decay.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "model/rig/experiments.h"
 #include "model/rig/simulated_arm.h"
@@ -21,7 +23,7 @@ Record perform_link_inertia(const Rig& rig, int joint, const Impulse& impulse) {
   const double height = momentum * std::numbers::pi / (2 * kLength);
   Mounting mounting;
   mounting.links[1 - j] = LinkMount::kClamped;
-  mounting.gravity = false;
+  mounting.gravity = impulse.gravity;
   mounting.push = [height, j](double t) {
     Pair<double> push{0, 0};
     const double phase = (t - kStart) / kLength;
@@ -30,15 +32,19 @@ Record perform_link_inertia(const Rig& rig, int joint, const Impulse& impulse) {
   };
   SimulatedArm arm(rig, std::move(mounting));
   Record record;
-  int row = 0;
-  for (const double corner : {kStart, kStart + kLength, impulse.duration}) {
-    const auto last = static_cast<int>(std::lround(corner * impulse.sample_rate));
-    arm.restart();
-    arm.announce_corner(last / impulse.sample_rate);
-    for (; row <= last; ++row) {
-      arm.advance(row / impulse.sample_rate);
-      record.add(arm.time(), arm.state(), arm.motor_torque());
+  std::vector<double> corners{impulse.duration + 1, kStart + kLength, kStart};  // the next one last
+  arm.announce_corner(corners.back());
+  const auto rows = static_cast<int>(std::lround(impulse.duration * impulse.sample_rate));
+  for (int row = 0; row <= rows; ++row) {
+    const double t = row / impulse.sample_rate;
+    while (corners.size() > 1 && t >= corners.back()) {
+      arm.advance(corners.back());
+      corners.pop_back();
+      arm.restart();
+      arm.announce_corner(corners.back());
     }
+    arm.advance(t);
+    record.add(t, arm.state(), arm.motor_torque());
   }
   return record;
 }

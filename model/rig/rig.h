@@ -14,6 +14,8 @@ namespace fjr {
 struct Hysteresis {
   Pair<double> height{0.08, 0.015};  // [N m]  half the opening of the loop
   Pair<double> width{0.01, 0.01};    // [rad]  deflection in which a reversal is forgotten to 1/e
+
+  bool operator==(const Hysteresis&) const = default;
 };
 
 // Assumptions, apart from the encoders.
@@ -21,6 +23,8 @@ struct Instruments {
   Pair<double> torque_noise{0.05, 0.02};      // [N m]    standard deviation of one sample
   Pair<double> velocity_noise{0.005, 0.005};  // [rad/s]  of the drive's own velocity
   bool encoders = true;                       // false: positions are read exactly, not in counts
+
+  bool operator==(const Instruments&) const = default;
 };
 
 struct Rig {

@@ -67,13 +67,14 @@ Record climb(const Rig& rig, int joint, const Staircase& stairs, Mounting mounti
 Record perform_stiffness(const Rig& rig, int joint, const Staircase& staircase, const RigProgress& progress) {
   Mounting mounting;
   mounting.links = {LinkMount::kClamped, LinkMount::kClamped};
-  mounting.gravity = false;  // the clamps carry it
+  mounting.gravity = staircase.gravity;
   return climb(rig, joint, staircase, std::move(mounting), progress);
 }
 
 Record perform_gravity(const Rig& rig, int joint, const Staircase& staircase, const RigProgress& progress) {
   Mounting mounting;
   mounting.links[static_cast<std::size_t>(1 - joint)] = LinkMount::kClamped;
+  mounting.gravity = staircase.gravity;
   return climb(rig, joint, staircase, std::move(mounting), progress);
 }
 

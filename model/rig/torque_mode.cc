@@ -1,4 +1,5 @@
 // Motor inertia, IV-F: link removed, constant friction-compensated torques from standstill.
+#include <algorithm>
 #include <cmath>
 #include <memory>
 
@@ -20,6 +21,8 @@ struct Compensation {
   double torque(double dtheta) const { return braked ? law.torque(dtheta) : u + law.nonlinear(dtheta + noise); }
 };
 
+constexpr double kTickRate = 1000;  // [Hz]
+
 class TorqueMode {
  public:
   TorqueMode(const Rig& rig, int joint, const ConstantTorques& plan)
@@ -27,6 +30,8 @@ class TorqueMode {
         joint_(joint),
         j_(static_cast<std::size_t>(joint)),
         plan_(plan),
+        ticks_per_row_(std::max(1L, std::lround(kTickRate / plan.sample_rate))),
+        tick_rate_(plan.sample_rate * static_cast<double>(ticks_per_row_)),
         compensation_(std::make_shared<Compensation>(Compensation{FrictionLaw::of(rig.truth, joint)})),
         arm_(rig, mounting()),
         noise_(rig.seed * 16 + 3) {
@@ -60,7 +65,7 @@ class TorqueMode {
   }
 
   void run(double duration) {
-    const auto ticks = std::lround(duration * plan_.sample_rate);
+    const auto ticks = std::lround(duration * tick_rate_);
     for (long i = 0; i < ticks; ++i) {
       Pair<double> velocity = arm_.state().dtheta;
       if (rig_.noisy()) {
@@ -68,10 +73,12 @@ class TorqueMode {
         velocity[j_] += compensation_->noise;
         arm_.restart();
       }
-      record_.add(arm_.time(), arm_.state(), arm_.motor_torque());
-      record_.drive_velocity.push_back(velocity);
-      record_.planned[joint_column("u", joint_, "_plan")].push_back(compensation_->braked ? 0 : compensation_->u);
-      const double end = static_cast<double>(++ticks_) / plan_.sample_rate;
+      if (ticks_ % ticks_per_row_ == 0) {
+        record_.add(arm_.time(), arm_.state(), arm_.motor_torque());
+        record_.drive_velocity.push_back(velocity);
+        record_.planned[joint_column("u", joint_, "_plan")].push_back(compensation_->braked ? 0 : compensation_->u);
+      }
+      const double end = static_cast<double>(++ticks_) / tick_rate_;
       arm_.announce_corner(end);
       arm_.advance(end);
     }
@@ -81,6 +88,8 @@ class TorqueMode {
   int joint_;
   std::size_t j_;
   const ConstantTorques& plan_;
+  long ticks_per_row_;
+  double tick_rate_;  // [Hz]  of the drive: at least kTickRate, and as often as the log or a multiple of it
   std::shared_ptr<Compensation> compensation_;
   SimulatedArm arm_;
   Normal noise_;

@@ -2,15 +2,18 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "model/input_error.h"
 #include "model/rig/experiments.h"
+#include "model/rig/rig_file.h"
 #include "planner/program/commands.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/progress_line.h"
@@ -22,30 +25,40 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string name, out, robot;
+  std::string name, out, robot, rig;
   int joint = 0;  // 1 or 2; 0: not given
   bool ideal = false, slow = false;
-  std::uint64_t seed = 1;
+  std::optional<std::uint64_t> seed;
   std::vector<double> torque_noise, hysteresis, link_damping;  // two values each; empty: the rig's own
 };
 
-void override_with(Pair<double>& pair, const std::vector<double>& given) {
-  if (!given.empty()) pair = {given[0], given[1]};
+void override_with(Pair<double>& pair, const std::string& option, const std::vector<double>& given) {
+  if (given.empty()) return;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const bool allowed = given[j] >= 0 && std::isfinite(given[j]);
+    if (!allowed) throw InputError(option, "", fmt::format("{} is not a number from 0 up", given[j]));
+    pair[j] = given[j];
+  }
 }
 
-Rig rig_of(const Options& options) {
+// The most particular has the last word: options, then rig.yaml, then --ideal.
+RigSetup setup_of(const Options& options) {
   const Parameters robot = load_parameters(options.robot.empty() ? default_robot_file() : fs::path(options.robot));
-  Rig rig = options.ideal ? Rig::ideal(robot) : Rig::of(robot);
-  rig.seed = options.seed;
-  override_with(rig.instruments.torque_noise, options.torque_noise);
-  override_with(rig.hysteresis.height, options.hysteresis);
-  override_with(rig.truth.link.damping, options.link_damping);
-  return rig;
+  RigSetup setup{options.ideal ? Rig::ideal(robot) : Rig::of(robot),
+                 Experiments::of_paper(options.ideal || options.slow)};
+  if (!options.rig.empty()) read_rig(options.rig, setup);
+  Rig& rig = setup.rig;
+  rig.seed = options.seed.value_or(rig.seed);
+  override_with(rig.instruments.torque_noise, "--torque-noise", options.torque_noise);
+  override_with(rig.hysteresis.height, "--hysteresis", options.hysteresis);
+  override_with(rig.truth.link.damping, "--link-damping", options.link_damping);
+  return setup;
 }
 
-void perform_one(const Options& options, const Rig& rig, const std::string& name, int joint, const fs::path& file) {
+void perform_one(const RigSetup& setup, const std::string& name, int joint, const fs::path& file) {
+  const Rig& rig = setup.rig;
   ProgressLine line(fmt::format("{}, joint {}", name, joint));
-  const Record record = perform(name, rig, joint - 1, options.ideal || options.slow, [&line](double fraction) {
+  const Record record = perform(name, rig, joint - 1, setup.experiments, [&line](double fraction) {
     line.show(fraction);
     return !interrupted();
   });
@@ -56,26 +69,26 @@ void perform_one(const Options& options, const Rig& rig, const std::string& name
   fmt::print("{}: {} rows, {:.6g} s\n", file.string(), log.rows(), record.time.back());
 }
 
-void perform_all(const Options& options, const Rig& rig) {
+void perform_all(const Options& options, const RigSetup& setup) {
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", options.out, error.message()));
   for (const char* name : kExperiments) {
     for (int joint = 1; joint <= kJoints; ++joint) {
-      perform_one(options, rig, name, joint, fs::path(options.out) / fmt::format("{}_{}.csv", name, joint));
+      perform_one(setup, name, joint, fs::path(options.out) / fmt::format("{}_{}.csv", name, joint));
     }
   }
 }
 
 int run(const Options& options) {
   catch_interrupts();
-  const Rig rig = rig_of(options);
+  const RigSetup setup = setup_of(options);
   if (options.name == "all") {
-    perform_all(options, rig);
+    perform_all(options, setup);
   } else if (options.joint == 0) {
     throw InputError("--joint", "", "is needed for a single experiment: 1 or 2");
   } else {
-    perform_one(options, rig, options.name, options.joint, options.out);
+    perform_one(setup, options.name, options.joint, options.out);
   }
   return 0;
 }
@@ -96,8 +109,12 @@ void add_experiment(CLI::App& app, int& exit_code) {
       ->type_name("LOG.csv|DIR");
   command->add_flag("--ideal", options->ideal, "Without noise, quantisation and hysteresis; slow speeds included");
   command->add_flag("--slow", options->slow, "Include the slow speeds of motor friction without --ideal");
-  command->add_option("--seed", options->seed, "Seed of the noise")->capture_default_str();
+  command->add_option("--seed", options->seed, "Seed of the noise; 1 without it");
   command->add_option("--robot", options->robot, "The true arm; without it the robot.yaml shipped with fjr");
+  command
+      ->add_option("--rig", options->rig,
+                   "Instruments, hysteresis, gravity, rates, steps, speeds, ...: as in config/rig.yaml")
+      ->type_name("rig.yaml");
   command->add_option("--torque-noise", options->torque_noise, "Standard deviations, N m")->expected(2);
   command->add_option("--hysteresis", options->hysteresis, "Half openings of the springs' loops, N m")->expected(2);
   command->add_option("--link-damping", options->link_damping, "True damping, N m s/rad")->expected(2);

@@ -103,7 +103,9 @@ std::vector<Estimate> from_folder(const Options& options, const Parameters& robo
   for (const char* name : kProcedures) {
     for (int joint = 0; joint < kJoints; ++joint) {
       const fs::path file = fs::path(options.logs.front()) / fmt::format("{}_{}.csv", name, joint + 1);
-      estimates.push_back(identify(name, read_log(file, renamed_columns(options.columns)), joint, robot));
+      const Log log = read_log(file, renamed_columns(options.columns));
+      const Parameters known = combine(robot, estimates).robot;  // what comes later may need what came before
+      estimates.push_back(identify(name, log, joint, known));
     }
   }
   return estimates;

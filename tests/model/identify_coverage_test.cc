@@ -13,7 +13,8 @@ std::vector<Estimate> at_full_length(const Rig& rig, bool slow_speeds) {
   std::vector<Estimate> estimates;
   for (const char* name : kExperiments) {
     for (int joint = 0; joint < kJoints; ++joint) {
-      estimates.push_back(identify(name, measure(perform(name, rig, joint, slow_speeds), rig), joint, rig.truth));
+      estimates.push_back(identify(name, measure(perform(name, rig, joint, Experiments::of_paper(slow_speeds)), rig),
+                                   joint, rig.truth));
     }
   }
   return estimates;

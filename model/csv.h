@@ -1,0 +1,41 @@
+// CSV files of numbers over time, read strictly: what trajectories and logs have in common.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <iosfwd>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace fjr {
+
+using Metadata = std::map<std::string, std::string>;  // the `# key: value` lines
+
+// Column names of ours -> those of the file, where they differ.
+using ColumnNames = std::map<std::string, std::string>;
+
+struct CsvRules {
+  std::string kind;                              // "trajectory", for messages
+  std::vector<std::string> required;             // columns; the first is the time, which increases
+  bool (*optional)(std::string_view) = nullptr;  // which further columns are read; all others are ignored
+  ColumnNames renamed{};
+  std::size_t max_rows = SIZE_MAX;
+};
+
+struct CsvTable {
+  Metadata metadata;
+  std::vector<std::string> names;           // the required columns in their order, then the optional ones in the file's
+  std::vector<std::vector<double>> values;  // values[i] belongs to names[i]; at least two rows
+};
+
+// InputError names source, line and column of anything that is not a finite number, of missing and repeated columns, of
+// times that do not increase; of fewer than 2 or more than max_rows rows. Lines are bounded, so an endless file is
+// refused early.
+CsvTable read_table(std::istream& in, const std::string& source, const CsvRules& rules);
+
+// `# key: value` lines that read back as they were; line ends within become spaces.
+std::string format_metadata(const Metadata& metadata);
+
+}  // namespace fjr

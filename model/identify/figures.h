@@ -1,0 +1,24 @@
+// Charts that several procedures draw alike.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/chart_page.h"
+
+namespace fjr {
+
+inline constexpr const char* kMeasuredColour = "#d62728";
+inline constexpr const char* kFittedColour = "#2ca02c";
+inline constexpr const char* kResidualColour = "#1f77b4";
+
+// Measured less fitted over x. title: of the chart with the fit.
+inline Chart residual_chart(const std::string& title, const std::string& x_label, const std::string& y_label,
+                            std::vector<double> x, std::vector<double> residuals) {
+  return {"Residuals of " + title,
+          x_label,
+          y_label,
+          {{"residual", kResidualColour, Style::kDots, std::move(x), std::move(residuals)}}};
+}
+
+}  // namespace fjr

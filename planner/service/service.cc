@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "model/input_error.h"
@@ -25,6 +26,13 @@ double seconds(Job::Clock::duration duration) { return std::chrono::duration<dou
 
 Job::Clock::duration duration_of(double seconds) {
   return std::chrono::duration_cast<Job::Clock::duration>(std::chrono::duration<double>(seconds));
+}
+
+// What the certificate allowed, and what it predicts for the executor.
+void say_errors(TrajectoryOrder& order, const std::string& plan_json) {
+  const auto certificate = nlohmann::json::parse(plan_json).at("certificate");
+  order.certified_error.fill(certificate.at("tolerance_rad").get<double>());
+  order.predicted_error = certificate.at("tracking").at("link_error_rad").get<Pair<double>>();
 }
 
 }  // namespace
@@ -328,6 +336,7 @@ void Service::publish(const Reply& reply) {
   order.request_hash = reply.request_hash;
   order.certified = reply.state == ReplyState::kSolved;
   order.ends_at_rest = true;  // seen to at admission
+  say_errors(order, reply.plan_json);
   order.rows = reply.rows;
   if (!port_.send(order)) spdlog::error("not published id={}: the executor is too slow", text(reply.id));
 }

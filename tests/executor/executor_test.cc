@@ -64,7 +64,11 @@ TEST(Acceptance, RefusesWithTheReason) {
   refused([](Order& o, Situation&) { o.rows[2].time = 0; }, ResultCode::kInvalidGoal,
           "time does not increase at row 2");
   refused([](Order& o, Situation&) { o.epoch = 2; }, ResultCode::kInvalidGoal, "from an earlier owner");
-  refused([](Order& o, Situation& s) { s.run.insert(o.id); }, ResultCode::kInvalidGoal, "was run before");
+  refused([](Order& o, Situation&) { o.rows[0].state.dq[0] = 1; }, ResultCode::kInvalidGoal, "does not begin at rest");
+  refused([=](Order& o, Situation&) { o.tolerances.path[1] = nan; }, ResultCode::kInvalidGoal, "a tolerance is");
+  refused([=](Order& o, Situation&) { o.tolerances.goal_time = -1; }, ResultCode::kInvalidGoal, "a tolerance is");
+  refused([](Order&, Situation& s) { s.mode = ExecutorMode::kStopped; }, ResultCode::kInvalidGoal, "was stopped");
+  refused([](Order&, Situation& s) { s.lost = "theta2"; }, ResultCode::kInvalidGoal, "encoder theta2 gives no samples");
   refused([](Order& o, Situation&) { o.published = 99 * kSecond; }, ResultCode::kOldHeaderTimestamp, "before");
   refused([](Order& o, Situation&) { o.published = 150 * kSecond; }, ResultCode::kOldHeaderTimestamp, "50.0 s ago");
   refused([](Order&, Situation& s) { s.mode = ExecutorMode::kExecuting; }, ResultCode::kInvalidGoal, "not at rest");
@@ -81,6 +85,7 @@ class ExecutorTest : public testing::Test {
 
   fs::path path(const std::string& name) const { return folder_ / name; }
   Process fjr(std::vector<std::string> words, const std::string& log) const {
+    if (words[0] == "executor") words.insert(words.end(), {"--state", path("state"), "--logs", path("logs")});
     words.insert(words.begin(), FJR_EXECUTABLE);
     words.insert(words.end(), {"--domain", std::to_string(20 + ::getpid() % 200)});
     return Process(words, path(log));

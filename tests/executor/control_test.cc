@@ -1,0 +1,296 @@
+// The control tick on the simulated arm, on a simulated clock: modes, tolerances, faults, figures.
+#include "planner/executor/control.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include "planner/executor/executor_config.h"
+#include "planner/executor/stop_motion.h"
+#include "planner/executor/virtual_arm.h"
+#include "tests/executor/flat_motion.h"
+
+namespace fjr {
+namespace {
+
+using testing::HasSubstr;
+
+const Parameters& robot() {
+  static const Parameters p = load_parameters(default_robot_file());
+  return p;
+}
+
+const Pair<double> kFrom{0.3, 0.2}, kTo{0.9, -0.3};
+
+std::unique_ptr<Motion> motion(const Pair<double>& from, const Pair<double>& to, double duration = 0.6) {
+  TrajectoryOrder order;
+  order.id.number = 7;
+  order.rows = flat_motion(robot(), from, to, duration).samples;
+  return prepare(robot(), order, ExecutorConfig{}.tolerances, {});
+}
+
+// Arm and control, and what became of motions.
+struct Rig {
+  explicit Rig(VirtualArmOptions options = {}, const Pair<double>& q = kFrom) : arm(with_truth(options), q) {}
+
+  static VirtualArmOptions with_truth(VirtualArmOptions options) {
+    if (options.truth.link.length[0] == 0) options.truth = robot();
+    return options;
+  }
+
+  void run(double seconds) {
+    for (int i = 0; i < std::lround(seconds / kTick); ++i) {
+      control.tick();
+      while (const auto tick = control.state()) state = *tick;
+    }
+  }
+
+  // Until it is over; its report.
+  ExecutionResult finish(const Motion& motion) {
+    for (int i = 0; i < 5000; ++i) {
+      run(kTick);
+      if (const auto finished = control.finished()) {
+        EXPECT_EQ(*finished, &motion);
+        return result_of(motion, robot());
+      }
+    }
+    ADD_FAILURE() << "it never ends";
+    return {};
+  }
+
+  VirtualArm arm;
+  Control control{robot(), arm};
+  TickState state;
+};
+
+TEST(Control, RunsAMotionAndRestsAtItsGoal) {
+  Rig rig;
+  rig.run(0.3);
+  EXPECT_EQ(rig.state.mode, ExecutorMode::kResting);
+  const auto move = motion(kFrom, kTo);
+  ASSERT_TRUE(rig.control.begin(move.get()));
+  rig.run(0.3);
+  EXPECT_EQ(rig.state.mode, ExecutorMode::kExecuting);
+  EXPECT_GT(rig.state.dq[0], 1);        // midway of 0.6 rad in 0.6 s
+  EXPECT_GT(rig.state.dtheta[0], 0.9);  // filtered, 5 ms late
+  const ExecutionResult result = rig.finish(*move);
+  EXPECT_EQ(result.code, ResultCode::kSuccessful) << result.sentence;
+  EXPECT_EQ(rig.state.mode, ExecutorMode::kResting);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    EXPECT_GT(result.link_error[j], 0);
+    EXPECT_LT(result.link_error[j], 2e-3);
+    EXPECT_LE(result.link_error_rms[j], result.link_error[j]);
+    EXPECT_LT(result.residual_vibration[j], 2e-3);
+    EXPECT_GT(result.feedback_torque[j], 0);
+    EXPECT_NEAR(rig.state.q[j], kTo[j], 2e-3);
+  }
+  ASSERT_EQ(result.limits.size(), 8U);
+  for (const LimitMargin& margin : result.limits) {
+    EXPECT_GT(margin.reached, 0) << margin.name;
+    EXPECT_LT(margin.reached, margin.limit) << margin.name;
+  }
+  EXPECT_EQ(move->log.size(), static_cast<std::size_t>(std::lround((0.6 + kWatched) / kTick)) + 1);
+}
+
+// Whenever it comes: at most 20 ms of the plan, then a stop, then stillness.
+TEST(Control, HoldsFromAnyTick) {
+  for (const int tick : {1, 37, 150, 200, 299, 301, 404, 555}) {
+    Rig rig;
+    const auto move = motion(kFrom, kTo);
+    ASSERT_TRUE(rig.control.begin(move.get()));
+    rig.run(tick * kTick);
+    rig.control.hold();
+    rig.run(kTick);
+    EXPECT_EQ(rig.state.mode, ExecutorMode::kStopping) << tick;
+    const ExecutionResult result = rig.finish(*move);
+    EXPECT_EQ(result.code, ResultCode::kGoalToleranceViolated);
+    EXPECT_THAT(result.sentence, HasSubstr("hold was commanded"));
+    EXPECT_EQ(rig.state.mode, ExecutorMode::kHolding);
+    EXPECT_LT(move->log.size(), 2000U);
+    Interpolator plan(move->trajectory);
+    for (const LogRow& row : move->log) {  // it kept to the plan until 20 ms after the command at most, then left it
+      const double off = std::abs(row.planned.state.q[0] - plan.at(row.time).state.q[0]);
+      if (row.time <= tick * kTick) {
+        EXPECT_EQ(off, 0) << tick << " at " << row.time;
+      } else if (row.time > 0.3 && tick < 200) {
+        EXPECT_GT(off, 0.01) << tick << " at " << row.time;
+      }
+    }
+    for (std::size_t j = 0; j < kJoints; ++j) EXPECT_LT(result.residual_vibration[j], 2e-3) << tick;
+    const Pair<double> held = rig.state.q;
+    rig.run(0.5);
+    for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(rig.state.q[j], held[j], 1e-3);
+  }
+}
+
+TEST(Control, AStopIsForGoodAndAHoldIsNot) {
+  Rig rig;
+  const auto move = motion(kFrom, kTo);
+  ASSERT_TRUE(rig.control.begin(move.get()));
+  rig.run(0.2);
+  rig.control.hold();
+  (void)rig.finish(*move);
+  const auto onwards = motion(rig.state.q, kTo, 0.5);
+  ASSERT_TRUE(rig.control.begin(onwards.get()));
+  EXPECT_EQ(rig.finish(*onwards).code, ResultCode::kSuccessful);
+  EXPECT_EQ(rig.state.mode, ExecutorMode::kResting);
+
+  rig.control.stop();
+  rig.run(kTick);
+  EXPECT_EQ(rig.state.mode, ExecutorMode::kStopped);
+  const auto never = motion(kTo, kFrom);
+  ASSERT_TRUE(rig.control.begin(never.get()));
+  EXPECT_EQ(rig.finish(*never).code, ResultCode::kInvalidGoal);
+  EXPECT_EQ(rig.state.mode, ExecutorMode::kStopped);
+}
+
+TEST(Control, FollowsTheOffsetOfAStartThatIsNotQuiteWhereTheArmIs) {
+  Rig rig({}, {0.305, 0.193});
+  rig.run(0.2);
+  const auto move = motion(kFrom, kTo);
+  ASSERT_TRUE(rig.control.begin(move.get()));
+  const ExecutionResult result = rig.finish(*move);
+  EXPECT_EQ(result.code, ResultCode::kSuccessful) << result.sentence;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    EXPECT_NEAR(rig.state.q[j], kTo[j], 2e-3);
+    EXPECT_LT(result.link_error[j], 9e-3);  // the offset itself, and no kick on top of it
+  }
+}
+
+TEST(Control, StopsWhenALinkLeavesThePath) {
+  Parameters heavy = robot();
+  heavy.link.inertia[0] *= 2.5;
+  Rig rig({.truth = heavy});
+  const auto move = motion(kFrom, kTo, 0.4);
+  ASSERT_TRUE(rig.control.begin(move.get()));
+  const ExecutionResult result = rig.finish(*move);
+  EXPECT_EQ(result.code, ResultCode::kPathToleranceViolated);
+  EXPECT_THAT(result.sentence, HasSubstr("rad off the plan at"));
+  EXPECT_EQ(rig.state.mode, ExecutorMode::kHolding);
+  rig.run(1);
+  EXPECT_LT(std::abs(rig.state.dq[0]), 0.5);  // links of a robot that nobody knows do swing
+  EXPECT_LT(std::abs(rig.state.q[0] - move->ended_at[0]), 0.05);
+}
+
+TEST(Control, SaysWhenTheGoalIsNotReachedInTime) {
+  Rig rig({.truth = robot(), .payload = 0.03});  // 3 mrad more deflection at the goal: within the path, off the goal
+  auto move = motion(kFrom, kTo);
+  move->tolerances.goal = {0.001, 0.001};
+  ASSERT_TRUE(rig.control.begin(move.get()));
+  const ExecutionResult result = rig.finish(*move);
+  EXPECT_EQ(result.code, ResultCode::kGoalToleranceViolated);
+  EXPECT_THAT(result.sentence, HasSubstr("rad off the goal"));
+  EXPECT_EQ(rig.state.mode, ExecutorMode::kHolding);
+}
+
+class EncoderLoss : public testing::TestWithParam<EncoderFault::Encoder> {};
+INSTANTIATE_TEST_SUITE_P(All, EncoderLoss,
+                         testing::Values(EncoderFault::Encoder::kQ1, EncoderFault::Encoder::kQ2,
+                                         EncoderFault::Encoder::kTheta1, EncoderFault::Encoder::kTheta2));
+
+TEST_P(EncoderLoss, StopsAndHolds) {
+  Rig rig({.truth = robot(), .fault = EncoderFault{GetParam(), 0.8}});
+  const auto move = motion(kFrom, kTo);
+  ASSERT_TRUE(rig.control.begin(move.get()));
+  const ExecutionResult result = rig.finish(*move);
+  EXPECT_EQ(result.code, ResultCode::kPathToleranceViolated);
+  EXPECT_THAT(result.sentence, HasSubstr("gave no more samples"));
+  EXPECT_EQ(rig.state.mode, ExecutorMode::kHolding);
+  ASSERT_NE(rig.state.lost, nullptr);
+  // The feed-forward stop alone brings it to rest near where it was planned.
+  const Sample& planned = move->log.back().planned;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    EXPECT_NEAR(rig.arm.state().q[j], planned.state.q[j], 0.01);
+    EXPECT_NEAR(rig.arm.state().dq[j], 0, 0.05);
+  }
+  const auto never = motion(rig.state.q, kTo);
+  ASSERT_TRUE(rig.control.begin(never.get()));
+  EXPECT_EQ(rig.finish(*never).code, ResultCode::kInvalidGoal);
+}
+
+// Behind encoders that now and then say nothing, or tell of missed ticks.
+class Gaps : public Arm {
+ public:
+  explicit Gaps(Arm& arm) : arm_(arm) {}
+  Reading read() override {
+    Reading reading = arm_.read();
+    if (missing > 0 && missing-- > 0) reading.theta[1].reset();
+    reading.ticks = std::exchange(ticks, 1);
+    return reading;
+  }
+  void command(const Pair<double>& torque) override { arm_.command(torque); }
+  int missing = 0, ticks = 1;
+
+ private:
+  Arm& arm_;
+};
+
+TEST(Control, BridgesTwoMissingSamplesAndNotMore) {
+  for (const int missing : {kLostAfter - 1, kLostAfter}) {
+    VirtualArm arm({.truth = robot()}, kFrom);
+    Gaps gaps(arm);
+    Control control(robot(), gaps);
+    const auto move = motion(kFrom, kTo);
+    ASSERT_TRUE(control.begin(move.get()));
+    for (int i = 0; i < 2500; ++i) {
+      if (i == 300) gaps.missing = missing;
+      control.tick();
+    }
+    ASSERT_TRUE(control.finished());
+    EXPECT_EQ(move->outcome.ending, missing < kLostAfter ? Ending::kReached : Ending::kEncoderLost);
+  }
+}
+
+TEST(Control, StopsWhenItWasAwayForTooLong) {
+  VirtualArm arm({.truth = robot()}, kFrom);
+  Gaps gaps(arm);
+  Control control(robot(), gaps);
+  const auto move = motion(kFrom, kTo);
+  ASSERT_TRUE(control.begin(move.get()));
+  for (int i = 0; i < 2500; ++i) {
+    if (i == 300) gaps.ticks = kStallTicks + 2;
+    control.tick();
+  }
+  ASSERT_TRUE(control.finished());
+  EXPECT_EQ(move->outcome.ending, Ending::kStalled);
+}
+
+TEST(Control, RefusesToStartWithASignOrZeroThatCannotBe) {
+  class Reversed : public VirtualArm {
+   public:
+    using VirtualArm::VirtualArm;
+    Reading read() override {
+      Reading reading = VirtualArm::read();
+      reading.theta[1] = -*reading.theta[1];
+      return reading;
+    }
+  };
+  Reversed arm({.truth = robot()}, kFrom);
+  EXPECT_THAT([&] { Control(robot(), arm); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("encoders of joint 2 do not fit each other")));
+}
+
+TEST(VirtualArm, HangsLowerWithAPayloadAndTurnsBackLateWithHysteresis) {
+  const Parameters loaded = with_payload(robot(), 0.2);
+  // By hand: 0.2 kg at 0.345 and 0.305 m.
+  EXPECT_NEAR(loaded.link.gravity_torque[0], 6.17 + 0.2 * 9.8 * 0.345, 1e-12);
+  EXPECT_NEAR(loaded.link.gravity_torque[1], 0.53 + 0.2 * 9.8 * 0.305, 1e-12);
+  const MassMatrix<double> m = mass_matrix(loaded, 0.0), before = mass_matrix(robot(), 0.0);
+  EXPECT_NEAR(m.m11 - before.m11, 0.2 * 0.65 * 0.65, 1e-12);
+  EXPECT_NEAR(m.m22 - before.m22, 0.2 * 0.305 * 0.305, 1e-12);
+
+  VirtualArm plain({.truth = robot()}, kFrom), sticky({.truth = robot(), .hysteresis = Hysteresis{}}, kFrom);
+  const Pair<double> more{gravity_torque(robot(), kFrom)[0] + 2, gravity_torque(robot(), kFrom)[1]};
+  for (int i = 0; i < 100; ++i) {
+    plain.command(more);
+    sticky.command(more);
+  }
+  EXPECT_GT(std::abs(plain.state().theta[0] - sticky.state().theta[0]), 1e-4);
+}
+
+}  // namespace
+}  // namespace fjr

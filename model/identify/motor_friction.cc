@@ -50,7 +50,9 @@ std::vector<Point> averages(const Log& log, int joint, const Parameters& robot, 
   const std::vector<double>& tau = log.column(joint_column("tau", joint));
   std::vector<Point> points;
   std::size_t rejected = 0;
-  for (Stretch stretch : constant_speeds(log, joint, robot)) {
+  const std::vector<Stretch> stretches = constant_speeds(log, joint, robot);
+  require_consistent_velocity(log, joint, robot, stretches);
+  for (Stretch stretch : stretches) {
     stretch.from += static_cast<std::size_t>(kSkipped * static_cast<double>(stretch.rows()));
     if (stretch.rows() < kFewestRows) continue;
     const Speed speed = constant_speed(log, joint, robot, stretch);
@@ -172,7 +174,9 @@ Fit best_of_many_starts(const Log& log, const std::vector<Point>& points, const 
     best = std::move(fit);
   }
   if (!std::isfinite(cost))
-    throw InputError(log.source, "", "no friction law with positive f and B fits these torques");
+    throw InputError(log.source, "",
+                     fmt::format("no friction law with positive f and B fits these torques at {:.3g} to {:.3g} rad/s",
+                                 slowest, fastest));
   return best;
 }
 

@@ -32,6 +32,7 @@ enum class Measured { kVelocity, kPosition };
 
 constexpr std::size_t kFewestRows = 20, kFewestResponses = 2;
 constexpr double kShortest = 0.1;  // [s]  of a push that nobody commands
+constexpr double kConsistent = 3;  // times or part of u: friction may have changed
 constexpr double kPushed = 0.1;    // of the largest torque: pushes that nobody commands are beyond that
 
 struct Push {
@@ -66,11 +67,30 @@ std::vector<Push> pushes(const Log& log, int joint, const Parameters& robot) {
   return found;
 }
 
+// The torque itself plays no part where u is told; that of another joint, sign or unit is found out by (26).
+void require_consistent_torque(const Log& log, int joint, const Parameters& robot, const std::vector<Push>& found) {
+  const std::string name = joint_column("tau", joint);
+  const std::vector<double>& tau = log.column(name);
+  if (std::all_of(tau.begin(), tau.end(), [](double t) { return t == 0; })) return;  // not recorded
+  const std::vector<double> u = compensated_torque(log, joint, robot, kFewestRows);
+  std::vector<double> ratios;
+  for (const Push& push : found) {
+    const std::span<const double> part = std::span(u).subspan(push.rows.from, push.rows.rows());
+    ratios.push_back(median({part.begin(), part.end()}) / push.u);
+  }
+  require_plausible(log, fmt::format("{} less its friction in proportion to u", name), median(ratios), 1, kConsistent);
+}
+
 std::vector<Response> responses(const Log& log, int joint, const Parameters& robot, Measured measured) {
   const std::vector<double>& time = log.column("time");
   const std::vector<double>& y = log.column(joint_column(measured == Measured::kVelocity ? "dtheta" : "theta", joint));
   std::vector<Response> all;
-  for (const Push& push : pushes(log, joint, robot)) {
+  const std::vector<Push> found = pushes(log, joint, robot);
+  std::vector<Stretch> stretches;
+  for (const Push& push : found) stretches.push_back(push.rows);
+  require_consistent_velocity(log, joint, robot, stretches);
+  require_consistent_torque(log, joint, robot, found);
+  for (const Push& push : found) {
     if (push.rows.rows() < kFewestRows) continue;
     Response r{push.u, {}, {}};
     const double origin = measured == Measured::kVelocity ? 0 : y[push.rows.from];

@@ -168,10 +168,13 @@ TEST(Identify, WrongSignsAreRefused) {
     EXPECT_THAT(error_of("stiffness", scaled(noisy_log("stiffness", 0), column, -1), 0), HasSubstr("wrong sign"));
   }
   EXPECT_THAT(error_of("gravity", scaled(noisy_log("gravity", 1), "q2", -1), 1), HasSubstr("wrong sign"));
+  EXPECT_THAT(error_of("gravity", scaled(noisy_log("gravity", 1), "theta2", -1), 1), HasSubstr("wrong sign"));
   EXPECT_THAT(error_of("motor_friction", scaled(noisy_log("motor_friction", 0), "tau1", -1), 0),
               HasSubstr("wrong sign"));
-  EXPECT_THAT(error_of("motor_inertia", scaled(noisy_log("motor_inertia", 0), "dtheta1", -1), 0),
-              HasSubstr("wrong sign"));
+  for (const std::string column : {"dtheta1", "tau1", "u1_plan"}) {
+    EXPECT_THAT(error_of("motor_inertia", scaled(noisy_log("motor_inertia", 0), column, -1), 0),
+                HasSubstr("wrong sign"));
+  }
 }
 
 TEST(Identify, WrongUnitsAreRefusedWithAGuess) {
@@ -179,11 +182,17 @@ TEST(Identify, WrongUnitsAreRefusedWithAGuess) {
   EXPECT_THAT(error_of("stiffness", scaled(noisy_log("stiffness", 0), "theta1", degrees), 0), HasSubstr("degrees"));
   EXPECT_THAT(error_of("gravity", scaled(noisy_log("gravity", 0), "q1", degrees), 0), HasSubstr("degrees"));
   EXPECT_THAT(error_of("stiffness", scaled(noisy_log("stiffness", 1), "tau2", 1000), 1), HasSubstr("mN m"));
+  EXPECT_THAT(error_of("motor_friction", scaled(noisy_log("motor_friction", 1), "dtheta2", 60 / (2 * M_PI)), 1),
+              HasSubstr("1/min"));
+  EXPECT_THAT(error_of("motor_friction", scaled(noisy_log("motor_friction", 0), "theta1", degrees), 0),
+              HasSubstr("degrees"));
   EXPECT_THAT(error_of("motor_inertia", scaled(noisy_log("motor_inertia", 1), "dtheta2", degrees), 1),
               HasSubstr("degrees"));
   Log slow = noisy_log("link_inertia", 0);
   for (double& t : slow.column("time")) t *= 1000;  // milliseconds
-  EXPECT_NE(error_of("link_inertia", slow, 0), "no error");
+  EXPECT_THAT(error_of("link_inertia", slow, 0), HasSubstr("a time in milliseconds"));
+  EXPECT_THAT(error_of("stiffness", scaled(noisy_log("stiffness", 0), "time", 1000), 0), HasSubstr("another unit?"));
+  EXPECT_THAT(error_of("gravity", scaled(noisy_log("gravity", 1), "theta2", degrees), 1), HasSubstr("another unit"));
 }
 
 TEST(Identify, AnotherExperimentsLogIsRefused) {
@@ -193,6 +202,8 @@ TEST(Identify, AnotherExperimentsLogIsRefused) {
   log.metadata.clear();
   log.metadata["joint"] = "2";
   EXPECT_THAT(error_of("stiffness", log, 0), HasSubstr("# joint: is 2, not 1"));
+  log.metadata.clear();
+  EXPECT_THAT(error_of("stiffness", log, 1), HasSubstr("theta2: does not move"));
 }
 
 // One sample in 200 is nonsense, and one in 50 is missing.

@@ -10,12 +10,11 @@
 #include <cmath>
 #include <iterator>
 
-#include "model/friction.h"
 #include "model/identify/checks.h"
 #include "model/identify/figures.h"
 #include "model/identify/fit.h"
 #include "model/identify/procedures.h"
-#include "model/identify/stretches.h"
+#include "model/identify/pushes.h"
 #include "model/identify/velocity.h"
 #include "model/input_error.h"
 
@@ -31,55 +30,6 @@ struct Response {
 enum class Measured { kVelocity, kPosition };
 
 constexpr std::size_t kFewestRows = 20, kFewestResponses = 2;
-constexpr double kShortest = 0.1;  // [s]  of a push that nobody commands
-constexpr double kConsistent = 3;  // times or part of u: friction may have changed
-constexpr double kPushed = 0.1;    // of the largest torque: pushes that nobody commands are beyond that
-
-struct Push {
-  double u;  // [N m]
-  Stretch rows;
-};
-
-// tau - tau_fm_nonlinear(dtheta): u of (26), by the friction known so far.
-std::vector<double> compensated_torque(const Log& log, int joint, const Parameters& robot, std::size_t window) {
-  const FrictionLaw law = FrictionLaw::of(robot, joint);
-  const std::vector<double> v = velocity(log, joint, robot, window).values;
-  std::vector<double> u = log.column(joint_column("tau", joint));
-  for (std::size_t i = 0; i < u.size(); ++i) u[i] -= law.nonlinear(v[i]);
-  return u;
-}
-
-// By u<joint>_plan; where nobody commands, where the compensated torque is steady and not small.
-std::vector<Push> pushes(const Log& log, int joint, const Parameters& robot) {
-  std::vector<Push> found;
-  if (const std::string planned = joint_column("u", joint, "_plan"); log.has(planned)) {
-    for (const Stretch& s : commanded_stretches(log.column(planned))) found.push_back({log.column(planned)[s.from], s});
-    return found;
-  }
-  const auto rows = static_cast<std::size_t>(kShortest / sample_interval(log));
-  const std::vector<double> u = compensated_torque(log, joint, robot, rows / 4);
-  double largest = 0;
-  for (const Stretch& s : steady_stretches({{u, 0}}, std::max(rows, kFewestRows))) {
-    found.push_back({robust_mean(std::span(u).subspan(s.from, s.rows())).mean, s});
-    largest = std::max(largest, std::abs(found.back().u));
-  }
-  std::erase_if(found, [&](const Push& push) { return std::abs(push.u) < kPushed * largest; });
-  return found;
-}
-
-// The torque itself plays no part where u is told; that of another joint, sign or unit is found out by (26).
-void require_consistent_torque(const Log& log, int joint, const Parameters& robot, const std::vector<Push>& found) {
-  const std::string name = joint_column("tau", joint);
-  const std::vector<double>& tau = log.column(name);
-  if (std::all_of(tau.begin(), tau.end(), [](double t) { return t == 0; })) return;  // not recorded
-  const std::vector<double> u = compensated_torque(log, joint, robot, kFewestRows);
-  std::vector<double> ratios;
-  for (const Push& push : found) {
-    const std::span<const double> part = std::span(u).subspan(push.rows.from, push.rows.rows());
-    ratios.push_back(median({part.begin(), part.end()}) / push.u);
-  }
-  require_plausible(log, fmt::format("{} less its friction in proportion to u", name), median(ratios), 1, kConsistent);
-}
 
 std::vector<Response> responses(const Log& log, int joint, const Parameters& robot, Measured measured) {
   const std::vector<double>& time = log.column("time");

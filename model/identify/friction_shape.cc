@@ -8,6 +8,7 @@
 namespace fjr {
 namespace {
 
+constexpr double kResolved = 0.2;       // of the width of the kink: a speed known to this resolves it
 constexpr double kChiSquare95 = 3.841;  // one degree of freedom
 constexpr double kWidestKnown = 0.3;    // relative standard error of h - 1 up to which linear theory is believed
 constexpr double kSharpExcluded = 25;   // by five standard deviations
@@ -34,6 +35,15 @@ double bound_on_shape(const std::vector<FrictionPoint>& points, const std::vecto
   return std::sinh(inside);
 }
 
+// Whether the speeds in the kink at rest are known well enough to tell how narrow it is; of the blunt ones, that begin
+// at higher speeds, all are.
+bool speeds_resolve_kink(const std::vector<FrictionPoint>& points, const FrictionLaw& law) {
+  const double width = law.width / std::abs(1 - law.second_shape);
+  double error = HUGE_VAL;
+  for (const FrictionPoint& point : points) error = std::min(error, point.sigma_v);
+  return law.second_shape > 1 || error < kResolved * width;
+}
+
 }  // namespace
 
 Eigen::VectorXd without_unseen_kink(const std::vector<FrictionPoint>& points, Eigen::VectorXd p) {
@@ -46,7 +56,7 @@ Eigen::VectorXd without_unseen_kink(const std::vector<FrictionPoint>& points, Ei
 }
 
 bool shape_is_known(const std::vector<FrictionPoint>& points, const std::vector<double>& sigma, const Fit& fit) {
-  if (!fit.determined) return false;
+  if (!fit.determined || !speeds_resolve_kink(points, law_of(fit.value))) return false;
   const double error = std::sqrt(in_law_parameters(fit)(4, 4)), h = shape(fit.value);
   if (error > kWidestKnown * std::abs(h - 1)) return false;
   const double best = fit.residuals.squaredNorm();

@@ -20,6 +20,8 @@ namespace {
 constexpr std::size_t kFewestRows = 8, kFewestSpeeds = 8;
 constexpr double kShortest = 0.2;  // [s]  of a constant speed that nobody commands
 constexpr double kStanding = 1;    // standard errors of a speed that nobody commands: below that the motor may stand
+constexpr double kExactly = 1e-6;  // of a commanded speed: errors of rounding in the log
+constexpr double kObeyed = 2;      // mean square of deviations from the commands, in standard errors
 constexpr double kSkipped = 0.2;   // of each constant speed, for its transient
 
 // Where dtheta<joint>_plan, the commanded speed, is constant; where nobody commands, where speed and torque are.
@@ -31,10 +33,29 @@ std::vector<Stretch> constant_speeds(const Log& log, int joint, const Parameters
                           std::max(rows, kFewestRows));
 }
 
+// A drive whose measured speeds differ from the commanded ones by no more than their errors does what it is told: then
+// the commanded ones are better known, to what all together could show. A kink narrower than the error of a single
+// speed would look blunt otherwise.
+void trust_commands(const std::vector<double>& commands, std::vector<FrictionPoint>& points) {
+  double square = 0, error = 0;
+  const auto count = static_cast<double>(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double allowed = std::hypot(points[i].sigma_v, kExactly * commands[i]);
+    square += std::pow((points[i].v - commands[i]) / allowed, 2) / count;
+    error += points[i].sigma_v / count;
+  }
+  if (!(square < kObeyed)) return;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].v = commands[i];
+    points[i].sigma_v = std::min(points[i].sigma_v, error / std::sqrt(count));
+  }
+}
+
 std::vector<FrictionPoint> averages(const Log& log, int joint, const Parameters& robot,
                                     std::vector<std::string>& warnings) {
   const std::vector<double>& tau = log.column(joint_column("tau", joint));
   std::vector<FrictionPoint> points;
+  std::vector<double> commands;
   std::size_t rejected = 0;
   const bool commanded = log.has(joint_column("dtheta", joint, "_plan"));
   const std::vector<Stretch> stretches = constant_speeds(log, joint, robot);
@@ -47,12 +68,14 @@ std::vector<FrictionPoint> averages(const Log& log, int joint, const Parameters&
     const Average torque = robust_mean(std::span(tau).subspan(stretch.from, stretch.rows()));
     rejected += speed.rejected + torque.rejected;
     points.push_back({speed.mean, torque.mean, speed.standard_error, torque.standard_error});
+    if (commanded) commands.push_back(log.column(joint_column("dtheta", joint, "_plan"))[stretch.from]);
   }
   warn_of_outliers(rejected, "samples", warnings);
   if (points.size() < kFewestSpeeds) {
     throw InputError(log.source, joint_column("dtheta", joint),
                      fmt::format("{} constant speeds; at least {} are needed", points.size(), kFewestSpeeds));
   }
+  if (commanded) trust_commands(commands, points);
   return points;
 }
 

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kEncodersAgree = 0.1;  // [rad] theta and q + K^-1 G(q) at rest: hysteresis, a payload, no wrong sign
 constexpr double kRunAway = 0.2;        // [rad] a motor off the stop: feedback does not help, and is given up
-constexpr double kTrimGain = 0.2, kTrimRate = 0.5;  // of the link error, and of its integral [1/s]
-constexpr double kRounding = 1e-9;                  // [s]
+constexpr double kLinkShare = 0.5;      // of a spring's stiffness: feedback from the link's side, stable below 1
+constexpr double kRounding = 1e-9;      // [s]
 
 Reading first_reading(Arm& arm) {
   const char* silent = "";
@@ -71,7 +71,7 @@ void Control::hold_at(const Pair<double>& q, const Pair<double>& theta) {
   path_ = Interpolator(held_);
   time_ = end_ = began_ = 0;
   for (std::size_t j = 0; j < kJoints; ++j) offset_[j] = theta[j] - held_.samples[0].state.theta[j];
-  shift_ = trim_ = integral_ = {};
+  shift_ = {};
   planned_ = held_.samples[0];
 }
 
@@ -79,7 +79,7 @@ Pair<double> Control::reference() const {
   const double left = fade((time_ - began_) / kHandOver);
   Pair<double> theta;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    theta[j] = planned_.state.theta[j] + offset_[j] * left + shift_[j] + trim_[j];
+    theta[j] = planned_.state.theta[j] + offset_[j] * left + shift_[j];
   }
   return theta;
 }
@@ -135,7 +135,7 @@ void Control::take_motion(bool refused) {
   settled_ = false;
   const Pair<double>& start = motion->trajectory.samples.front().state.theta;
   for (std::size_t j = 0; j < kJoints; ++j) offset_[j] = from[j] - start[j];
-  shift_ = trim_ = integral_ = {};
+  shift_ = {};
 }
 
 void Control::follow() {
@@ -226,12 +226,9 @@ void Control::finish(ExecutorMode mode) {
   motion_->held = mode != ExecutorMode::kResting;
   finished_.put(motion_);
   const bool beside = shift_ != Pair<double>{} || motion_->outcome.ending == Ending::kGoalTolerance;
-  const Pair<double> trim = trim_, integral = integral_;
   motion_ = nullptr;
   if (beside) return rest_here();
   hold_at(planned_.state.q, planned_.state.theta);
-  trim_ = trim;
-  integral_ = integral;
 }
 
 // Holds the arm where it is.
@@ -250,16 +247,26 @@ void Control::move_reference(const Pair<double>& theta) {
   feedback_.shift_plan(by);
 }
 
+// Within one count the motor encoders say nothing, and motor 2 is unstable at rest: it would drift to the edge of the
+// count, 1.6e-3 rad away. The finer link encoders tell where in its count a motor is that rests: theta = q + K^-1 G(q).
+// What makes of the count's position error that of this estimate, with the gain that feedback across a spring allows.
+double Control::within_count(std::size_t j) const {
+  const double planned = reference()[j], count = count_angle(robot_.encoder.motor_counts[j]);
+  const double counted = quantised(sensing_.theta()[j], robot_.encoder.motor_counts[j]);
+  const double estimate = rest_at(robot_, sensing_.q()).theta[j];
+  const double error = planned - std::clamp(estimate, counted - count / 2, counted + count / 2);
+  const double gain = std::min(1.0, kLinkShare * robot_.spring.stiffness[j] / robot_.feedback.position_gain[j]);
+  return error - (1 - gain) * std::clamp(error, -count / 2, count / 2) - (planned - counted);
+}
+
 void Control::drive() {
-  // Within one count the motor encoders say nothing, and motor 2 is unstable at rest: it would drift to the edge of the
-  // count, 1.6e-3 rad. The finer link encoders bring it back, slowly, and by no more than that count.
-  for (std::size_t j = 0; j < kJoints && at_rest(); ++j) {
-    const double error = planned_.state.q[j] - sensing_.q()[j], most = count_angle(robot_.encoder.motor_counts[j]);
-    if (blind_[j]) continue;
-    integral_[j] = std::clamp(integral_[j] + kTrimRate * kTick * error, -most, most);
-    trim_[j] = std::clamp(kTrimGain * error + integral_[j], -most, most);
+  Pair<double> feedforward = path_.mean_torque(time_, time_ + kTick), fine{};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (at_rest() && !blind_[j]) fine[j] = robot_.feedback.position_gain[j] * within_count(j);
+    feedforward[j] += fine[j];
   }
-  command_ = feedback_.command(reference(), sensing_.theta(), path_.mean_torque(time_, time_ + kTick), blind_);
+  command_ = feedback_.command(reference(), sensing_.theta(), feedforward, blind_);
+  for (std::size_t j = 0; j < kJoints; ++j) command_.feedback[j] += fine[j];
   arm_.command(command_.torque);
 }
 

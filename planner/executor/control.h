@@ -53,6 +53,7 @@ class Control {
   void finish(ExecutorMode mode);
   void rest_here();
   void move_reference(const Pair<double>& theta);
+  double within_count(std::size_t j) const;
   void drive();
   void publish();
 
@@ -72,8 +73,7 @@ class Control {
   double time_ = 0, end_ = 0, began_ = 0;  // [s] of the path; it rests from end_ on; of the hand-over
   double next_stop_ = 0;                   // [s] when the path changes to `stop_`
   const Trajectory* stop_ = nullptr;
-  Pair<double> offset_{}, shift_{}, trim_{};  // [rad] of the motors: fading, staying, from the link encoders at rest
-  Pair<double> integral_{};
+  Pair<double> offset_{}, shift_{};  // [rad] of the motors, beside the path: fading, staying
   Pair<bool> blind_{};
   bool run_away_ = false;
 

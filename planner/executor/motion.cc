@@ -75,16 +75,22 @@ std::string reason_of(const Outcome& o) {
 
 }  // namespace
 
-std::unique_ptr<Motion> prepare(const Parameters& robot, TrajectoryOrder order, const Tolerances& defaults,
-                                const std::function<void()>& between) {
+std::unique_ptr<Motion> prepare_without_stops(const Parameters& robot, TrajectoryOrder order,
+                                              const Tolerances& defaults) {
   auto motion = std::make_unique<Motion>();
   motion->end = order.rows.back().time;
   motion->trajectory = with_rest_after(robot, order.rows);
   motion->tolerances = resolved(order.tolerances, defaults);
-  motion->stops = stop_motions(robot, Trajectory{order.rows, {}}, between);
   const double longest = motion->end + motion->tolerances.goal_time + kLongestAfter;
   motion->log.reserve(static_cast<std::size_t>(longest / kTick));
   motion->order = std::move(order);
+  return motion;
+}
+
+std::unique_ptr<Motion> prepare(const Parameters& robot, TrajectoryOrder order, const Tolerances& defaults,
+                                const std::function<void()>& between) {
+  auto motion = prepare_without_stops(robot, std::move(order), defaults);
+  motion->stops = stop_motions(robot, Trajectory{motion->order.rows, {}}, between);
   return motion;
 }
 

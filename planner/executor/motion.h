@@ -54,7 +54,11 @@ struct Motion {
   bool held = false;        // the mode it led to is not at rest
 };
 
-// Throws NoStop. `between` is called now and then.
+// Without stop motions: from any instant its own end is the way to rest.
+std::unique_ptr<Motion> prepare_without_stops(const Parameters& robot, TrajectoryOrder order,
+                                              const Tolerances& defaults);
+
+// With them. Throws NoStop. `between` is called now and then.
 std::unique_ptr<Motion> prepare(const Parameters& robot, TrajectoryOrder order, const Tolerances& defaults,
                                 const std::function<void()>& between);
 

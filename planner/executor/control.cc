@@ -223,7 +223,6 @@ void Control::stop_because(const Outcome& outcome) {
 void Control::finish(ExecutorMode mode) {
   mode_ = mode;
   motion_->ended_at = sensing_.q();
-  motion_->held = mode != ExecutorMode::kResting;
   finished_.put(motion_);
   const bool beside = shift_ != Pair<double>{} || motion_->outcome.ending == Ending::kGoalTolerance;
   motion_ = nullptr;

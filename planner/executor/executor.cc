@@ -89,15 +89,18 @@ void Executor::serve_without_orders() {
   port_.wait(std::chrono::milliseconds(1));
   publish_states();
   conclude_finished();
-  obey();
+  (void)obey();
 }
 
-void Executor::obey() {
+bool Executor::obey() {
+  bool asked = false;
   for (const ExecutorOrder& order : port_.take_commands()) {
     if (order.robot_id != config_.robot_id) continue;
     spdlog::info("{} commanded id={}", order.command == ExecutorCommand::kStop ? "stop" : "hold", text(order.id));
     order.command == ExecutorCommand::kStop ? control_.stop() : control_.hold();
+    asked = true;
   }
+  return asked;
 }
 
 void Executor::take_orders() {
@@ -151,11 +154,13 @@ void Executor::run_motion(TrajectoryOrder order) {
   header.robot_id = order.robot_id;
   header.id = id;
   header.epoch = order.epoch;
+  bool halted = false;
   try {
-    running_ = prepare(robot_, std::move(order), config_.tolerances, [this] {
+    running_ = prepare(robot_, std::move(order), config_.tolerances, [this, &halted] {
       publish_states();
-      obey();
+      halted = obey() || halted;
     });
+    if (halted) throw std::runtime_error("held or stopped before it could begin");
     history_.begin(id);
   } catch (const std::exception& error) {
     running_.reset();

@@ -24,7 +24,7 @@ class Executor {
   void keep_ticking();
   void serve();
   void serve_without_orders();
-  void obey();
+  bool obey();  // true: there was something to obey
   void take_orders();
   void consider(TrajectoryOrder order);
   void refuse(const TrajectoryOrder& order, const ExecutionRefusal& refusal);

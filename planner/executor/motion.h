@@ -51,7 +51,6 @@ struct Motion {
   Figures figures;
   Outcome outcome;
   Pair<double> ended_at{};  // [rad] of the links
-  bool held = false;        // the mode it led to is not at rest
 };
 
 // Without stop motions: from any instant its own end is the way to rest.

@@ -15,12 +15,13 @@ namespace fjr {
 namespace {
 
 constexpr double kShortest = 0.05, kLonger = 1.1, kLongest = 1.5;  // [s], ratio, [s] of the durations that are tried
+constexpr double kSoon = 0.3;                      // [s] in which a plan's own end is near enough to try less
 constexpr double kAimed = 0.98, kAllowed = 0.999;  // shares of the limits: the search only looks at some instants
-constexpr int kNodes = 48;                         // of them
-constexpr int kIterations = 15;
-constexpr double kMissedTorque = 0.02;  // [N m] between rows
-constexpr double kSharpCorner = 1000;   // [N m/s] the rollout stops there; halves its time
-constexpr double kRestAfter = 0.25;     // [s] a quarter of the slowest oscillation: a swing shows its size in it
+constexpr int kNodes = 48;                         // so many of them
+constexpr int kIterations = 15, kHopeless = 4;     // after so many, far outside, it will not come inside
+constexpr double kMissedTorque = 0.02;             // [N m] between rows
+constexpr double kSharpCorner = 1000;              // [N m/s] the rollout stops there; halves its time
+constexpr double kRestAfter = 0.25;  // [s] a quarter of the slowest oscillation: a swing shows its size in it
 
 using Free = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kJoints * kShapes, 1>;
 using Excess = Eigen::Matrix<double, 4 * kJoints * kNodes, 1>;
@@ -54,7 +55,7 @@ class Search {
       free_ = next;
       excess = there;
       damping *= 0.2;
-      if (before - excess.squaredNorm() < 1e-3 * before) break;
+      if (before - excess.squaredNorm() < 1e-3 * before || (i >= kHopeless && worst_ > 1.5)) break;
     }
     return worst_ <= kAllowed;
   }
@@ -219,6 +220,7 @@ std::optional<Trajectory> find_stop(const Parameters& robot, const Sample& from,
   const Limits limits = stop_limits(robot);
   const LinkMotion motion = motion_of(robot, from);
   for (const int shapes : {4, kShapes}) {
+    if (shapes == kShapes && longest < kSoon) break;
     for (double duration = std::max(shortest, kShortest); duration <= longest; duration *= kLonger) {
       Search search(robot, limits, motion, duration, shapes);
       if (!search.run()) continue;
@@ -256,7 +258,7 @@ std::vector<Trajectory> stop_motions(const Parameters& robot, const Trajectory& 
     if (!stop && left > kLongest) {
       throw NoStop(fmt::format("no motion was found that stops it at {:.3f} s within the limits", time));
     }
-    shortest = stop ? (stop->end_time() - time) / (kLonger * kLonger * kLonger) : 0;
+    shortest = stop ? (stop->end_time() - time) / (kLonger * kLonger) : 0;
     stops.push_back(stop ? std::move(*stop) : Trajectory{});
     if (between) between();
   }

@@ -1,4 +1,6 @@
 // fjr executor: the virtual hardware.
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
@@ -41,9 +43,10 @@ ExecutorConfig config_of(const Options& options) {
 
 void check_start(const ExecutorConfig& config, const Parameters& robot) {
   for (std::size_t j = 0; j < kJoints; ++j) {
-    if (!(std::abs(config.start[j]) <= robot.limits.link_position[j])) {
-      throw InputError("start", "q" + std::to_string(j + 1), "is outside the robot's limits");
-    }
+    const double limit = robot.limits.link_position[j];
+    if (std::abs(config.start[j]) <= limit) continue;
+    throw InputError("executor", fmt::format("start.q[{}]", j),
+                     fmt::format("{} rad is outside [-{}, {}]", config.start[j], limit, limit));
   }
 }
 

@@ -160,8 +160,9 @@ void Control::supervise(const Reading& reading) {
   if (mode_ == ExecutorMode::kExecuting) supervise_execution();
   if (mode_ == ExecutorMode::kStopping) supervise_stop();
   if (lost != nullptr && !moving()) {
+    const Pair<bool> before = sensing_.motors_lost();
     sensing_.trust_again();
-    if (sensing_.lost() == nullptr) rest_here();
+    if (sensing_.lost() == nullptr || sensing_.motors_lost() != before) rest_here();
   }
 }
 
@@ -233,7 +234,7 @@ void Control::finish(ExecutorMode mode) {
 // Holds the arm where it is.
 void Control::rest_here() {
   const Pair<double> theta = sensing_.theta();
-  move_reference(theta);
+  feedback_.start(theta, theta, {});
   hold_at(sensing_.q(), theta);
   blind_ = run_away_ ? Pair<bool>{true, true} : sensing_.motors_lost();
 }

@@ -82,7 +82,7 @@ void Executor::keep_ticking() {
 
 void Executor::serve() {
   serve_without_orders();
-  take_orders();
+  if (ticking_) take_orders();
 }
 
 void Executor::serve_without_orders() {
@@ -154,13 +154,11 @@ void Executor::run_motion(TrajectoryOrder order) {
   header.robot_id = order.robot_id;
   header.id = id;
   header.epoch = order.epoch;
-  bool halted = false;
   try {
-    running_ = prepare(robot_, std::move(order), config_.tolerances, [this, &halted] {
+    running_ = prepare(robot_, std::move(order), config_.tolerances, [this] {
       publish_states();
-      halted = obey() || halted;
+      if (obey() || stopping_) throw std::runtime_error("held or stopped before it could begin");
     });
-    if (halted) throw std::runtime_error("held or stopped before it could begin");
     history_.begin(id);
   } catch (const std::exception& error) {
     running_.reset();
@@ -179,6 +177,7 @@ void Executor::publish_states() {
   int count = 0;
   for (auto tick = control_.state(); tick; ++count) {
     latest_ = *tick;
+    ticking_ = true;
     tick = control_.state();
     if (count < kBurst || !tick) publish(latest_);
   }

@@ -45,6 +45,7 @@ class Executor {
   Control control_;
   Situation situation_;
   TickState latest_;
+  bool ticking_ = false;               // there is a latest one
   std::unique_ptr<Motion> running_;    // lent to the control tick
   std::optional<RequestId> reported_;  // from before the start
   Lateness lateness_;                  // of the tick; the tick's until it has ended

@@ -27,6 +27,7 @@ void Sensing::Encoders::update(const Pair<std::optional<double>>& samples, const
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (samples[j]) {
       missing[j] = 0;
+      sample[j] = *samples[j];
       if (!gone[j]) deviation[j] = *samples[j] - planned[j];
     } else if (missing[j] < kLostAfter && ++missing[j] == kLostAfter) {
       gone[j] = true;
@@ -51,7 +52,12 @@ const char* Sensing::lost() const {
 
 void Sensing::trust_again() {
   for (Encoders* encoders : {&link_, &motor_}) {
-    for (std::size_t j = 0; j < kJoints; ++j) encoders->gone[j] = encoders->gone[j] && encoders->missing[j] > 0;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      if (!encoders->gone[j] || encoders->missing[j] > 0) continue;
+      encoders->gone[j] = false;
+      encoders->position[j] = encoders->sample[j];
+      encoders->filter[j].reset(encoders->sample[j], 0);
+    }
   }
 }
 

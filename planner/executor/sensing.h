@@ -30,7 +30,7 @@ class Sensing {
 
  private:
   struct Encoders {
-    Pair<double> position{}, velocity{}, deviation{};
+    Pair<double> position{}, velocity{}, sample{}, deviation{};
     Pair<int> missing{};
     Pair<bool> gone{};
     Pair<VelocityFilter> filter;

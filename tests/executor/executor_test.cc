@@ -311,6 +311,7 @@ TEST_F(ExecutorTest, NeverRunsTwiceWhatItWasKilledIn) {
   ASSERT_TRUE(cell().wait_for_time(0.3));
   arm->send(SIGKILL);
   (void)arm->wait();
+  cell().listen_for(0.2);  // its last words
   cell().farthest = {};
   cell().state = {};
   cell().results.clear();

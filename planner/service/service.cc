@@ -437,7 +437,7 @@ void Service::reject(const Order& order, Refusal why, bool remember) {
   if (remember) cache_.add(reply);
   tally_.count(*reply, 0);
   post(reply);
-  if (log_requests_.allows()) {
+  if (log_refusals_.allows()) {
     spdlog::info("rejected id={} field={} {}", text(order.id), reply->why.field, reply->why.sentence);
   }
 }
@@ -459,7 +459,9 @@ void Service::publish(const Reply& reply) {
   say_errors(order, reply.plan_json);
   order.rows = reply.rows;
   executor_.published(reply.id);
-  if (!port_.send(order)) spdlog::error("not published id={}: the executor is too slow", text(reply.id));
+  if (!port_.send(order) && log_requests_.allows()) {
+    spdlog::error("not published id={}: the executor is too slow", text(reply.id));
+  }
   if (ros_) ros_->send(order);
 }
 

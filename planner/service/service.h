@@ -94,7 +94,7 @@ class Service {
   ReplyCache cache_;
   Outbox outbox_;
   Tally tally_;
-  LogLimit log_requests_, log_slow_clients_, log_others_;
+  LogLimit log_requests_, log_refusals_, log_slow_clients_, log_others_;
   Solvers solvers_;  // last: it wakes the port
 };
 

@@ -122,8 +122,10 @@ TEST_F(StandbyTest, AnEndingOwnerHandsOver) {
   send(one);
   send(two);
   wait_until_solving("a");
+  const auto ended = Clock::now();
   a_->send(SIGTERM);
   EXPECT_EQ(a_->wait(), 0);
+  EXPECT_LT(seconds_since(ended), 1.0);
   EXPECT_EQ(final_reply(one.id).state, ReplyState::kSolved);
   EXPECT_EQ(final_reply(two.id).state, ReplyState::kSolved);
 }

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "planner/collocation/collocate.h"
 #include "planner/collocation/guess.h"
 #include "planner/collocation/margins.h"
 #include "planner/collocation/refinement.h"
@@ -23,7 +24,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 constexpr int kCertificateRounds = 4;     // refinements of one solution for the sake of its certificate
 constexpr double kWorthFinishing = 0.02;  // relative distance from the best coarse objective that refining may make up
 constexpr int kMostFinished = 3;          // solutions refined to the end
-constexpr double kSameMinimum = 1e-3;     // relative difference of objectives below which two minima count as one
+constexpr double kSameMinimum = 2e-5;     // relative difference of objectives on one mesh below which minima are one
 
 // Minimum time has one minimum for practical purposes. Effort at a given time has many: swinging through the springs,
 // parking in friction, waiting.
@@ -56,8 +57,9 @@ class Planner {
   }
 
   Plan run() {
-    find_starts();
-    if (!stopped()) finish_best();
+    if (options_.warm) resume();
+    if (!plan_.warm && !stopped()) find_starts();
+    if (!plan_.warm && !stopped()) finish_best();
     if (plan_.status == PlanStatus::kCertified && deadline_passed_) {
       plan_.reason = "";  // what was certified in time is the plan, though other starts were not finished
     } else if (stopped()) {
@@ -103,6 +105,14 @@ class Planner {
       plan_.stages.back().objective *= scale_;
       plan_.iterations += c.stages()[i].iterations;
     }
+  }
+
+  void resume() {
+    const auto start = Clock::now();
+    Continuation c = continuation(scaled_, "from an earlier plan");
+    plan_.warm = c.resume(*options_.warm) && certify_and_refine(c);
+    book(c);
+    plan_.timing["warm"] = seconds_since(start) - plan_.timing["certificate"];
   }
 
   // Every start on a coarse mesh; what converges is kept in order of its objective.
@@ -161,20 +171,22 @@ class Planner {
   // that are far behind, or too many, are only looked at when nothing before was certified.
   void finish_best() {
     const auto start = Clock::now();
-    std::vector<double> coarse;  // objectives before finishing, in ascending order
-    for (const Continuation& c : candidates_) coarse.push_back(c.solution().report.objective);
+    std::vector<double> certified;  // first objectives of the minima that came to a plan
+    std::vector<double> met;
+    const double best = candidates_.empty() ? 0 : candidates_.front().solution().report.objective;
     int finished = 0;
-    bool minimum_certified = false;  // the one that the candidates at hand share
     for (std::size_t i = 0; i < candidates_.size() && !interrupted(); ++i) {
-      const bool same = i > 0 && same_minimum(coarse[i], coarse[i - 1]);
-      if (!same) ++plan_.distinct_minima;
-      if (same && minimum_certified) continue;
-      const bool promising = coarse[i] < (1 + kWorthFinishing) * coarse.front() && finished < kMostFinished;
+      const double first = candidates_[i].stages().front().objective;  // on the mesh that all starts share
+      if (!any_same(met, first)) met.push_back(first);
+      plan_.distinct_minima = static_cast<int>(met.size());
+      if (any_same(certified, first)) continue;
+      const bool promising =
+          candidates_[i].solution().report.objective < (1 + kWorthFinishing) * best && finished < kMostFinished;
       if (plan_.status == PlanStatus::kCertified && !promising) continue;
       Continuation& c = candidates_[i];
       const std::size_t booked = c.stages().size();
       booked_of_present_ = c.iterations();
-      minimum_certified = c.finish() && certify_and_refine(c);
+      if (c.finish() && certify_and_refine(c)) certified.push_back(first);
       booked_of_present_ = 0;
       book(c, booked);
       ++finished;
@@ -182,8 +194,10 @@ class Planner {
     plan_.timing["finish"] = seconds_since(start) - plan_.timing["certificate"];
   }
 
-  static bool same_minimum(double x, double y) {
-    return std::abs(x - y) <= kSameMinimum * std::max(std::abs(x), std::abs(y));
+  static bool any_same(const std::vector<double>& minima, double objective) {
+    return std::any_of(minima.begin(), minima.end(), [=](double other) {
+      return std::abs(objective - other) <= kSameMinimum * std::max(std::abs(objective), std::abs(other));
+    });
   }
 
   // True when a certified trajectory came of it.
@@ -207,7 +221,7 @@ class Planner {
       if (certified) return true;
       // A limit that only the rows exceed wants a margin; a rest where the arm cannot rest, motion; the rest, accuracy.
       if (!c.keep_margins(limits) && !c.creep() && !c.refine(errors)) return false;
-      c.keep_margins();
+      c.polish();
     }
     return false;
   }
@@ -274,6 +288,7 @@ class Planner {
     plan_.back_off = largest_share_kept_free(problem_.limits, solution.setup.margins);
     trajectory.metadata["robot_hash"] = robot_hash(problem_.robot);
     trajectory.metadata["request_hash"] = problem_.request_hash;
+    if (certificate.certified) plan_.solution = std::make_shared<const Collocated>(solution);
     plan_.trajectory = std::move(trajectory);
     plan_.certificate = std::move(certificate);
   }

@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,10 +35,16 @@ struct Progress {
   double violation = 0;  // of the constraints, scaled
 };
 
+struct Collocated;  // planner/collocation/collocate.h: a solution, with what a neighbouring problem needs to start from
+                    // it
+
 struct PlanOptions {
   double deadline = 0;  // [s] of wall time; 0: none
   std::string linear_solver = "stage";
   int starts = 0;  // 0: the default for the objective
+  // Solution of a neighbouring request (Plan::solution): tried first, and instead of everything else if it leads to a
+  // certified plan; null: none.
+  std::shared_ptr<const Collocated> warm;
   std::function<void(const Progress&)> on_progress;
   std::function<bool()> cancelled;  // polled between iterations
 };
@@ -61,12 +68,14 @@ struct Plan {
   double error_estimate = 0;  // [rad] largest local error of an interval
   int iterations = 0;         // over all stages and starts
   std::vector<SolverStage> stages;
+  bool warm = false;  // it came from PlanOptions::warm, without any start
   int starts = 0;
   int distinct_minima = 0;  // among the starts that converged, on their first meshes
   double back_off = 0;      // share of each limit kept free
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;
-  std::map<std::string, double> timing;  // [s] by part, and "total"
+  std::shared_ptr<const Collocated> solution;  // of the certified trajectory
+  std::map<std::string, double> timing;        // [s] by part, and "total"
 };
 
 Plan plan(const Problem& problem, const PlanOptions& options);

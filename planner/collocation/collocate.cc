@@ -66,9 +66,9 @@ std::vector<typename ArmOcp<kRate>::Bounds> interval_bounds(const Problem& probl
 
 template <bool kRate>
 Transcription<ArmOcp<kRate>> transcribe(const Problem& problem, const CollocationSetup& setup) {
-  auto ocp = make_arm_ocp<kRate>(problem);
+  auto ocp = make_arm_ocp<kRate>(problem, setup.smoothing.regularisation);
   ocp.bounds = interval_bounds<kRate>(problem, setup);
-  for (FrictionLaw& law : ocp.friction) law = law.smoothed(setup.friction_width);
+  for (FrictionLaw& law : ocp.friction) law = law.smoothed(setup.smoothing.friction_width);
   ocp.at_nodes = node_bounds<ArmOcp<kRate>::kStates>(problem, setup.mesh);
   ocp.durations.assign(static_cast<std::size_t>(setup.mesh.segments()), {problem.duration.min, problem.duration.max});
   ocp.total_duration = {problem.duration.min, problem.duration.max};
@@ -154,12 +154,21 @@ Collocated run(const Problem& problem, const CollocationSetup& setup, const Gues
   return run(setup, transcription, evaluate_guess(transcription, guess), options);
 }
 
+bool fits(const Nlp& nlp, const Iterate& iterate) {
+  return iterate.x.size() == nlp.variables() && iterate.lambda.size() == nlp.constraints() &&
+         iterate.z_lower.size() == nlp.variables() && iterate.z_upper.size() == nlp.variables();
+}
+
 template <bool kRate>
 Collocated run(const Problem& problem, const CollocationSetup& setup, const Collocated& start,
                const SolveOptions& options) {
   const auto transcription = transcribe<kRate>(problem, setup);
-  if (setup.mesh == start.setup.mesh) return run(setup, transcription, start.report.iterate, options);
+  if (setup.mesh == start.setup.mesh) {
+    if (!fits(transcription, start.report.iterate)) return {setup, {}, {}, {}};
+    return run(setup, transcription, start.report.iterate, options);
+  }
   const auto before = transcribe<kRate>(problem, start.setup);
+  if (!fits(before, start.report.iterate)) return {setup, {}, {}, {}};
   const Iterate transferred = Transfer<ArmOcp<kRate>>(before, start.report.iterate, transcription).run();
   return run(setup, transcription, transferred, options);
 }

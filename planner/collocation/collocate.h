@@ -12,10 +12,16 @@
 
 namespace fjr {
 
+// How far the problem at hand is from the one that was asked for.
+struct Smoothing {
+  double friction_width = 0;     // [rad/s] of the smoothed law; 0: the exact law
+  double regularisation = 1e-3;  // weight of a trace of effort where there is none, see make_arm_ocp()
+};
+
 struct CollocationSetup {
   Scheme scheme;
   Mesh mesh;
-  double friction_width = 0;          // [rad/s] of the smoothed law; 0: the exact law
+  Smoothing smoothing{};
   std::vector<Limits> margins{};      // per interval, taken off each limit (same units); empty: none
   std::vector<Pair<double>> creep{};  // [rad/s] per interval, see creep.h; empty: none
 };
@@ -33,7 +39,8 @@ Mesh uniform_mesh(const Problem& problem, int intervals);
 Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Guess& guess,
                      const SolveOptions& options);
 
-// From an earlier solution, multipliers included, on the same mesh or on another.
+// From an earlier solution, multipliers included, on the same mesh or on another. An earlier solution of a problem with
+// other constraints is no start: the status is then kFailed.
 Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Collocated& start,
                      const SolveOptions& options);
 

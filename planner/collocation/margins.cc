@@ -14,6 +14,7 @@ namespace {
 constexpr int kProbes = 16;       // pieces an interval is looked at in; polynomials of degree <= 4 bend little between
 constexpr double kKeep = 0.8;     // share of the back-off that is left to the sampling and the rollout
 constexpr double kEnlarge = 1.2;  // margins answer an excess with a little more
+constexpr double kLeast = 1e-5;   // share of a limit: the optimiser does not see less
 constexpr double kNegligible = 1e-7;  // share of a limit: an excess below a tenth of what the certificate allows
 constexpr double kWindow = 0.03;      // share of the duration around a given state that lies on a limit
 
@@ -186,13 +187,15 @@ std::string worst_excess(const Problem& problem, const Motion& motion) {
   return sentence;
 }
 
-bool widen(std::vector<Limits>& margins, const std::vector<Limits>& excesses) {
+bool widen(std::vector<Limits>& margins, const std::vector<Limits>& excesses, const Limits& limits) {
   if (margins.empty()) margins.assign(excesses.size(), zero());
   bool any = false;
   for (std::size_t k = 0; k < margins.size(); ++k) {
     for (std::size_t i = 0; i < Limits::kCount; ++i) {
-      margins[k].data()[i] += kEnlarge * excesses[k].data()[i];
-      any = any || excesses[k].data()[i] > 0;
+      if (!(excesses[k].data()[i] > 0)) continue;
+      double& margin = margins[k].data()[i];
+      margin += std::max(margin, kEnlarge * excesses[k].data()[i] + kLeast * limits.data()[i]);
+      any = true;
     }
   }
   return any;

@@ -28,9 +28,10 @@ std::vector<Limits> excesses(const Problem& problem, const Motion& motion);
 // The limit that a motion exceeds most, as a sentence ("spring_deflection of joint 1 exceeds ..."); empty if none.
 std::string worst_excess(const Problem& problem, const Motion& motion);
 
-// Adds the excesses to the margins (empty: none so far), a little enlarged so that the next solution is inside.
-// False when there was nothing to add.
-bool widen(std::vector<Limits>& margins, const std::vector<Limits>& excesses);
+// Adds the excesses to the margins (empty: none so far), a little enlarged so that the next solution is inside; a
+// margin that was not enough is at least doubled, as the optimiser may not have felt it. False when there was nothing
+// to add.
+bool widen(std::vector<Limits>& margins, const std::vector<Limits>& excesses, const Limits& limits);
 
 // Largest share of any limit that back-off and margins keep free somewhere.
 double largest_share_kept_free(const Limits& limits, const std::vector<Limits>& margins);

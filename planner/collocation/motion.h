@@ -43,10 +43,11 @@ struct Motion {
   Pair<double> torque_at(double time) const { return torque_in(interval_at(time), time); }
 
  private:
-  template <class Matrix>
-  Eigen::VectorXd polynomial(const Matrix& coefficients, std::size_t interval, double time) const {
+  template <int kRows>
+  Eigen::Matrix<double, kRows, 1> polynomial(const Eigen::Matrix<double, kRows, Eigen::Dynamic>& coefficients,
+                                             std::size_t interval, double time) const {
     const double c = (time - intervals[interval].start) / intervals[interval].duration;
-    Eigen::VectorXd value = coefficients.col(coefficients.cols() - 1);
+    Eigen::Matrix<double, kRows, 1> value = coefficients.col(coefficients.cols() - 1);
     for (Eigen::Index k = coefficients.cols() - 2; k >= 0; --k) value = value * c + coefficients.col(k);
     return value;
   }

@@ -115,12 +115,13 @@ class Transcription final : public Nlp {
   }
 
   void gradient(const In& z, Out out) const override {
+    const auto& points = first_derivatives(z);
     out.setZero();
     for (int s = 0; s < mesh_.segments(); ++s) out(duration_at(s)) = ocp_.time_weight;
     for (int k = 0; k < intervals(); ++k) {
       const double h = step(z, k);
       for (int j = 0; j < stages_; ++j) {
-        const auto p = derivatives<Dual<kV>>(z, k, j);
+        const auto& p = points[index(k * stages_ + j)];
         for (int i = 0; i < kV; ++i) {
           spread(k, j, i, [&](int at, double share) { out(at) += share * h * scheme_.b(j) * p.cost.g[index(i)]; });
         }
@@ -155,10 +156,9 @@ class Transcription final : public Nlp {
 
   void jacobian(const In& z, Out out) const override {
     Eigen::Index next = 0;
-    std::vector<Point<Dual<kV>>> p(index(stages_));
+    const auto& points = first_derivatives(z);
     for (int k = 0; k < intervals(); ++k) {
-      for (int j = 0; j < stages_; ++j) p[index(j)] = derivatives<Dual<kV>>(z, k, j);
-      walk_jacobian(k, step(z, k), p, [&](int, int, double value) { out(next++) = value; });
+      walk_jacobian(k, step(z, k), &points[index(k * stages_)], [&](int, int, double value) { out(next++) = value; });
     }
     if (total_row_ >= 0) {
       for (int s = 0; s < mesh_.segments(); ++s) out(next++) = 1;
@@ -239,6 +239,18 @@ class Transcription final : public Nlp {
     Point<D> p;
     ocp_.template evaluate<D>(v.data(), v.data() + kX, p.f.data(), p.cost, p.rows.data());
     return p;
+  }
+
+  // At every stage of every interval. The gradient and the Jacobian are asked for at the same point one after the
+  // other, so the last point's are kept; that makes an instance one thread's.
+  const std::vector<Point<Dual<kV>>>& first_derivatives(const In& z) const {
+    if (derived_at_.size() == z.size() && derived_at_ == z) return derived_;
+    derived_.resize(index(intervals() * stages_));
+    for (int k = 0; k < intervals(); ++k) {
+      for (int j = 0; j < stages_; ++j) derived_[index(k * stages_ + j)] = derivatives<Dual<kV>>(z, k, j);
+    }
+    derived_at_ = z;
+    return derived_;
   }
 
   // A row without a bound is left out; one that does not see the control is asked for once per state, and not at the
@@ -333,7 +345,7 @@ class Transcription final : public Nlp {
   void set_patterns() {
     const std::vector<Point<Dual<kV>>> none(index(stages_));
     for (int k = 0; k < intervals(); ++k) {
-      walk_jacobian(k, 0, none, [&](int row, int col, double) { jacobian_pattern.push_back({row, col}); });
+      walk_jacobian(k, 0, none.data(), [&](int row, int col, double) { jacobian_pattern.push_back({row, col}); });
     }
     if (total_row_ >= 0) {
       for (int s = 0; s < mesh_.segments(); ++s) jacobian_pattern.push_back({total_row_, duration_at(s)});
@@ -364,7 +376,7 @@ class Transcription final : public Nlp {
 
   // The entries of interval k's rows, always in this order: the pattern and the values come from one walk.
   template <class Emit>
-  void walk_jacobian(int k, double h, const std::vector<Point<Dual<kV>>>& p, Emit&& emit) const {
+  void walk_jacobian(int k, double h, const Point<Dual<kV>>* p, Emit&& emit) const {
     for (int i = first_new_; i < stages_; ++i) {
       for (int r = 0; r < kX; ++r) {
         const int row = defect_row(k, i, r);
@@ -372,7 +384,7 @@ class Transcription final : public Nlp {
         double rate = 0;
         bool node_done = false;
         for (int j = 0; j < stages_; ++j) {
-          const auto& f = p[index(j)].f[index(r)];
+          const auto& f = p[j].f[index(r)];
           rate += scheme_.A(i, j) * f.v;
           for (int c = 0; c < kV; ++c) {
             const bool node_itself = j < first_new_ && c == r, stage_itself = j == i && c == r;
@@ -392,7 +404,7 @@ class Transcription final : public Nlp {
         if (path_row(k, j, c) < 0) continue;
         for (int i = 0; i < kV; ++i) {
           if (structure_.rows[index(c)].depends_on(i)) {
-            const double value = p[index(j)].rows[index(c)].g[index(i)];
+            const double value = p[j].rows[index(c)].g[index(i)];
             spread(k, j, i, [&](int at, double share) { emit(path_row(k, j, c), at, share * value); });
           }
         }
@@ -408,11 +420,10 @@ class Transcription final : public Nlp {
       for (int r = 0; r < kX; ++r) weight[index(r)] -= scheme_.A(i, j) * multipliers(defect_row(k, i, r));
     }
     const double cost_weight = cost_factor * scheme_.b(j);
-    Eigen::Matrix<double, Dual2<kV>::kHessian, 1> block;
-    block.setZero();
+    std::array<double, Dual2<kV>::kHessian> block{};
     const auto accumulate = [&block](double w, const Dual2<kV>& d) {
       if (w == 0) return;
-      for (Eigen::Index e = 0; e < block.size(); ++e) block(e) += w * d.h[static_cast<std::size_t>(e)];
+      d.each([&](std::size_t, std::size_t, std::size_t at) { block[at] += w * d.h[at]; });
     };
     accumulate(h * cost_weight, p.cost);
     for (int r = 0; r < kX; ++r) accumulate(h * weight[index(r)], p.f[index(r)]);
@@ -420,7 +431,7 @@ class Transcription final : public Nlp {
       if (path_row(k, j, c) >= 0) accumulate(multipliers(path_row(k, j, c)), p.rows[index(c)]);
     }
     for (const auto& [a, b] : curved_pairs_) {
-      const double value = block(a * (a + 1) / 2 + b);
+      const double value = block[index(a * (a + 1) / 2 + b)];
       const bool diagonal = a == b;
       spread(k, j, a, [&, second = b](int row, double row_share) {
         spread(k, j, second, [&](int col, double col_share) {
@@ -448,6 +459,8 @@ class Transcription final : public Nlp {
   std::vector<int> interval_row_, path_rows_;
   Point<Pattern<kV>> structure_;
   std::vector<std::pair<int, int>> curved_pairs_;
+  mutable Eigen::VectorXd derived_at_;
+  mutable std::vector<Point<Dual<kV>>> derived_;
 };
 
 }  // namespace fjr

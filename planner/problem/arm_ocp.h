@@ -70,10 +70,6 @@ struct ArmOcp {
   }
 };
 
-// Weight of the trace of effort in a minimum-time problem, as a share of the time weight: bounds what it can cost in
-// time.
-inline constexpr double kRegularisation = 1e-3;
-
 // The limits as bounds on states, controls and rows.
 template <bool kRateControlled>
 typename ArmOcp<kRateControlled>::Bounds path_bounds(const Limits& limits) {
@@ -94,9 +90,11 @@ typename ArmOcp<kRateControlled>::Bounds path_bounds(const Limits& limits) {
   return b;
 }
 
-// The problem's plant and objective; bounds, nodes and segments depend on the mesh and are left empty.
+// The problem's plant and objective; bounds, nodes and segments depend on the mesh and are left empty. regularisation:
+// weight of a trace of effort in a minimum-time problem, as a share of the time weight; bounds what it can cost in
+// time.
 template <bool kRateControlled>
-ArmOcp<kRateControlled> make_arm_ocp(const Problem& problem) {
+ArmOcp<kRateControlled> make_arm_ocp(const Problem& problem, double regularisation) {
   ArmOcp<kRateControlled> ocp;
   ocp.robot = problem.robot;
   ocp.weights = problem.weights;
@@ -106,7 +104,7 @@ ArmOcp<kRateControlled> make_arm_ocp(const Problem& problem) {
   // the optimiser then fills it with chatter that samples cannot carry. A trace of effort picks the calm one.
   if (problem.weights.effort == 0) {
     const Pair<double>& limit = problem.limits.torque;
-    ocp.regularisation = kRegularisation * problem.weights.time / (limit[0] * limit[0] + limit[1] * limit[1]);
+    ocp.regularisation = regularisation * problem.weights.time / (limit[0] * limit[0] + limit[1] * limit[1]);
   }
   return ocp;
 }

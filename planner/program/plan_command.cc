@@ -20,6 +20,7 @@
 #include "planner/program/progress_line.h"
 #include "planner/program/result_files.h"
 #include "planner/program/summary.h"
+#include "planner/solver/solution_file.h"
 #include "planner/trajectory/atomic_file.h"
 #include "planner/trajectory/plan_json.h"
 
@@ -33,6 +34,7 @@ struct Options {
   std::string out;
   bool json = false;
   bool keep_uncertified = false;
+  std::string warm;  // folder of an earlier plan
   PlanOptions plan;
 };
 
@@ -41,6 +43,7 @@ struct Job {
   fs::path folder;                 // of its results
   std::optional<Problem> problem;  // none: refused
   std::string refusal;
+  std::shared_ptr<const Collocated> warm;
 
   std::string name() const { return request.stem().string(); }
 };
@@ -55,7 +58,7 @@ std::vector<Job> jobs_of(const Options& options) {
   std::vector<Job> jobs;
   std::set<std::string> names;
   for (const std::string& request : options.requests) {
-    Job job{.request = request, .folder = options.out, .problem = {}, .refusal = {}};
+    Job job{.request = request, .folder = options.out, .problem = {}, .refusal = {}, .warm = {}};
     const std::string name = job.name();
     if (name.empty() || name == "." || name == "..") throw InputError("'" + request + "'", "", "is not a request file");
     if (!names.insert(name).second) {
@@ -67,9 +70,14 @@ std::vector<Job> jobs_of(const Options& options) {
   return jobs;
 }
 
-void load(Job& job) {
+void load(Job& job, const Options& options) {
   try {
-    job.problem = load_request(job.request, default_robot_file());
+    Problem problem = load_request(job.request, default_robot_file());
+    if (!options.warm.empty()) {
+      job.warm = std::make_shared<const Collocated>(
+          read_solution(fs::path(options.warm) / kSolutionFile, robot_hash(problem.robot)));
+    }
+    job.problem = std::move(problem);
   } catch (const InputError& error) {
     job.refusal = error.what();
   }
@@ -83,8 +91,10 @@ std::string write_trajectory(const Job& job, const Options& options, Plan& plan)
   if (!plan.trajectory || (!certified && !options.keep_uncertified)) return "";
   const fs::path file = job.folder / (certified ? "trajectory.csv" : "trajectory.uncertified.csv");
   const Problem& problem = *job.problem;
-  describe(*plan.trajectory, problem.name, problem.request_hash, robot_hash(problem.robot), plan.status);
+  const std::string hash = robot_hash(problem.robot);
+  describe(*plan.trajectory, problem.name, problem.request_hash, hash, plan.status);
   write_csv(*plan.trajectory, file);
+  if (plan.solution) write_solution(job.folder / kSolutionFile, *plan.solution, hash);
   return file.string() + ", ";
 }
 
@@ -99,6 +109,7 @@ Plan solve(const Job& job, const Options& options) {
   PlanOptions plan_options = options.plan;
   plan_options.on_progress = [&line](const Progress& progress) { line.show(progress); };
   plan_options.cancelled = interrupted;
+  plan_options.warm = job.warm;
   return plan(*job.problem, plan_options);
 }
 
@@ -128,11 +139,11 @@ void print_json(std::vector<Outcome>& outcomes) {
 int run(const Options& options) {
   catch_interrupts();
   std::vector<Job> jobs = jobs_of(options);
-  for (const Job& job : jobs) prepare_folder(job.folder);
   for (Job& job : jobs) {  // a mistake in the last request is told at once, not after the first is solved
-    load(job);
+    load(job, options);
     if (!job.problem) complain(job.refusal);
   }
+  for (const Job& job : jobs) prepare_folder(job.folder);  // after loading: --warm may name the same folder
   std::vector<Outcome> outcomes;
   int code = 0;
   for (const Job& job : jobs) {
@@ -161,6 +172,12 @@ void add_plan(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("DIR");
   command->add_flag("--json", options->json, "Only JSON on stdout: plan.json, an array of them for several requests");
+  command
+      ->add_option(
+          "--warm", options->warm,
+          "Folder of an earlier plan of a similar request: its solution is the start, and the plan if that can be "
+          "certified")
+      ->type_name("DIR");
   command->add_option("--linear-solver", options->plan.linear_solver, "Solver of the linear systems")
       ->check(CLI::IsMember({"stage", "mumps"}))
       ->capture_default_str();

@@ -23,7 +23,8 @@ void prepare_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", folder.string(), error.message()));
-  for (const char* file : {"plan.json", "trajectory.csv", "trajectory.uncertified.csv", kTrajectoryId}) {
+  for (const char* file :
+       {"plan.json", "trajectory.csv", "trajectory.uncertified.csv", "solution.cbor", kTrajectoryId}) {
     fs::remove(folder / file, error);
     if (error) {
       throw InputError("--out", "", fmt::format("cannot remove {}: {}", (folder / file).string(), error.message()));

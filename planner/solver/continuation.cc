@@ -13,19 +13,24 @@
 namespace fjr {
 namespace {
 
-// Widths of the smoothed friction law [rad/s], each solution starting the next; 0 is the exact law. Effort lives in the
-// friction's step, where a motor parks: steps of about three keep every warm start within tens of iterations. Without
-// effort the law only moves a torque limit, and large steps do.
-const std::vector<double>& friction_widths(const Problem& problem) {
-  static const std::vector<double> fine{0.1, 0.03, 0.01, 0.003, 0.001, 0.0003, 0};
-  static const std::vector<double> coarse{0.1, 0.01, 0};
+// From smooth to exact, each solution starting the next. Effort lives in the friction's step, where a motor parks:
+// steps of about three keep every warm start within tens of iterations. Without effort the law only moves a torque
+// limit, and large steps do; there the trace of effort is what makes the first problems easy: with 0.1 of it the time
+// is up to 2 % longer; with 0.01, which remains, by 0.03 to 0.1 %, and half the iterations are enough.
+const std::vector<Smoothing>& levels(const Problem& problem) {
+  static const std::vector<Smoothing> fine{{0.1}, {0.03}, {0.01}, {0.003}, {0.001}, {0.0003}, {0}};
+  static const std::vector<Smoothing> coarse{{0.1, 0.1}, {0.01, 0.1}, {0, 0.01}};
   return problem.weights.effort > 0 ? fine : coarse;
 }
 
 constexpr double kExcessWorthSplitting = 0.02;  // share of a limit beyond which a margin would cost more than intervals
 constexpr double kEffortTolerance = 3e-5;       // share of the objective by which an interval may misjudge the effort
-constexpr int kMeshRounds = 5;
-constexpr int kMarginRounds = 8;
+constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the way
+// A warm start is as close to its bounds as the solution before it was: a larger barrier has to push it off first, a
+// smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
+// in a minimum-time problem (the barrier times the number of bounds).
+constexpr double kWarmBarrier = 1e-7;
+constexpr int kPolishRounds = 8;
 constexpr int kCreepRounds = 3;
 
 // Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
@@ -82,25 +87,24 @@ bool Continuation::cold(const Guess& guess) {
   o.max_iterations = settings_.cold_iterations;
   const CollocationSetup setup{settings_.scheme,
                                uniform_mesh(*problem_, coarse_intervals(*problem_, guess.duration)),
-                               friction_widths(*problem_).front(),
+                               levels(*problem_).front(),
                                {}};
   return attempt(what, setup, &guess, o);
 }
 
-// Each law's solution starts the next. The one that would be published for the least, with the exact law, is kept: a
-// sharper law usually helps, but now and then a step slips into a worse minimum or fails.
-bool Continuation::follow_friction() {
+// Each level's solution starts the next, on a mesh refined by what it showed. The one that would be published for the
+// least, with the exact law, is kept: a sharper law usually helps, but now and then a step slips into a worse minimum
+// or fails.
+bool Continuation::follow_levels() {
   Collocated best = solution_;
   double least = published_objective(*problem_, best.motion);
-  for (const double width : friction_widths(*problem_)) {
-    if (width >= solution_.setup.friction_width) continue;
-    const std::string what = fmt::format("{}, friction width {} rad/s", label, width);
-    SolveOptions o = options(what);
-    o.warm_start = true;
-    o.initial_barrier = 1e-5;
-    CollocationSetup setup = solution_.setup;
-    setup.friction_width = width;
-    if (!attempt(what, setup, nullptr, o)) break;
+  for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
+    const Smoothing& level = levels(*problem_)[i];
+    const std::string what = fmt::format("{}, friction width {} rad/s", label, level.friction_width);
+    CollocationSetup setup =
+        refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
+    setup.smoothing = level;
+    if (!attempt(what, setup, nullptr, warm(what))) break;
     const double objective = published_objective(*problem_, solution_.motion);
     // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
     if (objective < least || problem_->weights.effort == 0) {
@@ -112,64 +116,81 @@ bool Continuation::follow_friction() {
   return status_ != SolveStatus::kStopped;
 }
 
-bool Continuation::begin(const Guess& guess) { return cold(guess) && refine_mesh(); }
+bool Continuation::begin(const Guess& guess) {
+  if (!cold(guess)) return false;
+  const CollocationSetup setup =
+      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
+  if (setup.mesh.size() != solution_.setup.mesh.size())
+    attempt_or_forget(fmt::format("{}, {} intervals", label, setup.mesh.size()), setup);
+  return status_ != SolveStatus::kStopped;
+}
 
-bool Continuation::refine(const std::vector<double>& errors) {
-  std::vector<double> wanted = errors;
+// The setup with those intervals split whose error [rad] exceeds the tolerance, that exceed a limit by much, or that
+// misjudge the effort.
+CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const {
+  const double worth_splitting = 1.5 * tolerance,
+               worth_quartering = std::pow(2, settings_.scheme.order + 2) * tolerance;
   const std::vector<Limits> excess = excesses(*problem_, solution_.motion);
-  for (std::size_t k = 0; k < wanted.size(); ++k) {
+  for (std::size_t k = 0; k < errors.size(); ++k) {
     for (std::size_t i = 0; i < Limits::kCount; ++i) {
       const double limit = problem_->limits.data()[i];
-      const double margin = solution_.setup.margins.empty() ? 0 : solution_.setup.margins[k].data()[i];
-      if (std::isfinite(limit) && excess[k].data()[i] + margin > kExcessWorthSplitting * limit) {
-        wanted[k] = std::max(wanted[k], 1.5 * settings_.mesh_tolerance);
-      }
+      const double margin = setup.margins.empty() ? 0 : setup.margins[k].data()[i];
+      const double share = (excess[k].data()[i] + margin) / limit;  // zero without a limit
+      if (share > kExcessWorthSplitting) errors[k] = std::max(errors[k], worth_splitting);
+      if (share > 4 * kExcessWorthSplitting) errors[k] = std::max(errors[k], worth_quartering);
     }
   }
   if (problem_->weights.effort > 0) {
     Pair<FrictionLaw> law{FrictionLaw::of(problem_->robot, 0), FrictionLaw::of(problem_->robot, 1)};
-    for (FrictionLaw& l : law) l = l.smoothed(solution_.setup.friction_width);
+    for (FrictionLaw& l : law) l = l.smoothed(setup.smoothing.friction_width);
     const std::vector<double> effort = effort_errors(law, settings_.scheme, solution_.motion);
     const double allowed = kEffortTolerance * solution_.report.objective / problem_->weights.effort;
-    for (std::size_t k = 0; k < wanted.size(); ++k) {
-      if (effort[k] > allowed) wanted[k] = std::max(wanted[k], 1.5 * settings_.mesh_tolerance);
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+      if (effort[k] > allowed) errors[k] = std::max(errors[k], worth_splitting);
     }
   }
-  const std::vector<int> pieces = pieces_wanted(solution_.motion, wanted, settings_.mesh_tolerance,
-                                                settings_.scheme.order, settings_.shortest_interval);
-  CollocationSetup setup = solution_.setup;
+  const std::vector<int> pieces =
+      pieces_wanted(solution_.motion, errors, tolerance, settings_.scheme.order, settings_.shortest_interval);
   setup.mesh = split(setup.mesh, pieces);
-  if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
+  for (std::size_t k = 0; k < setup.margins.size(); ++k) {  // finer intervals may do without
+    if (pieces[k] > 1) std::fill_n(setup.margins[k].data(), Limits::kCount, 0.0);
+  }
   setup.margins = inherited(setup.margins, pieces);
   setup.creep = inherited(setup.creep, pieces);
-  const std::string what = fmt::format("{}, {} intervals", label, setup.mesh.size());
-  SolveOptions warm = options(what);
-  warm.warm_start = true;
-  warm.initial_barrier = 1e-4;
-  if (attempt(what, setup, nullptr, warm)) return true;
+  return setup;
+}
+
+SolveOptions Continuation::warm(const std::string& what) {
+  SolveOptions o = options(what);
+  o.warm_start = true;
+  o.barrier_strategy = "monotone";
+  o.initial_barrier = o.final_barrier = kWarmBarrier;
+  return o;
+}
+
+// Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
+bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup) {
+  if (attempt(what, setup, nullptr, warm(what))) return true;
   if (status_ == SolveStatus::kStopped) return false;
-  // Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
   const Guess guess = guess_from(solution_.motion, solution_.motion.duration());
-  SolveOptions again = options(what + ", again");
-  return attempt(what + ", again", setup, &guess, again);
+  return attempt(what + ", again", setup, &guess, options(what + ", again"));
 }
 
-bool Continuation::refine_mesh() {
-  for (int round = 0; round < kMeshRounds; ++round) {
-    if (!refine(interval_errors(problem_->robot, solution_.motion))) return status_ != SolveStatus::kStopped;
-  }
-  return true;
+bool Continuation::refine(const std::vector<double>& errors) {
+  const CollocationSetup setup = refined(solution_.setup, errors, settings_.mesh_tolerance);
+  if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
+  return attempt_or_forget(fmt::format("{}, {} intervals", label, setup.mesh.size()), setup);
 }
 
-bool Continuation::keep_margins() {
-  for (int round = 0; round < kMarginRounds; ++round) {
+bool Continuation::polish() {
+  for (int round = 0; round < kPolishRounds; ++round) {
     CollocationSetup setup = solution_.setup;
-    if (!widen(setup.margins, excesses(*problem_, solution_.motion))) return true;
-    const std::string what = fmt::format("{}, margins", label);
-    SolveOptions o = options(what);
-    o.warm_start = true;
-    o.initial_barrier = 1e-5;
-    if (!attempt(what, setup, nullptr, o)) return false;
+    const bool wider = widen(setup.margins, excesses(*problem_, solution_.motion), problem_->limits);
+    setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), settings_.mesh_tolerance);
+    const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
+    if (!wider && !finer) return true;
+    const std::string what = fmt::format("{}, {} intervals{}", label, setup.mesh.size(), wider ? " and margins" : "");
+    if (!attempt_or_forget(what, setup)) return status_ != SolveStatus::kStopped;
   }
   return true;
 }
@@ -186,12 +207,9 @@ bool Continuation::keep_margins(const std::vector<LimitCheck>& checks) {
     }
   }
   CollocationSetup setup = solution_.setup;
-  if (!widen(setup.margins, more)) return false;
+  if (!widen(setup.margins, more, problem_->limits)) return false;
   const std::string what = fmt::format("{}, margins from the certificate", label);
-  SolveOptions o = options(what);
-  o.warm_start = true;
-  o.initial_barrier = 1e-5;
-  return attempt(what, setup, nullptr, o) && keep_margins();
+  return attempt(what, setup, nullptr, warm(what)) && polish();
 }
 
 bool Continuation::creep() {
@@ -210,20 +228,19 @@ bool Continuation::creep() {
     }
     if (!more) return any;
     const std::string what = fmt::format("{}, no unstable rest", label);
-    SolveOptions o = options(what);
-    o.warm_start = true;
-    o.initial_barrier = 1e-4;
-    if (!attempt(what, setup, nullptr, o)) return false;
+    if (!attempt(what, setup, nullptr, warm(what))) return false;
     any = true;
   }
   return any;
 }
 
-bool Continuation::finish() {
-  if (!follow_friction() || !refine_mesh()) return false;
-  // Where margins cannot be had, the certificate decides about what there is.
-  keep_margins();
-  return status_ != SolveStatus::kStopped;
+bool Continuation::resume(const Collocated& neighbour) {
+  solution_ = neighbour;
+  const std::string what = label + ", moved";
+  return attempt(what, neighbour.setup, nullptr, warm(what)) && polish();
 }
+
+// Where margins cannot be had, the certificate decides about what there is.
+bool Continuation::finish() { return follow_levels() && polish(); }
 
 }  // namespace fjr

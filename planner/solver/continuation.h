@@ -15,7 +15,7 @@ namespace fjr {
 
 struct ContinuationSettings {
   Scheme scheme = hermite_simpson();
-  double mesh_tolerance = 1e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
+  double mesh_tolerance = 3e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
   double shortest_interval = 2.5e-4;  // [s] refinement stops there: a switch inside costs less than the tolerance
   int cold_iterations = 400;
   int warm_iterations = 150;
@@ -34,15 +34,20 @@ class Continuation {
   // are compared by. False when there is no solution; status() says how it ended.
   bool begin(const Guess& guess);
 
-  // From there to the exact friction law and to margins. False when no usable solution is left.
+  // From the finished solution of a neighbouring problem - other start, other goal - to this one's, on its mesh. False
+  // when there is no solution that way.
+  bool resume(const Collocated& neighbour);
+
+  // From there to the exact problem, on a mesh and with margins that suit it. False when no usable solution is left.
   bool finish();
 
   // Splits the intervals whose given errors [rad] exceed the mesh tolerance, or whose limits are exceeded by much, and
   // solves again. False when there was nothing to split or no solution; the last solution stays.
   bool refine(const std::vector<double>& errors);
 
-  // Solves again with margins until every limit holds between the collocation points too.
-  bool keep_margins();
+  // Solves again with finer intervals and margins until the mesh is good enough and every limit holds between the
+  // collocation points too. False when no usable solution is left.
+  bool polish();
 
   // The same where a certificate found limits of the published rows exceeded: interpolation between rows can do what
   // the collocation polynomial does not. False when there was nothing to do, or no solution.
@@ -63,10 +68,12 @@ class Continuation {
 
  private:
   bool cold(const Guess& guess);
-  bool follow_friction();
-  bool refine_mesh();
+  bool follow_levels();
+  CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
+  bool attempt_or_forget(const std::string& what, const CollocationSetup& setup);
   bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, const SolveOptions& options);
   SolveOptions options(const std::string& what);
+  SolveOptions warm(const std::string& what);
 
   const Problem* problem_;  // outlives this
   ContinuationSettings settings_;

@@ -171,6 +171,8 @@ void configure(Options o, const SolveOptions& options, const std::string& linear
   o.SetStringValue("linear_system_scaling", "none");
   o.SetStringValue("mu_strategy", options.barrier_strategy);
   o.SetNumericValue("mu_init", options.initial_barrier);
+  // Ipopt stops lowering mu at min(tol, compl_inf_tol) / (barrier_tol_factor + 1).
+  if (options.barrier_strategy == "monotone") o.SetNumericValue("compl_inf_tol", 11 * options.final_barrier);
   o.SetIntegerValue("print_level", options.print_level);
   o.SetStringValue("sb", "yes");
   o.SetStringValue("fixed_variable_treatment", "make_parameter");

@@ -35,6 +35,7 @@ struct SolveOptions {
   double constraint_tolerance = 1e-9;  // absolute, unscaled
   int max_iterations = 500;
   double initial_barrier = 0.1;  // mu; small for warm starts
+  double final_barrier = 1e-9;   // with the monotone strategy; the objective is worse by about mu times the bounds
   bool warm_start = false;       // start from the given multipliers and do not push the point off its bounds
   std::string barrier_strategy = "adaptive";  // or "monotone"
   std::string linear_solver = "stage";        // kkt/chain_ldlt.h; or any name stock Ipopt knows, such as "mumps"

@@ -73,6 +73,7 @@ Json solver_json(const Plan& plan) {
   return {{"iterations", plan.iterations},
           {"stages", std::move(stages)},
           {"starts", plan.starts},
+          {"warm", plan.warm},
           {"distinct_minima", plan.distinct_minima}};
 }
 

@@ -56,10 +56,7 @@ Pair<double> inertial_torque(const Parameters& p, const Pair<double>& q, const P
   using D = Dual2<4>;  // q1, q2, dq1, dq2
   const D q2 = D::input(q[1], 1), dq1 = D::input(dq[0], 2), dq2 = D::input(dq[1], 3);
   const D k = kinetic_energy_19(p, q2, dq1, dq2);
-  const auto hessian = [&k](std::size_t i, std::size_t j) {
-    const auto [low, high] = std::minmax(i, j);
-    return k.h[high * (high + 1) / 2 + low];
-  };
+  const auto hessian = [&k](std::size_t i, std::size_t j) { return k.second(i, j); };
   Pair<double> torque{};
   for (std::size_t i = 0; i < kJoints; ++i) {
     torque[i] = -k.g[i];

@@ -210,15 +210,15 @@ TEST(Margins, GrowByTheExcessesAndALittleMore) {
   motion.intervals[0].torque.row(0) << 11, 12, -12, 0;
   const auto found = excesses(limited(), motion);
   std::vector<Limits> margins;
-  EXPECT_TRUE(widen(margins, found));
+  EXPECT_TRUE(widen(margins, found, limited().limits));
   ASSERT_EQ(margins.size(), 1u);
   EXPECT_GE(margins[0].torque[0], found[0].torque[0]);
   EXPECT_LE(margins[0].torque[0], 1.5 * found[0].torque[0]);
   EXPECT_EQ(margins[0].torque[1], 0);
   const double before = margins[0].torque[0];
-  EXPECT_TRUE(widen(margins, found));
+  EXPECT_TRUE(widen(margins, found, limited().limits));
   EXPECT_DOUBLE_EQ(margins[0].torque[0], 2 * before);
-  EXPECT_FALSE(widen(margins, excesses(limited(), still())));
+  EXPECT_FALSE(widen(margins, excesses(limited(), still()), limited().limits));
   EXPECT_DOUBLE_EQ(margins[0].torque[0], 2 * before);
 }
 

@@ -43,7 +43,7 @@ ArmOcp<kRate> arm(double friction_width) {
   problem.robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   problem.robot.link.damping = {0.2516, 0.013};
   problem.weights = {.time = 1.3, .effort = 0.7, .torque_rate = 2e-4, .link_acceleration = 1e-3};
-  ArmOcp<kRate> ocp = make_arm_ocp<kRate>(problem);
+  ArmOcp<kRate> ocp = make_arm_ocp<kRate>(problem, 0.001);
   ocp.regularisation = 0.05;
   for (FrictionLaw& law : ocp.friction) law = law.smoothed(friction_width);
   Limits limits;

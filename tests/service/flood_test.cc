@@ -84,6 +84,8 @@ int stopped_client(unsigned domain, std::uint64_t count) {
   Order pattern;
   pattern.yaml = kSlow;
   crowd.run(pattern, 30, [] { std::raise(SIGSTOP); });
+  std::printf("%zu of %zu answered in %.3f s, sent in %.3f s\n", crowd.answered(), static_cast<std::size_t>(count),
+              crowd.answered_in(), crowd.sent_in());
   return crowd.answered() == count ? 0 : 1;
 }
 

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "planner/service/dds/client_port.h"
+#include "tests/support/domain.h"
 #include "tests/support/process.h"
 
 namespace fjr {
@@ -144,7 +145,7 @@ class ServiceTest : public testing::Test {
     status_when([](const ServiceStatus& status) { return status.solving == 1; });
   }
 
-  const unsigned domain_ = 20 + static_cast<unsigned>(::getpid()) % 200;
+  const unsigned domain_ = own_domain();
   const RequestId me_ = new_client();
 
  private:

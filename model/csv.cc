@@ -17,7 +17,8 @@ namespace fjr {
 namespace {
 
 constexpr std::size_t kMaxLineLength = 16384;  // characters
-constexpr std::size_t kMaxOtherLines = 4096;   // comments and blank lines: a file is refused early, not read forever
+constexpr const char* kNotMeant = " (another column was named)";
+constexpr std::size_t kMaxOtherLines = 4096;  // comments and blank lines: a file is refused early, not read forever
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t");
@@ -112,7 +113,7 @@ class Reader {
     for (const auto& [ours, given] : rules_.renamed) {
       if (given == theirs) return ours;
     }
-    return std::string(theirs);
+    return std::string(theirs) + (rules_.renamed.contains(std::string(theirs)) ? kNotMeant : "");
   }
 
   std::vector<std::string> names_in(std::string_view line) {

@@ -28,6 +28,9 @@ class VelocityFilter {
     velocity_ = velocity;
   }
 
+  // What counts as position moves by `by` [rad], which is no velocity.
+  void shift(double by) { last_ += by; }
+
   // position [rad] of this tick -> filtered velocity [rad/s]
   double update(double position) {
     const double difference = (position - last_) / period_;

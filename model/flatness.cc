@@ -45,4 +45,30 @@ FlatPoint from_link_motion(const Parameters& p, const LinkMotion& motion) {
   return point;
 }
 
+// The spring torque's k-th derivative is M times the (2+k)-th derivative of q plus what the lower ones give: one after
+// the other they follow from theta and its derivatives.
+LinkMotion link_motion(const Parameters& p, const State<double>& state, const Pair<double>& u) {
+  const MassMatrix<double> m = mass_matrix(p, state.q[1]);
+  const double determinant = m.m11 * m.m22 - m.m12 * m.m12;
+  LinkMotion motion{state.q, state.dq, {}, {}, {}};
+  const auto solve = [&](std::size_t derivative, const Pair<double>& spring_torque) {
+    const Pair<Series> lower = required_spring_torque(p, motion);
+    const double first = spring_torque[0] - lower[0].derivative(derivative);
+    const double second = spring_torque[1] - lower[1].derivative(derivative);
+    return Pair<double>{(m.m22 * first - m.m12 * second) / determinant, (m.m11 * second - m.m12 * first) / determinant};
+  };
+  const auto spring = [&](const Pair<double>& theta, const Pair<double>& q) {
+    return Pair<double>{p.spring.stiffness[0] * (theta[0] - q[0]), p.spring.stiffness[1] * (theta[1] - q[1])};
+  };
+  const Pair<double> tau_c = spring(state.theta, state.q);
+  motion.ddq = solve(0, tau_c);
+  motion.dddq = solve(1, spring(state.dtheta, state.dq));
+  Pair<double> ddtheta;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    ddtheta[j] = (u[j] - tau_c[j] - p.friction.viscous[j] * state.dtheta[j]) / p.motor.inertia[j];
+  }
+  motion.ddddq = solve(2, spring(ddtheta, motion.ddq));
+  return motion;
+}
+
 }  // namespace fjr

@@ -20,4 +20,7 @@ struct FlatPoint {
 // propagating truncated Taylor series through the link equation.
 FlatPoint from_link_motion(const Parameters& p, const LinkMotion& motion);
 
+// The other way round: the link motion of a state under the friction-compensated torque u [N m].
+LinkMotion link_motion(const Parameters& p, const State<double>& state, const Pair<double>& u);
+
 }  // namespace fjr

@@ -12,18 +12,21 @@
 namespace fjr {
 namespace {
 
-constexpr double kMostDifferent = 10;
-constexpr double kDoubtful = 0.2;  // relative standard error
+constexpr double kDoubtful = 0.2;                     // relative standard error
+constexpr double kMostTurned = 4 * std::numbers::pi;  // [rad]  by a link
+constexpr double kMostOutliers = 0.02;                // of the samples: more are no outliers
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 bool near(double ratio, double factor) { return ratio > factor / 2 && ratio < factor * 2; }
 
 std::string guess(double ratio) {
   if (near(ratio, kDegrees) || near(ratio, 1 / kDegrees)) return "; degrees in place of radians would explain it";
-  if (near(ratio, 1000) || near(ratio, 1e-3)) return "; a torque in mN m or kN m would explain it";
+  if (near(ratio, 1000) || near(ratio, 1e-3)) return "; a torque in mN m or kN m, or a time in ms would explain it";
   if (near(ratio, 60 / (2 * std::numbers::pi)) || near(ratio, 2 * std::numbers::pi / 60)) {
     return "; 1/min in place of rad/s would explain it";
   }
+  if (near(ratio, 1e6) || near(ratio, 1e-6))
+    return "; a time in milliseconds or in thousands of seconds would explain it";
   return "; is a column in another unit, or on the motor's side of the gear?";
 }
 
@@ -36,16 +39,16 @@ std::vector<double> intervals(const Log& log) {
 
 }  // namespace
 
-void require_plausible(const Log& log, const std::string& what, double found, double expected) {
+void require_plausible(const Log& log, const std::string& what, double found, double expected, double factor) {
   if (!(expected > 0)) return;
   const double ratio = found / expected;
   if (!(ratio > 0)) {
     throw InputError(log.source, "", fmt::format("{} comes out as {:.4g}: a column has the wrong sign", what, found));
   }
-  if (ratio > kMostDifferent || ratio < 1 / kMostDifferent) {
+  if (ratio > factor || ratio < 1 / factor) {
     throw InputError(
         log.source, "",
-        fmt::format("{} comes out as {:.4g}, robot.yaml says {:.4g}{}", what, found, expected, guess(ratio)));
+        fmt::format("{} comes out as {:.4g}, where about {:.4g} is expected{}", what, found, expected, guess(ratio)));
   }
 }
 
@@ -60,10 +63,13 @@ void require_experiment(const Log& log, const std::string& experiment, int joint
 
 void require_radians(const Log& log, int joint) {
   const std::string name = joint_column("q", joint);
+  double most = 0, beyond = 0;
   for (const double q : log.column(name)) {
-    if (std::abs(q) > 4 * std::numbers::pi) {
-      throw InputError(log.source, name, fmt::format("reaches {:.4g} rad; is it in degrees?", q));
-    }
+    beyond += std::abs(q) > kMostTurned;
+    most = std::max(most, std::abs(q));
+  }
+  if (beyond > kMostOutliers * static_cast<double>(log.rows())) {
+    throw InputError(log.source, name, fmt::format("reaches {:.4g} rad; is it in degrees?", most));
   }
 }
 

@@ -9,14 +9,14 @@
 
 namespace fjr {
 
-// Throws InputError when `found` cannot be true given what robot.yaml says so far (`expected`, same unit): the wrong
-// sign, or more than 10 times off, with the unit that would explain it. what: "the stiffness of joint 1 [N m/rad]".
-void require_plausible(const Log& log, const std::string& what, double found, double expected);
+// Throws InputError when `found` cannot be true given what is known so far (`expected`, same unit): the wrong sign, or
+// more than `factor` off, with the unit that would explain it. what: "the stiffness of joint 1 [N m/rad]".
+void require_plausible(const Log& log, const std::string& what, double found, double expected, double factor = 10);
 
 // Throws InputError when the log's metadata say another experiment or joint (0 or 1); absent metadata are believed.
 void require_experiment(const Log& log, const std::string& experiment, int joint);
 
-// Throws InputError for positions that must be degrees: beyond two revolutions in a link's column.
+// Throws InputError for positions that must be degrees: often beyond two revolutions in a link's column.
 void require_radians(const Log& log, int joint);
 
 // The usual one. [s]

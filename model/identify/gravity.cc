@@ -23,6 +23,10 @@ Estimate identify_gravity(const Log& log, int joint, const Parameters& robot) {
   const Pair<double>& g = robot.link.gravity_torque;
   require_plausible(log, fmt::format("the gravity torque of joint {} [N m]", joint + 1), e.value[0],
                     joint == 0 ? g[0] + g[1] : g[1]);
+  // theta plays no part in the slope, and would be used wrong later if it were.
+  require_plausible(log, fmt::format("the stiffness of joint {} [N m/rad]", joint + 1),
+                    branch_slope(log, points, {[](const Landing& l) { return l.theta - l.q; }, ""}),
+                    robot.spring.stiffness[static_cast<std::size_t>(joint)]);
   return e;
 }
 

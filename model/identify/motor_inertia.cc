@@ -10,12 +10,11 @@
 #include <cmath>
 #include <iterator>
 
-#include "model/friction.h"
 #include "model/identify/checks.h"
 #include "model/identify/figures.h"
 #include "model/identify/fit.h"
 #include "model/identify/procedures.h"
-#include "model/identify/stretches.h"
+#include "model/identify/pushes.h"
 #include "model/identify/velocity.h"
 #include "model/input_error.h"
 
@@ -31,46 +30,17 @@ struct Response {
 enum class Measured { kVelocity, kPosition };
 
 constexpr std::size_t kFewestRows = 20, kFewestResponses = 2;
-constexpr double kShortest = 0.1;  // [s]  of a push that nobody commands
-constexpr double kPushed = 0.1;    // of the largest torque: pushes that nobody commands are beyond that
-
-struct Push {
-  double u;  // [N m]
-  Stretch rows;
-};
-
-// tau - tau_fm_nonlinear(dtheta): u of (26), by the friction known so far.
-std::vector<double> compensated_torque(const Log& log, int joint, const Parameters& robot, std::size_t window) {
-  const FrictionLaw law = FrictionLaw::of(robot, joint);
-  const std::vector<double> v = velocity(log, joint, robot, window).values;
-  std::vector<double> u = log.column(joint_column("tau", joint));
-  for (std::size_t i = 0; i < u.size(); ++i) u[i] -= law.nonlinear(v[i]);
-  return u;
-}
-
-// By u<joint>_plan; where nobody commands, where the compensated torque is steady and not small.
-std::vector<Push> pushes(const Log& log, int joint, const Parameters& robot) {
-  std::vector<Push> found;
-  if (const std::string planned = joint_column("u", joint, "_plan"); log.has(planned)) {
-    for (const Stretch& s : commanded_stretches(log.column(planned))) found.push_back({log.column(planned)[s.from], s});
-    return found;
-  }
-  const auto rows = static_cast<std::size_t>(kShortest / sample_interval(log));
-  const std::vector<double> u = compensated_torque(log, joint, robot, rows / 4);
-  double largest = 0;
-  for (const Stretch& s : steady_stretches({{u, 0}}, std::max(rows, kFewestRows))) {
-    found.push_back({robust_mean(std::span(u).subspan(s.from, s.rows())).mean, s});
-    largest = std::max(largest, std::abs(found.back().u));
-  }
-  std::erase_if(found, [&](const Push& push) { return std::abs(push.u) < kPushed * largest; });
-  return found;
-}
 
 std::vector<Response> responses(const Log& log, int joint, const Parameters& robot, Measured measured) {
   const std::vector<double>& time = log.column("time");
   const std::vector<double>& y = log.column(joint_column(measured == Measured::kVelocity ? "dtheta" : "theta", joint));
   std::vector<Response> all;
-  for (const Push& push : pushes(log, joint, robot)) {
+  const std::vector<Push> found = pushes(log, joint, robot);
+  std::vector<Stretch> stretches;
+  for (const Push& push : found) stretches.push_back(push.rows);
+  require_consistent_velocity(log, joint, robot, stretches);
+  require_consistent_torque(log, joint, robot, found);
+  for (const Push& push : found) {
     if (push.rows.rows() < kFewestRows) continue;
     Response r{push.u, {}, {}};
     const double origin = measured == Measured::kVelocity ? 0 : y[push.rows.from];

@@ -17,6 +17,7 @@ constexpr double kMoving = 0.25;                 // of the fastest change: faste
 constexpr double kRegular = 0.05;                // of the period: how far steps may be off
 constexpr double kEarly = 0.01;                  // of the period: the first samples of a move may not show it
 constexpr double kMostly = 0.8;                  // of the steps have to be regular
+constexpr double kAnotherUnit = 10;              // times the stated period
 constexpr std::size_t kFewest = 8;               // steps
 
 // Without single samples that stick out.
@@ -98,6 +99,11 @@ Schedule schedule_of(const Log& log, int joint, std::vector<std::string>& warnin
     throw InputError(log.source, "# average", fmt::format("{} s is longer than the period", schedule.average));
   }
   const double tolerance = kRegular * schedule.period;
+  if (moves && std::max(moves->period / schedule.period, schedule.period / moves->period) > kAnotherUnit) {
+    throw InputError(log.source, "# period",
+                     fmt::format("is {} s, but the motor moves every {:.3g} s: is time in another unit?",
+                                 schedule.period, moves->period));
+  }
   if (!stated && !moves) {
     warnings.push_back(fmt::format("no `# period:` and no regular steps to be seen: {} s taken for each", kPeriod));
   } else if (moves && std::abs(moves->period - schedule.period) > tolerance) {

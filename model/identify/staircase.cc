@@ -24,7 +24,7 @@ constexpr std::array<std::pair<const char*, const char*>, 4> kBranches = {{{"0 t
                                                                            {"maximum to 0", "#2ca02c"},
                                                                            {"0 to minimum", "#d62728"},
                                                                            {"minimum to 0", "#111111"}}};
-constexpr std::size_t kFewestRows = 5;  // to be averaged
+constexpr std::size_t kFewestRows = 2;  // to be averaged
 
 std::span<const double> part(const std::vector<double>& values, std::size_t from, std::size_t to) {
   return std::span(values).subspan(from, to - from);
@@ -43,6 +43,13 @@ void classify(std::vector<Landing>& all) {
     l.settled = std::abs(l.theta - turned_at) >= kForgotten * reach;
     before = l.theta;
   }
+}
+
+void require_motion(const Log& log, int joint, const std::vector<Landing>& all) {
+  const auto [low, high] =
+      std::minmax_element(all.begin(), all.end(), [](const Landing& a, const Landing& b) { return a.theta < b.theta; });
+  if (all.empty() || low->theta < high->theta) return;
+  throw InputError(log.source, joint_column("theta", joint), "does not move: is this the log of the other joint?");
 }
 
 std::vector<Landing> settled_ones(const Log& log, const std::vector<Landing>& all) {
@@ -147,6 +154,7 @@ std::vector<Landing> landings(const Log& log, int joint, std::vector<std::string
   warn_of_gaps(log, warnings);
   warn_of_outliers(rejected, "torque samples", warnings);
   classify(all);
+  require_motion(log, joint, all);
   return all;
 }
 
@@ -161,6 +169,10 @@ Chart branch_chart(const std::string& title, const std::vector<Landing>& points,
     series.y.push_back(l.tau - slope * x.of(l));
   }
   return chart;
+}
+
+double branch_slope(const Log& log, const std::vector<Landing>& points, const Abscissa& x) {
+  return fit_line(settled_ones(log, points), x.of).value[0];
 }
 
 void fit_branches(const Log& log, const std::vector<Landing>& points, const Abscissa& x, const std::string& title,

@@ -28,6 +28,9 @@ std::vector<Landing> landings(const Log& log, int joint, std::vector<std::string
 void fit_branches(const Log& log, const std::vector<Landing>& points, const Abscissa& x, const std::string& title,
                   Estimate& estimate);
 
+// The slope alone, of settled landings.
+double branch_slope(const Log& log, const std::vector<Landing>& points, const Abscissa& x);
+
 // The landings in the paper's four branches and colours, less a line through 0: of slope 0 as they are, of the fitted
 // one the opening of the hysteresis.
 Chart branch_chart(const std::string& title, const std::vector<Landing>& points, const Abscissa& x, double slope = 0);

@@ -1,5 +1,7 @@
 #include "model/identify/velocity.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <span>
@@ -11,8 +13,10 @@
 namespace fjr {
 namespace {
 
-constexpr double kWhole = 0.01;   // of a count: how far from whole numbers of counts a differentiated angle is
-constexpr double kMostly = 0.98;  // of the samples
+constexpr double kWhole = 0.01;       // of a count: how far from whole numbers of counts a differentiated angle is
+constexpr double kEnoughCounts = 20;  // turned, to compare with
+constexpr double kConsistent = 1.5;   // times or part of each other
+constexpr double kMostly = 0.98;      // of the samples
 
 Fit line(std::span<const double> x, std::span<const double> y) {
   const auto m = static_cast<Eigen::Index>(x.size());
@@ -75,6 +79,25 @@ Speed constant_speed(const Log& log, int joint, const Parameters& robot, const S
   }
   return slope_of(part("time"), part(joint_column("theta", joint)),
                   count_angle(robot.encoder.motor_counts[static_cast<std::size_t>(joint)]));
+}
+
+void require_consistent_velocity(const Log& log, int joint, const Parameters& robot,
+                                 const std::vector<Stretch>& stretches) {
+  if (!has_own_velocity(log, joint, robot)) return;
+  const std::string name = joint_column("dtheta", joint), angle = joint_column("theta", joint);
+  const std::vector<double>&v = log.column(name), &theta = log.column(angle), &time = log.column("time");
+  const double count = count_angle(robot.encoder.motor_counts[static_cast<std::size_t>(joint)]);
+  std::vector<double> ratios;  // of turned by dtheta to turned by theta
+  for (const Stretch& s : stretches) {
+    const double turned = theta[s.to - 1] - theta[s.from];
+    if (s.rows() < 2 || std::abs(turned) < kEnoughCounts * count) continue;
+    double mean = 0;
+    for (std::size_t row = s.from; row < s.to; ++row) mean += v[row] / static_cast<double>(s.rows());
+    ratios.push_back(mean * (time[s.to - 1] - time[s.from]) / turned);
+  }
+  if (ratios.empty()) return;  // slow, or theta was not recorded
+  require_plausible(log, fmt::format("{} in proportion to the change of {}", name, angle), median(ratios), 1,
+                    kConsistent);
 }
 
 }  // namespace fjr

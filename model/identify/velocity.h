@@ -23,4 +23,8 @@ struct Speed {
 };
 Speed constant_speed(const Log& log, int joint, const Parameters& robot, const Stretch& stretch);
 
+// Throws InputError when the drive's own velocity and theta contradict each other over the stretches: in sign or unit.
+void require_consistent_velocity(const Log& log, int joint, const Parameters& robot,
+                                 const std::vector<Stretch>& stretches);
+
 }  // namespace fjr

@@ -10,10 +10,6 @@ namespace {
 
 constexpr double kBetweenInstants = 0.25e-3;  // [s] at most
 
-// Corners of the torque below this are left to CVODE's error control; stopping at more of them makes rollouts slower
-// (every millisecond: twice as slow), leaving more of them can cost accuracy (up to 1e-6 rad was seen). [N m/s]
-constexpr double kCorner = 20;
-
 void raise(double& largest, double value) { largest = std::max(largest, std::abs(value)); }
 
 // Raises `largest` and notes when; a NaN counts as infinite.
@@ -73,13 +69,13 @@ std::vector<double> comparison_instants(const Trajectory& trajectory) {
 }
 
 Comparison compare(Rollout& rollout, const Parameters& robot, const Trajectory& trajectory, const Drive& drive,
-                   const std::vector<double>& instants) {
+                   const std::vector<double>& instants, double corner) {
   Comparison out;
   Recorder record(robot, trajectory, drive, out);
   record(trajectory.start_time(), trajectory.samples.front().state);
   rollout.limit_step(longest_step(trajectory));
   rollout.start(trajectory.start_time(), trajectory.samples.front().state, drive);
-  out.errors.completed = rollout.run(trajectory.end_time(), instants, torque_corners(trajectory, kCorner),
+  out.errors.completed = rollout.run(trajectory.end_time(), instants, torque_corners(trajectory, corner),
                                      [&](double time, const State<double>& x) { record(time, x); });
   out.errors.failure = rollout.failure();
   out.events = rollout.events();

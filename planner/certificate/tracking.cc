@@ -6,39 +6,33 @@
 #include "planner/certificate/rollout.h"
 
 namespace fjr {
-namespace {
-
-VelocityFilter velocity_filter(const Parameters& p, std::size_t j, double tick, double position, double velocity) {
-  VelocityFilter filter(p.feedback.velocity_filter[j], tick);
-  filter.reset(position, velocity);
-  return filter;
-}
-
-}  // namespace
-
-TickController::TickController(const Parameters& p, const Trajectory& trajectory, double tick)
+MotorFeedback::MotorFeedback(const Parameters& p, double tick)
     : p_(p),
-      plan_(trajectory),
-      tick_(tick),
       measured_{VelocityFilter(p.feedback.velocity_filter[0], tick),
                 VelocityFilter(p.feedback.velocity_filter[1], tick)},
-      planned_(measured_) {
-  const State<double>& start = trajectory.samples.front().state;
+      planned_(measured_) {}
+
+void MotorFeedback::start(const Pair<double>& planned, const Pair<double>& measured, const Pair<double>& velocity) {
   for (std::size_t j = 0; j < kJoints; ++j) {
-    measured_[j] = velocity_filter(p, j, tick, quantised(start.theta[j], p.encoder.motor_counts[j]), start.dtheta[j]);
-    planned_[j] = velocity_filter(p, j, tick, start.theta[j], start.dtheta[j]);
+    measured_[j].reset(quantised(measured[j], p_.encoder.motor_counts[j]), velocity[j]);
+    planned_[j].reset(planned[j], velocity[j]);
   }
 }
 
-TickController::Command TickController::command(double time, const Pair<double>& theta) {
-  const Pair<double> planned = plan_.at(time).state.theta;
-  const Pair<double> feedforward = plan_.mean_torque(time, time + tick_);
+void MotorFeedback::shift_plan(const Pair<double>& by) {
+  for (std::size_t j = 0; j < kJoints; ++j) planned_[j].shift(by[j]);
+}
+
+MotorFeedback::Command MotorFeedback::command(const Pair<double>& planned, const Pair<double>& measured,
+                                              const Pair<double>& feedforward, const Pair<bool>& blind) {
   Command c{};
   for (std::size_t j = 0; j < kJoints; ++j) {
-    const double counted = quantised(theta[j], p_.encoder.motor_counts[j]);
+    const double counted = quantised(measured[j], p_.encoder.motor_counts[j]);
     const double velocity_error = planned_[j].update(planned[j]) - measured_[j].update(counted);
-    c.feedback[j] =
-        p_.feedback.position_gain[j] * (planned[j] - counted) + p_.feedback.velocity_gain[j] * velocity_error;
+    if (!blind[j]) {
+      c.feedback[j] =
+          p_.feedback.position_gain[j] * (planned[j] - counted) + p_.feedback.velocity_gain[j] * velocity_error;
+    }
     const double wanted = feedforward[j] + c.feedback[j], peak = p_.drive.peak_torque[j];
     c.torque[j] = std::clamp(wanted, -peak, peak);
     c.saturated |= std::abs(wanted) > peak;
@@ -46,14 +40,28 @@ TickController::Command TickController::command(double time, const Pair<double>&
   return c;
 }
 
-Tracking predict_tracking(const Parameters& p, const Trajectory& trajectory) {
+TickController::TickController(const Parameters& p, const Trajectory& trajectory, double tick)
+    : plan_(trajectory), tick_(tick), feedback_(p, tick) {
+  const State<double>& start = trajectory.samples.front().state;
+  feedback_.start(start.theta, start.theta, start.dtheta);
+}
+
+TickController::Command TickController::command(double time, const Pair<double>& theta) {
+  return feedback_.command(plan_.at(time).state.theta, theta, plan_.mean_torque(time, time + tick_));
+}
+
+namespace {
+
+void raise(double& largest, double value) { largest = std::max(largest, std::abs(value)); }
+
+// One run from `x`. Errors are what the link encoders see of them.
+Tracking run_ticks(const Parameters& p, const Trajectory& trajectory, State<double> x) {
   Tracking t;
   TickController controller(p, trajectory);
   Interpolator plan(trajectory);
   Rollout arm(p, Limits{}, Accuracy::of_predictions());
   const double start = trajectory.start_time(), end = trajectory.end_time();
   const auto ticks = static_cast<long>(std::ceil((end - start) / kTick - 1e-9));
-  State<double> x = trajectory.samples.front().state;
   for (long k = 0; k < ticks; ++k) {
     const double now = start + static_cast<double>(k) * kTick, next = std::min(end, now + kTick);
     const TickController::Command command = controller.command(now, x.theta);
@@ -62,16 +70,43 @@ Tracking predict_tracking(const Parameters& p, const Trajectory& trajectory) {
     x = arm.state();
     const State<double> wanted = plan.at(next).state;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      const double error = x.q[j] - wanted.q[j];
-      t.link_error[j] = std::max(t.link_error[j], std::abs(error));
+      const double error = quantised(x.q[j], p.encoder.link_counts[j]) - wanted.q[j];
+      raise(t.link_error[j], error);
       t.link_error_rms[j] += error * error / static_cast<double>(ticks);
-      t.feedback_torque[j] = std::max(t.feedback_torque[j], std::abs(command.feedback[j]));
-      t.peak_torque[j] = std::max(t.peak_torque[j], std::abs(command.torque[j]));
+      raise(t.feedback_torque[j], command.feedback[j]);
+      raise(t.peak_torque[j], command.torque[j]);
     }
     t.saturated |= command.saturated;
   }
   for (double& rms : t.link_error_rms) rms = std::sqrt(rms);
   return t;
+}
+
+void include(Tracking& worst, const Tracking& t) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    raise(worst.link_error[j], t.link_error[j]);
+    raise(worst.link_error_rms[j], t.link_error_rms[j]);
+    raise(worst.feedback_torque[j], t.feedback_torque[j]);
+    raise(worst.peak_torque[j], t.peak_torque[j]);
+  }
+  worst.saturated |= t.saturated;
+}
+
+}  // namespace
+
+Tracking predict_tracking(const Parameters& p, const Trajectory& trajectory) {
+  const State<double>& start = trajectory.samples.front().state;
+  Tracking worst = run_ticks(p, trajectory, start);
+  for (const double side : {-1.0, 1.0}) {
+    State<double> x = start;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      x.q[j] += side * kRestError;
+      x.theta[j] += side * kRestError;
+    }
+    include(worst, run_ticks(p, trajectory, x));
+  }
+  for (std::size_t j = 0; j < kJoints; ++j) worst.link_error[j] += count_angle(p.encoder.link_counts[j]);
+  return worst;
 }
 
 }  // namespace fjr

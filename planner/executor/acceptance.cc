@@ -14,6 +14,21 @@ bool finite(const Sample& row) {
   return std::isfinite(row.time) && both(x.q) && both(x.dq) && both(x.theta) && both(x.dtheta) && both(row.torque);
 }
 
+bool at_rest(const Sample& row) {
+  constexpr double kStill = 1e-4;  // [rad/s]
+  const auto still = [](const Pair<double>& v) { return std::abs(v[0]) <= kStill && std::abs(v[1]) <= kStill; };
+  return still(row.state.dq) && still(row.state.dtheta);
+}
+
+bool sensible(const Tolerances& t) {
+  const auto sound = [](double value) { return value >= 0 && std::isfinite(value); };
+  bool all = sound(t.goal_time);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    all = all && sound(t.path[j]) && sound(t.goal[j]) && sound(t.stopped_velocity[j]);
+  }
+  return all;
+}
+
 // Nothing: they are a trajectory.
 std::optional<std::string> fault_of(const std::vector<Sample>& rows) {
   if (rows.size() < 2) return fmt::format("{} rows; a trajectory has at least 2", rows.size());
@@ -21,6 +36,8 @@ std::optional<std::string> fault_of(const std::vector<Sample>& rows) {
     if (!finite(rows[i])) return fmt::format("row {} is not finite", i);
     if (i > 0 && !(rows[i].time > rows[i - 1].time)) return fmt::format("time does not increase at row {}", i);
   }
+  if (!at_rest(rows.front())) return "does not begin at rest";
+  if (!at_rest(rows.back())) return "does not end at rest";
   return std::nullopt;
 }
 
@@ -40,20 +57,22 @@ std::optional<ExecutionRefusal> refusal_of(const TrajectoryOrder& order, const S
   if (!order.certified) return invalid("not certified");
   if (!order.ends_at_rest) return invalid("does not end at rest");
   if (const auto fault = fault_of(order.rows)) return invalid(*fault);
+  if (!sensible(order.tolerances)) return invalid("a tolerance is negative or not finite");
   if (order.epoch < situation.epoch) {
     return invalid(fmt::format("from an earlier owner: epoch {}, {} was seen", order.epoch, situation.epoch));
   }
-  if (situation.run.contains(order.id)) return invalid("was run before");
   if (order.published < situation.started) {
     return ExecutionRefusal{ResultCode::kOldHeaderTimestamp, "published before the executor was started"};
   }
-  if (!(age(order, situation) <= kOldest)) {
-    return ExecutionRefusal{ResultCode::kOldHeaderTimestamp,
-                            fmt::format("published {:.1f} s ago, more than {} s", age(order, situation), kOldest)};
+  if (!(age(order, situation) <= situation.oldest)) {
+    return ExecutionRefusal{ResultCode::kOldHeaderTimestamp, fmt::format("published {:.1f} s ago, more than {} s",
+                                                                         age(order, situation), situation.oldest)};
   }
   if (situation.mode != ExecutorMode::kResting && situation.mode != ExecutorMode::kHolding) {
-    return invalid("the arm is not at rest");
+    return invalid(situation.mode == ExecutorMode::kStopped ? "the executor was stopped; it has to be restarted"
+                                                            : "the arm is not at rest");
   }
+  if (!situation.lost.empty()) return invalid("the encoder " + situation.lost + " gives no samples");
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double start = order.rows.front().state.q[j];
     if (!(std::abs(start - situation.q[j]) <= kStartTolerance)) {

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <optional>
-#include <set>
 #include <string>
 
 #include "planner/service/execution_messages.h"
@@ -16,11 +15,11 @@ struct Situation {
   ExecutorMode mode = ExecutorMode::kResting;
   std::uint64_t epoch = 0;  // largest seen
   Pair<double> q{};         // [rad] where the links are
-  std::set<RequestId> run;  // what was run before
+  std::string lost;         // an encoder without samples; empty: none
+  double oldest = 10;       // [s] since it was published
 };
 
 inline constexpr double kStartTolerance = 0.01;  // [rad] between the first row and where the links are
-inline constexpr double kOldest = 10;            // [s] since it was published
 
 // One sentence and a code; nothing: it may run.
 struct ExecutionRefusal {

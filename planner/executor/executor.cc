@@ -1,43 +1,106 @@
 #include "planner/executor/executor.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include <chrono>
+#include <exception>
+#include <filesystem>
 #include <thread>
 #include <utility>
 
+#include "planner/executor/execution_log.h"
+
 namespace fjr {
 namespace {
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kPatience{5000};  // for the arm to come to rest at the end
+constexpr std::chrono::milliseconds kFarewell{200};   // for the last result to be taken
 
 std::int64_t nanoseconds_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
       .count();
 }
 
+std::filesystem::path history_file(const ExecutorConfig& config) {
+  const std::filesystem::path folder = config.state.empty() ? default_state_folder() : config.state;
+  std::filesystem::create_directories(folder);
+  return folder / fmt::format("executor-{}-{}", config.domain, config.robot_id);
+}
+
 }  // namespace
 
 Executor::Executor(const ExecutorConfig& config, const Parameters& robot, Arm& arm)
-    : config_(config),
-      robot_(robot),
-      arm_(arm),
-      port_(config.domain),
-      execution_(std::make_unique<Execution>(robot_, Execution::rest(robot_, arm.link_positions()))) {
+    : config_(config), robot_(robot), port_(config.domain), history_(history_file(config)), control_(robot, arm) {
   situation_.robot_hash = robot_hash(robot_);
   situation_.started = nanoseconds_now();
+  situation_.oldest = config.oldest;
+  if (!config.logs.empty()) std::filesystem::create_directories(config.logs);
 }
 
 void Executor::run() {
-  spdlog::info("executing for robot={} domain={} at q=({:.4f}, {:.4f})", config_.robot_id, config_.domain,
-               arm_.link_positions()[0], arm_.link_positions()[1]);
-  auto next = std::chrono::steady_clock::now();
-  while (!stopping_) {
-    take_orders();
-    tick();
-    next += std::chrono::microseconds(static_cast<long>(kTick * 1e6));
-    if (config_.fast && !concluded_) next = std::chrono::steady_clock::now();
-    std::this_thread::sleep_until(next);
+  std::exception_ptr failure;
+  std::thread ticking([this, &failure] {
+    try {
+      keep_ticking();
+    } catch (...) {
+      failure = std::current_exception();
+      over_ = true;
+    }
+  });
+  try {
+    while (!stopping_ && !over_) serve();
+    if (!over_) come_to_rest();
+  } catch (...) {
+    failure = std::current_exception();
   }
-  spdlog::info("stopped");
+  over_ = true;
+  ticking.join();
+  if (failure) std::rethrow_exception(failure);
+  report_lateness();
+}
+
+// ---- the control tick ----
+
+void Executor::keep_ticking() {
+  const std::string refused = config_.fast ? "" : become_realtime(config_.priority);
+  if (!refused.empty()) spdlog::warn("the control tick is not real-time: {}", refused);
+  Metronome metronome(kTick);
+  while (!over_) {
+    control_.tick();
+    if (config_.fast && control_.moving()) {
+      metronome.restart();
+    } else {
+      metronome.wait(lateness_);
+      missed_ = lateness_.missed();
+    }
+  }
+}
+
+// ---- everything else ----
+
+void Executor::serve() {
+  serve_without_orders();
+  if (ticking_) take_orders();
+}
+
+void Executor::serve_without_orders() {
+  port_.wait(std::chrono::milliseconds(1));
+  publish_states();
+  conclude_finished();
+  (void)obey();
+}
+
+bool Executor::obey() {
+  bool asked = false;
+  for (const ExecutorOrder& order : port_.take_commands()) {
+    if (order.robot_id != config_.robot_id) continue;
+    spdlog::info("{} commanded id={}", order.command == ExecutorCommand::kStop ? "stop" : "hold", text(order.id));
+    order.command == ExecutorCommand::kStop ? control_.stop() : control_.hold();
+    asked = true;
+  }
+  return asked;
 }
 
 void Executor::take_orders() {
@@ -47,50 +110,143 @@ void Executor::take_orders() {
 }
 
 void Executor::consider(TrajectoryOrder order) {
+  if (reported_before(order)) return;
   situation_.now = nanoseconds_now();
-  situation_.q = arm_.link_positions();
-  if (const auto refusal = refusal_of(order, situation_)) {
-    spdlog::warn("refused id={} {}", text(order.id), refusal->sentence);
-    ExecutionResult result;
-    result.robot_id = config_.robot_id;
-    result.trajectory_id = order.id;
-    result.code = refusal->code;
-    result.sentence = refusal->sentence;
-    return port_.send(result);
-  }
-  spdlog::info("executing id={} rows={} duration={:.3f}", text(order.id), order.rows.size(), order.rows.back().time);
-  situation_.epoch = order.epoch;
-  situation_.run.insert(order.id);
-  situation_.mode = ExecutorMode::kExecuting;
-  trajectory_id_ = order.id;
-  execution_ = std::make_unique<Execution>(robot_, std::move(order));
-  concluded_ = false;
+  situation_.q = latest_.q;
+  situation_.mode = latest_.mode;
+  situation_.lost = latest_.lost == nullptr ? "" : latest_.lost;
+  if (running_) situation_.mode = ExecutorMode::kExecuting;
+  if (const auto refusal = refusal_of(order, situation_)) return refuse(order, *refusal);
+  run_motion(std::move(order));
 }
 
-void Executor::tick() {
-  execution_->tick(arm_);
-  if (!concluded_ && execution_->result()) conclude(*execution_->result());
-  ExecutorState state = execution_->state();
+// A trajectory has one result. One that ran before this start is reported once more, for who was not there then.
+bool Executor::reported_before(const TrajectoryOrder& order) {
+  const History::Entry* entry = history_.find(order.id);
+  if (entry == nullptr) return false;
+  if (order.published >= situation_.started || reported_ == order.id) return true;
+  reported_ = order.id;
+  ExecutionResult result;
+  result.robot_id = config_.robot_id;
+  result.trajectory_id = order.id;
+  result.code = entry->code.value_or(ResultCode::kGoalToleranceViolated);
+  result.sentence = entry->code ? entry->sentence : "the executor ended while it ran; it is not run again";
+  spdlog::info("ran before the start: id={} code={}", text(order.id), static_cast<int>(result.code));
+  port_.send(result);
+  return true;
+}
+
+void Executor::refuse(const TrajectoryOrder& order, const ExecutionRefusal& refusal) {
+  spdlog::warn("refused id={} {}", text(order.id), refusal.sentence);
+  ExecutionResult result;
+  result.robot_id = config_.robot_id;
+  result.trajectory_id = order.id;
+  result.code = refusal.code;
+  result.sentence = refusal.sentence;
+  port_.send(result);
+}
+
+// Remembered before anything moves: whatever happens then, it does not run twice.
+void Executor::run_motion(TrajectoryOrder order) {
+  const auto began = Clock::now();
+  const RequestId id = order.id;
+  TrajectoryOrder header;
+  header.robot_id = order.robot_id;
+  header.id = id;
+  header.epoch = order.epoch;
+  try {
+    running_ = prepare(robot_, std::move(order), config_.tolerances, [this] {
+      publish_states();
+      if (obey() || stopping_) throw std::runtime_error("held or stopped before it could begin");
+    });
+    history_.begin(id);
+  } catch (const std::exception& error) {
+    running_.reset();
+    return refuse(header, {ResultCode::kInvalidGoal, error.what()});
+  }
+  situation_.epoch = header.epoch;
+  spdlog::info("executing id={} rows={} duration={:.3f} stops={} prepared={:.3f}", text(id),
+               running_->order.rows.size(), running_->end, running_->stops.size(),
+               std::chrono::duration<double>(Clock::now() - began).count());
+  control_.begin(running_.get());
+}
+
+// One per tick; of a burst, as after a long pause or on a simulated clock, the latest.
+void Executor::publish_states() {
+  constexpr int kBurst = 4;
+  int count = 0;
+  for (auto tick = control_.state(); tick; ++count) {
+    latest_ = *tick;
+    ticking_ = true;
+    tick = control_.state();
+    if (count < kBurst || !tick) publish(latest_);
+  }
+}
+
+void Executor::publish(const TickState& tick) {
+  ExecutorState state;
   state.robot_id = config_.robot_id;
   state.robot_hash = situation_.robot_hash;
-  state.mode = situation_.mode;
-  state.trajectory_id = trajectory_id_;
+  state.mode = tick.mode;
+  state.trajectory_id = tick.trajectory_id;
   state.epoch = situation_.epoch;
   state.stamp = nanoseconds_now();
+  state.time = tick.time;
+  state.q = tick.q;
+  state.theta = tick.theta;
+  state.dq = tick.dq;
+  state.dtheta = tick.dtheta;
+  state.planned_q = tick.planned_q;
+  state.torque = tick.torque;
+  state.feedback = tick.feedback;
   port_.send(state);
 }
 
-// After a success the goal is held by the same controller; off the path the arm is held where it is.
-void Executor::conclude(const ExecutionResult& result) {
-  concluded_ = true;
-  const bool reached = result.code == ResultCode::kSuccessful;
-  situation_.mode = reached ? ExecutorMode::kResting : ExecutorMode::kHolding;
-  spdlog::info("finished id={} code={} error=({:.2e}, {:.2e}) residual=({:.2e}, {:.2e}) {}", text(result.trajectory_id),
-               static_cast<int>(result.code), result.link_error[0], result.link_error[1], result.residual_vibration[0],
+void Executor::conclude_finished() {
+  while (control_.finished()) {
+    publish_states();
+    conclude(*running_);
+    running_.reset();
+  }
+}
+
+void Executor::conclude(Motion& motion) {
+  ExecutionResult result = result_of(motion, robot_);
+  result.log_file = log(motion, result);
+  spdlog::info("finished id={} code={} error=({:.2e}, {:.2e}) predicted=({:.2e}, {:.2e}) residual=({:.2e}, {:.2e}) {}",
+               text(result.trajectory_id), static_cast<int>(result.code), result.link_error[0], result.link_error[1],
+               motion.order.predicted_error[0], motion.order.predicted_error[1], result.residual_vibration[0],
                result.residual_vibration[1], result.sentence);
+  try {
+    history_.end(result.trajectory_id, result.code, result.sentence);
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+  }
   port_.send(result);
-  if (reached) return;
-  execution_ = std::make_unique<Execution>(robot_, Execution::rest(robot_, arm_.link_positions()));
+}
+
+std::string Executor::log(const Motion& motion, const ExecutionResult& result) const {
+  if (config_.logs.empty() || motion.log.size() < 2) return "";
+  try {
+    return write_log(motion, result, config_.logs, {{"missed_ticks", std::to_string(missed_.load())}}).string();
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return "";
+  }
+}
+
+void Executor::come_to_rest() {
+  control_.stop(true);
+  const auto began = Clock::now();
+  do {
+    serve_without_orders();
+  } while ((running_ || latest_.mode != ExecutorMode::kStopped) && Clock::now() - began < kPatience && !over_);
+  port_.flush(kFarewell);
+}
+
+void Executor::report_lateness() const {
+  spdlog::info("stopped after {} ticks, {} missed; late by {:.0f} us at p99, {:.0f} us at most", lateness_.ticks(),
+               lateness_.missed(), lateness_.quantile(0.99) * 1e6, lateness_.largest() * 1e6);
 }
 
 }  // namespace fjr

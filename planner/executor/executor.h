@@ -1,45 +1,56 @@
-// Runs what it receives on an arm: one thread, one control tick a millisecond.
+// Runs what it receives on an arm: the control tick in a thread of its own, everything else in another.
 #pragma once
 
 #include <atomic>
 #include <memory>
-#include <string>
 
 #include "planner/executor/acceptance.h"
-#include "planner/executor/arm.h"
+#include "planner/executor/control.h"
 #include "planner/executor/dds/executor_port.h"
-#include "planner/executor/execution.h"
+#include "planner/executor/executor_config.h"
+#include "planner/executor/history.h"
+#include "planner/executor/realtime.h"
 
 namespace fjr {
-
-struct ExecutorConfig {
-  unsigned domain = 0;
-  std::string robot_id = "arm";
-  bool fast = false;  // while executing, ticks follow each other without waiting for the clock
-};
 
 class Executor {
  public:
   Executor(const ExecutorConfig& config, const Parameters& robot, Arm& arm);
 
-  void run();                        // until stop()
+  void run();                        // until stop(); then the arm is brought to rest
   void stop() { stopping_ = true; }  // from any thread
 
  private:
+  void keep_ticking();
+  void serve();
+  void serve_without_orders();
+  bool obey();  // true: there was something to obey
   void take_orders();
   void consider(TrajectoryOrder order);
-  void tick();
-  void conclude(const ExecutionResult& result);
+  void refuse(const TrajectoryOrder& order, const ExecutionRefusal& refusal);
+  void run_motion(TrajectoryOrder order);
+  void publish_states();
+  void publish(const TickState& tick);
+  void conclude_finished();
+  void conclude(Motion& motion);
+  std::string log(const Motion& motion, const ExecutionResult& result) const;
+  bool reported_before(const TrajectoryOrder& order);
+  void come_to_rest();
+  void report_lateness() const;
 
   const ExecutorConfig config_;
   const Parameters robot_;
-  Arm& arm_;
   dds::ExecutorPort port_;
+  History history_;
+  Control control_;
   Situation situation_;
-  RequestId trajectory_id_;
-  std::unique_ptr<Execution> execution_;  // never none: at least it rests
-  bool concluded_ = true;
-  std::atomic<bool> stopping_ = false;
+  TickState latest_;
+  bool ticking_ = false;               // there is a latest one
+  std::unique_ptr<Motion> running_;    // lent to the control tick
+  std::optional<RequestId> reported_;  // from before the start
+  Lateness lateness_;                  // of the tick; the tick's until it has ended
+  std::atomic<long> missed_ = 0;
+  std::atomic<bool> stopping_ = false, over_ = false;
 };
 
 }  // namespace fjr

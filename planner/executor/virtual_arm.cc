@@ -1,28 +1,78 @@
 #include "planner/executor/virtual_arm.h"
 
+#include <cmath>
 #include <stdexcept>
 
 #include "model/encoder.h"
 #include "planner/certificate/tracking.h"
 
 namespace fjr {
+namespace {
 
-VirtualArm::VirtualArm(const Parameters& robot, const Pair<double>& q)
-    : robot_(robot), rollout_(robot_, Limits{}, Accuracy::of_predictions()), state_(rest_at(robot_, q)) {}
+constexpr double kGravity = 9.8;  // [m/s^2] with which the paper's alphas were found
+constexpr int kPieces = 4;        // of a tick, in which the hysteresis stands still
 
-Pair<double> VirtualArm::motor_positions() const {
-  return {quantised(state_.theta[0], robot_.encoder.motor_counts[0]),
-          quantised(state_.theta[1], robot_.encoder.motor_counts[1])};
+// z after the deflection has changed by `change` [rad]: dz/dphi = (1 - z sign(dphi)) / width, solved exactly.
+double hysteresis_after(double z, double change, double width) {
+  const double towards = change > 0 ? 1 : -1;
+  return towards + (z - towards) * std::exp(-std::abs(change) / width);
 }
 
-Pair<double> VirtualArm::link_positions() const {
-  return {quantised(state_.q[0], robot_.encoder.link_counts[0]), quantised(state_.q[1], robot_.encoder.link_counts[1])};
+}  // namespace
+
+Parameters with_payload(const Parameters& robot, double mass) {
+  Parameters p = robot;
+  const double l1 = robot.link.length[0], l2 = robot.link.length[1], m2 = robot.link.mass[1];
+  const double r2 = robot.link.com_fraction[1] * l2, r = (m2 * r2 + mass * l2) / (m2 + mass);
+  p.link.mass[1] = m2 + mass;
+  p.link.com_fraction[1] = r / l2;
+  p.link.inertia[1] += m2 * (r - r2) * (r - r2) + mass * (l2 - r) * (l2 - r);
+  p.link.gravity_torque[0] += mass * kGravity * l1;
+  p.link.gravity_torque[1] += mass * kGravity * l2;
+  return p;
+}
+
+VirtualArm::VirtualArm(const VirtualArmOptions& options, const Pair<double>& q)
+    : options_(options),
+      rollout_(with_payload(options.truth, options.payload), Limits{}, Accuracy::of_predictions()),
+      state_(rest_at(with_payload(options.truth, options.payload), q)) {}
+
+Reading VirtualArm::read() {
+  const Parameters& p = options_.truth;
+  Reading reading;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    reading.theta[j] = quantised(state_.theta[j], p.encoder.motor_counts[j]);
+    reading.q[j] = quantised(state_.q[j], p.encoder.link_counts[j]);
+  }
+  if (!options_.fault) return reading;
+  const auto which = static_cast<std::size_t>(options_.fault->encoder), j = which % kJoints;
+  const bool of_motor = which >= kJoints;
+  faulty_ = faulty_ || std::abs(of_motor ? state_.dtheta[j] : state_.dq[j]) > options_.fault->above;
+  if (faulty_) (of_motor ? reading.theta : reading.q)[j].reset();
+  return reading;
 }
 
 void VirtualArm::command(const Pair<double>& torque) {
-  rollout_.start(0, state_, fjr::Drive::holding({0, {}, torque}));
-  if (!rollout_.run(kTick, {}, {}, {})) throw std::runtime_error("the simulated arm: " + rollout_.failure());
+  if (options_.hysteresis.height == Pair<double>{}) return advance(torque, kTick);
+  for (int i = 0; i < kPieces; ++i) advance(torque, kTick / kPieces);
+}
+
+// A hysteresis torque that stands still is a spring whose rest is elsewhere: tau_c = K (theta + h z / K - q).
+void VirtualArm::advance(const Pair<double>& torque, double duration) {
+  const Hysteresis& h = options_.hysteresis;
+  Pair<double> before;
+  State<double> x = state_;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    before[j] = x.theta[j] - x.q[j];
+    x.theta[j] += h.height[j] * z_[j] / options_.truth.spring.stiffness[j];
+  }
+  rollout_.start(0, x, Drive::holding({0, {}, torque}));
+  if (!rollout_.run(duration, {}, {}, {})) throw std::runtime_error("the simulated arm: " + rollout_.failure());
   state_ = rollout_.state();
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    state_.theta[j] -= h.height[j] * z_[j] / options_.truth.spring.stiffness[j];
+    z_[j] = hysteresis_after(z_[j], state_.theta[j] - state_.q[j] - before[j], h.width[j]);
+  }
 }
 
 }  // namespace fjr

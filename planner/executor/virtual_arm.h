@@ -1,27 +1,49 @@
-// The exact model behind its encoders.
+// The exact model behind its encoders, with what a real arm has beyond the model, if wanted.
 #pragma once
 
+#include <optional>
+
 #include "model/dynamics.h"
+#include "model/rig/rig.h"
 #include "planner/certificate/rollout.h"
 #include "planner/executor/arm.h"
 
 namespace fjr {
 
+struct EncoderFault {
+  enum class Encoder { kQ1, kQ2, kTheta1, kTheta2 };
+  Encoder encoder = Encoder::kTheta1;
+  double above = 0;  // [rad/s] faster than this once, it gives no samples any more
+};
+
+struct VirtualArmOptions {
+  Parameters truth;                       // what the arm really is
+  Hysteresis hysteresis{{0, 0}, {1, 1}};  // of the springs; height 0: none
+  double payload = 0;                     // [kg] a point mass at the tip
+  std::optional<EncoderFault> fault{};
+};
+
+// `robot` with a point mass at its tip [kg].
+Parameters with_payload(const Parameters& robot, double mass);
+
 class VirtualArm : public Arm {
  public:
   // At rest at q [rad].
-  VirtualArm(const Parameters& robot, const Pair<double>& q);
+  VirtualArm(const VirtualArmOptions& options, const Pair<double>& q);
 
-  Pair<double> motor_positions() const override;
-  Pair<double> link_positions() const override;
+  Reading read() override;
   void command(const Pair<double>& torque) override;  // time goes on by one tick
 
   const State<double>& state() const { return state_; }
 
  private:
-  Parameters robot_;
+  void advance(const Pair<double>& torque, double duration);
+
+  VirtualArmOptions options_;
   Rollout rollout_;
   State<double> state_;
+  Pair<double> z_{};  // of the hysteresis, from -1 to 1
+  bool faulty_ = false;
 };
 
 }  // namespace fjr

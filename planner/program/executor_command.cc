@@ -1,4 +1,6 @@
 // fjr executor: the virtual hardware.
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 #include <filesystem>
@@ -16,28 +18,48 @@
 namespace fjr {
 namespace {
 
-struct Options {
-  std::string robot;  // empty: the default
-  std::vector<double> start{0, 0};
-  ExecutorConfig executor;
+struct Options {  // what the command line says goes before the configuration
+  std::string config, robot, true_robot, robot_id, state, logs;
+  int domain = -1;
+  std::vector<double> start;
+  double payload = 0;
+  bool hysteresis = false, fast = false;
 };
 
-Pair<double> start_of(const Options& options, const Parameters& robot) {
+ExecutorConfig config_of(const Options& options) {
+  ExecutorConfig config = options.config.empty() ? default_executor_config() : load_executor_config(options.config);
+  if (!options.robot.empty()) config.robot = options.robot;
+  if (!options.true_robot.empty()) config.true_robot = options.true_robot;
+  if (!options.robot_id.empty()) config.robot_id = options.robot_id;
+  if (!options.state.empty()) config.state = options.state;
+  if (!options.logs.empty()) config.logs = options.logs;
+  if (options.domain >= 0) config.domain = static_cast<unsigned>(options.domain);
+  if (!options.start.empty()) config.start = {options.start[0], options.start[1]};
+  if (options.payload > 0) config.arm.payload = options.payload;
+  if (options.hysteresis) config.arm.hysteresis = Hysteresis{};
+  config.fast = options.fast;
+  return config;
+}
+
+void check_start(const ExecutorConfig& config, const Parameters& robot) {
   for (std::size_t j = 0; j < kJoints; ++j) {
-    if (!(std::abs(options.start[j]) <= robot.limits.link_position[j])) {
-      throw InputError("--start", "q" + std::to_string(j + 1), "is outside the robot's limits");
-    }
+    const double limit = robot.limits.link_position[j];
+    if (std::abs(config.start[j]) <= limit) continue;
+    throw InputError("executor", fmt::format("start.q[{}]", j),
+                     fmt::format("{} rad is outside [-{}, {}]", config.start[j], limit, limit));
   }
-  return {options.start[0], options.start[1]};
 }
 
 int execute(const Options& options) {
   block_ending_signals();  // before any other thread is started
   log_to_stderr();
-  const Parameters robot =
-      load_parameters(options.robot.empty() ? default_robot_file() : std::filesystem::path(options.robot));
-  VirtualArm arm(robot, start_of(options, robot));
-  Executor executor(options.executor, robot, arm);
+  const ExecutorConfig config = config_of(options);
+  const Parameters robot = load_parameters(config.robot);
+  check_start(config, robot);
+  VirtualArmOptions really = config.arm;
+  really.truth = config.true_robot.empty() ? robot : load_parameters(config.true_robot);
+  VirtualArm arm(really, config.start);
+  Executor executor(config, robot, arm);
   const std::jthread ending = stop_at_end(executor);
   executor.run();
   return 0;
@@ -48,14 +70,24 @@ int execute(const Options& options) {
 void add_executor(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("executor", "Run received trajectories on the simulated arm, until SIGTERM");
+  command->add_option("--config", options->config, "Configuration; without it the defaults")
+      ->type_name("EXECUTOR.yaml");
   command->add_option("--robot", options->robot, "Robot file; without it the one shipped with fjr")->type_name("R");
   command->add_option("--start", options->start, "Where the links rest at first, in rad")
       ->delimiter(',')
       ->expected(2)
       ->type_name("Q1,Q2");
-  command->add_option("--robot-id", options->executor.robot_id, "Name of the arm on DDS")->capture_default_str();
-  command->add_option("--domain", options->executor.domain, "DDS domain")->check(CLI::Range(0, 230));
-  command->add_flag("--fast", options->executor.fast, "Execute as fast as the simulation can instead of in real time");
+  command->add_option("--robot-id", options->robot_id, "Name of the arm on DDS")->type_name("NAME");
+  command->add_option("--domain", options->domain, "DDS domain")->check(CLI::Range(0, 230));
+  command->add_option("--logs", options->logs, "Folder for a log of every execution")->type_name("DIR");
+  command->add_option("--state", options->state, "Folder of what is remembered over restarts")->type_name("DIR");
+  command->add_option("--true-robot", options->true_robot, "What the simulated arm really is: another robot file")
+      ->type_name("R");
+  command->add_option("--payload", options->payload, "Mass at the tip that nobody planned with, in kg")
+      ->check(CLI::Range(0.0, 10.0))
+      ->type_name("KG");
+  command->add_flag("--hysteresis", options->hysteresis, "Springs with the hysteresis of `fjr experiment`");
+  command->add_flag("--fast", options->fast, "Execute as fast as the simulation can instead of in real time");
   command->callback([options, &exit_code] { exit_code = execute(*options); });
 }
 

@@ -24,8 +24,18 @@ struct TrajectoryOrder {
   std::int64_t published = 0;  // [ns] since 1970, UTC
   std::string robot_hash, request_hash;
   bool certified = false, ends_at_rest = false;
+  Pair<double> certified_error{},
+      predicted_error{};  // [rad] of the links: allowed by the certificate; for the executor
   Tolerances tolerances;
   std::vector<Sample> rows;
+};
+
+enum class ExecutorCommand : std::uint8_t { kHold = 1, kStop };
+
+struct ExecutorOrder {
+  std::string robot_id;
+  RequestId id;
+  ExecutorCommand command = ExecutorCommand::kHold;
 };
 
 enum class ExecutorMode : std::uint8_t { kResting = 1, kExecuting, kStopping, kHolding, kStopped };
@@ -38,6 +48,7 @@ struct ExecutorState {
   std::int64_t stamp = 0;                  // [ns] since 1970, UTC
   double time = 0;                         // [s] within the trajectory
   Pair<double> q{}, theta{}, planned_q{};  // [rad] by the encoders; planned
+  Pair<double> dq{}, dtheta{};             // [rad/s] filtered differentiation
   Pair<double> torque{}, feedback{};       // [N m] commanded, and the part of it that is feedback
 };
 
@@ -53,6 +64,12 @@ enum class ResultCode : std::int32_t {  // FollowJointTrajectory's
 const char* name(ResultCode code);    // "SUCCESSFUL", ...
 const char* name(ExecutorMode mode);  // "resting", ...
 
+struct LimitMargin {
+  std::string name;
+  int joint = 0;                  // 1 or 2; 0 for tip_speed
+  double limit = 0, reached = 0;  // magnitudes, in the limit's unit
+};
+
 struct ExecutionResult {
   std::string robot_id;
   RequestId trajectory_id;
@@ -61,6 +78,8 @@ struct ExecutionResult {
   Pair<double> link_error{}, link_error_rms{}, final_link_error{};  // [rad]
   Pair<double> residual_vibration{};                                // [rad] largest |q - goal| after the end
   Pair<double> feedback_torque{};                                   // [N m] largest
+  std::vector<LimitMargin> limits;
+  std::string log_file;  // on the executor's machine; empty: none
 };
 
 }  // namespace fjr

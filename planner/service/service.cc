@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -33,6 +34,13 @@ Job::Clock::duration duration_of(double seconds) {
 
 std::string with_start(const std::string& yaml, const Pair<double>& q) {
   return fmt::format("{{start: {{q: [{}, {}]}}, {}", q[0], q[1], yaml.substr(1));  // decode() writes one flow map
+}
+
+// What the certificate allowed, and what it predicts for the executor.
+void say_errors(TrajectoryOrder& order, const std::string& plan_json) {
+  const auto certificate = nlohmann::json::parse(plan_json).at("certificate");
+  order.certified_error.fill(certificate.at("tolerance_rad").get<double>());
+  order.predicted_error = certificate.at("tracking").at("link_error_rad").get<Pair<double>>();
 }
 
 }  // namespace
@@ -404,6 +412,7 @@ void Service::publish(const Reply& reply) {
   order.request_hash = reply.request_hash;
   order.certified = reply.state == ReplyState::kSolved;
   order.ends_at_rest = reply.rest_to_rest;
+  say_errors(order, reply.plan_json);
   order.rows = reply.rows;
   executor_.published(reply.id);
   if (!port_.send(order) && log_requests_.allows()) {

@@ -1,12 +1,27 @@
 // The executor: what it refuses, and a motion from the request to the simulated arm through real processes.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 #include <limits>
+#include <map>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <optional>
 
+#include "model/input_error.h"
+#include "model/log.h"
 #include "planner/executor/acceptance.h"
+#include "planner/executor/executor_config.h"
+#include "planner/executor/history.h"
+#include "planner/service/dds/reader.h"
+#include "planner/service/dds/waitset.h"
+#include "planner/service/dds/wire_execution.h"
+#include "planner/service/dds/writer.h"
+#include "tests/executor/flat_motion.h"
+#include "tests/support/domain.h"
 #include "tests/support/process.h"
 
 namespace fjr {
@@ -16,6 +31,14 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
+const Pair<double> kFrom{0.3, 0.2}, kTo{0.9, -0.3};
+
+const Parameters& robot() {
+  static const Parameters p = load_parameters(default_robot_file());
+  return p;
+}
+
+unsigned domain() { return own_domain(); }
 
 Situation at_rest() {
   Situation situation;
@@ -64,54 +87,369 @@ TEST(Acceptance, RefusesWithTheReason) {
   refused([](Order& o, Situation&) { o.rows[2].time = 0; }, ResultCode::kInvalidGoal,
           "time does not increase at row 2");
   refused([](Order& o, Situation&) { o.epoch = 2; }, ResultCode::kInvalidGoal, "from an earlier owner");
-  refused([](Order& o, Situation& s) { s.run.insert(o.id); }, ResultCode::kInvalidGoal, "was run before");
+  refused([](Order& o, Situation&) { o.rows[0].state.dq[0] = 1; }, ResultCode::kInvalidGoal, "does not begin at rest");
+  refused([=](Order& o, Situation&) { o.tolerances.path[1] = nan; }, ResultCode::kInvalidGoal, "a tolerance is");
+  refused([=](Order& o, Situation&) { o.tolerances.goal_time = -1; }, ResultCode::kInvalidGoal, "a tolerance is");
+  refused([](Order&, Situation& s) { s.mode = ExecutorMode::kStopped; }, ResultCode::kInvalidGoal, "was stopped");
+  refused([](Order&, Situation& s) { s.lost = "theta2"; }, ResultCode::kInvalidGoal, "encoder theta2 gives no samples");
   refused([](Order& o, Situation&) { o.published = 99 * kSecond; }, ResultCode::kOldHeaderTimestamp, "before");
   refused([](Order& o, Situation&) { o.published = 150 * kSecond; }, ResultCode::kOldHeaderTimestamp, "50.0 s ago");
   refused([](Order&, Situation& s) { s.mode = ExecutorMode::kExecuting; }, ResultCode::kInvalidGoal, "not at rest");
   refused([](Order&, Situation& s) { s.q[1] = 0.18; }, ResultCode::kInvalidGoal, "starts at q2 = 0.195 rad");
 }
 
+// Who publishes trajectories and listens: in the place of the service.
+class Cell {
+ public:
+  Cell()
+      : participant_(domain()),
+        states_(participant_, participant_.handle()),
+        results_(participant_, participant_.handle()),
+        trajectories_(participant_, participant_.handle()) {}
+
+  // A flat motion under a new id.
+  RequestId publish(const Pair<double>& from, const Pair<double>& to, double duration) {
+    TrajectoryOrder order;
+    order.robot_id = "arm";
+    order.id = me_;
+    order.id.number = ++last_;
+    order.published =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+            .count();
+    order.robot_hash = robot_hash(robot());
+    order.certified = order.ends_at_rest = true;
+    order.rows = flat_motion(robot(), from, to, duration).samples;
+    EXPECT_TRUE(trajectories_.write(dds::encode(order)));
+    return order.id;
+  }
+
+  // Until `there` holds of the latest state; false: not within 20 s.
+  template <class There>
+  bool wait(There&& there) {
+    for (int i = 0; i < 20'000; ++i) {
+      listen();
+      if (there(state)) return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    return false;
+  }
+  bool wait_for(ExecutorMode mode) {
+    return wait([mode](const ExecutorState& s) { return s.mode == mode && !s.robot_id.empty(); });
+  }
+  bool wait_for_time(double time) {
+    return wait([time](const ExecutorState& s) { return s.mode == ExecutorMode::kExecuting && s.time > time; });
+  }
+
+  ExecutionResult result(const RequestId& id) {
+    EXPECT_TRUE(wait([&](const ExecutorState&) { return results.contains(id); }));
+    return results[id].empty() ? ExecutionResult{} : results[id].back();
+  }
+
+  // A while in which nothing is to happen.
+  void listen_for(double seconds) {
+    const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+    while (std::chrono::steady_clock::now() < until) {
+      listen();
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+  }
+
+  ExecutorState state;
+  std::map<RequestId, std::vector<ExecutionResult>> results;
+  Pair<double> farthest{};  // [rad] from kFrom
+
+ private:
+  void listen() {
+    states_.take_all([this](const fjr_msg_ExecutorState& message, const dds_sample_info_t& info) {
+      if (!info.valid_data) return;
+      state = dds::decode(message);
+      for (std::size_t j = 0; j < kJoints; ++j) farthest[j] = std::max(farthest[j], std::abs(state.q[j] - kFrom[j]));
+    });
+    results_.take_all([this](const fjr_msg_ExecutionResult& message, const dds_sample_info_t& info) {
+      if (!info.valid_data) return;
+      ExecutionResult result = dds::decode(message);
+      results[result.trajectory_id].push_back(std::move(result));
+    });
+  }
+
+  dds::Participant participant_;
+  dds::Reader<fjr_msg_ExecutorState> states_;
+  dds::Reader<fjr_msg_ExecutionResult> results_;
+  dds::Writer<fjr_msg_Trajectory> trajectories_;
+  RequestId me_ = new_client();
+  std::uint64_t last_ = 0;
+};
+
 class ExecutorTest : public testing::Test {
  protected:
   void SetUp() override {
     fs::create_directories(folder_);
-    std::ofstream(path("there.yaml")) << "start: {q: [0.3, 0.2]}\ngoal: {q: [0.42, 0.08]}\nobjective: fastest\n";
+    write("there.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.42, 0.08]}\nobjective: fastest\n");
   }
-  void TearDown() override { fs::remove_all(folder_); }
+  void TearDown() override {
+    cell_.reset();
+    if (HasFailure()) std::fputs(contents(path("executor.log")).c_str(), stderr);
+    fs::remove_all(folder_);
+  }
 
   fs::path path(const std::string& name) const { return folder_ / name; }
+  void write(const std::string& name, const std::string& text) const { std::ofstream(path(name)) << text; }
+
   Process fjr(std::vector<std::string> words, const std::string& log) const {
     words.insert(words.begin(), FJR_EXECUTABLE);
-    words.insert(words.end(), {"--domain", std::to_string(20 + ::getpid() % 200)});
+    words.insert(words.end(), {"--domain", std::to_string(domain())});
     return Process(words, path(log));
+  }
+  std::unique_ptr<Process> executor(std::vector<std::string> options = {}) {
+    std::vector<std::string> words{FJR_EXECUTABLE, "executor",    "--domain", std::to_string(domain()),
+                                   "--state",      path("state"), "--logs",   path("logs")};
+    words.insert(words.end(), options.begin(), options.end());
+    if (std::find(words.begin(), words.end(), "--config") == words.end()) {
+      words.insert(words.end(), {"--start", "0.3,0.2"});
+    }
+    return std::make_unique<Process>(words, path("executor.log"));
+  }
+  // The cell, with the executor resting.
+  Cell& cell() {
+    if (!cell_) cell_ = std::make_unique<Cell>();
+    return *cell_;
   }
 
  private:
   fs::path folder_ = fs::temp_directory_path() / ("fjr_executor_test_" + std::to_string(::getpid()));
+  std::unique_ptr<Cell> cell_;
 };
 
 TEST_F(ExecutorTest, MovesTheArmAndThenRefusesToStartFromElsewhere) {
   Process service = fjr({"serve"}, "serve.log");
-  Process executor = fjr({"executor", "--start", "0.3,0.2"}, "executor.log");
-  Process first = fjr({"request", path("there.yaml"), "--execute"}, "first.log");
-  EXPECT_EQ(first.wait(), 0) << first.output() << executor.output();
+  const auto arm = executor();
+  Process first = fjr({"request", path("there.yaml"), "--execute", "--out", path("out")}, "first.log");
+  EXPECT_EQ(first.wait(), 0) << first.output() << arm->output();
   EXPECT_THAT(first.output(), HasSubstr("execution   code 0"));
+  // The service tells the executor what the certificate predicts, and it does better.
+  const auto predicted = nlohmann::json::parse(contents(path("out") / "plan.json"))
+                             .at("/certificate/tracking/link_error_rad"_json_pointer)
+                             .get<Pair<double>>();
+  const std::string said = fmt::format("predicted=({:.2e}, {:.2e})", predicted[0], predicted[1]);
+  EXPECT_THAT(arm->output(), HasSubstr(said));
+  Pair<double> measured{};
+  ASSERT_EQ(std::sscanf(first.output().substr(first.output().find("link error")).c_str(), "link error %lf and %lf",
+                        &measured[0], &measured[1]),
+            2);
+  EXPECT_LT(measured[0], predicted[0]);
+  EXPECT_LT(measured[1], predicted[1]);
+
   Process second = fjr({"request", path("there.yaml"), "--execute"}, "second.log");
   EXPECT_EQ(second.wait(), 1) << second.output();
   // 0.42 rad but for the swing, about two counts of the encoder, that motor 2 keeps up at rest.
   EXPECT_THAT(second.output(), testing::ContainsRegex("starts at q1 = 0.3 rad, the arm is at 0.4(19[89]|2)"));
-  executor.send(SIGTERM);
-  EXPECT_EQ(executor.wait(), 0);
+  arm->send(SIGTERM);
+  EXPECT_EQ(arm->wait(), 0);
 }
 
 TEST_F(ExecutorTest, DoesNotMoveOnWhatWasPublishedBeforeItStarted) {
-  Process service = fjr({"serve"}, "serve.log");
-  Process request = fjr({"request", path("there.yaml"), "--execute"}, "request.log");
-  while (service.output().find("SOLVED") == std::string::npos)
-    std::this_thread::sleep_for(std::chrono::milliseconds(20));
-  Process executor = fjr({"executor", "--start", "0.3,0.2"}, "executor.log");
-  EXPECT_EQ(request.wait(), 1);
-  EXPECT_THAT(request.output(), HasSubstr("published before the executor was started"));
+  const RequestId id = cell().publish(kFrom, kTo, 0.5);
+  const auto arm = executor();
+  const ExecutionResult result = cell().result(id);
+  EXPECT_EQ(result.code, ResultCode::kOldHeaderTimestamp);
+  EXPECT_THAT(result.sentence, HasSubstr("published before the executor was started"));
+  cell().listen_for(0.5);
+  EXPECT_LT(cell().farthest[0], 1e-3);
+}
+
+TEST_F(ExecutorTest, HoldsOnCommandAndGoesOnFromThereButNotFromAMotion) {
+  const auto arm = executor();
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const RequestId held = cell().publish(kFrom, kTo, 1.5);
+  ASSERT_TRUE(cell().wait_for_time(0.5));
+  const RequestId early = cell().publish(kTo, kFrom, 0.5);
+  EXPECT_THAT(cell().result(early).sentence, HasSubstr("the arm is not at rest"));
+  Process hold = fjr({"hold"}, "hold.log");
+  EXPECT_EQ(hold.wait(), 0) << hold.output();
+  EXPECT_THAT(hold.output(), HasSubstr("arm: holding at q = ("));
+  EXPECT_EQ(cell().result(held).code, ResultCode::kGoalToleranceViolated);
+  EXPECT_THAT(cell().result(held).sentence, HasSubstr("hold was commanded at"));
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kHolding));
+  EXPECT_GT(cell().state.q[0], kFrom[0] + 0.01);
+  EXPECT_LT(cell().state.q[0], kTo[0] - 0.01);
+
+  const RequestId elsewhere = cell().publish(kTo, kFrom, 0.5);
+  EXPECT_THAT(cell().result(elsewhere).sentence, HasSubstr("starts at q1"));
+  const RequestId onwards = cell().publish(cell().state.q, kTo, 0.5);
+  EXPECT_EQ(cell().result(onwards).code, ResultCode::kSuccessful) << cell().result(onwards).sentence;
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  EXPECT_NEAR(cell().state.q[0], kTo[0], 1e-3);
+  cell().listen_for(0.2);
+  for (const RequestId& id : {held, early, elsewhere, onwards}) EXPECT_EQ(cell().results[id].size(), 1U);
+}
+
+TEST_F(ExecutorTest, StopsUntilItIsRestarted) {
+  auto arm = executor();
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const RequestId stopped = cell().publish(kFrom, kTo, 1.5);
+  ASSERT_TRUE(cell().wait_for_time(0.4));
+  Process stop = fjr({"stop", "--json"}, "stop.log");
+  EXPECT_EQ(stop.wait(), 0) << stop.output();
+  EXPECT_EQ(nlohmann::json::parse(stop.output()).at("mode"), "stopped");
+  EXPECT_THAT(cell().result(stopped).sentence, HasSubstr("stop was commanded"));
+  const RequestId refused = cell().publish(cell().state.q, kTo, 0.5);
+  EXPECT_THAT(cell().result(refused).sentence, HasSubstr("stopped; it has to be restarted"));
+  Process hold = fjr({"hold"}, "hold.log");  // is no way out of it
+  EXPECT_EQ(hold.wait(), 0);
+  EXPECT_THAT(hold.output(), HasSubstr("stopped until the executor is restarted"));
+}
+
+TEST_F(ExecutorTest, HoldSaysWhenThereIsNoExecutor) {
+  Process hold = fjr({"hold", "--robot-id", "nobody"}, "hold.log");
+  EXPECT_EQ(hold.wait(), 1);
+  EXPECT_THAT(hold.output(), HasSubstr("no executor reports for robot 'nobody'"));
+}
+
+TEST_F(ExecutorTest, NeverRunsTwiceWhatItWasKilledIn) {
+  auto arm = executor();
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const RequestId id = cell().publish(kFrom, kTo, 1.5);
+  ASSERT_TRUE(cell().wait_for_time(0.3));
+  arm->send(SIGKILL);
+  (void)arm->wait();
+  cell().listen_for(0.2);  // its last words
+  cell().farthest = {};
+  cell().state = {};
+  cell().results.clear();
+  arm = executor();  // the trajectory is still there, for late joiners
+  const ExecutionResult result = cell().result(id);
+  EXPECT_NE(result.code, ResultCode::kSuccessful);
+  EXPECT_THAT(result.sentence, HasSubstr("the executor ended while it ran; it is not run again"));
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  cell().listen_for(0.5);
+  EXPECT_LT(cell().farthest[0], 1e-3);
+  EXPECT_EQ(cell().results[id].size(), 1U);
+}
+
+TEST_F(ExecutorTest, ReportsTheLatestAgainAfterARestartAndRests) {
+  auto arm = executor({"--fast"});
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const RequestId id = cell().publish(kFrom, kTo, 0.5);
+  EXPECT_EQ(cell().result(id).code, ResultCode::kSuccessful);
+  arm->send(SIGTERM);
+  EXPECT_EQ(arm->wait(), 0) << arm->output();
+  cell().listen_for(0.1);
+  cell().results.clear();
+  cell().farthest = {};
+  arm = executor({"--fast"});
+  EXPECT_EQ(cell().result(id).code, ResultCode::kSuccessful);  // as it was
+  cell().listen_for(0.3);
+  EXPECT_LT(cell().farthest[0], 1e-3);
+}
+
+TEST_F(ExecutorTest, ComesToRestBeforeItEnds) {
+  const auto arm = executor();
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const RequestId id = cell().publish(kFrom, kTo, 1.5);
+  ASSERT_TRUE(cell().wait_for_time(0.4));
+  arm->send(SIGTERM);
+  const ExecutionResult result = cell().result(id);
+  EXPECT_THAT(result.sentence, HasSubstr("the executor was ended"));
+  EXPECT_LT(result.residual_vibration[0], 2e-3);
+  EXPECT_EQ(arm->wait(), 0);
+}
+
+TEST_F(ExecutorTest, HoldsWhenTheArmIsNotTheOneThatWasPlannedFor) {
+  const auto arm = executor({"--fast", "--payload", "0.5"});
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const ExecutionResult result = cell().result(cell().publish(cell().state.q, kTo, 0.4));
+  EXPECT_EQ(result.code, ResultCode::kPathToleranceViolated) << result.sentence;
+  EXPECT_THAT(result.sentence, HasSubstr("rad off the plan at"));
+  EXPECT_TRUE(cell().wait_for(ExecutorMode::kHolding));
+}
+
+TEST_F(ExecutorTest, HoldsWhenAnEncoderFallsSilent) {
+  write("executor.yaml", "virtual_arm: {start: [0.3, 0.2], encoder_fault: {encoder: theta2, above: 0.5}}\n");
+  const auto arm = executor({"--fast", "--config", path("executor.yaml")});
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const ExecutionResult result = cell().result(cell().publish(kFrom, kTo, 0.6));
+  EXPECT_EQ(result.code, ResultCode::kPathToleranceViolated);
+  EXPECT_THAT(result.sentence, HasSubstr("the encoder theta2 gave no more samples at"));
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kHolding));
+  EXPECT_THAT(cell().result(cell().publish(cell().state.q, kTo, 0.6)).sentence,
+              HasSubstr("the encoder theta2 gives no samples"));
+}
+
+TEST_F(ExecutorTest, LeavesALogThatCanBeReadAndAResultWithAllFigures) {
+  const auto arm = executor({"--fast", "--hysteresis"});
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const ExecutionResult result = cell().result(cell().publish(kFrom, kTo, 0.6));
+  ASSERT_EQ(result.code, ResultCode::kSuccessful) << result.sentence;
+  ASSERT_EQ(result.limits.size(), 8U);
+  for (const LimitMargin& margin : result.limits) {
+    EXPECT_GT(margin.reached, 0) << margin.name;
+    EXPECT_LT(margin.reached, margin.limit) << margin.name;
+  }
+  const Log log = read_log(result.log_file);
+  EXPECT_EQ(log.metadata.at("robot_hash"), robot_hash(robot()));
+  EXPECT_EQ(log.metadata.at("code"), "0");
+  const auto &time = log.column("time"), &q1 = log.column("q1"), &plan = log.column("q1_plan");
+  EXPECT_EQ(time.front(), 0);
+  EXPECT_NEAR(time.back(), 0.6 + 0.5, 2e-3);
+  double largest = 0;
+  for (std::size_t i = 0; i < log.rows() && time[i] < 0.6; ++i) {
+    largest = std::max(largest, std::abs(q1[i] - plan[i]));
+    EXPECT_NEAR(time[i], 1e-3 * static_cast<double>(i), 1e-9);
+  }
+  EXPECT_NEAR(largest, result.link_error[0], 1e-9);
+  EXPECT_TRUE(log.has("tau2_plan") && log.has("theta1_plan") && log.has("tau1"));
+}
+
+TEST_F(ExecutorTest, SaysWhatIsWrongWithItsConfiguration) {
+  const auto refused = [this](const std::string& yaml, const std::string& sentence) {
+    write("executor.yaml", yaml);
+    const auto arm = executor({"--config", path("executor.yaml")});
+    EXPECT_EQ(arm->wait(), 2) << yaml;
+    EXPECT_THAT(arm->output(), HasSubstr(sentence));
+  };
+  refused("{domian: 1}", "domian");
+  refused("{oldest: -1}", "executor.yaml: oldest: -1 s is outside (0, 3600 s]");
+  refused("{priority: 100}", "executor.yaml: priority: 100 is outside [0, 99]");
+  refused("{tolerances: {path: [0.01, 5]}}", "executor.yaml: tolerances.path[1]: 5 rad is outside");
+  refused("{virtual_arm: {encoder_fault: {encoder: q3, above: 1}}}",
+          "encoder: \"q3\" is none of q1, q2, theta1, theta2");
+  refused("{virtual_arm: {start: [9, 0]}}", "start.q[0]: 9 rad is outside [-3.2, 3.2]");
+}
+
+TEST(ExecutorConfig, TheShippedFileIsTheDefaults) {
+  const ExecutorConfig shipped = load_executor_config(default_robot_file().parent_path() / "executor.yaml"),
+                       standard = default_executor_config();
+  EXPECT_EQ(shipped.domain, standard.domain);
+  EXPECT_EQ(shipped.robot_id, standard.robot_id);
+  EXPECT_EQ(shipped.priority, standard.priority);
+  EXPECT_EQ(shipped.oldest, standard.oldest);
+  EXPECT_EQ(shipped.tolerances.path, standard.tolerances.path);
+  EXPECT_EQ(shipped.tolerances.goal, standard.tolerances.goal);
+  EXPECT_EQ(shipped.tolerances.goal_time, standard.tolerances.goal_time);
+  EXPECT_EQ(shipped.tolerances.stopped_velocity, standard.tolerances.stopped_velocity);
+  EXPECT_TRUE(fs::equivalent(shipped.robot, standard.robot));
+}
+
+TEST(History, SurvivesARestartAndRefusesWhatItIsNot) {
+  const fs::path file = fs::temp_directory_path() / ("fjr_history_" + std::to_string(::getpid()));
+  RequestId first = new_client(), second = new_client();
+  second.number = 3;
+  {
+    History history(file);
+    history.begin(first);
+    history.end(first, ResultCode::kPathToleranceViolated, "link 1 was off");
+    history.begin(second);
+  }
+  const History again(file);
+  ASSERT_NE(again.find(first), nullptr);
+  EXPECT_EQ(again.find(first)->code, ResultCode::kPathToleranceViolated);
+  EXPECT_EQ(again.find(first)->sentence, "link 1 was off");
+  ASSERT_NE(again.find(second), nullptr);
+  EXPECT_FALSE(again.find(second)->code);
+  EXPECT_EQ(again.find(new_client()), nullptr);
+  std::ofstream(file) << "something else\n";
+  EXPECT_THROW(History{file}, InputError);
+  fs::remove(file);
 }
 
 }  // namespace

@@ -137,5 +137,23 @@ TEST(Taylor, CompoundAssignmentsAgreeWithTheirOperators) {
   EXPECT_EQ((-a).c, (0.0 - a).c);
 }
 
+// There and back: the link motion is found again from the state and the torque alone.
+TEST(Flatness, LinkMotionFollowsFromStateAndTorque) {
+  const Parameters p = robot_with_damping();
+  for (const double t : {0.0, 0.37, 0.81, 1.9}) {
+    const LinkMotion motion = motion_at(t);
+    const FlatPoint point = from_link_motion(p, motion);
+    const LinkMotion again = link_motion(p, point.state, point.compensated_torque);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      EXPECT_EQ(again.q[j], motion.q[j]);
+      EXPECT_EQ(again.dq[j], motion.dq[j]);
+      // Every derivative divides rounding by the links' inertia once more: 1e-16 x 20 N m/rad / 0.03 kg m^2 = 1e-13.
+      EXPECT_NEAR(again.ddq[j], motion.ddq[j], 1e-11);
+      EXPECT_NEAR(again.dddq[j], motion.dddq[j], 1e-9);
+      EXPECT_NEAR(again.ddddq[j], motion.ddddq[j], 1e-7);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace fjr

@@ -267,5 +267,25 @@ TEST(Log, ColumnsMayHaveOtherNames) {
   EXPECT_EQ(log.column("time"), (std::vector<double>{0, 1}));
 }
 
+TEST(Log, TheColumnThatWasNamedIsTakenAndNoOther) {
+  const std::string text = "time,q1,q2,theta1,theta2,tau1,tau2,q1_rad\n0,57,2,3,4,5,6,1\n1,57,2,3,4,5,6,1\n";
+  EXPECT_EQ(parse_log(text, "log.csv", {{"q1", "q1_rad"}}).column("q1"), (std::vector<double>{1, 1}));
+  EXPECT_EQ(error_of(text, {{"q1", "q1_deg"}}), "log.csv: line 1: no column 'q1_deg', which was said to be q1");
+}
+
+// What the executor writes, and other recorders: commanded values and columns of their own.
+TEST(Log, CommandedValuesAreReadAndOtherColumnsIgnored) {
+  const Log log = parse_log(
+      "# robot_hash: ab\n# request_id: 7\n"
+      "time,q1,q2,theta1,theta2,tau1,tau2,dtheta1,dtheta2,q1_plan,tau1_plan,phase\n"
+      "0,1,2,3,4,5,6,7,8,9,10,hold\n0.001,1,2,3,4,5,6,7,8,9,10,\n",
+      "log.csv");
+  EXPECT_EQ(log.metadata.at("request_id"), "7");
+  EXPECT_EQ(log.column("dtheta2")[0], 8);
+  EXPECT_EQ(log.column("q1_plan")[1], 9);
+  EXPECT_EQ(log.column("tau1_plan")[1], 10);
+  EXPECT_FALSE(log.has("phase"));
+}
+
 }  // namespace
 }  // namespace fjr

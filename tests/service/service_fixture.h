@@ -104,6 +104,12 @@ class ServiceTest : public testing::Test {
     while (seconds_since(began) < 0.4) listen_once();
   }
 
+  void wait_for_executor() {
+    port_->follow_executors();
+    const auto began = Clock::now();
+    while (port_->take_executors().empty() && seconds_since(began) < 10) listen_once();
+  }
+
   // The next reply to `id` within `limit` seconds of which `wanted` holds.
   template <class Wanted>
   std::optional<Reply> next(const RequestId& id, Wanted wanted, double limit = 20) {

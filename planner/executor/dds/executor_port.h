@@ -1,10 +1,12 @@
-// The executor's side of the protocol. Nothing here waits: it is called from the control tick.
+// The executor's side of the protocol.
 #pragma once
 
+#include <chrono>
 #include <vector>
 
 #include "planner/service/dds/participant.h"
 #include "planner/service/dds/reader.h"
+#include "planner/service/dds/waitset.h"
 #include "planner/service/dds/writer.h"
 #include "planner/service/execution_messages.h"
 
@@ -14,13 +16,21 @@ class ExecutorPort {
  public:
   explicit ExecutorPort(unsigned domain);
 
+  void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
+
   std::vector<TrajectoryOrder> take_trajectories();
+  std::vector<ExecutorOrder> take_commands();
   void send(const ExecutorState& state);
   void send(const ExecutionResult& result);
 
+  // Waits until the results have been taken, at most so long.
+  void flush(std::chrono::nanoseconds timeout) const { (void)results_.flush(timeout.count()); }
+
  private:
   Participant participant_;
+  Waitset waitset_;
   Reader<fjr_msg_Trajectory> trajectories_;
+  Reader<fjr_msg_ExecutorCommand> commands_;
   Writer<fjr_msg_ExecutorState> state_;
   Writer<fjr_msg_ExecutionResult> results_;
 };

@@ -72,6 +72,13 @@ struct TopicOf<fjr_msg_Trajectory> {
   }
 };
 
+template <>
+struct TopicOf<fjr_msg_ExecutorCommand> {
+  static constexpr const char* kName = "fjr/executor_command";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ExecutorCommand_desc; }
+  static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(100)).keep_last(16)); }
+};
+
 // Telemetry: the latest wins.
 template <>
 struct TopicOf<fjr_msg_ExecutorState> {

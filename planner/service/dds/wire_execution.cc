@@ -26,6 +26,8 @@ fjr_msg_Trajectory encode(const TrajectoryOrder& order) {
   set_text(message.request_hash, order.request_hash);
   message.certified = order.certified;
   message.ends_at_rest = order.ends_at_rest;
+  set_pair(message.certified_error, order.certified_error);
+  set_pair(message.predicted_error, order.predicted_error);
   set_pair(message.tolerances.path, order.tolerances.path);
   set_pair(message.tolerances.goal, order.tolerances.goal);
   message.tolerances.goal_time = order.tolerances.goal_time;
@@ -46,6 +48,8 @@ TrajectoryOrder decode(const fjr_msg_Trajectory& message) {
   order.request_hash = text_of(message.request_hash);
   order.certified = message.certified;
   order.ends_at_rest = message.ends_at_rest;
+  order.certified_error = pair_of(message.certified_error);
+  order.predicted_error = pair_of(message.predicted_error);
   order.tolerances.path = pair_of(message.tolerances.path);
   order.tolerances.goal = pair_of(message.tolerances.goal);
   order.tolerances.goal_time = message.tolerances.goal_time;
@@ -68,6 +72,8 @@ fjr_msg_ExecutorState encode(const ExecutorState& state) {
   message.time = state.time;
   set_pair(message.q, state.q);
   set_pair(message.theta, state.theta);
+  set_pair(message.dq, state.dq);
+  set_pair(message.dtheta, state.dtheta);
   set_pair(message.planned_q, state.planned_q);
   set_pair(message.torque, state.torque);
   set_pair(message.feedback, state.feedback);
@@ -85,14 +91,38 @@ ExecutorState decode(const fjr_msg_ExecutorState& message) {
   state.time = message.time;
   state.q = pair_of(message.q);
   state.theta = pair_of(message.theta);
+  state.dq = pair_of(message.dq);
+  state.dtheta = pair_of(message.dtheta);
   state.planned_q = pair_of(message.planned_q);
   state.torque = pair_of(message.torque);
   state.feedback = pair_of(message.feedback);
   return state;
 }
 
-fjr_msg_ExecutionResult encode(const ExecutionResult& result) {
-  fjr_msg_ExecutionResult message{};
+fjr_msg_ExecutorCommand encode(const ExecutorOrder& order) {
+  fjr_msg_ExecutorCommand message{};
+  set_text(message.robot_id, order.robot_id);
+  message.id = encode(order.id);
+  message.command = static_cast<std::uint8_t>(order.command);
+  return message;
+}
+
+std::optional<ExecutorOrder> decode(const fjr_msg_ExecutorCommand& message) {
+  if (message.command != fjr_msg_COMMAND_HOLD && message.command != fjr_msg_COMMAND_STOP) return std::nullopt;
+  return ExecutorOrder{text_of(message.robot_id), decode(message.id), static_cast<ExecutorCommand>(message.command)};
+}
+
+WireResult encode(const ExecutionResult& result) {
+  WireResult wire;
+  for (const LimitMargin& margin : result.limits) {
+    if (wire.limits.size() == fjr_msg_MAX_LIMIT_CHECKS) break;
+    fjr_msg_LimitMargin& to = wire.limits.emplace_back();
+    set_text(to.name, margin.name);
+    to.joint = static_cast<std::uint8_t>(margin.joint);
+    to.limit = margin.limit;
+    to.reached = margin.reached;
+  }
+  fjr_msg_ExecutionResult& message = wire.message;
   set_text(message.robot_id, result.robot_id);
   message.trajectory_id = encode(result.trajectory_id);
   message.error_code = static_cast<std::int32_t>(result.code);
@@ -102,7 +132,10 @@ fjr_msg_ExecutionResult encode(const ExecutionResult& result) {
   set_pair(message.final_link_error, result.final_link_error);
   set_pair(message.residual_vibration, result.residual_vibration);
   set_pair(message.feedback_torque, result.feedback_torque);
-  return message;
+  message.limits._length = message.limits._maximum = static_cast<std::uint32_t>(wire.limits.size());
+  message.limits._buffer = wire.limits.data();
+  set_text(message.log_file, result.log_file);
+  return wire;
 }
 
 ExecutionResult decode(const fjr_msg_ExecutionResult& message) {
@@ -116,6 +149,11 @@ ExecutionResult decode(const fjr_msg_ExecutionResult& message) {
   result.final_link_error = pair_of(message.final_link_error);
   result.residual_vibration = pair_of(message.residual_vibration);
   result.feedback_torque = pair_of(message.feedback_torque);
+  for (std::uint32_t i = 0; i < message.limits._length; ++i) {
+    const fjr_msg_LimitMargin& margin = message.limits._buffer[i];
+    result.limits.push_back({text_of(margin.name), margin.joint, margin.limit, margin.reached});
+  }
+  result.log_file = text_of(message.log_file);
   return result;
 }
 

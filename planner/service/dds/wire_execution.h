@@ -3,6 +3,9 @@
 
 #include <fjr_msgs.h>
 
+#include <optional>
+#include <vector>
+
 #include "planner/service/execution_messages.h"
 
 namespace fjr::dds {
@@ -14,7 +17,15 @@ TrajectoryOrder decode(const fjr_msg_Trajectory& message);
 fjr_msg_ExecutorState encode(const ExecutorState& state);
 ExecutorState decode(const fjr_msg_ExecutorState& message);
 
-fjr_msg_ExecutionResult encode(const ExecutionResult& result);
+fjr_msg_ExecutorCommand encode(const ExecutorOrder& order);
+std::optional<ExecutorOrder> decode(const fjr_msg_ExecutorCommand& message);  // none: an unknown command
+
+// The message points into `limits`.
+struct WireResult {
+  std::vector<fjr_msg_LimitMargin> limits;
+  fjr_msg_ExecutionResult message{};
+};
+WireResult encode(const ExecutionResult& result);
 ExecutionResult decode(const fjr_msg_ExecutionResult& message);
 
 }  // namespace fjr::dds

@@ -1,0 +1,296 @@
+#include "planner/executor/control.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+
+#include "planner/executor/stop_motion.h"
+
+namespace fjr {
+namespace {
+
+constexpr double kEncodersAgree = 0.1;  // [rad] theta and q + K^-1 G(q) at rest: hysteresis, a payload, no wrong sign
+constexpr double kRunAway = 0.2;        // [rad] a motor off the stop: feedback does not help, and is given up
+constexpr double kLinkShare = 0.5;      // of a spring's stiffness: feedback from the link's side, stable below 1
+constexpr double kRounding = 1e-9;      // [s]
+
+Reading first_reading(Arm& arm) {
+  const char* silent = "";
+  for (int i = 0; i < 1000; ++i) {
+    const Reading reading = arm.read();
+    silent = !reading.q[0]       ? "q1"
+             : !reading.q[1]     ? "q2"
+             : !reading.theta[0] ? "theta1"
+             : !reading.theta[1] ? "theta2"
+                                 : nullptr;
+    if (silent == nullptr) return reading;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  throw std::runtime_error(fmt::format("the encoder {} gives no samples", silent));
+}
+
+// 1 at 0, 0 from 1 on, with two continuous derivatives.
+double fade(double x) {
+  if (x >= 1) return 0;
+  return 1 - x * x * x * (10 + x * (-15 + 6 * x));
+}
+
+}  // namespace
+
+Control::Control(const Parameters& robot, Arm& arm)
+    : robot_(robot),
+      arm_(arm),
+      sensing_(robot),
+      feedback_(robot, kTick),
+      held_{{Sample{}, Sample{}}, {}},
+      path_(held_) {
+  const Reading reading = first_reading(arm);
+  const Pair<double> q{*reading.q[0], *reading.q[1]}, theta{*reading.theta[0], *reading.theta[1]};
+  const State<double> rest = rest_at(robot, q);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (std::abs(theta[j] - rest.theta[j]) <= kEncodersAgree) continue;
+    throw std::runtime_error(fmt::format(
+        "the encoders of joint {} do not fit each other: theta = {:.4f} rad where q = {:.4f} rad at rest makes it "
+        "{:.4f} rad; check signs, units, gear ratio and zero offsets",
+        j + 1, theta[j], q[j], rest.theta[j]));
+  }
+  sensing_.start(q, theta);
+  hold_at(q, theta);
+  feedback_.start(theta, theta, {});
+}
+
+// Rests at q, beginning with the motors at theta; the difference to where q wants them is faded out.
+void Control::hold_at(const Pair<double>& q, const Pair<double>& theta) {
+  held_.samples[0] = {0, rest_at(robot_, q), gravity_torque(robot_, q)};
+  held_.samples[1] = held_.samples[0];
+  held_.samples[1].time = kTick;
+  path_ = Interpolator(held_);
+  time_ = end_ = began_ = 0;
+  for (std::size_t j = 0; j < kJoints; ++j) offset_[j] = theta[j] - held_.samples[0].state.theta[j];
+  shift_ = {};
+  planned_ = held_.samples[0];
+}
+
+Pair<double> Control::reference() const {
+  const double left = fade((time_ - began_) / kHandOver);
+  Pair<double> theta;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    theta[j] = planned_.state.theta[j] + offset_[j] * left + shift_[j];
+  }
+  return theta;
+}
+
+void Control::tick() {
+  const Reading reading = arm_.read();
+  time_ += reading.ticks * kTick;
+  const unsigned asked = asked_.exchange(0);
+  obey(asked);
+  take_motion(asked != 0);
+  follow();
+  sensing_.update(reading, planned_.state.q, reference());
+  supervise(reading);
+  drive();
+  publish();
+}
+
+void Control::obey(unsigned asked) {
+  if (asked == 0) return;
+  const ExecutorMode wanted = (asked & kStop) != 0 ? ExecutorMode::kStopped : ExecutorMode::kHolding;
+  if (mode_ == ExecutorMode::kExecuting && !at_rest()) {
+    after_ = wanted;
+    Outcome outcome;
+    outcome.ending = (asked & kShutDown) != 0 ? Ending::kShutDown : Ending::kCommanded;
+    outcome.what = wanted == ExecutorMode::kStopped ? "stop" : "hold";
+    stop_because(outcome);
+  } else if (moving()) {
+    after_ = std::max(after_, wanted);
+  } else {
+    mode_ = std::max(mode_, wanted);
+  }
+}
+
+void Control::take_motion(bool refused) {
+  Motion* motion = incoming_.take();
+  if (motion == nullptr) return;
+  const bool free = mode_ == ExecutorMode::kResting || mode_ == ExecutorMode::kHolding;
+  if (refused || !free || sensing_.lost() != nullptr) {
+    motion->outcome.ending = Ending::kNotBegun;
+    finished_.put(motion);
+    return;
+  }
+  const Pair<double> from = reference();
+  motion_ = motion;
+  trajectory_id_ = motion->order.id;
+  mode_ = ExecutorMode::kExecuting;
+  after_ = ExecutorMode::kResting;
+  path_ = Interpolator(motion->trajectory);
+  time_ = began_ = motion->trajectory.start_time();
+  end_ = motion->end;
+  stop_ = nullptr;
+  next_stop_ = kNoLimit;
+  settled_ = false;
+  const Pair<double>& start = motion->trajectory.samples.front().state.theta;
+  for (std::size_t j = 0; j < kJoints; ++j) offset_[j] = from[j] - start[j];
+  shift_ = {};
+}
+
+void Control::follow() {
+  if (stop_ != nullptr && time_ >= next_stop_ - kRounding) {
+    path_ = Interpolator(*stop_);
+    stop_ = nullptr;
+  }
+  planned_ = path_.at(time_);
+}
+
+void Control::supervise(const Reading& reading) {
+  if (mode_ == ExecutorMode::kExecuting && reading.ticks > kStallTicks + 1 && !at_rest()) {
+    stop_because({Ending::kStalled, time_, 0, static_cast<double>(reading.ticks - 1), kStallTicks, ""});
+  }
+  const char* lost = sensing_.lost();
+  if (lost != nullptr) {
+    for (std::size_t j = 0; j < kJoints; ++j) blind_[j] = blind_[j] || sensing_.motors_lost()[j];
+    after_ = std::max(after_, ExecutorMode::kHolding);
+    if (mode_ == ExecutorMode::kExecuting) stop_because({Ending::kEncoderLost, time_, 0, 0, 0, lost});
+    if (mode_ == ExecutorMode::kResting) mode_ = ExecutorMode::kHolding;
+  }
+  if (mode_ == ExecutorMode::kExecuting) supervise_execution();
+  if (mode_ == ExecutorMode::kStopping) supervise_stop();
+  if (lost != nullptr && !moving()) {
+    const Pair<bool> before = sensing_.motors_lost();
+    sensing_.trust_again();
+    if (sensing_.lost() == nullptr || sensing_.motors_lost() != before) rest_here();
+  }
+}
+
+void Control::supervise_execution() {
+  const Tolerances& allowed = motion_->tolerances;
+  bool within = true;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double error = std::abs(sensing_.q()[j] - planned_.state.q[j]);
+    const int joint = static_cast<int>(j) + 1;
+    if (!(error <= allowed.path[j])) {
+      // The motors stop beside the plan, where they are: nothing is pulled back into what may have stopped a link.
+      move_reference(sensing_.theta());
+      after_ = ExecutorMode::kHolding;
+      return stop_because({Ending::kPathTolerance, time_, joint, error, allowed.path[j], ""});
+    }
+    const double speed = std::abs(sensing_.dq()[j]);
+    if (error <= allowed.goal[j] && speed <= allowed.stopped_velocity[j]) continue;
+    within = false;
+    if (!at_rest()) continue;
+    motion_->outcome = {Ending::kGoalTolerance, time_, joint, error, allowed.goal[j], "rad off the goal"};
+    if (error <= allowed.goal[j]) {
+      motion_->outcome.value = speed;
+      motion_->outcome.allowed = allowed.stopped_velocity[j];
+      motion_->outcome.what = "rad/s fast";
+    }
+  }
+  if (!at_rest()) return;
+  settled_ = settled_ || within;
+  const double since = time_ - end_;
+  if (settled_ ? since < kWatched : since < allowed.goal_time) return;
+  if (settled_) motion_->outcome = {Ending::kReached, time_, 0, 0, 0, ""};
+  finish(settled_ ? after_ : std::max(after_, ExecutorMode::kHolding));
+}
+
+void Control::supervise_stop() {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (blind_[j] || std::abs(sensing_.theta()[j] - reference()[j]) < kRunAway) continue;
+    run_away_ = true;
+    blind_ = {true, true};
+    after_ = ExecutorMode::kStopped;
+  }
+  if (time_ >= end_ + kWatched) finish(after_);
+}
+
+// From the next instant on for which a stop is at hand; without one the plan itself is over soonest.
+void Control::stop_because(const Outcome& outcome) {
+  mode_ = ExecutorMode::kStopping;
+  motion_->outcome = outcome;
+  motion_->outcome.time = time_;
+  if (at_rest()) return;
+  const double since = time_ - motion_->trajectory.start_time();
+  const auto next = static_cast<std::size_t>(std::floor(since / kStopSpacing + kRounding)) + 1;
+  if (next >= motion_->stops.size() || motion_->stops[next].samples.empty()) return;
+  stop_ = &motion_->stops[next];
+  next_stop_ = stop_->start_time();
+  end_ = stop_->end_time();
+}
+
+void Control::finish(ExecutorMode mode) {
+  mode_ = mode;
+  motion_->ended_at = sensing_.q();
+  finished_.put(motion_);
+  const bool beside = shift_ != Pair<double>{} || motion_->outcome.ending == Ending::kGoalTolerance;
+  motion_ = nullptr;
+  if (beside) return rest_here();
+  hold_at(planned_.state.q, planned_.state.theta);
+}
+
+// Holds the arm where it is.
+void Control::rest_here() {
+  const Pair<double> theta = sensing_.theta();
+  feedback_.start(theta, theta, {});
+  hold_at(sensing_.q(), theta);
+  blind_ = run_away_ ? Pair<bool>{true, true} : sensing_.motors_lost();
+}
+
+// The reference goes on from `theta`, beside the path.
+void Control::move_reference(const Pair<double>& theta) {
+  const Pair<double> from = reference();
+  const Pair<double> by{theta[0] - from[0], theta[1] - from[1]};
+  for (std::size_t j = 0; j < kJoints; ++j) shift_[j] += by[j];
+  feedback_.shift_plan(by);
+}
+
+// Within one count the motor encoders say nothing, and motor 2 is unstable at rest: it would drift to the edge of the
+// count, 1.6e-3 rad away. The finer link encoders tell where in its count a motor is that rests: theta = q + K^-1 G(q).
+// What makes of the count's position error that of this estimate, with the gain that feedback across a spring allows.
+double Control::within_count(std::size_t j) const {
+  const double planned = reference()[j], count = count_angle(robot_.encoder.motor_counts[j]);
+  const double counted = quantised(sensing_.theta()[j], robot_.encoder.motor_counts[j]);
+  const double estimate = rest_at(robot_, sensing_.q()).theta[j];
+  const double error = planned - std::clamp(estimate, counted - count / 2, counted + count / 2);
+  const double gain = std::min(1.0, kLinkShare * robot_.spring.stiffness[j] / robot_.feedback.position_gain[j]);
+  return error - (1 - gain) * std::clamp(error, -count / 2, count / 2) - (planned - counted);
+}
+
+void Control::drive() {
+  Pair<double> feedforward = path_.mean_torque(time_, time_ + kTick), fine{};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (at_rest() && !blind_[j]) fine[j] = robot_.feedback.position_gain[j] * within_count(j);
+    feedforward[j] += fine[j];
+  }
+  command_ = feedback_.command(reference(), sensing_.theta(), feedforward, blind_);
+  for (std::size_t j = 0; j < kJoints; ++j) command_.feedback[j] += fine[j];
+  arm_.command(command_.torque);
+}
+
+void Control::publish() {
+  if (motion_ != nullptr) {
+    motion_->figures.add({sensing_.q(), sensing_.dq(), sensing_.theta(), sensing_.dtheta(), planned_.state.q,
+                          command_.torque, command_.feedback, !at_rest()});
+    if (motion_->log.size() < motion_->log.capacity()) {
+      motion_->log.push_back({time_, sensing_.q(), sensing_.theta(), command_.torque, planned_});
+    }
+  }
+  TickState state;
+  state.mode = mode_;
+  state.trajectory_id = trajectory_id_;
+  state.time = time_;
+  state.q = sensing_.q();
+  state.theta = sensing_.theta();
+  state.dq = sensing_.dq();
+  state.dtheta = sensing_.dtheta();
+  state.planned_q = planned_.state.q;
+  state.torque = command_.torque;
+  state.feedback = command_.feedback;
+  state.lost = sensing_.lost();
+  states_.put(state);
+}
+
+}  // namespace fjr

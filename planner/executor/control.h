@@ -1,0 +1,91 @@
+// The control tick: what the arm is to do now, what it does, and the modes of the executor. Nothing here allocates,
+// waits or asks the system for anything; other threads speak through the mailboxes.
+#pragma once
+
+#include <atomic>
+
+#include "planner/executor/mailbox.h"
+#include "planner/executor/motion.h"
+#include "planner/executor/sensing.h"
+
+namespace fjr {
+
+inline constexpr double kHandOver = 0.1;  // [s] in which what a motion's start is off the place held is faded out
+inline constexpr int kStallTicks = 5;     // more missed ones than these in a row: a controlled stop
+
+// Of one tick; what is published.
+struct TickState {
+  ExecutorMode mode = ExecutorMode::kResting;
+  RequestId trajectory_id;
+  double time = 0;
+  Pair<double> q{}, theta{}, dq{}, dtheta{}, planned_q{}, torque{}, feedback{};
+  const char* lost = nullptr;  // an encoder without samples
+};
+
+class Control {
+ public:
+  // At rest where the first readings say; waits for them, at most a second. Throws std::runtime_error when an encoder
+  // is silent, or when link and motor encoders cannot both be right.
+  Control(const Parameters& robot, Arm& arm);
+
+  void tick();  // from one thread
+
+  // From another one.
+  bool begin(Motion* motion) { return incoming_.put(motion); }  // until it comes back it is the tick's
+  void hold() { asked_ |= kHold; }
+  void stop(bool shut_down = false) { asked_ |= shut_down ? kStop | kShutDown : kStop; }
+  std::optional<Motion*> finished() { return finished_.take(); }
+  std::optional<TickState> state() { return states_.take(); }
+
+  // From the thread of tick().
+  bool moving() const { return mode_ == ExecutorMode::kExecuting || mode_ == ExecutorMode::kStopping; }
+
+ private:
+  static constexpr unsigned kHold = 1, kStop = 2, kShutDown = 4;
+
+  void obey(unsigned asked);
+  void take_motion(bool refused);
+  void follow();
+  void supervise(const Reading& reading);
+  void supervise_execution();
+  void supervise_stop();
+  void stop_because(const Outcome& outcome);
+  void finish(ExecutorMode mode);
+  void rest_here();
+  void move_reference(const Pair<double>& theta);
+  double within_count(std::size_t j) const;
+  void drive();
+  void publish();
+
+  void hold_at(const Pair<double>& q, const Pair<double>& theta);
+  Pair<double> reference() const;
+  bool at_rest() const { return time_ >= end_; }
+
+  Parameters robot_;
+  Arm& arm_;
+  Sensing sensing_;
+  MotorFeedback feedback_;
+  ExecutorMode mode_ = ExecutorMode::kResting, after_ = ExecutorMode::kResting;
+
+  Trajectory held_;                        // where it rests without a motion: two rows
+  Interpolator path_;                      // what is followed: held_, the motion's trajectory, or one of its stops
+  Sample planned_{};                       // at this tick
+  double time_ = 0, end_ = 0, began_ = 0;  // [s] of the path; it rests from end_ on; of the hand-over
+  double next_stop_ = 0;                   // [s] when the path changes to `stop_`
+  const Trajectory* stop_ = nullptr;
+  Pair<double> offset_{}, shift_{};  // [rad] of the motors, beside the path: fading, staying
+  Pair<bool> blind_{};
+  bool run_away_ = false;
+
+  Motion* motion_ = nullptr;
+  RequestId trajectory_id_;
+  bool settled_ = false;
+  MotorFeedback::Command command_{};
+
+  Slot<Motion> incoming_;
+  std::atomic<unsigned> asked_ = 0;
+  Ring<Motion*, 4> finished_;
+  Ring<TickState, 256> states_;
+};
+
+}  // namespace fjr

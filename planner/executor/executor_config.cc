@@ -1,0 +1,122 @@
+#include "planner/executor/executor_config.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cstdlib>
+
+#include "model/strict_yaml.h"
+
+namespace fjr {
+namespace {
+
+void read_number(const YamlNode& root, std::string_view key, std::string_view unit, double most, double& to) {
+  const auto node = root.find(key);
+  if (!node) return;
+  to = node->number(unit);
+  if (!(to > 0) || to > most) {
+    node->fail(fmt::format("{} is outside (0, {}]", with_unit(to, unit), with_unit(most, unit)));
+  }
+}
+
+void read_pair(const YamlNode& root, std::string_view key, std::string_view unit, double least, double most,
+               Pair<double>& to) {
+  const auto node = root.find(key);
+  if (!node) return;
+  to = node->pair(unit);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!(to[j] >= least && to[j] <= most)) {
+      node->fail_at(j, fmt::format("{} is outside [{}, {}]", with_unit(to[j], unit), least, most));
+    }
+  }
+}
+
+void read_path(const YamlNode& root, std::string_view key, const std::filesystem::path& folder,
+               std::filesystem::path& to) {
+  if (const auto node = root.find(key)) to = folder / node->text();
+}
+
+template <class Whole>
+void read_whole(const YamlNode& root, std::string_view key, std::uint64_t most, Whole& to) {
+  const auto node = root.find(key);
+  if (!node) return;
+  const std::uint64_t value = node->whole_number();
+  if (value > most) node->fail(fmt::format("{} is outside [0, {}]", value, most));
+  to = static_cast<Whole>(value);
+}
+
+void read_tolerances(const YamlNode& node, Tolerances& to) {
+  node.allow_keys({"path", "goal", "goal_time", "stopped_velocity"});
+  read_pair(node, "path", "rad", 1e-4, 1, to.path);
+  read_pair(node, "goal", "rad", 1e-4, 1, to.goal);
+  read_number(node, "goal_time", "s", 60, to.goal_time);
+  read_pair(node, "stopped_velocity", "rad/s", 1e-3, 10, to.stopped_velocity);
+}
+
+EncoderFault fault_from(const YamlNode& node) {
+  constexpr std::array<std::string_view, 4> kNames{"q1", "q2", "theta1", "theta2"};
+  node.allow_keys({"encoder", "above"});
+  EncoderFault fault;
+  const YamlNode encoder = node.at("encoder");
+  std::size_t i = 0;
+  while (i < kNames.size() && encoder.text() != kNames[i]) ++i;
+  if (i == kNames.size()) encoder.fail(shown(encoder.text()) + " is none of q1, q2, theta1, theta2");
+  fault.encoder = static_cast<EncoderFault::Encoder>(i);
+  read_number(node, "above", "rad/s", 100, fault.above);
+  return fault;
+}
+
+void read_arm(const YamlNode& node, const std::filesystem::path& folder, ExecutorConfig& to) {
+  node.allow_keys({"start", "true_robot", "payload", "hysteresis", "encoder_fault"});
+  read_pair(node, "start", "rad", -100, 100, to.start);
+  read_path(node, "true_robot", folder, to.true_robot);
+  read_number(node, "payload", "kg", 10, to.arm.payload);
+  if (const auto hysteresis = node.find("hysteresis")) {
+    hysteresis->allow_keys({"height", "width"});
+    to.arm.hysteresis = Hysteresis{};
+    read_pair(*hysteresis, "height", "N m", 0, 1, to.arm.hysteresis.height);
+    read_pair(*hysteresis, "width", "rad", 1e-4, 1, to.arm.hysteresis.width);
+  }
+  if (const auto fault = node.find("encoder_fault")) to.arm.fault = fault_from(*fault);
+}
+
+std::filesystem::path folder_of(const char* variable) {
+  const char* value = std::getenv(variable);
+  return value == nullptr ? "" : value;
+}
+
+}  // namespace
+
+ExecutorConfig default_executor_config() {
+  ExecutorConfig config;
+  config.robot = default_robot_file();
+  return config;
+}
+
+ExecutorConfig load_executor_config(const std::filesystem::path& file) {
+  ExecutorConfig config = default_executor_config();
+  const std::filesystem::path folder = file.parent_path();
+  const YamlNode root = YamlNode::load(file);
+  root.allow_keys({"domain", "robot_id", "robot", "state", "logs", "priority", "oldest", "tolerances", "virtual_arm"});
+  read_whole(root, "domain", 230, config.domain);
+  read_whole(root, "priority", 99, config.priority);
+  read_number(root, "oldest", "s", 3600, config.oldest);
+  read_path(root, "robot", folder, config.robot);
+  read_path(root, "state", folder, config.state);
+  read_path(root, "logs", folder, config.logs);
+  if (const auto node = root.find("robot_id")) config.robot_id = node->text();
+  if (const auto node = root.find("tolerances")) read_tolerances(*node, config.tolerances);
+  if (const auto node = root.find("virtual_arm")) read_arm(*node, folder, config);
+  return config;
+}
+
+std::filesystem::path default_state_folder() {
+  if (auto folder = folder_of("STATE_DIRECTORY"); !folder.empty()) return folder;
+  if (auto folder = folder_of("XDG_STATE_HOME"); !folder.empty()) return folder / "fjr";
+  if (auto folder = folder_of("HOME"); !folder.empty()) return folder / ".local" / "state" / "fjr";
+  throw InputError("command line", "--state",
+                   "is needed: none of STATE_DIRECTORY, XDG_STATE_HOME and HOME is set, and what was run must be "
+                   "remembered");
+}
+
+}  // namespace fjr

@@ -1,0 +1,27 @@
+// What a motion amounts to: errors, feedback, and how near its limits it came.
+#pragma once
+
+#include "planner/service/execution_messages.h"
+
+namespace fjr {
+
+class Figures {
+ public:
+  struct Instant {
+    Pair<double> q, dq, theta, dtheta;  // [rad], [rad/s] measured; velocities filtered
+    Pair<double> planned_q;             // [rad]
+    Pair<double> torque, feedback;      // [N m]
+    bool moving;                        // false: after the end
+  };
+  void add(const Instant& now);
+
+  // Into what is reported.
+  void fill(ExecutionResult& result, const Parameters& robot) const;
+
+ private:
+  Pair<double> largest_{}, squares_{}, last_{}, residual_{}, feedback_{};
+  Pair<double> torque_{}, motor_velocity_{}, link_position_{}, deflection_{};
+  long moving_ = 0;
+};
+
+}  // namespace fjr

@@ -1,0 +1,95 @@
+#include "planner/executor/history.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+
+#include "model/input_error.h"
+#include "model/strict_yaml.h"
+#include "planner/trajectory/atomic_file.h"
+
+namespace fjr {
+namespace {
+
+constexpr std::size_t kRemembered = 256;
+constexpr const char* kUnended = "running";
+
+template <class Number>
+bool parse(std::string_view text, Number& number, int base = 10) {
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, base);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+std::string_view take_word(std::string_view& line) {
+  const std::size_t end = std::min(line.find(' '), line.size());
+  const std::string_view word = line.substr(0, end);
+  line.remove_prefix(std::min(end + 1, line.size()));
+  return word;
+}
+
+// "<client> <number> <code or running> <sentence>"
+std::optional<History::Entry> parse_entry(std::string_view line) {
+  History::Entry entry;
+  const std::string_view client = take_word(line), number = take_word(line), code = take_word(line);
+  if (client.size() != 2 * entry.id.client.size() || !parse(number, entry.id.number)) return std::nullopt;
+  for (std::size_t i = 0; i < entry.id.client.size(); ++i) {
+    if (!parse(client.substr(2 * i, 2), entry.id.client[i], 16)) return std::nullopt;
+  }
+  if (code != kUnended) {
+    std::int32_t value = 0;
+    if (!parse(code, value)) return std::nullopt;
+    entry.code = static_cast<ResultCode>(value);
+  }
+  entry.sentence = line;
+  return entry;
+}
+
+}  // namespace
+
+History::History(std::filesystem::path file) : file_(std::move(file)) {
+  std::ifstream in(file_);
+  std::string line;
+  for (int number = 1; std::getline(in, line) && number <= 1 << 16; ++number) {
+    const auto entry = parse_entry(line);
+    if (!entry) {
+      throw InputError(file_.string(), fmt::format("line {}", number),
+                       shown(line) +
+                           " is not what an executor remembers of a trajectory; remove the file if it is "
+                           "meant for something else, or damaged");
+    }
+    entries_.push_back(*entry);
+  }
+}
+
+const History::Entry* History::find(const RequestId& id) const {
+  const auto found = std::find_if(entries_.begin(), entries_.end(), [&](const Entry& e) { return e.id == id; });
+  return found == entries_.end() ? nullptr : &*found;
+}
+
+void History::begin(const RequestId& id) {
+  entries_.push_back({id, std::nullopt, ""});
+  if (entries_.size() > kRemembered) entries_.pop_front();
+  write();
+}
+
+void History::end(const RequestId& id, ResultCode code, const std::string& sentence) {
+  for (Entry& entry : entries_) {
+    if (entry.id != id) continue;
+    entry.code = code;
+    entry.sentence = sentence;
+  }
+  write();
+}
+
+void History::write() const {
+  std::string text;
+  for (const Entry& entry : entries_) {
+    const std::string code = entry.code ? std::to_string(static_cast<std::int32_t>(*entry.code)) : kUnended;
+    text += fmt::format("{} {} {} {}\n", client_name(entry.id), entry.id.number, code, entry.sentence);
+  }
+  write_file(file_, text);
+}
+
+}  // namespace fjr

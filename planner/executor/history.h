@@ -1,0 +1,37 @@
+// What the executor ran, remembered over restarts: no trajectory runs twice.
+#pragma once
+
+#include <deque>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "planner/service/execution_messages.h"
+
+namespace fjr {
+
+class History {
+ public:
+  struct Entry {
+    RequestId id;
+    std::optional<ResultCode> code;  // none: it never ended; the executor did
+    std::string sentence;
+  };
+
+  // Reads the file if it is there. Throws InputError when it is no such file.
+  explicit History(std::filesystem::path file);
+
+  const Entry* find(const RequestId& id) const;
+
+  // Both replace the file, complete or not at all. Throw std::runtime_error.
+  void begin(const RequestId& id);
+  void end(const RequestId& id, ResultCode code, const std::string& sentence);
+
+ private:
+  void write() const;
+
+  std::filesystem::path file_;
+  std::deque<Entry> entries_;  // the oldest first
+};
+
+}  // namespace fjr

@@ -1,0 +1,64 @@
+#include "planner/executor/sensing.h"
+
+namespace fjr {
+namespace {
+
+constexpr Pair<const char*> kLinks{"q1", "q2"}, kMotors{"theta1", "theta2"};
+
+Pair<VelocityFilter> filters(const Parameters& robot) {
+  return {VelocityFilter(robot.feedback.velocity_filter[0], kTick),
+          VelocityFilter(robot.feedback.velocity_filter[1], kTick)};
+}
+
+}  // namespace
+
+Sensing::Sensing(const Parameters& robot) : link_{.filter = filters(robot)}, motor_{.filter = filters(robot)} {}
+
+void Sensing::start(const Pair<double>& q, const Pair<double>& theta) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    link_.position[j] = q[j];
+    motor_.position[j] = theta[j];
+    link_.filter[j].reset(q[j], 0);
+    motor_.filter[j].reset(theta[j], 0);
+  }
+}
+
+void Sensing::Encoders::update(const Pair<std::optional<double>>& samples, const Pair<double>& planned) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (samples[j]) {
+      missing[j] = 0;
+      sample[j] = *samples[j];
+      if (!gone[j]) deviation[j] = *samples[j] - planned[j];
+    } else if (missing[j] < kLostAfter && ++missing[j] == kLostAfter) {
+      gone[j] = true;
+    }
+    position[j] = samples[j] && !gone[j] ? *samples[j] : planned[j] + deviation[j];
+    velocity[j] = filter[j].update(position[j]);
+  }
+}
+
+void Sensing::update(const Reading& reading, const Pair<double>& planned_q, const Pair<double>& planned_theta) {
+  link_.update(reading.q, planned_q);
+  motor_.update(reading.theta, planned_theta);
+}
+
+const char* Sensing::lost() const {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (motor_.gone[j]) return kMotors[j];
+    if (link_.gone[j]) return kLinks[j];
+  }
+  return nullptr;
+}
+
+void Sensing::trust_again() {
+  for (Encoders* encoders : {&link_, &motor_}) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      if (!encoders->gone[j] || encoders->missing[j] > 0) continue;
+      encoders->gone[j] = false;
+      encoders->position[j] = encoders->sample[j];
+      encoders->filter[j].reset(encoders->sample[j], 0);
+    }
+  }
+}
+
+}  // namespace fjr

@@ -1,0 +1,268 @@
+#include "planner/executor/stop_motion.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "planner/certificate/limits.h"
+#include "planner/certificate/tracking.h"
+#include "planner/executor/stop_shape.h"
+
+namespace fjr {
+namespace {
+
+constexpr double kShortest = 0.05, kLonger = 1.1, kLongest = 1.5;  // [s], ratio, [s] of the durations that are tried
+constexpr double kSoon = 0.3;                      // [s] in which a plan's own end is near enough to try less
+constexpr double kAimed = 0.98, kAllowed = 0.999;  // shares of the limits: the search only looks at some instants
+constexpr int kNodes = 48;                         // so many of them
+constexpr int kIterations = 15, kHopeless = 4;     // after so many, far outside, it will not come inside
+constexpr double kMissedTorque = 0.02;             // [N m] between rows
+constexpr double kSharpCorner = 1000;              // [N m/s] the rollout stops there; halves its time
+constexpr double kRestAfter = 0.25;  // [s] a quarter of the slowest oscillation: a swing shows its size in it
+
+using Free = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kJoints * kShapes, 1>;
+using Excess = Eigen::Matrix<double, 4 * kJoints * kNodes, 1>;
+
+// One duration: which free numbers keep all within the limits?
+class Search {
+ public:
+  Search(const Parameters& robot, const Limits& limits, const LinkMotion& from, double duration, int shapes)
+      : robot_(robot), limits_(limits), shapes_(shapes_from(from, duration)), duration_(duration), count_(shapes) {
+    free_ = Free::Zero(kJoints * count_);
+    for (int j = 0; j < kJoints; ++j) {
+      const auto i = static_cast<std::size_t>(j);
+      free_[j * count_] = 0.45 * from.dq[i] * duration;  // about what a polynomial left to itself takes
+    }
+  }
+
+  // Least squares of what exceeds the aim, by Levenberg and Marquardt; the problem is almost linear.
+  bool run() {
+    Excess excess = measure(free_);
+    double damping = 1e-3;
+    for (int i = 0; i < kIterations && worst_ > kAllowed; ++i) {
+      const double before = excess.squaredNorm(), worst = worst_;
+      const Free next = free_ + step(excess, damping);
+      const Excess there = measure(next);
+      if (there.squaredNorm() >= before) {
+        worst_ = worst;
+        damping *= 10;
+        if (damping > 100) break;
+        continue;
+      }
+      free_ = next;
+      excess = there;
+      damping *= 0.2;
+      if (before - excess.squaredNorm() < 1e-3 * before || (i >= kHopeless && worst_ > 1.5)) break;
+    }
+    return worst_ <= kAllowed;
+  }
+
+  Pair<StopShape> shapes() const { return with(free_); }
+
+ private:
+  Pair<StopShape> with(const Free& free) const {
+    Pair<StopShape> s = shapes_;
+    for (int j = 0; j < kJoints; ++j) {
+      for (int i = 0; i < count_; ++i) {
+        s[static_cast<std::size_t>(j)].free[static_cast<std::size_t>(i)] = free[j * count_ + i];
+      }
+    }
+    return s;
+  }
+
+  Excess measure(const Free& free) {
+    static const ShapeTable table(kNodes);
+    const Pair<StopShape> s = with(free);
+    Excess excess;
+    worst_ = 0;
+    for (int n = 1; n <= kNodes; ++n) {
+      const FlatPoint p = from_link_motion(robot_, in_time({table.at(s[0], n), table.at(s[1], n)}, duration_));
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        const std::array<double, 4> share{
+            p.torque[j] / limits_.torque[j], p.state.dtheta[j] / limits_.motor_velocity[j],
+            p.state.q[j] / limits_.link_position[j], (p.state.theta[j] - p.state.q[j]) / limits_.spring_deflection[j]};
+        for (std::size_t k = 0; k < share.size(); ++k) {
+          const double size = std::abs(share[k]);
+          worst_ = std::max(worst_, size);
+          const auto row = static_cast<Eigen::Index>(8 * static_cast<std::size_t>(n - 1) + 4 * j + k);
+          excess[row] = std::copysign(std::max(0.0, size - kAimed), share[k]);
+        }
+      }
+    }
+    return excess;
+  }
+
+  Free step(const Excess& excess, double damping) {
+    constexpr double kDifference = 1e-5;
+    Eigen::Matrix<double, Excess::RowsAtCompileTime, Eigen::Dynamic> slopes(excess.size(), free_.size());
+    for (Eigen::Index i = 0; i < free_.size(); ++i) {
+      Free moved = free_;
+      moved[i] += kDifference;
+      slopes.col(i) = (measure(moved) - excess) / kDifference;
+    }
+    Eigen::MatrixXd normal = slopes.transpose() * slopes;
+    const double floor = 1e-9 * normal.trace() + 1e-300;
+    normal.diagonal() *= 1 + damping;
+    normal.diagonal().array() += floor;
+    return -normal.ldlt().solve(slopes.transpose() * excess);
+  }
+
+  const Parameters& robot_;
+  const Limits& limits_;
+  Pair<StopShape> shapes_;
+  double duration_;
+  int count_;
+  Free free_;
+  double worst_ = 0;
+};
+
+LinkMotion motion_of(const Parameters& robot, const Sample& from) {
+  Pair<double> u;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    u[j] = from.torque[j] - FrictionLaw::of(robot, static_cast<int>(j)).nonlinear(from.state.dtheta[j]);
+  }
+  return link_motion(robot, from.state, u);
+}
+
+// Rows every millisecond, and between them where the torque, linear between rows, would miss what friction does: at its
+// jump where a motor reverses, where a motor starts and comes to rest.
+class Rows {
+ public:
+  Rows(const Parameters& robot, const Pair<StopShape>& shapes, double start, double duration)
+      : robot_(robot), shapes_(shapes), start_(start), duration_(duration) {}
+
+  Trajectory sample() const {
+    Trajectory out;
+    out.samples.push_back(row(0));
+    const auto count = static_cast<int>(std::ceil(duration_ / kTick - 1e-6));
+    for (int i = 1; i <= count; ++i) add_up_to(out.samples, row(i == count ? duration_ : i * kTick));
+    rest(out.samples.back());
+    return out;
+  }
+
+ private:
+  Sample row(double at) const {
+    const double s = at / duration_;
+    const FlatPoint p =
+        from_link_motion(robot_, in_time({evaluate(shapes_[0], s), evaluate(shapes_[1], s)}, duration_));
+    return {start_ + at, p.state, p.torque};
+  }
+
+  // What rounding leaves of zero derivatives is none of the stop.
+  void rest(Sample& last) const {
+    last.state = rest_at(robot_, last.state.q);
+    last.torque = gravity_torque(robot_, last.state.q);
+  }
+
+  void add_up_to(std::vector<Sample>& rows, const Sample& to) const {
+    const Sample from = rows.back();
+    if (to.time - from.time > 2 * kJumpSpacing) {
+      const Sample middle = row(0.5 * (from.time + to.time) - start_);
+      double missed = 0;
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        missed = std::max(missed, std::abs(middle.torque[j] - 0.5 * (from.torque[j] + to.torque[j])));
+      }
+      if (missed > kMissedTorque) {
+        add_up_to(rows, middle);
+        return add_up_to(rows, to);
+      }
+    }
+    rows.push_back(to);
+  }
+
+  const Parameters& robot_;
+  const Pair<StopShape>& shapes_;
+  double start_, duration_;
+};
+
+// Before it is worth a rollout.
+bool rows_within(const Limits& limits, const Trajectory& stop) {
+  return std::all_of(stop.samples.begin(), stop.samples.end(), [&](const Sample& row) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const State<double>& x = row.state;
+      const bool inside =
+          std::abs(row.torque[j]) <= limits.torque[j] && std::abs(x.dtheta[j]) <= limits.motor_velocity[j] &&
+          std::abs(x.q[j]) <= limits.link_position[j] && std::abs(x.theta[j] - x.q[j]) <= limits.spring_deflection[j];
+      if (!inside) return false;
+    }
+    return true;
+  });
+}
+
+Trajectory with_rest(const Parameters& robot, const Trajectory& stop) {
+  Trajectory t = stop;
+  Sample last = t.samples.back();
+  last.state = rest_at(robot, last.state.q);
+  last.torque = gravity_torque(robot, last.state.q);
+  last.time += kRestAfter;
+  t.samples.push_back(last);
+  return t;
+}
+
+}  // namespace
+
+double stop_exactness(const Parameters& robot) { return 2 * exactness_tolerance(robot); }
+
+Limits stop_limits(const Parameters& robot) {
+  Limits limits = Limits::of(robot);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    limits.torque[j] = std::max(robot.limits.torque[j], 0.5 * (robot.limits.torque[j] + robot.drive.peak_torque[j]));
+    limits.motor_velocity[j] *= 1.05;
+    limits.spring_deflection[j] *= 1.01;
+  }
+  return limits;
+}
+
+std::optional<Trajectory> find_stop(const Parameters& robot, const Sample& from, double shortest, double longest) {
+  const Limits limits = stop_limits(robot);
+  const LinkMotion motion = motion_of(robot, from);
+  for (const int shapes : {4, kShapes}) {
+    if (shapes == kShapes && longest < kSoon) break;
+    for (double duration = std::max(shortest, kShortest); duration <= longest; duration *= kLonger) {
+      Search search(robot, limits, motion, duration, shapes);
+      if (!search.run()) continue;
+      Trajectory stop = Rows(robot, search.shapes(), from.time, duration).sample();
+      if (rows_within(limits, stop) && fault_of_stop(robot, stop).empty()) return stop;
+    }
+  }
+  return std::nullopt;
+}
+
+std::string fault_of_stop(const Parameters& robot, const Trajectory& stop) {
+  const Trajectory t = with_rest(robot, stop);
+  const Limits limits = stop_limits(robot);
+  Rollout rollout(robot, rollout_allowance(robot, limits), Accuracy::of_predictions());
+  const Comparison closed =
+      compare(rollout, robot, t, Drive::closed_loop(t, robot), comparison_instants(t), kSharpCorner);
+  if (!closed.errors.completed) return closed.errors.failure;
+  for (const LimitCheck& check : check_limits(robot, limits, stop, closed)) {
+    if (!check.passed) return violation(check);
+  }
+  const double allowed = stop_exactness(robot);
+  if (closed.errors.max_link() <= allowed) return "";
+  return fmt::format("a link is up to {:.2e} rad off the stop, allowed {:.2e} rad", closed.errors.max_link(), allowed);
+}
+
+std::vector<Trajectory> stop_motions(const Parameters& robot, const Trajectory& plan,
+                                     const std::function<void()>& between) {
+  std::vector<Trajectory> stops;
+  Interpolator at(plan);
+  double shortest = 0;
+  for (int i = 0; plan.start_time() + i * kStopSpacing < plan.end_time(); ++i) {
+    const double time = plan.start_time() + i * kStopSpacing;
+    const double left = plan.end_time() - time;
+    std::optional<Trajectory> stop = find_stop(robot, at.at(time), shortest, std::min(left, kLongest));
+    if (!stop && left > kLongest) {
+      throw NoStop(fmt::format("no motion was found that stops it at {:.3f} s within the limits", time));
+    }
+    shortest = stop ? (stop->end_time() - time) / (kLonger * kLonger) : 0;
+    stops.push_back(stop ? std::move(*stop) : Trajectory{});
+    if (between) between();
+  }
+  return stops;
+}
+
+}  // namespace fjr

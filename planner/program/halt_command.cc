@@ -1,0 +1,56 @@
+// fjr hold and fjr stop: bring an executor's arm to rest by a controlled stop.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "planner/executor/halt.h"
+#include "planner/program/commands.h"
+#include "planner/trajectory/plan_json.h"
+
+namespace fjr {
+namespace {
+
+struct Options {
+  HaltOptions halt;
+  bool json = false;
+};
+
+int run(ExecutorCommand command, const Options& options) {
+  const ExecutorState state = halt(command, options.halt);
+  const bool stopped = state.mode == ExecutorMode::kStopped;
+  if (options.json) {
+    const nlohmann::ordered_json json{
+        {"robot_id", state.robot_id}, {"mode", stopped ? "stopped" : "holding"}, {"q", state.q}};
+    fmt::print("{}", json_text(json));
+    return 0;
+  }
+  fmt::print("{}: {} at q = ({:.4f}, {:.4f}) rad\n", state.robot_id,
+             stopped ? "stopped until the executor is restarted" : "holding", state.q[0], state.q[1]);
+  return 0;
+}
+
+void add(CLI::App& app, int& exit_code, ExecutorCommand what, const std::string& name, const std::string& does) {
+  const auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(name, does);
+  command->add_option("--robot-id", options->halt.robot_id, "Name of the arm on DDS")->capture_default_str();
+  command->add_option("--domain", options->halt.domain, "DDS domain")->check(CLI::Range(0, 230));
+  command->add_flag("--json", options->json, "Only JSON on stdout");
+  command->callback([options, what, &exit_code] { exit_code = run(what, *options); });
+}
+
+}  // namespace
+
+void add_hold(CLI::App& app, int& exit_code) {
+  add(app, exit_code, ExecutorCommand::kHold, "hold",
+      "Bring the executor's arm to rest by a controlled stop and hold it there");
+}
+
+void add_stop(CLI::App& app, int& exit_code) {
+  add(app, exit_code, ExecutorCommand::kStop, "stop",
+      "As hold, and have the executor refuse trajectories until it is restarted; not an emergency stop");
+}
+
+}  // namespace fjr

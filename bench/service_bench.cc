@@ -14,6 +14,7 @@
 
 #include "planner/service/dds/client_port.h"
 #include "planner/service/dds/wire_execution.h"
+#include "tests/support/domain.h"
 #include "tests/support/process.h"
 
 namespace fjr {
@@ -65,11 +66,9 @@ class Report {
   Json lines_ = Json::array();
 };
 
-unsigned some_domain() { return 20 + static_cast<unsigned>(::getpid()) % 200; }
-
 std::unique_ptr<Process> start(std::vector<std::string> words, const fs::path& log) {
   words.insert(words.begin(), FJR_EXECUTABLE);
-  words.insert(words.end(), {"--domain", std::to_string(some_domain())});
+  words.insert(words.end(), {"--domain", std::to_string(own_domain())});
   return std::make_unique<Process>(words, log);
 }
 
@@ -77,7 +76,7 @@ std::unique_ptr<Process> start(std::vector<std::string> words, const fs::path& l
 class Rig {
  public:
   Rig(int workers, const fs::path& log)
-      : service_(start({"serve", "--workers", std::to_string(workers)}, log)), port_(some_domain(), me_) {
+      : service_(start({"serve", "--workers", std::to_string(workers)}, log)), port_(own_domain(), me_) {
     const auto began = Clock::now();
     while (!port_.served() || status_.instance.empty()) {
       if (seconds_since(began) > 20) throw std::runtime_error("the service does not start:\n" + service_->output());
@@ -131,7 +130,7 @@ class Rig {
 // From the request's writing to the trajectory's arrival where an executor would be, less the planner's own time.
 void overhead(Report& report, const Options& options, const fs::path& log) {
   Rig rig(1, log);
-  const dds::Participant participant(some_domain());
+  const dds::Participant participant(own_domain());
   dds::Waitset waitset(participant);
   dds::Reader<fjr_msg_Trajectory> trajectories(participant, participant.handle());
   waitset.attach(trajectories.arrived());
@@ -217,7 +216,7 @@ void memory(Report& report, const fs::path& log) {
 
 // The stamps of fjr/executor_state, one a tick. With a long history, so that none is lost to our own tardiness.
 std::vector<std::int64_t> state_stamps(double seconds, const Process& executor) {
-  const dds::Participant participant(some_domain());
+  const dds::Participant participant(own_domain());
   const dds::Entity topic = participant.topic<fjr_msg_ExecutorState>();
   const dds::Entity reader(
       dds_create_reader(participant.handle(), topic.handle(), dds::Qos().best_effort().keep_last(1000).get(), nullptr),

@@ -146,6 +146,11 @@ std::string summary(const ExecutionResult& r) {
   line("", r.final_link_error, "rad at the end");
   line("residual vibration", r.residual_vibration, "rad");
   line("feedback", r.feedback_torque, "N m at most");
+  for (const LimitMargin& limit : r.limits) {
+    text += fmt::format("    {:<22}{:.6g} of {:.6g}\n", fmt::format("{} {}", limit.name, limit.joint), limit.reached,
+                        limit.limit);
+  }
+  if (!r.log_file.empty()) text += fmt::format("    {:<22}{}\n", "log", r.log_file);
   return text;
 }
 

@@ -5,12 +5,11 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cstring>
 #include <nlohmann/json.hpp>
+#include <thread>
 #include <utility>
 #include <variant>
 
-#include "model/input_error.h"
 #include "planner/service/memory.h"
 #include "planner/service/watchdog.h"
 
@@ -20,6 +19,7 @@ namespace {
 constexpr std::chrono::milliseconds kHeartbeat{150};
 constexpr std::chrono::milliseconds kLease{500};     // topics.h: silent for longer, an instance counts as gone
 constexpr std::chrono::milliseconds kSettle{250};    // to hear of other instances, which takes 13 ms on an idle machine
+constexpr std::chrono::milliseconds kGlance{5};      // how often it looks at them meanwhile
 constexpr std::chrono::milliseconds kFarewell{400};  // for clients to take their last replies
 constexpr std::size_t kRemembered = 256;             // replies kept for repeated requests
 constexpr std::size_t kRememberedBytes = 32 << 20;
@@ -31,8 +31,6 @@ double seconds(Job::Clock::duration duration) { return std::chrono::duration<dou
 Job::Clock::duration duration_of(double seconds) {
   return std::chrono::duration_cast<Job::Clock::duration>(std::chrono::duration<double>(seconds));
 }
-
-bool executes(const Order& order) { return order.action != Action::kPlan; }
 
 std::string with_start(const std::string& yaml, const Pair<double>& q) {
   return fmt::format("{{start: {{q: [{}, {}]}}, {}", q[0], q[1], yaml.substr(1));  // decode() writes one flow map
@@ -72,11 +70,15 @@ void Service::run() {
   while (!stopping_) {
     if (Clock::now() >= next_heartbeat_) heartbeat();
     listen_to_others();
-    for (const RequestId& id : port_.take_cancels()) cancel(id);
-    for (Order& order : port_.take_requests()) receive(std::move(order));
-    if (settled()) work();
     outbox_.deliver();
-    port_.wait(time_to_next());
+    if (settled()) {
+      for (const RequestId& id : port_.take_cancels()) cancel(id);
+      for (Order& order : port_.take_requests()) receive(std::move(order));
+      work();
+      port_.wait(time_to_next());
+    } else {
+      std::this_thread::sleep_for(kGlance);  // requests stay where they are, and would end every wait
+    }
   }
   end();
 }
@@ -84,14 +86,14 @@ void Service::run() {
 // ---- what comes in ----
 
 void Service::receive(Order order) {
-  if (settled() && ownership_.answers_for(order.robot_id)) return admit(std::move(order), Clock::now());
+  if (ownership_.answers_for(order.robot_id)) return admit(std::move(order), Clock::now());
   backlog_.add(std::move(order), Clock::now());
 }
 
 void Service::admit(Order order, Clock::time_point arrived) {
   if (repeat(order)) return;
   tally_.received();
-  if (auto refusal = refusal_of_terms(order)) return reject(order, std::move(*refusal), true);
+  if (auto refusal = refusal_of_terms(order, served())) return reject(order, std::move(*refusal), true);
   if (order.action == Action::kExecute) return execute_planned(order, arrived);
   // What may be different a moment later is not remembered: the same request may be sent again.
   if (queue_.full()) {
@@ -100,7 +102,7 @@ void Service::admit(Order order, Clock::time_point arrived) {
   if (auto refusal = resolve_start(order)) return reject(order, std::move(*refusal), false);
   Job job;
   job.order = std::move(order);
-  if (auto refusal = refusal_of_motion(job)) return reject(job.order, std::move(*refusal), true);
+  if (auto refusal = refusal_of_motion(job, robot_)) return reject(job.order, std::move(*refusal), true);
   job.arrived = arrived;
   job.deadline = arrived + duration_of(job.order.budget > 0 ? job.order.budget : config_.budget);
   if (log_requests_.allows()) {
@@ -111,27 +113,7 @@ void Service::admit(Order order, Clock::time_point arrived) {
   queue_.push(std::move(job));
 }
 
-// What is wrong with a request before its motion is looked at.
-std::optional<Refusal> Service::refusal_of_terms(const Order& order) const {
-  if (order.refusal) return order.refusal;
-  const auto robots = ownership_.robots();
-  if (order.robot_id.empty() && robots.size() > 1) {
-    return Refusal{Reason::kWrongRobot, "robot_id",
-                   fmt::format("several robots are served ({}): name one", fmt::join(robots, ", "))};
-  }
-  if (!order.robot_id.empty() && order.robot_id != config_.robot_id) {
-    return Refusal{Reason::kWrongRobot, "robot_id",
-                   fmt::format("{} is not served; there is {}", order.robot_id, fmt::join(robots, ", "))};
-  }
-  if (!order.robot_hash.empty() && order.robot_hash != robot_hash_) {
-    return Refusal{Reason::kWrongRobot, "robot", "the service plans for the robot with hash " + robot_hash_};
-  }
-  if (order.budget > config_.longest_budget) {
-    return Refusal{Reason::kBadInput, "budget",
-                   fmt::format("{} s is above {} s", order.budget, config_.longest_budget)};
-  }
-  return std::nullopt;
-}
+Served Service::served() const { return {config_.robot_id, ownership_.robots(), robot_hash_, config_.longest_budget}; }
 
 std::optional<Refusal> Service::resolve_start(Order& order) const {
   if (order.start_given) return std::nullopt;
@@ -145,23 +127,10 @@ std::optional<Refusal> Service::resolve_start(Order& order) const {
   return std::nullopt;
 }
 
-std::optional<Refusal> Service::refusal_of_motion(Job& job) const {
-  try {
-    const Problem problem = parse_request(job.order.yaml, job.order.name, robot_);
-    job.request_hash = problem.request_hash;
-    job.rest_to_rest = problem.start_at_rest && problem.goal.at_rest;
-    if (!executes(job.order) || job.rest_to_rest) return std::nullopt;
-    return Refusal{Reason::kBadInput, problem.start_at_rest ? "goal" : "start", "must be at rest to be executed"};
-  } catch (const InputError& error) {
-    const bool later = error.problem().find("not supported by this version") != std::string::npos;
-    return Refusal{later ? Reason::kUnsupported : Reason::kBadInput, error.field(), error.problem()};
-  }
-}
-
 // It is published under the id of the request to execute it: asked for again under another id, it moves again.
 void Service::execute_planned(const Order& order, Clock::time_point arrived) {
   const SharedReply planned = cache_.find(order.trajectory_id);
-  if (auto refusal = refusal_of_execution(planned, order.trajectory_id)) {
+  if (auto refusal = refusal_of_execution(order.trajectory_id, planned, in_hand(order.trajectory_id))) {
     return reject(order, std::move(*refusal), false);
   }
   post(std::make_shared<const Reply>(reply_to(order, ReplyState::kAccepted)));
@@ -174,17 +143,6 @@ void Service::execute_planned(const Order& order, Clock::time_point arrived) {
   reply.plan_json = planned->plan_json;
   reply.rows = planned->rows;
   finish(job, std::move(reply));
-}
-
-std::optional<Refusal> Service::refusal_of_execution(const SharedReply& planned, const RequestId& id) const {
-  const auto refused = [&](const std::string& why) {
-    return Refusal{Reason::kNoTrajectory, "trajectory_id", fmt::format("{} {}", text(id), why)};
-  };
-  if (in_hand(id)) return refused("is still being planned");
-  if (!planned) return refused("is not among the requests this service has planned lately; have it planned again");
-  if (planned->state != ReplyState::kSolved) return refused(fmt::format("ended as {}", name(planned->state)));
-  if (!planned->rest_to_rest) return refused("does not go from rest to rest, or was planned by another instance");
-  return std::nullopt;
 }
 
 // A client that hears nothing asks again: it gets the reply it missed, or hears that its request is in hand.
@@ -213,7 +171,7 @@ bool Service::motion_pending() const {
 }
 
 void Service::cancel(const RequestId& id) {
-  if (!settled() || !ownership_.owner()) return backlog_.cancel(id);
+  if (!ownership_.owner()) return backlog_.cancel(id);
   if (const SharedReply reply = cache_.find(id)) return post(reply);
   const auto is_it = [&](const Job& job) { return job.order.id == id; };
   if (const auto job = queue_.remove_if(is_it)) {
@@ -260,7 +218,6 @@ void Service::expire() {
 
 std::chrono::nanoseconds Service::time_to_next() const {
   Clock::time_point next = std::min(next_heartbeat_, outbox_.next());
-  if (!settled()) next = std::min(next, settled_at_);
   for (const Job& job : queue_.jobs()) next = std::min(next, job.deadline);
   for (const Job* job : solvers_.jobs()) next = std::min(next, job->deadline);
   return std::max(Clock::duration::zero(), next - Clock::now());
@@ -308,12 +265,11 @@ void Service::end() {
     give_up(job, ReplyState::kCancelled, Reason::kShuttingDown, "the service is shutting down; send the request again");
   };
   if (!handing_over) {
-    while (const auto job = solvers_.stop_if([](const Job&) { return true; })) farewell(*job);
+    for (const Job* job : solvers_.jobs()) farewell(*job);
     while (!queue_.empty()) farewell(queue_.pop());
-    for (const Backlog::Entry& entry : backlog_.take()) {
-      if (ownership_.answers_for(entry.order.robot_id)) admit(entry.order, entry.arrived);
+    for (const Order& order : port_.take_requests()) {
+      reject(order, {Reason::kShuttingDown, "", "the service is shutting down; send the request again"}, false);
     }
-    while (!queue_.empty()) farewell(queue_.pop());
   }
   const auto over = Clock::now() + kFarewell;
   for (outbox_.deliver(); !outbox_.empty() && Clock::now() < over; outbox_.deliver()) {

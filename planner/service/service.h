@@ -10,7 +10,7 @@
 #include <string>
 
 #include "model/parameters.h"
-#include "planner/problem/problem.h"
+#include "planner/service/admission.h"
 #include "planner/service/backlog.h"
 #include "planner/service/dds/joint_trajectory.h"
 #include "planner/service/dds/service_port.h"
@@ -39,11 +39,9 @@ class Service {
   // What comes in.
   void receive(Order order);
   void admit(Order order, Clock::time_point arrived);
-  std::optional<Refusal> refusal_of_terms(const Order& order) const;
+  Served served() const;
   std::optional<Refusal> resolve_start(Order& order) const;
-  std::optional<Refusal> refusal_of_motion(Job& job) const;
   void execute_planned(const Order& order, Clock::time_point arrived);
-  std::optional<Refusal> refusal_of_execution(const SharedReply& planned, const RequestId& id) const;
   bool repeat(const Order& order);
   bool in_hand(const RequestId& id) const;
   bool motion_pending() const;

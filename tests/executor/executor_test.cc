@@ -21,6 +21,7 @@
 #include "planner/service/dds/wire_execution.h"
 #include "planner/service/dds/writer.h"
 #include "tests/executor/flat_motion.h"
+#include "tests/support/domain.h"
 #include "tests/support/process.h"
 
 namespace fjr {
@@ -37,7 +38,7 @@ const Parameters& robot() {
   return p;
 }
 
-unsigned domain() { return 20 + static_cast<unsigned>(::getpid()) % 200; }
+unsigned domain() { return own_domain(); }
 
 Situation at_rest() {
   Situation situation;

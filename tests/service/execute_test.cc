@@ -98,7 +98,7 @@ TEST_F(ExecuteTest, TheFolderOfAnEarlierRequestIsExecuted) {
 TEST_F(ExecuteTest, WithoutAStartItIsWhereTheArmRests) {
   serve();
   start_executor();
-  wait_for("executing for robot=");
+  wait_for_executor();
   settle();
   Order there = order("goal: {q: [0.42, 0.08]}\nobjective: fastest\n");
   there.action = Action::kPlanAndExecute;
@@ -120,7 +120,7 @@ TEST_F(ExecuteTest, WithoutAnExecutorTheStartIsAskedFor) {
   serve();
   expect_refused(order(kToBack), "start", "no executor of robot arm says where the arm is");
   start_executor();
-  wait_for("executing for robot=");
+  wait_for_executor();
   settle();
   Order plan = order(kToBack);
   plan.yaml = "goal: {q: [0.42, 0.08]}\n";

@@ -36,6 +36,13 @@ class Crowd {
     answered_in_ = seconds_since(began);
   }
 
+  std::string missing() const {
+    std::string numbers;
+    for (std::uint64_t i = 1; i <= count_; ++i) {
+      if (!answered_.contains(i)) numbers += " " + std::to_string(i);
+    }
+    return numbers;
+  }
   std::size_t answered() const { return answered_.size(); }
   double sent_in() const { return sent_in_; }
   double answered_in() const { return answered_in_; }
@@ -84,6 +91,8 @@ int stopped_client(unsigned domain, std::uint64_t count) {
   Order pattern;
   pattern.yaml = kSlow;
   crowd.run(pattern, 30, [] { std::raise(SIGSTOP); });
+  std::printf("sent in %.3f s, not answered within %.3f s:%s\n", crowd.sent_in(), crowd.answered_in(),
+              crowd.missing().c_str());
   return crowd.answered() == count ? 0 : 1;
 }
 

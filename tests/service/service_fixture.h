@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "planner/service/dds/client_port.h"
+#include "tests/support/domain.h"
 #include "tests/support/process.h"
 
 namespace fjr {
@@ -103,6 +104,12 @@ class ServiceTest : public testing::Test {
     while (seconds_since(began) < 0.4) listen_once();
   }
 
+  void wait_for_executor() {
+    port_->follow_executors();
+    const auto began = Clock::now();
+    while (port_->take_executors().empty() && seconds_since(began) < 10) listen_once();
+  }
+
   // The next reply to `id` within `limit` seconds of which `wanted` holds.
   template <class Wanted>
   std::optional<Reply> next(const RequestId& id, Wanted wanted, double limit = 20) {
@@ -144,7 +151,7 @@ class ServiceTest : public testing::Test {
     status_when([](const ServiceStatus& status) { return status.solving == 1; });
   }
 
-  const unsigned domain_ = 20 + static_cast<unsigned>(::getpid()) % 200;
+  const unsigned domain_ = own_domain();
   const RequestId me_ = new_client();
 
  private:

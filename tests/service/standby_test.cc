@@ -201,6 +201,7 @@ TEST_F(StandbyTest, AfterKillBetweenExecutionAndReplyTheTrajectoryRunsOnce) {
   wait_until([&] { return epoch("b") > 0; });
   EXPECT_GT(epoch("b"), 1u);  // above what the executor has seen
   (void)final_reply(one.id);
+  settle();
   send(one);
   EXPECT_EQ(final_reply(one.id).state, ReplyState::kSolved);
   settle();

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/domain.h"
 #include "tests/support/process.h"
 
 namespace fjr {
@@ -75,7 +76,7 @@ class ServiceProcesses : public testing::Test {
     return service;
   }
 
-  const unsigned domain_ = 20 + static_cast<unsigned>(::getpid()) % 200;
+  const unsigned domain_ = own_domain();
 
  private:
   std::filesystem::path folder_ =

@@ -1,0 +1,53 @@
+#include "planner/service/admission.h"
+
+#include <fmt/format.h>
+
+#include "model/input_error.h"
+#include "planner/problem/problem.h"
+
+namespace fjr {
+
+std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served) {
+  if (order.refusal) return order.refusal;
+  if (order.robot_id.empty() && served.robots.size() > 1) {
+    return Refusal{Reason::kWrongRobot, "robot_id",
+                   fmt::format("several robots are served ({}): name one", fmt::join(served.robots, ", "))};
+  }
+  if (!order.robot_id.empty() && order.robot_id != served.robot_id) {
+    return Refusal{Reason::kWrongRobot, "robot_id",
+                   fmt::format("{} is not served; there is {}", order.robot_id, fmt::join(served.robots, ", "))};
+  }
+  if (!order.robot_hash.empty() && order.robot_hash != served.robot_hash) {
+    return Refusal{Reason::kWrongRobot, "robot", "the service plans for the robot with hash " + served.robot_hash};
+  }
+  if (order.budget > served.longest_budget) {
+    return Refusal{Reason::kBadInput, "budget", fmt::format("{} s is above {} s", order.budget, served.longest_budget)};
+  }
+  return std::nullopt;
+}
+
+std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot) {
+  try {
+    const Problem problem = parse_request(job.order.yaml, job.order.name, robot);
+    job.request_hash = problem.request_hash;
+    job.rest_to_rest = problem.start_at_rest && problem.goal.at_rest;
+    if (!executes(job.order) || job.rest_to_rest) return std::nullopt;
+    return Refusal{Reason::kBadInput, problem.start_at_rest ? "goal" : "start", "must be at rest to be executed"};
+  } catch (const InputError& error) {
+    const bool later = error.problem().find("not supported by this version") != std::string::npos;
+    return Refusal{later ? Reason::kUnsupported : Reason::kBadInput, error.field(), error.problem()};
+  }
+}
+
+std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedReply& planned, bool in_hand) {
+  const auto refused = [&](const std::string& why) {
+    return Refusal{Reason::kNoTrajectory, "trajectory_id", fmt::format("{} {}", text(id), why)};
+  };
+  if (in_hand) return refused("is still being planned");
+  if (!planned) return refused("is not among the requests this service has planned lately; have it planned again");
+  if (planned->state != ReplyState::kSolved) return refused(fmt::format("ended as {}", name(planned->state)));
+  if (!planned->rest_to_rest) return refused("does not go from rest to rest, or was planned by another instance");
+  return std::nullopt;
+}
+
+}  // namespace fjr

@@ -1,0 +1,32 @@
+// What a service takes on, and why not.
+#pragma once
+
+#include <optional>
+#include <set>
+#include <string>
+
+#include "model/parameters.h"
+#include "planner/service/job_queue.h"
+#include "planner/service/messages.h"
+
+namespace fjr {
+
+struct Served {
+  std::string robot_id;          // by this service
+  std::set<std::string> robots;  // by this one and the others
+  std::string robot_hash;
+  double longest_budget = 0;  // [s]
+};
+
+inline bool executes(const Order& order) { return order.action != Action::kPlan; }
+
+// Of whatever kind it is, before its motion is looked at.
+std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served);
+
+// Of a motion to be planned, whose start is given by now. What is learnt about it is put into the job.
+std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot);
+
+// Of executing what was planned under `id`. planned: what became of it, if that is still known.
+std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedReply& planned, bool in_hand);
+
+}  // namespace fjr

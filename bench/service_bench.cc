@@ -136,7 +136,7 @@ void overhead(Report& report, const Options& options, const fs::path& log) {
   dds::Reader<fjr_msg_Trajectory> trajectories(participant, participant.handle());
   waitset.attach(trajectories.arrived());
   std::this_thread::sleep_for(milliseconds(300));  // to be discovered
-  std::vector<double> beyond, round_trip;
+  std::vector<double> beyond, in_worker, round_trip;
   for (std::size_t i = 0; i < options.requests; ++i) {
     const Order order = rig.order(kQuick, true);
     std::optional<Clock::time_point> arrived;
@@ -149,8 +149,10 @@ void overhead(Report& report, const Options& options, const fs::path& log) {
       });
     }
     if (!arrived) throw std::runtime_error("no trajectory:\n" + rig.service().output());
-    const double planning = Json::parse(rig.final_reply(order.id).plan_json).at("timing").at("total");
+    const Reply reply = rig.final_reply(order.id);
+    const double planning = Json::parse(reply.plan_json).at("timing").at("total");
     beyond.push_back(1e3 * (std::chrono::duration<double>(*arrived - sent).count() - planning));
+    in_worker.push_back(1e3 * (reply.solve_time - planning));
 
     const Order refused = rig.order(kRefused);
     const auto asked = Clock::now();
@@ -159,6 +161,7 @@ void overhead(Report& report, const Options& options, const fs::path& log) {
     round_trip.push_back(1e3 * seconds_since(asked));
   }
   report.distribution("request to trajectory beyond planning", beyond, "ms", 1, 10);
+  report.distribution("  of which to the worker and back", in_worker, "ms");
   report.distribution("round trip of a refused request", round_trip, "ms");
 }
 

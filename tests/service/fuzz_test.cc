@@ -64,8 +64,9 @@ class FuzzTest : public ServiceProcesses {
     }
     const std::uint64_t after = memory();
     RecordProperty("grown_kB", static_cast<int>(after / 1024) - static_cast<int>(before / 1024));
-    // Caches fill up (256 replies, 128 clients) and allocators keep some: the growth allowed does not grow with time.
-    EXPECT_LT(after, before + (48U << 20U)) << "service and executor grew from " << before;
+    // Caches fill up (256 replies, 128 clients), DDS buffers and remembers who was there: 30 to 43 MB were seen, after
+    // half a minute as after a whole one. What is allowed does not grow with time.
+    EXPECT_LT(after, before + (96U << 20U)) << "service and executor grew from " << before;
     EXPECT_EQ(ask(kQuickRequest).state, ReplyState::kSolved);
     ASSERT_TRUE(alive());
   }

@@ -91,7 +91,7 @@ class Rig {
     order.id.number = ++count_;
     order.name = "bench.yaml";
     order.yaml = yaml;
-    order.execute = execute;
+    order.action = execute ? Action::kPlanAndExecute : Action::kPlan;
     return order;
   }
 

@@ -82,8 +82,14 @@ void Executor::keep_ticking() {
 // ---- everything else ----
 
 void Executor::serve() {
+  const bool new_here = !ticking_;
   serve_without_orders();
-  if (ticking_) take_orders();
+  if (!ticking_) return;
+  if (new_here) {
+    spdlog::info("executing for robot={} domain={} at q=({:.4f}, {:.4f})", config_.robot_id, config_.domain,
+                 latest_.q[0], latest_.q[1]);
+  }
+  take_orders();
 }
 
 void Executor::serve_without_orders() {

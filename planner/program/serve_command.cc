@@ -40,11 +40,11 @@ int serve(const Options& options) {
 
 // Results have stdout for themselves; whatever a library prints goes to stderr. Without the service there is nothing to
 // solve for.
-int work(const std::string& robot) {
+int work(const WorkerSettings& settings) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   const int results = ::dup(STDOUT_FILENO);
   ::dup2(STDERR_FILENO, STDOUT_FILENO);
-  solve_requests(STDIN_FILENO, results, robot);
+  solve_requests(STDIN_FILENO, results, settings);
   return 0;
 }
 
@@ -62,11 +62,12 @@ void add_serve(CLI::App& app, int& exit_code) {
 }
 
 void add_worker(CLI::App& app, int& exit_code) {
-  const auto robot = std::make_shared<std::string>();
+  const auto settings = std::make_shared<WorkerSettings>();
   CLI::App* command = app.add_subcommand("worker", "One solving process of fjr serve, which starts it itself");
   command->group("");  // not for people
-  command->add_option("--robot", *robot, "Robot file")->required();
-  command->callback([robot, &exit_code] { exit_code = work(*robot); });
+  command->add_option("--robot", settings->robot, "Robot file")->required();
+  command->add_option("--warm-plans", settings->warm_plans, "Earlier plans to keep");
+  command->callback([settings, &exit_code] { exit_code = work(*settings); });
 }
 
 }  // namespace fjr

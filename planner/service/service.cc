@@ -57,7 +57,7 @@ Service::Service(const ServiceConfig& config)
       queue_(config.queue),
       cache_(kRemembered, kRememberedBytes),
       outbox_([this](const Reply& reply) { return port_.clients().send(reply); }, kOutboxBytes),
-      solvers_(config.workers, config.robot, [this] { port_.wake(); }) {
+      solvers_(config.workers, {config.robot, config.warm_plans}, [this] { port_.wake(); }) {
   if (config.joint_trajectory) ros_.emplace(port_.participant(), robot_, config.joint_names);
 }
 

@@ -73,11 +73,12 @@ ServiceConfig default_service_config() {
 ServiceConfig load_service_config(const std::filesystem::path& file) {
   ServiceConfig config = default_service_config();
   const YamlNode root = YamlNode::load(file);
-  root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "queue", "budget", "longest_budget", "ros2",
-                   "security", "allow_insecure_network"});
+  root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "queue", "warm_plans", "budget",
+                   "longest_budget", "ros2", "security", "allow_insecure_network"});
   read_whole(root, "domain", 0, 230, config.domain);
   read_whole(root, "workers", 1, 64, config.workers);
   read_whole(root, "queue", 1, 4096, config.queue);
+  read_whole(root, "warm_plans", 0, 4096, config.warm_plans);
   read_seconds(root, "budget", config.budget);
   read_seconds(root, "longest_budget", config.longest_budget);
   read_name(root, "instance", config.instance);

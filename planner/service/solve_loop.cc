@@ -9,6 +9,7 @@
 #include "planner/plan.h"
 #include "planner/service/frames.h"
 #include "planner/service/progress_frame.h"
+#include "planner/service/warm_plans.h"
 #include "planner/trajectory/plan_json.h"
 
 namespace fjr {
@@ -36,8 +37,11 @@ PlanOptions with_progress(int out) {
   return options;
 }
 
-void solve(int out, const Problem& problem) {
-  const Plan result = plan(problem, with_progress(out));
+void solve(int out, const Problem& problem, WarmPlans& earlier) {
+  PlanOptions options = with_progress(out);
+  options.warm = earlier.nearest(problem);
+  const Plan result = plan(problem, options);
+  earlier.remember(problem, result);
   write_frame(out, FrameKind::kPlanJson, json_text(plan_json(problem, result)));
   if (result.status == PlanStatus::kCertified) send_rows(out, *result.trajectory);
   send_done(out, result.status, result.reason);
@@ -45,14 +49,15 @@ void solve(int out, const Problem& problem) {
 
 }  // namespace
 
-void solve_requests(int in, int out, const std::filesystem::path& robot) {
-  const Parameters parameters = load_parameters(robot);
+void solve_requests(int in, int out, const WorkerSettings& settings) {
+  const Parameters parameters = load_parameters(settings.robot);
+  WarmPlans earlier(settings.warm_plans);
   std::string name;
   while (const auto frame = read_frame(in)) {
     if (frame->kind == FrameKind::kName) name = frame->payload;
     if (frame->kind != FrameKind::kSolve) continue;
     try {
-      solve(out, parse_request(frame->payload, name, parameters));
+      solve(out, parse_request(frame->payload, name, parameters), earlier);
     } catch (const InputError& error) {
       send_done(out, PlanStatus::kBadInput, error.what());
     }

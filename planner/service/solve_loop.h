@@ -5,7 +5,12 @@
 
 namespace fjr {
 
-// Reads requests from `in` and writes progress and results to `out` until `in` ends. Robot: the service's.
-void solve_requests(int in, int out, const std::filesystem::path& robot);
+struct WorkerSettings {
+  std::filesystem::path robot;
+  std::size_t warm_plans = 0;  // earlier plans kept, to start neighbouring ones from
+};
+
+// Reads requests from `in` and writes progress and results to `out` until `in` ends.
+void solve_requests(int in, int out, const WorkerSettings& settings);
 
 }  // namespace fjr

@@ -11,8 +11,8 @@
 
 namespace fjr {
 
-Solvers::Solvers(std::size_t count, std::filesystem::path robot, std::function<void()> wake)
-    : robot_(std::move(robot)), wake_(std::move(wake)), solvers_(count) {
+Solvers::Solvers(std::size_t count, WorkerSettings settings, std::function<void()> wake)
+    : settings_(std::move(settings)), wake_(std::move(wake)), solvers_(count) {
   replace_missing();
 }
 
@@ -26,7 +26,7 @@ void Solvers::start(Solver& solver) {
   const std::uint64_t serial = next_serial_++;
   solver = {};
   solver.serial = serial;
-  solver.worker = std::make_unique<Worker>(robot_, [this, serial](std::optional<Frame> frame) {
+  solver.worker = std::make_unique<Worker>(settings_, [this, serial](std::optional<Frame> frame) {
     {
       const std::lock_guard lock(events_mutex_);
       events_.push_back({serial, std::move(frame)});

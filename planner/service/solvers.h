@@ -24,7 +24,7 @@ struct Outcome {
 class Solvers {
  public:
   // `wake` is called from other threads whenever take_news() has something to tell.
-  Solvers(std::size_t count, std::filesystem::path robot, std::function<void()> wake);
+  Solvers(std::size_t count, WorkerSettings settings, std::function<void()> wake);
 
   bool idle() const;       // one of them is
   void solve(Job job);     // by an idle one
@@ -69,7 +69,7 @@ class Solvers {
   void report_progress(const Job& job, const std::string& payload, News& news) const;
   void conclude(Solver& solver, const std::string& payload, News& news);
 
-  const std::filesystem::path robot_;
+  const WorkerSettings settings_;
   const std::function<void()> wake_;
   std::uint64_t next_serial_ = 1, lost_ = 0;
   std::mutex events_mutex_;

@@ -6,6 +6,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <system_error>
@@ -53,10 +54,12 @@ class SpawnSettings {
   posix_spawnattr_t attributes;
 };
 
-pid_t spawn(const std::filesystem::path& robot, int in, int out) {
+pid_t spawn(const WorkerSettings& worker, int in, int out) {
   const SpawnSettings settings(in, out);
-  std::string program = "fjr", command = "worker", option = "--robot", file = robot.string();
-  std::array<char*, 5> argv{program.data(), command.data(), option.data(), file.data(), nullptr};
+  std::array<std::string, 6> words{
+      "fjr", "worker", "--robot", worker.robot.string(), "--warm-plans", std::to_string(worker.warm_plans)};
+  std::array<char*, words.size() + 1> argv{};
+  std::transform(words.begin(), words.end(), argv.begin(), [](std::string& word) { return word.data(); });
   pid_t pid = -1;
   const int error =
       ::posix_spawn(&pid, "/proc/self/exe", &settings.actions, &settings.attributes, argv.data(), environ);
@@ -66,9 +69,9 @@ pid_t spawn(const std::filesystem::path& robot, int in, int out) {
 
 }  // namespace
 
-Worker::Worker(const std::filesystem::path& robot, Listener listener) {
+Worker::Worker(const WorkerSettings& settings, Listener listener) {
   Pipe requests, results;
-  pid_ = spawn(robot, requests.from.number(), results.to.number());
+  pid_ = spawn(settings, requests.from.number(), results.to.number());
   to_worker_ = std::move(requests.to);
   from_worker_ = std::move(results.from);
   listening_ = std::thread([from = from_worker_.number(), tell = std::move(listener)] {

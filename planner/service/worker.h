@@ -4,13 +4,13 @@
 
 #include <sys/types.h>
 
-#include <filesystem>
 #include <functional>
 #include <string>
 #include <thread>
 
 #include "planner/service/descriptor.h"
 #include "planner/service/frames.h"
+#include "planner/service/solve_loop.h"
 
 namespace fjr {
 
@@ -19,7 +19,7 @@ class Worker {
   // Called from the worker's own thread: its frames in order, then once without a frame when it has ended.
   using Listener = std::function<void(std::optional<Frame>)>;
 
-  Worker(const std::filesystem::path& robot, Listener listener);
+  Worker(const WorkerSettings& settings, Listener listener);
   ~Worker();  // kills it, whatever it is doing
   Worker(const Worker&) = delete;
   Worker& operator=(const Worker&) = delete;

@@ -40,7 +40,6 @@ Executor::Executor(const ExecutorConfig& config, const Parameters& robot, Arm& a
 }
 
 void Executor::run() {
-  spdlog::info("executing for robot={} domain={}", config_.robot_id, config_.domain);
   std::exception_ptr failure;
   std::thread ticking([this, &failure] {
     try {

@@ -83,6 +83,11 @@ void Service::run() {
   end();
 }
 
+bool Service::settled() const {
+  const auto now = Clock::now();
+  return now >= settled_at_ && now - last_heartbeat_ <= kLease;
+}
+
 // ---- what comes in ----
 
 void Service::receive(Order order) {

@@ -57,7 +57,9 @@ class Service {
   void end();
 
   // Other instances, and the executor.
-  bool settled() const { return Clock::now() >= settled_at_; }
+  // It knows its place: it has listened long enough, and was not absent (stopped, starved) for so long that the others
+  // may have taken it for gone.
+  bool settled() const;
   void listen_to_others();
   void hear(const dds::ServicePort::Peer& peer);
   void open();

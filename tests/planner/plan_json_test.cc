@@ -78,7 +78,7 @@ TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
                                       "solver", "certificate", "robot_hash", "request_hash", "back_off", "timing"));
   EXPECT_THAT(keys(json["objective"]), ElementsAre("total", "terms"));
   EXPECT_THAT(keys(json["mesh"]), ElementsAre("intervals", "method", "error_estimate"));
-  EXPECT_THAT(keys(json["solver"]), ElementsAre("iterations", "stages", "starts", "distinct_minima"));
+  EXPECT_THAT(keys(json["solver"]), ElementsAre("iterations", "stages", "starts", "warm", "distinct_minima"));
   EXPECT_THAT(keys(json["certificate"]), ElementsAre("verdict", "failures", "tolerance_rad", "open_loop", "closed_loop",
                                                      "limits", "residual", "tracking"));
   EXPECT_THAT(keys(json["certificate"]["limits"][0]),

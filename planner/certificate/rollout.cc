@@ -233,6 +233,8 @@ void Rollout::redirect(const Drive& drive) {
   memory_->restart();
 }
 
+void Rollout::hold(const Pair<double>& torque) { memory_->drive.held.torque = torque; }
+
 bool Rollout::run(double end, std::span<const double> instants, std::span<const double> stops,
                   const Observer& observe) {
   for (const double stop : stops) {

@@ -65,7 +65,8 @@ Tracking run_ticks(const Parameters& p, const Trajectory& trajectory, State<doub
   for (long k = 0; k < ticks; ++k) {
     const double now = start + static_cast<double>(k) * kTick, next = std::min(end, now + kTick);
     const TickController::Command command = controller.command(now, x.theta);
-    arm.start(now, x, Drive::holding({now, {}, command.torque}));
+    if (k == 0) arm.start(now, x, Drive::holding({now, {}, command.torque}));
+    arm.hold(command.torque);
     if (!arm.run(next, {}, {}, {})) break;
     x = arm.state();
     const State<double> wanted = plan.at(next).state;

@@ -30,7 +30,7 @@ constexpr double kSameMinimum = 2e-5;     // relative difference of objectives o
 // parking in friction, waiting.
 int default_starts(const Problem& problem) {
   if (problem.weights.effort == 0 && problem.weights.link_acceleration == 0) return 1;
-  return problem.weights.link_acceleration > 0 ? 2 : 6;
+  return problem.weights.link_acceleration > 0 ? 4 : 6;
 }
 
 std::vector<Guess> guesses(const Problem& problem, int count) {

@@ -49,7 +49,7 @@ struct Accuracy {
   double motor_velocity;  // [rad/s]  absolute, dtheta; well below the width of the friction step, 1.45e-4 rad/s
 
   static Accuracy of_certificates() { return {1e-8, 1e-10, 1e-9, 1e-9}; }
-  static Accuracy of_predictions() { return {1e-5, 1e-7, 1e-6, 1e-6}; }
+  static Accuracy of_predictions() { return {1e-6, 1e-8, 1e-7, 1e-7}; }
 };
 
 // A sign change found by CVODE inside a step.

@@ -20,13 +20,20 @@ bool at_rest(const Sample& row) {
   return still(row.state.dq) && still(row.state.dtheta);
 }
 
-bool sensible(const Tolerances& t) {
-  const auto sound = [](double value) { return value >= 0 && std::isfinite(value); };
-  bool all = sound(t.goal_time);
+// Wider tolerances would be none.
+std::optional<std::string> fault_of(const Tolerances& t) {
+  std::optional<std::string> fault;
+  const auto check = [&fault](const char* name, double value, double most) {
+    if (fault || (value >= 0 && value <= most)) return;
+    fault = fmt::format("tolerances.{}: {} is outside [0, {}]", name, value, most);
+  };
   for (std::size_t j = 0; j < kJoints; ++j) {
-    all = all && sound(t.path[j]) && sound(t.goal[j]) && sound(t.stopped_velocity[j]);
+    check("path", t.path[j], kWidestTolerance);
+    check("goal", t.goal[j], kWidestTolerance);
+    check("stopped_velocity", t.stopped_velocity[j], kWidestTolerance);
   }
-  return all;
+  check("goal_time", t.goal_time, kLongestGoalTime);
+  return fault;
 }
 
 // Nothing: they are a trajectory.
@@ -35,6 +42,10 @@ std::optional<std::string> fault_of(const std::vector<Sample>& rows) {
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!finite(rows[i])) return fmt::format("row {} is not finite", i);
     if (i > 0 && !(rows[i].time > rows[i - 1].time)) return fmt::format("time does not increase at row {}", i);
+  }
+  if (rows.front().time != 0) return fmt::format("begins at {} s instead of 0 s", rows.front().time);
+  if (rows.back().time > kLongestMotion) {
+    return fmt::format("takes {} s, more than {} s", rows.back().time, kLongestMotion);
   }
   if (!at_rest(rows.front())) return "does not begin at rest";
   if (!at_rest(rows.back())) return "does not end at rest";
@@ -57,12 +68,17 @@ std::optional<ExecutionRefusal> refusal_of(const TrajectoryOrder& order, const S
   if (!order.certified) return invalid("not certified");
   if (!order.ends_at_rest) return invalid("does not end at rest");
   if (const auto fault = fault_of(order.rows)) return invalid(*fault);
-  if (!sensible(order.tolerances)) return invalid("a tolerance is negative or not finite");
+  if (const auto fault = fault_of(order.tolerances)) return invalid(*fault);
   if (order.epoch < situation.epoch) {
     return invalid(fmt::format("from an earlier owner: epoch {}, {} was seen", order.epoch, situation.epoch));
   }
   if (order.published < situation.started) {
     return ExecutionRefusal{ResultCode::kOldHeaderTimestamp, "published before the executor was started"};
+  }
+  if (age(order, situation) < -kClockDifference) {  // it may be older than this start, and nobody could tell
+    return ExecutionRefusal{ResultCode::kOldHeaderTimestamp,
+                            fmt::format("published {:.3f} s in the future: the clocks of planner and executor differ",
+                                        -age(order, situation))};
   }
   if (!(age(order, situation) <= situation.oldest)) {
     return ExecutionRefusal{ResultCode::kOldHeaderTimestamp, fmt::format("published {:.1f} s ago, more than {} s",
@@ -77,6 +93,11 @@ std::optional<ExecutionRefusal> refusal_of(const TrajectoryOrder& order, const S
     const double start = order.rows.front().state.q[j];
     if (!(std::abs(start - situation.q[j]) <= kStartTolerance)) {
       return invalid(fmt::format("starts at q{} = {:.6g} rad, the arm is at {:.6g} rad", j + 1, start, situation.q[j]));
+    }
+    const double theta = order.rows.front().state.theta[j], rest = situation.rest_theta[j] + start - situation.q[j];
+    if (!(std::abs(theta - rest) <= kStartTolerance)) {
+      return invalid(
+          fmt::format("starts with theta{} = {:.6g} rad, at rest there it is {:.6g} rad", j + 1, theta, rest));
     }
   }
   return std::nullopt;

@@ -13,13 +13,18 @@ struct Situation {
   std::string robot_hash;
   std::int64_t started = 0, now = 0;  // [ns] since 1970, UTC
   ExecutorMode mode = ExecutorMode::kResting;
-  std::uint64_t epoch = 0;  // largest seen
-  Pair<double> q{};         // [rad] where the links are
-  std::string lost;         // an encoder without samples; empty: none
-  double oldest = 10;       // [s] since it was published
+  std::uint64_t epoch = 0;    // largest seen
+  Pair<double> q{};           // [rad] where the links are
+  Pair<double> rest_theta{};  // [rad] of the motors in equilibrium with them
+  std::string lost;           // an encoder without samples; empty: none
+  double oldest = 10;         // [s] since it was published
 };
 
 inline constexpr double kStartTolerance = 0.01;  // [rad] between the first row and where the links are
+inline constexpr double kLongestMotion = 20;     // [s] as long as any that the planner makes
+inline constexpr double kWidestTolerance = 0.5;  // [rad], [rad/s]
+inline constexpr double kLongestGoalTime = 60;   // [s]
+inline constexpr double kClockDifference = 0.1;  // [s] between the planner's and the executor's machine
 
 // One sentence and a code; nothing: it may run.
 struct ExecutionRefusal {

@@ -40,23 +40,25 @@ Executor::Executor(const ExecutorConfig& config, const Parameters& robot, Arm& a
 }
 
 void Executor::run() {
-  std::exception_ptr failure;
-  std::thread ticking([this, &failure] {
+  std::exception_ptr failure, tick_failure;
+  std::thread ticking([this, &tick_failure] {
     try {
       keep_ticking();
     } catch (...) {
-      failure = std::current_exception();
+      tick_failure = std::current_exception();
       over_ = true;
     }
   });
   try {
     while (!stopping_ && !over_) serve();
     if (!over_) come_to_rest();
-  } catch (...) {
+  } catch (...) {  // nobody hears it any more, but the arm still comes to rest
     failure = std::current_exception();
+    if (!over_) stop_silently();
   }
   over_ = true;
   ticking.join();
+  if (tick_failure) std::rethrow_exception(tick_failure);
   if (failure) std::rethrow_exception(failure);
   report_lateness();
 }
@@ -119,6 +121,7 @@ void Executor::consider(TrajectoryOrder order) {
   if (reported_before(order)) return;
   situation_.now = nanoseconds_now();
   situation_.q = latest_.q;
+  situation_.rest_theta = rest_at(robot_, latest_.q).theta;
   situation_.mode = latest_.mode;
   situation_.lost = latest_.lost == nullptr ? "" : latest_.lost;
   if (running_) situation_.mode = ExecutorMode::kExecuting;
@@ -238,6 +241,16 @@ std::string Executor::log(const Motion& motion, const ExecutionResult& result) c
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
     return "";
+  }
+}
+
+void Executor::stop_silently() {
+  control_.stop(true);
+  for (const auto began = Clock::now(); !over_ && Clock::now() - began < kPatience;) {
+    while (const auto tick = control_.state()) latest_ = *tick;
+    (void)control_.finished();
+    if (latest_.mode == ExecutorMode::kStopped) return;
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
 

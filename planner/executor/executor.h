@@ -36,6 +36,7 @@ class Executor {
   std::string log(const Motion& motion, const ExecutionResult& result) const;
   bool reported_before(const TrajectoryOrder& order);
   void come_to_rest();
+  void stop_silently();
   void report_lateness() const;
 
   const ExecutorConfig config_;

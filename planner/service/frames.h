@@ -15,6 +15,7 @@ enum class FrameKind : std::uint32_t {
   kProgress,  // from the worker: stage, in front of it iteration, objective and violation
   kPlanJson,  // from the worker
   kRows,      // from the worker: samples, of a certified trajectory only
+  kErrors,    // from the worker: LinkErrors of these samples
   kDone,      // from the worker: the PlanStatus and the reason; it is idle again
 };
 

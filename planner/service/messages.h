@@ -85,6 +85,11 @@ struct Order {
   std::optional<Refusal> refusal;  // set by the receiving side for what cannot be meant
 };
 
+// Of a certified trajectory's links [rad]: what the certificate allows, and what it predicts for the executor.
+struct LinkErrors {
+  Pair<double> certified{}, predicted{};
+};
+
 struct Reply {
   RequestId id;
   ReplyState state = ReplyState::kRejected;
@@ -92,6 +97,7 @@ struct Reply {
   std::string robot_id, robot_hash, request_hash, version;
   double solve_time = 0, wait_time = 0;  // [s]
   std::string plan_json;                 // empty when nothing was planned
+  LinkErrors errors;                     // of the rows
   std::vector<Sample> rows;              // of a certified trajectory, otherwise empty
   bool rest_to_rest = false;             // known to the service that planned it only
 

@@ -5,7 +5,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -28,19 +27,18 @@ constexpr std::size_t kBacklog = 1024;  // requests a standby remembers
 
 double seconds(Job::Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
+// What may be different a moment later, or elsewhere, is not remembered: the same request may be sent again.
+bool lasting(Reason reason) {
+  return reason != Reason::kQueueFull && reason != Reason::kArmNotAtRest && reason != Reason::kNoTrajectory &&
+         reason != Reason::kShuttingDown;
+}
+
 Job::Clock::duration duration_of(double seconds) {
   return std::chrono::duration_cast<Job::Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
 std::string with_start(const std::string& yaml, const Pair<double>& q) {
   return fmt::format("{{start: {{q: [{}, {}]}}, {}", q[0], q[1], yaml.substr(1));  // decode() writes one flow map
-}
-
-// What the certificate allowed, and what it predicts for the executor.
-void say_errors(TrajectoryOrder& order, const std::string& plan_json) {
-  const auto certificate = nlohmann::json::parse(plan_json).at("certificate");
-  order.certified_error.fill(certificate.at("tolerance_rad").get<double>());
-  order.predicted_error = certificate.at("tracking").at("link_error_rad").get<Pair<double>>();
 }
 
 }  // namespace
@@ -110,12 +108,14 @@ void Service::admit(Order order, Clock::time_point arrived) {
   if (auto refusal = refusal_of_motion(job, robot_)) return reject(job.order, std::move(*refusal), true);
   job.arrived = arrived;
   job.deadline = arrived + duration_of(job.order.budget > 0 ? job.order.budget : config_.budget);
+  const Order accepted = job.order;
+  queue_.push(std::move(job));
+  give_work();  // first: telling costs time that solving can use
+  post(std::make_shared<const Reply>(reply_to(accepted, ReplyState::kAccepted)));
   if (log_requests_.allows()) {
-    spdlog::info("accepted id={} name={} priority={} queued={}", text(job.order.id), job.order.name, job.order.priority,
+    spdlog::info("accepted id={} name={} priority={} queued={}", text(accepted.id), accepted.name, accepted.priority,
                  queue_.size());
   }
-  post(std::make_shared<const Reply>(reply_to(job.order, ReplyState::kAccepted)));
-  queue_.push(std::move(job));
 }
 
 Served Service::served() const { return {config_.robot_id, ownership_.robots(), robot_hash_, config_.longest_budget}; }
@@ -146,6 +146,7 @@ void Service::execute_planned(const Order& order, Clock::time_point arrived) {
   job.arrived = arrived;
   Reply reply = reply_to(order, ReplyState::kSolved);
   reply.plan_json = planned->plan_json;
+  reply.errors = planned->errors;
   reply.rows = planned->rows;
   finish(job, std::move(reply));
 }
@@ -175,6 +176,7 @@ bool Service::motion_pending() const {
          std::any_of(queue_.jobs().begin(), queue_.jobs().end(), [](const Job& job) { return executes(job.order); });
 }
 
+// A cancel does not say for which robot: where several are served, another owner may know what this one does not.
 void Service::cancel(const RequestId& id) {
   if (!ownership_.owner()) return backlog_.cancel(id);
   if (const SharedReply reply = cache_.find(id)) return post(reply);
@@ -185,6 +187,7 @@ void Service::cancel(const RequestId& id) {
   if (const auto job = solvers_.stop_if(is_it)) {
     return give_up(*job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it was solved");
   }
+  if (ownership_.robots().size() > 1) return;
   // It may still be on its way, for the two come on different topics.
   Order unknown;
   unknown.id = id;
@@ -200,6 +203,7 @@ void Service::work() {
   for (Outcome& outcome : news.outcomes) {
     Reply reply = reply_to(outcome.job.order, outcome.state, std::move(outcome.why));
     reply.plan_json = std::move(outcome.plan_json);
+    reply.errors = outcome.errors;
     reply.rows = std::move(outcome.rows);
     finish(outcome.job, std::move(reply));
   }
@@ -265,15 +269,18 @@ ServiceStatus Service::status() const {
 // With a standby nothing needs to be asked for again: it has heard the requests and takes over.
 void Service::end() {
   tell_stopping();
-  const bool handing_over = settled() && ownership_.has_standby();
+  const bool handing_over = ownership_.has_standby();
   const auto farewell = [this](const Job& job) {
     give_up(job, ReplyState::kCancelled, Reason::kShuttingDown, "the service is shutting down; send the request again");
   };
   if (!handing_over) {
     for (const Job* job : solvers_.jobs()) farewell(*job);
     while (!queue_.empty()) farewell(queue_.pop());
-    for (const Order& order : port_.take_requests()) {
-      reject(order, {Reason::kShuttingDown, "", "the service is shutting down; send the request again"}, false);
+    for (auto orders = port_.take_requests(); !orders.empty(); orders = port_.take_requests()) {
+      for (const Order& order : orders) {
+        if (!ownership_.answers_for(order.robot_id)) continue;
+        reject(order, {Reason::kShuttingDown, "", "the service is shutting down; send the request again"}, false);
+      }
     }
   }
   const auto over = Clock::now() + kFarewell;
@@ -291,7 +298,8 @@ void Service::listen_to_others() {
   for (Reply& reply : port_.take_replies_of_others()) {
     if (!reply.final()) continue;
     backlog_.answered(reply.id);
-    if (reply.why.reason != Reason::kQueueFull) cache_.add(std::make_shared<const Reply>(std::move(reply)));
+    const bool of_this_robot = reply.robot_id == config_.robot_id && reply.robot_hash == robot_hash_;
+    if (of_this_robot && lasting(reply.why.reason)) cache_.add(std::make_shared<const Reply>(std::move(reply)));
   }
   for (const auto& executor : port_.take_executors()) {
     executor.alive ? executor_.heard(executor.state) : executor_.lost(executor.state.robot_id);
@@ -417,7 +425,8 @@ void Service::publish(const Reply& reply) {
   order.request_hash = reply.request_hash;
   order.certified = reply.state == ReplyState::kSolved;
   order.ends_at_rest = reply.rest_to_rest;
-  say_errors(order, reply.plan_json);
+  order.certified_error = reply.errors.certified;
+  order.predicted_error = reply.errors.predicted;
   order.rows = reply.rows;
   executor_.published(reply.id);
   if (!port_.send(order) && log_requests_.allows()) {

@@ -8,6 +8,7 @@
 #include "model/input_error.h"
 #include "planner/plan.h"
 #include "planner/service/frames.h"
+#include "planner/service/messages.h"
 #include "planner/service/progress_frame.h"
 #include "planner/service/warm_plans.h"
 #include "planner/trajectory/plan_json.h"
@@ -22,9 +23,11 @@ void send_done(int out, PlanStatus status, const std::string& reason) {
   write_frame(out, FrameKind::kDone, std::string(1, static_cast<char>(status)) + reason);
 }
 
-void send_rows(int out, const Trajectory& trajectory) {
+void send_rows(int out, const Trajectory& trajectory, const Certificate& certificate) {
   const auto& rows = trajectory.samples;
   write_frame(out, FrameKind::kRows, {reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(Sample)});
+  const LinkErrors errors{{certificate.tolerance, certificate.tolerance}, certificate.tracking.link_error};
+  write_frame(out, FrameKind::kErrors, {reinterpret_cast<const char*>(&errors), sizeof errors});
 }
 
 PlanOptions with_progress(int out) {
@@ -43,7 +46,7 @@ void solve(int out, const Problem& problem, WarmPlans& earlier) {
   const Plan result = plan(problem, options);
   earlier.remember(problem, result);
   write_frame(out, FrameKind::kPlanJson, json_text(plan_json(problem, result)));
-  if (result.status == PlanStatus::kCertified) send_rows(out, *result.trajectory);
+  if (result.status == PlanStatus::kCertified) send_rows(out, *result.trajectory, *result.certificate);
   send_done(out, result.status, result.reason);
 }
 

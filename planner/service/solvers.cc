@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <system_error>
 #include <utility>
 
 #include "planner/service/memory.h"
@@ -26,13 +27,20 @@ void Solvers::start(Solver& solver) {
   const std::uint64_t serial = next_serial_++;
   solver = {};
   solver.serial = serial;
-  solver.worker = std::make_unique<Worker>(settings_, [this, serial](std::optional<Frame> frame) {
+  const auto listen = [this, serial](std::optional<Frame> frame) {
+    // The parts of a result can wait for its end, which follows at once.
+    const bool news = !frame || frame->kind == FrameKind::kDone || frame->kind == FrameKind::kProgress;
     {
       const std::lock_guard lock(events_mutex_);
       events_.push_back({serial, std::move(frame)});
     }
-    wake_();
-  });
+    if (news) wake_();
+  };
+  try {
+    solver.worker = std::make_unique<Worker>(settings_, listen);
+  } catch (const std::system_error& error) {  // out of processes or descriptors: tried again with the next heartbeat
+    if (log_start_.allows()) spdlog::error("{}", error.what());
+  }
 }
 
 bool Solvers::idle() const {
@@ -85,6 +93,11 @@ void Solvers::take_frame(Solver& solver, Frame frame, News& news) {
       std::memcpy(static_cast<void*>(solver.result.rows.data()), frame.payload.data(),
                   solver.result.rows.size() * sizeof(Sample));
       return;
+    case FrameKind::kErrors:
+      if (frame.payload.size() == sizeof(LinkErrors)) {
+        std::memcpy(&solver.result.errors, frame.payload.data(), sizeof(LinkErrors));
+      }
+      return;
     case FrameKind::kDone:
       return conclude(solver, frame.payload, news);
     case FrameKind::kName:
@@ -100,7 +113,8 @@ void Solvers::report_progress(const Job& job, const std::string& payload, News& 
 }
 
 void Solvers::conclude(Solver& solver, const std::string& payload, News& news) {
-  const auto status = static_cast<PlanStatus>(payload.at(0));
+  if (payload.empty()) return;
+  const auto status = static_cast<PlanStatus>(payload.front());
   Outcome outcome = std::exchange(solver.result, {});
   outcome.job = std::move(*std::exchange(solver.job, std::nullopt));
   outcome.state = state_of(status);

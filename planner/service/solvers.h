@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "planner/service/job_queue.h"
+#include "planner/service/log_limit.h"
 #include "planner/service/worker.h"
 
 namespace fjr {
@@ -18,6 +19,7 @@ struct Outcome {
   ReplyState state = ReplyState::kFailed;
   Refusal why;
   std::string plan_json;
+  LinkErrors errors;         // of the rows
   std::vector<Sample> rows;  // of a certified trajectory only
 };
 
@@ -72,6 +74,7 @@ class Solvers {
   const WorkerSettings settings_;
   const std::function<void()> wake_;
   std::uint64_t next_serial_ = 1, lost_ = 0;
+  LogLimit log_start_;
   std::mutex events_mutex_;
   std::vector<Event> events_;
   std::vector<Solver> solvers_;  // last: their threads end before what they speak to

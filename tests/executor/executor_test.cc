@@ -88,8 +88,16 @@ TEST(Acceptance, RefusesWithTheReason) {
           "time does not increase at row 2");
   refused([](Order& o, Situation&) { o.epoch = 2; }, ResultCode::kInvalidGoal, "from an earlier owner");
   refused([](Order& o, Situation&) { o.rows[0].state.dq[0] = 1; }, ResultCode::kInvalidGoal, "does not begin at rest");
-  refused([=](Order& o, Situation&) { o.tolerances.path[1] = nan; }, ResultCode::kInvalidGoal, "a tolerance is");
-  refused([=](Order& o, Situation&) { o.tolerances.goal_time = -1; }, ResultCode::kInvalidGoal, "a tolerance is");
+  refused([=](Order& o, Situation&) { o.tolerances.path[1] = nan; }, ResultCode::kInvalidGoal,
+          "tolerances.path: nan is outside [0, 0.5]");
+  refused([=](Order& o, Situation&) { o.tolerances.goal_time = -1; }, ResultCode::kInvalidGoal,
+          "tolerances.goal_time: -1 is outside [0, 60]");
+  refused([](Order& o, Situation&) { o.rows[0].state.theta[1] += 0.02; }, ResultCode::kInvalidGoal,
+          "starts with theta2 = 0.02 rad, at rest there it is -0.005 rad");
+  refused([](Order& o, Situation&) { o.rows[2].time = 21; }, ResultCode::kInvalidGoal, "takes 21 s, more than 20 s");
+  refused([](Order& o, Situation&) { o.rows[0].time = -1; }, ResultCode::kInvalidGoal, "begins at -1 s");
+  refused([](Order& o, Situation&) { o.published = 201 * kSecond; }, ResultCode::kOldHeaderTimestamp,
+          "1.000 s in the future");
   refused([](Order&, Situation& s) { s.mode = ExecutorMode::kStopped; }, ResultCode::kInvalidGoal, "was stopped");
   refused([](Order&, Situation& s) { s.lost = "theta2"; }, ResultCode::kInvalidGoal, "encoder theta2 gives no samples");
   refused([](Order& o, Situation&) { o.published = 99 * kSecond; }, ResultCode::kOldHeaderTimestamp, "before");
@@ -356,6 +364,9 @@ TEST_F(ExecutorTest, ComesToRestBeforeItEnds) {
 
 TEST_F(ExecutorTest, HoldsWhenTheArmIsNotTheOneThatWasPlannedFor) {
   const auto arm = executor({"--fast", "--payload", "0.5"});
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  std::this_thread::sleep_for(
+      std::chrono::seconds(1));  // the payload, which nobody told the executor of, pulls it down
   ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
   const ExecutionResult result = cell().result(cell().publish(cell().state.q, kTo, 0.4));
   EXPECT_EQ(result.code, ResultCode::kPathToleranceViolated) << result.sentence;

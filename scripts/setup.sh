@@ -14,6 +14,7 @@ packages=(
   openssl iproute2 nftables                                     # credentials; networks that lose packets, in tests
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev  # tests and benchmarks
   libfastrtps-dev                                               # another DDS, to test against
+  python3                                                       # bench/suite.py
   clang-format clang-tidy                                       # style
 )
 missing=()

@@ -9,6 +9,10 @@ namespace {
 // everything makes room, and is met anew when it returns; the second is never exceeded.
 constexpr std::size_t kUsualClients = 128, kMostClients = 1024;
 
+// What is written before the client's reader is known is kept for it as for any late joiner, the last few only: on a
+// busy machine a flood of replies would be lost. A client that does not show itself for longer is gone, or comes late.
+constexpr std::chrono::seconds kMeeting{2};
+
 }  // namespace
 
 ClientWriters::Client::Client(const Participant& participant, const RequestId& id)
@@ -41,6 +45,7 @@ ClientWriters::Client* ClientWriters::client(const RequestId& id) {
 bool ClientWriters::send(const Reply& reply) {
   Client* to = client(reply.id);
   if (to == nullptr || (to->full && !to->replies.flush(0))) return false;
+  if (!to->replies.has_reader() && std::chrono::steady_clock::now() - to->met < kMeeting) return false;
   to->full = !to->replies.write(encode(reply));
   return !to->full;
 }

@@ -29,6 +29,7 @@ class ClientWriters {
     Writer<fjr_msg_PlanReply> replies;
     Writer<fjr_msg_PlanStatus> progress;
     std::uint64_t last_used = 0;
+    std::chrono::steady_clock::time_point met = std::chrono::steady_clock::now();
     bool full = false;
   };
   using Clients = std::map<decltype(RequestId::client), Client>;

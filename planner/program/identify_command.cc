@@ -114,8 +114,11 @@ std::vector<Estimate> from_folder(const Options& options, const Parameters& robo
 void write_robot(const Options& options, const fs::path& base, const std::vector<Estimate>& estimates) {
   if (options.out.empty()) return;
   const Parameters robot = load_parameters(base);
-  write_file(options.out, format_robot(combine(robot, estimates), base, options.link_damping));
-  load_parameters(options.out);  // what is unphysical is said now, not when somebody plans with it
+  // What is unphysical is said now, not when somebody plans with it, and the file that may be there already stays.
+  const fs::path trial = options.out + ".refused";
+  write_file(trial, format_robot(combine(robot, estimates), base, options.link_damping));
+  load_parameters(trial);
+  fs::rename(trial, options.out);
 }
 
 // Of a whole identification the report stands beside robot.yaml; otherwise it is written where asked.

@@ -25,7 +25,7 @@ struct DoubleIntegrator {
   std::vector<PathBounds<kStates, kControls, kRows>> bounds = std::vector<PathBounds<kStates, kControls, kRows>>(1);
   std::vector<NodeBounds<kStates>> at_nodes;
   std::vector<std::array<double, 2>> durations;
-  std::array<double, 2> total_duration{};
+  std::vector<DurationSum> duration_sums;
 
   template <class T>
   void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const {
@@ -52,7 +52,7 @@ struct VanDerPol {
   std::vector<PathBounds<kStates, kControls, kRows>> bounds = std::vector<PathBounds<kStates, kControls, kRows>>(1);
   std::vector<NodeBounds<kStates>> at_nodes;
   std::vector<std::array<double, 2>> durations;
-  std::array<double, 2> total_duration{};
+  std::vector<DurationSum> duration_sums;
 
   template <class T>
   void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const {

@@ -85,6 +85,9 @@ class Planner {
     } else if (!plan_.certificate) {
       explain_failure();
     }
+    plan_.timing["evaluation"] = plan_.cost.evaluation;
+    plan_.timing["linear_algebra"] = plan_.cost.linear_algebra;
+    plan_.timing["ipopt"] = plan_.cost.ipopt();
     plan_.timing["total"] = seconds_since(began_);
     return std::move(plan_);
   }
@@ -118,6 +121,7 @@ class Planner {
       plan_.stages.push_back(c.stages()[i]);
       plan_.stages.back().objective *= scale_;
       plan_.iterations += c.stages()[i].iterations;
+      plan_.cost += c.stages()[i].cost;
     }
   }
 

@@ -73,7 +73,7 @@ bool Continuation::attempt(const std::string& what, const CollocationSetup& setu
   iterations_ += next.report.iterations;
   status_ = next.report.status;
   stages_.push_back({what, static_cast<int>(setup.mesh.size()), next.report.iterations, next.report.objective,
-                     name(next.report.status)});
+                     name(next.report.status), next.report.cost});
   if (!next.report.solved()) {
     if (!next.motion.intervals.empty()) obstacle_ = worst_excess(*problem_, setup.mesh, next.motion);
     return false;

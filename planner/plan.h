@@ -63,6 +63,7 @@ struct Plan {
   PlanStatus status = PlanStatus::kNotConverged;
   std::string reason;                   // one sentence when not certified
   double duration = 0;                  // [s]
+  std::vector<double> via_times;        // [s] when the via points, or the corners of a path, are passed
   double objective = 0;                 // of the published rows
   std::map<std::string, double> terms;  // unweighted, weighted or not
   int intervals = 0;

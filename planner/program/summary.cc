@@ -91,6 +91,12 @@ std::string summary(const Certificate& certificate) {
   text += line("closed loop", exactness(certificate.closed_loop, certificate.tolerance));
   text += line("feedback", fmt::format("at most {:.2e} and {:.2e} N m", feedback[0], feedback[1]));
   text += tightest_limits(certificate);
+  for (const TaskCheck& check : certificate.task) {
+    text += line(
+        text.find("task") == std::string::npos ? "task" : "",
+        fmt::format("{}{} keeps {:.3g} {} of room at {:.4f} s", check.name,
+                    check.link == 0 ? "" : fmt::format(" link {}", check.link), check.room, check.unit, check.time));
+  }
   if (certificate.residual.evaluated) {
     const auto& after = certificate.residual;
     text += line("afterwards", fmt::format("links within {:.2e} and {:.2e} rad of the goal for {:g} s",

@@ -46,6 +46,15 @@ Json limit_json(const LimitCheck& check) {
           {"passed", check.passed}};
 }
 
+Json task_json(const TaskCheck& check) {
+  return {{"name", check.name},
+          {"link", check.link == 0 ? Json(nullptr) : Json(check.link)},
+          {"room", number(check.room)},
+          {"unit", check.unit},
+          {"time", number(check.time)},
+          {"passed", check.passed}};
+}
+
 Json residual_json(const Residual& residual) {
   if (!residual.evaluated) return nullptr;
   return {{"window", number(residual.window)},
@@ -87,6 +96,8 @@ Json head(PlanStatus status, const std::string& reason, const std::string& reque
 Json certificate_json(const Certificate& certificate) {
   Json limits = Json::array();
   for (const LimitCheck& check : certificate.limits) limits.push_back(limit_json(check));
+  Json task = Json::array();
+  for (const TaskCheck& check : certificate.task) task.push_back(task_json(check));
   const OpenLoop& open_loop = certificate.open_loop;
   return {{"verdict", certificate.certified ? "certified" : "failed"},
           {"failures", certificate.failures},
@@ -94,6 +105,7 @@ Json certificate_json(const Certificate& certificate) {
           {"open_loop", rollout_json(open_loop, open_loop.required, open_loop.why_not)},
           {"closed_loop", closed_loop_json(certificate.closed_loop)},
           {"limits", std::move(limits)},
+          {"task", std::move(task)},
           {"residual", residual_json(certificate.residual)},
           {"tracking", tracking_json(certificate.tracking)}};
 }
@@ -103,6 +115,7 @@ Json plan_json(const Problem& problem, const Plan& plan) {
   Json json = head(plan.status, plan.reason, problem.name);
   json["objective"] = {{"total", moves ? number(plan.objective) : Json(nullptr)}, {"terms", numbers(plan.terms)}};
   json["duration"] = moves ? number(plan.duration) : Json(nullptr);
+  json["via_times"] = plan.via_times;
   json["mesh"] = {{"intervals", plan.intervals},
                   {"method", text_or_null(plan.method)},
                   {"error_estimate", moves ? number(plan.error_estimate) : Json(nullptr)}};

@@ -181,10 +181,16 @@ class Planner {
   // Every start on a coarse mesh; what converges is kept in order of its objective.
   void find_starts() {
     const auto start = Clock::now();
-    for (const Problem& problem : alternatives_) try_starts(problem);
+    std::vector<const Problem*> open;
     for (const Problem& problem : alternatives_) {
-      if (candidates_.empty() && !interrupted()) try_from_fastest(problem);
+      no_way_ = no_way(problem);
+      if (no_way_.empty()) open.push_back(&problem);
     }
+    for (const Problem* problem : open) try_starts(*problem);
+    for (const Problem* problem : open) {
+      if (candidates_.empty() && !interrupted()) try_from_fastest(*problem);
+    }
+    if (!open.empty()) no_way_.clear();
     std::stable_sort(candidates_.begin(), candidates_.end(), [](const Continuation& a, const Continuation& b) {
       return a.solution().report.objective < b.solution().report.objective;
     });
@@ -194,16 +200,18 @@ class Planner {
   void try_starts(const Problem& problem) {
     const int count = options_.starts > 0 ? options_.starts : default_starts(problem);
     const Starts starts = starts_of(problem, count);
-    const std::size_t before = candidates_.size();
     for (std::size_t i = 0; i < starts.guesses.size() && !interrupted(); ++i) {
-      if (i >= starts.always && candidates_.size() > before) break;
+      if (i >= starts.always && !candidates_.empty()) break;
       try_start(problem, starts.guesses[i], fmt::format("start {} of {}", i + 1, std::max(i + 1, starts.always)));
     }
   }
 
   void try_start(const Problem& problem, const Guess& guess, const std::string& label) {
     Continuation c = continuation(problem, label);
-    const bool found = c.begin(guess);
+    const bool found = c.begin(guess, patience_);
+    // What is much harder than what was found already is given up early; counted in iterations, so that it is the same
+    // every time.
+    if (found) patience_ = std::min(patience_, std::max(100, 2 * c.stages().front().iterations));
     book(c);
     ++plan_.starts;
     if (found) {
@@ -226,7 +234,7 @@ class Planner {
     Continuation c = continuation(fastest, "fastest");
     bool found = false;
     for (const Guess& guess : starts_of(fastest, 4).guesses) {
-      found = !interrupted() && c.begin(guess);
+      found = !interrupted() && c.begin(guess, patience_);
       if (found || stopped()) break;
     }
     book(c);
@@ -343,7 +351,10 @@ class Planner {
 
   void explain_failure() {
     const bool infeasible = std::find(failures_.begin(), failures_.end(), SolveStatus::kInfeasible) != failures_.end();
-    if (shortest_ > problem_.duration.max) {
+    if (!no_way_.empty()) {
+      plan_.status = PlanStatus::kInfeasible;
+      plan_.reason = no_way_;
+    } else if (shortest_ > problem_.duration.max) {
       plan_.status = PlanStatus::kInfeasible;
       plan_.reason = fmt::format(
           "duration: at most {:.6g} s is allowed, the shortest motion found within the limits takes {:.4f} s",
@@ -362,6 +373,7 @@ class Planner {
   const Problem& problem_;
   const double scale_;                       // of the objective
   const std::vector<Problem> alternatives_;  // what is optimised
+  int patience_ = 400;                       // iterations a start may take
   const PlanOptions& options_;
   ContinuationSettings settings_;
   const Clock::time_point began_ = Clock::now();
@@ -370,6 +382,7 @@ class Planner {
   std::vector<Continuation> candidates_;
   std::vector<SolveStatus> failures_;
   std::string obstacle_;  // what a start without solution failed at
+  std::string no_way_;    // why nothing was tried
   std::string failure_;   // why a solution could not be published
   double shortest_ = 0;   // [s] duration of the fastest motion, once it was looked for
   Plan plan_;

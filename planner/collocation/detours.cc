@@ -1,10 +1,13 @@
 #include "planner/collocation/detours.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <queue>
+#include <set>
 
 namespace fjr {
 namespace {
@@ -189,6 +192,18 @@ bool same_way(const Grid& grid, const Way& a, const Way& b) {
   return true;
 }
 
+std::string broken_on(const Problem& problem, std::size_t segment, const Way& way) {
+  std::set<std::string> names;
+  const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
+  for (const Pair<double>& q : way) {
+    const auto posture = Posture<double>::of(problem.robot, q);
+    for (const TaskRow& row : rows) {
+      if (row.room(row.value(problem.robot, posture)) < 0) names.insert(row.name);
+    }
+  }
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
 }  // namespace
 
 Detours find_detours(const Problem& problem, std::size_t segment, const Pair<double>& from, const Pair<double>& to,
@@ -199,6 +214,7 @@ Detours find_detours(const Problem& problem, std::size_t segment, const Pair<dou
   found.roomiest = way_of(grid, best, from, to);
   found.room = kInfinity;
   for (const std::size_t c : best) found.room = std::min(found.room, grid.room(c));
+  found.barred_by = broken_on(problem, segment, found.roomiest);
   const std::size_t start = grid.cell_of(from, true), goal = grid.cell_of(to, true);
   if (!grid.free(start) || !grid.free(goal)) return found;
   for (int trial = 0; trial < kTrials && found.ways.size() < most; ++trial) {
@@ -211,6 +227,25 @@ Detours find_detours(const Problem& problem, std::size_t segment, const Pair<dou
     grid.discourage(way, kNear * (1 + trial));
   }
   return found;
+}
+
+std::string no_way(const Problem& problem) {
+  // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
+  const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);
+  if ((problem.task.obstacles.empty() && !problem.task.box) || problem.goal.any_free()) return "";
+  std::vector<Pair<double>> points{problem.start.q};
+  for (const Via& via : problem.via) points.push_back(via.q);
+  points.push_back(problem.goal.q);
+  for (std::size_t s = 0; s + 1 < points.size(); ++s) {
+    if (find_detours(problem, s, points[s], points[s + 1], 0).room > 0) continue;
+    const Detours fine = find_detours(problem, s, points[s], points[s + 1], 0, kFineGrid);
+    if (fine.room > -doubt) continue;
+    const std::string stretch = points.size() == 2 ? "from the start to the goal"
+                                                   : fmt::format("on the stretch {} of {}", s + 1, points.size() - 1);
+    return fmt::format("every way {} within the joints' limits is barred by {}; {:.2g} m more room would open one",
+                       stretch, fine.barred_by, -fine.room);
+  }
+  return "";
 }
 
 }  // namespace fjr

@@ -2,6 +2,7 @@
 // barred, and the reason when there is none.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "planner/collocation/guess.h"
@@ -17,6 +18,7 @@ struct Detours {
   // would have to be smaller, or a box larger.
   double room = 0;
   Way roomiest;
+  std::string barred_by;  // names of the constraints that are broken there, empty if none is
 };
 
 inline constexpr double kCoarseGrid = 0.06, kFineGrid = 0.02;  // [rad]: 4 cm and 1 cm at the stretched tip
@@ -25,5 +27,9 @@ inline constexpr double kCoarseGrid = 0.06, kFineGrid = 0.02;  // [rad]: 4 cm an
 // arcs and paths are narrower than a grid.
 Detours find_detours(const Problem& problem, std::size_t segment, const Pair<double>& from, const Pair<double>& to,
                      std::size_t most, double spacing = kCoarseGrid);
+
+// Why there is no way at all within the limits of the joints, as a sentence that names what bars it and the smallest
+// relaxation; empty when there is one, or the grid is too coarse to tell.
+std::string no_way(const Problem& problem);
 
 }  // namespace fjr

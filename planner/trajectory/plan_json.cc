@@ -71,6 +71,7 @@ Json solver_json(const Plan& plan) {
                       {"status", stage.status}});
   }
   return {{"iterations", plan.iterations},
+          {"factorisations", plan.cost.factorisations},
           {"stages", std::move(stages)},
           {"starts", plan.starts},
           {"warm", plan.warm},

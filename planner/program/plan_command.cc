@@ -34,6 +34,7 @@ struct Options {
   std::string out;
   bool json = false;
   bool keep_uncertified = false;
+  bool report = false;
   std::string warm;  // folder of an earlier plan
   PlanOptions plan;
 };
@@ -126,7 +127,9 @@ Outcome make_plan(const Job& job, const Options& options) {
   const std::string written = write_trajectory(job, options, result);
   Outcome outcome{result.status, plan_json(*job.problem, result), summary(*job.problem, result)};
   write_file(job.folder / "plan.json", json_text(outcome.json));
-  outcome.summary += fmt::format("  {:<11} {}{}\n", "files", written, (job.folder / "plan.json").string());
+  std::string files = written + (job.folder / "plan.json").string();
+  if (options.report && result.status != PlanStatus::kBadInput) files += ", " + write_report(job.folder).string();
+  outcome.summary += fmt::format("  {:<11} {}\n", "files", files);
   return outcome;
 }
 
@@ -172,6 +175,7 @@ void add_plan(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("DIR");
   command->add_flag("--json", options->json, "Only JSON on stdout: plan.json, an array of them for several requests");
+  command->add_flag("--report", options->report, "Write report.html too: the motion, animated, and all about it");
   command
       ->add_option(
           "--warm", options->warm,

@@ -132,14 +132,14 @@ const scenery = {
     stroke([o.from, o.to], "#3a7d44", 1);
   },
   arc: o => {
-    const points = Array.from({ length: 61 }, (_, i) => o.from + (o.to - o.from) * i / 60)
-      .map(a => [o.center[0] + o.radius * Math.cos(a), o.center[1] + o.radius * Math.sin(a)]);
+    const points = Array.from({ length: 61 }, (_, i) => onArc(o, o.from + (o.to - o.from) * i / 60));
     stroke(points, "#d8ead8", Math.max(1, 2 * (o.tolerance || 0) * scale));
     stroke(points, "#3a7d44", 1);
   },
   point: o => disc(o.at, 0.008, "#3a7d44"),
 };
-const anchorOf = o => o.at || o.center || o.from || o.corners[0];
+const onArc = (o, angle) => [o.center[0] + o.radius * Math.cos(angle), o.center[1] + o.radius * Math.sin(angle)];
+const anchorOf = o => o.kind === "arc" ? onArc(o, o.from) : o.at || o.center || o.from || o.corners[0];
 
 function drawScene() {
   for (const object of plan.scene) {

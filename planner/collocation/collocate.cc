@@ -4,9 +4,8 @@
 #include <cmath>
 
 #include "planner/collocation/margins.h"
-#include "planner/collocation/transcription.h"
+#include "planner/collocation/transcribe.h"
 #include "planner/collocation/transfer.h"
-#include "planner/problem/arm_ocp.h"
 
 namespace fjr {
 namespace {
@@ -64,6 +63,8 @@ std::vector<typename ArmOcp<kRate>::Bounds> interval_bounds(const Problem& probl
   return bounds;
 }
 
+}  // namespace
+
 template <bool kRate>
 Transcription<ArmOcp<kRate>> transcribe(const Problem& problem, const CollocationSetup& setup) {
   auto ocp = make_arm_ocp<kRate>(problem, setup.smoothing.regularisation);
@@ -74,6 +75,10 @@ Transcription<ArmOcp<kRate>> transcribe(const Problem& problem, const Collocatio
   ocp.total_duration = {problem.duration.min, problem.duration.max};
   return {std::move(ocp), setup.scheme, setup.mesh};
 }
+template Transcription<ArmOcp<false>> transcribe(const Problem&, const CollocationSetup&);
+template Transcription<ArmOcp<true>> transcribe(const Problem&, const CollocationSetup&);
+
+namespace {
 
 // Positions as the integral of the velocity polynomial, so that both columns of a published row say the same between
 // the collocation points too. It still meets the next node: the scheme's quadrature is exact for polynomials of the
@@ -173,13 +178,12 @@ Collocated run(const Problem& problem, const CollocationSetup& setup, const Coll
   return run(setup, transcription, transferred, options);
 }
 
-// The rate of u is the control only where something asks for it: two more states cost time.
+}  // namespace
+
 bool needs_rate(const Problem& problem) {
   return problem.weights.torque_rate > 0 || problem.limits.torque_rate[0] < kNoLimit ||
          problem.limits.torque_rate[1] < kNoLimit;
 }
-
-}  // namespace
 
 Mesh uniform_mesh(const Problem& problem, int intervals) {
   std::vector<double> cuts{0};

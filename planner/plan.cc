@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "planner/analysis/analysis.h"
 #include "planner/collocation/collocate.h"
 #include "planner/collocation/guess.h"
 #include "planner/collocation/margins.h"
@@ -71,6 +72,7 @@ class Planner {
     } else if (!plan_.certificate) {
       explain_failure();
     }
+    if (plan_.solution && plan_.trajectory) plan_.analysis = analyse(scaled_, *plan_.solution, scale_);
     plan_.timing["total"] = seconds_since(began_);
     return std::move(plan_);
   }
@@ -276,7 +278,8 @@ class Planner {
     const auto terms = objective_terms(problem_, solution.motion, trajectory);
     const double objective = weighted_sum(problem_.weights, terms);
     if (plan_.status == PlanStatus::kCertified && (!certificate.certified || objective >= plan_.objective)) return;
-    const std::vector<double> errors = interval_errors(problem_.robot, solution.motion);
+    plan_.interval_errors = interval_errors(problem_.robot, solution.motion);
+    plan_.node_times = solution.setup.mesh.node_times(solution.durations);
     plan_.status = certificate.certified ? PlanStatus::kCertified : PlanStatus::kUncertified;
     plan_.reason = certificate.certified ? "" : certificate.failures.front();
     plan_.duration = trajectory.end_time();
@@ -284,7 +287,7 @@ class Planner {
     plan_.objective = objective;
     plan_.intervals = static_cast<int>(solution.setup.mesh.size());
     plan_.method = solution.setup.scheme.name;
-    plan_.error_estimate = *std::max_element(errors.begin(), errors.end());
+    plan_.error_estimate = *std::max_element(plan_.interval_errors.begin(), plan_.interval_errors.end());
     plan_.back_off = largest_share_kept_free(problem_.limits, solution.setup.margins);
     trajectory.metadata["robot_hash"] = robot_hash(problem_.robot);
     trajectory.metadata["request_hash"] = problem_.request_hash;

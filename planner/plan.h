@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "planner/analysis/analysis.h"
 #include "planner/certificate/certificate.h"
 #include "planner/problem/problem.h"
 #include "planner/trajectory/trajectory.h"
@@ -65,8 +66,10 @@ struct Plan {
   std::map<std::string, double> terms;  // unweighted, weighted or not
   int intervals = 0;
   std::string method;
-  double error_estimate = 0;  // [rad] largest local error of an interval
-  int iterations = 0;         // over all stages and starts
+  double error_estimate = 0;            // [rad] largest local error of an interval
+  std::vector<double> node_times;       // [s] of the mesh, intervals + 1
+  std::vector<double> interval_errors;  // [rad] local error of each interval
+  int iterations = 0;                   // over all stages and starts
   std::vector<SolverStage> stages;
   bool warm = false;  // it came from PlanOptions::warm, without any start
   int starts = 0;
@@ -75,6 +78,7 @@ struct Plan {
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;
   std::shared_ptr<const Collocated> solution;  // of the certified trajectory
+  std::optional<Analysis> analysis;            // of that solution
   std::map<std::string, double> timing;        // [s] by part, and "total"
 };
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "planner/analysis/analysis_json.h"
+
 namespace fjr {
 namespace {
 
@@ -77,6 +79,15 @@ Json solver_json(const Plan& plan) {
           {"distinct_minima", plan.distinct_minima}};
 }
 
+Json mesh_json(const Plan& plan) {
+  const bool moves = plan.trajectory.has_value();
+  Json json{{"intervals", plan.intervals},
+            {"method", text_or_null(plan.method)},
+            {"error_estimate", moves ? number(plan.error_estimate) : Json(nullptr)}};
+  json.update(moves ? mesh_errors_json(plan.node_times, plan.interval_errors) : mesh_errors_json({}, {}));
+  return json;
+}
+
 Json head(PlanStatus status, const std::string& reason, const std::string& request) {
   return {{"version", FJR_VERSION}, {"request", request}, {"status", name(status)}, {"reason", text_or_null(reason)}};
 }
@@ -102,11 +113,11 @@ Json plan_json(const Problem& problem, const Plan& plan) {
   Json json = head(plan.status, plan.reason, problem.name);
   json["objective"] = {{"total", moves ? number(plan.objective) : Json(nullptr)}, {"terms", numbers(plan.terms)}};
   json["duration"] = moves ? number(plan.duration) : Json(nullptr);
-  json["mesh"] = {{"intervals", plan.intervals},
-                  {"method", text_or_null(plan.method)},
-                  {"error_estimate", moves ? number(plan.error_estimate) : Json(nullptr)}};
+  json["mesh"] = mesh_json(plan);
   json["solver"] = solver_json(plan);
   json["certificate"] = plan.certificate ? certificate_json(*plan.certificate) : Json(nullptr);
+  json["sensitivity"] = plan.analysis ? sensitivity_json(plan.analysis->sensitivity) : Json(nullptr);
+  json["optimality"] = plan.analysis ? optimality_json(plan.analysis->optimality) : Json(nullptr);
   json["robot_hash"] = robot_hash(problem.robot);
   json["request_hash"] = problem.request_hash;
   json["back_off"] = number(plan.back_off);

@@ -41,14 +41,9 @@ double mean_hamiltonian(const Transcription<Ocp>& t, const Iterate& solution, in
   const Eigen::MatrixXd p = costates(t, solution.lambda, k);
   double mean = 0;
   for (int j = 0; j < scheme.stages(); ++j) {
-    const Eigen::VectorXd x = solution.x.segment(t.x_at(k, j), Ocp::kStates);
-    const Eigen::VectorXd u = scheme.control_share(j, 0) * solution.x.segment(t.u_at(k, 0), Ocp::kControls) +
-                              scheme.control_share(j, 1) * solution.x.segment(t.u_at(k, 1), Ocp::kControls);
-    Eigen::Matrix<double, Ocp::kStates, 1> f;
-    Eigen::Matrix<double, Ocp::kRows, 1> rows;
-    double cost = 0;
-    t.ocp().template evaluate<double>(x.data(), u.data(), f.data(), cost, rows.data());
-    mean += scheme.b(j) * (cost + p.row(j).dot(f));
+    const auto at = t.values(solution.x, k, j);
+    const Eigen::Map<const Eigen::Matrix<double, Ocp::kStates, 1>> f(at.f.data());
+    mean += scheme.b(j) * (at.cost + p.row(j).dot(f));
   }
   return mean;
 }

@@ -19,11 +19,12 @@ struct Collocated;
 // Derivatives of the optimal objective. An optimum changes by these to first order, as long as the same limits stay
 // active.
 struct LimitWorth {
-  std::string name;  // as in the request's `limits`
-  int joint = 0;     // 1 or 2; 0 where there is none
+  std::string name;  // as in the request's `limits`; of a constraint of the task: obstacles[0], tip_box, ...
+  int joint = 0;     // 1 or 2, of a constraint of the task the link; 0 where there is none
   std::string unit;  // of the limit
-  double limit = 0;
-  double worth = 0;  // -d objective / d limit: what the objective gains with one unit more; 0 where never active
+  double limit = 0;  // of a constraint of the task: its size (TaskRow::scale)
+  double worth = 0;  // -d objective / d limit: what the objective gains with one unit more (of a constraint of the
+                     // task: of room); 0 where never active
   double share = 0;  // of the duration in which it is active: within 1 % of the limit as the optimiser had it
   struct Stretch {
     double begin, end;  // [s]
@@ -32,14 +33,14 @@ struct LimitWorth {
 };
 
 struct ViaWorth {
-  double time = 0;                 // [s]
+  double time = 0;                 // [s] where the motion passes it
   Pair<double> q{};                // d objective / d via position, per rad
   std::optional<Pair<double>> dq;  // per rad/s, where dq was given
-  double later = 0;                // d objective / d via time, per s, the duration staying as it is
+  std::optional<double> later;     // d objective / d via time where that is given, per s, the duration staying as it is
 };
 
 struct Sensitivity {
-  std::vector<LimitWorth> limits;  // every finite one
+  std::vector<LimitWorth> limits;  // every finite one, and every constraint of the task
   std::optional<double> duration;  // d objective / d duration, per s, where it is fixed or at a bound
   std::vector<ViaWorth> via;
   Pair<double> goal{};  // d objective / d goal.q, per rad; a goal at rest moves with its equilibrium

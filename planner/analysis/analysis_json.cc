@@ -55,7 +55,10 @@ Json sensitivity_json(const Sensitivity& sensitivity) {
   }
   Json via = Json::array();
   for (const ViaWorth& v : sensitivity.via) {
-    via.push_back({{"time", v.time}, {"q", numbers(v.q)}, {"dq", numbers_or_null(v.dq)}, {"later", number(v.later)}});
+    via.push_back({{"time", number(v.time, 10)},
+                   {"q", numbers(v.q)},
+                   {"dq", numbers_or_null(v.dq)},
+                   {"later", number_or_null(v.later)}});
   }
   return {{"limits", std::move(limits)},
           {"duration", number_or_null(sensitivity.duration)},

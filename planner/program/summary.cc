@@ -76,7 +76,7 @@ std::string terms(const Problem& problem, const Plan& plan) {
 
 // How much more of a limit makes a sentence.
 double helping(std::string_view unit) {
-  if (unit == "rad") return 0.01;
+  if (unit == "rad" || unit == "m") return 0.01;
   if (unit == "m/s") return 0.1;
   return unit == "N m/s" ? 100 : 1;
 }

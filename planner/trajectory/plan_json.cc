@@ -73,6 +73,7 @@ Json solver_json(const Plan& plan) {
                       {"status", stage.status}});
   }
   return {{"iterations", plan.iterations},
+          {"factorisations", plan.cost.factorisations},
           {"stages", std::move(stages)},
           {"starts", plan.starts},
           {"warm", plan.warm},

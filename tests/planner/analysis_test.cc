@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,11 @@ const char* const kEffort =
     "{start: {q: [0.0, 0.0]}, goal: {q: [0.6, -0.3]}, duration: 0.5, objective: {effort: 1, link_acceleration: 0.01}, "
     "limits: {torque: [6, 4], motor_velocity: [2, 8]}}";
 
+// Link 2 passes below the disc; link 1 does not come near.
+const char* const kObstacle =
+    "{start: {q: [0.0, 0.0]}, goal: {q: [1.2, -0.8]}, objective: fastest, "
+    "obstacles: [{center: [0.40, -0.55], radius: 0.05}]}";
+
 SolveOptions to_the_end() {
   SolveOptions o;
   o.tolerance = 1e-9;
@@ -35,8 +41,12 @@ SolveOptions to_the_end() {
   return o;
 }
 
+Guess guess_of(const Problem& problem) { return minimum_jerk_guess(problem, duration_guess(problem)); }
+
+Mesh mesh_of(const Problem& problem, int intervals) { return uniform_mesh(guess_of(problem).durations, intervals); }
+
 Collocated solved(const Problem& problem, const CollocationSetup& setup) {
-  Collocated c = collocate(problem, setup, minimum_jerk_guess(problem, duration_guess(problem)), to_the_end());
+  Collocated c = collocate(problem, setup, guess_of(problem), to_the_end());
   EXPECT_TRUE(c.report.solved());
   return c;
 }
@@ -61,23 +71,29 @@ void expect_slope(double slope, double step, double here, const std::function<do
   EXPECT_LT(std::abs(right - left), 0.1 * std::abs(slope)) << "the difference says little";
 }
 
+void loosen(Problem& problem, const LimitWorth& what, double by) {
+  if (double* limit = limit_of(problem.limits, what.name, what.joint)) *limit += by;
+  if (what.name == "obstacles[0]") problem.task.obstacles.front().margin -= by;
+}
+
 struct Case {
   const char* name;
   const char* request;
   std::vector<std::pair<std::string, int>> active;
 };
 
+void PrintTo(const Case& test, std::ostream* out) { *out << test.name; }
+
 class WorthOf : public testing::TestWithParam<Case> {};
 
 TEST_P(WorthOf, EveryLimitIsTheSlopeOfTheOptimum) {
   const Problem problem = request(GetParam().request);
-  CollocationSetup setup{hermite_simpson(), uniform_mesh(problem, 40), {0.3, 0.01}};
-  setup.margins.assign(setup.mesh.size(), Limits{});
-  for (std::size_t k = 0; k < setup.margins.size(); ++k) {  // one stretch with margins
-    for (std::size_t i = 0; i < Limits::kCount; ++i) {
-      const bool some = k >= 10 && k < 15 && std::isfinite(problem.limits.data()[i]);
-      setup.margins[k].data()[i] = some ? 0.01 * problem.limits.data()[i] : 0.0;
-    }
+  CollocationSetup setup{hermite_simpson(), mesh_of(problem, 40), {0.3, 0.01}};
+  const PerLimit scales = limit_scales(problem);
+  setup.margins.assign(setup.mesh.size(), PerLimit(scales.size(), 0.0));
+  for (std::size_t k = 10; k < 15; ++k) {  // one stretch with margins
+    for (std::size_t i = 0; i < scales.size(); ++i)
+      setup.margins[k][i] = std::isfinite(scales[i]) ? 0.01 * scales[i] : 0;
   }
   const Collocated here = solved(problem, setup);
   std::vector<std::pair<std::string, int>> active;
@@ -85,7 +101,7 @@ TEST_P(WorthOf, EveryLimitIsTheSlopeOfTheOptimum) {
     SCOPED_TRACE(limit.name + ' ' + std::to_string(limit.joint));
     const auto objective = [&](double change) {
       Problem changed = problem;
-      *limit_of(changed.limits, limit.name, limit.joint) += change;
+      loosen(changed, limit, change);
       return objective_near(changed, setup, here);
     };
     const double step = 1e-3 * limit.limit;
@@ -112,7 +128,7 @@ TEST(Sensitivity, GoalDurationAndViaPointsAreSlopesOfTheOptimum) {
   const Problem problem = request(
       "{start: {q: [0.0, 0.0]}, goal: {q: [0.4, -0.2]}, duration: 0.9, objective: {effort: 1},"
       " via: [{time: 0.45, q: [0.3, 0.2], dq: [0.2, -0.5]}]}");
-  const CollocationSetup setup{hermite_simpson(), uniform_mesh(problem, 40), {1, 0.01}};
+  const CollocationSetup setup{hermite_simpson(), mesh_of(problem, 40), {1, 0.01}};
   const Collocated here = solved(problem, setup);
   const Sensitivity s = analyse(problem, here, 1).sensitivity;
   const auto slope = [&](double value, double step, const std::function<void(Problem&, double)>& change) {
@@ -120,7 +136,7 @@ TEST(Sensitivity, GoalDurationAndViaPointsAreSlopesOfTheOptimum) {
       Problem changed = problem;
       change(changed, by);
       // From a guess: these problems have one minimum, and the mesh moves with the times.
-      return solved(changed, {setup.scheme, uniform_mesh(changed, 40), setup.smoothing}).report.objective;
+      return solved(changed, {setup.scheme, mesh_of(changed, 40), setup.smoothing}).report.objective;
     });
   };
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -132,7 +148,7 @@ TEST(Sensitivity, GoalDurationAndViaPointsAreSlopesOfTheOptimum) {
     slope((*s.via[0].dq)[j], 1e-3, [j](Problem& p, double by) { (*p.via[0].dq)[j] += by; });
   }
   slope(*s.duration, 1e-4, [](Problem& p, double by) { p.duration = {p.duration.min + by, p.duration.max + by}; });
-  slope(s.via[0].later, 1e-4, [](Problem& p, double by) { p.via[0].time += by; });
+  slope(*s.via[0].later, 1e-4, [](Problem& p, double by) { *p.via[0].time += by; });
 }
 
 // Whole plans, each with a mesh, margins and a certificate of its own: what the user would see.
@@ -190,7 +206,7 @@ TEST(OptimalityOf, TheHamiltonianSettlesWithTheMesh) {
       "{start: {q: [0.0, 0.0]}, goal: {q: [0.5, -0.3]}, duration: 0.9, objective: {effort: 1, link_acceleration: "
       "0.01}}");
   const auto spread = [&](const Scheme& scheme, int intervals) {
-    const Collocated c = solved(problem, {scheme, uniform_mesh(problem, intervals), {1.0}});
+    const Collocated c = solved(problem, {scheme, mesh_of(problem, intervals), {1.0}});
     return analyse(problem, c, 1).optimality.hamiltonian.spread;
   };
   // Measured 4.0, 13.8 and 15.5; friction of 1 rad/s width is only just resolved.
@@ -201,7 +217,7 @@ TEST(OptimalityOf, TheHamiltonianSettlesWithTheMesh) {
 
 TEST(OptimalityOf, AWrongMultiplierShows) {
   const Problem problem = request(kEffort);
-  Collocated c = solved(problem, {hermite_simpson(), uniform_mesh(problem, 40), {1.0}});
+  Collocated c = solved(problem, {hermite_simpson(), mesh_of(problem, 40), {1.0}});
   const Optimality good = analyse(problem, c, 1).optimality;
   EXPECT_LT(good.stationarity.free, 1e-4 * good.stationarity.largest);
   EXPECT_EQ(good.stationarity.wrong, 0);

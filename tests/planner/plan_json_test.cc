@@ -44,7 +44,7 @@ Analysis some_analysis() {
   Analysis analysis;
   analysis.sensitivity.limits = {{"torque", 1, "N m", 12, 0.0048604512, 0.48, {{0, 0.1}, {0.2, 0.31}}},
                                  {"tip_speed", 0, "m/s", 2.5, 0, 0, {}}};
-  analysis.sensitivity.via = {{0.2, {1, 2}, {}, -3}};
+  analysis.sensitivity.via = {{0.2, {1, 2}, {}, -3.0}};
   analysis.sensitivity.goal = {0.15, 0.02};
   analysis.optimality.hamiltonian = {-0.999, 0.004, 0.04, 0.1, -1};
   analysis.optimality.costate_end.dtheta = {0.5, 0.25};
@@ -63,6 +63,7 @@ Plan some_plan() {
   plan.node_times = {0, 0.1, 0.43};
   plan.interval_errors = {1e-6, 2.34567e-8};
   plan.iterations = 70;
+  plan.cost.factorisations = 75;
   plan.stages = {
       {.name = "friction 0.1 rad/s", .intervals = 40, .iterations = 30, .objective = 0.44, .status = "solved"}};
   plan.starts = 2;
@@ -94,7 +95,8 @@ TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
                                       "request_hash", "back_off", "timing"));
   EXPECT_THAT(keys(json["objective"]), ElementsAre("total", "terms"));
   EXPECT_THAT(keys(json["mesh"]), ElementsAre("intervals", "method", "error_estimate", "node_times", "errors"));
-  EXPECT_THAT(keys(json["solver"]), ElementsAre("iterations", "stages", "starts", "warm", "distinct_minima"));
+  EXPECT_THAT(keys(json["solver"]),
+              ElementsAre("iterations", "factorisations", "stages", "starts", "warm", "distinct_minima"));
   EXPECT_THAT(keys(json["certificate"]), ElementsAre("verdict", "failures", "tolerance_rad", "open_loop", "closed_loop",
                                                      "limits", "residual", "tracking"));
   EXPECT_THAT(keys(json["certificate"]["limits"][0]),
@@ -108,6 +110,7 @@ TEST(PlanJson, SaysWhatThePlanSays) {
   EXPECT_TRUE(json["reason"].is_null());
   EXPECT_EQ(json["objective"]["total"], 0.43);
   EXPECT_EQ(json["objective"]["terms"]["effort"], 30.0);
+  EXPECT_EQ(json["solver"]["factorisations"], 75);
   EXPECT_EQ(json["solver"]["stages"][0]["iterations"], 30);
   EXPECT_EQ(json["request_hash"], "beef");
   EXPECT_EQ(json["robot_hash"].get<std::string>().size(), 64u);

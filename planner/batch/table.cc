@@ -55,7 +55,7 @@ std::vector<std::string> columns_of(const std::vector<Row>& rows) {
 
 }  // namespace
 
-Row make_row(const Task& task, const Json& plan) {
+Row make_row(const BatchTask& task, const Json& plan) {
   return {{"name", task.name},
           {"axes", task.axes.is_null() ? Json::object() : task.axes},
           {"status", value_at(plan, "/status")},
@@ -72,7 +72,7 @@ Row make_row(const Task& task, const Json& plan) {
           {"time", value_at(plan, "/timing/total")}};
 }
 
-Row make_row(const Task& task, const std::string& status, const std::string& reason) {
+Row make_row(const BatchTask& task, const std::string& status, const std::string& reason) {
   return make_row(task, Json{{"status", status}, {"reason", reason}});
 }
 

@@ -26,14 +26,14 @@ std::optional<YamlNode> grid_in(const fs::path& file) {
   return std::nullopt;
 }
 
-void add_grid(const YamlNode& root, const fs::path& folder, std::vector<Task>& tasks) {
+void add_grid(const YamlNode& root, const fs::path& folder, std::vector<BatchTask>& tasks) {
   for (GridPoint& point : expand_grid(root)) {
     fs::path file = folder / point.name / (point.name + ".yaml");
     tasks.push_back({std::move(point.name), std::move(file), std::move(point.yaml), std::move(point.axes)});
   }
 }
 
-void add_file(const fs::path& file, const fs::path& folder, std::vector<Task>& tasks) {
+void add_file(const fs::path& file, const fs::path& folder, std::vector<BatchTask>& tasks) {
   if (const auto grid = grid_in(file)) return add_grid(*grid, folder, tasks);
   const std::string name = file.stem().string();
   if (name.empty() || name == "." || name == "..")
@@ -55,14 +55,14 @@ std::vector<fs::path> requests_in(const fs::path& folder) {
 }
 
 // The summary stands beside the folders.
-void refuse_names(const std::vector<Task>& tasks) {
-  for (const Task& task : tasks) {
+void refuse_names(const std::vector<BatchTask>& tasks) {
+  for (const BatchTask& task : tasks) {
     if (task.name.starts_with("summary.")) {
       throw InputError(task.request.string(), "", "names that begin with 'summary.' are those of the summary");
     }
   }
-  const auto twice =
-      std::adjacent_find(tasks.begin(), tasks.end(), [](const Task& a, const Task& b) { return a.name == b.name; });
+  const auto twice = std::adjacent_find(tasks.begin(), tasks.end(),
+                                        [](const BatchTask& a, const BatchTask& b) { return a.name == b.name; });
   if (twice == tasks.end()) return;
   throw InputError(twice->request.string(), "",
                    fmt::format("two requests named '{}' would write the same files; the other one is {}", twice->name,
@@ -71,8 +71,8 @@ void refuse_names(const std::vector<Task>& tasks) {
 
 }  // namespace
 
-std::vector<Task> collect_tasks(const std::vector<std::string>& arguments, const fs::path& folder) {
-  std::vector<Task> tasks;
+std::vector<BatchTask> collect_tasks(const std::vector<std::string>& arguments, const fs::path& folder) {
+  std::vector<BatchTask> tasks;
   for (const std::string& argument : arguments) {
     std::error_code error;
     if (!fs::is_directory(argument, error)) {
@@ -81,12 +81,12 @@ std::vector<Task> collect_tasks(const std::vector<std::string>& arguments, const
     }
     for (const fs::path& file : requests_in(argument)) add_file(file, folder, tasks);
   }
-  std::stable_sort(tasks.begin(), tasks.end(), [](const Task& a, const Task& b) { return a.name < b.name; });
+  std::stable_sort(tasks.begin(), tasks.end(), [](const BatchTask& a, const BatchTask& b) { return a.name < b.name; });
   refuse_names(tasks);
   return tasks;
 }
 
-Problem load(const Task& task) {
+Problem load(const BatchTask& task) {
   if (!task.yaml) return load_request(task.request, default_robot_file());
   return parse_request(*task.yaml, task.request.string(), task.request.parent_path(), default_robot_file());
 }
@@ -105,8 +105,8 @@ Shard parse_shard(const std::string& text) {
 }
 
 // Dealt out in turn: neighbours in a grid take similar time, so that every part gets its share of the long ones.
-std::vector<Task> shard_of(std::vector<Task> tasks, const Shard& shard) {
-  std::vector<Task> part;
+std::vector<BatchTask> shard_of(std::vector<BatchTask> tasks, const Shard& shard) {
+  std::vector<BatchTask> part;
   for (std::size_t i = shard.index - 1; i < tasks.size(); i += shard.count) part.push_back(std::move(tasks[i]));
   return part;
 }

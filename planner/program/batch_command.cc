@@ -49,11 +49,11 @@ struct Options {
 
 struct Batch {
   const Options& options;
-  std::vector<Task> tasks;
+  std::vector<BatchTask> tasks;
   std::vector<Row> rows;  // beside the tasks
   std::size_t earlier = 0, planned = 0;
 
-  fs::path folder(const Task& task) const { return fs::path(options.out) / task.name; }
+  fs::path folder(const BatchTask& task) const { return fs::path(options.out) / task.name; }
 };
 
 void complain(const std::vector<std::string>& complaints) {
@@ -65,12 +65,12 @@ void complain(const std::vector<std::string>& complaints) {
 }
 
 // The folder with nothing in it but, for a point of a grid, the request.
-void begin(const Batch& batch, const Task& task) {
+void begin(const Batch& batch, const BatchTask& task) {
   prepare_folder(batch.folder(task));
   if (task.yaml) write_file(task.request, *task.yaml);
 }
 
-Row refuse(const Batch& batch, const Task& task, const std::string& reason) {
+Row refuse(const Batch& batch, const BatchTask& task, const std::string& reason) {
   begin(batch, task);
   const Json plan = bad_input_json(task.name, reason);
   write_file(batch.folder(task) / "plan.json", json_text(plan));
@@ -85,7 +85,7 @@ std::vector<std::size_t> sort_out(Batch& batch) {
     ProgressLine line("looking for what is finished");
     for (std::size_t i = 0; i < batch.tasks.size(); ++i) {
       line.show(static_cast<double>(i) / static_cast<double>(batch.tasks.size()));
-      const Task& task = batch.tasks[i];
+      const BatchTask& task = batch.tasks[i];
       std::optional<Problem> problem;
       try {
         problem = load(task);
@@ -115,7 +115,7 @@ struct Running {
 };
 
 void start(Batch& batch, std::size_t index, std::vector<Running>& running) {
-  const Task& task = batch.tasks[index];
+  const BatchTask& task = batch.tasks[index];
   try {
     begin(batch, task);
     std::vector<std::string> arguments = to_arguments(batch.options.settings);
@@ -126,7 +126,7 @@ void start(Batch& batch, std::size_t index, std::vector<Running>& running) {
   }
 }
 
-Row row_at_end(const Batch& batch, const Task& task, const std::string& ending, bool interrupted) {
+Row row_at_end(const Batch& batch, const BatchTask& task, const std::string& ending, bool interrupted) {
   if (const auto plan = read_plan_json(batch.folder(task))) return make_row(task, *plan);
   if (interrupted) return make_row(task, name(PlanStatus::kCancelled), "interrupted");
   return make_row(task, kFailed, ending);

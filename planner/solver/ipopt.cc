@@ -224,21 +224,24 @@ void configure(Options o, const SolveOptions& options, const std::string& linear
   }
 }
 
-// Stages of the rows of Ipopt's KKT matrix: free variables (fixed ones are parameters), slacks, equalities,
+// What the rows of Ipopt's KKT matrix are: free variables (fixed ones are parameters), slacks, equalities,
 // inequalities.
-std::vector<int> kkt_stages(const Nlp& nlp) {
-  std::vector<int> stages, equalities, inequalities;
+ChainStructure kkt_structure(const Nlp& nlp) {
+  ChainStructure kkt{nlp.stages, {}, {}};
+  std::vector<int> equalities, inequalities;
   for (Index i = 0; i < nlp.variables(); ++i) {
-    if (nlp.x_lower(i) != nlp.x_upper(i)) stages.push_back(nlp.variable_stage[static_cast<std::size_t>(i)]);
+    if (nlp.x_lower(i) != nlp.x_upper(i)) kkt.stage.push_back(nlp.variable_stage[static_cast<std::size_t>(i)]);
   }
   for (Index i = 0; i < nlp.constraints(); ++i) {
     (nlp.g_lower(i) == nlp.g_upper(i) ? equalities : inequalities)
         .push_back(nlp.constraint_stage[static_cast<std::size_t>(i)]);
   }
+  kkt.equality.assign(kkt.stage.size(), false);
   for (const auto* part : {&inequalities, &equalities, &inequalities}) {
-    stages.insert(stages.end(), part->begin(), part->end());
+    kkt.stage.insert(kkt.stage.end(), part->begin(), part->end());
+    kkt.equality.resize(kkt.stage.size(), part == &equalities);
   }
-  return stages;
+  return kkt;
 }
 
 double linear_algebra(Ipopt::IpoptApplication& application) {
@@ -273,7 +276,7 @@ SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& opti
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
   // A problem of no known structure has no stages to factorise by.
   const std::string linear_solver = nlp.stages == 0 ? "mumps" : options.linear_solver;
-  if (linear_solver == "stage") describe_chain(kkt_stages(nlp), nlp.stages);
+  if (linear_solver == "stage") describe_chain(kkt_structure(nlp));
   configure(Options(*application), options, linear_solver);
   application->Initialize("");                          // no options file: a plan depends on its request alone
   Adapter* adapter = new Adapter(nlp, start, options);  // owned by the smart pointer, Ipopt's own reference count

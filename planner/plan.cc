@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "planner/certificate/residual.h"
 #include "planner/collocation/collocate.h"
 #include "planner/collocation/guess.h"
 #include "planner/collocation/margins.h"
@@ -71,6 +72,7 @@ class Planner {
     } else if (!plan_.certificate) {
       explain_failure();
     }
+    if (plan_.certificate) predict_execution();
     plan_.timing["total"] = seconds_since(began_);
     return std::move(plan_);
   }
@@ -211,19 +213,22 @@ class Planner {
                         trajectory.samples.size(), kMaxRows);
         return false;
       }
-      Certificate certificate = certify(problem_.robot, problem_.limits, trajectory);
+      Certificate certificate = judge(problem_.robot, problem_.limits, trajectory);
       check_against_request(trajectory, certificate);
-      const bool certified = certificate.certified;
-      const std::vector<LimitCheck> limits = certificate.limits;
-      const std::vector<double> errors = rollout_errors(c, trajectory);
-      record(c, std::move(trajectory), std::move(certificate));
+      record(c, trajectory, certificate);
       plan_.timing["certificate"] += seconds_since(start);
-      if (certified) return true;
+      if (certificate.certified) return true;
       // A limit that only the rows exceed wants a margin; a rest where the arm cannot rest, motion; the rest, accuracy.
-      if (!c.keep_margins(limits) && !c.creep() && !c.refine(errors)) return false;
+      if (!c.keep_margins(certificate.limits) && !c.creep() && !c.refine(rollout_errors(c, trajectory))) return false;
       c.polish();
     }
     return false;
+  }
+
+  void predict_execution() {
+    const auto start = Clock::now();
+    predict(problem_.robot, *plan_.trajectory, *plan_.certificate);
+    plan_.timing["certificate"] += seconds_since(start);
   }
 
   // The certificate is about a trajectory and a robot; that it is also the motion asked for is checked here.
@@ -254,7 +259,9 @@ class Planner {
         fail(fmt::format("the via point at {} s is missed", via.time));
       }
     }
-    if (goal.at_rest && !certificate.residual.evaluated) fail("the motion does not end at rest");
+    if (goal.at_rest && !ends_at_rest(problem_.robot, trajectory.samples.back())) {
+      fail("the motion does not end at rest");
+    }
   }
 
   // Local errors of the published rows against the exact model; where the rollout has no answer, the mesh's own

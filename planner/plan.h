@@ -78,7 +78,7 @@ struct Plan {
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;
   std::shared_ptr<const Collocated> solution;  // of the certified trajectory
-  std::map<std::string, double> timing;        // [s] by part, and "total"
+  std::map<std::string, double> timing;        // [s] by part, and "total"; CPU time: of `cost`, and "cpu" of all
 };
 
 Plan plan(const Problem& problem, const PlanOptions& options);

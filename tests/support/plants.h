@@ -25,7 +25,7 @@ struct OcpData {
   std::vector<PathBounds<kX, kU, kC>> bounds = std::vector<PathBounds<kX, kU, kC>>(1);
   std::vector<NodeBounds<kX>> at_nodes;
   std::vector<std::array<double, 2>> durations;
-  std::array<double, 2> total_duration{};
+  std::vector<DurationSum> duration_sums;
 };
 
 // x'' = u. cost = time_weight T + effort int u^2 dt.  Row: the position, for limits on the way.

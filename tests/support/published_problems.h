@@ -128,7 +128,6 @@ inline Posed minimum_time_two_link_arm(TwoLinkArm ocp, const Scheme& scheme, con
   constexpr Array<4> kFrom{0, 0, 0.5, 0}, kTo{0, 0, 0.5, 0.522};
   ocp.time_weight = 1;
   ocp.durations.assign(static_cast<std::size_t>(mesh.segments()), {0.01, 10});
-  ocp.total_duration = {0.1, 10};
   fix_ends(ocp, mesh, kFrom, kTo);
   return pose_straight(std::move(ocp), scheme, mesh, kFrom, kTo, 3);
 }

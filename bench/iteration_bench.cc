@@ -12,8 +12,9 @@ namespace {
 void iteration(benchmark::State& state, const char* linear_solver) {
   const Problem problem =
       parse_request("start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\n", "reach", load_parameters(default_robot_file()));
-  const CollocationSetup setup{hermite_simpson(), uniform_mesh(problem, static_cast<int>(state.range(0))), {0.1, 0.1}};
   const Guess guess = straight_guess(problem, duration_guess(problem));
+  const CollocationSetup setup{
+      hermite_simpson(), uniform_mesh(guess.durations, static_cast<int>(state.range(0))), {0.1, 0.1}};
   SolveOptions options;
   options.linear_solver = linear_solver;
   options.max_iterations = 30;

@@ -29,8 +29,9 @@ SolveReport solve_once(const Problem& problem, int intervals, const std::string&
   SolveOptions options;
   options.linear_solver = linear_solver;
   options.max_iterations = iterations;
-  const CollocationSetup setup{hermite_simpson(), uniform_mesh(problem, intervals), {0.1, 0.1}};
-  return collocate(problem, setup, straight_guess(problem, duration_guess(problem)), options).report;
+  const Guess guess = straight_guess(problem, duration_guess(problem));
+  const CollocationSetup setup{hermite_simpson(), uniform_mesh(guess.durations, intervals), {0.1, 0.1}};
+  return collocate(problem, setup, guess, options).report;
 }
 
 Json measure(const Problem& problem, int intervals, const std::string& linear_solver, const Options& options) {

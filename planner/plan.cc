@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <iterator>
 #include <numeric>
 
@@ -133,6 +134,7 @@ class Planner {
     plan_.timing["evaluation"] = plan_.cost.evaluation;
     plan_.timing["linear_algebra"] = plan_.cost.linear_algebra;
     plan_.timing["ipopt"] = plan_.cost.ipopt();
+    plan_.timing["cpu"] = static_cast<double>(std::clock() - began_cpu_) / CLOCKS_PER_SEC;
     plan_.timing["total"] = seconds_since(began_);
     return std::move(plan_);
   }
@@ -386,6 +388,7 @@ class Planner {
   const PlanOptions& options_;
   ContinuationSettings settings_;
   const Clock::time_point began_ = Clock::now();
+  const std::clock_t began_cpu_ = std::clock();
   bool stopped_ = false, deadline_passed_ = false;
   int booked_of_present_ = 0;  // iterations of the continuation at work that are in plan_.iterations already
   std::vector<Continuation> candidates_;

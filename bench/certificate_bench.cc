@@ -1,5 +1,5 @@
-// The certificate of a planned reach, and its parts: the verdict with its rollouts in open and closed loop, what remains
-// after the end, and the prediction of the run on the hardware.
+// The certificate of a planned reach, and its parts: the verdict with its rollouts in open and closed loop, what
+// remains after the end, and the prediction of the run on the hardware.
 #include <benchmark/benchmark.h>
 
 #include <stdexcept>

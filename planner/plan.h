@@ -63,13 +63,16 @@ struct Plan {
   PlanStatus status = PlanStatus::kNotConverged;
   std::string reason;                   // one sentence when not certified
   double duration = 0;                  // [s]
+  std::vector<double> via_times;        // [s] when the via points, or the corners of a path, are passed
   double objective = 0;                 // of the published rows
   std::map<std::string, double> terms;  // unweighted, weighted or not
   int intervals = 0;
   std::string method;
-  double error_estimate = 0;  // [rad] largest local error of an interval
-  int iterations = 0;         // over all stages and starts
-  SolveCost cost;             // likewise
+  double error_estimate = 0;            // [rad] largest local error of an interval
+  std::vector<double> node_times;       // [s] of the mesh, intervals + 1
+  std::vector<double> interval_errors;  // [rad] local error of each interval
+  int iterations = 0;                   // over all stages and starts
+  SolveCost cost;                       // likewise
   std::vector<SolverStage> stages;
   bool warm = false;  // it came from PlanOptions::warm, without any start
   int starts = 0;

@@ -8,26 +8,12 @@
 #include <string_view>
 #include <vector>
 
+#include "planner/problem/units.h"
+
 namespace fjr {
 namespace {
 
 constexpr std::size_t kTightest = 3;  // limits shown
-
-std::string_view unit_of(std::string_view name) {
-  if (name == "torque") return "N m";
-  if (name == "motor_velocity") return "rad/s";
-  if (name == "torque_rate") return "N m/s";
-  if (name == "tip_speed") return "m/s";
-  return "rad";
-}
-
-std::string_view unit_of_term(std::string_view name) {
-  if (name == "time") return "s";
-  if (name == "effort") return "N^2 m^2 s";
-  if (name == "torque_rate") return "N^2 m^2/s";
-  if (name == "link_acceleration") return "rad^2/s^3";
-  return "";
-}
 
 std::string line(std::string_view label, const std::string& text) { return fmt::format("  {:<11} {}\n", label, text); }
 
@@ -47,7 +33,7 @@ std::string open_loop(const OpenLoop& errors, double tolerance) {
 std::string limit_text(const LimitCheck& check) {
   const std::string joint = check.joint == 0 ? "" : fmt::format(" {}", check.joint);
   return fmt::format("{}{} {:.6g} of {:.6g} {} at {:.4f} s", check.name, joint, check.reached, check.limit,
-                     unit_of(check.name), check.time);
+                     unit_of_limit(check.name), check.time);
 }
 
 std::string tightest_limits(const Certificate& certificate) {
@@ -91,6 +77,12 @@ std::string summary(const Certificate& certificate) {
   text += line("closed loop", exactness(certificate.closed_loop, certificate.tolerance));
   text += line("feedback", fmt::format("at most {:.2e} and {:.2e} N m", feedback[0], feedback[1]));
   text += tightest_limits(certificate);
+  for (const TaskCheck& check : certificate.task) {
+    text += line(
+        text.find("task") == std::string::npos ? "task" : "",
+        fmt::format("{}{} keeps {:.3g} {} of room at {:.4f} s", check.name,
+                    check.link == 0 ? "" : fmt::format(" link {}", check.link), check.room, check.unit, check.time));
+  }
   if (certificate.residual.evaluated) {
     const auto& after = certificate.residual;
     text += line("afterwards", fmt::format("links within {:.2e} and {:.2e} rad of the goal for {:g} s",

@@ -75,14 +75,17 @@ std::vector<std::string> keys(const Json& json) {
 
 TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
   const Json json = plan_json(some_problem(), some_plan());
-  EXPECT_THAT(keys(json), ElementsAre("version", "request", "status", "reason", "objective", "duration", "mesh",
-                                      "solver", "certificate", "robot_hash", "request_hash", "back_off", "timing"));
+  EXPECT_THAT(keys(json), ElementsAre("version", "request", "status", "reason", "objective", "duration", "via_times", "mesh",
+                                      "solver", "certificate", "resolved_request", "robot", "robot_hash",
+                                      "request_hash", "back_off", "timing"));
   EXPECT_THAT(keys(json["objective"]), ElementsAre("total", "terms"));
-  EXPECT_THAT(keys(json["mesh"]), ElementsAre("intervals", "method", "error_estimate"));
-  EXPECT_THAT(keys(json["solver"]),
-              ElementsAre("iterations", "factorisations", "stages", "starts", "warm", "distinct_minima"));
+  EXPECT_THAT(keys(json["mesh"]),
+              ElementsAre("intervals", "method", "error_estimate", "node_times", "interval_errors"));
+  EXPECT_THAT(keys(json["resolved_request"]),
+              ElementsAre("start", "goal", "duration", "objective", "via", "limits", "sample_period", "seed"));
+  EXPECT_THAT(keys(json["solver"]), ElementsAre("iterations", "factorisations", "stages", "starts", "warm", "distinct_minima"));
   EXPECT_THAT(keys(json["certificate"]), ElementsAre("verdict", "failures", "tolerance_rad", "open_loop", "closed_loop",
-                                                     "limits", "residual", "tracking"));
+                                                     "limits", "task", "residual", "tracking"));
   EXPECT_THAT(keys(json["certificate"]["limits"][0]),
               ElementsAre("name", "joint", "limit", "reached", "time", "margin", "rollout", "passed"));
 }

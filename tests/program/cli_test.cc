@@ -283,5 +283,30 @@ TEST_F(Cli, ExperimentAndIdentifyRefuseBadInput) {
   EXPECT_FALSE(fs::exists(path("robot.yaml")));
 }
 
+TEST_F(Cli, ReportComesFromTheFolderAlone) {
+  write("good.yaml", kGood);
+  EXPECT_EQ(run({"plan", "good.yaml", "--out", "out", "--report"}).exit_code, 0);
+  const std::string report = contents(path("out/report.html"));
+  EXPECT_THAT(report, HasSubstr("id='plan-data'"));
+  fs::remove(path("out/report.html"));
+  const Result again = run({"report", "out"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(again.out, "out/report.html\n");
+  EXPECT_EQ(contents(path("out/report.html")), report);
+  EXPECT_EQ(run({"plan", "good.yaml", "--out", "out", "--deadline", "1e-6"}).exit_code, 5);
+  EXPECT_FALSE(fs::exists(path("out/report.html")));  // it was of another plan
+  EXPECT_EQ(run({"report", "out"}).exit_code, 0);     // of what there is: why nothing came of it
+}
+
+TEST_F(Cli, ReportOfWhatIsNoPlanIsBadInput) {
+  write("out/plan.json", "{}");
+  for (const char* folder : {"out", "nowhere", "."}) {
+    const Result result = run({"report", folder});
+    EXPECT_EQ(result.exit_code, 2) << folder;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(path(folder) / "report.html"));
+  }
+}
+
 }  // namespace
 }  // namespace fjr

@@ -77,6 +77,12 @@ Row refuse(const Batch& batch, const BatchItem& item, const std::string& reason)
   return make_row(item, plan);
 }
 
+// To what was finished without one.
+void complete_report(const Batch& batch, const BatchItem& item, const Json& plan) {
+  const bool wanted = batch.options.settings.report && plan["status"] != name(PlanStatus::kBadInput);
+  if (wanted && !has_report(batch.folder(item))) write_report(batch.folder(item));
+}
+
 // Rows of what an earlier run has finished and of bad requests; returns which items are left to be planned.
 std::vector<std::size_t> sort_out(Batch& batch) {
   std::vector<std::size_t> open;
@@ -96,6 +102,7 @@ std::vector<std::size_t> sort_out(Batch& batch) {
       }
       const auto plan = finished_earlier(*problem, batch.folder(item), batch.options.settings.keep_uncertified);
       if (plan) {
+        complete_report(batch, item, *plan);
         batch.rows[i] = make_row(item, *plan);
         ++batch.earlier;
       } else {

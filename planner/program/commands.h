@@ -28,7 +28,7 @@ void add_experiment(CLI::App& app, int& exit_code);
 void add_identify(CLI::App& app, int& exit_code);
 
 inline constexpr std::array<AddCommand, 13> kCommands = {
-    add_plan, add_batch, add_verify, add_report, add_serve,  add_request,    add_executor,
+    add_plan, add_batch, add_verify, add_report, add_serve,      add_request, add_executor,
     add_hold, add_stop,  add_status, add_worker, add_experiment, add_identify};  // in the order of --help
 
 }  // namespace fjr

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <numeric>
 
+#include "planner/analysis/analysis.h"
 #include "planner/certificate/request_check.h"
 #include "planner/collocation/collocate.h"
 #include "planner/collocation/detours.h"
@@ -127,6 +128,7 @@ class Planner {
     } else if (!plan_.certificate) {
       explain_failure();
     }
+    if (plan_.solution && plan_.trajectory) plan_.analysis = analyse(*solved_, *plan_.solution, scale_);
     plan_.timing["evaluation"] = plan_.cost.evaluation;
     plan_.timing["linear_algebra"] = plan_.cost.linear_algebra;
     plan_.timing["ipopt"] = plan_.cost.ipopt();
@@ -346,6 +348,7 @@ class Planner {
     trajectory.metadata["robot_hash"] = robot_hash(problem_.robot);
     trajectory.metadata["request_hash"] = problem_.request_hash;
     if (certificate.certified) plan_.solution = std::make_shared<const Collocated>(solution);
+    solved_ = &c.problem();
     plan_.trajectory = std::move(trajectory);
     plan_.certificate = std::move(certificate);
   }
@@ -375,6 +378,7 @@ class Planner {
   const double scale_;                       // of the objective
   const std::vector<Problem> alternatives_;  // what is optimised
   int patience_ = 400;                       // iterations a start may take
+  const Problem* solved_ = nullptr;          // the one of them that the plan is for
   const PlanOptions& options_;
   ContinuationSettings settings_;
   const Clock::time_point began_ = Clock::now();

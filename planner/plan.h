@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "planner/analysis/analysis.h"
 #include "planner/certificate/certificate.h"
 #include "planner/problem/problem.h"
 #include "planner/solver/solve_cost.h"
@@ -81,6 +82,7 @@ struct Plan {
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;
   std::shared_ptr<const Collocated> solution;  // of the certified trajectory
+  std::optional<Analysis> analysis;            // of that solution
   std::map<std::string, double> timing;        // [s] by part, and "total"
 };
 

@@ -418,8 +418,8 @@ void add_certificate(ChartPage& page, const JsonField& certificate) {
 void add_mesh(ChartPage& page, const JsonField& mesh) {
   page.add_heading("Mesh and error");
   const std::vector<double> nodes = mesh.at("node_times").numbers();
-  const std::vector<double> errors = mesh.at("interval_errors").numbers();
-  if (nodes.size() != errors.size() + 1) mesh.fail("must have one more of node_times than of interval_errors");
+  const std::vector<double> errors = mesh.at("errors").numbers();
+  if (nodes.size() != errors.size() + 1) mesh.fail("must have one more of node_times than of errors");
   page.add_paragraph(fmt::format("{} intervals, {}; local error of an interval at most {} rad.", errors.size(),
                                  mesh.at("method").text(), number(mesh.at("error_estimate").number(), 3)));
   Chart error = time_chart("Local error of the intervals", "rad"), length = time_chart("Length of the intervals", "ms");

@@ -12,6 +12,7 @@
 
 #include "planner/analysis/analysis.h"
 #include "planner/analysis/optimality.h"
+#include "planner/collocation/collocate.h"
 #include "planner/collocation/margins.h"
 #include "planner/collocation/transcription.h"
 #include "planner/problem/arm_ocp.h"

@@ -41,8 +41,8 @@ TaskCheck& entry_of(std::vector<TaskCheck>& checks, const TaskRow& row) {
   return checks.back();
 }
 
-// At the instants that rollouts are compared at, at most 0.25 ms apart: between them an acceleration of 100 m/s^2 makes
-// less than a micrometre.
+// At the instants that rollouts are compared at, at most 0.25 ms apart: between them an acceleration of 1000 m/s^2 makes
+// 8e-6 m, which is what the back-off leaves.
 std::vector<TaskCheck> check_task(const Problem& problem, const std::vector<double>& ends,
                                   const Trajectory& trajectory) {
   std::vector<TaskCheck> checks;

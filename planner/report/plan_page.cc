@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <vector>
 
@@ -186,14 +187,54 @@ Json motion_json(const std::string& name, const std::vector<Sample>& samples) {
 //   {kind: "disc", center, radius}   {kind: "box", corners: [[x, y], [x, y]]}   {kind: "line", from, to, tolerance}
 //   {kind: "arc", center, radius, from, to, tolerance} (angles from the x axis)   {kind: "point", at},
 // all of them with a `label` if they like. Whatever a request gains that has a place in the plane goes here.
-Json scene_json(const JsonField& request, const Parameters& robot) {
-  Json scene = Json::array();
-  for (const JsonField& via : request.at("via").items()) {
-    const Point<double> tip = tip_position(robot, via.at("q").pair());
-    scene.push_back({{"kind", "point"},
-                     {"at", {tip.x, tip.y}},
-                     {"label", fmt::format("via, {} s", number(via.at("time").number()))}});
+void add_vias(Json& scene, const JsonField& request, const std::vector<double>& times, const Parameters& robot) {
+  const std::vector<JsonField> vias = request.at("via").items();
+  for (std::size_t i = 0; i < vias.size(); ++i) {
+    const Point<double> tip = tip_position(robot, vias[i].at("q").pair());
+    scene.push_back({{"kind", "point"}, {"at", {tip.x, tip.y}}});
+    if (i < times.size()) scene.back()["label"] = fmt::format("via, {:.4g} s", times[i]);
   }
+}
+
+void add_obstacles(Json& scene, const JsonField& task) {
+  const auto obstacles = task.find("obstacles");
+  if (!obstacles) return;
+  for (const JsonField& disc : obstacles->items()) {
+    scene.push_back({{"kind", "disc"}, {"center", disc.at("center").pair()}, {"radius", disc.at("radius").number()}});
+  }
+}
+
+void add_tip_region(Json& scene, const JsonField& task) {
+  if (const auto box = task.find("box")) {
+    const std::vector<JsonField> corners = box->items();
+    if (corners.size() != 2) box->fail("must be two corners");
+    scene.push_back({{"kind", "box"}, {"corners", {corners[0].pair(), corners[1].pair()}}});
+  }
+  if (const auto line = task.find("line")) {
+    scene.push_back({{"kind", "line"},
+                     {"from", line->at("from").pair()},
+                     {"to", line->at("to").pair()},
+                     {"tolerance", line->at("tolerance").number()}});
+  }
+  if (const auto arc = task.find("arc")) {
+    const Pair<double> center = arc->at("center").pair(), from = arc->at("from").pair(), to = arc->at("to").pair();
+    const auto angle = [&](const Pair<double>& p) { return std::atan2(p[1] - center[1], p[0] - center[0]); };
+    const double turn = std::remainder(angle(to) - angle(from), 2 * std::numbers::pi);  // the short way
+    scene.push_back({{"kind", "arc"},
+                     {"center", center},
+                     {"radius", std::hypot(from[0] - center[0], from[1] - center[1])},
+                     {"from", angle(from)},
+                     {"to", angle(from) + turn},
+                     {"tolerance", arc->at("tolerance").number()}});
+  }
+}
+
+Json scene_json(const JsonField& plan, const Parameters& robot) {
+  const JsonField request = plan.at("resolved_request");
+  Json scene = Json::array();
+  add_vias(scene, request, plan.at("via_times").numbers(), robot);
+  add_obstacles(scene, request.at("task"));
+  add_tip_region(scene, request.at("task"));
   return scene;
 }
 
@@ -333,7 +374,7 @@ void add_motion(ChartPage& page, const PlanRecord& record, const JsonField& plan
 
   Json data{{"arm", {{"length", pair_json(record.robot.link.length)}, {"radius", pair_json(record.robot.link.radius)}}},
             {"limits", Json::object()},
-            {"scene", scene_json(plan.at("resolved_request"), record.robot)},
+            {"scene", scene_json(plan, record.robot)},
             {"motions", Json::array()}};
   for (const char* name : {"torque", "spring_deflection"}) {
     const Limit *first = limit_of(limits, name, 1), *second = limit_of(limits, name, 2);
@@ -518,8 +559,7 @@ std::string plan_page(const PlanRecord& record) {
     add_motion(page, record, plan, limits, motions);
     add_margins(page, limits);
     add_certificate(page, plan.at("certificate"));
-    add_comparison(page, motions, *record.trajectory, limits,
-                   !scene_json(plan.at("resolved_request"), record.robot).empty());
+    add_comparison(page, motions, *record.trajectory, limits, !scene_json(plan, record.robot).empty());
     add_mesh(page, plan.at("mesh"));
     add_objective(page, plan);
   }

@@ -31,6 +31,7 @@ constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the wa
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
 // in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
+constexpr int kLevelIterations = 80;  // of steps between levels that converge at all, nine of ten take less than 60
 constexpr int kHalvings = 2;          // of a step between levels that did not converge
 constexpr double kSharpWidth = 1e-4;  // [rad/s] as good as the exact law, where a step is halved
 constexpr int kPolishRounds = 8;
@@ -103,7 +104,9 @@ bool Continuation::reach_level(const Smoothing& level, int halvings) {
       refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
   const Smoothing from = setup.smoothing;
   setup.smoothing = level;
-  if (attempt(what, setup, nullptr, warm(what))) return true;
+  SolveOptions o = warm(what);
+  o.max_iterations = kLevelIterations;
+  if (attempt(what, setup, nullptr, o)) return true;
   if (status_ == SolveStatus::kStopped || halvings == 0) return false;
   const double sharpest = std::max(level.friction_width, kSharpWidth);
   const Smoothing between{std::sqrt(from.friction_width * sharpest),
@@ -118,7 +121,8 @@ bool Continuation::follow_levels() {
   Collocated best = solution_;
   double least = published_objective(*problem_, best.motion);
   for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
-    if (!reach_level(levels(*problem_)[i], kHalvings)) break;
+    // With effort the levels are close already, and the last good one will do.
+    if (!reach_level(levels(*problem_)[i], problem_->weights.effort > 0 ? 0 : kHalvings)) break;
     const double objective = published_objective(*problem_, solution_.motion);
     // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
     if (objective < least || problem_->weights.effort == 0) {

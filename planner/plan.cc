@@ -47,13 +47,27 @@ double objective_scale(const Weights& weights) {
   return std::max({weights.time, weights.effort, 10 * weights.link_acceleration, 1e4 * weights.torque_rate});
 }
 
+// What is optimised: the objective divided by `scale`, one problem for each of the goals that are as good.
+std::vector<Problem> alternatives(const Problem& problem, double scale) {
+  Problem scaled = problem;
+  visit_weights(scaled.weights, [scale](const char*, double& weight) { weight /= scale; });
+  std::vector<Problem> all{scaled};
+  for (const Goal& goal : problem.other_goals) {
+    all.push_back(scaled);
+    all.back().goal = goal;
+  }
+  return all;
+}
+
 // One request on its way through the pipeline.
 class Planner {
  public:
   Planner(const Problem& problem, const PlanOptions& options)
-      : problem_(problem), scale_(objective_scale(problem.weights)), scaled_(problem), options_(options) {
+      : problem_(problem),
+        scale_(objective_scale(problem.weights)),
+        alternatives_(alternatives(problem, scale_)),
+        options_(options) {
     settings_.linear_solver = options.linear_solver;
-    visit_weights(scaled_.weights, [this](const char*, double& weight) { weight /= scale_; });
   }
 
   Plan run() {
@@ -71,6 +85,9 @@ class Planner {
     } else if (!plan_.certificate) {
       explain_failure();
     }
+    plan_.timing["evaluation"] = plan_.cost.evaluation;
+    plan_.timing["linear_algebra"] = plan_.cost.linear_algebra;
+    plan_.timing["ipopt"] = plan_.cost.ipopt();
     plan_.timing["total"] = seconds_since(began_);
     return std::move(plan_);
   }
@@ -104,36 +121,47 @@ class Planner {
       plan_.stages.push_back(c.stages()[i]);
       plan_.stages.back().objective *= scale_;
       plan_.iterations += c.stages()[i].iterations;
+      plan_.cost += c.stages()[i].cost;
     }
   }
 
   void resume() {
     const auto start = Clock::now();
-    Continuation c = continuation(scaled_, "from an earlier plan");
-    plan_.warm = c.resume(*options_.warm) && certify_and_refine(c);
-    book(c);
+    for (const Problem& problem : alternatives_) {
+      Continuation c = continuation(problem, "from an earlier plan");
+      plan_.warm = c.resume(*options_.warm) && certify_and_refine(c);
+      book(c);
+      if (plan_.warm || stopped()) break;
+    }
     plan_.timing["warm"] = seconds_since(start) - plan_.timing["certificate"];
   }
 
   // Every start on a coarse mesh; what converges is kept in order of its objective.
   void find_starts() {
     const auto start = Clock::now();
-    const int count = options_.starts > 0 ? options_.starts : default_starts(problem_);
-    const std::vector<Guess> all = guesses(problem_, count);
-    for (std::size_t i = 0; i < all.size() && !interrupted(); ++i) {
-      // The further guesses are there for other minima, and for when the first finds nothing.
-      if (static_cast<int>(i) >= count && !candidates_.empty()) break;
-      try_start(all[i], fmt::format("start {} of {}", i + 1, std::max(static_cast<int>(i) + 1, count)));
+    for (const Problem& problem : alternatives_) try_starts(problem);
+    for (const Problem& problem : alternatives_) {
+      if (candidates_.empty() && !interrupted()) try_from_fastest(problem);
     }
-    if (candidates_.empty() && !interrupted()) try_from_fastest();
     std::stable_sort(candidates_.begin(), candidates_.end(), [](const Continuation& a, const Continuation& b) {
       return a.solution().report.objective < b.solution().report.objective;
     });
     plan_.timing["starts"] = seconds_since(start);
   }
 
-  void try_start(const Guess& guess, const std::string& label) {
-    Continuation c = continuation(scaled_, label);
+  void try_starts(const Problem& problem) {
+    const int count = options_.starts > 0 ? options_.starts : default_starts(problem);
+    const std::vector<Guess> all = guesses(problem, count);
+    const std::size_t before = candidates_.size();
+    for (std::size_t i = 0; i < all.size() && !interrupted(); ++i) {
+      // The further guesses are there for other minima, and for when the first finds nothing.
+      if (static_cast<int>(i) >= count && candidates_.size() > before) break;
+      try_start(problem, all[i], fmt::format("start {} of {}", i + 1, std::max(static_cast<int>(i) + 1, count)));
+    }
+  }
+
+  void try_start(const Problem& problem, const Guess& guess, const std::string& label) {
+    Continuation c = continuation(problem, label);
     const bool found = c.begin(guess);
     book(c);
     ++plan_.starts;
@@ -147,11 +175,12 @@ class Planner {
 
   // The fastest motion of the same request is a feasible start for it, stretched to the time it has; and when even that
   // takes longer than allowed, the reason is found.
-  void try_from_fastest() {
-    Problem fastest = scaled_;
+  void try_from_fastest(const Problem& problem) {
+    Problem fastest = problem;
     fastest.weights = Weights{};
     fastest.weights.time = 1;
-    if (!problem_.via.empty()) return;  // via points come with a fixed duration
+    if (std::any_of(problem.via.begin(), problem.via.end(), [](const Via& via) { return via.time.has_value(); }))
+      return;
     fastest.duration = {0.02, 20};
     Continuation c = continuation(fastest, "fastest");
     bool found = false;
@@ -164,7 +193,7 @@ class Planner {
     shortest_ = c.solution().motion.duration();
     if (shortest_ > problem_.duration.max) return;
     const double duration = std::clamp(shortest_, problem_.duration.min, problem_.duration.max);
-    try_start(guess_from(c.solution().motion, duration), "from the fastest");
+    try_start(problem, guess_from(c.solution().motion, c.solution().durations, duration), "from the fastest");
   }
 
   // Distinct minima are finished in the order of their coarse objectives; the best certified one is the plan. Those
@@ -212,7 +241,7 @@ class Planner {
         return false;
       }
       Certificate certificate = certify(problem_.robot, problem_.limits, trajectory);
-      check_against_request(trajectory, certificate);
+      check_against_request(c, trajectory, certificate);
       const bool certified = certificate.certified;
       const std::vector<LimitCheck> limits = certificate.limits;
       const std::vector<double> errors = rollout_errors(c, trajectory);
@@ -227,7 +256,7 @@ class Planner {
   }
 
   // The certificate is about a trajectory and a robot; that it is also the motion asked for is checked here.
-  void check_against_request(const Trajectory& trajectory, Certificate& certificate) const {
+  void check_against_request(const Continuation& c, const Trajectory& trajectory, Certificate& certificate) const {
     const auto fail = [&certificate](const std::string& what) {
       certificate.certified = false;
       certificate.failures.push_back(what);
@@ -242,16 +271,22 @@ class Planner {
         differ(first.dtheta, start.dtheta)) {
       fail("the first row is not the start");
     }
-    const Goal& goal = problem_.goal;
-    if (differ(last.q, goal.q) || differ(last.dq, goal.dq) || (goal.theta && differ(last.theta, *goal.theta)) ||
+    const Goal& goal = c.problem().goal;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      if (!goal.free[j] && std::abs(last.q[j] - goal.q[j]) > kMet) fail("the last row is not the goal");
+    }
+    if (differ(last.dq, goal.dq) || (goal.theta && differ(last.theta, *goal.theta)) ||
         (goal.dtheta && differ(last.dtheta, *goal.dtheta))) {
       fail("the last row is not the goal");
     }
     Interpolator at(trajectory);
-    for (const Via& via : problem_.via) {  // between rows the interpolation of positions is good to 1e-6 rad
-      const Pair<double> q = at.at(via.time).state.q;
-      if (std::max(std::abs(q[0] - via.q[0]), std::abs(q[1] - via.q[1])) > 1e-5) {
-        fail(fmt::format("the via point at {} s is missed", via.time));
+    double time = 0;
+    for (std::size_t i = 0; i < problem_.via.size(); ++i) {
+      const Via& via = problem_.via[i];
+      time = via.time.value_or(time + c.solution().durations[i]);
+      const Pair<double> q = at.at(time).state.q;  // between rows the interpolation of positions is good to 1e-6 rad
+      if (std::max(std::abs(q[0] - via.q[0]), std::abs(q[1] - via.q[1])) > via.tolerance + 1e-5) {
+        fail(fmt::format("via point {} is missed at {:.6f} s", i + 1, time));
       }
     }
     if (goal.at_rest && !certificate.residual.evaluated) fail("the motion does not end at rest");
@@ -286,7 +321,7 @@ class Planner {
     plan_.intervals = static_cast<int>(solution.setup.mesh.size());
     plan_.method = solution.setup.scheme.name;
     plan_.error_estimate = *std::max_element(plan_.interval_errors.begin(), plan_.interval_errors.end());
-    plan_.back_off = largest_share_kept_free(problem_.limits, solution.setup.margins);
+    plan_.back_off = largest_share_kept_free(problem_, solution.setup.margins);
     trajectory.metadata["robot_hash"] = robot_hash(problem_.robot);
     trajectory.metadata["request_hash"] = problem_.request_hash;
     if (certificate.certified) plan_.solution = std::make_shared<const Collocated>(solution);
@@ -313,8 +348,8 @@ class Planner {
   }
 
   const Problem& problem_;
-  const double scale_;  // of the objective
-  Problem scaled_;      // the problem with its objective divided by scale_: what is optimised
+  const double scale_;                       // of the objective
+  const std::vector<Problem> alternatives_;  // what is optimised
   const PlanOptions& options_;
   ContinuationSettings settings_;
   const Clock::time_point began_ = Clock::now();

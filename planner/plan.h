@@ -10,6 +10,7 @@
 
 #include "planner/certificate/certificate.h"
 #include "planner/problem/problem.h"
+#include "planner/solver/solve_cost.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -55,6 +56,7 @@ struct SolverStage {
   int iterations = 0;
   double objective = 0;
   std::string status;
+  SolveCost cost{};
 };
 
 struct Plan {
@@ -69,6 +71,7 @@ struct Plan {
   std::vector<double> node_times;       // [s] of the mesh, intervals + 1
   std::vector<double> interval_errors;  // [rad] local error of each interval
   int iterations = 0;                   // over all stages and starts
+  SolveCost cost;                       // likewise
   std::vector<SolverStage> stages;
   bool warm = false;  // it came from PlanOptions::warm, without any start
   int starts = 0;

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include "model/flatness.h"
+#include "planner/collocation/segments.h"
 
 namespace fjr {
 namespace {
@@ -16,11 +18,47 @@ struct Waypoint {
   Pair<double> q;
 };
 
-std::vector<Waypoint> waypoints(const Problem& problem, double duration) {
-  std::vector<Waypoint> points{{0, problem.start.q}};
-  for (const Via& via : problem.via) points.push_back({via.time / duration, via.q});
-  points.push_back({1, problem.goal.q});
+// How long one leg takes by itself [s]: what the drives' torque and velocity limits allow a rigid arm, roughly.
+double leg_time(const Problem& problem, const Pair<double>& from, const Pair<double>& to) {
+  double time = 0.02;
+  const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
+  const Pair<double> inertia{stretched.m11, stretched.m22};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double distance = std::abs(to[j] - from[j]);
+    const double acceleration = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
+    time = std::max({time, 2 * std::sqrt(distance / acceleration), distance / problem.limits.motor_velocity[j]});
+  }
+  return time;
+}
+
+std::vector<Pair<double>> points_of(const Problem& problem) {
+  std::vector<Pair<double>> points{problem.start.q};
+  for (const Via& via : problem.via) points.push_back(via.q);
+  points.push_back(problem.goal.q);
   return points;
+}
+
+std::vector<double> leg_times(const Problem& problem) {
+  const auto points = points_of(problem);
+  std::vector<double> times;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) times.push_back(leg_time(problem, points[i], points[i + 1]));
+  return times;
+}
+
+std::vector<double> durations_of(const Problem& problem, double duration) {
+  return apportioned(problem, duration, leg_times(problem));
+}
+
+std::vector<Waypoint> waypoints(const Problem& problem, const std::vector<double>& durations) {
+  const auto points = points_of(problem);
+  const double whole = std::accumulate(durations.begin(), durations.end(), 0.0);
+  std::vector<Waypoint> result{{0, points.front()}};
+  double time = 0;
+  for (std::size_t i = 0; i < durations.size(); ++i) {
+    time += durations[i];
+    result.push_back({i + 1 == durations.size() ? 1 : time / whole, points[i + 1]});
+  }
+  return result;
 }
 
 std::size_t leg_of(const std::vector<Waypoint>& points, double s) {
@@ -32,7 +70,8 @@ std::size_t leg_of(const std::vector<Waypoint>& points, double s) {
 }  // namespace
 
 Guess straight_guess(const Problem& problem, double duration) {
-  const auto points = waypoints(problem, duration);
+  const std::vector<double> durations = durations_of(problem, duration);
+  const auto points = waypoints(problem, durations);
   const auto state = [points, robot = problem.robot](double s) {
     const std::size_t leg = leg_of(points, s);
     const double inside = (s - points[leg].share) / (points[leg + 1].share - points[leg].share);
@@ -41,11 +80,12 @@ Guess straight_guess(const Problem& problem, double duration) {
       q[j] = points[leg].q[j] + inside * (points[leg + 1].q[j] - points[leg].q[j]);
     return rest_at(robot, q);
   };
-  return {"straight", duration, state, [](double) { return Pair<double>{0, 0}; }};
+  return {"straight", durations, state, [](double) { return Pair<double>{0, 0}; }};
 }
 
 Guess minimum_jerk_guess(const Problem& problem, double duration) {
-  const auto points = waypoints(problem, duration);
+  const std::vector<double> durations = durations_of(problem, duration);
+  const auto points = waypoints(problem, durations);
   // Flash & Hogan, Journal of Neuroscience 5(7), 1985: q = 10 s^3 - 15 s^4 + 6 s^5 from rest to rest.
   const auto flat = [points, duration, robot = problem.robot](double s) {
     const std::size_t leg = leg_of(points, s);
@@ -62,7 +102,7 @@ Guess minimum_jerk_guess(const Problem& problem, double duration) {
     }
     return from_link_motion(robot, m);
   };
-  return {"minimum jerk", duration, [flat](double s) { return flat(s).state; },
+  return {"minimum jerk", durations, [flat](double s) { return flat(s).state; },
           [flat](double s) { return flat(s).compensated_torque; }};
 }
 
@@ -87,23 +127,19 @@ Guess displaced_guess(const Problem& problem, double duration, double size, std:
   return guess;
 }
 
-Guess guess_from(Motion motion, double duration) {
+Guess guess_from(Motion motion, const std::vector<double>& durations, double duration) {
   const double length = motion.duration();
+  std::vector<double> stretched = durations;
+  for (double& d : stretched) d *= duration / length;
   const auto state = [motion, length](double s) { return motion.state_at(s * length); };
   const auto torque = [motion = std::move(motion), length](double s) { return motion.torque_at(s * length); };
-  return {"previous", duration, state, torque};
+  return {"previous", stretched, state, torque};
 }
 
 double duration_guess(const Problem& problem) {
   if (problem.duration.fixed()) return problem.duration.min;
-  double time = 0.1;
-  const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
-  const Pair<double> inertia{stretched.m11, stretched.m22};
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    const double distance = std::abs(problem.goal.q[j] - problem.start.q[j]);
-    const double acceleration = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
-    time = std::max({time, 2 * std::sqrt(distance / acceleration), distance / problem.limits.motor_velocity[j]});
-  }
+  const std::vector<double> legs = leg_times(problem);
+  const double time = std::max(0.1, std::accumulate(legs.begin(), legs.end(), 0.0));
   // Springs and friction roughly double it; the regularising objectives want still longer motions.
   const bool hurried = problem.weights.effort == 0 && problem.weights.link_acceleration == 0;
   return std::clamp(time * (hurried ? 1.3 : 2.0), problem.duration.min, problem.duration.max);

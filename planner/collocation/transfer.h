@@ -42,7 +42,9 @@ class Transfer {
         used = 0;
       }
     }
-    if (to_.total_row() >= 0) result_.lambda(to_.total_row()) = old_.lambda(from_.total_row());
+    for (std::size_t i = 0; i < to_.ocp().duration_sums.size(); ++i) {
+      result_.lambda(to_.sum_row(i)) = old_.lambda(from_.sum_row(i));
+    }
     return std::move(result_);
   }
 

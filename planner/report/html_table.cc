@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "model/chart_page.h"
 
@@ -40,8 +42,8 @@ bool is_list_of_alike(const Json& json) {
 }
 
 std::string table_of_alike(const Json& list) {
-  std::vector<std::vector<Cell>> rows(1);
-  for (const auto& item : list.front().items()) rows[0].push_back({spaced(item.key()), "", ""});
+  Rows rows(1);
+  for (const auto& item : list.front().items()) rows[0].push_back(cell(spaced(item.key())));
   for (std::size_t i = 0; i < std::min(list.size(), kMostItems); ++i) {
     std::vector<Cell> row;
     for (const auto& item : list.front().items()) {
@@ -53,9 +55,9 @@ std::string table_of_alike(const Json& list) {
 }
 
 std::string table_of_numbers(const Json& list) {
-  std::vector<std::vector<Cell>> rows;
+  Rows rows;
   for (std::size_t i = 0; i < std::min(list.size(), kMostItems); ++i) {
-    rows.push_back({{std::to_string(i), "", ""}, {plain_text(list[i]), "", ""}});
+    rows.push_back({cell(std::to_string(i)), cell(plain_text(list[i]))});
   }
   return html_table(rows, false);
 }
@@ -75,11 +77,11 @@ std::string html_at_depth(const Json& json, int depth) {
   }
   if (is_list_of_alike(json)) return folded(json, table_of_alike(json));
   if (json.is_array() && std::all_of(json.begin(), json.end(), is_plain)) return folded(json, table_of_numbers(json));
-  std::vector<std::vector<Cell>> rows;
+  Rows rows;
   std::string below;
   for (const auto& item : json.items()) {
     if (is_plain(item.value())) {
-      rows.push_back({{spaced(item.key()), "", ""}, {plain_text(item.value()), "", ""}});
+      rows.push_back({cell(spaced(item.key())), cell(plain_text(item.value()))});
     } else {
       below += "<h3>" + escaped_html(spaced(item.key())) + "</h3>\n" + html_at_depth(item.value(), depth + 1);
     }
@@ -89,12 +91,19 @@ std::string html_at_depth(const Json& json, int depth) {
 
 }  // namespace
 
+Cell cell(std::string text, std::string css_class) { return {std::move(text), std::move(css_class), ""}; }
+Cell html_cell(std::string html) { return {"", "", std::move(html)}; }
+
+std::string number_text(double value, int digits) {
+  return std::isnan(value) ? "-" : std::isinf(value) ? "none" : fmt::format("{:.{}g}", value, digits);
+}
+
 std::string spaced(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
 }
 
-std::string html_table(const std::vector<std::vector<Cell>>& rows, bool heading) {
+std::string html_table(const Rows& rows, bool heading) {
   std::string html = "<div class='table'><table>\n";
   for (std::size_t row = 0; row < rows.size(); ++row) {
     html += "<tr>";

@@ -57,6 +57,7 @@ class Continuation {
   // solution.
   bool creep();
 
+  const Problem& problem() const { return *problem_; }
   const Collocated& solution() const { return solution_; }
   SolveStatus status() const { return status_; }
   // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.

@@ -75,6 +75,7 @@ Json solver_json(const Plan& plan) {
                       {"status", stage.status}});
   }
   return {{"iterations", plan.iterations},
+          {"factorisations", plan.cost.factorisations},
           {"stages", std::move(stages)},
           {"starts", plan.starts},
           {"warm", plan.warm},
@@ -107,19 +108,63 @@ Json state_json(const State<double>& state, bool at_rest) {
 Json numbers_or_null(const std::optional<Pair<double>>& values) { return values ? numbers(*values) : Json(nullptr); }
 
 Json goal_json(const Goal& goal) {
-  return {{"q", numbers(goal.q)},
+  Json q = numbers(goal.q);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (goal.free[j]) q[j] = nullptr;
+  }
+  return {{"q", std::move(q)},
           {"dq", numbers(goal.dq)},
           {"theta", numbers_or_null(goal.theta)},
           {"dtheta", numbers_or_null(goal.dtheta)},
           {"at_rest", goal.at_rest}};
 }
 
+Json goals_json(const std::vector<Goal>& goals) {
+  Json list = Json::array();
+  for (const Goal& goal : goals) list.push_back(goal_json(goal));
+  return list;
+}
+
 Json via_json(const std::vector<Via>& vias) {
   Json list = Json::array();
   for (const Via& via : vias) {
-    list.push_back({{"time", number(via.time)}, {"q", numbers(via.q)}, {"dq", numbers_or_null(via.dq)}});
+    list.push_back({{"time", via.time ? number(*via.time) : Json(nullptr)},
+                    {"q", numbers(via.q)},
+                    {"dq", numbers_or_null(via.dq)},
+                    {"tolerance", number(via.tolerance)}});
   }
   return list;
+}
+
+Json obstacles_json(const std::vector<Disc>& obstacles) {
+  Json list = Json::array();
+  for (const Disc& disc : obstacles) {
+    list.push_back({{"center", numbers(disc.center)}, {"radius", disc.radius}, {"margin", disc.margin}});
+  }
+  return list;
+}
+
+Json tip_json(const Task& task) {
+  Json tip = Json::object();
+  if (task.box) tip["box"] = {numbers(task.box->lower), numbers(task.box->upper)};
+  if (task.line) {
+    tip["line"] = {
+        {"from", numbers(task.line->from)}, {"to", numbers(task.line->to)}, {"tolerance", task.line->tolerance}};
+  }
+  if (task.arc) {
+    tip["arc"] = {{"center", numbers(task.arc->center)},
+                  {"from", numbers(task.arc->from)},
+                  {"to", numbers(task.arc->to)},
+                  {"tolerance", task.arc->tolerance}};
+  }
+  return tip;
+}
+
+Json path_json(const std::optional<JointPath>& path) {
+  if (!path) return nullptr;
+  Json corners = Json::array();
+  for (const Pair<double>& corner : path->corners) corners.push_back(numbers(corner));
+  return {{"corners", std::move(corners)}, {"tolerance", path->tolerance}};
 }
 
 Json limits_json(const Limits& limits) {
@@ -137,9 +182,13 @@ Json resolved_request_json(const Problem& problem) {
   visit_weights(problem.weights, [&](const char* term, double weight) { weights[term] = number(weight); });
   return {{"start", state_json(problem.start, problem.start_at_rest)},
           {"goal", goal_json(problem.goal)},
+          {"other_goals", goals_json(problem.other_goals)},
           {"duration", {{"min", problem.duration.min}, {"max", problem.duration.max}}},
           {"objective", std::move(weights)},
           {"via", via_json(problem.via)},
+          {"obstacles", obstacles_json(problem.task.obstacles)},
+          {"tip", tip_json(problem.task)},
+          {"path", path_json(problem.task.path)},
           {"limits", limits_json(problem.limits)},
           {"sample_period", problem.sample_period},
           {"seed", problem.seed}};

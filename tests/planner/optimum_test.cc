@@ -121,6 +121,25 @@ TEST(Ipopt, ReportsWhatItFound) {
   EXPECT_EQ(report.iterate.z_lower.size(), nlp.variables());
 }
 
+// Every iteration factorises and evaluates; with MUMPS the factorisations are not seen, but their time is.
+TEST(Ipopt, TellsWhatASolveCost) {
+  const Plant nlp = fastest(hermite_simpson(), 50, 0.1, 10);
+  for (const char* linear_solver : {"stage", "mumps"}) {
+    SolveOptions options;
+    options.linear_solver = linear_solver;
+    const SolveReport report = solve(nlp, zeros(nlp, 3), options);
+    ASSERT_TRUE(report.solved());
+    EXPECT_GT(report.cost.evaluation, 0);
+    EXPECT_GT(report.cost.linear_algebra, 0);
+    EXPECT_GT(report.cost.ipopt(), 0);
+    if (options.linear_solver == "stage") {
+      EXPECT_GE(report.cost.factorisations, report.iterations);
+    } else {
+      EXPECT_EQ(report.cost.factorisations, 0);
+    }
+  }
+}
+
 TEST(Ipopt, StopsWhenTheMonitorSaysSo) {
   const Plant nlp = fastest(hermite_simpson(), 10, 0.1, 10);
   SolveOptions options;

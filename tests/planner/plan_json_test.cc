@@ -49,6 +49,7 @@ Plan some_plan() {
   plan.method = "hermite-simpson";
   plan.error_estimate = 1e-6;
   plan.iterations = 70;
+  plan.cost.factorisations = 75;
   plan.stages = {
       {.name = "friction 0.1 rad/s", .intervals = 40, .iterations = 30, .objective = 0.44, .status = "solved"}};
   plan.starts = 2;
@@ -81,8 +82,10 @@ TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
   EXPECT_THAT(keys(json["mesh"]),
               ElementsAre("intervals", "method", "error_estimate", "node_times", "interval_errors"));
   EXPECT_THAT(keys(json["resolved_request"]),
-              ElementsAre("start", "goal", "duration", "objective", "via", "limits", "sample_period", "seed"));
-  EXPECT_THAT(keys(json["solver"]), ElementsAre("iterations", "stages", "starts", "warm", "distinct_minima"));
+              ElementsAre("start", "goal", "other_goals", "duration", "objective", "via", "obstacles", "tip", "path",
+                          "limits", "sample_period", "seed"));
+  EXPECT_THAT(keys(json["solver"]),
+              ElementsAre("iterations", "factorisations", "stages", "starts", "warm", "distinct_minima"));
   EXPECT_THAT(keys(json["certificate"]), ElementsAre("verdict", "failures", "tolerance_rad", "open_loop", "closed_loop",
                                                      "limits", "residual", "tracking"));
   EXPECT_THAT(keys(json["certificate"]["limits"][0]),
@@ -96,6 +99,7 @@ TEST(PlanJson, SaysWhatThePlanSays) {
   EXPECT_TRUE(json["reason"].is_null());
   EXPECT_EQ(json["objective"]["total"], 0.43);
   EXPECT_EQ(json["objective"]["terms"]["effort"], 30.0);
+  EXPECT_EQ(json["solver"]["factorisations"], 75);
   EXPECT_EQ(json["solver"]["stages"][0]["iterations"], 30);
   EXPECT_EQ(json["request_hash"], "beef");
   EXPECT_EQ(json["robot_hash"].get<std::string>().size(), 64u);

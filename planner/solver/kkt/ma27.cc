@@ -13,6 +13,7 @@ thread_local std::vector<int> described_stage;
 thread_local int described_stages = 0;
 thread_local ChainLdlt factor;
 thread_local std::vector<int> rows, cols;
+thread_local int factorised = 0;
 
 }  // namespace
 
@@ -20,6 +21,8 @@ void describe_chain(std::vector<int> stage, int stages) {
   described_stage = std::move(stage);
   described_stages = stages;
 }
+
+int factorisations() { return factorised; }
 
 }  // namespace fjr
 
@@ -64,6 +67,7 @@ void ma27bd_(const int* /*n*/, const int* nz, const int* /*irn*/, const int* /*i
              int* /*iw1*/, const int* /*icntl*/, const double* cntl, int* info) {
   std::fill_n(info, 20, 0);
   *maxfrt = 1;
+  ++fjr::factorised;
   const double threshold = std::clamp(cntl[0], 1e-10, 0.5);
   if (!fjr::factor.factorise(std::span(a, static_cast<std::size_t>(*nz)), threshold)) info[0] = -5;  // singular
   info[14] = fjr::factor.negative_eigenvalues();

@@ -14,4 +14,7 @@ namespace fjr {
 // inequalities, equality rows, inequality rows; and how many stages there are (see ChainLdlt::analyse).
 void describe_chain(std::vector<int> stage, int stages);
 
+// How many factorisations this thread has done.
+int factorisations();
+
 }  // namespace fjr

@@ -45,6 +45,11 @@ TEST_P(Profiles, LeadFromRestToRestAndAreTheirOwnDerivatives) {
   EXPECT_NEAR(along(GetParam(), 1).position, 1, 1e-15);
   EXPECT_EQ(along(GetParam(), 0).velocity, 0);
   EXPECT_NEAR(along(GetParam(), 1).velocity, 0, 1e-14);
+  for (const double corner : {1.0 / 3, 2.0 / 3}) {  // of the trapezoid
+    const Along before = along(GetParam(), corner - 1e-12), after = along(GetParam(), corner + 1e-12);
+    EXPECT_NEAR(before.position, after.position, 1e-10);
+    EXPECT_NEAR(before.velocity, after.velocity, 1e-10);
+  }
   constexpr double kStep = 1e-5;
   for (double c = 0.01; c < 1; c += 0.0123) {  // never within a step of a jump
     const Along before = along(GetParam(), c - kStep), at = along(GetParam(), c), after = along(GetParam(), c + kStep);

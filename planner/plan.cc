@@ -5,8 +5,13 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 
+#include "planner/analysis/analysis.h"
+#include "planner/certificate/request_check.h"
 #include "planner/collocation/collocate.h"
+#include "planner/collocation/detours.h"
 #include "planner/collocation/guess.h"
 #include "planner/collocation/margins.h"
 #include "planner/collocation/refinement.h"
@@ -33,13 +38,51 @@ int default_starts(const Problem& problem) {
   return problem.weights.link_acceleration > 0 ? 4 : 6;
 }
 
-std::vector<Guess> guesses(const Problem& problem, int count) {
-  const double duration = duration_guess(problem);
-  std::vector<Guess> all{straight_guess(problem, duration), minimum_jerk_guess(problem, duration)};
-  for (int i = 2; i < count; ++i) {
-    all.push_back(displaced_guess(problem, duration, 0.8, problem.seed * 1000 + static_cast<std::uint64_t>(i)));
+// One way per segment: round what is in the way, both ways round where there are two; along the tip's line or arc. None
+// when nothing asks for it.
+std::vector<std::vector<Way>> task_ways(const Problem& problem) {
+  constexpr std::size_t kMostWays = 3;
+  const Task& task = problem.task;
+  if (task.line || task.arc) return {ways_along_tip_path(problem)};
+  if (task.path || (task.obstacles.empty() && !task.box)) return {};
+  std::vector<Pair<double>> points{problem.start.q};
+  for (const Via& via : problem.via) points.push_back(via.q);
+  points.push_back(problem.goal.q);
+  std::vector<std::vector<Way>> all(1);
+  std::vector<std::vector<Way>> others;  // of one segment, with its index
+  for (std::size_t s = 0; s + 1 < points.size(); ++s) {
+    Detours detours = find_detours(problem, s, points[s], points[s + 1], kMostWays);
+    if (detours.ways.empty()) detours.ways.push_back(detours.roomiest);
+    all.front().push_back(detours.ways.front());
+    others.emplace_back(detours.ways.begin() + 1, detours.ways.end());
+  }
+  for (std::size_t s = 0; s < others.size(); ++s) {  // one segment goes the other way round at a time
+    for (const Way& other : others[s]) {
+      all.push_back(all.front());
+      all.back()[s] = other;
+    }
   }
   return all;
+}
+
+struct Starts {
+  std::vector<Guess> guesses;
+  std::size_t always = 0;  // the first so many are tried in any case, the others until one leads somewhere
+};
+
+Starts starts_of(const Problem& problem, int count) {
+  const double duration = duration_guess(problem);
+  Starts starts;
+  for (const std::vector<Way>& ways : task_ways(problem)) {
+    starts.guesses.push_back(way_guess(problem, duration, ways));
+  }
+  starts.always = std::max(starts.guesses.size(), static_cast<std::size_t>(count));
+  starts.guesses.push_back(straight_guess(problem, duration));
+  starts.guesses.push_back(minimum_jerk_guess(problem, duration));
+  for (std::uint64_t i = 2; starts.guesses.size() < std::max<std::size_t>(4, starts.always); ++i) {
+    starts.guesses.push_back(displaced_guess(problem, duration, 0.8, problem.seed * 1000 + i));
+  }
+  return starts;
 }
 
 // The optimiser's tolerances and regularisation are meant for objectives of order 1 to 100; weights may be of any size.
@@ -85,6 +128,7 @@ class Planner {
     } else if (!plan_.certificate) {
       explain_failure();
     }
+    if (plan_.solution && plan_.trajectory) plan_.analysis = analyse(*solved_, *plan_.solution, scale_);
     plan_.timing["evaluation"] = plan_.cost.evaluation;
     plan_.timing["linear_algebra"] = plan_.cost.linear_algebra;
     plan_.timing["ipopt"] = plan_.cost.ipopt();
@@ -139,10 +183,16 @@ class Planner {
   // Every start on a coarse mesh; what converges is kept in order of its objective.
   void find_starts() {
     const auto start = Clock::now();
-    for (const Problem& problem : alternatives_) try_starts(problem);
+    std::vector<const Problem*> open;
     for (const Problem& problem : alternatives_) {
-      if (candidates_.empty() && !interrupted()) try_from_fastest(problem);
+      no_way_ = no_way(problem);
+      if (no_way_.empty()) open.push_back(&problem);
     }
+    for (const Problem* problem : open) try_starts(*problem);
+    for (const Problem* problem : open) {
+      if (candidates_.empty() && !interrupted()) try_from_fastest(*problem);
+    }
+    if (!open.empty()) no_way_.clear();
     std::stable_sort(candidates_.begin(), candidates_.end(), [](const Continuation& a, const Continuation& b) {
       return a.solution().report.objective < b.solution().report.objective;
     });
@@ -151,18 +201,19 @@ class Planner {
 
   void try_starts(const Problem& problem) {
     const int count = options_.starts > 0 ? options_.starts : default_starts(problem);
-    const std::vector<Guess> all = guesses(problem, count);
-    const std::size_t before = candidates_.size();
-    for (std::size_t i = 0; i < all.size() && !interrupted(); ++i) {
-      // The further guesses are there for other minima, and for when the first finds nothing.
-      if (static_cast<int>(i) >= count && candidates_.size() > before) break;
-      try_start(problem, all[i], fmt::format("start {} of {}", i + 1, std::max(static_cast<int>(i) + 1, count)));
+    const Starts starts = starts_of(problem, count);
+    for (std::size_t i = 0; i < starts.guesses.size() && !interrupted(); ++i) {
+      if (i >= starts.always && !candidates_.empty()) break;
+      try_start(problem, starts.guesses[i], fmt::format("start {} of {}", i + 1, std::max(i + 1, starts.always)));
     }
   }
 
   void try_start(const Problem& problem, const Guess& guess, const std::string& label) {
     Continuation c = continuation(problem, label);
-    const bool found = c.begin(guess);
+    const bool found = c.begin(guess, patience_);
+    // What is much harder than what was found already is given up early; counted in iterations, so that it is the same
+    // every time.
+    if (found) patience_ = std::min(patience_, std::max(100, 2 * c.stages().front().iterations));
     book(c);
     ++plan_.starts;
     if (found) {
@@ -184,8 +235,8 @@ class Planner {
     fastest.duration = {0.02, 20};
     Continuation c = continuation(fastest, "fastest");
     bool found = false;
-    for (const Guess& guess : guesses(fastest, 4)) {
-      found = !interrupted() && c.begin(guess);
+    for (const Guess& guess : starts_of(fastest, 4).guesses) {
+      found = !interrupted() && c.begin(guess, patience_);
       if (found || stopped()) break;
     }
     book(c);
@@ -241,7 +292,7 @@ class Planner {
         return false;
       }
       Certificate certificate = certify(problem_.robot, problem_.limits, trajectory);
-      check_against_request(c, trajectory, certificate);
+      check_against_request(c.problem(), segment_ends(c), trajectory, certificate);
       const bool certified = certificate.certified;
       const std::vector<LimitCheck> limits = certificate.limits;
       const std::vector<double> errors = rollout_errors(c, trajectory);
@@ -255,41 +306,11 @@ class Planner {
     return false;
   }
 
-  // The certificate is about a trajectory and a robot; that it is also the motion asked for is checked here.
-  void check_against_request(const Continuation& c, const Trajectory& trajectory, Certificate& certificate) const {
-    const auto fail = [&certificate](const std::string& what) {
-      certificate.certified = false;
-      certificate.failures.push_back(what);
-    };
-    constexpr double kMet = 1e-7;  // [rad], [rad/s]: a hundred times the optimiser's constraint tolerance
-    const auto differ = [](const Pair<double>& a, const Pair<double>& b) {
-      return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1])) > kMet;
-    };
-    const State<double>&first = trajectory.samples.front().state, &last = trajectory.samples.back().state;
-    const State<double>& start = problem_.start;
-    if (differ(first.q, start.q) || differ(first.dq, start.dq) || differ(first.theta, start.theta) ||
-        differ(first.dtheta, start.dtheta)) {
-      fail("the first row is not the start");
-    }
-    const Goal& goal = c.problem().goal;
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      if (!goal.free[j] && std::abs(last.q[j] - goal.q[j]) > kMet) fail("the last row is not the goal");
-    }
-    if (differ(last.dq, goal.dq) || (goal.theta && differ(last.theta, *goal.theta)) ||
-        (goal.dtheta && differ(last.dtheta, *goal.dtheta))) {
-      fail("the last row is not the goal");
-    }
-    Interpolator at(trajectory);
-    double time = 0;
-    for (std::size_t i = 0; i < problem_.via.size(); ++i) {
-      const Via& via = problem_.via[i];
-      time = via.time.value_or(time + c.solution().durations[i]);
-      const Pair<double> q = at.at(time).state.q;  // between rows the interpolation of positions is good to 1e-6 rad
-      if (std::max(std::abs(q[0] - via.q[0]), std::abs(q[1] - via.q[1])) > via.tolerance + 1e-5) {
-        fail(fmt::format("via point {} is missed at {:.6f} s", i + 1, time));
-      }
-    }
-    if (goal.at_rest && !certificate.residual.evaluated) fail("the motion does not end at rest");
+  // Moments [s] at which the segments end.
+  static std::vector<double> segment_ends(const Continuation& c) {
+    std::vector<double> ends;
+    std::partial_sum(c.solution().durations.begin(), c.solution().durations.end(), std::back_inserter(ends));
+    return ends;
   }
 
   // Local errors of the published rows against the exact model; where the rollout has no answer, the mesh's own
@@ -316,6 +337,8 @@ class Planner {
     plan_.status = certificate.certified ? PlanStatus::kCertified : PlanStatus::kUncertified;
     plan_.reason = certificate.certified ? "" : certificate.failures.front();
     plan_.duration = trajectory.end_time();
+    plan_.via_times = segment_ends(c);
+    plan_.via_times.pop_back();
     plan_.terms = terms;
     plan_.objective = objective;
     plan_.intervals = static_cast<int>(solution.setup.mesh.size());
@@ -325,13 +348,17 @@ class Planner {
     trajectory.metadata["robot_hash"] = robot_hash(problem_.robot);
     trajectory.metadata["request_hash"] = problem_.request_hash;
     if (certificate.certified) plan_.solution = std::make_shared<const Collocated>(solution);
+    solved_ = &c.problem();
     plan_.trajectory = std::move(trajectory);
     plan_.certificate = std::move(certificate);
   }
 
   void explain_failure() {
     const bool infeasible = std::find(failures_.begin(), failures_.end(), SolveStatus::kInfeasible) != failures_.end();
-    if (shortest_ > problem_.duration.max) {
+    if (!no_way_.empty()) {
+      plan_.status = PlanStatus::kInfeasible;
+      plan_.reason = no_way_;
+    } else if (shortest_ > problem_.duration.max) {
       plan_.status = PlanStatus::kInfeasible;
       plan_.reason = fmt::format(
           "duration: at most {:.6g} s is allowed, the shortest motion found within the limits takes {:.4f} s",
@@ -350,6 +377,8 @@ class Planner {
   const Problem& problem_;
   const double scale_;                       // of the objective
   const std::vector<Problem> alternatives_;  // what is optimised
+  int patience_ = 400;                       // iterations a start may take
+  const Problem* solved_ = nullptr;          // the one of them that the plan is for
   const PlanOptions& options_;
   ContinuationSettings settings_;
   const Clock::time_point began_ = Clock::now();
@@ -358,6 +387,7 @@ class Planner {
   std::vector<Continuation> candidates_;
   std::vector<SolveStatus> failures_;
   std::string obstacle_;  // what a start without solution failed at
+  std::string no_way_;    // why nothing was tried
   std::string failure_;   // why a solution could not be published
   double shortest_ = 0;   // [s] duration of the fastest motion, once it was looked for
   Plan plan_;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "planner/analysis/analysis.h"
 #include "planner/certificate/certificate.h"
 #include "planner/problem/problem.h"
 #include "planner/solver/solve_cost.h"
@@ -63,6 +64,7 @@ struct Plan {
   PlanStatus status = PlanStatus::kNotConverged;
   std::string reason;                   // one sentence when not certified
   double duration = 0;                  // [s]
+  std::vector<double> via_times;        // [s] when the via points, or the corners of a path, are passed
   double objective = 0;                 // of the published rows
   std::map<std::string, double> terms;  // unweighted, weighted or not
   int intervals = 0;
@@ -80,6 +82,7 @@ struct Plan {
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;
   std::shared_ptr<const Collocated> solution;  // of the certified trajectory
+  std::optional<Analysis> analysis;            // of that solution
   std::map<std::string, double> timing;        // [s] by part, and "total"
 };
 

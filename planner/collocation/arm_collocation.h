@@ -20,6 +20,21 @@ inline constexpr Features kRateControlled{.rate = true};
 inline constexpr Features kWithTask{.task_rows = 24};
 inline constexpr Features kEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows)};
 
+// visit<F>() with the least that has room for the problem.
+template <class Visit>
+auto with_features(const Problem& problem, Visit&& visit) {
+  const Limits& limits = problem.limits;
+  // The rate of u is the control only where something asks for it: two more states cost time.
+  const bool rate =
+      problem.weights.torque_rate > 0 || limits.torque_rate[0] < kNoLimit || limits.torque_rate[1] < kNoLimit;
+  const std::size_t rows = count_of_rows(problem.task);
+  const bool task = rows > 0 || problem.goal.any_free();
+  if (!task && !rate) return visit.template operator()<kPlain>();
+  if (!task) return visit.template operator()<kRateControlled>();
+  if (!rate && rows <= static_cast<std::size_t>(kWithTask.task_rows)) return visit.template operator()<kWithTask>();
+  return visit.template operator()<kEverything>();
+}
+
 // From a guess, or from an earlier solution: one of them is given.
 template <Features F>
 Collocated collocate_with(const Problem& problem, const CollocationSetup& setup, const Guess* guess,

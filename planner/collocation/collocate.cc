@@ -9,23 +9,9 @@
 namespace fjr {
 namespace {
 
-// The rate of u is the control only where something asks for it: two more states cost time.
-bool needs_rate(const Problem& problem) {
-  return problem.weights.torque_rate > 0 || problem.limits.torque_rate[0] < kNoLimit ||
-         problem.limits.torque_rate[1] < kNoLimit;
-}
-
-// With the least that has room for the problem.
 Collocated choose(const Problem& problem, const CollocationSetup& setup, const Guess* guess, const Collocated* start,
                   const SolveOptions& options) {
-  const std::size_t rows = count_of_rows(problem.task);
-  const bool task = rows > 0 || problem.goal.any_free();
-  if (!task && !needs_rate(problem)) return collocate_with<kPlain>(problem, setup, guess, start, options);
-  if (!task) return collocate_with<kRateControlled>(problem, setup, guess, start, options);
-  if (!needs_rate(problem) && rows <= static_cast<std::size_t>(kWithTask.task_rows)) {
-    return collocate_with<kWithTask>(problem, setup, guess, start, options);
-  }
-  return collocate_with<kEverything>(problem, setup, guess, start, options);
+  return with_features(problem, [&]<Features F>() { return collocate_with<F>(problem, setup, guess, start, options); });
 }
 
 }  // namespace

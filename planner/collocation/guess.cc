@@ -8,6 +8,7 @@
 
 #include "model/flatness.h"
 #include "planner/collocation/segments.h"
+#include "planner/problem/inverse_kinematics.h"
 
 namespace fjr {
 namespace {
@@ -67,6 +68,41 @@ std::size_t leg_of(const std::vector<Waypoint>& points, double s) {
   return leg;
 }
 
+Pair<double> between(const Pair<double>& a, const Pair<double>& b, double share) {
+  return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])};
+}
+
+// Points at equal distances along a way, its ends included.
+Way resampled(const Way& way, std::size_t count) {
+  std::vector<double> length{0};
+  for (std::size_t k = 1; k < way.size(); ++k) {
+    length.push_back(length.back() + std::hypot(way[k][0] - way[k - 1][0], way[k][1] - way[k - 1][1]));
+  }
+  Way even;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double at = length.back() * static_cast<double>(i) / static_cast<double>(count - 1);
+    while (k + 2 < way.size() && length[k + 1] < at) ++k;
+    const double piece = length[k + 1] - length[k];
+    even.push_back(between(way[k], way[k + 1], piece > 0 ? std::clamp((at - length[k]) / piece, 0.0, 1.0) : 0));
+  }
+  return even;
+}
+
+Way averaged(const Way& way) {
+  Way result = way;
+  for (std::size_t k = 1; k + 1 < way.size(); ++k) {
+    for (std::size_t j = 0; j < kJoints; ++j) result[k][j] = (way[k - 1][j] + way[k][j] + way[k + 1][j]) / 3;
+  }
+  return result;
+}
+
+Pair<double> on_circle(const Pair<double>& point, const TipArc& arc) {
+  const double radius = std::hypot(arc.from[0] - arc.center[0], arc.from[1] - arc.center[1]);
+  const double x = point[0] - arc.center[0], y = point[1] - arc.center[1], away = std::hypot(x, y);
+  return {arc.center[0] + x * radius / away, arc.center[1] + y * radius / away};
+}
+
 }  // namespace
 
 Guess straight_guess(const Problem& problem, double duration) {
@@ -104,6 +140,49 @@ Guess minimum_jerk_guess(const Problem& problem, double duration) {
   };
   return {"minimum jerk", durations, [flat](double s) { return flat(s).state; },
           [flat](double s) { return flat(s).compensated_torque; }};
+}
+
+Guess way_guess(const Problem& problem, double duration, const std::vector<Way>& ways) {
+  constexpr int kRounds = 3;  // of averaging neighbours: a grid's staircase becomes a slope
+  constexpr std::size_t kPoints = 64;
+  const std::vector<double> durations = durations_of(problem, duration);
+  const auto points = waypoints(problem, durations);
+  std::vector<Way> rounded;
+  for (const Way& way : ways) {
+    Way even = resampled(way, kPoints);
+    for (int round = 0; round < kRounds; ++round) even = averaged(even);
+    rounded.push_back(std::move(even));
+  }
+  const auto state = [points, rounded, robot = problem.robot](double s) {
+    const std::size_t leg = leg_of(points, s);
+    const double inside = (s - points[leg].share) / (points[leg + 1].share - points[leg].share);
+    const double at = std::clamp(inside, 0.0, 1.0) * (kPoints - 1);
+    const std::size_t k = std::min(static_cast<std::size_t>(at), kPoints - 2);
+    return rest_at(robot, between(rounded[leg][k], rounded[leg][k + 1], at - static_cast<double>(k)));
+  };
+  return {"round obstacles", durations, state, [](double) { return Pair<double>{0, 0}; }};
+}
+
+std::vector<Way> ways_along_tip_path(const Problem& problem) {
+  constexpr int kPieces = 24;
+  const auto points = points_of(problem);
+  std::vector<Way> ways;
+  for (std::size_t leg = 0; leg + 1 < points.size(); ++leg) {
+    const Point<double> from = tip_position(problem.robot, points[leg]),
+                        to = tip_position(problem.robot, points[leg + 1]);
+    Way way{points[leg]};
+    for (int i = 1; i < kPieces; ++i) {
+      const double s = static_cast<double>(i) / kPieces;
+      Pair<double> tip{from.x + s * (to.x - from.x), from.y + s * (to.y - from.y)};
+      if (problem.task.arc) tip = on_circle(tip, *problem.task.arc);
+      const auto postures =
+          inverse_kinematics(problem.robot, tip, Elbow::kAny, problem.limits.link_position, way.back());
+      if (!postures.empty()) way.push_back(postures.front());
+    }
+    way.push_back(points[leg + 1]);
+    ways.push_back(std::move(way));
+  }
+  return ways;
 }
 
 Guess displaced_guess(const Problem& problem, double duration, double size, std::uint64_t seed) {

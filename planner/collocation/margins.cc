@@ -17,6 +17,7 @@ constexpr double kKeep = 0.8;     // share of the back-off that is left to the s
 constexpr double kEnlarge = 1.2;  // margins answer an excess with a little more
 constexpr double kLeast = 1e-5;   // share of a limit: the optimiser does not see less
 constexpr double kNegligible = 1e-7;  // share of a limit: an excess below a tenth of what the certificate allows
+constexpr double kRunThrough = 0.1;   // share of a task's scale
 constexpr double kWindow = 0.03;      // share of the duration around a given state that lies on a limit
 
 void raise(double& largest, double value) { largest = std::max(largest, std::abs(value)); }
@@ -291,7 +292,8 @@ bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses
   bool any = false;
   for (std::size_t k = 0; k < margins.size(); ++k) {
     for (std::size_t i = 0; i < scales.size(); ++i) {
-      if (!(excesses[k][i] > 0)) continue;
+      // An obstacle that is run through wants a finer mesh; a margin of that size would bar the way beside it too.
+      if (!(excesses[k][i] > 0) || (i >= Limits::kCount && excesses[k][i] > kRunThrough * scales[i])) continue;
       double& margin = margins[k][i];
       margin += std::max(margin, kEnlarge * excesses[k][i] + kLeast * scales[i]);
       any = true;

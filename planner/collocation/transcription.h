@@ -119,6 +119,21 @@ class Transcription final : public Nlp {
   int path_row(int k, int j, int c) const { return path_rows_[index((k * stages_ + j) * kC + c)]; }
   int sum_row(std::size_t i) const { return first_sum_row_ + static_cast<int>(i); }
 
+  // dx/dt, running cost and path rows at a stage.
+  template <class T>
+  struct Point {
+    std::array<T, static_cast<std::size_t>(kX)> f;
+    T cost{};
+    std::array<T, static_cast<std::size_t>(kC)> rows;
+  };
+  using PointValues = Point<double>;
+  PointValues values(const In& z, int k, int j) const {
+    const Array<kV> v = stage_inputs(z, k, j);
+    PointValues p;
+    evaluate_at(k, v.data(), p);
+    return p;
+  }
+
   double objective(const In& z) const override {
     double total = 0;
     for (int s = 0; s < mesh_.segments(); ++s) total += ocp_.time_weight * z(duration_at(s));
@@ -210,14 +225,6 @@ class Transcription final : public Nlp {
   }
 
  private:
-  template <class T>
-  struct Point {
-    std::array<T, static_cast<std::size_t>(kX)> f;
-    T cost{};
-    std::array<T, static_cast<std::size_t>(kC)> rows;
-  };
-  using PointValues = Point<double>;
-
   static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
   int interval_at(int k) const { return kX + k * (2 * kU + (stages_ - first_new_) * kX); }
@@ -239,12 +246,6 @@ class Transcription final : public Nlp {
   double fraction(int k) const { return mesh_.intervals[index(k)].fraction; }
   int duration_of(int k) const { return duration_at(mesh_.intervals[index(k)].segment); }
 
-  PointValues values(const In& z, int k, int j) const {
-    const Array<kV> v = stage_inputs(z, k, j);
-    PointValues p;
-    evaluate_at(k, v.data(), p);
-    return p;
-  }
   template <class D>
   Point<D> derivatives(const In& z, int k, int j) const {
     const Array<kV> values = stage_inputs(z, k, j);

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -85,6 +86,8 @@ struct TaskRow {
 
   // How far it is from its bounds: negative where it is broken. [m or rad]
   double room(double value) const { return std::min(value - lower, upper - value); }
+  // The same in true distance, which differs from value() well away from a circle. [m or rad]
+  double distance(double value) const;
 };
 
 // The rows of a task while the motion is in `segment` of its mesh: the same kinds at every segment, in the same order.
@@ -96,6 +99,14 @@ inline constexpr std::size_t kMostObstacles = 64;
 inline constexpr std::size_t kMostTaskRows = 2 * kMostObstacles + 4;  // a path and a region of the tip beside them
 
 // ---- details of templates ----
+
+inline double TaskRow::distance(double value) const {
+  const bool circle = kind != Kind::kTip && kind != Kind::kAngles;
+  const auto true_one = [&](double v) {
+    return circle ? std::sqrt(std::max(0.0, number * (number + 2 * v))) - number : v;
+  };
+  return std::min(true_one(value) - true_one(lower), true_one(upper) - true_one(value));
+}
 
 template <class T>
 double value_of(const T& x) {

@@ -15,24 +15,38 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kDeepest = 4;                              // nesting shown as tables; below it as JSON
+constexpr std::size_t kLongText = 40;                    // of a cell: is wrapped
 constexpr std::size_t kMostItems = 200, kUnfolded = 12;  // of a list: shown, shown at once
 
-bool is_plain(const Json& json) {
-  if (!json.is_array()) return !json.is_object();
-  return json.size() <= 8 &&
+bool is_short_list(const Json& json, std::size_t most) {
+  return json.is_array() && json.size() <= most &&
          std::all_of(json.begin(), json.end(), [](const Json& item) { return item.is_primitive(); });
+}
+
+// What fits into a cell: one value, a few, or a list of pairs.
+bool is_plain(const Json& json) {
+  if (json.is_primitive() || is_short_list(json, 8)) return true;
+  return json.is_array() && json.size() <= 16 &&
+         std::all_of(json.begin(), json.end(), [](const Json& item) { return is_short_list(item, 3); });
 }
 
 std::string plain_text(const Json& json) {
   if (json.is_null()) return "-";
   if (json.is_string()) return json.get<std::string>();
-  if (json.is_number_float()) return fmt::format("{:.6g}", json.get<double>());
-  if (json.is_array()) {
-    std::string text;
-    for (const Json& item : json) text += (text.empty() ? "" : ", ") + plain_text(item);
-    return text;
+  if (json.is_number_float()) return number_text(json.get<double>(), 6);
+  if (!json.is_array()) return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text;
+  for (const Json& item : json) {
+    if (!text.empty()) text += ", ";
+    text += item.is_array() ? fmt::format("({})", plain_text(item)) : plain_text(item);
   }
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return text;
+}
+
+Cell plain_cell(const Json& json) {
+  std::string text = plain_text(json);
+  const char* const css = text.size() > kLongText ? "long" : "";
+  return cell(std::move(text), css);
 }
 
 bool is_list_of_alike(const Json& json) {
@@ -47,7 +61,7 @@ std::string table_of_alike(const Json& list) {
   for (std::size_t i = 0; i < std::min(list.size(), kMostItems); ++i) {
     std::vector<Cell> row;
     for (const auto& item : list.front().items()) {
-      row.push_back({list[i].contains(item.key()) ? plain_text(list[i][item.key()]) : "", "", ""});
+      row.push_back(list[i].contains(item.key()) ? plain_cell(list[i][item.key()]) : cell(""));
     }
     rows.push_back(std::move(row));
   }
@@ -57,7 +71,7 @@ std::string table_of_alike(const Json& list) {
 std::string table_of_numbers(const Json& list) {
   Rows rows;
   for (std::size_t i = 0; i < std::min(list.size(), kMostItems); ++i) {
-    rows.push_back({cell(std::to_string(i)), cell(plain_text(list[i]))});
+    rows.push_back({cell(std::to_string(i)), plain_cell(list[i])});
   }
   return html_table(rows, false);
 }
@@ -81,7 +95,7 @@ std::string html_at_depth(const Json& json, int depth) {
   std::string below;
   for (const auto& item : json.items()) {
     if (is_plain(item.value())) {
-      rows.push_back({cell(spaced(item.key())), cell(plain_text(item.value()))});
+      rows.push_back({cell(spaced(item.key())), plain_cell(item.value())});
     } else {
       below += "<h3>" + escaped_html(spaced(item.key())) + "</h3>\n" + html_at_depth(item.value(), depth + 1);
     }

@@ -41,6 +41,15 @@ void add_verdict(ChartPage& page, const JsonField& plan) {
   if (!reason.empty()) page.add_paragraph(reason, "warning");
 }
 
+Cell time_button(double time) {
+  return html_cell(fmt::format("<button class='at' data-time='{0:.6f}'>{0:.4f} s</button>", time));
+}
+
+Cell bar(double percent, const std::string& css) {
+  return html_cell(
+      fmt::format("<span class='bar {}'><i style='width:{:.1f}%'></i></span>", css, std::clamp(percent, 0.0, 100.0)));
+}
+
 void add_margins(ChartPage& page, const std::vector<ReachedLimit>& limits) {
   page.add_heading("Margins");
   Rows rows{{cell("limit"), cell("allowed"), cell("reached"), cell("unit"), cell(""), cell("share"), cell("margin"),
@@ -49,14 +58,23 @@ void add_margins(ChartPage& page, const std::vector<ReachedLimit>& limits) {
     const double share = l.limit > 0 && std::isfinite(l.limit) ? 100 * l.reached / l.limit : 0;
     const std::string css = l.passed ? "" : "over";
     rows.push_back({cell(with_joint(l.name, l.joint)), cell(number_text(l.limit)), cell(number_text(l.reached, 6), css),
-                    cell(std::string(unit_of_limit(l.name))),
-                    html_cell(fmt::format("<span class='bar {}'><i style='width:{:.1f}%'></i></span>", css,
-                                          std::clamp(share, 0.0, 100.0))),
-                    cell(fmt::format("{:.1f} %", share)), cell(number_text(l.limit - l.reached, 3)),
-                    html_cell(fmt::format("<button class='at' data-time='{0:.6f}'>{0:.4f} s</button>", l.time)),
-                    cell(number_text(l.rollout, 6))});
+                    cell(std::string(unit_of_limit(l.name))), bar(share, css), cell(fmt::format("{:.1f} %", share)),
+                    cell(number_text(l.limit - l.reached, 3)), time_button(l.time), cell(number_text(l.rollout, 6))});
   }
   page.add_html(html_table(rows));
+}
+
+// What the request asks for on the way.
+void add_task_margins(ChartPage& page, const JsonField& checks) {
+  Rows rows{{cell("on the way"), cell("room left"), cell("unit"), cell("at")}};
+  for (const JsonField& check : checks.items()) {
+    const JsonField link = check.at("link");
+    const std::string of_link = link.is_null() ? "" : fmt::format(", link {}", number_text(link.number()));
+    rows.push_back({cell(spaced(check.at("name").text()) + of_link),
+                    cell(number_text(check.at("room").number()), check.at("passed").flag() ? "" : "over"),
+                    cell(check.at("unit").text()), time_button(check.at("time").number())});
+  }
+  if (rows.size() > 1) page.add_html(html_table(rows));
 }
 
 std::vector<Cell> rollout_row(const std::string& name, const JsonField& loop, double tolerance) {
@@ -112,8 +130,8 @@ void add_certificate(ChartPage& page, const JsonField& certificate) {
 void add_mesh(ChartPage& page, const JsonField& mesh) {
   page.add_heading("Mesh and error");
   const std::vector<double> nodes = mesh.at("node_times").numbers();
-  const std::vector<double> errors = mesh.at("interval_errors").numbers();
-  if (nodes.size() != errors.size() + 1) mesh.fail("must have one more of node_times than of interval_errors");
+  const std::vector<double> errors = mesh.at("errors").numbers();
+  if (nodes.size() != errors.size() + 1) mesh.fail("must have one more of node_times than of errors");
   page.add_paragraph(fmt::format("{} intervals, {}; local error of an interval at most {} rad.", errors.size(),
                                  mesh.at("method").text(), number_text(mesh.at("error_estimate").number(), 3)));
   Chart error = time_chart("Local error of the intervals", "rad"), length = time_chart("Length of the intervals", "ms");
@@ -181,9 +199,9 @@ void add_request(ChartPage& page, const JsonField& plan) {
 }
 
 void add_what_else_there_is(ChartPage& page, const Json& plan) {
-  static const std::set<std::string> shown{"version",  "request",    "status",       "reason",      "objective",
-                                           "duration", "mesh",       "solver",       "certificate", "resolved_request",
-                                           "robot",    "robot_hash", "request_hash", "back_off",    "timing"};
+  static const std::set<std::string> shown{
+      "version",     "request",          "status", "reason",     "objective",    "duration",  "mesh",     "solver",
+      "certificate", "resolved_request", "robot",  "robot_hash", "request_hash", "via_times", "back_off", "timing"};
   for (const auto& section : plan.items()) {
     if (shown.count(section.key()) > 0 || section.value().is_null()) continue;
     std::string title = spaced(section.key());
@@ -209,9 +227,10 @@ std::string plan_page(const PlanRecord& record) {
   const std::vector<ReachedLimit> limits = read_limits(plan);
   if (record.trajectory) {
     const std::vector<ComparedMotion> motions = compared_motions(record.robot, *record.trajectory);
-    const Json scene = scene_json(plan.at("resolved_request"), record.robot);
+    const Json scene = scene_json(plan, record.robot);
     add_motion(page, record, scene, limits, motions);
     add_margins(page, limits);
+    add_task_margins(page, plan.at("certificate").at("task"));
     add_certificate(page, plan.at("certificate"));
     add_comparison(page, motions, *record.trajectory, limits, !scene.empty());
     add_mesh(page, plan.at("mesh"));

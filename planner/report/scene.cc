@@ -21,9 +21,12 @@ Json tip_at(const Parameters& robot, const Pair<double>& q) {
   return {tip.x, tip.y};
 }
 
-void add_vias(const JsonField& vias, const Parameters& robot, Json& scene) {
-  for (const JsonField& via : vias.items()) {
-    const double time = via.at("time").number();
+// times: when they are passed, of a plan that came to a motion.
+void add_vias(const JsonField& vias, const std::vector<double>& times, const Parameters& robot, Json& scene) {
+  const std::vector<JsonField> all = vias.items();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const JsonField& via = all[i];
+    const double time = i < times.size() ? times[i] : via.at("time").number();
     scene.push_back({{"kind", "point"},
                      {"at", tip_at(robot, via.at("q").pair())},
                      {"label", std::isfinite(time) ? fmt::format("via, {} s", number_text(time)) : "via"}});
@@ -50,25 +53,24 @@ Json arc_json(const JsonField& arc) {
           {"label", "tip arc"}};
 }
 
-void add_tip(const JsonField& tip, Json& scene) {
-  if (const auto box = tip.find("box")) {
+void add_tip(const JsonField& task, Json& scene) {
+  if (const auto box = task.find("box")) {
     const std::vector<JsonField> corners = box->items();
     if (corners.size() != 2) box->fail("must be a list of two corners");
     scene.push_back({{"kind", "box"}, {"corners", {corners[0].pair(), corners[1].pair()}}, {"label", "tip box"}});
   }
-  if (const auto line = tip.find("line")) {
+  if (const auto line = task.find("line")) {
     scene.push_back({{"kind", "line"},
                      {"from", line->at("from").pair()},
                      {"to", line->at("to").pair()},
                      {"tolerance", line->at("tolerance").number()},
                      {"label", "tip line"}});
   }
-  if (const auto arc = tip.find("arc")) scene.push_back(arc_json(*arc));
+  if (const auto arc = task.find("arc")) scene.push_back(arc_json(*arc));
 }
 
 // Straight lines in joint space are curves of the tip.
 void add_path(const JsonField& path, const Parameters& robot, Json& scene) {
-  if (path.is_null()) return;
   const std::vector<JsonField> corners = path.at("corners").items();
   Json points = Json::array();
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
@@ -83,12 +85,13 @@ void add_path(const JsonField& path, const Parameters& robot, Json& scene) {
 
 }  // namespace
 
-Json scene_json(const JsonField& request, const Parameters& robot) {
+Json scene_json(const JsonField& plan, const Parameters& robot) {
+  const JsonField request = plan.at("resolved_request"), task = request.at("task");
   Json scene = Json::array();
-  add_obstacles(request.at("obstacles"), scene);
-  add_tip(request.at("tip"), scene);
-  add_path(request.at("path"), robot, scene);
-  add_vias(request.at("via"), robot, scene);
+  if (const auto obstacles = task.find("obstacles")) add_obstacles(*obstacles, scene);
+  add_tip(task, scene);
+  if (const auto path = task.find("path")) add_path(*path, robot, scene);
+  add_vias(request.at("via"), plan.at("via_times").numbers(), robot, scene);
   return scene;
 }
 

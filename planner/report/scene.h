@@ -12,7 +12,6 @@ namespace fjr {
 //   {kind: "disc", center, radius, margin}  {kind: "box", corners: [[x, y], [x, y]]}  {kind: "point", at}
 //   {kind: "line", from, to, tolerance}     {kind: "curve", points}
 //   {kind: "arc", center, radius, from, to, tolerance}, with angles counterclockwise from the x axis.
-// request: resolved_request of plan.json.
-nlohmann::ordered_json scene_json(const JsonField& request, const Parameters& robot);
+nlohmann::ordered_json scene_json(const JsonField& plan, const Parameters& robot);
 
 }  // namespace fjr

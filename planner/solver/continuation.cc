@@ -36,9 +36,10 @@ constexpr int kCreepRounds = 3;
 
 // Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
 int coarse_intervals(const Problem& problem, double duration) {
-  constexpr double kCoarseStep = 0.02;  // [s]
-  return std::clamp(static_cast<int>(std::ceil(duration / kCoarseStep)), 25, 400) +
-         2 * static_cast<int>(problem.via.size());
+  constexpr double kCoarseStep = 0.02;    // [s]
+  constexpr double kTunnelStep = 0.0075;  // [s] with obstacles: longer ones jump over them between collocation points
+  const double step = problem.task.obstacles.empty() ? kCoarseStep : kTunnelStep;
+  return std::clamp(static_cast<int>(std::ceil(duration / step)), 25, 400) + 2 * static_cast<int>(problem.via.size());
 }
 
 }  // namespace
@@ -82,10 +83,10 @@ bool Continuation::attempt(const std::string& what, const CollocationSetup& setu
   return true;
 }
 
-bool Continuation::cold(const Guess& guess) {
+bool Continuation::cold(const Guess& guess, int most_iterations) {
   const std::string what = fmt::format("{}, {}", label, guess.name);
   SolveOptions o = options(what);
-  o.max_iterations = settings_.cold_iterations;
+  o.max_iterations = most_iterations;
   const CollocationSetup setup{settings_.scheme,
                                uniform_mesh(guess.durations, coarse_intervals(*problem_, guess.duration())),
                                levels(*problem_).front(),
@@ -117,8 +118,8 @@ bool Continuation::follow_levels() {
   return status_ != SolveStatus::kStopped;
 }
 
-bool Continuation::begin(const Guess& guess) {
-  if (!cold(guess)) return false;
+bool Continuation::begin(const Guess& guess, int most_iterations) {
+  if (!cold(guess, most_iterations)) return false;
   const CollocationSetup setup =
       refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
   if (setup.mesh.size() != solution_.setup.mesh.size())

@@ -7,6 +7,8 @@
 #include <optional>
 #include <vector>
 
+#include "planner/analysis/analysis_json.h"
+
 namespace fjr {
 namespace {
 
@@ -50,6 +52,12 @@ Json limit_json(const LimitCheck& check) {
           {"passed", check.passed}};
 }
 
+Json task_json(const TaskCheck& check) {
+  return {{"name", check.name},         {"link", check.link == 0 ? Json(nullptr) : Json(check.link)},
+          {"room", number(check.room)}, {"unit", check.unit},
+          {"time", number(check.time)}, {"passed", check.passed}};
+}
+
 Json residual_json(const Residual& residual) {
   if (!residual.evaluated) return nullptr;
   return {{"window", number(residual.window)},
@@ -82,19 +90,13 @@ Json solver_json(const Plan& plan) {
           {"distinct_minima", plan.distinct_minima}};
 }
 
-// Fewer digits than there are: nobody computes with them, and fine meshes have many.
-Json rounded(const std::vector<double>& values, int digits) {
-  Json list = Json::array();
-  for (const double value : values) list.push_back(number(std::stod(fmt::format("{:.{}g}", value, digits))));
-  return list;
-}
-
 Json mesh_json(const Plan& plan) {
-  return {{"intervals", plan.intervals},
-          {"method", text_or_null(plan.method)},
-          {"error_estimate", plan.trajectory ? number(plan.error_estimate) : Json(nullptr)},
-          {"node_times", rounded(plan.node_times, 9)},
-          {"interval_errors", rounded(plan.interval_errors, 3)}};
+  const bool moves = plan.trajectory.has_value();
+  Json json{{"intervals", plan.intervals},
+            {"method", text_or_null(plan.method)},
+            {"error_estimate", moves ? number(plan.error_estimate) : Json(nullptr)}};
+  json.update(moves ? mesh_errors_json(plan.node_times, plan.interval_errors) : mesh_errors_json({}, {}));
+  return json;
 }
 
 Json state_json(const State<double>& state, bool at_rest) {
@@ -119,52 +121,14 @@ Json goal_json(const Goal& goal) {
           {"at_rest", goal.at_rest}};
 }
 
-Json goals_json(const std::vector<Goal>& goals) {
-  Json list = Json::array();
-  for (const Goal& goal : goals) list.push_back(goal_json(goal));
-  return list;
-}
-
 Json via_json(const std::vector<Via>& vias) {
   Json list = Json::array();
   for (const Via& via : vias) {
     list.push_back({{"time", via.time ? number(*via.time) : Json(nullptr)},
                     {"q", numbers(via.q)},
-                    {"dq", numbers_or_null(via.dq)},
-                    {"tolerance", number(via.tolerance)}});
+                    {"dq", numbers_or_null(via.dq)}});
   }
   return list;
-}
-
-Json obstacles_json(const std::vector<Disc>& obstacles) {
-  Json list = Json::array();
-  for (const Disc& disc : obstacles) {
-    list.push_back({{"center", numbers(disc.center)}, {"radius", disc.radius}, {"margin", disc.margin}});
-  }
-  return list;
-}
-
-Json tip_json(const Task& task) {
-  Json tip = Json::object();
-  if (task.box) tip["box"] = {numbers(task.box->lower), numbers(task.box->upper)};
-  if (task.line) {
-    tip["line"] = {
-        {"from", numbers(task.line->from)}, {"to", numbers(task.line->to)}, {"tolerance", task.line->tolerance}};
-  }
-  if (task.arc) {
-    tip["arc"] = {{"center", numbers(task.arc->center)},
-                  {"from", numbers(task.arc->from)},
-                  {"to", numbers(task.arc->to)},
-                  {"tolerance", task.arc->tolerance}};
-  }
-  return tip;
-}
-
-Json path_json(const std::optional<JointPath>& path) {
-  if (!path) return nullptr;
-  Json corners = Json::array();
-  for (const Pair<double>& corner : path->corners) corners.push_back(numbers(corner));
-  return {{"corners", std::move(corners)}, {"tolerance", path->tolerance}};
 }
 
 Json limits_json(const Limits& limits) {
@@ -176,19 +140,42 @@ Json limits_json(const Limits& limits) {
   return json;
 }
 
+// What there is to draw beside the arm.
+Json task_json(const Task& task) {
+  Json json = Json::object();
+  for (const Disc& disc : task.obstacles) {
+    json["obstacles"].push_back({{"center", numbers(disc.center)}, {"radius", disc.radius}, {"margin", disc.margin}});
+  }
+  if (task.box) json["box"] = {numbers(task.box->lower), numbers(task.box->upper)};
+  if (task.line) {
+    json["line"] = {{"from", numbers(task.line->from)}, {"to", numbers(task.line->to)}};
+    json["line"]["tolerance"] = task.line->tolerance;
+  }
+  if (task.arc) {
+    json["arc"] = {
+        {"center", numbers(task.arc->center)}, {"from", numbers(task.arc->from)}, {"to", numbers(task.arc->to)}};
+    json["arc"]["tolerance"] = task.arc->tolerance;
+  }
+  if (task.path) {
+    for (const Pair<double>& corner : task.path->corners) json["path"]["corners"].push_back(numbers(corner));
+    json["path"]["tolerance"] = task.path->tolerance;
+  }
+  return json;
+}
+
 // The request as it was understood: everything resolved, null where the motion is free.
 Json resolved_request_json(const Problem& problem) {
   Json weights = Json::object();
   visit_weights(problem.weights, [&](const char* term, double weight) { weights[term] = number(weight); });
+  Json others = Json::array();
+  for (const Goal& goal : problem.other_goals) others.push_back(goal_json(goal));
   return {{"start", state_json(problem.start, problem.start_at_rest)},
           {"goal", goal_json(problem.goal)},
-          {"other_goals", goals_json(problem.other_goals)},
+          {"other_goals", std::move(others)},
           {"duration", {{"min", problem.duration.min}, {"max", problem.duration.max}}},
           {"objective", std::move(weights)},
           {"via", via_json(problem.via)},
-          {"obstacles", obstacles_json(problem.task.obstacles)},
-          {"tip", tip_json(problem.task)},
-          {"path", path_json(problem.task.path)},
+          {"task", task_json(problem.task)},
           {"limits", limits_json(problem.limits)},
           {"sample_period", problem.sample_period},
           {"seed", problem.seed}};
@@ -211,6 +198,8 @@ Json head(PlanStatus status, const std::string& reason, const std::string& reque
 Json certificate_json(const Certificate& certificate) {
   Json limits = Json::array();
   for (const LimitCheck& check : certificate.limits) limits.push_back(limit_json(check));
+  Json task = Json::array();
+  for (const TaskCheck& check : certificate.task) task.push_back(task_json(check));
   const OpenLoop& open_loop = certificate.open_loop;
   return {{"verdict", certificate.certified ? "certified" : "failed"},
           {"failures", certificate.failures},
@@ -218,6 +207,7 @@ Json certificate_json(const Certificate& certificate) {
           {"open_loop", rollout_json(open_loop, open_loop.required, open_loop.why_not)},
           {"closed_loop", closed_loop_json(certificate.closed_loop)},
           {"limits", std::move(limits)},
+          {"task", std::move(task)},
           {"residual", residual_json(certificate.residual)},
           {"tracking", tracking_json(certificate.tracking)}};
 }
@@ -227,9 +217,12 @@ Json plan_json(const Problem& problem, const Plan& plan) {
   Json json = head(plan.status, plan.reason, problem.name);
   json["objective"] = {{"total", moves ? number(plan.objective) : Json(nullptr)}, {"terms", numbers(plan.terms)}};
   json["duration"] = moves ? number(plan.duration) : Json(nullptr);
+  json["via_times"] = plan.via_times;
   json["mesh"] = mesh_json(plan);
   json["solver"] = solver_json(plan);
   json["certificate"] = plan.certificate ? certificate_json(*plan.certificate) : Json(nullptr);
+  json["sensitivity"] = plan.analysis ? sensitivity_json(plan.analysis->sensitivity) : Json(nullptr);
+  json["optimality"] = plan.analysis ? optimality_json(plan.analysis->optimality) : Json(nullptr);
   json["resolved_request"] = resolved_request_json(problem);
   json["robot"] = robot_json(problem.robot);
   json["robot_hash"] = robot_hash(problem.robot);

@@ -232,7 +232,7 @@ Json scene_of(const std::string& request) {
   const Problem problem =
       parse_request("start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n" + request, "reach.yaml", load_parameters(kRobot));
   const Json json = plan_json(problem, {});
-  return scene_json(JsonField(json["resolved_request"], "plan.json"), problem.robot);
+  return scene_json(JsonField(json, "plan.json"), problem.robot);
 }
 
 void expect_at(const Json& point, double x, double y) {
@@ -286,11 +286,15 @@ TEST(Scene, PathsAreCurvesOfTheTipThroughTheirCorners) {
   expect_at(points[21], corner.x, corner.y);
 }
 
-TEST(PlanPage, ShowsTheScene) {
+TEST(PlanPage, ShowsTheSceneAndTheRoomLeftInIt) {
   PlanRecord record = reach();
+  record.plan["certificate"]["task"] = {
+      {{"name", "obstacles[0]"}, {"link", 2}, {"room", -0.0125}, {"unit", "m"}, {"time", 0.1}, {"passed", false}}};
   record.plan["resolved_request"]["via"] = {{{"time", 0.2}, {"q", {0.7, -0.2}}, {"dq", nullptr}}};
   const std::string html = plan_page(record);
-  EXPECT_EQ(data_of(html)["scene"].size(), 1U);
+  ASSERT_EQ(data_of(html)["scene"].size(), 1U);
+  EXPECT_EQ(data_of(html)["scene"][0]["label"], "via, 0.2 s");
+  EXPECT_THAT(html, HasSubstr("<td>obstacles[0], link 2</td><td class='over'>-0.0125</td><td>m</td>"));
   EXPECT_THAT(html, HasSubstr("They go straight, whatever else the request asks for on the way"));
 }
 
@@ -340,7 +344,7 @@ TEST(PlanPage, NamesWhatIsMissingOrOfAnotherKind) {
   record.plan["mesh"]["node_times"] = "many";
   EXPECT_EQ(complaint(record), "plan.json: mesh.node_times: must be a list");
   record = reach();
-  record.plan["mesh"]["node_times"].erase(0);
+  record.plan["mesh"]["errors"].erase(0);
   EXPECT_THAT(complaint(record), HasSubstr("mesh: must have one more of node_times"));
   record = reach();
   record.plan["solver"] = nullptr;

@@ -45,7 +45,8 @@ std::string plain_text(const Json& json) {
 
 Cell plain_cell(const Json& json) {
   std::string text = plain_text(json);
-  const char* const css = text.size() > kLongText ? "long" : "";
+  const bool pairs = json.is_array() && !json.empty() && json.front().is_array();
+  const char* const css = pairs || text.size() > kLongText ? "long" : "";
   return cell(std::move(text), css);
 }
 

@@ -10,7 +10,7 @@
 
 namespace fjr::bench {
 
-using ArmTranscription = Transcription<ArmOcp<false>>;
+using ArmTranscription = Transcription<ArmOcp<Features{}>>;
 
 // Minimum time with a trace of effort and the default limits, Hermite-Simpson.
 inline ArmTranscription arm_nlp(const Parameters& robot, int intervals) {
@@ -18,13 +18,12 @@ inline ArmTranscription arm_nlp(const Parameters& robot, int intervals) {
   problem.robot = robot;
   problem.limits = Limits::of(robot);
   problem.weights.time = 1;
-  auto ocp = make_arm_ocp<false>(problem, 0.01);
-  ocp.bounds = {path_bounds<false>(problem.limits)};
+  auto ocp = make_arm_ocp<Features{}>(problem, 0.01);
+  ocp.bounds = {path_bounds<Features{}>(problem.limits)};
   NodeBounds<8> start{0, {}, {}};
   start.lower = start.upper = filled<8>(0);
   ocp.at_nodes = {start};
   ocp.durations = {{0.1, 5}};
-  ocp.total_duration = {0.1, 5};
   Mesh mesh;
   for (int i = 0; i < intervals; ++i) mesh.intervals.push_back({1.0 / intervals, 0});
   return {std::move(ocp), hermite_simpson(), mesh};

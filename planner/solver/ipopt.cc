@@ -2,8 +2,10 @@
 
 #include <IpIpoptApplication.hpp>
 #include <IpIpoptCalculatedQuantities.hpp>
+#include <IpIpoptData.hpp>
 #include <IpTNLP.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 
@@ -21,6 +23,23 @@ constexpr double kInfinity = 2e19;  // Ipopt takes anything beyond 1e19 as no bo
 
 Map<const VectorXd> view(const Number* data, Index size) { return {data, size}; }
 Map<VectorXd> view(Number* data, Index size) { return {data, size}; }
+
+using Clock = std::chrono::steady_clock;
+
+double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+// Adds the time of its life to a sum.
+class Timed {
+ public:
+  explicit Timed(double& sum) : sum_(sum) {}
+  ~Timed() { sum_ += seconds_since(start_); }
+  Timed(const Timed&) = delete;
+  Timed& operator=(const Timed&) = delete;
+
+ private:
+  double& sum_;
+  const Clock::time_point start_ = Clock::now();
+};
 
 class Adapter final : public Ipopt::TNLP {
  public:
@@ -73,25 +92,30 @@ class Adapter final : public Ipopt::TNLP {
   }
 
   bool eval_f(Index n, const Number* x, bool, Number& value) override {
+    const Timed timed(report.cost.evaluation);
     value = nlp_.objective(view(x, n));
     return std::isfinite(value);
   }
   bool eval_grad_f(Index n, const Number* x, bool, Number* out) override {
+    const Timed timed(report.cost.evaluation);
     nlp_.gradient(view(x, n), view(out, n));
     return true;
   }
   bool eval_g(Index n, const Number* x, bool, Index m, Number* out) override {
+    const Timed timed(report.cost.evaluation);
     nlp_.constraint_values(view(x, n), view(out, m));
     return view(out, m).allFinite();
   }
   bool eval_jac_g(Index n, const Number* x, bool, Index, Index count, Index* row, Index* col, Number* out) override {
     if (out == nullptr) return copy(nlp_.jacobian_pattern, row, col);
+    const Timed timed(report.cost.evaluation);
     nlp_.jacobian(view(x, n), view(out, count));
     return true;
   }
   bool eval_h(Index n, const Number* x, bool, Number cost_factor, Index m, const Number* lambda, bool, Index count,
               Index* row, Index* col, Number* out) override {
     if (out == nullptr) return copy(nlp_.hessian_pattern, row, col);
+    const Timed timed(report.cost.evaluation);
     nlp_.hessian(view(x, n), cost_factor, view(lambda, m), view(out, count));
     return true;
   }
@@ -150,7 +174,9 @@ SolveStatus translate(Ipopt::ApplicationReturnStatus status) {
 // Options by name; a misspelt one is a bug, not something to pass over.
 class Options {
  public:
-  explicit Options(Ipopt::OptionsList& list) : list_(list) {}
+  explicit Options(Ipopt::IpoptApplication& application)
+      : list_(*application.Options()), known_(*application.RegOptions()) {}
+  bool has(const char* name) const { return Ipopt::IsValid(known_.GetOption(name)); }
   void SetNumericValue(const char* name, double value) { check(list_.SetNumericValue(name, value), name); }
   void SetIntegerValue(const char* name, Index value) { check(list_.SetIntegerValue(name, value), name); }
   void SetStringValue(const char* name, const std::string& value) { check(list_.SetStringValue(name, value), name); }
@@ -160,6 +186,7 @@ class Options {
     if (!accepted) throw std::logic_error(std::string("Ipopt refuses the option ") + name);
   }
   Ipopt::OptionsList& list_;
+  Ipopt::RegisteredOptions& known_;
 };
 
 void configure(Options o, const SolveOptions& options, const std::string& linear_solver) {
@@ -174,6 +201,7 @@ void configure(Options o, const SolveOptions& options, const std::string& linear
   // Ipopt stops lowering mu at min(tol, compl_inf_tol) / (barrier_tol_factor + 1).
   if (options.barrier_strategy == "monotone") o.SetNumericValue("compl_inf_tol", 11 * options.final_barrier);
   o.SetIntegerValue("print_level", options.print_level);
+  if (o.has("timing_statistics")) o.SetStringValue("timing_statistics", "yes");  // from 3.14 on, not by itself
   o.SetStringValue("sb", "yes");
   o.SetStringValue("fixed_variable_treatment", "make_parameter");
   o.SetNumericValue("bound_relax_factor", 0);  // a limit is a limit; the certificate checks it to 1e-6
@@ -216,6 +244,12 @@ ChainStructure kkt_structure(const Nlp& nlp) {
   return kkt;
 }
 
+double linear_algebra(Ipopt::IpoptApplication& application) {
+  Ipopt::TimingStatistics& times = application.IpoptDataObject()->TimingStats();
+  return times.LinearSystemSymbolicFactorization().TotalWallclockTime() +
+         times.LinearSystemFactorization().TotalWallclockTime() + times.LinearSystemBackSolve().TotalWallclockTime();
+}
+
 }  // namespace
 
 const char* name(SolveStatus status) {
@@ -237,16 +271,22 @@ const char* name(SolveStatus status) {
 }
 
 SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
+  const auto began = Clock::now();
+  const int factorised = factorisations();
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
   // A problem of no known structure has no stages to factorise by.
   const std::string linear_solver = nlp.stages == 0 ? "mumps" : options.linear_solver;
   if (linear_solver == "stage") describe_chain(kkt_structure(nlp));
-  configure(Options(*application->Options()), options, linear_solver);
+  configure(Options(*application), options, linear_solver);
   application->Initialize("");                          // no options file: a plan depends on its request alone
   Adapter* adapter = new Adapter(nlp, start, options);  // owned by the smart pointer, Ipopt's own reference count
   Ipopt::SmartPtr<Ipopt::TNLP> held = adapter;
   const auto status = application->OptimizeTNLP(held);
   adapter->report.status = translate(status);
+  SolveCost& cost = adapter->report.cost;
+  cost.linear_algebra = linear_algebra(*application);
+  cost.factorisations = factorisations() - factorised;
+  cost.total = seconds_since(began);
   return adapter->report;
 }
 

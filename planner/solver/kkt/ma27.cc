@@ -12,10 +12,13 @@ namespace {
 thread_local ChainStructure described;
 thread_local ChainLdlt factor;
 thread_local std::vector<int> rows, cols;
+thread_local int factorised = 0;
 
 }  // namespace
 
 void describe_chain(ChainStructure structure) { described = std::move(structure); }
+
+int factorisations() { return factorised; }
 
 }  // namespace fjr
 
@@ -60,6 +63,7 @@ void ma27bd_(const int* /*n*/, const int* nz, const int* /*irn*/, const int* /*i
              int* /*iw1*/, const int* /*icntl*/, const double* cntl, int* info) {
   std::fill_n(info, 20, 0);
   *maxfrt = 1;
+  ++fjr::factorised;
   const double threshold = std::clamp(cntl[0], 1e-10, 0.5);
   if (!fjr::factor.factorise(std::span(a, static_cast<std::size_t>(*nz)), threshold)) info[0] = -5;  // singular
   info[14] = fjr::factor.negative_eigenvalues();

@@ -14,4 +14,7 @@ namespace fjr {
 // inequalities, equality rows, inequality rows.
 void describe_chain(ChainStructure structure);
 
+// How many factorisations this thread has done.
+int factorisations();
+
 }  // namespace fjr

@@ -31,6 +31,9 @@ constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the wa
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
 // in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
+constexpr int kLevelIterations = 80;  // of steps between levels that converge at all, nine of ten take less than 60
+constexpr int kHalvings = 2;          // of a step between levels that did not converge
+constexpr double kSharpWidth = 1e-4;  // [rad/s] as good as the exact law, where a step is halved
 constexpr int kPolishRounds = 8;
 constexpr int kCreepRounds = 3;
 
@@ -94,6 +97,23 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   return attempt(what, setup, &guess, o);
 }
 
+// A step that is too large is taken in two.
+bool Continuation::reach_level(const Smoothing& level, int halvings) {
+  const std::string what = fmt::format("{}, friction width {:.2g} rad/s", label, level.friction_width);
+  CollocationSetup setup =
+      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
+  const Smoothing from = setup.smoothing;
+  setup.smoothing = level;
+  SolveOptions o = warm(what);
+  o.max_iterations = kLevelIterations;
+  if (attempt(what, setup, nullptr, o)) return true;
+  if (status_ == SolveStatus::kStopped || halvings == 0) return false;
+  const double sharpest = std::max(level.friction_width, kSharpWidth);
+  const Smoothing between{std::sqrt(from.friction_width * sharpest),
+                          std::sqrt(from.regularisation * level.regularisation)};
+  return reach_level(between, halvings - 1) && reach_level(level, halvings - 1);
+}
+
 // Each level's solution starts the next, on a mesh refined by what it showed. The one that would be published for the
 // least, with the exact law, is kept: a sharper law usually helps, but now and then a step slips into a worse minimum
 // or fails.
@@ -101,12 +121,8 @@ bool Continuation::follow_levels() {
   Collocated best = solution_;
   double least = published_objective(*problem_, best.motion);
   for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
-    const Smoothing& level = levels(*problem_)[i];
-    const std::string what = fmt::format("{}, friction width {} rad/s", label, level.friction_width);
-    CollocationSetup setup =
-        refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
-    setup.smoothing = level;
-    if (!attempt(what, setup, nullptr, warm(what))) break;
+    // With effort the levels are close already, and the last good one will do.
+    if (!reach_level(levels(*problem_)[i], problem_->weights.effort > 0 ? 0 : kHalvings)) break;
     const double objective = published_objective(*problem_, solution_.motion);
     // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
     if (objective < least || problem_->weights.effort == 0) {

@@ -107,7 +107,9 @@ bool Continuation::reach_level(const Smoothing& level, int halvings) {
   SolveOptions o = warm(what);
   o.max_iterations = kLevelIterations;
   if (attempt(what, setup, nullptr, o)) return true;
-  if (status_ == SolveStatus::kStopped || halvings == 0) return false;
+  // With effort the levels are close already, and the last good one will do.
+  if (status_ == SolveStatus::kStopped || problem_->weights.effort > 0) return false;
+  if (halvings == 0) return attempt_anew(what, setup);
   const double sharpest = std::max(level.friction_width, kSharpWidth);
   const Smoothing between{std::sqrt(from.friction_width * sharpest),
                           std::sqrt(from.regularisation * level.regularisation)};
@@ -121,8 +123,7 @@ bool Continuation::follow_levels() {
   Collocated best = solution_;
   double least = published_objective(*problem_, best.motion);
   for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
-    // With effort the levels are close already, and the last good one will do.
-    if (!reach_level(levels(*problem_)[i], problem_->weights.effort > 0 ? 0 : kHalvings)) break;
+    if (!reach_level(levels(*problem_)[i], kHalvings)) break;
     const double objective = published_objective(*problem_, solution_.motion);
     // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
     if (objective < least || problem_->weights.effort == 0) {
@@ -186,10 +187,13 @@ SolveOptions Continuation::warm(const std::string& what) {
   return o;
 }
 
-// Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
 bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup) {
   if (attempt(what, setup, nullptr, warm(what))) return true;
-  if (status_ == SolveStatus::kStopped) return false;
+  return status_ != SolveStatus::kStopped && attempt_anew(what, setup);
+}
+
+// Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
+bool Continuation::attempt_anew(const std::string& what, const CollocationSetup& setup) {
   const Guess guess = guess_from(solution_.motion, solution_.durations, solution_.motion.duration());
   return attempt(what + ", again", setup, &guess, options(what + ", again"));
 }

@@ -35,6 +35,11 @@ constexpr int kLevelIterations = 80;  // of steps between levels that converge a
 constexpr int kHalvings = 2;          // of a step between levels that did not converge
 constexpr double kSharpWidth = 1e-4;  // [rad/s] as good as the exact law, where a step is halved
 constexpr int kPolishRounds = 8;
+// Rounds that want the back-off kept; what those after them leave is still inside the limits, and chasing it takes
+// rounds in which nothing moves.
+constexpr int kEagerRounds = 2;
+constexpr double kKeepAtLast = 0.2;
+constexpr double kUnfeltGrowth = 8;  // of a margin that the optimiser did not feel
 constexpr int kCreepRounds = 3;
 
 // Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
@@ -207,7 +212,9 @@ bool Continuation::refine(const std::vector<double>& errors) {
 bool Continuation::polish() {
   for (int round = 0; round < kPolishRounds; ++round) {
     CollocationSetup setup = solution_.setup;
-    const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion), *problem_);
+    const double keep = round < kEagerRounds ? kKeep : kKeepAtLast;
+    const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
+    const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion, keep), *problem_, growth);
     setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), settings_.mesh_tolerance);
     const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
     if (!wider && !finer) return true;
@@ -261,7 +268,15 @@ bool Continuation::resume(const Collocated& neighbour) {
   std::vector<PerLimit>& margins = solution_.setup.margins;
   if (!margins.empty() && margins.front().size() != limit_scales(*problem_).size()) margins.clear();
   const std::string what = label + ", moved";
-  return attempt(what, CollocationSetup(solution_.setup), nullptr, warm(what)) && polish();
+  // What the small barrier makes crawl along its bounds, a larger one pushes off: one of nine neighbours needed that.
+  for (const double barrier : {kWarmBarrier, 10 * kWarmBarrier}) {
+    SolveOptions o = warm(what);
+    o.initial_barrier = o.final_barrier = barrier;
+    o.max_iterations = kLevelIterations;
+    if (attempt(what, CollocationSetup(solution_.setup), nullptr, o)) return polish();
+    if (status_ == SolveStatus::kStopped) return false;
+  }
+  return false;
 }
 
 // Where margins cannot be had, the certificate decides about what there is.

@@ -108,7 +108,11 @@ std::vector<Given> given_states(const Problem& problem) {
   std::vector<Given> given{given_at(problem, 0, 0, problem.start)};
   for (std::size_t i = 0; i < problem.via.size(); ++i) {  // what is free there asks nothing
     const Via& via = problem.via[i];
-    if (via.tolerance > 0) continue;
+    if (via.tolerance > 0) {  // a corner of a path gives its angles, nearly, and nothing else
+      given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, {0, 0}, via.q, {0, 0}}));
+      std::fill(given.back().room.begin() + Limits::kCount, given.back().room.end(), kNoLimit);
+      continue;
+    }
     const Pair<double> dq = via.dq.value_or(Pair<double>{0, 0});
     given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, dq, via.q, {0, 0}}));
   }

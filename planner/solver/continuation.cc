@@ -265,8 +265,15 @@ bool Continuation::creep() {
 bool Continuation::resume(const Collocated& neighbour) {
   if (static_cast<std::size_t>(neighbour.setup.mesh.segments()) != segment_count(*problem_)) return false;
   solution_ = neighbour;
-  std::vector<PerLimit>& margins = solution_.setup.margins;
-  if (!margins.empty() && margins.front().size() != limit_scales(*problem_).size()) margins.clear();
+  // What was fitted to the other problem and may not suit this one.
+  CollocationSetup& setup = solution_.setup;
+  setup.creep.clear();
+  setup.smoothing.regularisation = levels(*problem_).back().regularisation;
+  if (problem_->weights.effort == 0) setup.smoothing.friction_width = levels(*problem_).back().friction_width;
+  const std::size_t limits = limit_scales(*problem_).size();
+  if (limits > Limits::kCount || (!setup.margins.empty() && setup.margins.front().size() != limits)) {
+    setup.margins.clear();
+  }
   const std::string what = label + ", moved";
   // What the small barrier makes crawl along its bounds, a larger one pushes off: one of nine neighbours needed that.
   for (const double barrier : {kWarmBarrier, 10 * kWarmBarrier}) {

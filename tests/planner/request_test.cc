@@ -262,7 +262,7 @@ TEST(BrokenRequest, Task) {
       {kMove + "obstacles: [{center: [0.1, -0.6], radius: -1}]", "obstacles[0].radius: -1 m is outside [0, 10]"},
       {kMove + "obstacles: [{center: [0.1, 20], radius: 1}]", "obstacles[0].center[1]: 20 m is outside [-10, 10]"},
       {kMove + "obstacles: [{center: [0, -0.7], radius: 0.05}]",
-       "start: link 2 would be 0.02083 m inside obstacles[0], its radius and margin included"},
+       "start: link 2 would be 0.025 m inside obstacles[0], its radius and margin included"},
       {kMove + "tip: {}", "tip: needs one of box, line, arc"},
       {kMove + "tip: {box: [[0.1, 0], [-0.1, 1]]}",
        "tip.box[1][0]: -0.1 m is not above the first corner's 0.1 m (lower left first, then upper right)"},

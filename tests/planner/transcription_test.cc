@@ -112,7 +112,7 @@ std::vector<Case> cases() {
                        [](const Case& c) { return transcribe(arm<Features{.rate = true}>(c.width, c.segments), c); }});
       }
       all.push_back({"task_arm", scheme, segments, 0.1,
-                     [](const Case& c) { return transcribe(arm<Features{.task_rows = 8}>(c.width, c.segments), c); }});
+                     [](const Case& c) { return transcribe(arm<Features{.task_rows = 9}>(c.width, c.segments), c); }});
       all.push_back({"van_der_pol", scheme, segments, 1, [](const Case& c) { return transcribe(van_der_pol(), c); }});
     }
   }
@@ -372,7 +372,7 @@ TEST_P(Values, AgreeWithLoopsWrittenFromTheTables) {
     expect_naive_values(van_der_pol(), GetParam(), segments);
     expect_naive_values(arm<Features{}>(0.05, segments), GetParam(), segments);
     expect_naive_values(arm<Features{.rate = true}>(0.05, segments), GetParam(), segments);
-    expect_naive_values(arm<Features{.task_rows = 8}>(0.05, segments), GetParam(), segments);
+    expect_naive_values(arm<Features{.task_rows = 9}>(0.05, segments), GetParam(), segments);
   }
 }
 

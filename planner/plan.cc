@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <ctime>
 #include <iterator>
 #include <numeric>
 
@@ -128,10 +129,12 @@ class Planner {
     } else if (!plan_.certificate) {
       explain_failure();
     }
+    if (plan_.certificate) predict_execution();
     if (plan_.solution && plan_.trajectory) plan_.analysis = analyse(*solved_, *plan_.solution, scale_);
     plan_.timing["evaluation"] = plan_.cost.evaluation;
     plan_.timing["linear_algebra"] = plan_.cost.linear_algebra;
     plan_.timing["ipopt"] = plan_.cost.ipopt();
+    plan_.timing["cpu"] = static_cast<double>(std::clock() - began_cpu_) / CLOCKS_PER_SEC;
     plan_.timing["total"] = seconds_since(began_);
     return std::move(plan_);
   }
@@ -291,16 +294,13 @@ class Planner {
                         trajectory.samples.size(), kMaxRows);
         return false;
       }
-      Certificate certificate = certify(problem_.robot, problem_.limits, trajectory);
+      Certificate certificate = judge(problem_.robot, problem_.limits, trajectory);
       check_against_request(c.problem(), segment_ends(c), trajectory, certificate);
-      const bool certified = certificate.certified;
-      const std::vector<LimitCheck> limits = certificate.limits;
-      const std::vector<double> errors = rollout_errors(c, trajectory);
-      record(c, std::move(trajectory), std::move(certificate));
+      record(c, trajectory, certificate);
       plan_.timing["certificate"] += seconds_since(start);
-      if (certified) return true;
+      if (certificate.certified) return true;
       // A limit that only the rows exceed wants a margin; a rest where the arm cannot rest, motion; the rest, accuracy.
-      if (!c.keep_margins(limits) && !c.creep() && !c.refine(errors)) return false;
+      if (!c.keep_margins(certificate.limits) && !c.creep() && !c.refine(rollout_errors(c, trajectory))) return false;
       c.polish();
     }
     return false;
@@ -311,6 +311,12 @@ class Planner {
     std::vector<double> ends;
     std::partial_sum(c.solution().durations.begin(), c.solution().durations.end(), std::back_inserter(ends));
     return ends;
+  }
+
+  void predict_execution() {
+    const auto start = Clock::now();
+    predict(problem_.robot, *plan_.trajectory, *plan_.certificate);
+    plan_.timing["certificate"] += seconds_since(start);
   }
 
   // Local errors of the published rows against the exact model; where the rollout has no answer, the mesh's own
@@ -382,6 +388,7 @@ class Planner {
   const PlanOptions& options_;
   ContinuationSettings settings_;
   const Clock::time_point began_ = Clock::now();
+  const std::clock_t began_cpu_ = std::clock();
   bool stopped_ = false, deadline_passed_ = false;
   int booked_of_present_ = 0;  // iterations of the continuation at work that are in plan_.iterations already
   std::vector<Continuation> candidates_;

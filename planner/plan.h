@@ -83,7 +83,7 @@ struct Plan {
   std::optional<Certificate> certificate;
   std::shared_ptr<const Collocated> solution;  // of the certified trajectory
   std::optional<Analysis> analysis;            // of that solution
-  std::map<std::string, double> timing;        // [s] by part, and "total"
+  std::map<std::string, double> timing;        // [s] by part, and "total"; CPU time: of `cost`, and "cpu" of all
 };
 
 Plan plan(const Problem& problem, const PlanOptions& options);

@@ -25,7 +25,7 @@ endfunction()
 
 rule("only planner/solver/ipopt* knows Ipopt" "^planner/solver/ipopt" "Ip[A-Z][A-Za-z]*\\.hpp|coin(-or)?/")
 rule("only planner/certificate and model/rig know SUNDIALS" "^(planner/certificate|model/rig)/"
-  "sundials/|cvodes?/|nvector/|sunmatrix/|sunlinsol/|sunnonlinsol/")
+  "sundials/|arkode/|cvodes?/|nvector/|sunmatrix/|sunlinsol/|sunnonlinsol/")
 rule("only model/identify/curve_fit.cc knows Ceres" "^model/identify/curve_fit\\.cc$" "ceres/|glog/")
 rule("model stands below planner" "^planner/" "planner/")
 rule("only planner/service/dds and planner/executor/dds know DDS and the wire types" "^planner/(service|executor)/dds/"

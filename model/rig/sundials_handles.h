@@ -1,6 +1,7 @@
 // SUNDIALS objects that free themselves, and calls that cannot fail unseen: for the rollouts and for the virtual rig.
 #pragma once
 
+#include <arkode/arkode_arkstep.h>
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_context.h>
@@ -43,6 +44,7 @@ template <class Pointer, auto Free>
 using Handle = std::unique_ptr<std::remove_pointer_t<Pointer>, Release<Free>>;
 
 inline void free_context(SUNContext c) { SUNContext_Free(&c); }
+inline void free_arkode(void* m) { ARKStepFree(&m); }
 inline void free_cvode(void* m) { CVodeFree(&m); }
 
 using Context = Handle<SUNContext, free_context>;
@@ -50,6 +52,7 @@ using Vector = Handle<N_Vector, N_VDestroy>;
 using Matrix = Handle<SUNMatrix, SUNMatDestroy>;
 using LinearSolver = Handle<SUNLinearSolver, SUNLinSolFree>;
 using NonlinearSolver = Handle<SUNNonlinearSolver, SUNNonlinSolFree>;
+using Arkode = Handle<void*, free_arkode>;
 using Cvode = Handle<void*, free_cvode>;
 
 inline Context make_context() {

@@ -55,9 +55,9 @@ std::vector<std::string> columns_of(const std::vector<Row>& rows) {
 
 }  // namespace
 
-Row make_row(const BatchTask& task, const Json& plan) {
-  return {{"name", task.name},
-          {"axes", task.axes.is_null() ? Json::object() : task.axes},
+Row make_row(const BatchItem& item, const Json& plan) {
+  return {{"name", item.name},
+          {"axes", item.axes.is_null() ? Json::object() : item.axes},
           {"status", value_at(plan, "/status")},
           {"reason", value_at(plan, "/reason")},
           {"duration", value_at(plan, "/duration")},
@@ -72,8 +72,8 @@ Row make_row(const BatchTask& task, const Json& plan) {
           {"time", value_at(plan, "/timing/total")}};
 }
 
-Row make_row(const BatchTask& task, const std::string& status, const std::string& reason) {
-  return make_row(task, Json{{"status", status}, {"reason", reason}});
+Row make_row(const BatchItem& item, const std::string& status, const std::string& reason) {
+  return make_row(item, Json{{"status", status}, {"reason", reason}});
 }
 
 std::string table_csv(const std::vector<Row>& rows) {

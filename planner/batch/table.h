@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/batch/tasks.h"
+#include "planner/batch/items.h"
 
 namespace fjr {
 
@@ -13,9 +13,9 @@ using Row = nlohmann::ordered_json;
 
 // What plan.json says that is worth comparing: name, axes, status, reason, duration [s], objective, terms, iterations,
 // intervals, starts, distinct_minima, errors of both rollouts [rad], time [s]. null where there is nothing to say.
-Row make_row(const BatchTask& task, const nlohmann::ordered_json& plan);
+Row make_row(const BatchItem& item, const nlohmann::ordered_json& plan);
 // For a request without a plan.json.
-Row make_row(const BatchTask& task, const std::string& status, const std::string& reason);
+Row make_row(const BatchItem& item, const std::string& status, const std::string& reason);
 
 // Header and rows; values within `axes` and `terms` are columns of their own, "axes.goal.q[0]". RFC 4180; null is
 // empty.

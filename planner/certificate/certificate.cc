@@ -66,7 +66,7 @@ class Verdict {
   Certificate& certificate_;
 };
 
-// Rolls out in both ways and fills everything that is measured; nothing is judged here.
+// Rolls out in both ways and fills everything that is measured on the way; nothing is judged here.
 Comparison measure(const Parameters& robot, const Limits& limits, const Trajectory& trajectory, Certificate& c) {
   const std::vector<double> instants = comparison_instants(trajectory);
   Rollout rollout(robot, rollout_allowance(robot, limits), Accuracy::of_certificates());
@@ -75,11 +75,9 @@ Comparison measure(const Parameters& robot, const Limits& limits, const Trajecto
   static_cast<RolloutErrors&>(c.open_loop) = open.errors;
   static_cast<RolloutErrors&>(c.closed_loop) = closed.errors;
   c.closed_loop.feedback_torque = closed.feedback_torque;
+  c.open_loop.end = open.final;
+  c.closed_loop.end = closed.final;
   c.limits = check_limits(robot, limits, trajectory, closed);
-  if (closed.errors.completed && ends_at_rest(robot, trajectory.samples.back())) {
-    c.residual = roll_out_residual(robot, trajectory.samples.back(), closed.final, open.final);
-  }
-  c.tracking = predict_tracking(robot, trajectory);
   return closed;
 }
 
@@ -91,7 +89,7 @@ double RolloutErrors::max_link() const { return larger(link); }
 double RolloutErrors::max_motor() const { return larger(motor); }
 double RolloutErrors::max_final_link() const { return larger(final_link); }
 
-Certificate certify(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
+Certificate judge(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
   Certificate c;
   c.tolerance = exactness_tolerance(robot);
   Verdict verdict(robot, c);
@@ -110,6 +108,20 @@ Certificate certify(const Parameters& robot, const Limits& limits, const Traject
   verdict.judge_feedback(closed);
   verdict.judge_limits();
   c.certified = c.failures.empty();
+  return c;
+}
+
+void predict(const Parameters& robot, const Trajectory& trajectory, Certificate& c) {
+  if (!malformed(trajectory).empty()) return;
+  if (c.closed_loop.completed && ends_at_rest(robot, trajectory.samples.back())) {
+    c.residual = roll_out_residual(robot, trajectory.samples.back(), c.closed_loop.end, c.open_loop.end);
+  }
+  c.tracking = predict_tracking(robot, trajectory);
+}
+
+Certificate certify(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
+  Certificate c = judge(robot, limits, trajectory);
+  predict(robot, trajectory, c);
   return c;
 }
 

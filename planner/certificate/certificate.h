@@ -18,6 +18,7 @@ struct RolloutErrors {          // rollout minus plan, largest magnitude over ti
   Pair<double> motor{};         // [rad] per joint
   Pair<double> final_link{};    // [rad] at the end
   double time_of_max_link = 0;  // [s]
+  State<double> end{};          // where the rollout ended
   bool completed = false;       // false: the integration broke down; `failure` says why
   std::string failure;
 
@@ -88,8 +89,14 @@ struct Certificate {
   Tracking tracking;
 };
 
-// Everything above for one trajectory on one robot; `limits` are the robot's or tighter. A trajectory that ends with
-// dq = dtheta = 0 in equilibrium is taken to end at rest.
+// The verdict on one trajectory on one robot, without residual and tracking; `limits` are the robot's or tighter.
+Certificate judge(const Parameters& robot, const Limits& limits, const Trajectory& trajectory);
+
+// Adds residual and tracking, on which no verdict depends: half of the cost of a certificate, and for the trajectory
+// that becomes the plan alone. A trajectory that ends with dq = dtheta = 0 in equilibrium is taken to end at rest.
+void predict(const Parameters& robot, const Trajectory& trajectory, Certificate& certificate);
+
+// Both.
 Certificate certify(const Parameters& robot, const Limits& limits, const Trajectory& trajectory);
 
 // For mesh refinement: integrates the exact model from the plan's own state at times[k] to times[k+1] under the

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "planner/certificate/comparison.h"
+#include "planner/certificate/residual.h"
 #include "planner/certificate/thresholds.h"
 
 namespace fjr {
@@ -41,8 +42,8 @@ TaskCheck& entry_of(std::vector<TaskCheck>& checks, const TaskRow& row) {
   return checks.back();
 }
 
-// At the instants that rollouts are compared at, at most 0.25 ms apart: between them an acceleration of 1000 m/s^2 makes
-// 8e-6 m, which is what the back-off leaves.
+// At the instants that rollouts are compared at, at most 0.25 ms apart: between them an acceleration of 1000 m/s^2
+// makes 8e-6 m, which is what the back-off leaves.
 std::vector<TaskCheck> check_task(const Problem& problem, const std::vector<double>& ends,
                                   const Trajectory& trajectory) {
   std::vector<TaskCheck> checks;
@@ -77,7 +78,8 @@ void check_against_request(const Problem& problem, const std::vector<double>& en
   };
   if (!is_start(trajectory.samples.front().state, problem.start)) fail("the first row is not the start");
   if (!is_goal(trajectory.samples.back().state, problem.goal)) fail("the last row is not the goal");
-  if (problem.goal.at_rest && !certificate.residual.evaluated) fail("the motion does not end at rest");
+  if (problem.goal.at_rest && !ends_at_rest(problem.robot, trajectory.samples.back()))
+    fail("the motion does not end at rest");
   Interpolator at(trajectory);
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
     const Via& via = problem.via[i];

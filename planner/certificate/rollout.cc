@@ -13,8 +13,13 @@ namespace {
 
 // From one start on. A rollout that needs more has broken down: 20 s of hard work take 400 thousand.
 constexpr long kMaxSteps = 5'000'000;
-// CVODE refuses to start towards a time that is nearer than rounding; times that should be equal often are. [s]
+// ARKODE refuses to start towards a time that is nearer than rounding; times that should be equal often are. [s]
 constexpr double kNegligible = 1e-10;
+constexpr double kMostGrowth = 1e4;
+// An explicit step of order 5 is stable up to about 3 over this. [1/s]
+constexpr double kStiff = 5000;
+// A motor that passes through its band of stiff friction is out of it after fewer explicit steps.
+constexpr int kStepsOfAPassage = 10;
 constexpr int kReversalRoots = kJoints;
 constexpr int kRoots = 4 * kJoints;
 
@@ -28,13 +33,30 @@ bool finite(const State<double>& x) {
   return std::all_of(x.data(), x.data() + kStates, [](double value) { return std::isfinite(value); });
 }
 
+// A vector whose sums of several vectors are one loop instead of many.
+N_Vector new_vector(SUNContext context) {
+  N_Vector v = sundials::check(N_VNew_Serial(kStates, context), "N_VNew_Serial");
+  sundials::check(N_VEnableFusedOps_Serial(v, SUNTRUE), "N_VEnableFusedOps_Serial");
+  return v;
+}
+
 void ignore_message(int, const char*, const char*, char*, void*) {}  // flags say the same, and are all looked at
 
 std::string flag_name(int flag) {
-  char* name = CVodeGetReturnFlagName(flag);
+  char* name = ARKStepGetReturnFlagName(flag);
   std::string text = name;
   std::free(name);
   return text;
+}
+
+// Speed below which motor j's friction changes with speed so steeply that its rate, slope / inertia, exceeds kStiff;
+// 0 when it never does. [rad/s]
+double band_of_stiff_friction(const Parameters& p, std::size_t j) {
+  const FrictionLaw law = FrictionLaw::of(p, static_cast<int>(j));
+  for (double v = 1e2 * law.width; v > 1e-7 * law.width; v *= 0.9) {
+    if (law.slope(v) > kStiff * p.motor.inertia[j]) return v;
+  }
+  return 0;
 }
 
 // limit^2 - x^2: positive inside, smooth, and it changes sign where the limit is crossed. No limit: never zero.
@@ -55,16 +77,23 @@ struct Rollout::Memory {
   long evaluations = 0;
 
   sundials::Context context = sundials::make_context();
-  sundials::Vector x{sundials::check(N_VNew_Serial(kStates, context.get()), "N_VNew_Serial")};
-  sundials::Vector between{sundials::check(N_VNew_Serial(kStates, context.get()), "N_VNew_Serial")};
+  sundials::Vector x{new_vector(context.get())};
+  sundials::Vector between{new_vector(context.get())};
   sundials::Matrix jacobian{sundials::check(SUNDenseMatrix(kStates, kStates, context.get()), "SUNDenseMatrix")};
   sundials::LinearSolver solver{
       sundials::check(SUNLinSol_Dense(x.get(), jacobian.get(), context.get()), "SUNLinSol_Dense")};
-  sundials::Cvode cvode{sundials::check(CVodeCreate(CV_BDF, context.get()), "CVodeCreate")};
+  sundials::Arkode brisk{sundials::check(ARKStepCreate(rhs, nullptr, 0, x.get(), context.get()), "ARKStepCreate")};
+  sundials::Arkode stiff{sundials::check(ARKStepCreate(nullptr, rhs, 0, x.get(), context.get()), "ARKStepCreate")};
+  void* active = brisk.get();
+  const Pair<double> stiff_band;  // [rad/s]
+  int steps_in_band = 0;          // without a break
 
   Memory(const Parameters& p, const Limits& l, const Accuracy& accuracy);
 
-  void restart();
+  void begin(void* method);  // afresh
+  void restart();            // after a jump, with the step size there was
+  bool in_stiff_band() const;
+  void choose_method(double end);
   void jump_to(double end, std::span<const double>& instants, const Observer& observe);
   bool run_to(double end, std::span<const double>& instants, const Observer& observe);
   void observe_until(double until, std::span<const double>& instants, const Observer& observe);
@@ -81,23 +110,33 @@ struct Rollout::Memory {
   static int roots(realtype t, N_Vector x, realtype* g, void* self);
 };
 
-Rollout::Memory::Memory(const Parameters& p, const Limits& l, const Accuracy& accuracy) : robot(p), limits(l) {
+Rollout::Memory::Memory(const Parameters& p, const Limits& l, const Accuracy& accuracy)
+    : robot(p), limits(l), stiff_band{band_of_stiff_friction(p, 0), band_of_stiff_friction(p, 1)} {
   using sundials::check;
-  const sundials::Vector absolute(check(N_VNew_Serial(kStates, context.get()), "N_VNew_Serial"));
+  const sundials::Vector absolute(new_vector(context.get()));
   write({{accuracy.position, accuracy.position},
          {accuracy.link_velocity, accuracy.link_velocity},
          {accuracy.position, accuracy.position},
          {accuracy.motor_velocity, accuracy.motor_velocity}},
         absolute.get());
   N_VConst(0.0, x.get());
-  check(CVodeInit(cvode.get(), rhs, 0.0, x.get()), "CVodeInit");
-  check(CVodeSetErrHandlerFn(cvode.get(), ignore_message, nullptr), "CVodeSetErrHandlerFn");
-  check(CVodeSVtolerances(cvode.get(), accuracy.relative, absolute.get()), "CVodeSVtolerances");
-  check(CVodeSetUserData(cvode.get(), this), "CVodeSetUserData");
-  check(CVodeSetLinearSolver(cvode.get(), solver.get(), jacobian.get()), "CVodeSetLinearSolver");
-  check(CVodeSetJacFn(cvode.get(), fill_jacobian), "CVodeSetJacFn");
-  check(CVodeRootInit(cvode.get(), kRoots, roots), "CVodeRootInit");
-  check(CVodeSetNoInactiveRootWarn(cvode.get()), "CVodeSetNoInactiveRootWarn");  // a motor at rest is at a root
+  for (void* method : {brisk.get(), stiff.get()}) {
+    check(ARKStepSetErrHandlerFn(method, ignore_message, nullptr), "ARKStepSetErrHandlerFn");
+    check(ARKStepSVtolerances(method, accuracy.relative, absolute.get()), "ARKStepSVtolerances");
+    check(ARKStepSetUserData(method, this), "ARKStepSetUserData");
+    // Cubic Hermite needs no further evaluations, and is what the plan itself is between its rows.
+    check(ARKStepSetInterpolantDegree(method, 3), "ARKStepSetInterpolantDegree");
+    // The step after a short one, up to the next row, may be as long as the one before.
+    check(ARKStepSetMaxGrowth(method, kMostGrowth), "ARKStepSetMaxGrowth");
+    // Rows cut steps at will: the errors of those before say nothing about the next.
+    check(ARKStepSetAdaptivityMethod(method, ARK_ADAPT_I, 1, 0, nullptr), "ARKStepSetAdaptivityMethod");
+    check(ARKStepRootInit(method, kRoots, roots), "ARKStepRootInit");
+    check(ARKStepSetNoInactiveRootWarn(method), "ARKStepSetNoInactiveRootWarn");  // a motor at rest is at a root
+  }
+  check(ARKStepSetTableNum(brisk.get(), ARKODE_DIRK_NONE, ARKODE_DORMAND_PRINCE_7_4_5), "ARKStepSetTableNum");
+  check(ARKStepSetTableNum(stiff.get(), ARKODE_ARK324L2SA_DIRK_4_2_3, ARKODE_ERK_NONE), "ARKStepSetTableNum");
+  check(ARKStepSetLinearSolver(stiff.get(), solver.get(), jacobian.get()), "ARKStepSetLinearSolver");
+  check(ARKStepSetJacFn(stiff.get(), fill_jacobian), "ARKStepSetJacFn");
 }
 
 Pair<double> Rollout::Memory::torque(double t, const State<double>& x_now) {
@@ -114,7 +153,7 @@ int Rollout::Memory::rhs(realtype t, N_Vector x, N_Vector dx, void* self) {
   const State<double> now = read(x);
   const State<double> f = m.derivative(now, m.torque(t, now));
   write(f, dx);
-  return finite(f) ? 0 : 1;  // 1: CVODE tries again with a smaller step
+  return finite(f) ? 0 : 1;  // 1: ARKODE tries again with a smaller step
 }
 
 int Rollout::Memory::fill_jacobian(realtype t, N_Vector x, N_Vector, SUNMatrix j, void* self, N_Vector, N_Vector,
@@ -149,14 +188,35 @@ int Rollout::Memory::roots(realtype, N_Vector x, realtype* g, void* self) {
   return 0;
 }
 
+void Rollout::Memory::begin(void* method) {
+  active = method;
+  write(state, x.get());
+  const bool explicitly = method == brisk.get();
+  sundials::check(ARKStepReInit(method, explicitly ? rhs : nullptr, explicitly ? nullptr : rhs, time, x.get()),
+                  "ARKStepReInit");
+}
+
 void Rollout::Memory::restart() {
   write(state, x.get());
-  sundials::check(CVodeReInit(cvode.get(), time, x.get()), "CVodeReInit");
+  sundials::check(ARKStepReset(active, time, x.get()), "ARKStepReset");
+}
+
+bool Rollout::Memory::in_stiff_band() const {
+  return std::abs(state.dtheta[0]) < stiff_band[0] || std::abs(state.dtheta[1]) < stiff_band[1];
+}
+
+// Single steps know nothing of those before: changing the method costs little.
+void Rollout::Memory::choose_method(double end) {
+  steps_in_band = in_stiff_band() ? steps_in_band + 1 : 0;
+  void* wanted = steps_in_band > kStepsOfAPassage ? stiff.get() : brisk.get();
+  if (wanted == active) return;
+  begin(wanted);
+  sundials::check(ARKStepSetStopTime(active, end), "ARKStepSetStopTime");
 }
 
 void Rollout::Memory::record_events() {
   std::array<int, kRoots> found{};
-  sundials::check(CVodeGetRootInfo(cvode.get(), found.data()), "CVodeGetRootInfo");
+  sundials::check(ARKStepGetRootInfo(active, found.data()), "ARKStepGetRootInfo");
   for (int i = 0; i < kRoots; ++i) {
     const int direction = found[static_cast<std::size_t>(i)];
     const bool entering = i >= kReversalRoots && direction > 0;  // coming back inside a limit is no event
@@ -172,7 +232,7 @@ void Rollout::Memory::observe_until(double until, std::span<const double>& insta
       observe(at, state);
       continue;
     }
-    sundials::check(CVodeGetDky(cvode.get(), at, 0, between.get()), "CVodeGetDky");
+    sundials::check(ARKStepGetDky(active, at, 0, between.get()), "ARKStepGetDky");
     observe(at, read(between.get()));
   }
 }
@@ -189,13 +249,14 @@ bool Rollout::Memory::run_to(double end, std::span<const double>& instants, cons
     jump_to(end, instants, observe);
     return true;
   }
-  sundials::check(CVodeSetStopTime(cvode.get(), end), "CVodeSetStopTime");
+  sundials::check(ARKStepSetStopTime(active, end), "ARKStepSetStopTime");
   bool at_root = false;
   for (; time < end; ++steps) {
-    int flag = CVode(cvode.get(), end, x.get(), &time, CV_ONE_STEP);
-    if (flag == CV_ILL_INPUT && at_root) {  // CVODE's own guard: a root function that stays exactly zero after a root
+    choose_method(end);
+    int flag = ARKStepEvolve(active, end, x.get(), &time, ARK_ONE_STEP);
+    if (flag == ARK_ILL_INPUT && at_root) {  // ARKODE's own guard: a root function that stays exactly zero after a root
       restart();
-      sundials::check(CVodeSetStopTime(cvode.get(), end), "CVodeSetStopTime");
+      sundials::check(ARKStepSetStopTime(active, end), "ARKStepSetStopTime");
       at_root = false;
       continue;
     }
@@ -205,7 +266,7 @@ bool Rollout::Memory::run_to(double end, std::span<const double>& instants, cons
           "integration stopped at " + std::to_string(time) + " s: " + (flag < 0 ? flag_name(flag) : "too many steps");
       return false;
     }
-    at_root = flag == CV_ROOT_RETURN;
+    at_root = flag == ARK_ROOT_RETURN;
     if (at_root) record_events();
     observe_until(time, instants, observe);
   }
@@ -223,6 +284,9 @@ void Rollout::start(double time, const State<double>& state, const Drive& drive)
   memory_->events.clear();
   memory_->failure.clear();
   memory_->steps = 0;
+  const bool rests = memory_->in_stiff_band();
+  memory_->steps_in_band = rests ? kStepsOfAPassage : 0;
+  memory_->begin(rests ? memory_->stiff.get() : memory_->brisk.get());
   redirect(drive);
 }
 
@@ -233,7 +297,10 @@ void Rollout::redirect(const Drive& drive) {
   memory_->restart();
 }
 
-void Rollout::hold(const Pair<double>& torque) { memory_->drive.held.torque = torque; }
+void Rollout::hold(const Pair<double>& torque) {
+  memory_->drive.held.torque = torque;
+  memory_->restart();
+}
 
 bool Rollout::run(double end, std::span<const double> instants, std::span<const double> stops,
                   const Observer& observe) {
@@ -241,13 +308,14 @@ bool Rollout::run(double end, std::span<const double> instants, std::span<const 
     if (stop - memory_->time < kNegligible) continue;
     if (end - stop < kNegligible) break;
     if (!memory_->run_to(stop, instants, observe)) return false;
-    memory_->restart();
   }
   return memory_->run_to(end, instants, observe);
 }
 
 void Rollout::limit_step(double longest) {
-  sundials::check(CVodeSetMaxStep(memory_->cvode.get(), longest), "CVodeSetMaxStep");
+  for (void* method : {memory_->brisk.get(), memory_->stiff.get()}) {
+    sundials::check(ARKStepSetMaxStep(method, longest), "ARKStepSetMaxStep");
+  }
 }
 
 double Rollout::time() const { return memory_->time; }

@@ -54,9 +54,10 @@ namespace {
 
 void raise(double& largest, double value) { largest = std::max(largest, std::abs(value)); }
 
-// One run from `x`. Errors are what the link encoders see of them.
-Tracking run_ticks(const Parameters& p, const Trajectory& trajectory, State<double> x) {
+// Errors are what the link encoders see of them.
+Tracking run_ticks(const Parameters& p, const Trajectory& trajectory) {
   Tracking t;
+  State<double> x = trajectory.samples.front().state;
   TickController controller(p, trajectory);
   Interpolator plan(trajectory);
   Rollout arm(p, Limits{}, Accuracy::of_predictions());
@@ -83,31 +84,12 @@ Tracking run_ticks(const Parameters& p, const Trajectory& trajectory, State<doub
   return t;
 }
 
-void include(Tracking& worst, const Tracking& t) {
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    raise(worst.link_error[j], t.link_error[j]);
-    raise(worst.link_error_rms[j], t.link_error_rms[j]);
-    raise(worst.feedback_torque[j], t.feedback_torque[j]);
-    raise(worst.peak_torque[j], t.peak_torque[j]);
-  }
-  worst.saturated |= t.saturated;
-}
-
 }  // namespace
 
 Tracking predict_tracking(const Parameters& p, const Trajectory& trajectory) {
-  const State<double>& start = trajectory.samples.front().state;
-  Tracking worst = run_ticks(p, trajectory, start);
-  for (const double side : {-1.0, 1.0}) {
-    State<double> x = start;
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      x.q[j] += side * kRestError;
-      x.theta[j] += side * kRestError;
-    }
-    include(worst, run_ticks(p, trajectory, x));
-  }
-  for (std::size_t j = 0; j < kJoints; ++j) worst.link_error[j] += count_angle(p.encoder.link_counts[j]);
-  return worst;
+  Tracking t = run_ticks(p, trajectory);
+  for (std::size_t j = 0; j < kJoints; ++j) t.link_error[j] += kRestCounts * count_angle(p.encoder.link_counts[j]);
+  return t;
 }
 
 }  // namespace fjr

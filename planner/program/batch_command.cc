@@ -17,8 +17,8 @@
 
 #include "model/input_error.h"
 #include "planner/batch/earlier.h"
+#include "planner/batch/items.h"
 #include "planner/batch/table.h"
-#include "planner/batch/tasks.h"
 #include "planner/program/commands.h"
 #include "planner/program/ending.h"
 #include "planner/program/plan_process.h"
@@ -49,11 +49,11 @@ struct Options {
 
 struct Batch {
   const Options& options;
-  std::vector<BatchTask> tasks;
-  std::vector<Row> rows;  // beside the tasks
+  std::vector<BatchItem> items;
+  std::vector<Row> rows;  // beside the items
   std::size_t earlier = 0, planned = 0;
 
-  fs::path folder(const BatchTask& task) const { return fs::path(options.out) / task.name; }
+  fs::path folder(const BatchItem& item) const { return fs::path(options.out) / item.name; }
 };
 
 void complain(const std::vector<std::string>& complaints) {
@@ -65,38 +65,45 @@ void complain(const std::vector<std::string>& complaints) {
 }
 
 // The folder with nothing in it but, for a point of a grid, the request.
-void begin(const Batch& batch, const BatchTask& task) {
-  prepare_folder(batch.folder(task));
-  if (task.yaml) write_file(task.request, *task.yaml);
+void begin(const Batch& batch, const BatchItem& item) {
+  prepare_folder(batch.folder(item));
+  if (item.yaml) write_file(item.request, *item.yaml);
 }
 
-Row refuse(const Batch& batch, const BatchTask& task, const std::string& reason) {
-  begin(batch, task);
-  const Json plan = bad_input_json(task.name, reason);
-  write_file(batch.folder(task) / "plan.json", json_text(plan));
-  return make_row(task, plan);
+Row refuse(const Batch& batch, const BatchItem& item, const std::string& reason) {
+  begin(batch, item);
+  const Json plan = bad_input_json(item.name, reason);
+  write_file(batch.folder(item) / "plan.json", json_text(plan));
+  return make_row(item, plan);
 }
 
-// Rows of what an earlier run has finished and of bad requests; returns which tasks are left to be planned.
+// To what was finished without one.
+void complete_report(const Batch& batch, const BatchItem& item, const Json& plan) {
+  const bool wanted = batch.options.settings.report && plan["status"] != name(PlanStatus::kBadInput);
+  if (wanted && !has_report(batch.folder(item))) write_report(batch.folder(item));
+}
+
+// Rows of what an earlier run has finished and of bad requests; returns which items are left to be planned.
 std::vector<std::size_t> sort_out(Batch& batch) {
   std::vector<std::size_t> open;
   std::vector<std::string> complaints;
   {
     ProgressLine line("looking for what is finished");
-    for (std::size_t i = 0; i < batch.tasks.size(); ++i) {
-      line.show(static_cast<double>(i) / static_cast<double>(batch.tasks.size()));
-      const BatchTask& task = batch.tasks[i];
+    for (std::size_t i = 0; i < batch.items.size(); ++i) {
+      line.show(static_cast<double>(i) / static_cast<double>(batch.items.size()));
+      const BatchItem& item = batch.items[i];
       std::optional<Problem> problem;
       try {
-        problem = load(task);
+        problem = load(item);
       } catch (const InputError& error) {
         complaints.emplace_back(error.what());
-        batch.rows[i] = refuse(batch, task, error.what());
+        batch.rows[i] = refuse(batch, item, error.what());
         continue;
       }
-      const auto plan = finished_earlier(*problem, batch.folder(task), batch.options.settings.keep_uncertified);
+      const auto plan = finished_earlier(*problem, batch.folder(item), batch.options.settings.keep_uncertified);
       if (plan) {
-        batch.rows[i] = make_row(task, *plan);
+        complete_report(batch, item, *plan);
+        batch.rows[i] = make_row(item, *plan);
         ++batch.earlier;
       } else {
         open.push_back(i);
@@ -110,33 +117,33 @@ std::vector<std::size_t> sort_out(Batch& batch) {
 // ---- planning ----
 
 struct Running {
-  std::size_t task;
+  std::size_t item;
   PlanProcess process;
 };
 
 void start(Batch& batch, std::size_t index, std::vector<Running>& running) {
-  const BatchTask& task = batch.tasks[index];
+  const BatchItem& item = batch.items[index];
   try {
-    begin(batch, task);
+    begin(batch, item);
     std::vector<std::string> arguments = to_arguments(batch.options.settings);
-    arguments.insert(arguments.end(), {"--out", batch.folder(task).string(), "--", task.request.string()});
+    arguments.insert(arguments.end(), {"--out", batch.folder(item).string(), "--", item.request.string()});
     running.push_back({index, PlanProcess(std::move(arguments))});
   } catch (const std::exception& error) {
-    batch.rows[index] = make_row(task, kFailed, error.what());
+    batch.rows[index] = make_row(item, kFailed, error.what());
   }
 }
 
-Row row_at_end(const Batch& batch, const BatchTask& task, const std::string& ending, bool interrupted) {
-  if (const auto plan = read_plan_json(batch.folder(task))) return make_row(task, *plan);
-  if (interrupted) return make_row(task, name(PlanStatus::kCancelled), "interrupted");
-  return make_row(task, kFailed, ending);
+Row row_at_end(const Batch& batch, const BatchItem& item, const std::string& ending, bool interrupted) {
+  if (const auto plan = read_plan_json(batch.folder(item))) return make_row(item, *plan);
+  if (interrupted) return make_row(item, name(PlanStatus::kCancelled), "interrupted");
+  return make_row(item, kFailed, ending);
 }
 
 void reap(Batch& batch, std::vector<Running>& running, bool interrupted) {
   std::erase_if(running, [&](Running& run) {
     const auto ending = run.process.ending();
     if (ending) {
-      batch.rows[run.task] = row_at_end(batch, batch.tasks[run.task], *ending, interrupted);
+      batch.rows[run.item] = row_at_end(batch, batch.items[run.item], *ending, interrupted);
       ++batch.planned;
     }
     return ending.has_value();
@@ -186,7 +193,7 @@ void plan_all(Batch& batch, const std::vector<std::size_t>& open) {
     reap(batch, running, interruptions > 0);
   }
   for (; next != open.end(); ++next) {
-    batch.rows[*next] = make_row(batch.tasks[*next], name(PlanStatus::kCancelled), "interrupted before it was started");
+    batch.rows[*next] = make_row(batch.items[*next], name(PlanStatus::kCancelled), "interrupted before it was started");
   }
 }
 
@@ -257,9 +264,9 @@ void make_folder(const fs::path& folder) {
 int run(const Options& options) {
   std::optional<Shard> shard;
   if (!options.shard.empty()) shard = parse_shard(options.shard);
-  Batch batch{options, collect_tasks(options.requests, options.out), {}};
-  if (shard) batch.tasks = shard_of(std::move(batch.tasks), *shard);
-  batch.rows.resize(batch.tasks.size());
+  Batch batch{options, collect_items(options.requests, options.out), {}};
+  if (shard) batch.items = shard_of(std::move(batch.items), *shard);
+  batch.rows.resize(batch.items.size());
   make_folder(options.out);
   plan_all(batch, sort_out(batch));
   return tell(batch, shard);

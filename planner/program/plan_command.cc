@@ -36,7 +36,6 @@ struct Options {
   std::vector<std::string> requests;
   std::string out;
   bool json = false;
-  bool report = false;
   std::string warm;  // folder of an earlier plan
   PlanSettings settings;
   pid_t parent = 0;  // fjr batch; 0: none
@@ -131,7 +130,8 @@ Outcome make_plan(const Job& job, const Options& options) {
   Outcome outcome{result.status, plan_json(*job.problem, result), summary(*job.problem, result)};
   write_file(job.folder / "plan.json", json_text(outcome.json));
   std::string files = written + (job.folder / "plan.json").string();
-  if (options.report && result.status != PlanStatus::kBadInput) files += ", " + write_report(job.folder).string();
+  if (options.settings.report && result.status != PlanStatus::kBadInput)
+    files += ", " + write_report(job.folder).string();
   outcome.summary += fmt::format("  {:<11} {}\n", "files", files);
   return outcome;
 }
@@ -186,7 +186,6 @@ void add_plan(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("DIR");
   command->add_flag("--json", options->json, "Only JSON on stdout: plan.json, an array of them for several requests");
-  command->add_flag("--report", options->report, "Write report.html too: the motion, animated, and all about it");
   command
       ->add_option(
           "--warm", options->warm,

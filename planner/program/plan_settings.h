@@ -14,6 +14,7 @@ namespace fjr {
 
 struct PlanSettings {
   bool keep_uncertified = false;
+  bool report = false;
   PlanOptions plan;
 };
 

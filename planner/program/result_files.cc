@@ -40,6 +40,8 @@ fs::path write_report(const fs::path& folder) {
   return file;
 }
 
+bool has_report(const fs::path& folder) { return fs::exists(folder / kReport); }
+
 void write_trajectory_id(const RequestId& id, const fs::path& folder) {
   write_file(folder / kTrajectoryId, to_text(id) + "\n");
 }

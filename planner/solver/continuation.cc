@@ -31,7 +31,15 @@ constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the wa
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
 // in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
+constexpr int kLevelIterations = 80;  // of steps between levels that converge at all, nine of ten take less than 60
+constexpr int kHalvings = 2;          // of a step between levels that did not converge
+constexpr double kSharpWidth = 1e-4;  // [rad/s] as good as the exact law, where a step is halved
 constexpr int kPolishRounds = 8;
+// Rounds that want the back-off kept; what those after them leave is still inside the limits, and chasing it takes
+// rounds in which nothing moves.
+constexpr int kEagerRounds = 2;
+constexpr double kKeepAtLast = 0.2;
+constexpr double kUnfeltGrowth = 8;  // of a margin that the optimiser did not feel
 constexpr int kCreepRounds = 3;
 
 // Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
@@ -94,6 +102,25 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   return attempt(what, setup, &guess, o);
 }
 
+// A step that is too large is taken in two.
+bool Continuation::reach_level(const Smoothing& level, int halvings) {
+  const std::string what = fmt::format("{}, friction width {:.2g} rad/s", label, level.friction_width);
+  CollocationSetup setup =
+      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
+  const Smoothing from = setup.smoothing;
+  setup.smoothing = level;
+  SolveOptions o = warm(what);
+  o.max_iterations = kLevelIterations;
+  if (attempt(what, setup, nullptr, o)) return true;
+  // With effort the levels are close already, and the last good one will do.
+  if (status_ == SolveStatus::kStopped || problem_->weights.effort > 0) return false;
+  if (halvings == 0) return attempt_anew(what, setup);
+  const double sharpest = std::max(level.friction_width, kSharpWidth);
+  const Smoothing between{std::sqrt(from.friction_width * sharpest),
+                          std::sqrt(from.regularisation * level.regularisation)};
+  return reach_level(between, halvings - 1) && reach_level(level, halvings - 1);
+}
+
 // Each level's solution starts the next, on a mesh refined by what it showed. The one that would be published for the
 // least, with the exact law, is kept: a sharper law usually helps, but now and then a step slips into a worse minimum
 // or fails.
@@ -101,12 +128,7 @@ bool Continuation::follow_levels() {
   Collocated best = solution_;
   double least = published_objective(*problem_, best.motion);
   for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
-    const Smoothing& level = levels(*problem_)[i];
-    const std::string what = fmt::format("{}, friction width {} rad/s", label, level.friction_width);
-    CollocationSetup setup =
-        refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
-    setup.smoothing = level;
-    if (!attempt(what, setup, nullptr, warm(what))) break;
+    if (!reach_level(levels(*problem_)[i], kHalvings)) break;
     const double objective = published_objective(*problem_, solution_.motion);
     // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
     if (objective < least || problem_->weights.effort == 0) {
@@ -170,10 +192,13 @@ SolveOptions Continuation::warm(const std::string& what) {
   return o;
 }
 
-// Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
 bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup) {
   if (attempt(what, setup, nullptr, warm(what))) return true;
-  if (status_ == SolveStatus::kStopped) return false;
+  return status_ != SolveStatus::kStopped && attempt_anew(what, setup);
+}
+
+// Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
+bool Continuation::attempt_anew(const std::string& what, const CollocationSetup& setup) {
   const Guess guess = guess_from(solution_.motion, solution_.durations, solution_.motion.duration());
   return attempt(what + ", again", setup, &guess, options(what + ", again"));
 }
@@ -187,7 +212,9 @@ bool Continuation::refine(const std::vector<double>& errors) {
 bool Continuation::polish() {
   for (int round = 0; round < kPolishRounds; ++round) {
     CollocationSetup setup = solution_.setup;
-    const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion), *problem_);
+    const double keep = round < kEagerRounds ? kKeep : kKeepAtLast;
+    const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
+    const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion, keep), *problem_, growth);
     setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), settings_.mesh_tolerance);
     const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
     if (!wider && !finer) return true;
@@ -241,7 +268,15 @@ bool Continuation::resume(const Collocated& neighbour) {
   std::vector<PerLimit>& margins = solution_.setup.margins;
   if (!margins.empty() && margins.front().size() != limit_scales(*problem_).size()) margins.clear();
   const std::string what = label + ", moved";
-  return attempt(what, CollocationSetup(solution_.setup), nullptr, warm(what)) && polish();
+  // What the small barrier makes crawl along its bounds, a larger one pushes off: one of nine neighbours needed that.
+  for (const double barrier : {kWarmBarrier, 10 * kWarmBarrier}) {
+    SolveOptions o = warm(what);
+    o.initial_barrier = o.final_barrier = barrier;
+    o.max_iterations = kLevelIterations;
+    if (attempt(what, CollocationSetup(solution_.setup), nullptr, o)) return polish();
+    if (status_ == SolveStatus::kStopped) return false;
+  }
+  return false;
 }
 
 // Where margins cannot be had, the certificate decides about what there is.

@@ -28,10 +28,10 @@ const char* const kEffort =
     "{start: {q: [0.0, 0.0]}, goal: {q: [0.6, -0.3]}, duration: 0.5, objective: {effort: 1, link_acceleration: 0.01}, "
     "limits: {torque: [6, 4], motor_velocity: [2, 8]}}";
 
-// Link 2 passes below the disc; link 1 does not come near.
-const char* const kObstacle =
-    "{start: {q: [0.0, 0.0]}, goal: {q: [1.2, -0.8]}, objective: fastest, "
-    "obstacles: [{center: [0.40, -0.55], radius: 0.05}]}";
+// Left alone, the tip swings back before it goes to the goal.
+const char* const kInABox =
+    "{start: {q: [0.0, 0.0]}, goal: {q: [1.2, -0.8]}, duration: 0.6, objective: {effort: 1}, "
+    "tip: {box: [[-0.005, -0.66], [0.6, 0.3]]}}";
 
 SolveOptions to_the_end() {
   SolveOptions o;
@@ -73,7 +73,11 @@ void expect_slope(double slope, double step, double here, const std::function<do
 
 void loosen(Problem& problem, const LimitWorth& what, double by) {
   if (double* limit = limit_of(problem.limits, what.name, what.joint)) *limit += by;
-  if (what.name == "obstacles[0]") problem.task.obstacles.front().margin -= by;
+  if (what.name != "tip_box") return;
+  for (std::size_t i = 0; i < 2; ++i) {
+    problem.task.box->lower[i] -= by;
+    problem.task.box->upper[i] += by;
+  }
 }
 
 struct Case {
@@ -121,7 +125,7 @@ INSTANTIATE_TEST_SUITE_P(
     All, WorthOf,
     testing::Values(
         Case{"MinimumTime", kQuickest, {{"torque", 1}, {"motor_velocity", 1}, {"torque_rate", 1}, {"tip_speed", 0}}},
-        Case{"Effort", kEffort, {{"torque", 1}, {"motor_velocity", 1}}}),
+        Case{"TipBox", kInABox, {{"tip_box", 0}}}, Case{"Effort", kEffort, {{"torque", 1}, {"motor_velocity", 1}}}),
     [](const auto& test) { return test.param.name; });
 
 TEST(Sensitivity, GoalDurationAndViaPointsAreSlopesOfTheOptimum) {

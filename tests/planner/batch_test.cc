@@ -16,8 +16,8 @@
 #include "model/input_error.h"
 #include "planner/batch/earlier.h"
 #include "planner/batch/grid.h"
+#include "planner/batch/items.h"
 #include "planner/batch/table.h"
-#include "planner/batch/tasks.h"
 #include "planner/trajectory/plan_json.h"
 #include "planner/trajectory/trajectory.h"
 #include "tests/support/arbitrary.h"
@@ -194,19 +194,19 @@ RC_GTEST_PROP(GridProperty, BrokenGridsAreRefusedAndNothingElse, ()) {
 
 // ---- shards ----
 
-RC_GTEST_PROP(ShardProperty, EveryTaskIsInExactlyOnePart, ()) {
-  const auto tasks = *rc::gen::inRange<std::size_t>(0, 60);
+RC_GTEST_PROP(ShardProperty, EveryItemIsInExactlyOnePart, ()) {
+  const auto items = *rc::gen::inRange<std::size_t>(0, 60);
   const auto parts = *rc::gen::inRange<std::size_t>(1, 12);
-  std::vector<BatchTask> all(tasks);
-  for (std::size_t i = 0; i < tasks; ++i) all[i].name = std::to_string(i);
+  std::vector<BatchItem> all(items);
+  for (std::size_t i = 0; i < items; ++i) all[i].name = std::to_string(i);
   std::multiset<std::string> seen;
   for (std::size_t part = 1; part <= parts; ++part) {
     const auto mine = shard_of(all, {part, parts});
-    RC_ASSERT(mine.size() <= tasks / parts + 1);
-    for (const BatchTask& task : mine) seen.insert(task.name);
+    RC_ASSERT(mine.size() <= items / parts + 1);
+    for (const BatchItem& item : mine) seen.insert(item.name);
   }
-  RC_ASSERT(seen.size() == tasks);
-  RC_ASSERT(std::set<std::string>(seen.begin(), seen.end()).size() == tasks);
+  RC_ASSERT(seen.size() == items);
+  RC_ASSERT(std::set<std::string>(seen.begin(), seen.end()).size() == items);
 }
 
 TEST(Shard, IsOneOfSeveral) {
@@ -308,8 +308,8 @@ TEST_F(Earlier, OnlyAFinalWordIs) {
 // ---- table ----
 
 TEST(Table, HasAColumnForEveryAxisAndTerm) {
-  const BatchTask plain{"a", "a.yaml", std::nullopt, nullptr};
-  const BatchTask point{"b, \"c\"", "b.yaml", "", Json{{"goal.q[0]", 0.5}, {"objective", Json{{"effort", 1}}}}};
+  const BatchItem plain{"a", "a.yaml", std::nullopt, nullptr};
+  const BatchItem point{"b, \"c\"", "b.yaml", "", Json{{"goal.q[0]", 0.5}, {"objective", Json{{"effort", 1}}}}};
   const Json plan = Json::parse(R"({"status": "certified", "reason": null, "duration": 0.5,
       "objective": {"total": 2, "terms": {"effort": 1.5, "time": null}}, "solver": {"iterations": 7},
       "certificate": null, "timing": {"total": 0.25}})");

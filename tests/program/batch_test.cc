@@ -101,7 +101,8 @@ TEST_F(Batch, AGridIsPlannedOnce) {
   EXPECT_THAT(table, StartsWith("name,axes.goal.q[1],status,reason,duration,objective,terms."));
   const auto written = fs::last_write_time(plan_file("g_0.21"));
   fs::remove(path("out/g_0.22/trajectory.csv"));
-  EXPECT_EQ(run({"batch", "g.yaml", "--out", "out"}).exit_code, 0);
+  EXPECT_EQ(run({"batch", "g.yaml", "--out", "out", "--report"}).exit_code, 0);
+  for (const std::string& name : kNames) EXPECT_TRUE(fs::exists(path("out") / name / "report.html"));
   EXPECT_EQ(summary()["planned"], 1);
   EXPECT_EQ(summary()["finished_earlier"], 2);
   EXPECT_EQ(fs::last_write_time(plan_file("g_0.21")), written);

@@ -1,4 +1,4 @@
-#include "planner/batch/tasks.h"
+#include "planner/batch/items.h"
 
 #include <fmt/format.h>
 
@@ -26,19 +26,19 @@ std::optional<YamlNode> grid_in(const fs::path& file) {
   return std::nullopt;
 }
 
-void add_grid(const YamlNode& root, const fs::path& folder, std::vector<BatchTask>& tasks) {
+void add_grid(const YamlNode& root, const fs::path& folder, std::vector<BatchItem>& items) {
   for (GridPoint& point : expand_grid(root)) {
     fs::path file = folder / point.name / (point.name + ".yaml");
-    tasks.push_back({std::move(point.name), std::move(file), std::move(point.yaml), std::move(point.axes)});
+    items.push_back({std::move(point.name), std::move(file), std::move(point.yaml), std::move(point.axes)});
   }
 }
 
-void add_file(const fs::path& file, const fs::path& folder, std::vector<BatchTask>& tasks) {
-  if (const auto grid = grid_in(file)) return add_grid(*grid, folder, tasks);
+void add_file(const fs::path& file, const fs::path& folder, std::vector<BatchItem>& items) {
+  if (const auto grid = grid_in(file)) return add_grid(*grid, folder, items);
   const std::string name = file.stem().string();
   if (name.empty() || name == "." || name == "..")
     throw InputError("'" + file.string() + "'", "", "is not a request file");
-  tasks.push_back({name, file, std::nullopt, nullptr});
+  items.push_back({name, file, std::nullopt, nullptr});
 }
 
 std::vector<fs::path> requests_in(const fs::path& folder) {
@@ -55,15 +55,15 @@ std::vector<fs::path> requests_in(const fs::path& folder) {
 }
 
 // The summary stands beside the folders.
-void refuse_names(const std::vector<BatchTask>& tasks) {
-  for (const BatchTask& task : tasks) {
-    if (task.name.starts_with("summary.")) {
-      throw InputError(task.request.string(), "", "names that begin with 'summary.' are those of the summary");
+void refuse_names(const std::vector<BatchItem>& items) {
+  for (const BatchItem& item : items) {
+    if (item.name.starts_with("summary.")) {
+      throw InputError(item.request.string(), "", "names that begin with 'summary.' are those of the summary");
     }
   }
-  const auto twice = std::adjacent_find(tasks.begin(), tasks.end(),
-                                        [](const BatchTask& a, const BatchTask& b) { return a.name == b.name; });
-  if (twice == tasks.end()) return;
+  const auto twice = std::adjacent_find(items.begin(), items.end(),
+                                        [](const BatchItem& a, const BatchItem& b) { return a.name == b.name; });
+  if (twice == items.end()) return;
   throw InputError(twice->request.string(), "",
                    fmt::format("two requests named '{}' would write the same files; the other one is {}", twice->name,
                                std::next(twice)->request.string()));
@@ -71,24 +71,24 @@ void refuse_names(const std::vector<BatchTask>& tasks) {
 
 }  // namespace
 
-std::vector<BatchTask> collect_tasks(const std::vector<std::string>& arguments, const fs::path& folder) {
-  std::vector<BatchTask> tasks;
+std::vector<BatchItem> collect_items(const std::vector<std::string>& arguments, const fs::path& folder) {
+  std::vector<BatchItem> items;
   for (const std::string& argument : arguments) {
     std::error_code error;
     if (!fs::is_directory(argument, error)) {
-      add_file(argument, folder, tasks);
+      add_file(argument, folder, items);
       continue;
     }
-    for (const fs::path& file : requests_in(argument)) add_file(file, folder, tasks);
+    for (const fs::path& file : requests_in(argument)) add_file(file, folder, items);
   }
-  std::stable_sort(tasks.begin(), tasks.end(), [](const BatchTask& a, const BatchTask& b) { return a.name < b.name; });
-  refuse_names(tasks);
-  return tasks;
+  std::stable_sort(items.begin(), items.end(), [](const BatchItem& a, const BatchItem& b) { return a.name < b.name; });
+  refuse_names(items);
+  return items;
 }
 
-Problem load(const BatchTask& task) {
-  if (!task.yaml) return load_request(task.request, default_robot_file());
-  return parse_request(*task.yaml, task.request.string(), task.request.parent_path(), default_robot_file());
+Problem load(const BatchItem& item) {
+  if (!item.yaml) return load_request(item.request, default_robot_file());
+  return parse_request(*item.yaml, item.request.string(), item.request.parent_path(), default_robot_file());
 }
 
 Shard parse_shard(const std::string& text) {
@@ -105,9 +105,9 @@ Shard parse_shard(const std::string& text) {
 }
 
 // Dealt out in turn: neighbours in a grid take similar time, so that every part gets its share of the long ones.
-std::vector<BatchTask> shard_of(std::vector<BatchTask> tasks, const Shard& shard) {
-  std::vector<BatchTask> part;
-  for (std::size_t i = shard.index - 1; i < tasks.size(); i += shard.count) part.push_back(std::move(tasks[i]));
+std::vector<BatchItem> shard_of(std::vector<BatchItem> items, const Shard& shard) {
+  std::vector<BatchItem> part;
+  for (std::size_t i = shard.index - 1; i < items.size(); i += shard.count) part.push_back(std::move(items[i]));
   return part;
 }
 

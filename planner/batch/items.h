@@ -11,7 +11,7 @@
 
 namespace fjr {
 
-struct BatchTask {
+struct BatchItem {
   std::string name;               // of the request file, without extension; its results are in the folder of that name
   std::filesystem::path request;  // the file
   std::optional<std::string> yaml;  // of a point of a grid: what is to be written to that file
@@ -19,18 +19,18 @@ struct BatchTask {
 };
 
 // From request files, grids and folders with either (*.yaml, *.yml, not in folders below), sorted by name. Requests
-// that cannot be read are tasks too. Throws InputError for a grid that cannot be expanded, a folder without requests
+// that cannot be read are items too. Throws InputError for a grid that cannot be expanded, a folder without requests
 // and two requests of one name. folder: of the results, where points of grids get their files.
-std::vector<BatchTask> collect_tasks(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
+std::vector<BatchItem> collect_items(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
 
-Problem load(const BatchTask& task);  // InputError
+Problem load(const BatchItem& item);  // InputError
 
-// One of several equal parts of a batch; every task is in exactly one of them.
+// One of several equal parts of a batch; every item is in exactly one of them.
 struct Shard {
   std::size_t index = 1, count = 1;  // 1 <= index <= count
 };
 
 Shard parse_shard(const std::string& text);  // "2/8"; InputError
-std::vector<BatchTask> shard_of(std::vector<BatchTask> tasks, const Shard& shard);
+std::vector<BatchItem> shard_of(std::vector<BatchItem> items, const Shard& shard);
 
 }  // namespace fjr

@@ -37,6 +37,9 @@ int default_starts(const Problem& problem) {
 std::vector<Guess> guesses(const Problem& problem, int count) {
   const double duration = duration_guess(problem);
   std::vector<Guess> all{straight_guess(problem, duration), minimum_jerk_guess(problem, duration)};
+  // Nearly half the iterations for the fastest motion (68 in place of 118 in the median of 26 motions), and no worse a
+  // minimum; for effort the plain one is often better.
+  if (problem.weights.effort == 0 && problem.weights.link_acceleration == 0) std::swap(all[0], all[1]);
   for (int i = 2; i < count; ++i) {
     all.push_back(displaced_guess(problem, duration, 0.8, problem.seed * 1000 + static_cast<std::uint64_t>(i)));
   }

@@ -78,8 +78,11 @@ Starts starts_of(const Problem& problem, int count) {
     starts.guesses.push_back(way_guess(problem, duration, ways));
   }
   starts.always = std::max(starts.guesses.size(), static_cast<std::size_t>(count));
-  starts.guesses.push_back(straight_guess(problem, duration));
-  starts.guesses.push_back(minimum_jerk_guess(problem, duration));
+  // By minimum jerk the fastest motion takes nearly half the iterations (68 in place of 118 in the median of 26
+  // motions), and no worse a minimum; for effort the plain guess is often better.
+  const bool fast = problem.weights.effort == 0 && problem.weights.link_acceleration == 0;
+  starts.guesses.push_back(fast ? minimum_jerk_guess(problem, duration) : straight_guess(problem, duration));
+  starts.guesses.push_back(fast ? straight_guess(problem, duration) : minimum_jerk_guess(problem, duration));
   for (std::uint64_t i = 2; starts.guesses.size() < std::max<std::size_t>(4, starts.always); ++i) {
     starts.guesses.push_back(displaced_guess(problem, duration, 0.8, problem.seed * 1000 + i));
   }

@@ -89,13 +89,59 @@ std::vector<int> pieces_wanted(const Motion& motion, const std::vector<double>& 
   return pieces;
 }
 
-Mesh split(const Mesh& mesh, const std::vector<int>& pieces) {
+Mesh split(const Mesh& mesh, const std::vector<int>& pieces) { return split(mesh, equal_cuts(pieces)); }
+
+Mesh split(const Mesh& mesh, const Cuts& cuts) {
   Mesh finer;
   for (std::size_t k = 0; k < mesh.size(); ++k) {
     const auto& interval = mesh.intervals[k];
-    for (int i = 0; i < pieces[k]; ++i) finer.intervals.push_back({interval.fraction / pieces[k], interval.segment});
+    double from = 0;
+    for (const double cut : cuts[k]) {
+      finer.intervals.push_back({interval.fraction * (cut - from), interval.segment});
+      from = cut;
+    }
+    finer.intervals.push_back({interval.fraction * (1 - from), interval.segment});
   }
   return finer;
+}
+
+Cuts equal_cuts(const std::vector<int>& pieces) {
+  Cuts cuts(pieces.size());
+  for (std::size_t k = 0; k < pieces.size(); ++k) {
+    for (int i = 1; i < pieces[k]; ++i) cuts[k].push_back(static_cast<double>(i) / pieces[k]);
+  }
+  return cuts;
+}
+
+std::optional<double> reversal_in(const Motion& motion, std::size_t k, std::size_t joint) {
+  constexpr int kProbes = 16, kBisections = 30;
+  const auto& interval = motion.intervals[k];
+  const auto velocity = [&](double share) {
+    return motion.state_in(k, interval.start + share * interval.duration).dtheta[joint];
+  };
+  for (int i = 0; i < kProbes; ++i) {
+    double from = static_cast<double>(i) / kProbes, to = static_cast<double>(i + 1) / kProbes;
+    const double before = velocity(from);
+    if (!(before * velocity(to) < 0)) continue;
+    for (int b = 0; b < kBisections; ++b) {
+      const double middle = 0.5 * (from + to);
+      (before * velocity(middle) < 0 ? to : from) = middle;
+    }
+    return 0.5 * (from + to);
+  }
+  return {};
+}
+
+void cut_around(std::vector<double>& cuts, double share, double shortest) {
+  constexpr double kApart = 0.05;  // the place moves with the next solution: too near, and it has to be cut again
+  if (shortest > 0.7) return;
+  const double half = 0.5 * std::max(kApart, shortest), from = share - half, to = share + half;
+  const double near = 0.4 * shortest;
+  std::erase_if(cuts, [&](double cut) { return cut > from - near && cut < to + near; });
+  for (const double cut : {from, to}) {
+    if (cut > near && cut < 1 - near) cuts.push_back(cut);
+  }
+  std::sort(cuts.begin(), cuts.end());
 }
 
 }  // namespace fjr

@@ -1,6 +1,7 @@
 // Where a mesh is too coarse, and the finer one.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "model/friction.h"
@@ -31,6 +32,18 @@ std::vector<int> pieces_wanted(const Motion& motion, const std::vector<double>& 
 
 // Interval k in pieces[k] equal pieces.
 Mesh split(const Mesh& mesh, const std::vector<int>& pieces);
+
+// Interval k cut at cuts[k], in shares of it, increasing in (0, 1).
+using Cuts = std::vector<std::vector<double>>;
+Mesh split(const Mesh& mesh, const Cuts& cuts);
+Cuts equal_cuts(const std::vector<int>& pieces);
+
+// Where in interval k motor `joint` reverses, as a share of it: the friction torque steps there. None: it does not.
+std::optional<double> reversal_in(const Motion& motion, std::size_t k, std::size_t joint);
+
+// Adds a cut on both sides of `share`, a twentieth of the interval apart but no less than `shortest` (a share, too), in
+// place of any between; none where that would be (nearly) an end of the interval, or the interval is hardly longer.
+void cut_around(std::vector<double>& cuts, double share, double shortest);
 
 // What was known per interval of the mesh that was split, per interval of the finer one.
 template <class T>

@@ -150,17 +150,26 @@ bool Continuation::begin(const Guess& guess, int most_iterations) {
 }
 
 // The setup with those intervals split whose error [rad] exceeds the tolerance, that exceed a limit by much, or that
-// misjudge the effort.
+// misjudge the effort. Where a motor reverses at its torque limit u has to jump by the step of its friction: nodes are
+// placed on both sides of that, while halving takes three rounds more to come as near.
 CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const {
   const double worth_splitting = 1.5 * tolerance,
                worth_quartering = std::pow(2, settings_.scheme.order + 2) * tolerance;
   const std::vector<PerLimit> excess = excesses(*problem_, solution_.setup.mesh, solution_.motion);
   const PerLimit scales = limit_scales(*problem_);
+  Cuts steps(errors.size());  // of the friction torque, where they make a torque exceed its limit
   for (std::size_t k = 0; k < errors.size(); ++k) {
     for (std::size_t i = 0; i < scales.size(); ++i) {
       const double margin = setup.margins.empty() ? 0 : setup.margins[k][i];
       const double share = (excess[k][i] + margin) / scales[i];  // zero without a limit
-      if (share > kExcessWorthSplitting) errors[k] = std::max(errors[k], worth_splitting);
+      if (share <= kExcessWorthSplitting) continue;
+      if (i < kJoints) {  // the torques come first
+        if (const auto reversal = reversal_in(solution_.motion, k, i)) {
+          steps[k].push_back(*reversal);
+          continue;
+        }
+      }
+      errors[k] = std::max(errors[k], worth_splitting);
       if (share > 4 * kExcessWorthSplitting) errors[k] = std::max(errors[k], worth_quartering);
     }
   }
@@ -173,9 +182,15 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
       if (effort[k] > allowed) errors[k] = std::max(errors[k], worth_splitting);
     }
   }
-  const std::vector<int> pieces =
+  std::vector<int> pieces =
       pieces_wanted(solution_.motion, errors, tolerance, settings_.scheme.order, settings_.shortest_interval);
-  setup.mesh = split(setup.mesh, pieces);
+  Cuts cuts = equal_cuts(pieces);
+  for (std::size_t k = 0; k < cuts.size(); ++k) {
+    const double shortest = settings_.shortest_interval / solution_.motion.intervals[k].duration;
+    for (const double step : steps[k]) cut_around(cuts[k], step, shortest);
+    pieces[k] = static_cast<int>(cuts[k].size()) + 1;
+  }
+  setup.mesh = split(setup.mesh, cuts);
   for (std::size_t k = 0; k < setup.margins.size(); ++k) {  // finer intervals may do without
     if (pieces[k] > 1) std::fill(setup.margins[k].begin(), setup.margins[k].end(), 0.0);
   }

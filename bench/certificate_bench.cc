@@ -1,5 +1,5 @@
-// The certificate of a planned reach, and its parts: rollouts in open and closed loop, what remains after the end, and
-// the prediction of the run on the hardware.
+// The certificate of a planned reach, and its parts: the verdict with its rollouts in open and closed loop, what
+// remains after the end, and the prediction of the run on the hardware.
 #include <benchmark/benchmark.h>
 
 #include <stdexcept>
@@ -42,6 +42,10 @@ void whole(benchmark::State& state) {
   const auto& [robot, limits, trajectory] = planned();
   for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(certify(robot, limits, trajectory));
 }
+void verdict(benchmark::State& state) {
+  const auto& [robot, limits, trajectory] = planned();
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(judge(robot, limits, trajectory));
+}
 void open_loop(benchmark::State& state) {
   const Drive drive = Drive::open_loop(planned().trajectory);
   for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(rolled_out(drive));
@@ -64,6 +68,7 @@ void tracking_prediction(benchmark::State& state) {
 }
 
 BENCHMARK(whole)->Unit(benchmark::kMillisecond);
+BENCHMARK(verdict)->Unit(benchmark::kMillisecond);
 BENCHMARK(open_loop)->Unit(benchmark::kMillisecond);
 BENCHMARK(closed_loop)->Unit(benchmark::kMillisecond);
 BENCHMARK(residual)->Unit(benchmark::kMillisecond);

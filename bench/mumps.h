@@ -33,6 +33,8 @@ class Mumps {
   Mumps(const Mumps&) = delete;
   Mumps& operator=(const Mumps&) = delete;
 
+  std::span<double> values() { return values_; }  // to be changed before factorising again
+
   bool factorise() {
     run(2);
     return data_.info[0] >= 0;

@@ -311,7 +311,12 @@ def main():
     c.add_argument("after", type=pathlib.Path)
     c.set_defaults(do=compare)
     arguments = parser.parse_args()
-    sys.exit(arguments.do(arguments))
+    try:
+        sys.exit(arguments.do(arguments))
+    except subprocess.CalledProcessError as error:
+        sys.exit(f"{error.cmd[0]} exited with {error.returncode}")
+    except OSError as error:
+        sys.exit(str(error))
 
 
 if __name__ == "__main__":

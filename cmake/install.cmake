@@ -3,8 +3,8 @@ include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
 install(TARGETS fjr EXPORT fjrTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-# The chain factorisation has the name of another library (planner/solver/kkt/ma27.h): a folder of its own keeps it from
-# being taken for that by anybody else.
+# The chain factorisation has the symbols of another library (planner/solver/kkt/ma27.h): a folder of its own keeps it
+# from being linked by anybody else.
 install(TARGETS fjr_kkt EXPORT fjrTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/fjr)
 set_target_properties(fjr PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/fjr")
 install(TARGETS fjr_model fjr_planner

@@ -219,9 +219,9 @@ class Explanation {
       relaxed_ = solve(relaxed(base_, share), "everything relaxed");
       if (relaxed_ || tools_.interrupted()) break;
     }
-    if (!relaxed_) return {};
-    const Collocated& solution = relaxed_->solution();
-    const auto excess = excesses(base_, solution.setup.mesh, solution.motion);
+    static const Motion kNone;
+    const Motion& motion = relaxed_ ? relaxed_->solution().motion : kNone;
+    const auto excess = relaxed_ ? excesses(base_, relaxed_->solution().setup.mesh, motion) : std::vector<PerLimit>();
     const PerLimit scales = limit_scales(base_);
     std::vector<std::pair<double, Candidate>> found;
     for (const Relaxable& r : relaxables(base_)) {
@@ -233,7 +233,7 @@ class Explanation {
           for (std::size_t k = 0; k < excess.size(); ++k) {
             if (!(excess[k][i] / scales[i] > worst)) continue;
             worst = excess[k][i] / scales[i];
-            candidate.time = solution.motion.intervals[k].start;
+            candidate.time = motion.intervals[k].start;
           }
         }
       }

@@ -80,11 +80,20 @@ void check_against_request(const Problem& problem, const std::vector<double>& en
   if (!is_goal(trajectory.samples.back().state, problem.goal)) fail("the last row is not the goal");
   if (problem.goal.at_rest && !ends_at_rest(problem.robot, trajectory.samples.back()))
     fail("the motion does not end at rest");
+  if (trajectory.end_time() < problem.duration.min - kMet || trajectory.end_time() > problem.duration.max + kMet) {
+    fail(fmt::format("the motion takes {:.6f} s", trajectory.end_time()));
+  }
   Interpolator at(trajectory);
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
     const Via& via = problem.via[i];
     const State<double> x = at.at(ends[i]).state;
     const double off = std::max(std::abs(x.q[0] - via.q[0]), std::abs(x.q[1] - via.q[1]));
+    const bool late = via.time && std::abs(ends[i] - *via.time) > kMet;
+    if (late) fail(fmt::format("via point {} is passed at {:.6f} s instead of {:.6f} s", i + 1, ends[i], *via.time));
+    if (via.dq && std::max(std::abs(x.dq[0] - (*via.dq)[0]), std::abs(x.dq[1] - (*via.dq)[1])) >
+                      link_velocity_tolerance(problem.robot)) {
+      fail(fmt::format("via point {} is passed at another velocity", i + 1));
+    }
     if (off > via.tolerance + kPassed) fail(fmt::format("via point {} is missed at {:.6f} s", i + 1, ends[i]));
   }
   certificate.task = check_task(problem, ends, trajectory);

@@ -125,6 +125,17 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
   return bounds;
 }
 
+// Rows are not asked at the start, which is given; where u is a state, it is not.
+template <Features F>
+void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double limit = problem.limits.torque[j] * (1 - kBackOff);
+    const double friction = ocp.friction[j].nonlinear(problem.start.dtheta[j]);
+    ocp.at_nodes.front().lower[ArmOcp<F>::kArm + j] = -limit - friction;
+    ocp.at_nodes.front().upper[ArmOcp<F>::kArm + j] = limit - friction;
+  }
+}
+
 template <Features F>
 Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSetup& setup) {
   auto ocp = make_arm_ocp<F>(problem, setup.smoothing.regularisation);
@@ -134,6 +145,7 @@ Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSet
     ocp.tasks.push_back(task_rows(problem.robot, problem.task, s));
   }
   ocp.at_nodes = node_bounds<ArmOcp<F>::kStates>(problem, setup.mesh);
+  if constexpr (F.rate) bound_first_torque(problem, ocp);
   if constexpr (F.task_rows > 0) ocp.rows_at_nodes = goal_rows<F>(problem, setup.mesh);
   ocp.durations = segment_durations(problem);
   ocp.duration_sums = duration_sums(problem);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <queue>
 #include <set>
 
@@ -229,7 +230,44 @@ Detours find_detours(const Problem& problem, std::size_t segment, const Pair<dou
   return found;
 }
 
+namespace {
+
+// A point of the tip's line or arc that no posture within the joints' limits reaches, as a sentence.
+std::string beyond_reach(const Problem& problem) {
+  constexpr int kPieces = 400;
+  const Task& task = problem.task;
+  if (!task.line && !task.arc) return "";
+  const auto [l1, l2] = problem.robot.link.length;
+  const double bend = std::min(problem.limits.link_position[1], std::numbers::pi);
+  const double nearest = std::sqrt(l1 * l1 + l2 * l2 + 2 * l1 * l2 * std::cos(bend)), furthest = l1 + l2;
+  const double tolerance = task.line ? task.line->tolerance : task.arc->tolerance;
+  const Point<double> from = tip_position(problem.robot, problem.start.q),
+                      to = tip_position(problem.robot, problem.goal.q);
+  for (int i = 0; i <= kPieces; ++i) {
+    const double s = static_cast<double>(i) / kPieces;
+    Pair<double> tip{from.x + s * (to.x - from.x), from.y + s * (to.y - from.y)};
+    if (task.arc) {
+      const double x = tip[0] - task.arc->center[0], y = tip[1] - task.arc->center[1], away = std::hypot(x, y);
+      const double radius =
+          std::hypot(task.arc->from[0] - task.arc->center[0], task.arc->from[1] - task.arc->center[1]);
+      tip = {task.arc->center[0] + x * radius / away, task.arc->center[1] + y * radius / away};
+    }
+    const double away = std::hypot(tip[0], tip[1]);
+    if (away > nearest - tolerance && away < furthest + tolerance) continue;
+    return fmt::format(
+        "{} passes [{:.4g}, {:.4g}] m, {:.4g} m from the base; with the joints' limits the tip reaches from "
+        "{:.4g} to {:.4g} m",
+        task.line ? "tip_line" : "tip_arc", tip[0], tip[1], away, nearest, furthest);
+  }
+  return "";
+}
+
+}  // namespace
+
 NoWay no_way(const Problem& problem) {
+  if (std::string sentence = beyond_reach(problem); !sentence.empty()) {
+    return {sentence, {problem.task.line ? "tip_line" : "tip_arc"}};
+  }
   // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
   const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);
   if ((problem.task.obstacles.empty() && !problem.task.box) || problem.goal.any_free()) return {};

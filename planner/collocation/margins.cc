@@ -13,7 +13,6 @@ namespace fjr {
 namespace {
 
 constexpr int kProbes = 16;       // pieces an interval is looked at in; polynomials of degree <= 4 bend little between
-constexpr double kKeep = 0.8;     // share of the back-off that is left to the sampling and the rollout
 constexpr double kEnlarge = 1.2;  // margins answer an excess with a little more
 constexpr double kLeast = 1e-5;   // share of a limit: the optimiser does not see less
 constexpr double kNegligible = 1e-7;  // share of a limit: an excess below a tenth of what the certificate allows
@@ -109,7 +108,11 @@ std::vector<Given> given_states(const Problem& problem) {
   std::vector<Given> given{given_at(problem, 0, 0, problem.start)};
   for (std::size_t i = 0; i < problem.via.size(); ++i) {  // what is free there asks nothing
     const Via& via = problem.via[i];
-    if (via.tolerance > 0) continue;
+    if (via.tolerance > 0) {  // a corner of a path gives its angles, nearly, and nothing else
+      given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, {0, 0}, via.q, {0, 0}}));
+      std::fill(given.back().room.begin() + Limits::kCount, given.back().room.end(), kNoLimit);
+      continue;
+    }
     const Pair<double> dq = via.dq.value_or(Pair<double>{0, 0});
     given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, dq, via.q, {0, 0}}));
   }
@@ -215,7 +218,7 @@ std::vector<Kept> kept_limits(const Problem& problem, const Mesh& mesh, const st
   return kept;
 }
 
-std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion) {
+std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep) {
   const Pair<FrictionLaw> friction{FrictionLaw::of(problem.robot, 0), FrictionLaw::of(problem.robot, 1)};
   const Frame frame(problem);
   const auto rows = rows_by_segment(problem);
@@ -230,7 +233,7 @@ std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const M
       const double scale = frame.scale(i);
       const double beyond =
           i < Limits::kCount ? reached.data()[i] - problem.limits.data()[i] : -room[i - Limits::kCount];
-      const double over = beyond + kKeep * frame.back_off(i);
+      const double over = beyond + keep * frame.back_off(i);
       const bool counts = std::isfinite(scale) && over > kNegligible * scale && !frame.held(i, nodes[k], nodes[k + 1]);
       if (counts) excess[i] = over;
     }
@@ -286,7 +289,8 @@ std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion&
   return sentence;
 }
 
-bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses, const Problem& problem) {
+bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses, const Problem& problem,
+           double growth) {
   const PerLimit scales = limit_scales(problem);
   if (margins.empty()) margins.assign(excesses.size(), PerLimit(scales.size(), 0.0));
   bool any = false;
@@ -295,7 +299,7 @@ bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses
       // An obstacle that is run through wants a finer mesh; a margin of that size would bar the way beside it too.
       if (!(excesses[k][i] > 0) || (i >= Limits::kCount && excesses[k][i] > kRunThrough * scales[i])) continue;
       double& margin = margins[k][i];
-      margin += std::max(margin, kEnlarge * excesses[k][i] + kLeast * scales[i]);
+      margin += std::max((growth - 1) * margin, kEnlarge * excesses[k][i] + kLeast * scales[i]);
       any = true;
     }
   }

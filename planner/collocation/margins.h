@@ -37,16 +37,18 @@ std::vector<Kept> kept_limits(const Problem& problem, const Mesh& mesh, const st
 
 // By how much each limit, less a part of the back-off, is exceeded on each interval of the motion between and at the
 // collocation points, with the exact friction law (0 where it is not, and where no margin can act). A torque that
-// passes the friction law's step counts with the whole step, wherever in the interval the step lies.
-std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion);
+// passes the friction law's step counts with the whole step, wherever in the interval the step lies. keep: that part.
+inline constexpr double kKeep = 0.8;  // leaves a fifth of the back-off to the last digits of the optimiser
+std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep = kKeep);
 
 // The limit that a motion exceeds most, as a sentence ("spring_deflection of joint 1 exceeds ..."); empty if none.
 std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion& motion);
 
 // Adds the excesses to the margins (empty: none so far), a little enlarged so that the next solution is inside; a
-// margin that was not enough is at least doubled, as the optimiser may not have felt it. False when there was nothing
-// to add.
-bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses, const Problem& problem);
+// margin that was not enough grows at least by the factor given, as the optimiser may not have felt it. False when
+// there was nothing to add.
+bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses, const Problem& problem,
+           double growth = 2);
 
 // Largest share of any limit that back-off and margins keep free somewhere.
 double largest_share_kept_free(const Problem& problem, const std::vector<PerLimit>& margins);

@@ -26,6 +26,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -87,8 +88,8 @@ class Transcription final : public Nlp {
       : ocp_(std::move(ocp)), scheme_(std::move(scheme)), mesh_(std::move(mesh)) {
     stages_ = scheme_.stages();
     first_new_ = scheme_.starts_at_node ? 1 : 0;
-    number_rows();
     find_structure();
+    number_rows();
     set_bounds();
     set_patterns();
     set_stages();
@@ -299,9 +300,15 @@ class Transcription final : public Nlp {
     }
   }
 
-  // A row without a bound is left out; one that does not see the control is asked for once per state, and not at the
-  // start, which is given.
+  // A row without a bound is left out; one that does not see the control is asked for once per state, and not where all
+  // of what it depends on is given: at the start, or at a node.
   void number_rows() {
+    std::vector<std::uint32_t> given(mesh_.size() + 1, 0);  // bit i: state i is fixed at that node
+    for (const auto& at : ocp_.at_nodes) {
+      for (int i = 0; i < kX; ++i) {
+        if (at.lower[index(i)] == at.upper[index(i)]) given[at.node] |= 1U << i;
+      }
+    }
     int next = 0;
     for (int k = 0; k < intervals(); ++k) {
       interval_row_.push_back(next);
@@ -311,7 +318,8 @@ class Transcription final : public Nlp {
           bool bounded = bounds_in(k).row_lower[index(c)] > -std::numeric_limits<double>::infinity() ||
                          bounds_in(k).row_upper[index(c)] < std::numeric_limits<double>::infinity();
           if (j + 1 == stages_) each_at_end(k, c, [&](const RowBounds&) { bounded = true; });
-          const bool asked = bounded && (Ocp::kRowUsesControl[index(c)] || j >= first_new_);
+          const bool known = j + 1 == stages_ && (structure_.rows[index(c)].g & ~given[index(k + 1)]) == 0;
+          const bool asked = bounded && (Ocp::kRowUsesControl[index(c)] || (j >= first_new_ && !known));
           path_rows_.push_back(asked ? next++ : -1);
         }
       }

@@ -8,7 +8,7 @@ namespace fjr {
 namespace {
 
 constexpr double kSingular = 0.01;   // [rad] of q2 from 0 or pi
-constexpr double kSameElbow = 1e-9;  // [rad] below it both elbows are one
+constexpr double kSameElbow = 1e-6;  // [rad] below it both elbows are one, and tell no side
 constexpr double kRounding = 1e-8;   // of a cosine: tips on the edge of reach are within it
 
 double largest_difference(const Pair<double>& a, const Pair<double>& b) {
@@ -30,9 +30,10 @@ std::vector<Pair<double>> inverse_kinematics(const Parameters& robot, const Pair
   cosine = std::clamp(cosine, -1.0, 1.0);
   const double bend = std::acos(cosine), direction = std::atan2(tip[0], -tip[1]);  // from hanging straight down
   std::vector<Pair<double>> found;
-  for (const double q2 : {-bend, bend}) {  // the elbow is on the left when q2 < 0
-    if (q2 < 0 && elbow == Elbow::kRight) continue;
-    if (q2 > 0 && (elbow == Elbow::kLeft || bend < kSameElbow)) continue;
+  const bool stretched = bend < kSameElbow;
+  for (const double side : {-1.0, 1.0}) {  // the elbow is on the left when q2 < 0
+    if (stretched ? side > 0 : elbow == (side < 0 ? Elbow::kRight : Elbow::kLeft)) continue;
+    const double q2 = stretched ? 0 : side * bend;
     const double q1 = direction - std::atan2(l2 * std::sin(q2), l1 + l2 * std::cos(q2));
     for (int turn = -2; turn <= 2; ++turn) {
       const Pair<double> q{q1 + 2 * std::numbers::pi * turn, q2};

@@ -87,7 +87,11 @@ TipArc read_arc(const YamlNode& node) {
                     "tolerance of {} m",
                     other, radius, arc.tolerance));
   }
-  const double turn = 2 * std::asin(std::min(1.0, distance(arc.from, arc.to) / (2 * radius)));
+  if (distance(arc.from, arc.to) < kShortest)
+    node.at("to").fail("is the same point as from; a full circle has no short way");
+  const Pair<double> a{arc.from[0] - arc.center[0], arc.from[1] - arc.center[1]},
+      b{arc.to[0] - arc.center[0], arc.to[1] - arc.center[1]};
+  const double turn = std::abs(std::atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]));
   if (turn > kMostTurn) node.fail(fmt::format("turns by {:.4g} rad, above the {} rad allowed", turn, kMostTurn));
   return arc;
 }
@@ -134,13 +138,33 @@ void read_path(const YamlNode& node, const YamlNode& root, Problem& problem) {
 std::string broken(const Problem& problem, std::size_t segment, const Pair<double>& q) {
   const auto posture = Posture<double>::of(problem.robot, q);
   for (const TaskRow& row : task_rows(problem.robot, problem.task, segment)) {
-    const double room = row.room(row.value(problem.robot, posture));
+    const double room = row.distance(row.value(problem.robot, posture));
     if (room >= -kOnBound * row.scale) continue;
     if (row.link > 0) {
       return fmt::format("link {} would be {:.4g} m inside {}, its radius and margin included", row.link, -room,
                          row.name);
     }
     return fmt::format("breaks {} by {:.4g} {}", row.name, -room, row.kind == TaskRow::Kind::kAngles ? "rad" : "m");
+  }
+  return "";
+}
+
+// What a motion from q with velocity dq leaves at once, because q lies on its bound; empty if nothing.
+std::string leaves(const Problem& problem, std::size_t segment, const Pair<double>& q, const Pair<double>& dq) {
+  constexpr double kMoment = 1e-6;  // [s]
+  const auto moved = [&](double time) { return Pair<double>{q[0] + time * dq[0], q[1] + time * dq[1]}; };
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double limit = problem.limits.link_position[j];
+    if (std::abs(q[j]) >= limit && std::abs(moved(kMoment)[j]) > limit * (1 + 1e-12)) {
+      return fmt::format("joint {} stands on its limit of {} rad and moves beyond it", j + 1, limit);
+    }
+  }
+  const auto here = Posture<double>::of(problem.robot, q), soon = Posture<double>::of(problem.robot, moved(kMoment));
+  for (const TaskRow& row : task_rows(problem.robot, problem.task, segment)) {
+    const double room = row.room(row.value(problem.robot, here)), then = row.room(row.value(problem.robot, soon));
+    if (room <= kOnBound * row.scale && then < room - 1e-3 * kMoment) {  // faster than 1 mm/s or 1 mrad/s
+      return fmt::format("lies on the edge of {} and moves beyond it", row.name);
+    }
   }
   return "";
 }
@@ -157,6 +181,9 @@ void check_task(const YamlNode& root, Problem& problem) {
   if (std::string wrong = broken(problem, 0, problem.start.q); !wrong.empty()) {
     throw InputError(root.source(), "start", wrong);
   }
+  if (std::string wrong = leaves(problem, 0, problem.start.q, problem.start.dq); !wrong.empty()) {
+    throw InputError(root.source(), "start.dq", wrong);
+  }
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
     const std::string wrong = broken(problem, i, problem.via[i].q);
     if (!wrong.empty())
@@ -165,9 +192,13 @@ void check_task(const YamlNode& root, Problem& problem) {
   }
   if (problem.goal.any_free()) return;
   const std::size_t last = problem.via.size();
-  const std::string wrong = broken(problem, last, problem.goal.q);
+  const auto wrong_with = [&](const Goal& goal) {  // before the goal the motion comes from where it goes to after it
+    const std::string there = broken(problem, last, goal.q);
+    return there.empty() ? leaves(problem, last, goal.q, {-goal.dq[0], -goal.dq[1]}) : there;
+  };
+  const std::string wrong = wrong_with(problem.goal);
   std::vector<Goal>& others = problem.other_goals;
-  std::erase_if(others, [&](const Goal& goal) { return !broken(problem, last, goal.q).empty(); });
+  std::erase_if(others, [&](const Goal& goal) { return !wrong_with(goal).empty(); });
   if (wrong.empty()) return;
   if (others.empty()) root.at("goal").fail(wrong);
   problem.goal = others.front();

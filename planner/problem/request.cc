@@ -45,6 +45,7 @@ constexpr double kViaSpacing = 1e-3;                                // [s] betwe
 constexpr std::size_t kMaxVias = 32;
 constexpr double kLargestWeight = 1e9;
 constexpr double kSameAngle = 1e-9;  // [rad] below this two given angles mean the same; 1e-5 of an encoder count
+constexpr double kNoMotion = 1e-6;   // [rad] as near as two angles of one tip position are computed
 constexpr double kLargestLinkVelocity = 100;  // [rad/s] several times what motors and springs together can reach
 constexpr std::string_view kLater = "not supported by this version";
 
@@ -460,12 +461,27 @@ void read_vias(const YamlNode& root, Problem& problem) {
   for (const YamlNode& item : items) problem.via.push_back(read_via(item, problem));
 }
 
+// Those before a given time were checked with it.
+void check_time_left(const YamlNode& root, const Problem& problem) {
+  double last = 0;
+  std::size_t after = 0;
+  for (const Via& via : problem.via) {
+    after = via.time ? 0 : after + 1;
+    last = via.time.value_or(last);
+  }
+  const double left = problem.duration.max - last, needed = static_cast<double>(after + 1) * kViaSpacing * (1 - 1e-9);
+  if (left >= needed) return;
+  root.at(problem.task.path ? "path" : "via")
+      .fail(fmt::format("{} points after {} s leave no time until the end at {} s, at least {} s apart", after, last,
+                        problem.duration.max, kViaSpacing));
+}
+
 // With a fixed duration, staying where one is can be meant; otherwise it takes no time at all.
 void refuse_empty_motion(const YamlNode& root, const Problem& problem) {
   if (problem.duration.fixed() || !problem.start_at_rest || !problem.goal.at_rest || !problem.via.empty()) return;
   bool same = true;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    same = same && (problem.goal.free[j] || std::abs(problem.start.q[j] - problem.goal.q[j]) <= kSameAngle);
+    same = same && (problem.goal.free[j] || std::abs(problem.start.q[j] - problem.goal.q[j]) <= kNoMotion);
   }
   if (same) root.at("goal").fail("start and goal are the same state; nothing to plan");
 }
@@ -578,6 +594,7 @@ Problem resolve(const YamlNode& root, const Parameters& robot) {
   read_goal(root.at("goal"), problem);
   read_vias(root, problem);
   read_task(root, problem);
+  check_time_left(root, problem);
   check_task(root, problem);
   refuse_empty_motion(root, problem);
   problem.request_hash = request_hash(problem);

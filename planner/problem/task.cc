@@ -48,18 +48,20 @@ void add_box(std::vector<TaskRow>& rows, const TipBox& box) {
   }
 }
 
-// Near the circle, and on the near side of the chord's parallel through the arc's ends.
+// Near the circle, after the line across it at one end and before the one at the other.
 void add_arc(std::vector<TaskRow>& rows, const TipArc& arc) {
-  const double radius = length(difference(arc.from, arc.center));
+  const Pair<double> first = difference(arc.from, arc.center), last = difference(arc.to, arc.center);
+  const double radius = length(first), band = kAcross * arc.tolerance, beyond = kBeyond * arc.tolerance;
   const auto from_circle = [radius](double r) { return (r * r - radius * radius) / (2 * radius); };
-  rows.push_back({Kind::kTipRadius, arc.center, radius, from_circle(radius - arc.tolerance),
-                  from_circle(radius + arc.tolerance), arc.tolerance, "tip_arc"});
-  const Pair<double> middle{(arc.from[0] + arc.to[0]) / 2 - arc.center[0],
-                            (arc.from[1] + arc.to[1]) / 2 - arc.center[1]};
-  const double height = length(middle);
-  const Pair<double> outward{middle[0] / height, middle[1] / height};
-  rows.push_back(
-      {Kind::kTip, outward, dot(outward, arc.center), height - arc.tolerance, kNone, arc.tolerance, "tip_arc"});
+  rows.push_back({Kind::kTipRadius, arc.center, radius, radius > band ? from_circle(radius - band) : -kNone,
+                  from_circle(radius + band), arc.tolerance, "tip_arc"});
+  const double turn = first[0] * last[1] - first[1] * last[0] > 0 ? 1 : -1;
+  const auto onward = [turn](const Pair<double>& r) {
+    return Pair<double>{-turn * r[1] / length(r), turn * r[0] / length(r)};
+  };
+  const Pair<double> at_from = onward(first), at_to = onward(last);
+  rows.push_back({Kind::kTip, at_from, dot(at_from, arc.from), -beyond, kNone, arc.tolerance, "tip_arc"});
+  rows.push_back({Kind::kTip, at_to, dot(at_to, arc.to), -kNone, beyond, arc.tolerance, "tip_arc"});
 }
 
 }  // namespace
@@ -79,7 +81,7 @@ std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::s
 
 std::size_t count_of_rows(const Task& task) {
   return (task.path ? 2 : 0) + kJoints * task.obstacles.size() + (task.box ? 2 : 0) + (task.line ? 2 : 0) +
-         (task.arc ? 2 : 0);
+         (task.arc ? 3 : 0);
 }
 
 }  // namespace fjr

@@ -96,7 +96,7 @@ std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::s
 // How many that are.
 std::size_t count_of_rows(const Task& task);
 inline constexpr std::size_t kMostObstacles = 64;
-inline constexpr std::size_t kMostTaskRows = 2 * kMostObstacles + 4;  // a path and a region of the tip beside them
+inline constexpr std::size_t kMostTaskRows = 2 * kMostObstacles + 5;  // a path and a region of the tip beside them
 
 // ---- details of templates ----
 

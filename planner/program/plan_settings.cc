@@ -5,11 +5,18 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
+#include "planner/solver/linear_solver.h"
+
 namespace fjr {
 
 void add_options(CLI::App& command, PlanSettings& settings) {
-  command.add_option("--linear-solver", settings.plan.linear_solver, "Solver of the linear systems")
-      ->check(CLI::IsMember({"stage", "mumps"}))
+  command
+      .add_option(
+          "--linear-solver", settings.plan.linear_solver,
+          "Solver of the linear systems; ma27 to ma97 are taken from an HSL library, libhsl.so or the file that "
+          "the environment variable FJR_HSL names")
+      ->check(CLI::IsMember(linear_solvers()))
+      ->check(CLI::Validator([](const std::string& name) { return what_is_missing(name); }, ""))
       ->capture_default_str();
   command.add_option("--starts", settings.plan.starts, "Starts of the optimiser; default by objective, 1 to 6")
       ->check(CLI::Range(1, 100));

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "model/chart_page.h"
 
@@ -13,24 +15,39 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr int kDeepest = 4;                              // nesting shown as tables; below it as JSON
+constexpr std::size_t kLongText = 40;                    // of a cell: is wrapped
 constexpr std::size_t kMostItems = 200, kUnfolded = 12;  // of a list: shown, shown at once
 
-bool is_plain(const Json& json) {
-  if (!json.is_array()) return !json.is_object();
-  return json.size() <= 8 &&
+bool is_short_list(const Json& json, std::size_t most) {
+  return json.is_array() && json.size() <= most &&
          std::all_of(json.begin(), json.end(), [](const Json& item) { return item.is_primitive(); });
+}
+
+// What fits into a cell: one value, a few, or a list of pairs.
+bool is_plain(const Json& json) {
+  if (json.is_primitive() || is_short_list(json, 8)) return true;
+  return json.is_array() && json.size() <= 16 &&
+         std::all_of(json.begin(), json.end(), [](const Json& item) { return is_short_list(item, 3); });
 }
 
 std::string plain_text(const Json& json) {
   if (json.is_null()) return "-";
   if (json.is_string()) return json.get<std::string>();
-  if (json.is_number_float()) return fmt::format("{:.6g}", json.get<double>());
-  if (json.is_array()) {
-    std::string text;
-    for (const Json& item : json) text += (text.empty() ? "" : ", ") + plain_text(item);
-    return text;
+  if (json.is_number_float()) return number_text(json.get<double>(), 6);
+  if (!json.is_array()) return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string text;
+  for (const Json& item : json) {
+    if (!text.empty()) text += ", ";
+    text += item.is_array() ? fmt::format("({})", plain_text(item)) : plain_text(item);
   }
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return text;
+}
+
+Cell plain_cell(const Json& json) {
+  std::string text = plain_text(json);
+  const bool pairs = json.is_array() && !json.empty() && json.front().is_array();
+  const char* const css = pairs || text.size() > kLongText ? "long" : "";
+  return cell(std::move(text), css);
 }
 
 bool is_list_of_alike(const Json& json) {
@@ -40,12 +57,12 @@ bool is_list_of_alike(const Json& json) {
 }
 
 std::string table_of_alike(const Json& list) {
-  std::vector<std::vector<Cell>> rows(1);
-  for (const auto& item : list.front().items()) rows[0].push_back({spaced(item.key()), "", ""});
+  Rows rows(1);
+  for (const auto& item : list.front().items()) rows[0].push_back(cell(spaced(item.key())));
   for (std::size_t i = 0; i < std::min(list.size(), kMostItems); ++i) {
     std::vector<Cell> row;
     for (const auto& item : list.front().items()) {
-      row.push_back({list[i].contains(item.key()) ? plain_text(list[i][item.key()]) : "", "", ""});
+      row.push_back(list[i].contains(item.key()) ? plain_cell(list[i][item.key()]) : cell(""));
     }
     rows.push_back(std::move(row));
   }
@@ -53,9 +70,9 @@ std::string table_of_alike(const Json& list) {
 }
 
 std::string table_of_numbers(const Json& list) {
-  std::vector<std::vector<Cell>> rows;
+  Rows rows;
   for (std::size_t i = 0; i < std::min(list.size(), kMostItems); ++i) {
-    rows.push_back({{std::to_string(i), "", ""}, {plain_text(list[i]), "", ""}});
+    rows.push_back({cell(std::to_string(i)), plain_cell(list[i])});
   }
   return html_table(rows, false);
 }
@@ -75,11 +92,11 @@ std::string html_at_depth(const Json& json, int depth) {
   }
   if (is_list_of_alike(json)) return folded(json, table_of_alike(json));
   if (json.is_array() && std::all_of(json.begin(), json.end(), is_plain)) return folded(json, table_of_numbers(json));
-  std::vector<std::vector<Cell>> rows;
+  Rows rows;
   std::string below;
   for (const auto& item : json.items()) {
     if (is_plain(item.value())) {
-      rows.push_back({{spaced(item.key()), "", ""}, {plain_text(item.value()), "", ""}});
+      rows.push_back({cell(spaced(item.key())), plain_cell(item.value())});
     } else {
       below += "<h3>" + escaped_html(spaced(item.key())) + "</h3>\n" + html_at_depth(item.value(), depth + 1);
     }
@@ -89,12 +106,19 @@ std::string html_at_depth(const Json& json, int depth) {
 
 }  // namespace
 
+Cell cell(std::string text, std::string css_class) { return {std::move(text), std::move(css_class), ""}; }
+Cell html_cell(std::string html) { return {"", "", std::move(html)}; }
+
+std::string number_text(double value, int digits) {
+  return std::isnan(value) ? "-" : std::isinf(value) ? "none" : fmt::format("{:.{}g}", value, digits);
+}
+
 std::string spaced(std::string name) {
   std::replace(name.begin(), name.end(), '_', ' ');
   return name;
 }
 
-std::string html_table(const std::vector<std::vector<Cell>>& rows, bool heading) {
+std::string html_table(const Rows& rows, bool heading) {
   std::string html = "<div class='table'><table>\n";
   for (std::size_t row = 0; row < rows.size(); ++row) {
     html += "<tr>";

@@ -122,29 +122,32 @@ function torqueRing(joint, base, torque, limit, radius, colour) {
 
 // ---- what else there is in the plane ----
 const scenery = {
-  disc: o => disc(o.center, o.radius, "#f3d9d9", "#b55"),
+  disc: o => {
+    disc(o.center, o.radius + o.margin, null, "#e3a9a9");
+    disc(o.center, o.radius, "#f3d9d9", "#b55");
+  },
   box: o => {
     const [[x0, y0], [x1, y1]] = o.corners;
     stroke([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]], "#3a7d44", 1.2, [6, 4]);
   },
   line: o => {
-    stroke([o.from, o.to], "#d8ead8", Math.max(1, 2 * (o.tolerance || 0) * scale));
+    stroke([o.from, o.to], "#d8ead8", Math.max(1, 2 * o.tolerance * scale));
     stroke([o.from, o.to], "#3a7d44", 1);
   },
   arc: o => {
     const points = Array.from({ length: 61 }, (_, i) => onArc(o, o.from + (o.to - o.from) * i / 60));
-    stroke(points, "#d8ead8", Math.max(1, 2 * (o.tolerance || 0) * scale));
+    stroke(points, "#d8ead8", Math.max(1, 2 * o.tolerance * scale));
     stroke(points, "#3a7d44", 1);
   },
+  curve: o => stroke(o.points, "#8fc49a", 3),
   point: o => disc(o.at, 0.008, "#3a7d44"),
 };
 const onArc = (o, angle) => [o.center[0] + o.radius * Math.cos(angle), o.center[1] + o.radius * Math.sin(angle)];
-const anchorOf = o => o.kind === "arc" ? onArc(o, o.from) : o.at || o.center || o.from || o.corners[0];
+const anchorOf = o => o.kind === "arc" ? onArc(o, o.from) : o.at || o.center || o.from || (o.corners || o.points)[0];
 
 function drawScene() {
   for (const object of plan.scene) {
     scenery[object.kind](object);
-    if (!object.label) continue;
     const [x, y] = place(anchorOf(object));
     pen.fillStyle = "#3a7d44";
     pen.font = "12px system-ui, sans-serif";

@@ -31,10 +31,16 @@ constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the wa
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
 // in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
+constexpr int kLevelIterations = 80;   // of steps between levels that converge at all, nine of ten take less than 60
 constexpr int kHalvings = 2;           // of a step between levels that did not converge
 constexpr double kSharpWidth = 1e-4;   // [rad/s] as good as the exact law, where a step is halved
 constexpr double kSameMinimum = 2e-5;  // relative difference of objectives on one mesh below which minima are one
 constexpr int kPolishRounds = 8;
+// Rounds that want the back-off kept; what those after them leave is still inside the limits, and chasing it takes
+// rounds in which nothing moves.
+constexpr int kEagerRounds = 2;
+constexpr double kKeepAtLast = 0.2;
+constexpr double kUnfeltGrowth = 8;  // of a margin that the optimiser did not feel
 constexpr int kCreepRounds = 3;
 
 // Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
@@ -111,8 +117,12 @@ bool Continuation::reach_level(const Smoothing& level, int halvings) {
       refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
   const Smoothing from = setup.smoothing;
   setup.smoothing = level;
-  if (attempt(what, setup, nullptr, warm(what))) return true;
-  if (status_ == SolveStatus::kStopped || halvings == 0) return false;
+  SolveOptions o = warm(what);
+  o.max_iterations = kLevelIterations;
+  if (attempt(what, setup, nullptr, o)) return true;
+  // With effort the levels are close already, and the last good one will do.
+  if (status_ == SolveStatus::kStopped || problem_->weights.effort > 0) return false;
+  if (halvings == 0) return attempt_anew(what, setup);
   const double sharpest = std::max(level.friction_width, kSharpWidth);
   const Smoothing between{std::sqrt(from.friction_width * sharpest),
                           std::sqrt(from.regularisation * level.regularisation)};
@@ -190,10 +200,13 @@ SolveOptions Continuation::warm(const std::string& what) {
   return o;
 }
 
-// Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
 bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup) {
   if (attempt(what, setup, nullptr, warm(what))) return true;
-  if (status_ == SolveStatus::kStopped) return false;
+  return status_ != SolveStatus::kStopped && attempt_anew(what, setup);
+}
+
+// Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
+bool Continuation::attempt_anew(const std::string& what, const CollocationSetup& setup) {
   const Guess guess = guess_from(solution_.motion, solution_.durations, solution_.motion.duration());
   const bool solved = attempt(what + ", again", setup, &guess, options(what + ", again"));
   stages_.back().forgetful = true;
@@ -209,7 +222,9 @@ bool Continuation::refine(const std::vector<double>& errors) {
 bool Continuation::polish() {
   for (int round = 0; round < kPolishRounds; ++round) {
     CollocationSetup setup = solution_.setup;
-    const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion), *problem_);
+    const double keep = round < kEagerRounds ? kKeep : kKeepAtLast;
+    const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
+    const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion, keep), *problem_, growth);
     setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), settings_.mesh_tolerance);
     const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
     if (!wider && !finer) return true;
@@ -260,10 +275,25 @@ bool Continuation::creep() {
 bool Continuation::resume(const Collocated& neighbour) {
   if (static_cast<std::size_t>(neighbour.setup.mesh.segments()) != segment_count(*problem_)) return false;
   solution_ = neighbour;
-  std::vector<PerLimit>& margins = solution_.setup.margins;
-  if (!margins.empty() && margins.front().size() != limit_scales(*problem_).size()) margins.clear();
+  // What was fitted to the other problem and may not suit this one.
+  CollocationSetup& setup = solution_.setup;
+  setup.creep.clear();
+  setup.smoothing.regularisation = levels(*problem_).back().regularisation;
+  if (problem_->weights.effort == 0) setup.smoothing.friction_width = levels(*problem_).back().friction_width;
+  const std::size_t limits = limit_scales(*problem_).size();
+  if (limits > Limits::kCount || (!setup.margins.empty() && setup.margins.front().size() != limits)) {
+    setup.margins.clear();
+  }
   const std::string what = label + ", moved";
-  return attempt(what, CollocationSetup(solution_.setup), nullptr, warm(what)) && polish();
+  // What the small barrier makes crawl along its bounds, a larger one pushes off: one of nine neighbours needed that.
+  for (const double barrier : {kWarmBarrier, 10 * kWarmBarrier}) {
+    SolveOptions o = warm(what);
+    o.initial_barrier = o.final_barrier = barrier;
+    o.max_iterations = kLevelIterations;
+    if (attempt(what, CollocationSetup(solution_.setup), nullptr, o)) return polish();
+    if (status_ == SolveStatus::kStopped) return false;
+  }
+  return false;
 }
 
 // Where margins cannot be had, the certificate decides about what there is.

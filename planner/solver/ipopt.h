@@ -39,7 +39,7 @@ struct SolveOptions {
   double final_barrier = 1e-9;   // with the monotone strategy; the objective is worse by about mu times the bounds
   bool warm_start = false;       // start from the given multipliers and do not push the point off its bounds
   std::string barrier_strategy = "adaptive";  // or "monotone"
-  std::string linear_solver = "stage";        // kkt/chain_ldlt.h; or any name stock Ipopt knows, such as "mumps"
+  std::string linear_solver = "stage";        // one of linear_solvers(), linear_solver.h
   int print_level = 0;
   // Called after every iteration; return false to stop.
   std::function<bool(const IterationInfo&)> monitor;

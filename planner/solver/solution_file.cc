@@ -39,10 +39,14 @@ Mesh mesh_of(const json& intervals) {
   for (const json& interval : intervals) {
     const double fraction = finite(interval.at(0).get<double>());
     const int segment = interval.at(1).get<int>(), last = mesh.intervals.empty() ? 0 : mesh.intervals.back().segment;
+    if (segment != last && std::abs(whole - 1) > 1e-9) throw std::invalid_argument("the mesh is no mesh");
     if (!(fraction > 0) || (segment != last && segment != last + 1)) throw std::invalid_argument("the mesh is no mesh");
     whole = (segment == last ? whole : 0) + fraction;
     if (whole > 1 + 1e-9) throw std::invalid_argument("the mesh is no mesh");
     mesh.intervals.push_back({fraction, segment});
+  }
+  if (mesh.intervals.front().segment != 0 || std::abs(whole - 1) > 1e-9) {
+    throw std::invalid_argument("the mesh is no mesh");
   }
   return mesh;
 }
@@ -63,7 +67,9 @@ std::vector<PerLimit> margins_of(const json& rows, std::size_t intervals) {
   for (const json& row : rows) {
     margins.push_back(row.get<PerLimit>());
     if (margins.back().size() != margins.front().size()) throw std::invalid_argument("margins of different sizes");
-    for (const double margin : margins.back()) finite(margin);
+    for (const double margin : margins.back()) {
+      if (finite(margin) < 0) throw std::invalid_argument("a margin is negative");
+    }
   }
   return margins;
 }

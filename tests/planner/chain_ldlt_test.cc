@@ -163,8 +163,9 @@ TEST_P(Chain, SolvesAndCountsLikeDenseAlgebraAndMumps) {
     EXPECT_TRUE(regular);
     EXPECT_EQ(x, again);
   }
-  // Of a factorisation with threshold pivots: growth, up to 1e5 here, times rounding; and refinement squares it away.
-  EXPECT_LT(at_once, 1e-10);
+  // Of a factorisation with threshold pivots: growth, measured up to 1e7 on these, times rounding; and one refinement
+  // leaves its square of it.
+  EXPECT_LT(at_once, 1e-8);
   EXPECT_LT(once_refined, std::max(1e-15, 10 * of_mumps));
 }
 

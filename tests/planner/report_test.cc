@@ -1,4 +1,5 @@
 // The report: the physics of what a plan is compared with, what the page holds, and folders that are no plans.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -9,6 +10,7 @@
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <string>
 
 #include "model/chart_page.h"
@@ -17,6 +19,7 @@
 #include "planner/plan.h"
 #include "planner/report/plan_page.h"
 #include "planner/report/rigid_profile.h"
+#include "planner/report/scene.h"
 #include "planner/trajectory/plan_json.h"
 
 namespace fjr {
@@ -42,6 +45,11 @@ TEST_P(Profiles, LeadFromRestToRestAndAreTheirOwnDerivatives) {
   EXPECT_NEAR(along(GetParam(), 1).position, 1, 1e-15);
   EXPECT_EQ(along(GetParam(), 0).velocity, 0);
   EXPECT_NEAR(along(GetParam(), 1).velocity, 0, 1e-14);
+  for (const double corner : {1.0 / 3, 2.0 / 3}) {  // of the trapezoid
+    const Along before = along(GetParam(), corner - 1e-12), after = along(GetParam(), corner + 1e-12);
+    EXPECT_NEAR(before.position, after.position, 1e-10);
+    EXPECT_NEAR(before.velocity, after.velocity, 1e-10);
+  }
   constexpr double kStep = 1e-5;
   for (double c = 0.01; c < 1; c += 0.0123) {  // never within a step of a jump
     const Along before = along(GetParam(), c - kStep), at = along(GetParam(), c), after = along(GetParam(), c + kStep);
@@ -220,16 +228,74 @@ TEST(PlanPage, TextsCannotBreakThePage) {
   EXPECT_THAT(html, HasSubstr("&lt;img src=x"));
 }
 
-TEST(PlanPage, PutsViaPointsIntoTheScene) {
-  PlanRecord record = reach();
-  const Pair<double> q{0.7, -0.2};
-  record.plan["resolved_request"]["via"] = {{{"time", 0.2}, {"q", q}, {"dq", nullptr}}};
-  const Json scene = data_of(plan_page(record))["scene"];
+Json scene_of(const std::string& request) {
+  const Problem problem =
+      parse_request("start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n" + request, "reach.yaml", load_parameters(kRobot));
+  const Json json = plan_json(problem, {});
+  return scene_json(JsonField(json, "plan.json"), problem.robot);
+}
+
+void expect_at(const Json& point, double x, double y) {
+  EXPECT_NEAR(point[0].get<double>(), x, 1e-12);
+  EXPECT_NEAR(point[1].get<double>(), y, 1e-12);
+}
+
+TEST(Scene, HoldsWhatTheRequestAsksForOnTheWay) {
+  EXPECT_TRUE(scene_of("").empty());
+  const Json scene = scene_of(
+      "obstacles: [{center: [0.3, -0.7], radius: 0.05, margin: 0.01}]\n"
+      "tip: {box: [[-0.7, -0.7], [0.7, 0.3]]}\nvia: [{q: [0.7, -0.2]}]\n");
+  ASSERT_EQ(scene.size(), 3U);
+  EXPECT_EQ(
+      scene[0],
+      Json({{"kind", "disc"}, {"center", {0.3, -0.7}}, {"radius", 0.05}, {"margin", 0.01}, {"label", "obstacle 1"}}));
+  EXPECT_EQ(scene[1]["corners"], Json({{-0.7, -0.7}, {0.7, 0.3}}));
+  const Point<double> tip = tip_position(load_parameters(kRobot), Pair<double>{0.7, -0.2});
+  EXPECT_EQ(scene[2]["kind"], "point");
+  expect_at(scene[2]["at"], tip.x, tip.y);
+}
+
+TEST(Scene, ArcsLeadTheShortWayFromOnePointToTheOther) {
+  const Parameters robot = load_parameters(kRobot);
+  const Point<double> from = tip_position(robot, Pair<double>{0, 0}), to = tip_position(robot, Pair<double>{1.2, -0.8});
+  const double x = 0.5 * (from.x + to.x), y = 0.5 * (from.y + to.y);  // and a little aside: the way is then decided
+  const double cx = x + 0.3 * (to.y - from.y), cy = y - 0.3 * (to.x - from.x);
+  const Json scene =
+      scene_of(fmt::format("tip: {{arc: {{center: [{}, {}], from: [{}, {}], to: [{}, {}], tolerance: 0.05}}}}\n", cx,
+                           cy, from.x, from.y, to.x, to.y));
   ASSERT_EQ(scene.size(), 1U);
-  const Point<double> tip = tip_position(record.robot, q);
-  EXPECT_EQ(scene[0]["kind"], "point");
-  EXPECT_NEAR(scene[0]["at"][0].get<double>(), tip.x, 1e-12);
-  EXPECT_NEAR(scene[0]["at"][1].get<double>(), tip.y, 1e-12);
+  const auto at = [&](const char* angle) {
+    const double a = scene[0][angle], r = scene[0]["radius"];
+    return Json{cx + r * std::cos(a), cy + r * std::sin(a)};
+  };
+  expect_at(at("from"), from.x, from.y);
+  expect_at(at("to"), to.x, to.y);
+  EXPECT_LT(std::abs(scene[0]["to"].get<double>() - scene[0]["from"].get<double>()), std::numbers::pi);
+}
+
+TEST(Scene, PathsAreCurvesOfTheTipThroughTheirCorners) {
+  const Json scene = scene_of("path: {points: [[0.5, 0.3]], tolerance: 0.01}\n");
+  ASSERT_FALSE(scene.empty());
+  EXPECT_EQ(scene[0]["kind"], "curve");
+  const Json& points = scene[0]["points"];
+  ASSERT_EQ(points.size(), 42U);
+  const Parameters robot = load_parameters(kRobot);
+  const Point<double> corner = tip_position(robot, Pair<double>{0.5, 0.3});
+  expect_at(points[0], 0, -robot.link.length[0] - robot.link.length[1]);
+  expect_at(points[20], corner.x, corner.y);
+  expect_at(points[21], corner.x, corner.y);
+}
+
+TEST(PlanPage, ShowsTheSceneAndTheRoomLeftInIt) {
+  PlanRecord record = reach();
+  record.plan["certificate"]["task"] = {
+      {{"name", "obstacles[0]"}, {"link", 2}, {"room", -0.0125}, {"unit", "m"}, {"time", 0.1}, {"passed", false}}};
+  record.plan["resolved_request"]["via"] = {{{"time", 0.2}, {"q", {0.7, -0.2}}, {"dq", nullptr}}};
+  const std::string html = plan_page(record);
+  ASSERT_EQ(data_of(html)["scene"].size(), 1U);
+  EXPECT_EQ(data_of(html)["scene"][0]["label"], "via, 0.2 s");
+  EXPECT_THAT(html, HasSubstr("<td>obstacles[0], link 2</td><td class='over'>-0.0125</td><td>m</td>"));
+  EXPECT_THAT(html, HasSubstr("They go straight, whatever else the request asks for on the way"));
 }
 
 TEST(PlanPage, ComparesOnlyWhatLeadsFromRestToRest) {
@@ -278,7 +344,7 @@ TEST(PlanPage, NamesWhatIsMissingOrOfAnotherKind) {
   record.plan["mesh"]["node_times"] = "many";
   EXPECT_EQ(complaint(record), "plan.json: mesh.node_times: must be a list");
   record = reach();
-  record.plan["mesh"]["node_times"].erase(0);
+  record.plan["mesh"]["errors"].erase(0);
   EXPECT_THAT(complaint(record), HasSubstr("mesh: must have one more of node_times"));
   record = reach();
   record.plan["solver"] = nullptr;

@@ -276,6 +276,15 @@ TEST(BrokenRequest, Task) {
       {kMove + "path: {points: [[0.1, 4]], tolerance: 0.01}", "path.points[0][1]: 4 rad is outside [-2.6, 2.6]"},
       {kMove + "path: {points: [], tolerance: 0.01}\nvia: []",
        "path: goes through its points already; give either path or via"},
+      {kMove + "duration: 0.5\nvia: [{q: [0.2, 0], time: 0.499}, {q: [0.3, 0]}]",
+       "via: 1 points after 0.499 s leave no time until the end at 0.5 s, at least 0.001 s apart"},
+      {"start: {q: [3.2, 0], dq: [1, 0]}\n" + kGoal,
+       "start.dq: joint 1 stands on its limit of 3.2 rad and moves beyond it"},
+      {kMove + "tip: {arc: {center: [0, 0], from: [0, -0.65], to: [0, -0.65], tolerance: 0.01}}",
+       "tip.arc.to: is the same point as from; a full circle has no short way"},
+      {"start: {q: [0.45, 0]}\ngoal: {q: [0.7, 0]}\n"
+       "tip: {arc: {center: [0, 0], from: [0.3116266, -0.5704286], to: [0.3670176, -0.5364682], tolerance: 0.002}}",
+       "start: breaks tip_arc by 0.03221 m"},
       {kMove + "path: {points: [[0, 0]], tolerance: 0.01}", "path.points[0]: is the same point as the one before it"},
   });
 }

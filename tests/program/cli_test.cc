@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -14,6 +15,7 @@
 #include <thread>
 #include <vector>
 
+#include "planner/solver/linear_solver.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -21,6 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 
 const std::string kGood = "start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\nduration: free\nobjective: fastest\n";
@@ -178,14 +181,39 @@ TEST_F(Cli, TheSameRequestGivesTheSameFiles) {
   EXPECT_EQ(first, second);
 }
 
-// Both solvers of the linear systems find the same minimum; their rounding differs.
+// All solvers of the linear systems find the same minimum; their rounding differs.
 TEST_F(Cli, TheLinearSolverIsAMatterOfSpeed) {
   write("move.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\nobjective: fastest\n");
-  ASSERT_EQ(run({"plan", "move.yaml", "--out", "stage", "--linear-solver", "stage"}).exit_code, 0);
-  ASSERT_EQ(run({"plan", "move.yaml", "--out", "mumps", "--linear-solver", "mumps"}).exit_code, 0);
+  setenv("FJR_HSL", FJR_FAKE_HSL, 1);
+  for (const char* solver : {"stage", "mumps", "ma27"}) {
+    const Result result = run({"plan", "move.yaml", "--out", solver, "--linear-solver", solver});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    // The user's own library is used for ma27, and for nothing else.
+    EXPECT_EQ(result.err.find("fake HSL: ") != std::string::npos, std::string("ma27") == solver) << result.err;
+  }
+  unsetenv("FJR_HSL");
   // Meshes may differ by an interval or two where an error is at its tolerance: a few 1e-5 of the duration.
-  const double stage = plan_json("stage")["duration"], mumps = plan_json("mumps")["duration"];
-  EXPECT_NEAR(stage, mumps, 2e-4 * mumps);
+  const double mumps = plan_json("mumps")["duration"];
+  for (const char* solver : {"stage", "ma27"}) {
+    EXPECT_NEAR(plan_json(solver)["duration"].get<double>(), mumps, 2e-4 * mumps) << solver;
+  }
+}
+
+TEST_F(Cli, AMissingHslLibraryIsToldAtOnce) {
+  write("good.yaml", kGood);
+  const auto refusal = [&](const std::string& library, const std::string& solver) {
+    setenv("FJR_HSL", library.c_str(), 1);
+    const Result result = run({"plan", "good.yaml", "--out", "out", "--linear-solver", solver});
+    unsetenv("FJR_HSL");
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_FALSE(fs::exists(path("out")));
+    return result.err;
+  };
+  EXPECT_THAT(refusal("/nowhere/libhsl.so", "ma57"), AllOf(HasSubstr("/nowhere/libhsl.so"), HasSubstr("FJR_HSL")));
+  if (!what_is_missing("ma27").empty()) {  // else this machine has one
+    EXPECT_THAT(refusal("", "ma27"), AllOf(HasSubstr("libhsl.so"), HasSubstr("FJR_HSL=")));
+  }
+  EXPECT_THAT(refusal(FJR_FAKE_HSL, "ma97"), AllOf(HasSubstr("ma97"), HasSubstr("ma97_factor_d")));
 }
 
 TEST_F(Cli, SigtermCancels) {

@@ -68,6 +68,9 @@ void encode_goal(const YamlNode& node, fjr_msg_GoalState& goal) {
     if (const auto q = node.find("q")) q->fail("give either q or tip");
     encode_goal_tip(node, goal);
   } else {
+    for (const std::string_view key : {"elbow", "tip_velocity"}) {
+      if (const auto given = node.find(key)) given->fail("goes with goal.tip; with goal.q give dq");
+    }
     encode_goal_joints(node.at("q"), goal);
   }
   set_optional(node, "dq", "rad/s", goal.has_dq, goal.dq);
@@ -162,6 +165,8 @@ void encode_tip(const YamlNode& root, fjr_msg_TipPath& tip) {
   const auto node = root.find("tip");
   if (!node) return;
   node->allow_keys({"box", "line", "arc"});
+  const auto has = [&](std::string_view kind) { return node->find(kind) ? 1 : 0; };
+  if (has("box") + has("line") + has("arc") != 1) node->fail("needs one of box, line, arc");
   if (const auto box = node->find("box")) {
     const std::vector<YamlNode> corners = box->items();
     if (corners.size() != 2) box->fail("must be two corners");

@@ -318,7 +318,7 @@ bool ChainLdlt::reduce(Front& front, bool last) {
   double *preference = weights_.row(0), *bounding = weights_.row(1);
   for (int j = 0; j < columns; ++j) {
     const double own = std::abs(s[j * width + j]);
-    if (may_go(j)) preference[j] = own <= kLargestCondensed ? 1 : kLargestCondensed / own;
+    if (may_go(j)) preference[j] = own <= kLargestCondensed ? 1 : std::sqrt(kLargestCondensed / own);
     if (may_go(j) || j < front.summed + front.later) bounding[j] = 1;
   }
   if (!tableau.solve_for_basis(preference, bounding)) return false;

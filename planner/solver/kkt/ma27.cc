@@ -1,8 +1,11 @@
 #include "planner/solver/kkt/ma27.h"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <exception>
 #include <span>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -19,6 +22,13 @@ thread_local int factorised = 0;
 void describe_chain(ChainStructure structure) { described = std::move(structure); }
 
 int factorisations() { return factorised; }
+
+std::string chain_library() {
+  static const char here = 0;
+  Dl_info library{};
+  if (dladdr(&here, &library) == 0) throw std::logic_error("this code is in no file");
+  return library.dli_fname;
+}
 
 }  // namespace fjr
 

@@ -1,10 +1,11 @@
 // The chain factorisation behind the calling convention that stock Ipopt loads its linear solvers by.
 //
-// Debian's Ipopt has no headers for a solver of one's own, but it loads MA27 at run time from a library named
-// libhsl.so. The library that this file belongs to has that name and those symbols, and is linked into the program: the
-// loader finds it already there, and linear_solver = ma27 then means ChainLdlt. The convention has no room for the
-// stages, so they are told beforehand.
+// Debian's Ipopt has no headers for a solver of one's own, but it loads MA27 at run time from a library. This file is
+// in a library of its own with those symbols, and linear_solver = ma27 means ChainLdlt when Ipopt was told to load that
+// one. The convention has no room for the stages, so they are told beforehand.
 #pragma once
+
+#include <string>
 
 #include "planner/solver/kkt/chain_ldlt.h"
 
@@ -16,5 +17,8 @@ void describe_chain(ChainStructure structure);
 
 // How many factorisations this thread has done.
 int factorisations();
+
+// File name of the library that this is in.
+std::string chain_library();
 
 }  // namespace fjr

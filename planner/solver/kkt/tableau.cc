@@ -1,6 +1,7 @@
 #include "planner/solver/kkt/tableau.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "planner/solver/kkt/vectorised.h"
@@ -8,8 +9,9 @@
 namespace fjr {
 namespace {
 
-// A pivot is taken if it exceeds this share of its row: it bounds what the row's other variables are multiplied by.
-constexpr double kComfortable = 0.1;
+// A pivot is taken if it exceeds this share of its row, which bounds what the row's other variables are multiplied by:
+// first where there are good ones, then what the other rows find.
+constexpr std::array<double, 2> kShares{0.1, 0.01};
 
 // What elimination leaves of a row is nothing below this share of what there was.
 constexpr double kDependent = 1e-13;
@@ -27,10 +29,10 @@ FJR_VECTORISED double largest_of(const double* row, int width) {
 
 struct Choice {
   int column;
-  bool good;
+  double share;
 };
 
-// The column of the largest magnitude times preference, and whether it bounds the row.
+// The column of the largest magnitude times preference, and its share of the row.
 FJR_VECTORISED Choice choose(const double* row, const double* preference, const double* bounding, int width) {
   double best[kLanes] = {}, bound[kLanes] = {};
   for (int w = 0; w < width; w += kLanes) {
@@ -42,10 +44,10 @@ FJR_VECTORISED Choice choose(const double* row, const double* preference, const 
     }
   }
   const double largest = *std::max_element(best, best + kLanes), limit = *std::max_element(bound, bound + kLanes);
-  if (largest == 0) return {-1, false};
+  if (largest == 0) return {-1, 0};
   int c = 0;
   while (std::fabs(row[c]) * preference[c] != largest) ++c;
-  return {c, std::fabs(row[c]) >= kComfortable * limit};
+  return {c, std::fabs(row[c]) / limit};
 }
 
 // Row r solved for column c, and c replaced in all other rows. Column c is written last: a vector read of what was just
@@ -109,17 +111,20 @@ void Tableau::reset(int rows, int columns) {
 bool Tableau::solve_for_basis(double* preference, double* bounding) {
   size_.clear();
   for (int r = 0; r < rows(); ++r) size_.push_back(largest_of(row(r), width()));
-  bool independent = true;
-  for (int r = 0; r < rows(); ++r) {
-    const auto [column, good] = choose(row(r), preference, bounding, width());
-    const auto at = static_cast<std::size_t>(r);
-    if (!good || std::fabs(row(r)[column]) <= kDependent * size_[at]) continue;
-    exchange(a_.data(), rows(), width(), r, column);
-    const auto c = static_cast<std::size_t>(column);
-    basic_[at] = column;
-    row_of_[c] = r;
-    preference[c] = bounding[c] = 0;
+  for (const double least : kShares) {
+    for (int r = 0; r < rows(); ++r) {
+      const auto at = static_cast<std::size_t>(r);
+      if (basic_[at] >= 0) continue;
+      const auto [column, share] = choose(row(r), preference, bounding, width());
+      if (share < least || std::fabs(row(r)[column]) <= kDependent * size_[at]) continue;
+      exchange(a_.data(), rows(), width(), r, column);
+      const auto c = static_cast<std::size_t>(column);
+      basic_[at] = column;
+      row_of_[c] = r;
+      preference[c] = bounding[c] = 0;
+    }
   }
+  bool independent = true;
   for (int r = 0; r < rows(); ++r) {
     if (basic(r) >= 0) continue;
     double left = 0;

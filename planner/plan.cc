@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <ctime>
+#include <deque>
 #include <iterator>
 #include <numeric>
 
@@ -17,6 +18,7 @@
 #include "planner/collocation/margins.h"
 #include "planner/collocation/refinement.h"
 #include "planner/solver/continuation.h"
+#include "planner/solver/ladder.h"
 #include "planner/trajectory/objective.h"
 #include "planner/trajectory/sampling.h"
 
@@ -30,7 +32,6 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 constexpr int kCertificateRounds = 4;     // refinements of one solution for the sake of its certificate
 constexpr double kWorthFinishing = 0.02;  // relative distance from the best coarse objective that refining may make up
 constexpr int kMostFinished = 3;          // solutions refined to the end
-constexpr double kSameMinimum = 2e-5;     // relative difference of objectives on one mesh below which minima are one
 
 // Minimum time has one minimum for practical purposes. Effort at a given time has many: swinging through the springs,
 // parking in friction, waiting.
@@ -121,9 +122,16 @@ class Planner {
     if (options_.warm) resume();
     if (!plan_.warm && !stopped()) find_starts();
     if (!plan_.warm && !stopped()) finish_best();
+    if (!plan_.warm && !stopped() && candidates_.empty()) {
+      plan_.infeasibility =
+          explain(fastest_of_ ? *fastest_of_ : alternatives_.front(), fastest_ ? &*fastest_ : nullptr, tools());
+    }
+    std::sort(plan_.minima.begin(), plan_.minima.end());
+    for (double& objective : plan_.minima) objective *= scale_;
     if (plan_.status == PlanStatus::kCertified && deadline_passed_) {
       plan_.reason = "";  // what was certified in time is the plan, though other starts were not finished
-    } else if (stopped()) {
+    } else if (stopped() && !(deadline_passed_ && plan_.infeasibility)) {
+      plan_.infeasibility.reset();
       plan_.status = deadline_passed_ ? PlanStatus::kDeadline : PlanStatus::kCancelled;
       plan_.reason = deadline_passed_ ? fmt::format("the time budget of {} s was used up", options_.deadline)
                                       : "stopped on request";
@@ -172,6 +180,7 @@ class Planner {
       plan_.stages.back().objective *= scale_;
       plan_.iterations += c.stages()[i].iterations;
       plan_.cost += c.stages()[i].cost;
+      if (c.stages()[i].forgetful) ++plan_.fallbacks.adaptive_barrier;
     }
   }
 
@@ -191,14 +200,16 @@ class Planner {
     const auto start = Clock::now();
     std::vector<const Problem*> open;
     for (const Problem& problem : alternatives_) {
-      no_way_ = no_way(problem);
-      if (no_way_.empty()) open.push_back(&problem);
+      if (no_way(problem).sentence.empty()) open.push_back(&problem);
     }
     for (const Problem* problem : open) try_starts(*problem);
     for (const Problem* problem : open) {
       if (candidates_.empty() && !interrupted()) try_from_fastest(*problem);
     }
-    if (!open.empty()) no_way_.clear();
+    for (const Problem* problem : open) {
+      if (!candidates_.empty() || interrupted() || too_short()) break;
+      if (auto found = climb(*problem, tools(), plan_.fallbacks)) candidates_.push_back(std::move(*found));
+    }
     std::stable_sort(candidates_.begin(), candidates_.end(), [](const Continuation& a, const Continuation& b) {
       return a.solution().report.objective < b.solution().report.objective;
     });
@@ -210,19 +221,23 @@ class Planner {
     const Starts starts = starts_of(problem, count);
     for (std::size_t i = 0; i < starts.guesses.size() && !interrupted(); ++i) {
       if (i >= starts.always && !candidates_.empty()) break;
+      if (i >= starts.always) ++plan_.fallbacks.displaced_start;
       try_start(problem, starts.guesses[i], fmt::format("start {} of {}", i + 1, std::max(i + 1, starts.always)));
     }
   }
 
   void try_start(const Problem& problem, const Guess& guess, const std::string& label) {
     Continuation c = continuation(problem, label);
-    const bool found = c.begin(guess, patience_);
+    const bool found = c.begin(guess, patience_, plan_.minima);
+    ++plan_.starts;
+    book(c);
+    if (!found && (c.status() == SolveStatus::kOptimal || c.status() == SolveStatus::kAcceptable))
+      return;  // met before
     // What is much harder than what was found already is given up early; counted in iterations, so that it is the same
     // every time.
     if (found) patience_ = std::min(patience_, std::max(100, 2 * c.stages().front().iterations));
-    book(c);
-    ++plan_.starts;
     if (found) {
+      plan_.minima.push_back(c.stages().front().objective);
       candidates_.push_back(std::move(c));
     } else {
       failures_.push_back(c.status());
@@ -230,41 +245,64 @@ class Planner {
     }
   }
 
-  // The fastest motion of the same request is a feasible start for it, stretched to the time it has; and when even that
-  // takes longer than allowed, the reason is found.
-  void try_from_fastest(const Problem& problem) {
-    Problem fastest = problem;
-    fastest.weights = Weights{};
-    fastest.weights.time = 1;
-    if (std::any_of(problem.via.begin(), problem.via.end(), [](const Via& via) { return via.time.has_value(); }))
-      return;
-    fastest.duration = {0.02, 20};
-    Continuation c = continuation(fastest, "fastest");
-    bool found = false;
-    for (const Guess& guess : starts_of(fastest, 4).guesses) {
-      found = !interrupted() && c.begin(guess, patience_);
-      if (found || stopped()) break;
-    }
-    book(c);
-    if (!found) return;
-    shortest_ = c.solution().motion.duration();
-    if (shortest_ > problem_.duration.max) return;
-    const double duration = std::clamp(shortest_, problem_.duration.min, problem_.duration.max);
-    try_start(problem, guess_from(c.solution().motion, c.solution().durations, duration), "from the fastest");
+  SolveTools tools() {
+    return {[this](const Problem& problem, const std::string& label) { return continuation(problem, label); },
+            [](const Problem& problem) { return starts_of(problem, 4).guesses; },
+            [this](const Continuation& c) { book(c); }, [this] { return interrupted(); }};
   }
+
+  // The fastest motion of the same request is a feasible start for it, stretched to the time it has; and when even that
+  // takes longer than allowed, that is the reason.
+  void try_from_fastest(const Problem& problem) {
+    const Problem& fastest = fastest_problems_.emplace_back(fastest_of(problem));
+    const double allowed = problem.duration.max;
+    if (only_fastest(problem) && allowed >= kLongestDuration) return;  // that was tried
+    ++plan_.fallbacks.from_fastest;
+    std::optional<Continuation> shortest;
+    for (const Guess& guess : starts_of(fastest, 4).guesses) {
+      Continuation c = continuation(fastest, "fastest");
+      const bool found = !interrupted() && c.begin(guess, patience_);
+      if (stopped()) return;
+      book(c);
+      if (found && (!shortest || duration_of(c) < duration_of(*shortest))) shortest = std::move(c);
+      if (shortest && duration_of(*shortest) <= allowed) break;
+    }
+    if (!shortest) return;
+    if (duration_of(*shortest) > allowed) {  // to within its smoothing, so far
+      const std::size_t booked = shortest->stages().size();
+      const bool finished = shortest->finish();
+      book(*shortest, booked);
+      if (!finished) return;
+    }
+    if (!fastest_ || duration_of(*shortest) < duration_of(*fastest_)) {
+      fastest_ = shortest;
+      fastest_of_ = &problem;
+    }
+    if (duration_of(*shortest) > allowed || any_timed(problem)) return;
+    const double duration = std::clamp(duration_of(*shortest), problem.duration.min, allowed);
+    const Collocated& solution = shortest->solution();
+    try_start(problem, guess_from(solution.motion, solution.durations, duration), "from the fastest");
+  }
+
+  static double duration_of(const Continuation& c) { return c.solution().motion.duration(); }
+  static bool any_timed(const Problem& problem) {
+    return std::any_of(problem.via.begin(), problem.via.end(), [](const Via& via) { return via.time.has_value(); });
+  }
+  static bool only_fastest(const Problem& problem) {
+    const Weights& w = problem.weights;
+    return w.effort == 0 && w.torque_rate == 0 && w.link_acceleration == 0 && problem.duration.min <= kShortestDuration;
+  }
+  bool too_short() const { return fastest_ && duration_of(*fastest_) > problem_.duration.max; }
 
   // Distinct minima are finished in the order of their coarse objectives; the best certified one is the plan. Those
   // that are far behind, or too many, are only looked at when nothing before was certified.
   void finish_best() {
     const auto start = Clock::now();
     std::vector<double> certified;  // first objectives of the minima that came to a plan
-    std::vector<double> met;
     const double best = candidates_.empty() ? 0 : candidates_.front().solution().report.objective;
     int finished = 0;
     for (std::size_t i = 0; i < candidates_.size() && !interrupted(); ++i) {
       const double first = candidates_[i].stages().front().objective;  // on the mesh that all starts share
-      if (!any_same(met, first)) met.push_back(first);
-      plan_.distinct_minima = static_cast<int>(met.size());
       if (any_same(certified, first)) continue;
       const bool promising =
           candidates_[i].solution().report.objective < (1 + kWorthFinishing) * best && finished < kMostFinished;
@@ -278,12 +316,6 @@ class Planner {
       ++finished;
     }
     plan_.timing["finish"] = seconds_since(start) - plan_.timing["certificate"];
-  }
-
-  static bool any_same(const std::vector<double>& minima, double objective) {
-    return std::any_of(minima.begin(), minima.end(), [=](double other) {
-      return std::abs(objective - other) <= kSameMinimum * std::max(std::abs(objective), std::abs(other));
-    });
   }
 
   // True when a certified trajectory came of it.
@@ -364,15 +396,10 @@ class Planner {
 
   void explain_failure() {
     const bool infeasible = std::find(failures_.begin(), failures_.end(), SolveStatus::kInfeasible) != failures_.end();
-    if (!no_way_.empty()) {
+    if (plan_.infeasibility) {
       plan_.status = PlanStatus::kInfeasible;
-      plan_.reason = no_way_;
-    } else if (shortest_ > problem_.duration.max) {
-      plan_.status = PlanStatus::kInfeasible;
-      plan_.reason = fmt::format(
-          "duration: at most {:.6g} s is allowed, the shortest motion found within the limits takes {:.4f} s",
-          problem_.duration.max, shortest_);
-    } else if (infeasible && candidates_.empty()) {
+      plan_.reason = plan_.infeasibility->sentence;
+    } else if (infeasible && candidates_.empty() && !fastest_) {
       plan_.status = PlanStatus::kInfeasible;
       plan_.reason = "no motion within the limits was found from any start" + obstacle_;
     } else {
@@ -395,11 +422,12 @@ class Planner {
   bool stopped_ = false, deadline_passed_ = false;
   int booked_of_present_ = 0;  // iterations of the continuation at work that are in plan_.iterations already
   std::vector<Continuation> candidates_;
+  std::deque<Problem> fastest_problems_;  // of the fastest motions
+  std::optional<Continuation> fastest_;   // once it was looked for, the shortest that there is
+  const Problem* fastest_of_ = nullptr;   // what it is the fastest motion of
   std::vector<SolveStatus> failures_;
   std::string obstacle_;  // what a start without solution failed at
-  std::string no_way_;    // why nothing was tried
   std::string failure_;   // why a solution could not be published
-  double shortest_ = 0;   // [s] duration of the fastest motion, once it was looked for
   Plan plan_;
 };
 

@@ -10,6 +10,7 @@
 
 #include "planner/analysis/analysis.h"
 #include "planner/certificate/certificate.h"
+#include "planner/explain.h"
 #include "planner/problem/problem.h"
 #include "planner/solver/solve_cost.h"
 #include "planner/trajectory/trajectory.h"
@@ -58,15 +59,36 @@ struct SolverStage {
   double objective = 0;
   std::string status;
   SolveCost cost{};
+  bool forgetful = false;  // a warm start that failed, tried again without multipliers and with an adaptive barrier
 };
+
+// How often what usually works did not, and what was tried then (planner/solver/ladder.h has the order).
+struct Fallbacks {
+  int adaptive_barrier = 0;  // a warm start failed; tried again with multipliers forgotten and an adaptive barrier
+  int displaced_start = 0;   // starts beyond those that are always tried
+  int coarser_mesh = 0, finer_mesh = 0;
+  int elastic = 0;       // limits relaxed, then tightened step by step
+  int from_fastest = 0;  // from the fastest motion, stretched to the time there is
+};
+
+template <class F, class Visit>
+void visit_fallbacks(F& f, Visit&& visit) {
+  visit("adaptive_barrier", f.adaptive_barrier);
+  visit("displaced_start", f.displaced_start);
+  visit("coarser_mesh", f.coarser_mesh);
+  visit("finer_mesh", f.finer_mesh);
+  visit("elastic", f.elastic);
+  visit("from_fastest", f.from_fastest);
+}
 
 struct Plan {
   PlanStatus status = PlanStatus::kNotConverged;
-  std::string reason;                   // one sentence when not certified
-  double duration = 0;                  // [s]
-  std::vector<double> via_times;        // [s] when the via points, or the corners of a path, are passed
-  double objective = 0;                 // of the published rows
-  std::map<std::string, double> terms;  // unweighted, weighted or not
+  std::string reason;                          // one sentence when not certified
+  std::optional<Infeasibility> infeasibility;  // what the reason is made of, where it is known
+  double duration = 0;                         // [s]
+  std::vector<double> via_times;               // [s] when the via points, or the corners of a path, are passed
+  double objective = 0;                        // of the published rows
+  std::map<std::string, double> terms;         // unweighted, weighted or not
   int intervals = 0;
   std::string method;
   double error_estimate = 0;            // [rad] largest local error of an interval
@@ -77,8 +99,10 @@ struct Plan {
   std::vector<SolverStage> stages;
   bool warm = false;  // it came from PlanOptions::warm, without any start
   int starts = 0;
-  int distinct_minima = 0;  // among the starts that converged, on their first meshes
-  double back_off = 0;      // share of each limit kept free
+  std::vector<double> minima;  // objectives of the distinct minima that starts converged to, on their first meshes, as
+                               // far as friction is smoothed there; best first
+  Fallbacks fallbacks;
+  double back_off = 0;  // share of each limit kept free
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;
   std::shared_ptr<const Collocated> solution;  // of the certified trajectory

@@ -193,7 +193,7 @@ bool same_way(const Grid& grid, const Way& a, const Way& b) {
   return true;
 }
 
-std::string broken_on(const Problem& problem, std::size_t segment, const Way& way) {
+std::vector<std::string> broken_on(const Problem& problem, std::size_t segment, const Way& way) {
   std::set<std::string> names;
   const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
   for (const Pair<double>& q : way) {
@@ -202,7 +202,7 @@ std::string broken_on(const Problem& problem, std::size_t segment, const Way& wa
       if (row.room(row.value(problem.robot, posture)) < 0) names.insert(row.name);
     }
   }
-  return fmt::format("{}", fmt::join(names, ", "));
+  return {names.begin(), names.end()};
 }
 
 }  // namespace
@@ -264,11 +264,13 @@ std::string beyond_reach(const Problem& problem) {
 
 }  // namespace
 
-std::string no_way(const Problem& problem) {
-  if (std::string sentence = beyond_reach(problem); !sentence.empty()) return sentence;
+NoWay no_way(const Problem& problem) {
+  if (std::string sentence = beyond_reach(problem); !sentence.empty()) {
+    return {sentence, {problem.task.line ? "tip_line" : "tip_arc"}};
+  }
   // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
   const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);
-  if ((problem.task.obstacles.empty() && !problem.task.box) || problem.goal.any_free()) return "";
+  if ((problem.task.obstacles.empty() && !problem.task.box) || problem.goal.any_free()) return {};
   std::vector<Pair<double>> points{problem.start.q};
   for (const Via& via : problem.via) points.push_back(via.q);
   points.push_back(problem.goal.q);
@@ -278,10 +280,11 @@ std::string no_way(const Problem& problem) {
     if (fine.room > -doubt) continue;
     const std::string stretch = points.size() == 2 ? "from the start to the goal"
                                                    : fmt::format("on the stretch {} of {}", s + 1, points.size() - 1);
-    return fmt::format("every way {} within the joints' limits is barred by {}; {:.2g} m more room would open one",
-                       stretch, fine.barred_by, -fine.room);
+    return {fmt::format("every way {} within the joints' limits is barred by {}; {:.2g} m more room would open one",
+                        stretch, fmt::join(fine.barred_by, ", "), -fine.room),
+            fine.barred_by};
   }
-  return "";
+  return {};
 }
 
 }  // namespace fjr

@@ -18,7 +18,7 @@ struct Detours {
   // would have to be smaller, or a box larger.
   double room = 0;
   Way roomiest;
-  std::string barred_by;  // names of the constraints that are broken there, empty if none is
+  std::vector<std::string> barred_by;  // names of the constraints that are broken there
 };
 
 inline constexpr double kCoarseGrid = 0.06, kFineGrid = 0.02;  // [rad]: 4 cm and 1 cm at the stretched tip
@@ -28,8 +28,11 @@ inline constexpr double kCoarseGrid = 0.06, kFineGrid = 0.02;  // [rad]: 4 cm an
 Detours find_detours(const Problem& problem, std::size_t segment, const Pair<double>& from, const Pair<double>& to,
                      std::size_t most, double spacing = kCoarseGrid);
 
-// Why there is no way at all within the limits of the joints, as a sentence that names what bars it and the smallest
-// relaxation; empty when there is one, or the grid is too coarse to tell.
-std::string no_way(const Problem& problem);
+// Why there is no way at all within the limits of the joints.
+struct NoWay {
+  std::string sentence;            // names what bars it; empty when there is a way, or the grid is too coarse to tell
+  std::vector<std::string> names;  // of the constraints that bar the roomiest way: obstacles[0], tip_box
+};
+NoWay no_way(const Problem& problem);
 
 }  // namespace fjr

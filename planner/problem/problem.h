@@ -82,6 +82,8 @@ struct Via {
   double tolerance = 0;            // [rad] of each angle
 };
 
+inline constexpr double kShortestDuration = 0.02, kLongestDuration = 20;  // [s] that may be asked for
+
 struct Duration {
   double min = 0, max = 0;  // [s]; equal when fixed
   bool fixed() const { return min == max; }

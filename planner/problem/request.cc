@@ -40,7 +40,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kShortestDuration = 0.02, kLongestDuration = 20;   // [s]
 constexpr double kShortestPeriod = 0.0005, kLongestPeriod = 0.005;  // [s]
 constexpr double kViaSpacing = 1e-3;                                // [s] between vias, and from both ends
 constexpr std::size_t kMaxVias = 32;

@@ -31,9 +31,10 @@ constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the wa
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
 // in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
-constexpr int kLevelIterations = 80;  // of steps between levels that converge at all, nine of ten take less than 60
-constexpr int kHalvings = 2;          // of a step between levels that did not converge
-constexpr double kSharpWidth = 1e-4;  // [rad/s] as good as the exact law, where a step is halved
+constexpr int kLevelIterations = 80;   // of steps between levels that converge at all, nine of ten take less than 60
+constexpr int kHalvings = 2;           // of a step between levels that did not converge
+constexpr double kSharpWidth = 1e-4;   // [rad/s] as good as the exact law, where a step is halved
+constexpr double kSameMinimum = 2e-5;  // relative difference of objectives on one mesh below which minima are one
 constexpr int kPolishRounds = 8;
 // Rounds that want the back-off kept; what those after them leave is still inside the limits, and chasing it takes
 // rounds in which nothing moves.
@@ -51,6 +52,12 @@ int coarse_intervals(const Problem& problem, double duration) {
 }
 
 }  // namespace
+
+bool any_same(const std::vector<double>& minima, double objective) {
+  return std::any_of(minima.begin(), minima.end(), [=](double other) {
+    return std::abs(objective - other) <= kSameMinimum * std::max(std::abs(objective), std::abs(other));
+  });
+}
 
 Continuation::Continuation(const Problem& problem, ContinuationSettings settings, Interrupted interrupted,
                            std::function<void(const Progress&)> on_progress)
@@ -95,8 +102,9 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   const std::string what = fmt::format("{}, {}", label, guess.name);
   SolveOptions o = options(what);
   o.max_iterations = most_iterations;
+  const int usual = coarse_intervals(*problem_, guess.duration());
   const CollocationSetup setup{settings_.scheme,
-                               uniform_mesh(guess.durations, coarse_intervals(*problem_, guess.duration())),
+                               uniform_mesh(guess.durations, static_cast<int>(std::lround(mesh_factor * usual))),
                                levels(*problem_).front(),
                                {}};
   return attempt(what, setup, &guess, o);
@@ -140,8 +148,8 @@ bool Continuation::follow_levels() {
   return status_ != SolveStatus::kStopped;
 }
 
-bool Continuation::begin(const Guess& guess, int most_iterations) {
-  if (!cold(guess, most_iterations)) return false;
+bool Continuation::begin(const Guess& guess, int most_iterations, const std::vector<double>& known) {
+  if (!cold(guess, most_iterations) || any_same(known, solution_.report.objective)) return false;
   const CollocationSetup setup =
       refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
   if (setup.mesh.size() != solution_.setup.mesh.size())
@@ -215,7 +223,9 @@ bool Continuation::attempt_or_forget(const std::string& what, const CollocationS
 // Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
 bool Continuation::attempt_anew(const std::string& what, const CollocationSetup& setup) {
   const Guess guess = guess_from(solution_.motion, solution_.durations, solution_.motion.duration());
-  return attempt(what + ", again", setup, &guess, options(what + ", again"));
+  const bool solved = attempt(what + ", again", setup, &guess, options(what + ", again"));
+  stages_.back().forgetful = true;
+  return solved;
 }
 
 bool Continuation::refine(const std::vector<double>& errors) {

@@ -24,6 +24,9 @@ struct ContinuationSettings {
 // What stops everything: asked before every solve and in every iteration.
 using Interrupted = std::function<bool()>;
 
+// Whether one of these minima is this one, by their objectives on the same mesh.
+bool any_same(const std::vector<double>& minima, double objective);
+
 class Continuation {
  public:
   Continuation(const Problem& problem, ContinuationSettings settings, Interrupted interrupted,
@@ -31,7 +34,8 @@ class Continuation {
 
   // Solves with the smoothest friction law, on a coarse mesh from the guess and then on a refined one: what the starts
   // are compared by. False when there is no solution; status() says how it ended.
-  bool begin(const Guess& guess, int most_iterations);
+  // `known`: objectives on first meshes; a minimum among them is not refined again, and counts as no solution.
+  bool begin(const Guess& guess, int most_iterations, const std::vector<double>& known = {});
 
   // From the finished solution of a neighbouring problem - other start, other goal - to this one's, on its mesh. False
   // when there is no solution that way.
@@ -64,7 +68,8 @@ class Continuation {
   const std::vector<SolverStage>& stages() const { return stages_; }
   int iterations() const { return iterations_; }
 
-  std::string label;  // of this start, for progress and stages
+  std::string label;       // of this start, for progress and stages
+  double mesh_factor = 1;  // on the number of intervals of the first mesh
 
  private:
   bool cold(const Guess& guess, int most_iterations);

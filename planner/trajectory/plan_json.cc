@@ -82,12 +82,39 @@ Json solver_json(const Plan& plan) {
                       {"objective", number(stage.objective)},
                       {"status", stage.status}});
   }
+  Json fallbacks = Json::object();
+  visit_fallbacks(plan.fallbacks, [&](const char* rung, int count) { fallbacks[rung] = count; });
+  Json minima = Json::array();
+  for (const double objective : plan.minima) minima.push_back(number(objective));
   return {{"iterations", plan.iterations},
           {"factorisations", plan.cost.factorisations},
           {"stages", std::move(stages)},
           {"starts", plan.starts},
           {"warm", plan.warm},
-          {"distinct_minima", plan.distinct_minima}};
+          {"distinct_minima", plan.minima.size()},
+          {"minima", std::move(minima)},
+          {"fallbacks", std::move(fallbacks)}};
+}
+
+Json time_or_null(const std::optional<double>& time) { return time ? number(*time) : Json(nullptr); }
+Json joint_or_null(int joint) { return joint == 0 ? Json(nullptr) : Json(joint); }
+
+Json infeasibility_json(const Infeasibility& why) {
+  Json relaxations = Json::array();
+  for (const Relaxation& r : why.relaxations) {
+    relaxations.push_back({{"name", r.name},
+                           {"joint", joint_or_null(r.joint)},
+                           {"unit", r.unit},
+                           {"from", number(r.from)},
+                           {"to", number(r.to)},
+                           {"within_robot", r.within_robot},
+                           {"time", time_or_null(r.time)}});
+  }
+  return {{"limit", text_or_null(why.limit)},
+          {"joint", joint_or_null(why.joint)},
+          {"time", time_or_null(why.time)},
+          {"relaxations", std::move(relaxations)},
+          {"shortest_duration", time_or_null(why.shortest_duration)}};
 }
 
 Json mesh_json(const Plan& plan) {
@@ -215,6 +242,7 @@ Json certificate_json(const Certificate& certificate) {
 Json plan_json(const Problem& problem, const Plan& plan) {
   const bool moves = plan.trajectory.has_value();
   Json json = head(plan.status, plan.reason, problem.name);
+  json["infeasibility"] = plan.infeasibility ? infeasibility_json(*plan.infeasibility) : Json(nullptr);
   json["objective"] = {{"total", moves ? number(plan.objective) : Json(nullptr)}, {"terms", numbers(plan.terms)}};
   json["duration"] = moves ? number(plan.duration) : Json(nullptr);
   json["via_times"] = plan.via_times;

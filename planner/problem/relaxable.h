@@ -1,0 +1,39 @@
+// What of a request can be relaxed, one number at a time: limits, obstacles, regions, paths, velocities on the way.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "planner/problem/problem.h"
+
+namespace fjr {
+
+// Relaxing by `amount` >= 0 never excludes a motion that was allowed before, but for velocities.
+struct Relaxable {
+  std::string name;  // torque, ..., tip_speed; obstacles[0], tip_box, tip_line, tip_arc, path; via[0].dq, goal.dq
+  int joint = 0;     // 1 or 2; 0: neither
+  std::string unit;
+  double from = 0;     // as it was asked for. Of an obstacle: radius and margin; of a box: 0, what it grows by on every
+                       // side; of a velocity: 1, what it is multiplied by
+  double sign = 1;     // relaxed is from + sign amount
+  double most = 0;     // largest amount that means anything
+  double allowed = 0;  // largest amount that a request may ask for: limits may only be tighter than the robot's
+  std::function<void(Problem&, double value)> set;
+
+  double value(double amount) const { return from + sign * amount; }
+  Problem relaxed(Problem problem, double amount) const {
+    set(problem, value(amount));
+    return problem;
+  }
+};
+
+std::vector<Relaxable> relaxables(const Problem& problem);
+
+// What the arm can do, all of it multiplied: torque, its rate, motor and tip speeds, deflections; called all_limits.
+Relaxable all_limits(const Problem& problem);
+
+// All of them but velocities relaxed by this share of their size.
+Problem relaxed(const Problem& problem, double share);
+
+}  // namespace fjr

@@ -6,10 +6,11 @@
 
 #include "planner/collocation/transcription.h"
 #include "planner/problem/arm_ocp.h"
+#include "planner/solver/kkt/chain_ldlt.h"
 
 namespace fjr::bench {
 
-using ArmTranscription = Transcription<ArmOcp<false>>;
+using ArmTranscription = Transcription<ArmOcp<Features{}>>;
 
 // Minimum time with a trace of effort and the default limits, Hermite-Simpson.
 inline ArmTranscription arm_nlp(const Parameters& robot, int intervals) {
@@ -17,13 +18,12 @@ inline ArmTranscription arm_nlp(const Parameters& robot, int intervals) {
   problem.robot = robot;
   problem.limits = Limits::of(robot);
   problem.weights.time = 1;
-  auto ocp = make_arm_ocp<false>(problem, 0.01);
-  ocp.bounds = {path_bounds<false>(problem.limits)};
+  auto ocp = make_arm_ocp<Features{}>(problem, 0.01);
+  ocp.bounds = {path_bounds<Features{}>(problem.limits)};
   NodeBounds<8> start{0, {}, {}};
   start.lower = start.upper = filled<8>(0);
   ocp.at_nodes = {start};
   ocp.durations = {{0.1, 5}};
-  ocp.total_duration = {0.1, 5};
   Mesh mesh;
   for (int i = 0; i < intervals; ++i) mesh.intervals.push_back({1.0 / intervals, 0});
   return {std::move(ocp), hermite_simpson(), mesh};
@@ -43,30 +43,33 @@ inline Eigen::VectorXd some_point(const ArmTranscription& nlp) {
 }
 
 // The KKT matrix in Ipopt's order - free variables, slacks, equality rows, inequality rows - as triplets of its lower
-// triangle, with the stage of every row.
+// triangle, with what every row is.
 struct Kkt {
-  int size = 0, stages = 0;
-  std::vector<int> rows, cols, stage;
+  int size = 0;
+  ChainStructure structure;
+  std::vector<int> rows, cols;
   std::vector<double> values;
 };
 
 inline Kkt kkt_of(const Nlp& nlp, const Eigen::VectorXd& z) {
   Kkt kkt;
-  kkt.stages = nlp.stages;
+  kkt.structure.stages = nlp.stages;
   const auto at = [](int i) { return static_cast<std::size_t>(i); };
   std::vector<int> variable(at(static_cast<int>(nlp.variables())), -1), row(at(static_cast<int>(nlp.constraints())));
   for (int i = 0; i < nlp.variables(); ++i) {
     if (nlp.x_lower(i) == nlp.x_upper(i)) continue;
     variable[at(i)] = kkt.size++;
-    kkt.stage.push_back(nlp.variable_stage[at(i)]);
+    kkt.structure.stage.push_back(nlp.variable_stage[at(i)]);
   }
+  kkt.structure.equality.assign(at(kkt.size), false);
   const auto inequality = [&](int i) { return nlp.g_lower(i) != nlp.g_upper(i); };
   std::vector<int> slack(row.size(), -1);
   for (const int part : {0, 1, 2}) {
     for (int i = 0; i < nlp.constraints(); ++i) {
       if (inequality(i) != (part != 1)) continue;
       (part == 0 ? slack : row)[at(i)] = kkt.size++;
-      kkt.stage.push_back(nlp.constraint_stage[at(i)]);
+      kkt.structure.equality.resize(at(kkt.size), part == 1);
+      kkt.structure.stage.push_back(nlp.constraint_stage[at(i)]);
     }
   }
   const auto add = [&](int i, int j, double value) {

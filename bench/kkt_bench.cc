@@ -1,9 +1,9 @@
 // One factorisation of the arm's KKT matrix: ours along the chain against MUMPS on the same matrix, values only (the
 // analysis is done once per mesh). Counter: time per interval.
 #include <benchmark/benchmark.h>
-#include <dmumps_c.h>
 
 #include "bench/arm_nlp.h"
+#include "bench/mumps.h"
 #include "model/parameters.h"
 #include "planner/solver/kkt/chain_ldlt.h"
 
@@ -20,7 +20,7 @@ Kkt arm_kkt(benchmark::State& state) {
 void chain_factorise(benchmark::State& state) {
   const Kkt kkt = arm_kkt(state);
   ChainLdlt factor;
-  factor.analyse(kkt.size, kkt.rows, kkt.cols, kkt.stage, kkt.stages);
+  factor.analyse(kkt.rows, kkt.cols, kkt.structure);
   for ([[maybe_unused]] auto _ : state) {
     if (!factor.factorise(kkt.values, 1e-8)) state.SkipWithError("singular");
   }
@@ -29,7 +29,7 @@ void chain_factorise(benchmark::State& state) {
 void chain_solve(benchmark::State& state) {
   const Kkt kkt = arm_kkt(state);
   ChainLdlt factor;
-  factor.analyse(kkt.size, kkt.rows, kkt.cols, kkt.stage, kkt.stages);
+  factor.analyse(kkt.rows, kkt.cols, kkt.structure);
   factor.factorise(kkt.values, 1e-8);
   Eigen::VectorXd b = Eigen::VectorXd::Ones(kkt.size);
   for ([[maybe_unused]] auto _ : state) {
@@ -38,47 +38,9 @@ void chain_solve(benchmark::State& state) {
   }
 }
 
-// MUMPS as Ipopt uses it: symmetric indefinite, sequential.
-class Mumps {
- public:
-  explicit Mumps(const Kkt& kkt) : rows_(kkt.rows), cols_(kkt.cols), values_(kkt.values) {
-    for (int& i : rows_) ++i;
-    for (int& i : cols_) ++i;
-    data_.sym = 2;
-    data_.par = 1;
-    data_.comm_fortran = -987654;
-    run(-1);
-    for (const int output : {0, 1, 2, 3}) data_.icntl[output] = 0;  // silent
-    data_.icntl[13] = 1000;                                         // more work space than estimated, as Ipopt grants
-    data_.n = kkt.size;
-    data_.nz = static_cast<int>(values_.size());
-    data_.irn = rows_.data();
-    data_.jcn = cols_.data();
-    data_.a = values_.data();
-    run(1);
-  }
-  ~Mumps() { run(-2); }
-  Mumps(const Mumps&) = delete;
-  Mumps& operator=(const Mumps&) = delete;
-
-  bool factorise() {
-    run(2);
-    return data_.info[0] >= 0;
-  }
-
- private:
-  void run(int job) {
-    data_.job = job;
-    dmumps_c(&data_);
-  }
-
-  std::vector<int> rows_, cols_;
-  std::vector<double> values_;
-  DMUMPS_STRUC_C data_{};
-};
-
 void mumps_factorise(benchmark::State& state) {
-  Mumps mumps(arm_kkt(state));
+  const Kkt kkt = arm_kkt(state);
+  Mumps mumps(kkt.size, kkt.rows, kkt.cols, kkt.values);
   for ([[maybe_unused]] auto _ : state) {
     if (!mumps.factorise()) state.SkipWithError("MUMPS failed");
   }

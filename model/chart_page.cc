@@ -26,9 +26,11 @@ th:first-child, td:first-child { text-align: left; } th { border-bottom: 1px sol
 
 // Draws `charts`, which stands before it.
 constexpr const char* kScript = R"(
+const isLine = s => ["line", "thin line", "dashes"].includes(s.style);
 Chart.defaults.font.family = "system-ui, sans-serif";
 Chart.defaults.color = "#444";
-const power = v => Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9 ? v.toExponential(0) : "";
+const isPower = v => Math.abs(Math.log10(v) - Math.round(Math.log10(v))) < 1e-9;
+const power = v => !isPower(v) ? "" : v > 0.005 && v < 500 ? String(+v.toPrecision(1)) : v.toExponential(0);
 const short = v => String(+v.toPrecision(4));
 const axis = (text, logarithmic) => ({
   type: logarithmic ? "logarithmic" : "linear",
@@ -36,24 +38,33 @@ const axis = (text, logarithmic) => ({
   grid: { color: "#e8e8e8" },
   ticks: { callback: logarithmic ? power : short, maxTicksLimit: logarithmic ? 30 : 7, maxRotation: 0 },
 });
+const timeTicks = scale => {  // at most six, 1, 2 or 5 times a power of ten apart
+  const least = (scale.max - scale.min) / 6, ten = 10 ** Math.floor(Math.log10(least));
+  const step = ten * [1, 2, 5, 10].find(factor => factor * ten >= least * 0.999);
+  const first = Math.ceil(scale.min / step - 1e-9), last = Math.floor(scale.max / step + 1e-9);
+  scale.ticks = Array.from({ length: last - first + 1 }, (_, i) => ({ value: (first + i) * step }));
+};
+const timeAxis = text => ({ ...axis(text, false), bounds: "data", afterBuildTicks: timeTicks });
 const dataset = s => ({
   label: s.name,
   data: s.points,
   borderColor: s.colour,
   backgroundColor: s.style === "rings" ? "transparent" : s.colour,
-  borderWidth: s.style === "dots" ? 0 : 1.5,
-  showLine: s.style === "line",
-  pointRadius: s.style === "line" ? 0 : s.style === "rings" ? 3 : 1.7,
-  pointStyle: s.style === "line" ? "line" : "circle",
+  borderWidth: s.style === "dots" ? 0 : s.style === "line" || s.style === "rings" ? 1.5 : 1,
+  borderDash: s.style === "dashes" ? [5, 4] : [],
+  showLine: isLine(s),
+  pointRadius: isLine(s) ? 0 : s.style === "rings" ? 3 : 1.7,
+  pointStyle: isLine(s) ? "line" : "circle",
 });
-charts.forEach((c, i) => new Chart(document.getElementById("chart" + i), {
+const drawn = charts.map((c, i) => new Chart(document.getElementById("chart" + i), {
   type: "scatter",
   data: { datasets: c.series.map(dataset) },
   options: {
     animation: false, maintainAspectRatio: false, locale: "en-US",
     plugins: { legend: { display: c.series.length > 1, position: "bottom",
                          labels: { usePointStyle: true, boxWidth: 7, boxHeight: 7, padding: 10 } } },
-    scales: { x: axis(c.x_label, c.logarithmic_x), y: axis(c.y_label, false) },
+    scales: { x: c.time_axis ? timeAxis(c.x_label) : axis(c.x_label, c.logarithmic_x),
+              y: axis(c.y_label, c.logarithmic_y) },
   },
 }));
 )";
@@ -66,12 +77,22 @@ const char* name_of(Style style) {
       return "rings";
     case Style::kLine:
       return "line";
+    case Style::kThinLine:
+      return "thin line";
+    case Style::kDashes:
+      return "dashes";
   }
   return "";
 }
 
 // Seven digits are more than a screen shows.
 double short_number(double value) { return std::stod(fmt::format("{:.7g}", value)); }
+
+// JSON without `</script>` or `<!--` in its strings, where alone `<` can be.
+std::string within_script(std::string json) {
+  for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos;) json.replace(at, 1, "\\u003c");
+  return json;
+}
 
 nlohmann::ordered_json json_of(const Series& s) {
   nlohmann::ordered_json points = nlohmann::ordered_json::array();
@@ -90,11 +111,11 @@ std::string json_text(const Chart& chart) {
   nlohmann::ordered_json json{{"x_label", chart.x_label},
                               {"y_label", chart.y_label},
                               {"logarithmic_x", chart.logarithmic_x},
+                              {"logarithmic_y", chart.logarithmic_y},
+                              {"time_axis", chart.time_axis},
                               {"series", nlohmann::ordered_json::array()}};
   for (const Series& s : chart.series) json["series"].push_back(json_of(s));
-  std::string text = json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
-  for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) text.replace(at, 1, "\\u003c");
-  return text;  // no `</script>` within
+  return within_script(json.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace));
 }
 
 }  // namespace
@@ -146,6 +167,10 @@ void ChartPage::add_table(const std::vector<std::vector<std::string>>& rows) {
   body_ += "</table></div>\n";
 }
 
+void ChartPage::add_data(const std::string& id, const std::string& json) {
+  body_ += fmt::format("<script type='application/json' id='{}'>{}</script>\n", id, within_script(json));
+}
+
 void ChartPage::add_charts(const std::vector<Chart>& charts) {
   body_ += "<div class='charts'>\n";
   for (const Chart& chart : charts) {
@@ -163,9 +188,9 @@ std::string ChartPage::html() const {
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-      "<title>{}</title>\n<style>{}</style></head><body>\n{}<script>{}</script>\n"
-      "<script>const charts = [\n{}];\n{}</script>\n</body></html>\n",
-      escaped_html(title_), kStyle, body_, kChartJs, charts_, kScript);
+      "<title>{}</title>\n<style>{}{}</style></head><body>\n{}<script>{}</script>\n"
+      "<script>const charts = [\n{}];\n{}{}</script>\n</body></html>\n",
+      escaped_html(title_), kStyle, style_, body_, kChartJs, charts_, kScript, script_);
 }
 
 }  // namespace fjr

@@ -6,7 +6,7 @@
 
 namespace fjr {
 
-enum class Style { kDots, kRings, kLine };
+enum class Style { kDots, kRings, kLine, kThinLine, kDashes };
 
 // Equally many x and y; a point that is not finite interrupts a line.
 struct Series {
@@ -18,7 +18,8 @@ struct Series {
 struct Chart {
   std::string title, x_label, y_label;  // labels with units
   std::vector<Series> series;           // the first lies on top
-  bool logarithmic_x = false;
+  bool logarithmic_x = false, logarithmic_y = false;
+  bool time_axis = false;  // x is a time that charts share: it ends where the data end
 };
 
 class ChartPage {
@@ -31,13 +32,18 @@ class ChartPage {
   void add_paragraph(const std::string& text, const std::string& css_class = "");
   // The first row is the heading; the first column is text, the others are aligned as numbers.
   void add_table(const std::vector<std::vector<std::string>>& rows);
+  void add_style(const std::string& css) { style_ += css; }
+  // Runs when the charts are drawn; finds them in `drawn`, an array of Chart.js charts in the order they were added.
+  void add_script(const std::string& javascript) { script_ += javascript; }
+  // JSON for scripts: JSON.parse(document.getElementById(id).textContent).
+  void add_data(const std::string& id, const std::string& json);
   // Side by side where there is room.
   void add_charts(const std::vector<Chart>& charts);
 
   std::string html() const;
 
  private:
-  std::string title_, body_, charts_;  // charts_: JSON, one object a line
+  std::string title_, style_, body_, charts_, script_;  // charts_: JSON, one object a line
   std::size_t count_ = 0;
 };
 

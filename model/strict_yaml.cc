@@ -27,6 +27,15 @@ std::string_view without_plus(std::string_view text) {
   return text;
 }
 
+// All of `text` as one number.
+template <class Number>
+std::errc read_whole_text(std::string_view text, Number& value) {
+  const std::string_view digits = without_plus(text);
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  if (error != std::errc()) return error;
+  return end == digits.data() + digits.size() ? std::errc() : std::errc::invalid_argument;
+}
+
 }  // namespace
 
 struct YamlNode::Tree {
@@ -194,6 +203,10 @@ bool YamlNode::is_map() const { return tree_->kind == Tree::Kind::kMap; }
 bool YamlNode::is_list() const { return tree_->kind == Tree::Kind::kList; }
 bool YamlNode::is_scalar() const { return tree_->kind == Tree::Kind::kScalar; }
 bool YamlNode::is_null() const { return tree_->kind == Tree::Kind::kNull; }
+bool YamlNode::is_number() const {
+  double value = 0;
+  return is_scalar() && tree_->plain && read_whole_text(tree_->scalar, value) == std::errc() && std::isfinite(value);
+}
 bool YamlNode::says(std::string_view word) const { return is_scalar() && tree_->scalar == word; }
 
 std::string YamlNode::kind() const {
@@ -209,6 +222,11 @@ void YamlNode::allow_keys(const std::vector<std::string_view>& allowed) const {
       fail(fmt::format("unknown key {}; allowed: {}", shown(key), fmt::join(allowed, ", ")));
     }
   }
+}
+
+const std::vector<std::string>& YamlNode::keys() const {
+  if (!is_map()) fail(fmt::format("must be a map, not {}", kind()));
+  return tree_->keys;
 }
 
 std::optional<YamlNode> YamlNode::find(std::string_view key) const {
@@ -238,11 +256,10 @@ std::vector<YamlNode> YamlNode::items() const {
 
 double YamlNode::number(std::string_view unit) const {
   if (!is_scalar() || !tree_->plain) fail(fmt::format("must be a number{}, not {}", unit_note(unit), kind()));
-  const std::string_view digits = without_plus(tree_->scalar);
   double value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+  const std::errc error = read_whole_text(tree_->scalar, value);
   if (error == std::errc::result_out_of_range) fail(fmt::format("{} is out of range", shown(tree_->scalar)));
-  if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value)) {
+  if (error != std::errc() || !std::isfinite(value)) {
     fail(fmt::format("{} is not a finite number{}", shown(tree_->scalar), unit_note(unit)));
   }
   return value;
@@ -250,10 +267,8 @@ double YamlNode::number(std::string_view unit) const {
 
 std::uint64_t YamlNode::whole_number() const {
   if (!is_scalar() || !tree_->plain) fail(fmt::format("must be a whole number, not {}", kind()));
-  const std::string_view digits = without_plus(tree_->scalar);
   std::uint64_t value = 0;
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  if (error != std::errc() || end != digits.data() + digits.size()) {
+  if (read_whole_text(tree_->scalar, value) != std::errc()) {
     fail(fmt::format("{} is not a whole number from 0 to {}", shown(tree_->scalar), UINT64_MAX));
   }
   return value;

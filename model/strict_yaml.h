@@ -38,7 +38,10 @@ class YamlNode {
   bool is_list() const;
   bool is_scalar() const;  // not null
   bool is_null() const;
+  bool is_number() const;                  // number() would take it, that is: finite and not quoted
   bool says(std::string_view word) const;  // the scalar `word`
+
+  const std::vector<std::string>& keys() const;  // of a map, in their order
 
   // Of a map. `find` returns nothing for an absent key; `at` refuses with "missing".
   void allow_keys(const std::vector<std::string_view>& allowed) const;

@@ -8,8 +8,10 @@
 #include <string>
 #include <vector>
 
+#include "planner/analysis/analysis.h"
 #include "planner/certificate/certificate.h"
 #include "planner/problem/problem.h"
+#include "planner/solver/solve_cost.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -55,18 +57,23 @@ struct SolverStage {
   int iterations = 0;
   double objective = 0;
   std::string status;
+  SolveCost cost{};
 };
 
 struct Plan {
   PlanStatus status = PlanStatus::kNotConverged;
   std::string reason;                   // one sentence when not certified
   double duration = 0;                  // [s]
+  std::vector<double> via_times;        // [s] when the via points, or the corners of a path, are passed
   double objective = 0;                 // of the published rows
   std::map<std::string, double> terms;  // unweighted, weighted or not
   int intervals = 0;
   std::string method;
-  double error_estimate = 0;  // [rad] largest local error of an interval
-  int iterations = 0;         // over all stages and starts
+  double error_estimate = 0;            // [rad] largest local error of an interval
+  std::vector<double> node_times;       // [s] of the mesh, intervals + 1
+  std::vector<double> interval_errors;  // [rad] local error of each interval
+  int iterations = 0;                   // over all stages and starts
+  SolveCost cost;                       // likewise
   std::vector<SolverStage> stages;
   bool warm = false;  // it came from PlanOptions::warm, without any start
   int starts = 0;
@@ -75,7 +82,8 @@ struct Plan {
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;
   std::shared_ptr<const Collocated> solution;  // of the certified trajectory
-  std::map<std::string, double> timing;        // [s] by part, and "total"
+  std::optional<Analysis> analysis;            // of that solution
+  std::map<std::string, double> timing;        // [s] by part, and "total"; CPU time: of `cost`, and "cpu" of all
 };
 
 Plan plan(const Problem& problem, const PlanOptions& options);

@@ -49,6 +49,16 @@ struct LimitCheck {
   double margin() const { return limit - reached; }
 };
 
+// One constraint of the request's task against the published rows with their interpolation.
+struct TaskCheck {
+  std::string name;  // obstacles[0], tip_box, tip_line, tip_arc, path
+  int link = 0;      // 1 or 2 for obstacles; 0: neither
+  std::string unit;  // m or rad
+  double room = 0;   // least distance from what it forbids; negative: broken
+  double time = 0;   // [s] where
+  bool passed = false;
+};
+
 // After the end, in closed loop with torque G(q_goal), over a fixed window.
 struct Residual {
   bool evaluated = false;          // only for a trajectory that ends at rest
@@ -74,6 +84,7 @@ struct Certificate {
   OpenLoop open_loop;
   ClosedLoop closed_loop;
   std::vector<LimitCheck> limits;
+  std::vector<TaskCheck> task;  // of the request; empty where there is none, and for a trajectory without request
   Residual residual;
   Tracking tracking;
 };

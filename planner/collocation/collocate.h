@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "planner/collocation/guess.h"
+#include "planner/collocation/margins.h"
 #include "planner/collocation/mesh.h"
 #include "planner/collocation/motion.h"
 #include "planner/collocation/scheme.h"
@@ -22,7 +23,7 @@ struct CollocationSetup {
   Scheme scheme;
   Mesh mesh;
   Smoothing smoothing{};
-  std::vector<Limits> margins{};      // per interval, taken off each limit (same units); empty: none
+  std::vector<PerLimit> margins{};    // per interval, taken off each limit (margins.h); empty: none
   std::vector<Pair<double>> creep{};  // [rad/s] per interval, see creep.h; empty: none
 };
 
@@ -33,8 +34,8 @@ struct Collocated {
   Motion motion;                  // meaningful when report.solved()
 };
 
-// About `intervals` equal intervals, with nodes at the via points' times.
-Mesh uniform_mesh(const Problem& problem, int intervals);
+// About `intervals` intervals, equal within each segment, for segments of these durations [s].
+Mesh uniform_mesh(const std::vector<double>& durations, int intervals);
 
 Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Guess& guess,
                      const SolveOptions& options);

@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <random>
 
 #include "model/flatness.h"
+#include "planner/collocation/segments.h"
+#include "planner/problem/inverse_kinematics.h"
 
 namespace fjr {
 namespace {
@@ -16,11 +19,47 @@ struct Waypoint {
   Pair<double> q;
 };
 
-std::vector<Waypoint> waypoints(const Problem& problem, double duration) {
-  std::vector<Waypoint> points{{0, problem.start.q}};
-  for (const Via& via : problem.via) points.push_back({via.time / duration, via.q});
-  points.push_back({1, problem.goal.q});
+// How long one leg takes by itself [s]: what the drives' torque and velocity limits allow a rigid arm, roughly.
+double leg_time(const Problem& problem, const Pair<double>& from, const Pair<double>& to) {
+  double time = 0.02;
+  const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
+  const Pair<double> inertia{stretched.m11, stretched.m22};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double distance = std::abs(to[j] - from[j]);
+    const double acceleration = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
+    time = std::max({time, 2 * std::sqrt(distance / acceleration), distance / problem.limits.motor_velocity[j]});
+  }
+  return time;
+}
+
+std::vector<Pair<double>> points_of(const Problem& problem) {
+  std::vector<Pair<double>> points{problem.start.q};
+  for (const Via& via : problem.via) points.push_back(via.q);
+  points.push_back(problem.goal.q);
   return points;
+}
+
+std::vector<double> leg_times(const Problem& problem) {
+  const auto points = points_of(problem);
+  std::vector<double> times;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) times.push_back(leg_time(problem, points[i], points[i + 1]));
+  return times;
+}
+
+std::vector<double> durations_of(const Problem& problem, double duration) {
+  return apportioned(problem, duration, leg_times(problem));
+}
+
+std::vector<Waypoint> waypoints(const Problem& problem, const std::vector<double>& durations) {
+  const auto points = points_of(problem);
+  const double whole = std::accumulate(durations.begin(), durations.end(), 0.0);
+  std::vector<Waypoint> result{{0, points.front()}};
+  double time = 0;
+  for (std::size_t i = 0; i < durations.size(); ++i) {
+    time += durations[i];
+    result.push_back({i + 1 == durations.size() ? 1 : time / whole, points[i + 1]});
+  }
+  return result;
 }
 
 std::size_t leg_of(const std::vector<Waypoint>& points, double s) {
@@ -29,10 +68,46 @@ std::size_t leg_of(const std::vector<Waypoint>& points, double s) {
   return leg;
 }
 
+Pair<double> between(const Pair<double>& a, const Pair<double>& b, double share) {
+  return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])};
+}
+
+// Points at equal distances along a way, its ends included.
+Way resampled(const Way& way, std::size_t count) {
+  std::vector<double> length{0};
+  for (std::size_t k = 1; k < way.size(); ++k) {
+    length.push_back(length.back() + std::hypot(way[k][0] - way[k - 1][0], way[k][1] - way[k - 1][1]));
+  }
+  Way even;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double at = length.back() * static_cast<double>(i) / static_cast<double>(count - 1);
+    while (k + 2 < way.size() && length[k + 1] < at) ++k;
+    const double piece = length[k + 1] - length[k];
+    even.push_back(between(way[k], way[k + 1], piece > 0 ? std::clamp((at - length[k]) / piece, 0.0, 1.0) : 0));
+  }
+  return even;
+}
+
+Way averaged(const Way& way) {
+  Way result = way;
+  for (std::size_t k = 1; k + 1 < way.size(); ++k) {
+    for (std::size_t j = 0; j < kJoints; ++j) result[k][j] = (way[k - 1][j] + way[k][j] + way[k + 1][j]) / 3;
+  }
+  return result;
+}
+
+Pair<double> on_circle(const Pair<double>& point, const TipArc& arc) {
+  const double radius = std::hypot(arc.from[0] - arc.center[0], arc.from[1] - arc.center[1]);
+  const double x = point[0] - arc.center[0], y = point[1] - arc.center[1], away = std::hypot(x, y);
+  return {arc.center[0] + x * radius / away, arc.center[1] + y * radius / away};
+}
+
 }  // namespace
 
 Guess straight_guess(const Problem& problem, double duration) {
-  const auto points = waypoints(problem, duration);
+  const std::vector<double> durations = durations_of(problem, duration);
+  const auto points = waypoints(problem, durations);
   const auto state = [points, robot = problem.robot](double s) {
     const std::size_t leg = leg_of(points, s);
     const double inside = (s - points[leg].share) / (points[leg + 1].share - points[leg].share);
@@ -41,11 +116,12 @@ Guess straight_guess(const Problem& problem, double duration) {
       q[j] = points[leg].q[j] + inside * (points[leg + 1].q[j] - points[leg].q[j]);
     return rest_at(robot, q);
   };
-  return {"straight", duration, state, [](double) { return Pair<double>{0, 0}; }};
+  return {"straight", durations, state, [](double) { return Pair<double>{0, 0}; }};
 }
 
 Guess minimum_jerk_guess(const Problem& problem, double duration) {
-  const auto points = waypoints(problem, duration);
+  const std::vector<double> durations = durations_of(problem, duration);
+  const auto points = waypoints(problem, durations);
   // Flash & Hogan, Journal of Neuroscience 5(7), 1985: q = 10 s^3 - 15 s^4 + 6 s^5 from rest to rest.
   const auto flat = [points, duration, robot = problem.robot](double s) {
     const std::size_t leg = leg_of(points, s);
@@ -62,8 +138,51 @@ Guess minimum_jerk_guess(const Problem& problem, double duration) {
     }
     return from_link_motion(robot, m);
   };
-  return {"minimum jerk", duration, [flat](double s) { return flat(s).state; },
+  return {"minimum jerk", durations, [flat](double s) { return flat(s).state; },
           [flat](double s) { return flat(s).compensated_torque; }};
+}
+
+Guess way_guess(const Problem& problem, double duration, const std::vector<Way>& ways) {
+  constexpr int kRounds = 3;  // of averaging neighbours: a grid's staircase becomes a slope
+  constexpr std::size_t kPoints = 64;
+  const std::vector<double> durations = durations_of(problem, duration);
+  const auto points = waypoints(problem, durations);
+  std::vector<Way> rounded;
+  for (const Way& way : ways) {
+    Way even = resampled(way, kPoints);
+    for (int round = 0; round < kRounds; ++round) even = averaged(even);
+    rounded.push_back(std::move(even));
+  }
+  const auto state = [points, rounded, robot = problem.robot](double s) {
+    const std::size_t leg = leg_of(points, s);
+    const double inside = (s - points[leg].share) / (points[leg + 1].share - points[leg].share);
+    const double at = std::clamp(inside, 0.0, 1.0) * (kPoints - 1);
+    const std::size_t k = std::min(static_cast<std::size_t>(at), kPoints - 2);
+    return rest_at(robot, between(rounded[leg][k], rounded[leg][k + 1], at - static_cast<double>(k)));
+  };
+  return {"round obstacles", durations, state, [](double) { return Pair<double>{0, 0}; }};
+}
+
+std::vector<Way> ways_along_tip_path(const Problem& problem) {
+  constexpr int kPieces = 24;
+  const auto points = points_of(problem);
+  std::vector<Way> ways;
+  for (std::size_t leg = 0; leg + 1 < points.size(); ++leg) {
+    const Point<double> from = tip_position(problem.robot, points[leg]),
+                        to = tip_position(problem.robot, points[leg + 1]);
+    Way way{points[leg]};
+    for (int i = 1; i < kPieces; ++i) {
+      const double s = static_cast<double>(i) / kPieces;
+      Pair<double> tip{from.x + s * (to.x - from.x), from.y + s * (to.y - from.y)};
+      if (problem.task.arc) tip = on_circle(tip, *problem.task.arc);
+      const auto postures =
+          inverse_kinematics(problem.robot, tip, Elbow::kAny, problem.limits.link_position, way.back());
+      if (!postures.empty()) way.push_back(postures.front());
+    }
+    way.push_back(points[leg + 1]);
+    ways.push_back(std::move(way));
+  }
+  return ways;
 }
 
 Guess displaced_guess(const Problem& problem, double duration, double size, std::uint64_t seed) {
@@ -87,23 +206,19 @@ Guess displaced_guess(const Problem& problem, double duration, double size, std:
   return guess;
 }
 
-Guess guess_from(Motion motion, double duration) {
+Guess guess_from(Motion motion, const std::vector<double>& durations, double duration) {
   const double length = motion.duration();
+  std::vector<double> stretched = durations;
+  for (double& d : stretched) d *= duration / length;
   const auto state = [motion, length](double s) { return motion.state_at(s * length); };
   const auto torque = [motion = std::move(motion), length](double s) { return motion.torque_at(s * length); };
-  return {"previous", duration, state, torque};
+  return {"previous", stretched, state, torque};
 }
 
 double duration_guess(const Problem& problem) {
   if (problem.duration.fixed()) return problem.duration.min;
-  double time = 0.1;
-  const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
-  const Pair<double> inertia{stretched.m11, stretched.m22};
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    const double distance = std::abs(problem.goal.q[j] - problem.start.q[j]);
-    const double acceleration = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
-    time = std::max({time, 2 * std::sqrt(distance / acceleration), distance / problem.limits.motor_velocity[j]});
-  }
+  const std::vector<double> legs = leg_times(problem);
+  const double time = std::max(0.1, std::accumulate(legs.begin(), legs.end(), 0.0));
   // Springs and friction roughly double it; the regularising objectives want still longer motions.
   const bool hurried = problem.weights.effort == 0 && problem.weights.link_acceleration == 0;
   return std::clamp(time * (hurried ? 1.3 : 2.0), problem.duration.min, problem.duration.max);

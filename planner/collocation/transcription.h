@@ -4,11 +4,14 @@
 //   static constexpr int kStates, kControls, kRows;
 //   static constexpr std::array<bool, kRows> kRowUsesControl;
 //   template <class T>                                dx/dt, running cost, path rows
-//   void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const;
+//   void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const;   or with `int segment` first, where what the
+//                                                     rows mean depends on the segment of the mesh; what they depend
+//                                                     on does not (optional: kRowOfSegment says which rows)
 //   std::vector<PathBounds<kStates, kControls, kRows>> bounds;  one for all intervals, or one per interval
 //   std::vector<NodeBounds<kStates>> at_nodes;        start, goal, via points
 //   std::vector<std::array<double, 2>> durations;     [s] bounds, one per segment of the mesh
-//   std::array<double, 2> total_duration;             [s] bounds of their sum
+//   std::vector<DurationSum> duration_sums;           bounds on sums of them
+//   std::vector<RowBounds> rows_at_nodes;             optional: rows that hold at one node only
 //   double time_weight;                               cost = time_weight T + int cost dt
 //
 // Every stage keeps its own state as variables ("separated form"): the defects
@@ -62,6 +65,19 @@ struct PathBounds {
   Array<kC> row_upper = filled<kC>(std::numeric_limits<double>::infinity());
 };
 
+// Bounds [s] on the sum of the durations of segments first to last.
+struct DurationSum {
+  int first, last;
+  double lower, upper;
+};
+
+// Bounds on a path row that does not see the control, at one node other than the first.
+struct RowBounds {
+  std::size_t node;
+  int row;
+  double lower, upper;
+};
+
 template <class Ocp>
 class Transcription final : public Nlp {
  public:
@@ -98,10 +114,25 @@ class Transcription final : public Nlp {
   double step(const In& z, int k) const { return fraction(k) * z(duration_of(k)); }
 
   // Where things are among the constraints: defect of stage i, component r; path row c at stage j, -1 if not asked
-  // there; the sum of the durations, -1 with one segment.
+  // there; sum i of durations.
   int defect_row(int k, int i, int r) const { return interval_row_[index(k)] + (i - first_new_) * kX + r; }
   int path_row(int k, int j, int c) const { return path_rows_[index((k * stages_ + j) * kC + c)]; }
-  int total_row() const { return total_row_; }
+  int sum_row(std::size_t i) const { return first_sum_row_ + static_cast<int>(i); }
+
+  // dx/dt, running cost and path rows at a stage.
+  template <class T>
+  struct Point {
+    std::array<T, static_cast<std::size_t>(kX)> f;
+    T cost{};
+    std::array<T, static_cast<std::size_t>(kC)> rows;
+  };
+  using PointValues = Point<double>;
+  PointValues values(const In& z, int k, int j) const {
+    const Array<kV> v = stage_inputs(z, k, j);
+    PointValues p;
+    evaluate_at(k, v.data(), p);
+    return p;
+  }
 
   double objective(const In& z) const override {
     double total = 0;
@@ -148,9 +179,9 @@ class Transcription final : public Nlp {
         }
       }
     }
-    if (total_row_ >= 0) {
-      out(total_row_) = 0;
-      for (int s = 0; s < mesh_.segments(); ++s) out(total_row_) += z(duration_at(s));
+    for (std::size_t i = 0; i < sums(); ++i) {
+      out(sum_row(i)) = 0;
+      each_summed(i, [&](int segment) { out(sum_row(i)) += z(duration_at(segment)); });
     }
   }
 
@@ -160,9 +191,7 @@ class Transcription final : public Nlp {
     for (int k = 0; k < intervals(); ++k) {
       walk_jacobian(k, step(z, k), &points[index(k * stages_)], [&](int, int, double value) { out(next++) = value; });
     }
-    if (total_row_ >= 0) {
-      for (int s = 0; s < mesh_.segments(); ++s) out(next++) = 1;
-    }
+    for (std::size_t i = 0; i < sums(); ++i) each_summed(i, [&](int) { out(next++) = 1; });
   }
 
   void hessian(const In& z, double cost_factor, const In& multipliers, Out out) const override {
@@ -196,14 +225,6 @@ class Transcription final : public Nlp {
   }
 
  private:
-  template <class T>
-  struct Point {
-    std::array<T, static_cast<std::size_t>(kX)> f;
-    T cost{};
-    std::array<T, static_cast<std::size_t>(kC)> rows;
-  };
-  using PointValues = Point<double>;
-
   static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
   int interval_at(int k) const { return kX + k * (2 * kU + (stages_ - first_new_) * kX); }
@@ -225,20 +246,23 @@ class Transcription final : public Nlp {
   double fraction(int k) const { return mesh_.intervals[index(k)].fraction; }
   int duration_of(int k) const { return duration_at(mesh_.intervals[index(k)].segment); }
 
-  PointValues values(const In& z, int k, int j) const {
-    const Array<kV> v = stage_inputs(z, k, j);
-    PointValues p;
-    ocp_.template evaluate<double>(v.data(), v.data() + kX, p.f.data(), p.cost, p.rows.data());
-    return p;
-  }
   template <class D>
   Point<D> derivatives(const In& z, int k, int j) const {
     const Array<kV> values = stage_inputs(z, k, j);
     std::array<D, static_cast<std::size_t>(kV)> v;
     for (int i = 0; i < kV; ++i) v[index(i)] = D::input(values[index(i)], i);
     Point<D> p;
-    ocp_.template evaluate<D>(v.data(), v.data() + kX, p.f.data(), p.cost, p.rows.data());
+    evaluate_at(k, v.data(), p);
     return p;
+  }
+  template <class T>
+  void evaluate_at(int k, const T* v, Point<T>& p) const {
+    const int segment = mesh_.intervals[index(k)].segment;
+    if constexpr (requires { ocp_.evaluate(segment, v, v, p.f.data(), p.cost, p.rows.data()); }) {
+      ocp_.evaluate(segment, v, v + kX, p.f.data(), p.cost, p.rows.data());
+    } else {
+      ocp_.template evaluate<T>(v, v + kX, p.f.data(), p.cost, p.rows.data());
+    }
   }
 
   // At every stage of every interval. The gradient and the Jacobian are asked for at the same point one after the
@@ -253,6 +277,28 @@ class Transcription final : public Nlp {
     return derived_;
   }
 
+  // A row whose meaning depends on the segment says nothing about the interval after the segment's end.
+  bool means_the_same(int row, int k, int l) const {
+    if constexpr (requires { Ocp::kRowOfSegment; }) {
+      return !Ocp::kRowOfSegment[index(row)] || mesh_.intervals[index(k)].segment == mesh_.intervals[index(l)].segment;
+    }
+    return true;
+  }
+  std::size_t sums() const { return ocp_.duration_sums.size(); }
+  template <class Visit>
+  void each_summed(std::size_t i, Visit&& visit) const {
+    for (int s = ocp_.duration_sums[i].first; s <= ocp_.duration_sums[i].last; ++s) visit(s);
+  }
+  // visit(bounds) for what holds for a row at the last stage of interval k only.
+  template <class Visit>
+  void each_at_end(int k, int row, Visit&& visit) const {
+    if constexpr (requires { ocp_.rows_at_nodes; }) {
+      for (const RowBounds& at : ocp_.rows_at_nodes) {
+        if (at.row == row && at.node == index(k + 1)) visit(at);
+      }
+    }
+  }
+
   // A row without a bound is left out; one that does not see the control is asked for once per state, and not at the
   // start, which is given.
   void number_rows() {
@@ -262,22 +308,22 @@ class Transcription final : public Nlp {
       next += (stages_ - first_new_) * kX;
       for (int j = 0; j < stages_; ++j) {
         for (int c = 0; c < kC; ++c) {
-          const bool bounded = bounds_in(k).row_lower[index(c)] > -std::numeric_limits<double>::infinity() ||
-                               bounds_in(k).row_upper[index(c)] < std::numeric_limits<double>::infinity();
+          bool bounded = bounds_in(k).row_lower[index(c)] > -std::numeric_limits<double>::infinity() ||
+                         bounds_in(k).row_upper[index(c)] < std::numeric_limits<double>::infinity();
+          if (j + 1 == stages_) each_at_end(k, c, [&](const RowBounds&) { bounded = true; });
           const bool asked = bounded && (Ocp::kRowUsesControl[index(c)] || j >= first_new_);
           path_rows_.push_back(asked ? next++ : -1);
         }
       }
     }
-    total_row_ = mesh_.segments() > 1 ? next++ : -1;
-    rows_ = next;
+    first_sum_row_ = next;
+    rows_ = next + static_cast<int>(sums());
   }
 
   void find_structure() {
     std::array<Pattern<kV>, static_cast<std::size_t>(kV)> v;
     for (int i = 0; i < kV; ++i) v[index(i)] = Pattern<kV>::input(1, i);
-    ocp_.template evaluate<Pattern<kV>>(v.data(), v.data() + kX, structure_.f.data(), structure_.cost,
-                                        structure_.rows.data());
+    evaluate_at(0, v.data(), structure_);
     for (int i = 0; i < kV; ++i) {
       for (int j = 0; j <= i; ++j) {
         bool curved = structure_.cost.curved_in(i, j);
@@ -329,16 +375,21 @@ class Transcription final : public Nlp {
           upper = bounds_in(k).row_upper[index(c)];
           // A row on the state at a shared node is asked once: the tighter of both intervals' bounds holds.
           const bool shared = !Ocp::kRowUsesControl[index(c)] && first_new_ == 1 && j + 1 == stages_;
-          if (shared && k + 1 < intervals()) {
+          if (shared && k + 1 < intervals() && means_the_same(c, k, k + 1)) {
             lower = std::max(lower, bounds_in(k + 1).row_lower[index(c)]);
             upper = std::min(upper, bounds_in(k + 1).row_upper[index(c)]);
           }
+          if (j + 1 < stages_) continue;
+          each_at_end(k, c, [&](const RowBounds& at) {
+            lower = std::max(lower, at.lower);
+            upper = std::min(upper, at.upper);
+          });
         }
       }
     }
-    if (total_row_ >= 0) {
-      g_lower(total_row_) = ocp_.total_duration[0];
-      g_upper(total_row_) = ocp_.total_duration[1];
+    for (std::size_t i = 0; i < sums(); ++i) {
+      g_lower(sum_row(i)) = ocp_.duration_sums[i].lower;
+      g_upper(sum_row(i)) = ocp_.duration_sums[i].upper;
     }
   }
 
@@ -347,8 +398,8 @@ class Transcription final : public Nlp {
     for (int k = 0; k < intervals(); ++k) {
       walk_jacobian(k, 0, none.data(), [&](int row, int col, double) { jacobian_pattern.push_back({row, col}); });
     }
-    if (total_row_ >= 0) {
-      for (int s = 0; s < mesh_.segments(); ++s) jacobian_pattern.push_back({total_row_, duration_at(s)});
+    for (std::size_t i = 0; i < sums(); ++i) {
+      each_summed(i, [&](int segment) { jacobian_pattern.push_back({sum_row(i), duration_at(segment)}); });
     }
     const Point<Dual2<kV>> zero{};
     const Eigen::VectorXd no_multipliers = Eigen::VectorXd::Zero(rows_);
@@ -369,7 +420,7 @@ class Transcription final : public Nlp {
     std::fill_n(variable_stage.begin(), kX, 0);
     for (int k = 0; k < intervals(); ++k) {
       std::fill(variable_stage.begin() + interval_at(k), variable_stage.begin() + interval_at(k + 1), k);
-      const int end = k + 1 < intervals() ? interval_row_[index(k + 1)] : (total_row_ >= 0 ? total_row_ : rows_);
+      const int end = k + 1 < intervals() ? interval_row_[index(k + 1)] : first_sum_row_;
       std::fill(constraint_stage.begin() + interval_row_[index(k)], constraint_stage.begin() + end, k);
     }
   }
@@ -455,7 +506,7 @@ class Transcription final : public Nlp {
   Ocp ocp_;
   Scheme scheme_;
   Mesh mesh_;
-  int stages_ = 0, first_new_ = 0, rows_ = 0, total_row_ = -1;
+  int stages_ = 0, first_new_ = 0, rows_ = 0, first_sum_row_ = 0;
   std::vector<int> interval_row_, path_rows_;
   Point<Pattern<kV>> structure_;
   std::vector<std::pair<int, int>> curved_pairs_;

@@ -1,15 +1,14 @@
 // A solution on one mesh as the start on another, multipliers included.
 //
-// The Lagrangian weighs f at stage j of an interval with h sum_i A(i,j) lambda_i, which for a scheme of sufficient
-// order is h b_j p(t_j), p the costate (Hager, Numerische Mathematik 87, 2000): so p_j = sum_i A(i,j) lambda_i / b_j is
-// interpolated, and the new lambda solve A' lambda = diag(b) p. Multipliers of bounds and path rows are densities in
-// time times the quadrature weight of their point: the densities are interpolated.
+// Costates (costates.h) are interpolated, and the new lambda solve A' lambda = -diag(b) p. Multipliers of bounds and
+// path rows are densities in time times the quadrature weight of their point: the densities are interpolated.
 #pragma once
 
 #include <Eigen/Dense>
 #include <algorithm>
 #include <vector>
 
+#include "planner/collocation/costates.h"
 #include "planner/collocation/transcription.h"
 #include "planner/solver/ipopt.h"
 
@@ -42,7 +41,9 @@ class Transfer {
         used = 0;
       }
     }
-    if (to_.total_row() >= 0) result_.lambda(to_.total_row()) = old_.lambda(from_.total_row());
+    for (std::size_t i = 0; i < to_.ocp().duration_sums.size(); ++i) {
+      result_.lambda(to_.sum_row(i)) = old_.lambda(from_.sum_row(i));
+    }
     return std::move(result_);
   }
 
@@ -99,7 +100,7 @@ class Transfer {
       }
     }
     Eigen::MatrixXd costate(to_.scheme().stages(), T::kX);
-    const Eigen::MatrixXd old_costate = costates(k);
+    const Eigen::MatrixXd old_costate = costates(from_, old_.lambda, k);
     for (int j = 0; j < to_.scheme().stages(); ++j) {
       const double c = begin + points(j) * (end - begin);
       const Eigen::VectorXd hat = hat_functions(c);
@@ -158,25 +159,11 @@ class Transfer {
     return hat;
   }
 
-  // p at the stages of old interval k: s x nx.
-  Eigen::MatrixXd costates(int k) const {
-    const Scheme& scheme = from_.scheme();
-    const int first = scheme.starts_at_node ? 1 : 0;
-    Eigen::MatrixXd p = Eigen::MatrixXd::Zero(scheme.stages(), T::kX);
-    for (int j = 0; j < scheme.stages(); ++j) {
-      for (int i = first; i < scheme.stages(); ++i) {
-        for (int r = 0; r < T::kX; ++r)
-          p(j, r) += scheme.A(i, j) * old_.lambda(from_.defect_row(k, i, r)) / scheme.b(j);
-      }
-    }
-    return p;
-  }
-
   void defect_multipliers(int i, const Eigen::MatrixXd& costate) {
     const Scheme& scheme = to_.scheme();
     const int first = scheme.starts_at_node ? 1 : 0;
     const Eigen::MatrixXd system = scheme.A.bottomRows(scheme.stages() - first).transpose();
-    const Eigen::MatrixXd lambda = system.colPivHouseholderQr().solve(scheme.b.asDiagonal() * costate);
+    const Eigen::MatrixXd lambda = system.colPivHouseholderQr().solve(-(scheme.b.asDiagonal() * costate));
     for (int j = first; j < scheme.stages(); ++j) {
       for (int r = 0; r < T::kX; ++r) result_.lambda(to_.defect_row(i, j, r)) = lambda(j - first, r);
     }

@@ -15,37 +15,54 @@
 
 namespace fjr {
 
-// kRateControlled: u is a state and its rate the control, so that u is continuous and its rate may be limited and
-// penalised. Otherwise u is the control and may jump.
-template <bool kRateControlled>
+// What an instance has room for; what nobody asks for would only cost time.
+struct Features {
+  bool rate = false;  // u is a state and its rate the control, so that u is continuous and its rate may be limited and
+                      // penalised; otherwise u is the control and may jump
+  int task_rows = 0;  // for the task's constraints; with any, goals with a free joint are possible too
+};
+
+template <Features F>
 struct ArmOcp {
   static constexpr int kArm = fjr::kStates;
-  static constexpr int kStates = kArm + (kRateControlled ? kJoints : 0);
+  static constexpr int kStates = kArm + (F.rate ? kJoints : 0);
   static constexpr int kControls = kJoints;
-  enum Row { kTorque1, kTorque2, kDeflection1, kDeflection2, kTipSpeedSquared, kRowCount };
-  static constexpr int kRows = kRowCount;
-  static constexpr std::array<bool, kRows> kRowUsesControl{!kRateControlled, !kRateControlled, false, false, false};
+  // kEquilibrium: theta - q - G(q) / K of a joint, zero at rest.
+  enum Row { kTorque1, kTorque2, kDeflection1, kDeflection2, kTipSpeedSquared, kEquilibrium1, kEquilibrium2, kTask };
+  static constexpr int kRows = F.task_rows > 0 ? kTask + F.task_rows : kEquilibrium1;
+  static constexpr auto kRowUsesControl = [] {
+    std::array<bool, kRows> uses{};
+    uses[kTorque1] = uses[kTorque2] = !F.rate;
+    return uses;
+  }();
+  static constexpr auto kRowOfSegment = [] {
+    std::array<bool, kRows> of_segment{};
+    for (std::size_t i = kTask; i < of_segment.size(); ++i) of_segment[i] = true;
+    return of_segment;
+  }();
   static constexpr double kRateUnit = 100;  // [N m/s] per unit of control: keeps the controls near the states' size
 
   Parameters robot;
   Weights weights;
-  Pair<FrictionLaw> friction;  // in the torque limit and the effort
+  Pair<FrictionLaw> friction;               // in the torque limit and the effort
+  std::vector<std::vector<TaskRow>> tasks;  // rows by segment; as many in each
 
   using Bounds = PathBounds<kStates, kControls, kRows>;
   std::vector<Bounds> bounds;
   std::vector<NodeBounds<kStates>> at_nodes;
+  std::vector<RowBounds> rows_at_nodes;
   std::vector<std::array<double, 2>> durations;
-  std::array<double, 2> total_duration{};
+  std::vector<DurationSum> duration_sums;
   double time_weight = 0;
   double regularisation = 0;  // weight of int u^2, not part of the reported objective: see make_arm_ocp()
 
   template <class T>
-  void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const {
+  void evaluate(int segment, const T* x, const T* u, T* f, T& cost, T* rows) const {
     const auto state = State<T>::from(x);
-    const Pair<T> compensated = kRateControlled ? Pair<T>{x[kArm], x[kArm + 1]} : Pair<T>{u[0], u[1]};
+    const Pair<T> compensated = F.rate ? Pair<T>{x[kArm], x[kArm + 1]} : Pair<T>{u[0], u[1]};
     const State<T> rate = compensated_dynamics(robot, state, compensated);
     for (int i = 0; i < kArm; ++i) f[i] = rate.data()[i];
-    if constexpr (kRateControlled) {
+    if constexpr (F.rate) {
       for (int j = 0; j < kJoints; ++j) f[kArm + j] = kRateUnit * u[j];
     }
 
@@ -56,6 +73,7 @@ struct ArmOcp {
       rows[kDeflection1 + j] = state.theta[j] - state.q[j];
     }
     rows[kTipSpeedSquared] = tip_speed_squared(robot, state.q[1], state.dq);
+    if constexpr (F.task_rows > 0) task(segment, state, rows);
 
     cost = T(0.0);
     if (weights.effort > 0) cost += weights.effort * (torque[0] * torque[0] + torque[1] * torque[1]);
@@ -64,23 +82,36 @@ struct ArmOcp {
     }
     if (regularisation > 0)
       cost += regularisation * (compensated[0] * compensated[0] + compensated[1] * compensated[1]);
-    if constexpr (kRateControlled) {
+    if constexpr (F.rate) {
       cost += weights.torque_rate * kRateUnit * kRateUnit * (u[0] * u[0] + u[1] * u[1]);
     }
+  }
+
+ private:
+  template <class T>
+  void task(int segment, const State<T>& state, T* rows) const {
+    const Pair<T> gravity = gravity_torque(robot, state.q);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      rows[kEquilibrium1 + j] = state.theta[j] - state.q[j] - gravity[j] / robot.spring.stiffness[j];
+    }
+    if (tasks.empty()) return;
+    const auto posture = Posture<T>::of(robot, state.q);
+    T* row = rows + kTask;
+    for (const TaskRow& r : tasks[static_cast<std::size_t>(segment)]) *row++ = r.value(robot, posture);
   }
 };
 
 // The limits as bounds on states, controls and rows.
-template <bool kRateControlled>
-typename ArmOcp<kRateControlled>::Bounds path_bounds(const Limits& limits) {
-  using Ocp = ArmOcp<kRateControlled>;
+template <Features F>
+typename ArmOcp<F>::Bounds path_bounds(const Limits& limits) {
+  using Ocp = ArmOcp<F>;
   typename Ocp::Bounds b;
   for (std::size_t j = 0; j < kJoints; ++j) {
     b.x_upper[j] = limits.link_position[j];
     b.x_upper[6 + j] = limits.motor_velocity[j];
     b.row_upper[Ocp::kTorque1 + j] = limits.torque[j];
     b.row_upper[Ocp::kDeflection1 + j] = limits.spring_deflection[j];
-    if (kRateControlled) b.u_upper[j] = limits.torque_rate[j] / Ocp::kRateUnit;
+    if (F.rate) b.u_upper[j] = limits.torque_rate[j] / Ocp::kRateUnit;
   }
   for (std::size_t i = 0; i < b.x_upper.size(); ++i) b.x_lower[i] = -b.x_upper[i];
   for (std::size_t i = 0; i < b.u_upper.size(); ++i) b.u_lower[i] = -b.u_upper[i];
@@ -93,9 +124,9 @@ typename ArmOcp<kRateControlled>::Bounds path_bounds(const Limits& limits) {
 // The problem's plant and objective; bounds, nodes and segments depend on the mesh and are left empty. regularisation:
 // weight of a trace of effort in a minimum-time problem, as a share of the time weight; bounds what it can cost in
 // time.
-template <bool kRateControlled>
-ArmOcp<kRateControlled> make_arm_ocp(const Problem& problem, double regularisation) {
-  ArmOcp<kRateControlled> ocp;
+template <Features F>
+ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
+  ArmOcp<F> ocp;
   ocp.robot = problem.robot;
   ocp.weights = problem.weights;
   ocp.time_weight = problem.weights.time;

@@ -11,6 +11,7 @@
 
 #include "model/dynamics.h"
 #include "model/parameters.h"
+#include "planner/problem/task.h"
 
 namespace fjr {
 
@@ -65,16 +66,20 @@ void visit_weights(W& w, Visit&& visit) {
 
 struct Goal {
   Pair<double> q{};                    // [rad]
+  Pair<bool> free{};                   // joints that may end anywhere; their q is where a guess would put them
   Pair<double> dq{};                   // [rad/s]
   std::optional<Pair<double>> theta;   // [rad]; none: free
   std::optional<Pair<double>> dtheta;  // [rad/s]; none: free
-  bool at_rest = true;                 // dq = dtheta = 0 and theta in equilibrium (both are then given)
+  bool at_rest = true;                 // dq = dtheta = 0 and theta in equilibrium (given, unless a joint is free)
+
+  bool any_free() const { return free[0] || free[1]; }
 };
 
 struct Via {
-  double time = 0;                 // [s] after the start; strictly increasing over the vias
+  std::optional<double> time;      // [s] after the start, strictly increasing over the vias; none: any time
   Pair<double> q{};                // [rad]
   std::optional<Pair<double>> dq;  // [rad/s]
+  double tolerance = 0;            // [rad] of each angle
 };
 
 struct Duration {
@@ -85,12 +90,14 @@ struct Duration {
 struct Problem {
   Parameters robot;
   Limits limits;
-  State<double> start;
+  State<double> start{};
   bool start_at_rest = true;
   Goal goal;
+  std::vector<Goal> other_goals;  // as good as `goal`: the other elbow of a tip position
   Duration duration;
   Weights weights;
-  std::vector<Via> via;
+  std::vector<Via> via;  // in this order; the motion has a segment before each and one after the last
+  Task task;
   double sample_period = 0.001;  // [s]
   std::uint64_t seed = 1;
   std::string name;          // of the request file, without extension

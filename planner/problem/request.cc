@@ -11,7 +11,9 @@
 #include "model/kinematics.h"
 #include "model/sha256.h"
 #include "model/strict_yaml.h"
+#include "planner/problem/inverse_kinematics.h"
 #include "planner/problem/problem.h"
+#include "planner/problem/read_task.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -56,9 +58,9 @@ void refuse_later_keys(const YamlNode& node, const std::vector<std::string_view>
 }
 
 void check_root_keys(const YamlNode& root) {
-  root.allow_keys({"robot", "start", "goal", "duration", "objective", "via", "obstacles", "tip", "limits",
+  root.allow_keys({"robot", "start", "goal", "duration", "objective", "via", "obstacles", "tip", "path", "limits",
                    "sample_period", "seed", "payload"});
-  refuse_later_keys(root, {"obstacles", "tip", "payload"});
+  refuse_later_keys(root, {"payload"});
 }
 
 // ---- robot, limits ----
@@ -195,22 +197,15 @@ double read_sample_period(const YamlNode& root, const Duration& duration) {
 
 // ---- start, goal, via ----
 
-void refuse_free_joints(const YamlNode& q) {
-  if (!q.is_list()) return;
-  const std::vector<YamlNode> items = q.items();
-  for (const YamlNode& item : items) {
-    if (item.says("free")) item.fail(fmt::format("a free joint is {}; give both angles", kLater));
-  }
+void check_angle(const YamlNode& list, std::size_t j, double angle, const Limits& limits) {
+  const double limit = limits.link_position[j];
+  if (std::abs(angle) > limit) list.fail_at(j, fmt::format("{} rad is outside [{}, {}]", angle, -limit, limit));
 }
 
 Pair<double> read_q(const YamlNode& node, const Limits& limits) {
   const YamlNode list = node.at("q");
-  refuse_free_joints(list);
   const Pair<double> q = list.pair("rad");
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    const double limit = limits.link_position[j];
-    if (std::abs(q[j]) > limit) list.fail_at(j, fmt::format("{} rad is outside [{}, {}]", q[j], -limit, limit));
-  }
+  for (std::size_t j = 0; j < kJoints; ++j) check_angle(list, j, q[j], limits);
   return q;
 }
 
@@ -315,15 +310,42 @@ void resolve_goal_motors(const YamlNode& node, const Problem& problem, Goal& goa
       is_zero(goal.dq) && goal.theta && goal.dtheta && is_zero(*goal.dtheta) && same_angles(*goal.theta, rest.theta);
   goal.at_rest = plain_stop || spelled_out;
   if (!goal.at_rest) return;
-  goal.theta = rest.theta;
+  if (!goal.any_free()) goal.theta = rest.theta;
   goal.dtheta = rest.dtheta;
 }
 
-void read_goal(const YamlNode& node, Problem& problem) {
-  node.allow_keys({"q", "dq", "theta", "dtheta", "tip", "elbow", "tip_velocity"});
-  refuse_later_keys(node, {"tip", "elbow", "tip_velocity"}, "; give goal.q");
+void check_goal(const YamlNode& node, const Problem& problem, const Goal& goal) {
+  check_tip_speed(node, problem, goal.q, goal.dq);
+  if (goal.theta) check_deflection(node, problem, goal.q, *goal.theta);
+  if (goal.dtheta) check_motor_velocity(node, problem, *goal.dtheta);
+  if (goal.at_rest && !goal.any_free()) check_holding(node, problem, goal.q);
+}
+
+// Angles, each of which may be `free`: a guess then keeps the start's.
+void read_goal_angles(const YamlNode& node, const Problem& problem, Goal& goal) {
+  const YamlNode list = node.at("q");
+  const std::vector<YamlNode> items = list.is_list() ? list.items() : std::vector<YamlNode>{};
+  if (items.size() != kJoints || !(items[0].says("free") || items[1].says("free"))) {
+    goal.q = read_q(node, problem.limits);
+    return;
+  }
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    goal.free[j] = items[j].says("free");
+    goal.q[j] = goal.free[j] ? problem.start.q[j] : items[j].number("rad");
+    check_angle(list, j, goal.q[j], problem.limits);
+  }
+  if (goal.free[0] && goal.free[1]) list.fail("one joint may be free, not both");
+  for (const std::string_view key : {"theta", "dtheta"}) {
+    if (const auto given = node.find(key)) given->fail("has no meaning beside a free joint");
+  }
+}
+
+void read_joint_goal(const YamlNode& node, Problem& problem) {
+  for (const std::string_view key : {"elbow", "tip_velocity"}) {
+    if (const auto given = node.find(key)) given->fail("goes with goal.tip; with goal.q give dq");
+  }
   Goal& goal = problem.goal;
-  goal.q = read_q(node, problem.limits);
+  read_goal_angles(node, problem, goal);
   const auto dq = read_dq(node);
   if (!dq) {
     for (const std::string_view key : {"theta", "dtheta"}) {
@@ -334,22 +356,86 @@ void read_goal(const YamlNode& node, Problem& problem) {
   }
   goal.dq = dq.value_or(Pair<double>{});
   resolve_goal_motors(node, problem, goal);
-  check_tip_speed(node, problem, goal.q, goal.dq);
-  if (goal.theta) check_deflection(node, problem, goal.q, *goal.theta);
-  if (goal.dtheta) check_motor_velocity(node, problem, *goal.dtheta);
-  if (goal.at_rest) check_holding(node, problem, goal.q);
+  check_goal(node, problem, goal);
 }
 
-double read_via_time(const YamlNode& node, double after, double duration) {
-  const auto given = node.find("time");
-  if (!given) {
-    throw InputError(node.source(), node.field() + ".time",
-                     fmt::format("a free via time is {}; give the time", kLater));
+Elbow read_elbow(const YamlNode& node) {
+  const auto given = node.find("elbow");
+  if (!given || given->says("any")) return Elbow::kAny;
+  if (given->says("left")) return Elbow::kLeft;
+  if (given->says("right")) return Elbow::kRight;
+  given->fail(shown(given->text()) + " is not one of any, left, right");
+}
+
+// The goal at q; none, and `why`, when the arm cannot be there.
+std::optional<Goal> tip_goal(const YamlNode& node, const Problem& problem, const Pair<double>& q,
+                             const std::optional<Pair<double>>& velocity, std::optional<InputError>& why) {
+  Goal goal;
+  goal.q = q;
+  try {
+    if (velocity) {
+      const auto dq = inverse_velocity(problem.robot, q, *velocity);
+      if (!dq) node.at("tip_velocity").fail("the stretched or folded arm cannot move its tip this way");
+      goal.dq = *dq;
+      for (const double rate : goal.dq) {
+        if (std::abs(rate) > kLargestLinkVelocity) {
+          node.at("tip_velocity")
+              .fail(fmt::format("takes a joint velocity of {:.4g} rad/s, above {} rad/s", rate, kLargestLinkVelocity));
+        }
+      }
+    }
+    resolve_goal_motors(node, problem, goal);
+    check_goal(node, problem, goal);
+    return goal;
+  } catch (const InputError& error) {
+    if (!why) why = error;
+    return std::nullopt;
   }
+}
+
+// A tip position is a set of goals: one for each elbow, and for each turn within the limits.
+void read_tip_goal(const YamlNode& node, Problem& problem) {
+  for (const std::string_view key : {"q", "dq", "theta", "dtheta"}) {
+    if (const auto given = node.find(key)) given->fail("does not go with goal.tip, which decides it");
+  }
+  const YamlNode given = node.at("tip");
+  const Pair<double> tip = given.pair("m"), within = reach(problem.robot);
+  const double away = std::hypot(tip[0], tip[1]);
+  if (!(away >= within[0] - kSameAngle && away <= within[1] + kSameAngle)) {  // as near in metres
+    given.fail(fmt::format("[{}, {}] m is {:.6g} m from the base; the arm reaches from {:.6g} to {:.6g} m", tip[0],
+                           tip[1], away, within[0], within[1]));
+  }
+  const Elbow elbow = read_elbow(node);
+  const auto velocity = read_optional(node, "tip_velocity", "m/s");
+  std::optional<InputError> why;
+  std::vector<Goal> goals;
+  for (const Pair<double>& q :
+       inverse_kinematics(problem.robot, tip, elbow, problem.limits.link_position, problem.start.q)) {
+    if (const auto goal = tip_goal(node, problem, q, velocity, why)) goals.push_back(*goal);
+  }
+  if (goals.empty() && why) throw InputError(*why);
+  if (goals.empty()) {
+    given.fail(fmt::format("[{}, {}] m takes a joint beyond its limits of {} and {} rad{}", tip[0], tip[1],
+                           problem.limits.link_position[0], problem.limits.link_position[1],
+                           elbow == Elbow::kAny ? "" : "; the other elbow may do"));
+  }
+  problem.goal = goals.front();
+  problem.other_goals.assign(goals.begin() + 1, goals.end());
+}
+
+void read_goal(const YamlNode& node, Problem& problem) {
+  node.allow_keys({"q", "dq", "theta", "dtheta", "tip", "elbow", "tip_velocity"});
+  node.find("tip") ? read_tip_goal(node, problem) : read_joint_goal(node, problem);
+}
+
+std::optional<double> read_via_time(const YamlNode& node, double after, const Duration& duration) {
+  const auto given = node.find("time");
+  if (!given) return std::nullopt;
+  if (!duration.fixed()) given->fail("needs a fixed duration; without one a via point is passed at any time");
   const double time = given->number("s");
   const double spacing = kViaSpacing * (1 - 1e-9);  // so that 0.301 counts as 0.001 after 0.3
-  if (time - after < spacing || duration - time < spacing) {
-    given->fail(fmt::format("{} s must lie between {} s and {} s, at least {} s from both", time, after, duration,
+  if (time - after < spacing || duration.max - time < spacing) {
+    given->fail(fmt::format("{} s must lie between {} s and {} s, at least {} s from both", time, after, duration.max,
                             kViaSpacing));
   }
   return time;
@@ -357,9 +443,10 @@ double read_via_time(const YamlNode& node, double after, double duration) {
 
 Via read_via(const YamlNode& node, const Problem& problem) {
   node.allow_keys({"time", "q", "dq"});
-  const double after = problem.via.empty() ? 0 : problem.via.back().time;
+  double after = 0;
+  for (const Via& via : problem.via) after = via.time.value_or(after + kViaSpacing);
   Via via;
-  via.time = read_via_time(node, after, problem.duration.max);
+  via.time = read_via_time(node, after, problem.duration);
   via.q = read_q(node, problem.limits);
   via.dq = read_dq(node);
   if (via.dq) check_tip_speed(node, problem, via.q, *via.dq);
@@ -371,18 +458,17 @@ void read_vias(const YamlNode& root, Problem& problem) {
   if (!given) return;
   const std::vector<YamlNode> items = given->items();
   if (items.size() > kMaxVias) given->fail(fmt::format("{} points, above the {} allowed", items.size(), kMaxVias));
-  if (!items.empty() && !problem.duration.fixed()) {
-    given->fail(fmt::format("via points without a fixed duration are {}; give duration as a number", kLater));
-  }
   for (const YamlNode& item : items) problem.via.push_back(read_via(item, problem));
 }
 
 // With a fixed duration, staying where one is can be meant; otherwise it takes no time at all.
 void refuse_empty_motion(const YamlNode& root, const Problem& problem) {
-  if (problem.duration.fixed() || !problem.start_at_rest || !problem.goal.at_rest) return;
-  if (same_angles(problem.start.q, problem.goal.q)) {
-    root.at("goal").fail("start and goal are the same state; nothing to plan");
+  if (problem.duration.fixed() || !problem.start_at_rest || !problem.goal.at_rest || !problem.via.empty()) return;
+  bool same = true;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    same = same && (problem.goal.free[j] || std::abs(problem.start.q[j] - problem.goal.q[j]) <= kSameAngle);
   }
+  if (same) root.at("goal").fail("start and goal are the same state; nothing to plan");
 }
 
 // ---- hash ----
@@ -412,19 +498,47 @@ class HashLines {
   std::vector<std::string> lines_;
 };
 
+void add_goal(HashLines& lines, const std::string& name, const Goal& goal) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const std::string angle = fmt::format("{}.q[{}]", name, j);
+    goal.free[j] ? lines.add_text(angle, "free") : lines.add(angle, goal.q[j]);
+  }
+  lines.add(name + ".dq", goal.dq);
+  lines.add(name + ".theta", goal.theta);
+  lines.add(name + ".dtheta", goal.dtheta);
+}
+
 void add_states(HashLines& lines, const Problem& problem) {
   lines.add("start.q", problem.start.q);
   lines.add("start.dq", problem.start.dq);
   lines.add("start.theta", problem.start.theta);
   lines.add("start.dtheta", problem.start.dtheta);
-  lines.add("goal.q", problem.goal.q);
-  lines.add("goal.dq", problem.goal.dq);
-  lines.add("goal.theta", problem.goal.theta);
-  lines.add("goal.dtheta", problem.goal.dtheta);
+  add_goal(lines, "goal", problem.goal);
+  for (std::size_t i = 0; i < problem.other_goals.size(); ++i) {
+    add_goal(lines, fmt::format("other_goals[{}]", i), problem.other_goals[i]);
+  }
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
-    lines.add(fmt::format("via[{}].time", i), problem.via[i].time);
-    lines.add(fmt::format("via[{}].q", i), problem.via[i].q);
-    lines.add(fmt::format("via[{}].dq", i), problem.via[i].dq);
+    const Via& via = problem.via[i];
+    const std::string name = fmt::format("via[{}]", i);
+    via.time ? lines.add(name + ".time", *via.time) : lines.add_text(name + ".time", "free");
+    lines.add(name + ".q", via.q);
+    lines.add(name + ".dq", via.dq);
+    if (via.tolerance > 0) lines.add(name + ".tolerance", via.tolerance);
+  }
+}
+
+// The rows say all there is to say about a task.
+void add_task(HashLines& lines, const Problem& problem) {
+  for (std::size_t s = 0; s <= problem.via.size(); ++s) {
+    const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, s);
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const std::string name = fmt::format("task[{}][{}]", s, r);
+      lines.add_text(name + ".kind", fmt::format("{} {}", rows[r].name, static_cast<int>(rows[r].kind)));
+      lines.add(name + ".vector", rows[r].vector);
+      lines.add(name + ".number", rows[r].number);
+      lines.add(name + ".lower", rows[r].lower);
+      lines.add(name + ".upper", rows[r].upper);
+    }
   }
 }
 
@@ -432,6 +546,7 @@ std::string request_hash(const Problem& problem) {
   HashLines lines;
   lines.add_text("robot_hash", robot_hash(problem.robot));
   add_states(lines, problem);
+  add_task(lines, problem);
   visit_pair_limits(problem.limits, [&](std::string_view name, std::string_view, const Pair<double>& limit) {
     lines.add(fmt::format("limits.{}", name), limit);
   });
@@ -463,6 +578,8 @@ Problem resolve(const YamlNode& root, const Parameters& robot) {
   read_start(given_start(root), problem);
   read_goal(root.at("goal"), problem);
   read_vias(root, problem);
+  read_task(root, problem);
+  check_task(root, problem);
   refuse_empty_motion(root, problem);
   problem.request_hash = request_hash(problem);
   return problem;

@@ -1,9 +1,11 @@
 // fjr plan: requests to certified trajectories.
 #include <fmt/format.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -17,6 +19,7 @@
 #include "planner/plan.h"
 #include "planner/program/commands.h"
 #include "planner/program/interrupt.h"
+#include "planner/program/plan_settings.h"
 #include "planner/program/progress_line.h"
 #include "planner/program/result_files.h"
 #include "planner/program/summary.h"
@@ -33,9 +36,9 @@ struct Options {
   std::vector<std::string> requests;
   std::string out;
   bool json = false;
-  bool keep_uncertified = false;
   std::string warm;  // folder of an earlier plan
-  PlanOptions plan;
+  PlanSettings settings;
+  pid_t parent = 0;  // fjr batch; 0: none
 };
 
 struct Job {
@@ -88,7 +91,7 @@ void complain(const std::string& problem) { fmt::print(stderr, "fjr: {}\n", prob
 // Returns what was written, for people.
 std::string write_trajectory(const Job& job, const Options& options, Plan& plan) {
   const bool certified = plan.status == PlanStatus::kCertified;
-  if (!plan.trajectory || (!certified && !options.keep_uncertified)) return "";
+  if (!plan.trajectory || (!certified && !options.settings.keep_uncertified)) return "";
   const fs::path file = job.folder / (certified ? "trajectory.csv" : "trajectory.uncertified.csv");
   const Problem& problem = *job.problem;
   const std::string hash = robot_hash(problem.robot);
@@ -106,7 +109,7 @@ Outcome refuse(const Job& job) {
 
 Plan solve(const Job& job, const Options& options) {
   ProgressLine line(job.name());
-  PlanOptions plan_options = options.plan;
+  PlanOptions plan_options = options.settings.plan;
   plan_options.on_progress = [&line](const Progress& progress) { line.show(progress); };
   plan_options.cancelled = interrupted;
   plan_options.warm = job.warm;
@@ -126,7 +129,10 @@ Outcome make_plan(const Job& job, const Options& options) {
   const std::string written = write_trajectory(job, options, result);
   Outcome outcome{result.status, plan_json(*job.problem, result), summary(*job.problem, result)};
   write_file(job.folder / "plan.json", json_text(outcome.json));
-  outcome.summary += fmt::format("  {:<11} {}{}\n", "files", written, (job.folder / "plan.json").string());
+  std::string files = written + (job.folder / "plan.json").string();
+  if (options.settings.report && result.status != PlanStatus::kBadInput)
+    files += ", " + write_report(job.folder).string();
+  outcome.summary += fmt::format("  {:<11} {}\n", "files", files);
   return outcome;
 }
 
@@ -136,7 +142,15 @@ void print_json(std::vector<Outcome>& outcomes) {
   fmt::print("{}", json_text(outcomes.size() == 1 ? all.front() : all));
 }
 
+// Ends with the parent, however that ends; true when it is gone already.
+bool orphaned(pid_t parent) {
+  if (parent == 0) return false;
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+  return ::getppid() != parent;
+}
+
 int run(const Options& options) {
+  if (orphaned(options.parent)) return exit_code(PlanStatus::kCancelled);
   catch_interrupts();
   std::vector<Job> jobs = jobs_of(options);
   for (Job& job : jobs) {  // a mistake in the last request is told at once, not after the first is solved
@@ -178,23 +192,8 @@ void add_plan(CLI::App& app, int& exit_code) {
           "Folder of an earlier plan of a similar request: its solution is the start, and the plan if that can be "
           "certified")
       ->type_name("DIR");
-  command->add_option("--linear-solver", options->plan.linear_solver, "Solver of the linear systems")
-      ->check(CLI::IsMember({"stage", "mumps"}))
-      ->capture_default_str();
-  command->add_option("--starts", options->plan.starts, "Starts of the optimiser; default by objective, 1 to 6")
-      ->check(CLI::Range(1, 100));
-  command->add_option("--deadline", options->plan.deadline, "Wall time allowed for each request, in seconds")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            double seconds = 0;
-            const bool number = CLI::detail::lexical_cast(text, seconds);
-            return number && std::isfinite(seconds) && seconds > 0 ? ""
-                                                                   : '"' + text + "\" is not a number of seconds > 0";
-          },
-          ""))
-      ->type_name("S");
-  command->add_flag("--keep-uncertified", options->keep_uncertified,
-                    "Write trajectories without certificate too, as trajectory.uncertified.csv");
+  add_options(*command, options->settings);
+  command->add_option("--parent", options->parent, "Process without which there is nothing to plan for")->group("");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

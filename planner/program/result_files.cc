@@ -7,6 +7,7 @@
 
 #include "model/input_error.h"
 #include "model/strict_yaml.h"
+#include "planner/report/plan_page.h"
 #include "planner/trajectory/atomic_file.h"
 
 namespace fjr {
@@ -16,6 +17,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kTrajectoryId = "trajectory.id";
+constexpr const char* kReport = "report.html";
 
 }  // namespace
 
@@ -24,13 +26,21 @@ void prepare_folder(const fs::path& folder) {
   fs::create_directories(folder, error);
   if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", folder.string(), error.message()));
   for (const char* file :
-       {"plan.json", "trajectory.csv", "trajectory.uncertified.csv", "solution.cbor", kTrajectoryId}) {
+       {"plan.json", "trajectory.csv", "trajectory.uncertified.csv", "solution.cbor", kReport, kTrajectoryId}) {
     fs::remove(folder / file, error);
     if (error) {
       throw InputError("--out", "", fmt::format("cannot remove {}: {}", (folder / file).string(), error.message()));
     }
   }
 }
+
+fs::path write_report(const fs::path& folder) {
+  const fs::path file = folder / kReport;
+  write_file(file, plan_page(read_plan(folder)));
+  return file;
+}
+
+bool has_report(const fs::path& folder) { return fs::exists(folder / kReport); }
 
 void write_trajectory_id(const RequestId& id, const fs::path& folder) {
   write_file(folder / kTrajectoryId, to_text(id) + "\n");

@@ -13,6 +13,10 @@ namespace fjr {
 // it.
 void prepare_folder(const std::filesystem::path& folder);
 
+// report.html from the other files in the folder (planner/report/plan_record.h); returns its path.
+std::filesystem::path write_report(const std::filesystem::path& folder);
+bool has_report(const std::filesystem::path& folder);
+
 // The id under which the service planned it, by which it is executed later: file trajectory.id.
 void write_trajectory_id(const RequestId& id, const std::filesystem::path& folder);
 RequestId read_trajectory_id(const std::filesystem::path& folder);  // InputError: there is none

@@ -8,26 +8,13 @@
 #include <string_view>
 #include <vector>
 
+#include "planner/problem/units.h"
+
 namespace fjr {
 namespace {
 
-constexpr std::size_t kTightest = 3;  // limits shown
-
-std::string_view unit_of(std::string_view name) {
-  if (name == "torque") return "N m";
-  if (name == "motor_velocity") return "rad/s";
-  if (name == "torque_rate") return "N m/s";
-  if (name == "tip_speed") return "m/s";
-  return "rad";
-}
-
-std::string_view unit_of_term(std::string_view name) {
-  if (name == "time") return "s";
-  if (name == "effort") return "N^2 m^2 s";
-  if (name == "torque_rate") return "N^2 m^2/s";
-  if (name == "link_acceleration") return "rad^2/s^3";
-  return "";
-}
+constexpr std::size_t kTightest = 3;     // limits shown
+constexpr double kWorthTelling = 0.005;  // of the objective, by the limit itself times its worth
 
 std::string line(std::string_view label, const std::string& text) { return fmt::format("  {:<11} {}\n", label, text); }
 
@@ -47,7 +34,7 @@ std::string open_loop(const OpenLoop& errors, double tolerance) {
 std::string limit_text(const LimitCheck& check) {
   const std::string joint = check.joint == 0 ? "" : fmt::format(" {}", check.joint);
   return fmt::format("{}{} {:.6g} of {:.6g} {} at {:.4f} s", check.name, joint, check.reached, check.limit,
-                     unit_of(check.name), check.time);
+                     unit_of_limit(check.name), check.time);
 }
 
 std::string tightest_limits(const Certificate& certificate) {
@@ -73,6 +60,49 @@ std::string terms(const Problem& problem, const Plan& plan) {
   return text;
 }
 
+// How much more of a limit makes a sentence.
+double helping(std::string_view unit) {
+  if (unit == "rad" || unit == "m") return 0.01;
+  if (unit == "m/s") return 0.1;
+  return unit == "N m/s" ? 100 : 1;
+}
+
+bool only_time(const Problem& problem) {
+  bool only = true;
+  visit_weights(problem.weights, [&](std::string_view term, double weight) { only &= term == "time" || weight == 0; });
+  return only;
+}
+
+std::string gain(const Problem& problem, const Plan& plan, double objective) {
+  if (only_time(problem)) return fmt::format("{:.3g} ms", 1e3 * objective / problem.weights.time);
+  return fmt::format("{:.3g} ({:.2g} %)", objective, 100 * objective / plan.objective);
+}
+
+// The limits that cost most, and the duration where it is given: to first order, from the multipliers.
+std::string what_limits(const Problem& problem, const Plan& plan) {
+  const Sensitivity& sensitivity = plan.analysis->sensitivity;
+  std::vector<LimitWorth> limits;
+  std::copy_if(sensitivity.limits.begin(), sensitivity.limits.end(), std::back_inserter(limits),
+               [&](const LimitWorth& l) { return l.worth * l.limit > kWorthTelling * std::abs(plan.objective); });
+  std::stable_sort(limits.begin(), limits.end(),
+                   [](const LimitWorth& a, const LimitWorth& b) { return a.worth * a.limit > b.worth * b.limit; });
+  limits.resize(std::min(limits.size(), kTightest));
+  std::string text;
+  const auto add = [&text](const std::string& sentence) { text += line(text.empty() ? "limiting" : "", sentence); };
+  for (const LimitWorth& l : limits) {
+    const std::string joint = l.joint == 0 ? "" : fmt::format(" {}", l.joint);
+    add(fmt::format("{}{} {:.0f} % of the time: {:g} {} more would save {}", l.name, joint, 100 * l.share,
+                    helping(l.unit), l.unit, gain(problem, plan, helping(l.unit) * l.worth)));
+  }
+  if (sensitivity.duration) {
+    constexpr double kStep = 0.01;  // [s]
+    const double slope = *sensitivity.duration;
+    add(fmt::format("duration: {:g} ms {} would save {}", 1e3 * kStep, slope < 0 ? "more" : "less",
+                    gain(problem, plan, kStep * std::abs(slope))));
+  }
+  return text;
+}
+
 std::string effort(const Plan& plan) {
   const auto total = plan.timing.find("total");
   const std::string time = total == plan.timing.end() ? "" : fmt::format(", {:.3f} s", total->second);
@@ -91,6 +121,12 @@ std::string summary(const Certificate& certificate) {
   text += line("closed loop", exactness(certificate.closed_loop, certificate.tolerance));
   text += line("feedback", fmt::format("at most {:.2e} and {:.2e} N m", feedback[0], feedback[1]));
   text += tightest_limits(certificate);
+  for (const TaskCheck& check : certificate.task) {
+    text += line(
+        text.find("task") == std::string::npos ? "task" : "",
+        fmt::format("{}{} keeps {:.3g} {} of room at {:.4f} s", check.name,
+                    check.link == 0 ? "" : fmt::format(" link {}", check.link), check.room, check.unit, check.time));
+  }
   if (certificate.residual.evaluated) {
     const auto& after = certificate.residual;
     text += line("afterwards", fmt::format("links within {:.2e} and {:.2e} rad of the goal for {:g} s",
@@ -114,6 +150,7 @@ std::string summary(const Problem& problem, const Plan& plan) {
     text += line("objective", fmt::format("{:.6g} ({})", plan.objective, terms(problem, plan)));
   }
   if (plan.certificate) text += summary(*plan.certificate);
+  if (plan.analysis) text += what_limits(problem, plan);
   text += line("solver", effort(plan));
   return text;
 }

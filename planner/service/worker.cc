@@ -2,15 +2,15 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <array>
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+
+#include "planner/service/spawn.h"
 
 namespace fjr {
 namespace {
@@ -25,53 +25,12 @@ struct Pipe {
   Descriptor from, to;
 };
 
-// What posix_spawn is told: the pipes as stdin and stdout, nothing else of ours but stderr, signals as they are for a
-// fresh program, and a process group of its own: Ctrl-C is meant for the service.
-class SpawnSettings {
- public:
-  SpawnSettings(int in, int out) {
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_adddup2(&actions, in, STDIN_FILENO);
-    posix_spawn_file_actions_adddup2(&actions, out, STDOUT_FILENO);
-    posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-    posix_spawnattr_init(&attributes);
-    sigset_t none, usual;
-    sigemptyset(&none);
-    sigemptyset(&usual);
-    sigaddset(&usual, SIGPIPE);
-    posix_spawnattr_setsigmask(&attributes, &none);
-    posix_spawnattr_setsigdefault(&attributes, &usual);
-    posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
-  }
-  ~SpawnSettings() {
-    posix_spawn_file_actions_destroy(&actions);
-    posix_spawnattr_destroy(&attributes);
-  }
-  SpawnSettings(const SpawnSettings&) = delete;
-  SpawnSettings& operator=(const SpawnSettings&) = delete;
-
-  posix_spawn_file_actions_t actions;
-  posix_spawnattr_t attributes;
-};
-
-pid_t spawn(const WorkerSettings& worker, int in, int out) {
-  const SpawnSettings settings(in, out);
-  std::array<std::string, 6> words{
-      "fjr", "worker", "--robot", worker.robot.string(), "--warm-plans", std::to_string(worker.warm_plans)};
-  std::array<char*, words.size() + 1> argv{};
-  std::transform(words.begin(), words.end(), argv.begin(), [](std::string& word) { return word.data(); });
-  pid_t pid = -1;
-  const int error =
-      ::posix_spawn(&pid, "/proc/self/exe", &settings.actions, &settings.attributes, argv.data(), environ);
-  if (error != 0) throw std::system_error(error, std::generic_category(), "cannot start a worker process");
-  return pid;
-}
-
 }  // namespace
 
 Worker::Worker(const WorkerSettings& settings, Listener listener) {
   Pipe requests, results;
-  pid_ = spawn(settings, requests.from.number(), results.to.number());
+  pid_ = spawn_self({"worker", "--robot", settings.robot.string(), "--warm-plans", std::to_string(settings.warm_plans)},
+                    requests.from.number(), results.to.number());
   to_worker_ = std::move(requests.to);
   from_worker_ = std::move(results.from);
   listening_ = std::thread([from = from_worker_.number(), tell = std::move(listener)] {

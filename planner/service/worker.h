@@ -1,5 +1,5 @@
-// One solving process: this program again, started by fork and exec (never fork alone: DDS has threads), spoken to over
-// pipes. A crash or an overdue solve costs this process, never the service.
+// One solving process: this program again, spoken to over pipes. A crash or an overdue solve costs this process, never
+// the service.
 #pragma once
 
 #include <sys/types.h>

@@ -8,6 +8,7 @@
 #include "planner/collocation/creep.h"
 #include "planner/collocation/margins.h"
 #include "planner/collocation/refinement.h"
+#include "planner/collocation/segments.h"
 #include "planner/trajectory/objective.h"
 
 namespace fjr {
@@ -30,14 +31,23 @@ constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the wa
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
 // in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
+constexpr int kLevelIterations = 80;  // of steps between levels that converge at all, nine of ten take less than 60
+constexpr int kHalvings = 2;          // of a step between levels that did not converge
+constexpr double kSharpWidth = 1e-4;  // [rad/s] as good as the exact law, where a step is halved
 constexpr int kPolishRounds = 8;
+// Rounds that want the back-off kept; what those after them leave is still inside the limits, and chasing it takes
+// rounds in which nothing moves.
+constexpr int kEagerRounds = 2;
+constexpr double kKeepAtLast = 0.2;
+constexpr double kUnfeltGrowth = 8;  // of a margin that the optimiser did not feel
 constexpr int kCreepRounds = 3;
 
 // Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
 int coarse_intervals(const Problem& problem, double duration) {
-  constexpr double kCoarseStep = 0.02;  // [s]
-  return std::clamp(static_cast<int>(std::ceil(duration / kCoarseStep)), 25, 400) +
-         2 * static_cast<int>(problem.via.size());
+  constexpr double kCoarseStep = 0.02;    // [s]
+  constexpr double kTunnelStep = 0.0075;  // [s] with obstacles: longer ones jump over them between collocation points
+  const double step = problem.task.obstacles.empty() ? kCoarseStep : kTunnelStep;
+  return std::clamp(static_cast<int>(std::ceil(duration / step)), 25, 400) + 2 * static_cast<int>(problem.via.size());
 }
 
 }  // namespace
@@ -72,24 +82,43 @@ bool Continuation::attempt(const std::string& what, const CollocationSetup& setu
   iterations_ += next.report.iterations;
   status_ = next.report.status;
   stages_.push_back({what, static_cast<int>(setup.mesh.size()), next.report.iterations, next.report.objective,
-                     name(next.report.status)});
+                     name(next.report.status), next.report.cost});
   if (!next.report.solved()) {
-    if (!next.motion.intervals.empty()) obstacle_ = worst_excess(*problem_, next.motion);
+    if (!next.motion.intervals.empty()) obstacle_ = worst_excess(*problem_, setup.mesh, next.motion);
     return false;
   }
   solution_ = std::move(next);
   return true;
 }
 
-bool Continuation::cold(const Guess& guess) {
+bool Continuation::cold(const Guess& guess, int most_iterations) {
   const std::string what = fmt::format("{}, {}", label, guess.name);
   SolveOptions o = options(what);
-  o.max_iterations = settings_.cold_iterations;
+  o.max_iterations = most_iterations;
   const CollocationSetup setup{settings_.scheme,
-                               uniform_mesh(*problem_, coarse_intervals(*problem_, guess.duration)),
+                               uniform_mesh(guess.durations, coarse_intervals(*problem_, guess.duration())),
                                levels(*problem_).front(),
                                {}};
   return attempt(what, setup, &guess, o);
+}
+
+// A step that is too large is taken in two.
+bool Continuation::reach_level(const Smoothing& level, int halvings) {
+  const std::string what = fmt::format("{}, friction width {:.2g} rad/s", label, level.friction_width);
+  CollocationSetup setup =
+      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
+  const Smoothing from = setup.smoothing;
+  setup.smoothing = level;
+  SolveOptions o = warm(what);
+  o.max_iterations = kLevelIterations;
+  if (attempt(what, setup, nullptr, o)) return true;
+  // With effort the levels are close already, and the last good one will do.
+  if (status_ == SolveStatus::kStopped || problem_->weights.effort > 0) return false;
+  if (halvings == 0) return attempt_anew(what, setup);
+  const double sharpest = std::max(level.friction_width, kSharpWidth);
+  const Smoothing between{std::sqrt(from.friction_width * sharpest),
+                          std::sqrt(from.regularisation * level.regularisation)};
+  return reach_level(between, halvings - 1) && reach_level(level, halvings - 1);
 }
 
 // Each level's solution starts the next, on a mesh refined by what it showed. The one that would be published for the
@@ -99,12 +128,7 @@ bool Continuation::follow_levels() {
   Collocated best = solution_;
   double least = published_objective(*problem_, best.motion);
   for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
-    const Smoothing& level = levels(*problem_)[i];
-    const std::string what = fmt::format("{}, friction width {} rad/s", label, level.friction_width);
-    CollocationSetup setup =
-        refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
-    setup.smoothing = level;
-    if (!attempt(what, setup, nullptr, warm(what))) break;
+    if (!reach_level(levels(*problem_)[i], kHalvings)) break;
     const double objective = published_objective(*problem_, solution_.motion);
     // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
     if (objective < least || problem_->weights.effort == 0) {
@@ -116,8 +140,8 @@ bool Continuation::follow_levels() {
   return status_ != SolveStatus::kStopped;
 }
 
-bool Continuation::begin(const Guess& guess) {
-  if (!cold(guess)) return false;
+bool Continuation::begin(const Guess& guess, int most_iterations) {
+  if (!cold(guess, most_iterations)) return false;
   const CollocationSetup setup =
       refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
   if (setup.mesh.size() != solution_.setup.mesh.size())
@@ -131,13 +155,13 @@ bool Continuation::begin(const Guess& guess) {
 CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const {
   const double worth_splitting = 1.5 * tolerance,
                worth_quartering = std::pow(2, settings_.scheme.order + 2) * tolerance;
-  const std::vector<Limits> excess = excesses(*problem_, solution_.motion);
+  const std::vector<PerLimit> excess = excesses(*problem_, solution_.setup.mesh, solution_.motion);
+  const PerLimit scales = limit_scales(*problem_);
   Cuts steps(errors.size());  // of the friction torque, where they make a torque exceed its limit
   for (std::size_t k = 0; k < errors.size(); ++k) {
-    for (std::size_t i = 0; i < Limits::kCount; ++i) {
-      const double limit = problem_->limits.data()[i];
-      const double margin = setup.margins.empty() ? 0 : setup.margins[k].data()[i];
-      const double share = (excess[k].data()[i] + margin) / limit;  // zero without a limit
+    for (std::size_t i = 0; i < scales.size(); ++i) {
+      const double margin = setup.margins.empty() ? 0 : setup.margins[k][i];
+      const double share = (excess[k][i] + margin) / scales[i];  // zero without a limit
       if (share <= kExcessWorthSplitting) continue;
       if (i < kJoints) {  // the torques come first
         if (const auto reversal = reversal_in(solution_.motion, k, i)) {
@@ -168,7 +192,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   }
   setup.mesh = split(setup.mesh, cuts);
   for (std::size_t k = 0; k < setup.margins.size(); ++k) {  // finer intervals may do without
-    if (pieces[k] > 1) std::fill_n(setup.margins[k].data(), Limits::kCount, 0.0);
+    if (pieces[k] > 1) std::fill(setup.margins[k].begin(), setup.margins[k].end(), 0.0);
   }
   setup.margins = inherited(setup.margins, pieces);
   setup.creep = inherited(setup.creep, pieces);
@@ -183,11 +207,14 @@ SolveOptions Continuation::warm(const std::string& what) {
   return o;
 }
 
-// Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
 bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup) {
   if (attempt(what, setup, nullptr, warm(what))) return true;
-  if (status_ == SolveStatus::kStopped) return false;
-  const Guess guess = guess_from(solution_.motion, solution_.motion.duration());
+  return status_ != SolveStatus::kStopped && attempt_anew(what, setup);
+}
+
+// Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
+bool Continuation::attempt_anew(const std::string& what, const CollocationSetup& setup) {
+  const Guess guess = guess_from(solution_.motion, solution_.durations, solution_.motion.duration());
   return attempt(what + ", again", setup, &guess, options(what + ", again"));
 }
 
@@ -200,7 +227,9 @@ bool Continuation::refine(const std::vector<double>& errors) {
 bool Continuation::polish() {
   for (int round = 0; round < kPolishRounds; ++round) {
     CollocationSetup setup = solution_.setup;
-    const bool wider = widen(setup.margins, excesses(*problem_, solution_.motion), problem_->limits);
+    const double keep = round < kEagerRounds ? kKeep : kKeepAtLast;
+    const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
+    const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion, keep), *problem_, growth);
     setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), settings_.mesh_tolerance);
     const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
     if (!wider && !finer) return true;
@@ -211,18 +240,17 @@ bool Continuation::polish() {
 }
 
 bool Continuation::keep_margins(const std::vector<LimitCheck>& checks) {
-  std::vector<Limits> more(solution_.setup.mesh.size());
-  for (Limits& l : more) std::fill_n(l.data(), Limits::kCount, 0.0);
+  std::vector<PerLimit> more(solution_.setup.mesh.size(), PerLimit(limit_scales(*problem_).size(), 0.0));
   for (const LimitCheck& check : checks) {
     const double limit = check.limit * (1 - kBackOff);
     if (check.passed || check.reached <= limit) continue;
     const std::size_t at = solution_.motion.interval_at(check.time);
     for (std::size_t k = at > 0 ? at - 1 : 0; k < std::min(at + 2, more.size()); ++k) {
-      *limit_of(more[k], check.name, check.joint) = check.reached - limit;
+      for (const std::size_t i : indices_of(*problem_, check.name, check.joint)) more[k][i] = check.reached - limit;
     }
   }
   CollocationSetup setup = solution_.setup;
-  if (!widen(setup.margins, more, problem_->limits)) return false;
+  if (!widen(setup.margins, more, *problem_)) return false;
   const std::string what = fmt::format("{}, margins from the certificate", label);
   return attempt(what, setup, nullptr, warm(what)) && polish();
 }
@@ -250,9 +278,20 @@ bool Continuation::creep() {
 }
 
 bool Continuation::resume(const Collocated& neighbour) {
+  if (static_cast<std::size_t>(neighbour.setup.mesh.segments()) != segment_count(*problem_)) return false;
   solution_ = neighbour;
+  std::vector<PerLimit>& margins = solution_.setup.margins;
+  if (!margins.empty() && margins.front().size() != limit_scales(*problem_).size()) margins.clear();
   const std::string what = label + ", moved";
-  return attempt(what, neighbour.setup, nullptr, warm(what)) && polish();
+  // What the small barrier makes crawl along its bounds, a larger one pushes off: one of nine neighbours needed that.
+  for (const double barrier : {kWarmBarrier, 10 * kWarmBarrier}) {
+    SolveOptions o = warm(what);
+    o.initial_barrier = o.final_barrier = barrier;
+    o.max_iterations = kLevelIterations;
+    if (attempt(what, CollocationSetup(solution_.setup), nullptr, o)) return polish();
+    if (status_ == SolveStatus::kStopped) return false;
+  }
+  return false;
 }
 
 // Where margins cannot be had, the certificate decides about what there is.

@@ -17,7 +17,6 @@ struct ContinuationSettings {
   Scheme scheme = hermite_simpson();
   double mesh_tolerance = 3e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
   double shortest_interval = 2.5e-4;  // [s] refinement stops there: a switch inside costs less than the tolerance
-  int cold_iterations = 400;
   int warm_iterations = 150;
   std::string linear_solver = "stage";
 };
@@ -32,7 +31,7 @@ class Continuation {
 
   // Solves with the smoothest friction law, on a coarse mesh from the guess and then on a refined one: what the starts
   // are compared by. False when there is no solution; status() says how it ended.
-  bool begin(const Guess& guess);
+  bool begin(const Guess& guess, int most_iterations);
 
   // From the finished solution of a neighbouring problem - other start, other goal - to this one's, on its mesh. False
   // when there is no solution that way.
@@ -57,6 +56,7 @@ class Continuation {
   // solution.
   bool creep();
 
+  const Problem& problem() const { return *problem_; }
   const Collocated& solution() const { return solution_; }
   SolveStatus status() const { return status_; }
   // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.
@@ -67,10 +67,12 @@ class Continuation {
   std::string label;  // of this start, for progress and stages
 
  private:
-  bool cold(const Guess& guess);
+  bool cold(const Guess& guess, int most_iterations);
   bool follow_levels();
+  bool reach_level(const Smoothing& level, int halvings);
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
   bool attempt_or_forget(const std::string& what, const CollocationSetup& setup);
+  bool attempt_anew(const std::string& what, const CollocationSetup& setup);
   bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, const SolveOptions& options);
   SolveOptions options(const std::string& what);
   SolveOptions warm(const std::string& what);

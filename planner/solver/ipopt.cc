@@ -2,9 +2,11 @@
 
 #include <IpIpoptApplication.hpp>
 #include <IpIpoptCalculatedQuantities.hpp>
+#include <IpIpoptData.hpp>
 #include <IpTNLP.hpp>
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <stdexcept>
 
 #include "planner/solver/kkt/ma27.h"
@@ -21,6 +23,22 @@ constexpr double kInfinity = 2e19;  // Ipopt takes anything beyond 1e19 as no bo
 
 Map<const VectorXd> view(const Number* data, Index size) { return {data, size}; }
 Map<VectorXd> view(Number* data, Index size) { return {data, size}; }
+
+// Of this process, since `start`. [s]
+double cpu_since(std::clock_t start) { return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC; }
+
+// Adds the CPU time of its life to a sum.
+class Timed {
+ public:
+  explicit Timed(double& sum) : sum_(sum) {}
+  ~Timed() { sum_ += cpu_since(start_); }
+  Timed(const Timed&) = delete;
+  Timed& operator=(const Timed&) = delete;
+
+ private:
+  double& sum_;
+  const std::clock_t start_ = std::clock();
+};
 
 class Adapter final : public Ipopt::TNLP {
  public:
@@ -73,25 +91,30 @@ class Adapter final : public Ipopt::TNLP {
   }
 
   bool eval_f(Index n, const Number* x, bool, Number& value) override {
+    const Timed timed(report.cost.evaluation);
     value = nlp_.objective(view(x, n));
     return std::isfinite(value);
   }
   bool eval_grad_f(Index n, const Number* x, bool, Number* out) override {
+    const Timed timed(report.cost.evaluation);
     nlp_.gradient(view(x, n), view(out, n));
     return true;
   }
   bool eval_g(Index n, const Number* x, bool, Index m, Number* out) override {
+    const Timed timed(report.cost.evaluation);
     nlp_.constraint_values(view(x, n), view(out, m));
     return view(out, m).allFinite();
   }
   bool eval_jac_g(Index n, const Number* x, bool, Index, Index count, Index* row, Index* col, Number* out) override {
     if (out == nullptr) return copy(nlp_.jacobian_pattern, row, col);
+    const Timed timed(report.cost.evaluation);
     nlp_.jacobian(view(x, n), view(out, count));
     return true;
   }
   bool eval_h(Index n, const Number* x, bool, Number cost_factor, Index m, const Number* lambda, bool, Index count,
               Index* row, Index* col, Number* out) override {
     if (out == nullptr) return copy(nlp_.hessian_pattern, row, col);
+    const Timed timed(report.cost.evaluation);
     nlp_.hessian(view(x, n), cost_factor, view(lambda, m), view(out, count));
     return true;
   }
@@ -150,7 +173,9 @@ SolveStatus translate(Ipopt::ApplicationReturnStatus status) {
 // Options by name; a misspelt one is a bug, not something to pass over.
 class Options {
  public:
-  explicit Options(Ipopt::OptionsList& list) : list_(list) {}
+  explicit Options(Ipopt::IpoptApplication& application)
+      : list_(*application.Options()), known_(*application.RegOptions()) {}
+  bool has(const char* name) const { return Ipopt::IsValid(known_.GetOption(name)); }
   void SetNumericValue(const char* name, double value) { check(list_.SetNumericValue(name, value), name); }
   void SetIntegerValue(const char* name, Index value) { check(list_.SetIntegerValue(name, value), name); }
   void SetStringValue(const char* name, const std::string& value) { check(list_.SetStringValue(name, value), name); }
@@ -160,6 +185,7 @@ class Options {
     if (!accepted) throw std::logic_error(std::string("Ipopt refuses the option ") + name);
   }
   Ipopt::OptionsList& list_;
+  Ipopt::RegisteredOptions& known_;
 };
 
 void configure(Options o, const SolveOptions& options, const std::string& linear_solver) {
@@ -174,6 +200,7 @@ void configure(Options o, const SolveOptions& options, const std::string& linear
   // Ipopt stops lowering mu at min(tol, compl_inf_tol) / (barrier_tol_factor + 1).
   if (options.barrier_strategy == "monotone") o.SetNumericValue("compl_inf_tol", 11 * options.final_barrier);
   o.SetIntegerValue("print_level", options.print_level);
+  if (o.has("timing_statistics")) o.SetStringValue("timing_statistics", "yes");  // from 3.14 on, not by itself
   o.SetStringValue("sb", "yes");
   o.SetStringValue("fixed_variable_treatment", "make_parameter");
   o.SetNumericValue("bound_relax_factor", 0);  // a limit is a limit; the certificate checks it to 1e-6
@@ -196,21 +223,30 @@ void configure(Options o, const SolveOptions& options, const std::string& linear
   }
 }
 
-// Stages of the rows of Ipopt's KKT matrix: free variables (fixed ones are parameters), slacks, equalities,
+// What the rows of Ipopt's KKT matrix are: free variables (fixed ones are parameters), slacks, equalities,
 // inequalities.
-std::vector<int> kkt_stages(const Nlp& nlp) {
-  std::vector<int> stages, equalities, inequalities;
+ChainStructure kkt_structure(const Nlp& nlp) {
+  ChainStructure kkt{nlp.stages, {}, {}};
+  std::vector<int> equalities, inequalities;
   for (Index i = 0; i < nlp.variables(); ++i) {
-    if (nlp.x_lower(i) != nlp.x_upper(i)) stages.push_back(nlp.variable_stage[static_cast<std::size_t>(i)]);
+    if (nlp.x_lower(i) != nlp.x_upper(i)) kkt.stage.push_back(nlp.variable_stage[static_cast<std::size_t>(i)]);
   }
   for (Index i = 0; i < nlp.constraints(); ++i) {
     (nlp.g_lower(i) == nlp.g_upper(i) ? equalities : inequalities)
         .push_back(nlp.constraint_stage[static_cast<std::size_t>(i)]);
   }
+  kkt.equality.assign(kkt.stage.size(), false);
   for (const auto* part : {&inequalities, &equalities, &inequalities}) {
-    stages.insert(stages.end(), part->begin(), part->end());
+    kkt.stage.insert(kkt.stage.end(), part->begin(), part->end());
+    kkt.equality.resize(kkt.stage.size(), part == &equalities);
   }
-  return stages;
+  return kkt;
+}
+
+// KKT systems from assembling to solving. Ipopt's finer times do not suit: of MUMPS they leave solving out.
+double linear_algebra(Ipopt::IpoptApplication& application) {
+  const Ipopt::TimedTask& task = application.IpoptDataObject()->TimingStats().StdAugSystemSolverMultiSolve();
+  return task.TotalCpuTime() + task.TotalSysTime();
 }
 
 }  // namespace
@@ -234,16 +270,22 @@ const char* name(SolveStatus status) {
 }
 
 SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
+  const std::clock_t began = std::clock();
+  const int factorised = factorisations();
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
   // A problem of no known structure has no stages to factorise by.
   const std::string linear_solver = nlp.stages == 0 ? "mumps" : options.linear_solver;
-  if (linear_solver == "stage") describe_chain(kkt_stages(nlp), nlp.stages);
-  configure(Options(*application->Options()), options, linear_solver);
+  if (linear_solver == "stage") describe_chain(kkt_structure(nlp));
+  configure(Options(*application), options, linear_solver);
   application->Initialize("");                          // no options file: a plan depends on its request alone
   Adapter* adapter = new Adapter(nlp, start, options);  // owned by the smart pointer, Ipopt's own reference count
   Ipopt::SmartPtr<Ipopt::TNLP> held = adapter;
   const auto status = application->OptimizeTNLP(held);
   adapter->report.status = translate(status);
+  SolveCost& cost = adapter->report.cost;
+  cost.linear_algebra = linear_algebra(*application);
+  cost.factorisations = factorisations() - factorised;
+  cost.total = cpu_since(began);
   return adapter->report;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "planner/solver/nlp.h"
+#include "planner/solver/solve_cost.h"
 
 namespace fjr {
 
@@ -52,6 +53,7 @@ struct SolveReport {
   double objective = 0;
   double violation = 0;  // largest unscaled constraint violation
   int iterations = 0;
+  SolveCost cost{};
 
   bool solved() const { return status == SolveStatus::kOptimal || status == SolveStatus::kAcceptable; }
 };

@@ -57,11 +57,21 @@ std::vector<Row> rows_of(const json& rows, std::size_t intervals, double* (*data
   return result;
 }
 
+std::vector<PerLimit> margins_of(const json& rows, std::size_t intervals) {
+  if (!rows.empty() && rows.size() != intervals) throw std::invalid_argument("not one row of margins per interval");
+  std::vector<PerLimit> margins;
+  for (const json& row : rows) {
+    margins.push_back(row.get<PerLimit>());
+    if (margins.back().size() != margins.front().size()) throw std::invalid_argument("margins of different sizes");
+    for (const double margin : margins.back()) finite(margin);
+  }
+  return margins;
+}
+
 Collocated solution_of(const json& file) {
   CollocationSetup setup{find_scheme(file.at("scheme").get<std::string>()), mesh_of(file.at("mesh"))};
   setup.smoothing = {finite(file.at("friction_width").get<double>()), finite(file.at("regularisation").get<double>())};
-  setup.margins = rows_of<Limits, Limits::kCount>(file.at("margins"), setup.mesh.size(),
-                                                  [](Limits& limits) { return limits.data(); });
+  setup.margins = margins_of(file.at("margins"), setup.mesh.size());
   setup.creep = rows_of<Pair<double>, kJoints>(file.at("creep"), setup.mesh.size(),
                                                [](Pair<double>& pair) { return pair.data(); });
   Collocated solution{std::move(setup), {}, {}, {}};
@@ -77,7 +87,7 @@ void write_solution(const std::filesystem::path& file, const Collocated& solutio
   const Iterate& iterate = solution.report.iterate;
   json mesh = json::array(), margins = json::array();
   for (const Mesh::Interval& interval : setup.mesh.intervals) mesh.push_back({interval.fraction, interval.segment});
-  for (const Limits& m : setup.margins) margins.push_back(std::vector<double>(m.data(), m.data() + Limits::kCount));
+  for (const PerLimit& margin : setup.margins) margins.push_back(margin);
   const json content{{"fjr_solution", kVersion},
                      {"robot_hash", robot_hash},
                      {"scheme", setup.scheme.name},

@@ -1,7 +1,13 @@
 #include "planner/trajectory/plan_json.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "planner/analysis/analysis_json.h"
 
 namespace fjr {
 namespace {
@@ -46,6 +52,12 @@ Json limit_json(const LimitCheck& check) {
           {"passed", check.passed}};
 }
 
+Json task_json(const TaskCheck& check) {
+  return {{"name", check.name},         {"link", check.link == 0 ? Json(nullptr) : Json(check.link)},
+          {"room", number(check.room)}, {"unit", check.unit},
+          {"time", number(check.time)}, {"passed", check.passed}};
+}
+
 Json residual_json(const Residual& residual) {
   if (!residual.evaluated) return nullptr;
   return {{"window", number(residual.window)},
@@ -71,10 +83,110 @@ Json solver_json(const Plan& plan) {
                       {"status", stage.status}});
   }
   return {{"iterations", plan.iterations},
+          {"factorisations", plan.cost.factorisations},
           {"stages", std::move(stages)},
           {"starts", plan.starts},
           {"warm", plan.warm},
           {"distinct_minima", plan.distinct_minima}};
+}
+
+Json mesh_json(const Plan& plan) {
+  const bool moves = plan.trajectory.has_value();
+  Json json{{"intervals", plan.intervals},
+            {"method", text_or_null(plan.method)},
+            {"error_estimate", moves ? number(plan.error_estimate) : Json(nullptr)}};
+  json.update(moves ? mesh_errors_json(plan.node_times, plan.interval_errors) : mesh_errors_json({}, {}));
+  return json;
+}
+
+Json state_json(const State<double>& state, bool at_rest) {
+  return {{"q", numbers(state.q)},
+          {"dq", numbers(state.dq)},
+          {"theta", numbers(state.theta)},
+          {"dtheta", numbers(state.dtheta)},
+          {"at_rest", at_rest}};
+}
+
+Json numbers_or_null(const std::optional<Pair<double>>& values) { return values ? numbers(*values) : Json(nullptr); }
+
+Json goal_json(const Goal& goal) {
+  Json q = numbers(goal.q);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (goal.free[j]) q[j] = nullptr;
+  }
+  return {{"q", std::move(q)},
+          {"dq", numbers(goal.dq)},
+          {"theta", numbers_or_null(goal.theta)},
+          {"dtheta", numbers_or_null(goal.dtheta)},
+          {"at_rest", goal.at_rest}};
+}
+
+Json via_json(const std::vector<Via>& vias) {
+  Json list = Json::array();
+  for (const Via& via : vias) {
+    list.push_back({{"time", via.time ? number(*via.time) : Json(nullptr)},
+                    {"q", numbers(via.q)},
+                    {"dq", numbers_or_null(via.dq)}});
+  }
+  return list;
+}
+
+Json limits_json(const Limits& limits) {
+  Json json = Json::object();
+  visit_pair_limits(limits, [&](const char* name, const char*, const Pair<double>& limit) {
+    if (std::isfinite(limit[0]) || std::isfinite(limit[1])) json[name] = numbers(limit);
+  });
+  if (std::isfinite(limits.tip_speed)) json["tip_speed"] = limits.tip_speed;
+  return json;
+}
+
+// What there is to draw beside the arm.
+Json task_json(const Task& task) {
+  Json json = Json::object();
+  for (const Disc& disc : task.obstacles) {
+    json["obstacles"].push_back({{"center", numbers(disc.center)}, {"radius", disc.radius}, {"margin", disc.margin}});
+  }
+  if (task.box) json["box"] = {numbers(task.box->lower), numbers(task.box->upper)};
+  if (task.line) {
+    json["line"] = {{"from", numbers(task.line->from)}, {"to", numbers(task.line->to)}};
+    json["line"]["tolerance"] = task.line->tolerance;
+  }
+  if (task.arc) {
+    json["arc"] = {
+        {"center", numbers(task.arc->center)}, {"from", numbers(task.arc->from)}, {"to", numbers(task.arc->to)}};
+    json["arc"]["tolerance"] = task.arc->tolerance;
+  }
+  if (task.path) {
+    for (const Pair<double>& corner : task.path->corners) json["path"]["corners"].push_back(numbers(corner));
+    json["path"]["tolerance"] = task.path->tolerance;
+  }
+  return json;
+}
+
+// The request as it was understood: everything resolved, null where the motion is free.
+Json resolved_request_json(const Problem& problem) {
+  Json weights = Json::object();
+  visit_weights(problem.weights, [&](const char* term, double weight) { weights[term] = number(weight); });
+  Json others = Json::array();
+  for (const Goal& goal : problem.other_goals) others.push_back(goal_json(goal));
+  return {{"start", state_json(problem.start, problem.start_at_rest)},
+          {"goal", goal_json(problem.goal)},
+          {"other_goals", std::move(others)},
+          {"duration", {{"min", problem.duration.min}, {"max", problem.duration.max}}},
+          {"objective", std::move(weights)},
+          {"via", via_json(problem.via)},
+          {"task", task_json(problem.task)},
+          {"limits", limits_json(problem.limits)},
+          {"sample_period", problem.sample_period},
+          {"seed", problem.seed}};
+}
+
+Json robot_json(const Parameters& robot) {
+  Json json = Json::object();
+  visit_parameters(robot, [&](const char* section, const char* name, const char*, const Pair<double>& values) {
+    json[section][name] = numbers(values);
+  });
+  return json;
 }
 
 Json head(PlanStatus status, const std::string& reason, const std::string& request) {
@@ -86,6 +198,8 @@ Json head(PlanStatus status, const std::string& reason, const std::string& reque
 Json certificate_json(const Certificate& certificate) {
   Json limits = Json::array();
   for (const LimitCheck& check : certificate.limits) limits.push_back(limit_json(check));
+  Json task = Json::array();
+  for (const TaskCheck& check : certificate.task) task.push_back(task_json(check));
   const OpenLoop& open_loop = certificate.open_loop;
   return {{"verdict", certificate.certified ? "certified" : "failed"},
           {"failures", certificate.failures},
@@ -93,6 +207,7 @@ Json certificate_json(const Certificate& certificate) {
           {"open_loop", rollout_json(open_loop, open_loop.required, open_loop.why_not)},
           {"closed_loop", closed_loop_json(certificate.closed_loop)},
           {"limits", std::move(limits)},
+          {"task", std::move(task)},
           {"residual", residual_json(certificate.residual)},
           {"tracking", tracking_json(certificate.tracking)}};
 }
@@ -102,11 +217,14 @@ Json plan_json(const Problem& problem, const Plan& plan) {
   Json json = head(plan.status, plan.reason, problem.name);
   json["objective"] = {{"total", moves ? number(plan.objective) : Json(nullptr)}, {"terms", numbers(plan.terms)}};
   json["duration"] = moves ? number(plan.duration) : Json(nullptr);
-  json["mesh"] = {{"intervals", plan.intervals},
-                  {"method", text_or_null(plan.method)},
-                  {"error_estimate", moves ? number(plan.error_estimate) : Json(nullptr)}};
+  json["via_times"] = plan.via_times;
+  json["mesh"] = mesh_json(plan);
   json["solver"] = solver_json(plan);
   json["certificate"] = plan.certificate ? certificate_json(*plan.certificate) : Json(nullptr);
+  json["sensitivity"] = plan.analysis ? sensitivity_json(plan.analysis->sensitivity) : Json(nullptr);
+  json["optimality"] = plan.analysis ? optimality_json(plan.analysis->optimality) : Json(nullptr);
+  json["resolved_request"] = resolved_request_json(problem);
+  json["robot"] = robot_json(problem.robot);
   json["robot_hash"] = robot_hash(problem.robot);
   json["request_hash"] = problem.request_hash;
   json["back_off"] = number(plan.back_off);

@@ -450,8 +450,9 @@ TEST(ChartPage, TextsCannotBreakThePage) {
   ChartPage page("<b>");
   page.add_paragraph("</script><script>alert(1)</script>");
   page.add_charts({{"\"><img>", "</script>", "y", {{"\xff", "red", Style::kLine, {1, NAN}, {2, 3}}}}});
+  page.add_data("texts", R"(["</script><img>"])");
   const std::string html = page.html();
-  EXPECT_EQ(count_of("</script>", html), 2U);  // the library's and the page's own
+  EXPECT_EQ(count_of("</script>", html), 3U);  // the library's, the page's own, and the data's
   EXPECT_EQ(count_of("<img", html) + count_of("<b>", html), 0U);
   EXPECT_THAT(html, HasSubstr(R"({"x":null,"y":null})"));
 }

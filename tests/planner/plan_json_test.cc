@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "planner/analysis/analysis_json.h"
 #include "planner/plan.h"
 
 namespace fjr {
@@ -39,6 +40,17 @@ Certificate some_certificate() {
   return certificate;
 }
 
+Analysis some_analysis() {
+  Analysis analysis;
+  analysis.sensitivity.limits = {{"torque", 1, "N m", 12, 0.0048604512, 0.48, {{0, 0.1}, {0.2, 0.31}}},
+                                 {"tip_speed", 0, "m/s", 2.5, 0, 0, {}}};
+  analysis.sensitivity.via = {{0.2, {1, 2}, {}, -3.0}};
+  analysis.sensitivity.goal = {0.15, 0.02};
+  analysis.optimality.hamiltonian = {-0.999, 0.004, 0.04, 0.1, -1};
+  analysis.optimality.costate_end.dtheta = {0.5, 0.25};
+  return analysis;
+}
+
 Plan some_plan() {
   Plan plan;
   plan.status = PlanStatus::kCertified;
@@ -48,13 +60,17 @@ Plan some_plan() {
   plan.intervals = 80;
   plan.method = "hermite-simpson";
   plan.error_estimate = 1e-6;
+  plan.node_times = {0, 0.1, 0.43};
+  plan.interval_errors = {1e-6, 2.34567e-8};
   plan.iterations = 70;
+  plan.cost.factorisations = 75;
   plan.stages = {
       {.name = "friction 0.1 rad/s", .intervals = 40, .iterations = 30, .objective = 0.44, .status = "solved"}};
   plan.starts = 2;
   plan.back_off = 1e-4;
   plan.trajectory = Trajectory{{Sample{}, Sample{.time = 0.43, .state = {}, .torque = {}}}, {}};
   plan.certificate = some_certificate();
+  plan.analysis = some_analysis();
   plan.timing = {{"total", 0.1}};
   return plan;
 }
@@ -74,13 +90,17 @@ std::vector<std::string> keys(const Json& json) {
 
 TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
   const Json json = plan_json(some_problem(), some_plan());
-  EXPECT_THAT(keys(json), ElementsAre("version", "request", "status", "reason", "objective", "duration", "mesh",
-                                      "solver", "certificate", "robot_hash", "request_hash", "back_off", "timing"));
+  EXPECT_THAT(keys(json), ElementsAre("version", "request", "status", "reason", "objective", "duration", "via_times",
+                                      "mesh", "solver", "certificate", "sensitivity", "optimality", "resolved_request",
+                                      "robot", "robot_hash", "request_hash", "back_off", "timing"));
   EXPECT_THAT(keys(json["objective"]), ElementsAre("total", "terms"));
-  EXPECT_THAT(keys(json["mesh"]), ElementsAre("intervals", "method", "error_estimate"));
-  EXPECT_THAT(keys(json["solver"]), ElementsAre("iterations", "stages", "starts", "warm", "distinct_minima"));
+  EXPECT_THAT(keys(json["mesh"]), ElementsAre("intervals", "method", "error_estimate", "node_times", "errors"));
+  EXPECT_THAT(keys(json["resolved_request"]), ElementsAre("start", "goal", "other_goals", "duration", "objective",
+                                                          "via", "task", "limits", "sample_period", "seed"));
+  EXPECT_THAT(keys(json["solver"]),
+              ElementsAre("iterations", "factorisations", "stages", "starts", "warm", "distinct_minima"));
   EXPECT_THAT(keys(json["certificate"]), ElementsAre("verdict", "failures", "tolerance_rad", "open_loop", "closed_loop",
-                                                     "limits", "residual", "tracking"));
+                                                     "limits", "task", "residual", "tracking"));
   EXPECT_THAT(keys(json["certificate"]["limits"][0]),
               ElementsAre("name", "joint", "limit", "reached", "time", "margin", "rollout", "passed"));
 }
@@ -92,10 +112,47 @@ TEST(PlanJson, SaysWhatThePlanSays) {
   EXPECT_TRUE(json["reason"].is_null());
   EXPECT_EQ(json["objective"]["total"], 0.43);
   EXPECT_EQ(json["objective"]["terms"]["effort"], 30.0);
+  EXPECT_EQ(json["solver"]["factorisations"], 75);
   EXPECT_EQ(json["solver"]["stages"][0]["iterations"], 30);
   EXPECT_EQ(json["request_hash"], "beef");
   EXPECT_EQ(json["robot_hash"].get<std::string>().size(), 64u);
   EXPECT_EQ(json["timing"]["total"], 0.1);
+}
+
+TEST(PlanJson, SaysWhatLimitsWhatAndHowOptimalItIs) {
+  const Json json = plan_json(some_problem(), some_plan());
+  const Json& sensitivity = json["sensitivity"];
+  EXPECT_EQ(sensitivity["limits"][0].dump(),
+            R"({"name":"torque","joint":1,"limit":12.0,"unit":"N m","worth":0.00486045,"active_share":0.48,)"
+            R"("active":[[0.0,0.1],[0.2,0.31]]})");
+  EXPECT_TRUE(sensitivity["limits"][1]["joint"].is_null());
+  EXPECT_TRUE(sensitivity["duration"].is_null());  // free
+  EXPECT_EQ(sensitivity["via"].dump(), R"([{"time":0.2,"q":[1.0,2.0],"dq":null,"later":-3.0}])");
+  EXPECT_THAT(sensitivity["goal"]["q"], ElementsAre(0.15, 0.02));
+  const Json& optimality = json["optimality"];
+  EXPECT_THAT(keys(optimality), ElementsAre("hamiltonian", "stationarity", "costate"));
+  EXPECT_EQ(optimality["hamiltonian"].dump(),
+            R"({"mean":-0.999,"expected":-1.0,"spread":0.004,"largest_deviation":0.04,"time":0.1})");
+  EXPECT_THAT(keys(optimality["stationarity"]), ElementsAre("where_free", "wrong_sign", "largest", "residual"));
+  EXPECT_THAT(optimality["costate"]["end"]["dtheta"], ElementsAre(0.5, 0.25));
+  EXPECT_EQ(json["mesh"]["node_times"], Json::array({0, 0.1, 0.43}));
+  EXPECT_EQ(json["mesh"]["errors"], Json::array({1e-6, 2.35e-8}));
+}
+
+TEST(PlanJson, AFineMeshIsToldInAtMostSoManyNumbers) {
+  std::vector<double> times(4002), errors(4001, 1e-9);
+  for (std::size_t k = 0; k < times.size(); ++k) times[k] = 1e-3 * static_cast<double>(k);
+  errors[2999] = 3.14159e-6;
+  const auto json = mesh_errors_json(times, errors);
+  EXPECT_EQ(json["errors"].size(), 1334u);  // three together
+  ASSERT_EQ(json["node_times"].size(), 1335u);
+  EXPECT_EQ(json["errors"][999], 3.14e-6);
+  EXPECT_EQ(json["node_times"][999], 2.997);
+  EXPECT_EQ(json["node_times"].back(), 4.001);
+  EXPECT_LE(
+      mesh_errors_json({times.begin(), times.begin() + 2001}, {errors.begin(), errors.begin() + 2000}).dump(2).size(),
+      50000u);  // a fifth of what plan.json may have in a message
+  EXPECT_EQ(mesh_errors_json({}, {})["node_times"].size(), 0u);
 }
 
 TEST(PlanJson, CertificateTakesTheLargestErrorOfTheJoints) {
@@ -145,6 +202,9 @@ TEST(PlanJson, WithoutATrajectoryThereIsNoDuration) {
   EXPECT_TRUE(json["duration"].is_null());
   EXPECT_TRUE(json["objective"]["total"].is_null());
   EXPECT_TRUE(json["certificate"].is_null());
+  EXPECT_TRUE(json["sensitivity"].is_null());
+  EXPECT_TRUE(json["optimality"].is_null());
+  EXPECT_TRUE(json["mesh"]["errors"].empty());
 }
 
 TEST(PlanJson, RefusalsHaveTheSameFirstKeys) {

@@ -96,7 +96,7 @@ TEST(Plan, ViaPointsAreMetAtTheirTimes) {
   expect_sound(problem, result);
   Interpolator at(*result.trajectory);
   for (const Via& via : problem.via) {
-    const Sample s = at.at(via.time);
+    const Sample s = at.at(*via.time);
     for (std::size_t j = 0; j < kJoints; ++j) {
       EXPECT_NEAR(s.state.q[j], via.q[j], 1e-6);  // cubic Hermite between rows 1 ms apart
       if (via.dq) {

@@ -1,6 +1,7 @@
 // Error estimates on motions that the schemes themselves produced, the bookkeeping of splitting, and margins.
 #include "planner/collocation/refinement.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -99,6 +100,32 @@ TEST(Pieces, FollowTheErrorTheOrderAndTheShortestInterval) {
   EXPECT_EQ(pieces_wanted(motion, errors, kTolerance, kOrder, 0.004), (std::vector<int>{1, 1, 2, 2, 4, 2, 1}));
 }
 
+TEST(Cuts, LieOnBothSidesOfTheReversal) {
+  Motion motion = simulated(hermite_simpson(), 1, 0.02);
+  for (const double share : {0.05, 0.31, 0.77}) {
+    auto& velocity = motion.intervals[0].state;  // of motor 1: a line through zero at `share`
+    velocity.row(6).setZero();
+    velocity(6, 0) = -share;
+    velocity(6, 1) = 1;
+    const auto found = reversal_in(motion, 0, 0);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(*found, share, 1e-8);
+    std::vector<double> cuts{0.3, 0.5};  // the first lies too near to the second reversal
+    cut_around(cuts, *found, 0.0125);
+    EXPECT_TRUE(std::is_sorted(cuts.begin(), cuts.end()));
+    const auto after = std::upper_bound(cuts.begin(), cuts.end(), share);
+    ASSERT_TRUE(after != cuts.begin() && after != cuts.end());
+    EXPECT_NEAR(*after - *(after - 1), 0.05, 1e-12);
+    EXPECT_EQ(cuts.size(), share == 0.31 ? 3U : 4U);
+    EXPECT_EQ(split(Mesh{{{1, 0}}}, Cuts{cuts}).size(), cuts.size() + 1);
+  }
+  motion.intervals[0].state(6, 0) = 1;
+  EXPECT_FALSE(reversal_in(motion, 0, 0));
+  std::vector<double> none;
+  cut_around(none, 0.4, 0.8);  // an interval hardly longer than the shortest stays whole
+  EXPECT_TRUE(none.empty());
+}
+
 RC_GTEST_PROP(Split, KeepsTheSegmentsWhole, ()) {
   Mesh mesh;
   std::vector<int> pieces;
@@ -147,22 +174,30 @@ Motion still() {
   return motion;
 }
 
+// What the first interval exceeds, in the order of Limits.
+Limits excess(const Problem& problem, const Motion& motion) {
+  const PerLimit found = excesses(problem, {{{1.0, 0}}}, motion).front();
+  Limits limits;
+  std::copy_n(found.begin(), Limits::kCount, limits.data());
+  return limits;
+}
+
 // What margins.h calls "a part of the back-off" may be kept: at most all of it counts as an excess.
 constexpr double kBackedOff = 12 * kBackOff;
 
 TEST(Excesses, AreNoneWellInside) {
-  const auto found = excesses(limited(), still());
+  const auto found = excesses(limited(), {{{1.0, 0}}}, still());
   ASSERT_EQ(found.size(), 1u);
-  for (std::size_t i = 0; i < Limits::kCount; ++i) EXPECT_EQ(found[0].data()[i], 0);
+  EXPECT_THAT(found[0], testing::Each(0));
 }
 
 TEST(Excesses, SeeATorqueBeyondItsLimitBetweenTheEnds) {
   Motion motion = still();
   // 11 + 12 c (1 - c) - friction at rest (none): 14 in the middle, 11 at both ends
   motion.intervals[0].torque.row(0) << 11, 12, -12, 0;
-  EXPECT_NEAR(excesses(limited(), motion)[0].torque[0], 2, kBackedOff);
+  EXPECT_NEAR(excess(limited(), motion).torque[0], 2, kBackedOff);
   motion.intervals[0].torque.row(0) *= -1;
-  EXPECT_NEAR(excesses(limited(), motion)[0].torque[0], 2, kBackedOff);
+  EXPECT_NEAR(excess(limited(), motion).torque[0], 2, kBackedOff);
 }
 
 // Motor 1 reverses somewhere within the interval: u = 11.5 is inside on the negative side of the friction step and
@@ -175,7 +210,7 @@ TEST(Excesses, SeeATorqueAcrossTheFrictionStepWhereverItFalls) {
     motion.intervals[0].state.row(6) << -0.1 * crossing, 0.1, 0, 0;  // dtheta1 [rad/s]
     const double end = law.nonlinear(0.1 * (1 - crossing));
     const double expected = std::max(0.0, 11.5 + end - 12);
-    EXPECT_NEAR(excesses(limited(), motion)[0].torque[0], expected, kBackedOff) << crossing;
+    EXPECT_NEAR(excess(limited(), motion).torque[0], expected, kBackedOff) << crossing;
   }
 }
 
@@ -185,7 +220,7 @@ TEST(Excesses, CountTheStepWithTheTorqueOfBothSides) {
   motion.intervals[0].torque.row(0) << 12, -8, 0, 0;     // 12 -> 4 N m
   motion.intervals[0].state.row(6) << -0.02, 0.6, 0, 0;  // reverses at c = 1/30, between the first two probes
   const double step = FrictionLaw::of(robot(), 0).nonlinear(0.01);  // 0.81 N m, soon after it
-  const double found = excesses(limited(), motion)[0].torque[0];
+  const double found = excess(limited(), motion).torque[0];
   EXPECT_GE(found, 12 - 8.0 / 30 + step - 12 - kBackedOff);  // what really happens
   EXPECT_LE(found, 12 + 1.1 * step - 12);                    // what the whole step can make at most
 }
@@ -197,7 +232,7 @@ TEST(Excesses, SeeVelocityDeflectionAndTipSpeed) {
   motion.intervals[0].state.row(6) << 0, 4 * 6.5, -4 * 6.5, 0;    // dtheta1 peaks at 6.5
   motion.intervals[0].state.row(5) << 0, -4 * 0.25, 4 * 0.25, 0;  // theta2 - q2 peaks at -0.25
   motion.intervals[0].state.row(2) << 0, 4 * 5.0, -4 * 5.0, 0;    // dq1 peaks at 5: tip at 5 * 0.65 m/s
-  const Limits found = excesses(problem, motion)[0];
+  const Limits found = excess(problem, motion);
   EXPECT_NEAR(found.motor_velocity[0], 0.5, 6 * kBackOff);
   EXPECT_NEAR(found.spring_deflection[1], 0.25 - 0.2262, kBackOff);
   EXPECT_NEAR(found.tip_speed, 5 * 0.65 - 2, 2 * kBackOff);
@@ -206,30 +241,45 @@ TEST(Excesses, SeeVelocityDeflectionAndTipSpeed) {
 }
 
 TEST(Margins, GrowByTheExcessesAndALittleMore) {
+  const Mesh mesh{{{1.0, 0}}};
   Motion motion = still();
   motion.intervals[0].torque.row(0) << 11, 12, -12, 0;
-  const auto found = excesses(limited(), motion);
-  std::vector<Limits> margins;
-  EXPECT_TRUE(widen(margins, found, limited().limits));
+  const auto found = excesses(limited(), mesh, motion);
+  std::vector<PerLimit> margins;
+  EXPECT_TRUE(widen(margins, found, limited()));
   ASSERT_EQ(margins.size(), 1u);
-  EXPECT_GE(margins[0].torque[0], found[0].torque[0]);
-  EXPECT_LE(margins[0].torque[0], 1.5 * found[0].torque[0]);
-  EXPECT_EQ(margins[0].torque[1], 0);
-  const double before = margins[0].torque[0];
-  EXPECT_TRUE(widen(margins, found, limited().limits));
-  EXPECT_DOUBLE_EQ(margins[0].torque[0], 2 * before);
-  EXPECT_FALSE(widen(margins, excesses(limited(), still()), limited().limits));
-  EXPECT_DOUBLE_EQ(margins[0].torque[0], 2 * before);
+  EXPECT_GE(margins[0][0], found[0][0]);
+  EXPECT_LE(margins[0][0], 1.5 * found[0][0]);
+  EXPECT_EQ(margins[0][1], 0);
+  const double before = margins[0][0];
+  EXPECT_TRUE(widen(margins, found, limited()));
+  EXPECT_DOUBLE_EQ(margins[0][0], 2 * before);
+  EXPECT_FALSE(widen(margins, excesses(limited(), mesh, still()), limited()));
+  EXPECT_DOUBLE_EQ(margins[0][0], 2 * before);
+}
+
+// Link 2 swings its tip through a disc between the ends of the interval.
+TEST(Excesses, SeeAnObstacleBetweenTheEnds) {
+  Problem problem = limited();
+  const auto [l1, l2] = problem.robot.link.length;
+  const double radius = 0.05, beside = l1 + l2 + 0.03;  // 0.045 m of 0.075 m overlap when it hangs straight
+  problem.task.obstacles = {{{0, -beside}, radius, 0}};
+  problem.start = rest_at(problem.robot, {-0.5, 0});
+  problem.goal.q = {0.5, 0};
+  Motion motion = still();
+  motion.intervals[0].state.row(0) << -0.5, 1, 0, 0;  // q1 from -0.5 to 0.5
+  const PerLimit found = excesses(problem, {{{1.0, 0}}}, motion).front();
+  const double apart = radius + problem.robot.link.radius[1];
+  const double overlap = (apart * apart - 0.03 * 0.03) / (2 * apart);  // as TaskRow measures it
+  EXPECT_NEAR(found[Limits::kCount + 1], overlap, kBackOff * apart);
+  EXPECT_EQ(found[Limits::kCount], 0);  // link 1 is far away
 }
 
 TEST(Margins, AreInheritedByEveryPiece) {
-  std::vector<Limits> margins(3);
-  for (std::size_t k = 0; k < 3; ++k) margins[k].torque[0] = static_cast<double>(k);
-  const auto inherits = inherited(margins, {1, 4, 2});
-  ASSERT_EQ(inherits.size(), 7u);
-  const std::vector<double> expected{0, 1, 1, 1, 1, 2, 2};
-  for (std::size_t k = 0; k < 7; ++k) EXPECT_EQ(inherits[k].torque[0], expected[k]);
-  EXPECT_TRUE(inherited(std::vector<Limits>{}, {1, 2}).empty());
+  const std::vector<PerLimit> margins{{0}, {1}, {2}};
+  EXPECT_THAT(inherited(margins, {1, 4, 2}), testing::ElementsAre(PerLimit{0}, PerLimit{1}, PerLimit{1}, PerLimit{1},
+                                                                  PerLimit{1}, PerLimit{2}, PerLimit{2}));
+  EXPECT_TRUE(inherited(std::vector<PerLimit>{}, {1, 2}).empty());
 }
 
 }  // namespace

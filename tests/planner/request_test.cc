@@ -209,11 +209,11 @@ TEST(BrokenRequest, ShapeOfTheDocument) {
       {"", "empty"},
       {"# nothing\n", "empty"},
       {"fastest",
-       "must be a map with the keys robot, start, goal, duration, objective, via, obstacles, tip, limits, "
+       "must be a map with the keys robot, start, goal, duration, objective, via, obstacles, tip, path, limits, "
        "sample_period, seed, payload, not the text \"fastest\""},
       {kMove + "durtion: 1",
        "unknown key \"durtion\"; allowed: robot, start, goal, duration, objective, via, obstacles, "
-       "tip, limits, sample_period, seed, payload"},
+       "tip, path, limits, sample_period, seed, payload"},
       {kMove + "seed: 1\nseed: 2", "line 4: key \"seed\" is given twice"},
       {kGoal, "start: missing; only a request to the service may leave it out, which then starts where the arm rests"},
       {kStart, "goal: missing"},
@@ -230,21 +230,90 @@ TEST(BrokenRequest, Syntax) {
 
 TEST(BrokenRequest, NotSupportedYet) {
   expect_refused({
-      {kMove + "obstacles: []", "obstacles: not supported by this version"},
-      {kMove + "tip: {box: [[-1, -1], [1, 1]]}", "tip: not supported by this version"},
       {kMove + "payload: 1", "payload: not supported by this version"},
-      {kStart + "goal: {tip: [0.3, -0.4]}", "goal.tip: not supported by this version; give goal.q"},
-      {kStart + "goal: {q: [1, 0], elbow: left}", "goal.elbow: not supported by this version; give goal.q"},
-      {kStart + "goal: {q: [free, 0]}", "goal.q[0]: a free joint is not supported by this version; give both angles"},
-      {kMove + "duration: 1\nvia: [{q: [0.6, 0.4]}]",
-       "via[0].time: a free via time is not supported by this version; give the time"},
-      {kMove + "via: [{time: 0.1, q: [0.6, 0.4]}]",
-       "via: via points without a fixed duration are not supported by this version; give duration as a number"},
       {kMove + "objective: {energy: 1}",
        "objective.energy: not supported by this version; terms: time, effort, torque_rate, link_acceleration"},
       {kMove + "objective: {link_jerk: 1}",
        "objective.link_jerk: not supported by this version; terms: time, effort, torque_rate, link_acceleration"},
   });
+}
+
+TEST(BrokenRequest, Sets) {
+  expect_refused({
+      {kStart + "goal: {tip: [0.5, 0.5]}",
+       "goal.tip: [0.5, 0.5] m is 0.707107 m from the base; the arm reaches from 0.04 to 0.65 m"},
+      {kStart + "goal: {tip: [0.3, -0.4], elbow: up}", "goal.elbow: \"up\" is not one of any, left, right"},
+      {kStart + "goal: {tip: [0.3, -0.4], dq: [0, 1]}", "goal.dq: does not go with goal.tip, which decides it"},
+      {kStart + "goal: {tip: [0, -0.65], tip_velocity: [1, 0]}",
+       "goal.tip_velocity: the stretched or folded arm cannot move its tip this way"},
+      {kStart + "goal: {q: [1, 0], elbow: left}", "goal.elbow: goes with goal.tip; with goal.q give dq"},
+      {kStart + "goal: {q: [free, free]}", "goal.q: one joint may be free, not both"},
+      {kStart + "goal: {q: [free, 3]}", "goal.q[1]: 3 rad is outside [-2.6, 2.6]"},
+      {kStart + "goal: {q: [free, 0]}", "goal: start and goal are the same state; nothing to plan"},
+      {kStart + "goal: {q: [free, 1], dq: [0, 1], theta: [0, 0]}", "goal.theta: has no meaning beside a free joint"},
+      {kMove + "via: [{time: 0.1, q: [0.6, 0.4]}]",
+       "via[0].time: needs a fixed duration; without one a via point is passed at any time"},
+  });
+}
+
+TEST(BrokenRequest, Task) {
+  expect_refused({
+      {kMove + "obstacles: [{center: [0.1, -0.6]}]", "obstacles[0].radius: missing"},
+      {kMove + "obstacles: [{center: [0.1, -0.6], radius: -1}]", "obstacles[0].radius: -1 m is outside [0, 10]"},
+      {kMove + "obstacles: [{center: [0.1, 20], radius: 1}]", "obstacles[0].center[1]: 20 m is outside [-10, 10]"},
+      {kMove + "obstacles: [{center: [0, -0.7], radius: 0.05}]",
+       "start: link 2 would be 0.02083 m inside obstacles[0], its radius and margin included"},
+      {kMove + "tip: {}", "tip: needs one of box, line, arc"},
+      {kMove + "tip: {box: [[0.1, 0], [-0.1, 1]]}",
+       "tip.box[1][0]: -0.1 m is not above the first corner's 0.1 m (lower left first, then upper right)"},
+      {kMove + "tip: {box: [[-0.1, -0.1], [0.1, 0.1]]}", "start: breaks tip_box by 0.55 m"},
+      {kMove + "tip: {line: {from: [0, -0.65], to: [0, -0.65], tolerance: 0.01}}",
+       "tip.line.to: is the same point as from"},
+      {kMove + "tip: {line: {from: [0, -0.65], to: [0.1, -0.65], tolerance: 0}}",
+       "tip.line.tolerance: 0 m is outside [0.0001, 1]"},
+      {kMove + "tip: {arc: {center: [0, 0], from: [0, -0.65], to: [0.6, 0], tolerance: 0.01}}",
+       "tip.arc.to: lies 0.6 m from the center, from lies 0.65 m from it; they may differ by the tolerance of 0.01 m"},
+      {kMove + "path: {points: [[0.1, 4]], tolerance: 0.01}", "path.points[0][1]: 4 rad is outside [-2.6, 2.6]"},
+      {kMove + "path: {points: [], tolerance: 0.01}\nvia: []",
+       "path: goes through its points already; give either path or via"},
+      {kMove + "path: {points: [[0, 0]], tolerance: 0.01}", "path.points[0]: is the same point as the one before it"},
+  });
+}
+
+// Both elbows put the tip where it was asked for, at the velocity that was asked for.
+TEST(Request, TipGoalIsASetOfPostures) {
+  const Problem problem = parse("start: {q: [0.3, 0.2]}\ngoal: {tip: [0.3, -0.4], tip_velocity: [0.5, -0.3]}\n");
+  std::vector<Goal> goals{problem.goal};
+  goals.insert(goals.end(), problem.other_goals.begin(), problem.other_goals.end());
+  ASSERT_EQ(goals.size(), 2u);
+  EXPECT_LT(goals[0].q[1] * goals[1].q[1], 0);
+  for (const Goal& goal : goals) {
+    const Point<double> tip = tip_position(problem.robot, goal.q), moves = tip_velocity(problem.robot, goal.q, goal.dq);
+    EXPECT_NEAR(tip.x, 0.3, 1e-12);  // roundings of an arc cosine away from its ends
+    EXPECT_NEAR(tip.y, -0.4, 1e-12);
+    EXPECT_NEAR(moves.x, 0.5, 1e-12);
+    EXPECT_NEAR(moves.y, -0.3, 1e-12);
+    EXPECT_FALSE(goal.at_rest);
+  }
+}
+
+TEST(Request, ElbowIsOnTheSideOfTheLineFromBaseToTip) {
+  for (const std::string side : {"left", "right"}) {
+    const Problem problem = parse("start: {q: [0.3, 0.2]}\ngoal: {tip: [0.3, -0.4], elbow: " + side + "}\n");
+    EXPECT_TRUE(problem.other_goals.empty());
+    const Point<double> elbow = elbow_position(problem.robot, problem.goal.q);
+    const double cross = 0.3 * elbow.y + 0.4 * elbow.x;  // of the line to the tip with the one to the elbow
+    EXPECT_EQ(cross > 0, side == "left");
+  }
+}
+
+TEST(Request, PathPassesItsPointsInOrder) {
+  const Problem problem = parse(kMove + "path: {points: [[0.5, 0.3], [0.9, -0.2]], tolerance: 0.01}\n");
+  ASSERT_EQ(problem.via.size(), 2u);
+  EXPECT_EQ(problem.via[1].q, (P{0.9, -0.2}));
+  EXPECT_FALSE(problem.via[0].time);
+  ASSERT_EQ(problem.task.path->corners.size(), 4u);
+  EXPECT_EQ(problem.task.path->corners.back(), (P{1.2, -0.8}));
 }
 
 TEST(BrokenRequest, StartAndGoal) {

@@ -37,13 +37,13 @@ Mesh mesh_of_segments(int segments) {
 
 // ---- the plants, every term of theirs switched on ----
 
-template <bool kRate>
-ArmOcp<kRate> arm(double friction_width) {
+template <Features F>
+ArmOcp<F> arm(double friction_width, int segments) {
   Problem problem;
   problem.robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   problem.robot.link.damping = {0.2516, 0.013};
   problem.weights = {.time = 1.3, .effort = 0.7, .torque_rate = 2e-4, .link_acceleration = 1e-3};
-  ArmOcp<kRate> ocp = make_arm_ocp<kRate>(problem, 0.001);
+  auto ocp = make_arm_ocp<F>(problem, 0.001);
   ocp.regularisation = 0.05;
   for (FrictionLaw& law : ocp.friction) law = law.smoothed(friction_width);
   Limits limits;
@@ -53,7 +53,18 @@ ArmOcp<kRate> arm(double friction_width) {
   limits.spring_deflection = {0.3864, 0.2262};
   limits.torque_rate = {300, 200};
   limits.tip_speed = 3;
-  ocp.bounds = {path_bounds<kRate>(limits)};
+  ocp.bounds = {path_bounds<F>(limits)};
+  if constexpr (F.task_rows > 0) {  // a row of every kind, and lines that differ from segment to segment
+    Task task{{{{0.3, -0.2}, 0.05, 0.01}}, {}, {}, {}, {}};
+    task.box = TipBox{{-0.5, -0.6}, {0.5, 0.2}};
+    task.arc = TipArc{{0, 0.1}, {0, -0.5}, {0.6, 0.1}, 0.01};
+    task.path = JointPath{{{0, 0}, {0.5, 1}, {1.2, 0.3}}, 0.01};
+    for (int s = 0; s < segments; ++s) ocp.tasks.push_back(task_rows(problem.robot, task, static_cast<std::size_t>(s)));
+    for (std::size_t r = 0; r < ocp.tasks[0].size(); ++r) {
+      ocp.bounds[0].row_lower[ArmOcp<F>::kTask + r] = ocp.tasks[0][r].lower;
+      ocp.bounds[0].row_upper[ArmOcp<F>::kTask + r] = ocp.tasks[0][r].upper;
+    }
+  }
   return ocp;
 }
 
@@ -85,7 +96,7 @@ std::ostream& operator<<(std::ostream& out, const Case& c) { return out << c.nam
 template <class Ocp>
 std::unique_ptr<Nlp> transcribe(Ocp ocp, const Case& c) {
   ocp.durations.assign(static_cast<std::size_t>(c.segments), {0.02, 20});
-  ocp.total_duration = {0.05, 20};
+  if (c.segments > 1) ocp.duration_sums = {{0, c.segments - 1, 0.05, 20}};
   return std::make_unique<Transcription<Ocp>>(std::move(ocp), c.scheme, mesh_of_segments(c.segments));
 }
 
@@ -96,10 +107,12 @@ std::vector<Case> cases() {
       for (const double width : {0.1, 0.01}) {
         const std::string suffix = width == 0.1 ? "_wide" : "_narrow";
         all.push_back({"arm" + suffix, scheme, segments, width,
-                       [](const Case& c) { return transcribe(arm<false>(c.width), c); }});
+                       [](const Case& c) { return transcribe(arm<Features{}>(c.width, c.segments), c); }});
         all.push_back({"rate_arm" + suffix, scheme, segments, width,
-                       [](const Case& c) { return transcribe(arm<true>(c.width), c); }});
+                       [](const Case& c) { return transcribe(arm<Features{.rate = true}>(c.width, c.segments), c); }});
       }
+      all.push_back({"task_arm", scheme, segments, 0.1,
+                     [](const Case& c) { return transcribe(arm<Features{.task_rows = 8}>(c.width, c.segments), c); }});
       all.push_back({"van_der_pol", scheme, segments, 1, [](const Case& c) { return transcribe(van_der_pol(), c); }});
     }
   }
@@ -297,7 +310,12 @@ struct Naive {
         const VectorXd u = begin + scheme.points(j) * (end - begin);
         VectorXd rate(kX), row(Ocp::kRows);
         double cost = 0;
-        ocp.template evaluate<double>(y[static_cast<std::size_t>(j)].data(), u.data(), rate.data(), cost, row.data());
+        const double* state = y[static_cast<std::size_t>(j)].data();
+        if constexpr (requires { ocp.evaluate(0, state, state, rate.data(), cost, row.data()); }) {
+          ocp.evaluate(interval.segment, state, u.data(), rate.data(), cost, row.data());
+        } else {
+          ocp.template evaluate<double>(state, u.data(), rate.data(), cost, row.data());
+        }
         f.push_back(rate);
         objective += h * scheme.b(j) * cost;
         for (int c = 0; c < Ocp::kRows; ++c) {
@@ -323,7 +341,7 @@ template <class Ocp>
 void expect_naive_values(Ocp ocp, const Scheme& scheme, int segments) {
   const Mesh mesh = mesh_of_segments(segments);
   ocp.durations.assign(static_cast<std::size_t>(segments), {0.02, 20});
-  ocp.total_duration = {0.05, 20};
+  if (segments > 1) ocp.duration_sums = {{0, segments - 1, 0.05, 20}};
   const Transcription<Ocp> nlp(ocp, scheme, mesh);
   const VectorXd z = random_point(nlp, segments, 0.1, 6);
   Naive<Ocp> naive{ocp, scheme, mesh, 0, {}, {}};
@@ -352,8 +370,9 @@ class Values : public testing::TestWithParam<Scheme> {};
 TEST_P(Values, AgreeWithLoopsWrittenFromTheTables) {
   for (const int segments : {1, 2}) {
     expect_naive_values(van_der_pol(), GetParam(), segments);
-    expect_naive_values(arm<false>(0.05), GetParam(), segments);
-    expect_naive_values(arm<true>(0.05), GetParam(), segments);
+    expect_naive_values(arm<Features{}>(0.05, segments), GetParam(), segments);
+    expect_naive_values(arm<Features{.rate = true}>(0.05, segments), GetParam(), segments);
+    expect_naive_values(arm<Features{.task_rows = 8}>(0.05, segments), GetParam(), segments);
   }
 }
 
@@ -399,7 +418,7 @@ TEST_P(Values, BoundsLandAtTheirVariables) {
   ocp.bounds = {loose, tight, loose, loose};
   ocp.at_nodes = {{0, {-7, 7}, {-7, 7}}, {3, {-1, -kInfinity}, {kInfinity, 1.5}}};  // 7 is beyond the general bounds
   ocp.durations = {{0.1, 2}, {0.2, 3}};
-  ocp.total_duration = {0.5, 4};
+  ocp.duration_sums = {{0, 1, 0.5, 4}};
   const Transcription<VanDerPol> nlp(ocp, scheme, mesh_of_segments(2));
 
   const auto expect = [&](int at, double lower, double upper) {
@@ -452,9 +471,9 @@ TEST_P(Values, BoundsLandAtTheirVariables) {
       EXPECT_EQ(nlp.path_row(k, j, 2), -1);  // nobody asks for it
     }
   }
-  EXPECT_TRUE(rows.insert(nlp.total_row()).second);
-  EXPECT_EQ(nlp.g_lower(nlp.total_row()), 0.5);
-  EXPECT_EQ(nlp.g_upper(nlp.total_row()), 4);
+  EXPECT_TRUE(rows.insert(nlp.sum_row(0)).second);
+  EXPECT_EQ(nlp.g_lower(nlp.sum_row(0)), 0.5);
+  EXPECT_EQ(nlp.g_upper(nlp.sum_row(0)), 4);
   EXPECT_EQ(static_cast<Eigen::Index>(rows.size()), nlp.constraints());  // every row is accounted for
 }
 

@@ -1,18 +1,15 @@
 // The built program, run as a process: exit codes, messages, and which files exist afterwards.
-#include <fcntl.h>
+#include "tests/support/cli.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -27,64 +24,6 @@ using Json = nlohmann::json;
 using testing::HasSubstr;
 
 const std::string kGood = "start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\nduration: free\nobjective: fastest\n";
-
-std::string contents(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-struct Result {
-  int exit_code;  // -1: ended by a signal
-  std::string out, err;
-};
-
-class Cli : public testing::Test {
- protected:
-  void SetUp() override { fs::create_directories(folder_); }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  fs::path path(const std::string& name) const { return folder_ / name; }
-  Json plan_json(const std::string& folder = "out") const { return Json::parse(contents(path(folder) / "plan.json")); }
-
-  void write(const std::string& name, const std::string& text) const {
-    fs::create_directories(path(name).parent_path());
-    std::ofstream(path(name), std::ios::binary) << text;
-  }
-
-  // Starts fjr in the test's folder.
-  pid_t start(const std::vector<std::string>& arguments) const {
-    std::vector<std::string> words = {FJR_EXECUTABLE};
-    words.insert(words.end(), arguments.begin(), arguments.end());
-    std::vector<char*> argv;
-    for (std::string& word : words) argv.push_back(word.data());
-    argv.push_back(nullptr);
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    const auto open = [&](int descriptor, const fs::path& file) {
-      posix_spawn_file_actions_addopen(&actions, descriptor, file.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
-    };
-    open(STDOUT_FILENO, path("stdout"));
-    open(STDERR_FILENO, path("stderr"));
-    posix_spawn_file_actions_addchdir_np(&actions, folder_.c_str());
-    pid_t child = -1;
-    EXPECT_EQ(posix_spawn(&child, FJR_EXECUTABLE, &actions, nullptr, argv.data(), environ), 0);
-    posix_spawn_file_actions_destroy(&actions);
-    return child;
-  }
-
-  Result finish(pid_t child) const {
-    int status = 0;
-    EXPECT_EQ(waitpid(child, &status, 0), child);
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(path("stdout")), contents(path("stderr"))};
-  }
-
-  Result run(const std::vector<std::string>& arguments) const { return finish(start(arguments)); }
-
- private:
-  fs::path folder_ = fs::temp_directory_path() / ("fjr_cli_test_" + std::to_string(::getpid()));
-};
 
 TEST_F(Cli, HelpAndVersion) {
   const Result help = run({"--help"});
@@ -342,6 +281,31 @@ TEST_F(Cli, ExperimentAndIdentifyRefuseBadInput) {
   EXPECT_EQ(broken.exit_code, 2);
   EXPECT_EQ(broken.err, "fjr: log.csv: line 1: column q2 is missing in 'time,q1'\n");
   EXPECT_FALSE(fs::exists(path("robot.yaml")));
+}
+
+TEST_F(Cli, ReportComesFromTheFolderAlone) {
+  write("good.yaml", kGood);
+  EXPECT_EQ(run({"plan", "good.yaml", "--out", "out", "--report"}).exit_code, 0);
+  const std::string report = contents(path("out/report.html"));
+  EXPECT_THAT(report, HasSubstr("id='plan-data'"));
+  fs::remove(path("out/report.html"));
+  const Result again = run({"report", "out"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(again.out, "out/report.html\n");
+  EXPECT_EQ(contents(path("out/report.html")), report);
+  EXPECT_EQ(run({"plan", "good.yaml", "--out", "out", "--deadline", "1e-6"}).exit_code, 5);
+  EXPECT_FALSE(fs::exists(path("out/report.html")));  // it was of another plan
+  EXPECT_EQ(run({"report", "out"}).exit_code, 0);     // of what there is: why nothing came of it
+}
+
+TEST_F(Cli, ReportOfWhatIsNoPlanIsBadInput) {
+  write("out/plan.json", "{}");
+  for (const char* folder : {"out", "nowhere", "."}) {
+    const Result result = run({"report", folder});
+    EXPECT_EQ(result.exit_code, 2) << folder;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(path(folder) / "report.html"));
+  }
 }
 
 }  // namespace

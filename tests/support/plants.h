@@ -17,15 +17,21 @@ inline Mesh equal_intervals(int count) {
   return mesh;
 }
 
-// x'' = u. cost = time_weight T + effort int u^2 dt.  Row: the position, for limits on the way.
-struct DoubleIntegrator {
-  static constexpr int kStates = 2, kControls = 1, kRows = 1;
-  static constexpr std::array<bool, kRows> kRowUsesControl{false};
-  double effort = 0, time_weight = 0;
-  std::vector<PathBounds<kStates, kControls, kRows>> bounds = std::vector<PathBounds<kStates, kControls, kRows>>(1);
-  std::vector<NodeBounds<kStates>> at_nodes;
+// What every plant of these problems has; bounds hold on all intervals.
+template <int kX, int kU, int kC>
+struct OcpData {
+  static constexpr int kStates = kX, kControls = kU, kRows = kC;
+  double time_weight = 0;
+  std::vector<PathBounds<kX, kU, kC>> bounds = std::vector<PathBounds<kX, kU, kC>>(1);
+  std::vector<NodeBounds<kX>> at_nodes;
   std::vector<std::array<double, 2>> durations;
-  std::array<double, 2> total_duration{};
+  std::vector<DurationSum> duration_sums;
+};
+
+// x'' = u. cost = time_weight T + effort int u^2 dt.  Row: the position, for limits on the way.
+struct DoubleIntegrator : OcpData<2, 1, 1> {
+  static constexpr std::array<bool, kRows> kRowUsesControl{false};
+  double effort = 0;
 
   template <class T>
   void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const {
@@ -45,14 +51,8 @@ inline DoubleIntegrator double_integrator(const Array<2>& from, const Array<2>& 
 
 // x1' = (1 - x2^2) x1 - x2 + u, x2' = x1; cost = int x1^2 + x2^2 + u^2 dt + time_weight T.
 // Rows: one that sees the control, one that does not, one that nobody asks for.
-struct VanDerPol {
-  static constexpr int kStates = 2, kControls = 1, kRows = 3;
+struct VanDerPol : OcpData<2, 1, 3> {
   static constexpr std::array<bool, kRows> kRowUsesControl{true, false, true};
-  double time_weight = 0;
-  std::vector<PathBounds<kStates, kControls, kRows>> bounds = std::vector<PathBounds<kStates, kControls, kRows>>(1);
-  std::vector<NodeBounds<kStates>> at_nodes;
-  std::vector<std::array<double, 2>> durations;
-  std::array<double, 2> total_duration{};
 
   template <class T>
   void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const {

@@ -26,6 +26,14 @@ inline std::string contents(const std::filesystem::path& file) {
   return text.str();
 }
 
+inline std::vector<pid_t> children_of(pid_t parent) {
+  const std::string process = std::to_string(parent);
+  std::istringstream text(contents("/proc/" + process + "/task/" + process + "/children"));
+  std::vector<pid_t> pids;
+  for (pid_t pid = 0; text >> pid;) pids.push_back(pid);
+  return pids;
+}
+
 class Process {
  public:
   // stdout and stderr go to `log`; it runs in `folder`, by default the test's.
@@ -62,13 +70,7 @@ class Process {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
 
-  std::vector<pid_t> children() const {
-    const std::string process = std::to_string(pid_);
-    std::istringstream text(contents("/proc/" + process + "/task/" + process + "/children"));
-    std::vector<pid_t> pids;
-    for (pid_t pid = 0; text >> pid;) pids.push_back(pid);
-    return pids;
-  }
+  std::vector<pid_t> children() const { return children_of(pid_); }
 
  private:
   std::filesystem::path log_;

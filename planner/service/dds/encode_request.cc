@@ -203,6 +203,9 @@ void encode_payload(const YamlNode& root, fjr_msg_Payload& payload) {
 }
 
 void encode_motion(const YamlNode& root, WireRequest& wire) {
+  if (const auto path = root.find("path")) {
+    path->fail("has no place in a request to the service; plan it offline, with fjr plan");
+  }
   root.allow_keys({"robot", "start", "goal", "duration", "objective", "via", "obstacles", "tip", "limits",
                    "sample_period", "seed", "payload"});
   fjr_msg_PlanRequest& message = wire.message;

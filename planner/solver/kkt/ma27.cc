@@ -3,23 +3,22 @@
 #include <algorithm>
 #include <exception>
 #include <span>
-
-#include "planner/solver/kkt/chain_ldlt.h"
+#include <utility>
+#include <vector>
 
 namespace fjr {
 namespace {
 
-thread_local std::vector<int> described_stage;
-thread_local int described_stages = 0;
+thread_local ChainStructure described;
 thread_local ChainLdlt factor;
 thread_local std::vector<int> rows, cols;
+thread_local int factorised = 0;
 
 }  // namespace
 
-void describe_chain(std::vector<int> stage, int stages) {
-  described_stage = std::move(stage);
-  described_stages = stages;
-}
+void describe_chain(ChainStructure structure) { described = std::move(structure); }
+
+int factorisations() { return factorised; }
 
 }  // namespace fjr
 
@@ -43,7 +42,7 @@ void ma27ad_(const int* n, const int* nz, const int* irn, const int* icn, int* /
   const auto count = static_cast<std::size_t>(*nz);
   info[4] = std::max(*nz, 1);
   info[5] = std::max(*nz, 1);
-  if (fjr::described_stage.size() != static_cast<std::size_t>(*n)) {
+  if (fjr::described.stage.size() != static_cast<std::size_t>(*n)) {
     info[0] = -1;  // "N out of range": nobody said what this matrix is
     return;
   }
@@ -53,7 +52,7 @@ void ma27ad_(const int* n, const int* nz, const int* irn, const int* icn, int* /
   std::transform(irn, irn + count, fjr::rows.begin(), zero_based);
   std::transform(icn, icn + count, fjr::cols.begin(), zero_based);
   try {
-    fjr::factor.analyse(*n, fjr::rows, fjr::cols, fjr::described_stage, fjr::described_stages);
+    fjr::factor.analyse(fjr::rows, fjr::cols, fjr::described);
   } catch (const std::exception&) {
     info[0] = -1;
   }
@@ -64,6 +63,7 @@ void ma27bd_(const int* /*n*/, const int* nz, const int* /*irn*/, const int* /*i
              int* /*iw1*/, const int* /*icntl*/, const double* cntl, int* info) {
   std::fill_n(info, 20, 0);
   *maxfrt = 1;
+  ++fjr::factorised;
   const double threshold = std::clamp(cntl[0], 1e-10, 0.5);
   if (!fjr::factor.factorise(std::span(a, static_cast<std::size_t>(*nz)), threshold)) info[0] = -5;  // singular
   info[14] = fjr::factor.negative_eigenvalues();

@@ -6,12 +6,15 @@
 // stages, so they are told beforehand.
 #pragma once
 
-#include <vector>
+#include "planner/solver/kkt/chain_ldlt.h"
 
 namespace fjr {
 
-// Stage of every row of the KKT matrices to come on this thread, in Ipopt's order: free variables, slacks of the
-// inequalities, equality rows, inequality rows; and how many stages there are (see ChainLdlt::analyse).
-void describe_chain(std::vector<int> stage, int stages);
+// What the rows of the KKT matrices to come on this thread are, in Ipopt's order: free variables, slacks of the
+// inequalities, equality rows, inequality rows.
+void describe_chain(ChainStructure structure);
+
+// How many factorisations this thread has done.
+int factorisations();
 
 }  // namespace fjr

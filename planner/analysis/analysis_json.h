@@ -1,0 +1,19 @@
+// The analysis as it stands in plan.json; README.md describes the fields.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <vector>
+
+#include "planner/analysis/analysis.h"
+
+namespace fjr {
+
+nlohmann::ordered_json sensitivity_json(const Sensitivity& sensitivity);
+nlohmann::ordered_json optimality_json(const Optimality& optimality);
+
+// {node_times, errors}: at most kMostIntervals of them, for plan.json travels in a message of bounded size. Beyond,
+// neighbours are told together, with the larger error.
+nlohmann::ordered_json mesh_errors_json(const std::vector<double>& node_times, const std::vector<double>& errors);
+inline constexpr std::size_t kMostIntervals = 2000;
+
+}  // namespace fjr

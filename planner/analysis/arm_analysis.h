@@ -1,0 +1,136 @@
+// The analysis for what an instance has room for: what analyse() chooses from. Each choice is compiled with its
+// collocation, in collocation/arm_collocation_*.cc.
+#pragma once
+
+#include <vector>
+
+#include "model/dual.h"
+#include "planner/analysis/adjoint.h"
+#include "planner/analysis/analysis.h"
+#include "planner/analysis/limit_worth.h"
+#include "planner/analysis/optimality.h"
+#include "planner/collocation/arm_collocation.h"
+
+namespace fjr {
+
+template <Features F>
+Analysis analyse_with(const Problem& problem, const Collocated& solution, double scale);
+
+extern template Analysis analyse_with<kPlain>(const Problem&, const Collocated&, double);
+extern template Analysis analyse_with<kRateControlled>(const Problem&, const Collocated&, double);
+extern template Analysis analyse_with<kWithTask>(const Problem&, const Collocated&, double);
+extern template Analysis analyse_with<kEverything>(const Problem&, const Collocated&, double);
+
+// ---- the template's parts ----
+
+namespace arm_analysis {
+
+using Vector8 = Eigen::Matrix<double, kStates, 1>;
+
+// First interval of every leg between via points, and the number of intervals.
+inline std::vector<std::size_t> legs(const Problem& problem, const Mesh& mesh) {
+  std::vector<std::size_t> nodes{0};
+  for (std::size_t s = 0; s < segment_count(problem); ++s) nodes.push_back(end_node(mesh, s));
+  return nodes;
+}
+
+inline bool duration_is_free(const Problem& problem, double duration) {
+  return duration - problem.duration.min > kActive * problem.duration.min &&
+         problem.duration.max - duration > kActive * problem.duration.max;
+}
+
+// d objective / d goal.q, 0 where free. The equilibrium of a goal at rest is theta = q + K^-1 G(q).
+inline Pair<double> goal_worth(const Problem& problem, const Vector8& by_state) {
+  Pair<double> worth{by_state(0), by_state(1)};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (problem.goal.free[j]) worth[j] = 0;
+  }
+  if (!problem.goal.at_rest || problem.goal.any_free()) return worth;  // if free, theta is not given but follows
+  using D = Dual<kJoints>;
+  const Pair<D> q{D::input(problem.goal.q[0], 0), D::input(problem.goal.q[1], 1)};
+  const Pair<D> gravity = gravity_torque(problem.robot, q);
+  for (std::size_t i = 0; i < kJoints; ++i) {
+    const D theta = q[i] + gravity[i] / problem.robot.spring.stiffness[i];
+    for (std::size_t j = 0; j < kJoints; ++j) worth[j] += by_state(static_cast<int>(4 + i)) * theta.g[j];
+  }
+  return worth;
+}
+
+// What the trace of effort of a minimum-time problem contributes where limits are active: its weight depends on them
+// (make_arm_ocp()).
+template <Features F>
+void add_trace(const Problem& problem, const Collocated& solution, std::vector<LimitWorth>& worths) {
+  const double reg = solution.setup.smoothing.regularisation;
+  if (make_arm_ocp<F>(problem, reg).regularisation == 0) return;
+  double squares = 0;  // int u^2
+  const Scheme& scheme = solution.setup.scheme;
+  for (std::size_t k = 0; k < solution.motion.intervals.size(); ++k) {
+    const auto& interval = solution.motion.intervals[k];
+    for (int j = 0; j < scheme.stages(); ++j) {
+      const Pair<double> u = solution.motion.torque_in(k, interval.start + scheme.points(j) * interval.duration);
+      squares += interval.duration * scheme.b(j) * (u[0] * u[0] + u[1] * u[1]);
+    }
+  }
+  for (LimitWorth& worth : worths) {
+    Problem changed = problem;
+    double* limit = limit_of(changed.limits, worth.name, worth.joint);
+    if (limit == nullptr || worth.active.empty()) continue;
+    const double step = 1e-4 * worth.limit;
+    const auto weight = [&](double change) {
+      *limit = worth.limit + change;
+      return make_arm_ocp<F>(changed, reg).regularisation;
+    };
+    worth.worth -= squares * (weight(step) - weight(-step)) / (2 * step);
+  }
+}
+
+}  // namespace arm_analysis
+
+template <Features F>
+Analysis analyse_with(const Problem& problem, const Collocated& solution, double scale) {
+  namespace parts = arm_analysis;
+  using parts::Vector8;
+  const auto t = arm_collocation::transcribe<F>(problem, solution.setup);
+  const Iterate& iterate = solution.report.iterate;
+  const Adjoint a = adjoint(t, iterate);
+  const std::vector<std::size_t> leg = parts::legs(problem, t.mesh());
+  const auto by_node = [&](std::size_t node) -> Vector8 {
+    return scale * a.lagrangian.segment<kStates>(t.node_at(static_cast<int>(node)));
+  };
+
+  Analysis result;
+  Optimality& optimality = result.optimality;
+  optimality.hamiltonian = hamiltonian(a, leg);
+  optimality.stationarity = stationarity(t, iterate, a);
+  for (double* h : {&optimality.hamiltonian.mean, &optimality.hamiltonian.spread, &optimality.hamiltonian.largest}) {
+    *h *= scale;
+  }
+  auto& s = optimality.stationarity;
+  const double per_control = F.rate ? scale / ArmOcp<F>::kRateUnit : scale;
+  for (double* slope : {&s.free, &s.wrong, &s.largest, &s.residual}) *slope *= per_control;
+  const Vector8 start = by_node(0), end = by_node(leg.back());
+  optimality.costate_start = State<double>::from(start.data());
+  optimality.costate_end = State<double>::from(Vector8(-end).data());
+
+  Sensitivity& sensitivity = result.sensitivity;
+  sensitivity.limits = LimitWorths<F>(problem, solution.setup, t, iterate).run();
+  parts::add_trace<F>(problem, solution, sensitivity.limits);
+  for (LimitWorth& worth : sensitivity.limits) worth.worth *= scale;
+  const auto mean = [&](std::size_t i) { return scale * mean_hamiltonian(a, leg[i], leg[i + 1]); };
+  if (parts::duration_is_free(problem, a.node_times.back())) {
+    optimality.hamiltonian.expected = -scale * problem.weights.time;
+  } else {
+    sensitivity.duration = scale * problem.weights.time + mean(leg.size() - 2);
+  }
+  for (std::size_t i = 0; i < problem.via.size(); ++i) {
+    const Vector8 by_state = by_node(leg[i + 1]);
+    ViaWorth via{a.node_times[leg[i + 1]], {by_state(0), by_state(1)}, {}, {}};
+    if (problem.via[i].time) via.later = mean(i) - mean(i + 1);
+    if (problem.via[i].dq) via.dq = Pair<double>{by_state(2), by_state(3)};
+    sensitivity.via.push_back(via);
+  }
+  sensitivity.goal = parts::goal_worth(problem, end);
+  return result;
+}
+
+}  // namespace fjr

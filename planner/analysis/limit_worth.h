@@ -1,0 +1,208 @@
+// What each of the arm's limits, and of the task's constraints, is worth: the multipliers of the bounds it makes.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "planner/analysis/analysis.h"
+#include "planner/analysis/optimality.h"
+#include "planner/collocation/collocate.h"
+#include "planner/collocation/margins.h"
+#include "planner/collocation/transcription.h"
+#include "planner/problem/arm_ocp.h"
+
+namespace fjr {
+
+// One bound that a limit makes at every stage of an interval.
+struct LimitBound {
+  std::size_t limit;  // as in PerLimit
+  enum Of { kState, kControl, kRow } of;
+  int index;
+  bool upper;
+  double value;
+  double size;   // what shares of it are taken of
+  double slope;  // d value / d limit; of a task's row: d value / d room
+};
+
+// The bounds are functions of the limits of degree two at most (path_bounds()): central differences are exact.
+// scales: limit_scales().
+template <Features F>
+std::vector<LimitBound> limit_bounds(const Kept& kept, const PerLimit& scales) {
+  constexpr double kStep = 1.0 / 1024;
+  const Limits& limits = kept.limits;
+  const auto at = path_bounds<F>(limits);
+  std::vector<LimitBound> bounds;
+  for (std::size_t i = 0; i < Limits::kCount; ++i) {
+    const double limit = limits.data()[i];
+    if (!std::isfinite(limit)) continue;
+    Limits less = limits, more = limits;
+    less.data()[i] -= kStep * limit;
+    more.data()[i] += kStep * limit;
+    const auto low = path_bounds<F>(less), high = path_bounds<F>(more);
+    const auto compare = [&](LimitBound::Of of, bool upper, const auto& value, const auto& below, const auto& above) {
+      for (std::size_t n = 0; n < value.size(); ++n) {
+        if (below[n] == above[n]) continue;
+        bounds.push_back({i, of, static_cast<int>(n), upper, value[n], std::abs(value[n]),
+                          (above[n] - below[n]) / (2 * kStep * limit)});
+      }
+    };
+    compare(LimitBound::kState, false, at.x_lower, low.x_lower, high.x_lower);
+    compare(LimitBound::kState, true, at.x_upper, low.x_upper, high.x_upper);
+    compare(LimitBound::kControl, false, at.u_lower, low.u_lower, high.u_lower);
+    compare(LimitBound::kControl, true, at.u_upper, low.u_upper, high.u_upper);
+    compare(LimitBound::kRow, false, at.row_lower, low.row_lower, high.row_lower);
+    compare(LimitBound::kRow, true, at.row_upper, low.row_upper, high.row_upper);
+  }
+  for (std::size_t r = 0; r < kept.task_rows.size(); ++r) {
+    const std::size_t i = Limits::kCount + r;
+    const int row = ArmOcp<F>::kTask + static_cast<int>(r);
+    for (const bool upper : {false, true}) {
+      const double value = kept.task_rows[r][upper ? 1 : 0];
+      if (std::isfinite(value))
+        bounds.push_back({i, LimitBound::kRow, row, upper, value, scales[i], upper ? 1.0 : -1.0});
+    }
+  }
+  return bounds;
+}
+
+template <Features F>
+class LimitWorths {
+ public:
+  using T = Transcription<ArmOcp<F>>;
+
+  LimitWorths(const Problem& problem, const CollocationSetup& setup, const T& t, const Iterate& solution)
+      : t_(t),
+        solution_(solution),
+        kept_(kept_limits(problem, setup.mesh, setup.margins)),
+        scales_(limit_scales(problem)) {
+    counted_variable_.assign(static_cast<std::size_t>(t.variables()), 0);
+    counted_row_.assign(static_cast<std::size_t>(t.constraints()), 0);
+    rows_.resize(t.constraints());
+    t.constraint_values(solution.x, rows_);
+    name_all(problem);
+  }
+
+  std::vector<LimitWorth> run() {
+    const std::vector<double> nodes = t_.mesh().node_times(t_.durations(solution_.x));
+    const Eigen::VectorXd& b = t_.scheme().b;
+    std::vector<LimitBound> bounds;
+    for (int k = 0; k < t_.intervals(); ++k) {
+      const auto at = static_cast<std::size_t>(k);
+      if (k == 0 || !same(kept_[at], kept_[at - 1])) bounds = limit_bounds<F>(kept_[at], scales_);
+      double time = nodes[at];  // stage j stands for the time that its weight takes
+      for (int j = 0; j < t_.scheme().stages(); ++j) {
+        const double end = j + 1 == t_.scheme().stages() ? nodes[at + 1] : time + b(j) * (nodes[at + 1] - nodes[at]);
+        for (const LimitBound& bound : bounds) {
+          if (visit(k, j, bound)) worths_[bound.limit].active.push_back({time, end});
+        }
+        time = end;
+      }
+    }
+    std::vector<LimitWorth> result;
+    for (LimitWorth& worth : worths_) {
+      if (!std::isfinite(worth.limit)) continue;
+      const bool more = !result.empty() && result.back().name == worth.name && result.back().joint == worth.joint;
+      if (!more) result.push_back(worth);  // a constraint of the task may have several rows
+      if (more) result.back().worth += worth.worth;
+      if (more) std::copy(worth.active.begin(), worth.active.end(), std::back_inserter(result.back().active));
+    }
+    for (LimitWorth& worth : result) {
+      worth.active = joined(std::move(worth.active), kGap * nodes.back());
+      for (const auto& stretch : worth.active) worth.share += (stretch.end - stretch.begin) / nodes.back();
+    }
+    return result;
+  }
+
+ private:
+  void name_all(const Problem& problem) {
+    visit_pair_limits(problem.limits, [this](std::string_view name, std::string_view unit, const Pair<double>& limit) {
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        worths_.push_back({std::string(name), static_cast<int>(j) + 1, std::string(unit), limit[j], 0, 0, {}});
+      }
+    });
+    worths_.push_back({"tip_speed", 0, "m/s", problem.limits.tip_speed, 0, 0, {}});
+    if (worths_.size() != Limits::kCount) throw std::logic_error("a limit without a name");
+    for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) {
+      const char* unit = row.kind == TaskRow::Kind::kAngles ? "rad" : "m";
+      worths_.push_back({row.name, row.link, unit, row.scale, 0, 0, {}});
+    }
+  }
+
+  static constexpr double kGap = 0.01;  // share of the duration: shorter interruptions are passed over
+
+  static bool same(const Kept& a, const Kept& b) {
+    return std::equal(a.limits.data(), a.limits.data() + Limits::kCount, b.limits.data()) && a.task_rows == b.task_rows;
+  }
+
+  static std::vector<LimitWorth::Stretch> joined(std::vector<LimitWorth::Stretch> parts, double gap) {
+    std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.begin < b.begin; });
+    std::vector<LimitWorth::Stretch> stretches;
+    for (const auto& part : parts) {
+      if (stretches.empty() || part.begin - stretches.back().end > gap) stretches.push_back(part);
+      stretches.back().end = std::max(stretches.back().end, part.end);
+    }
+    return stretches;
+  }
+
+  // True where the bound is active at stage j; its multiplier is then added to the limit's worth, once.
+  bool visit(int k, int j, const LimitBound& bound) {
+    if (bound.of == LimitBound::kState) return variable(t_.x_at(k, j) + bound.index, bound);
+    if (bound.of == LimitBound::kRow) return row(k, j, bound);
+    bool active = false;
+    for (int end = 0; end < 2; ++end) {
+      if (t_.scheme().control_share(j, end) < 0.5) continue;
+      active = variable(t_.u_at(k, end) + bound.index, bound) || active;
+    }
+    return active;
+  }
+
+  bool variable(int at, const LimitBound& bound) {
+    if (t_.x_lower(at) == t_.x_upper(at)) return false;  // given
+    const double present = bound.upper ? t_.x_upper(at) : t_.x_lower(at);
+    if (!active(present, solution_.x(at), bound)) return false;
+    char& counted = counted_variable_[static_cast<std::size_t>(at)];
+    if (!counted) add(bound, bound.upper ? solution_.z_upper(at) : -solution_.z_lower(at));
+    counted = 1;
+    return true;
+  }
+
+  bool row(int k, int j, const LimitBound& bound) {
+    int row = t_.path_row(k, j, bound.index);
+    const auto segment = [this](int i) { return t_.mesh().intervals[static_cast<std::size_t>(i)].segment; };
+    if (row < 0 && j == 0 && k > 0 && t_.scheme().starts_at_node &&
+        segment(k) == segment(k - 1)) {  // asked once, at the end of the interval before
+      row = t_.path_row(k - 1, t_.scheme().stages() - 1, bound.index);
+    }
+    if (row < 0 || !active(bound.upper ? t_.g_upper(row) : t_.g_lower(row), rows_(row), bound)) return false;
+    char& counted = counted_row_[static_cast<std::size_t>(row)];
+    const double lambda = solution_.lambda(row);
+    if (!counted) add(bound, bound.upper ? std::max(lambda, 0.0) : std::min(lambda, 0.0));
+    counted = 1;
+    return true;
+  }
+
+  // `present`: the bound there is, which may be somebody else's.
+  static bool active(double present, double value, const LimitBound& bound) {
+    return std::abs(present - bound.value) <= 1e-12 * bound.size &&
+           std::abs(value - bound.value) <= kActive * bound.size;
+  }
+
+  // multiplier: -d objective / d bound.
+  void add(const LimitBound& bound, double multiplier) { worths_[bound.limit].worth += multiplier * bound.slope; }
+
+  const T& t_;
+  const Iterate& solution_;
+  std::vector<Kept> kept_;
+  PerLimit scales_;
+  Eigen::VectorXd rows_;
+  std::vector<char> counted_variable_, counted_row_;
+  std::vector<LimitWorth> worths_;  // in the order of PerLimit
+};
+
+}  // namespace fjr

@@ -1,0 +1,92 @@
+// Pontryagin's conditions along a solution.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "planner/analysis/adjoint.h"
+#include "planner/analysis/analysis.h"
+
+namespace fjr {
+
+// A bound counts as active within this share of it.
+inline constexpr double kActive = 0.01;
+
+// Mean of H over the intervals first, ..., last - 1, weighted by their durations.
+inline double mean_hamiltonian(const Adjoint& a, std::size_t first, std::size_t last) {
+  double integral = 0;
+  for (std::size_t k = first; k < last; ++k) integral += a.hamiltonian[k] * (a.node_times[k + 1] - a.node_times[k]);
+  return integral / (a.node_times[last] - a.node_times[first]);
+}
+
+// legs: first intervals of the stretches within which H is constant, and the number of intervals; {0, n} without via
+// points.
+inline Optimality::Hamiltonian hamiltonian(const Adjoint& a, const std::vector<std::size_t>& legs) {
+  Optimality::Hamiltonian result;
+  result.mean = mean_hamiltonian(a, 0, a.hamiltonian.size());
+  double squares = 0;
+  for (std::size_t leg = 0; leg + 1 < legs.size(); ++leg) {
+    const double mean = mean_hamiltonian(a, legs[leg], legs[leg + 1]);
+    for (std::size_t k = legs[leg]; k < legs[leg + 1]; ++k) {
+      const double deviation = std::abs(a.hamiltonian[k] - mean);
+      squares += deviation * deviation * (a.node_times[k + 1] - a.node_times[k]);
+      if (deviation <= result.largest) continue;
+      result.largest = deviation;
+      result.time = (a.node_times[k] + a.node_times[k + 1]) / 2;
+    }
+  }
+  result.spread = std::sqrt(squares / a.node_times.back());
+  return result;
+}
+
+// Which way active limits keep each variable from moving: bit 1 up, bit 2 down.
+template <class Ocp>
+std::vector<int> held(const Transcription<Ocp>& t, const Iterate& solution) {
+  std::vector<int> held(static_cast<std::size_t>(t.variables()), 0);
+  const auto side = [](double value, double lower, double upper) {
+    const auto near = [](double bound, double gap) { return std::isfinite(bound) && gap <= kActive * std::abs(bound); };
+    return (near(upper, upper - value) ? 1 : 0) | (near(lower, value - lower) ? 2 : 0);
+  };
+  for (Eigen::Index i = 0; i < t.variables(); ++i) {
+    held[static_cast<std::size_t>(i)] = side(solution.x(i), t.x_lower(i), t.x_upper(i));
+  }
+  Eigen::VectorXd values(t.constraints());
+  t.constraint_values(solution.x, values);
+  Eigen::VectorXd jacobian(static_cast<Eigen::Index>(t.jacobian_pattern.size()));
+  t.jacobian(solution.x, jacobian);
+  for (std::size_t e = 0; e < t.jacobian_pattern.size(); ++e) {
+    const auto [row, col] = t.jacobian_pattern[e];
+    const double slope = jacobian(static_cast<Eigen::Index>(e));
+    if (slope == 0 || t.g_lower(row) == t.g_upper(row)) continue;
+    const int by = side(values(row), t.g_lower(row), t.g_upper(row));
+    const bool swap = slope < 0 && (by == 1 || by == 2);
+    held[static_cast<std::size_t>(col)] |= swap ? 3 - by : by;
+  }
+  return held;
+}
+
+template <class Ocp>
+Optimality::Stationarity stationarity(const Transcription<Ocp>& t, const Iterate& solution, const Adjoint& a) {
+  Optimality::Stationarity result;
+  const std::vector<int> sides = held(t, solution);
+  double squares = 0, time = 0;
+  for (Eigen::Index i = 0; i < t.variables(); ++i) {
+    if (a.control_weight(i) <= 0) continue;
+    const double slope = a.hamiltonian_gradient(i) / a.control_weight(i);
+    const double left = (a.lagrangian(i) - solution.z_lower(i) + solution.z_upper(i)) / a.control_weight(i);
+    result.largest = std::max(result.largest, std::abs(slope));
+    result.residual = std::max(result.residual, std::abs(left));
+    const int side = sides[static_cast<std::size_t>(i)];
+    if (side == 0) {
+      squares += slope * slope * a.control_weight(i);
+      time += a.control_weight(i);
+    }
+    if (side == 1) result.wrong = std::max(result.wrong, slope);  // H would rise upwards: it should have moved down
+    if (side == 2) result.wrong = std::max(result.wrong, -slope);
+  }
+  if (time > 0) result.free = std::sqrt(squares / time);
+  return result;
+}
+
+}  // namespace fjr

@@ -1,0 +1,69 @@
+#include "planner/batch/earlier.h"
+
+#include <fstream>
+#include <string>
+
+#include "model/input_error.h"
+#include "planner/plan.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+bool says(const Json& plan, const char* key, const std::string& text) {
+  const auto found = plan.find(key);
+  return found != plan.end() && found->is_string() && found->get_ref<const std::string&>() == text;
+}
+
+bool is_final(const Json& plan) {
+  return !says(plan, "status", name(PlanStatus::kDeadline)) && !says(plan, "status", name(PlanStatus::kCancelled));
+}
+
+// A file that was cut short or belongs to another plan is no result.
+bool has_trajectory(const fs::path& file, const Problem& problem, const std::string& hash) {
+  try {
+    const Trajectory trajectory = read_csv(file);
+    const auto has = [&](const char* key, const std::string& value) {
+      const auto found = trajectory.metadata.find(key);
+      return found != trajectory.metadata.end() && found->second == value;
+    };
+    return has("request_hash", problem.request_hash) && has("robot_hash", hash) &&
+           has("rows", std::to_string(trajectory.samples.size()));
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+std::optional<Json> read_plan_json(const fs::path& folder) {
+  std::ifstream in(folder / "plan.json", std::ios::binary);
+  if (!in) return std::nullopt;
+  Json plan = Json::parse(in, nullptr, false);
+  if (!plan.is_object() || !plan.contains("status") || !plan["status"].is_string()) return std::nullopt;
+  return plan;
+}
+
+std::optional<Json> finished_earlier(const Problem& problem, const fs::path& folder, bool want_uncertified) {
+  std::optional<Json> plan = read_plan_json(folder);
+  if (!plan || !is_final(*plan)) return std::nullopt;
+  const std::string hash = robot_hash(problem.robot);
+  if (!says(*plan, "version", FJR_VERSION) || !says(*plan, "request_hash", problem.request_hash) ||
+      !says(*plan, "robot_hash", hash)) {
+    return std::nullopt;
+  }
+  if (says(*plan, "status", name(PlanStatus::kCertified)) &&
+      !has_trajectory(folder / "trajectory.csv", problem, hash)) {
+    return std::nullopt;
+  }
+  if (want_uncertified && says(*plan, "status", name(PlanStatus::kUncertified)) &&
+      !has_trajectory(folder / "trajectory.uncertified.csv", problem, hash)) {
+    return std::nullopt;
+  }
+  return plan;
+}
+
+}  // namespace fjr

@@ -1,0 +1,21 @@
+// What an earlier run has finished, so that it need not be planned again.
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "planner/problem/problem.h"
+
+namespace fjr {
+
+// A folder's plan.json, if it is there and whole.
+std::optional<nlohmann::ordered_json> read_plan_json(const std::filesystem::path& folder);
+
+// plan.json of the folder if it is this version's final word on this very problem and the files that belong to it are
+// there and whole. A deadline or a cancellation is not final. want_uncertified: the file of a trajectory that was not
+// certified belongs to it.
+std::optional<nlohmann::ordered_json> finished_earlier(const Problem& problem, const std::filesystem::path& folder,
+                                                       bool want_uncertified);
+
+}  // namespace fjr

@@ -1,0 +1,95 @@
+#include "planner/batch/table.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace fjr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// The value at a path such as /solver/iterations, null if there is none.
+Json value_at(const Json& plan, const char* path) { return plan.value(Json::json_pointer(path), Json()); }
+
+std::vector<std::pair<std::string, Json>> cells(const Row& row) {
+  std::vector<std::pair<std::string, Json>> cells;
+  for (const auto& [key, value] : row.items()) {
+    if (!value.is_object()) {
+      cells.emplace_back(key, value);
+      continue;
+    }
+    for (const auto& [inner, part] : value.items()) cells.emplace_back(key + "." + inner, part);
+  }
+  return cells;
+}
+
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string result = "\"";
+  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return result + "\"";
+}
+
+std::string csv_text(const Json& value) {
+  if (value.is_null()) return "";
+  return quoted(value.is_string() ? value.get<std::string>()
+                                  : value.dump(-1, ' ', false, Json::error_handler_t::replace));
+}
+
+std::string csv_line(const std::vector<std::string>& fields) { return fmt::format("{}\n", fmt::join(fields, ",")); }
+
+// In a row's own order; what only later rows have stands with its neighbours there.
+std::vector<std::string> columns_of(const std::vector<Row>& rows) {
+  std::vector<std::string> columns;
+  for (const Row& row : rows) {
+    auto after = columns.begin();
+    for (const auto& [column, value] : cells(row)) {
+      const auto found = std::find(columns.begin(), columns.end(), column);
+      after = (found != columns.end() ? found : columns.insert(after, column)) + 1;
+    }
+  }
+  return columns;
+}
+
+}  // namespace
+
+Row make_row(const BatchItem& item, const Json& plan) {
+  return {{"name", item.name},
+          {"axes", item.axes.is_null() ? Json::object() : item.axes},
+          {"status", value_at(plan, "/status")},
+          {"reason", value_at(plan, "/reason")},
+          {"duration", value_at(plan, "/duration")},
+          {"objective", value_at(plan, "/objective/total")},
+          {"terms", plan.value("/objective/terms"_json_pointer, Json::object())},
+          {"iterations", value_at(plan, "/solver/iterations")},
+          {"intervals", value_at(plan, "/mesh/intervals")},
+          {"starts", value_at(plan, "/solver/starts")},
+          {"distinct_minima", value_at(plan, "/solver/distinct_minima")},
+          {"open_loop_error", value_at(plan, "/certificate/open_loop/max_link_error_rad")},
+          {"closed_loop_error", value_at(plan, "/certificate/closed_loop/max_link_error_rad")},
+          {"time", value_at(plan, "/timing/total")}};
+}
+
+Row make_row(const BatchItem& item, const std::string& status, const std::string& reason) {
+  return make_row(item, Json{{"status", status}, {"reason", reason}});
+}
+
+std::string table_csv(const std::vector<Row>& rows) {
+  const std::vector<std::string> columns = columns_of(rows);
+  std::vector<std::string> header;
+  for (const std::string& column : columns) header.push_back(quoted(column));
+  std::string text = csv_line(header);
+  for (const Row& row : rows) {
+    std::vector<std::string> fields(columns.size());
+    for (const auto& [column, value] : cells(row)) {
+      const auto at = std::find(columns.begin(), columns.end(), column) - columns.begin();
+      fields[static_cast<std::size_t>(at)] = csv_text(value);
+    }
+    text += csv_line(fields);
+  }
+  return text;
+}
+
+}  // namespace fjr

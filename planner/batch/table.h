@@ -1,0 +1,24 @@
+// One row for every request of a batch: summary.csv and summary.json.
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "planner/batch/items.h"
+
+namespace fjr {
+
+using Row = nlohmann::ordered_json;
+
+// What plan.json says that is worth comparing: name, axes, status, reason, duration [s], objective, terms, iterations,
+// intervals, starts, distinct_minima, errors of both rollouts [rad], time [s]. null where there is nothing to say.
+Row make_row(const BatchItem& item, const nlohmann::ordered_json& plan);
+// For a request without a plan.json.
+Row make_row(const BatchItem& item, const std::string& status, const std::string& reason);
+
+// Header and rows; values within `axes` and `terms` are columns of their own, "axes.goal.q[0]". RFC 4180; null is
+// empty.
+std::string table_csv(const std::vector<Row>& rows);
+
+}  // namespace fjr

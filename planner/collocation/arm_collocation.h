@@ -1,0 +1,239 @@
+// One optimisation of the arm, for what an instance has room for: what collocate() chooses from. Each choice is
+// compiled in a file of its own.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "planner/collocation/collocate.h"
+#include "planner/collocation/margins.h"
+#include "planner/collocation/segments.h"
+#include "planner/collocation/transcription.h"
+#include "planner/collocation/transfer.h"
+#include "planner/problem/arm_ocp.h"
+
+namespace fjr {
+
+inline constexpr Features kPlain{};
+inline constexpr Features kRateControlled{.rate = true};
+inline constexpr Features kWithTask{.task_rows = 24};
+inline constexpr Features kEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows)};
+
+// visit<F>() with the least that has room for the problem.
+template <class Visit>
+auto with_features(const Problem& problem, Visit&& visit) {
+  const Limits& limits = problem.limits;
+  // The rate of u is the control only where something asks for it: two more states cost time.
+  const bool rate =
+      problem.weights.torque_rate > 0 || limits.torque_rate[0] < kNoLimit || limits.torque_rate[1] < kNoLimit;
+  const std::size_t rows = count_of_rows(problem.task);
+  const bool task = rows > 0 || problem.goal.any_free();
+  if (!task && !rate) return visit.template operator()<kPlain>();
+  if (!task) return visit.template operator()<kRateControlled>();
+  if (!rate && rows <= static_cast<std::size_t>(kWithTask.task_rows)) return visit.template operator()<kWithTask>();
+  return visit.template operator()<kEverything>();
+}
+
+// From a guess, or from an earlier solution: one of them is given.
+template <Features F>
+Collocated collocate_with(const Problem& problem, const CollocationSetup& setup, const Guess* guess,
+                          const Collocated* start, const SolveOptions& options);
+
+extern template Collocated collocate_with<kPlain>(const Problem&, const CollocationSetup&, const Guess*,
+                                                  const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kRateControlled>(const Problem&, const CollocationSetup&, const Guess*,
+                                                           const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kWithTask>(const Problem&, const CollocationSetup&, const Guess*,
+                                                     const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kEverything>(const Problem&, const CollocationSetup&, const Guess*,
+                                                       const Collocated*, const SolveOptions&);
+
+// ---- the template's parts ----
+
+namespace arm_collocation {
+
+template <int N>
+NodeBounds<N> node(std::size_t index) {
+  return {index, filled<N>(-kNoLimit), filled<N>(kNoLimit)};
+}
+
+template <int N>
+void fix(NodeBounds<N>& bounds, std::size_t first, const Pair<double>& values) {
+  for (std::size_t j = 0; j < kJoints; ++j) bounds.lower[first + j] = bounds.upper[first + j] = values[j];
+}
+
+// Start, via points and goal as bounds at nodes of the mesh.
+template <int N>
+std::vector<NodeBounds<N>> node_bounds(const Problem& problem, const Mesh& mesh) {
+  std::vector<NodeBounds<N>> bounds;
+  auto start = node<N>(0);
+  for (std::size_t i = 0; i < kStates; ++i) start.lower[i] = start.upper[i] = problem.start.data()[i];
+  bounds.push_back(start);
+  for (std::size_t i = 0; i < problem.via.size(); ++i) {
+    const Via& via = problem.via[i];
+    auto at = node<N>(end_node(mesh, i));
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      at.lower[j] = via.q[j] - via.tolerance;
+      at.upper[j] = via.q[j] + via.tolerance;
+    }
+    if (via.dq) fix(at, 2, *via.dq);
+    bounds.push_back(at);
+  }
+  auto goal = node<N>(mesh.size());
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!problem.goal.free[j]) goal.lower[j] = goal.upper[j] = problem.goal.q[j];
+  }
+  fix(goal, 2, problem.goal.dq);
+  if (problem.goal.theta) fix(goal, 4, *problem.goal.theta);
+  if (problem.goal.dtheta) fix(goal, 6, *problem.goal.dtheta);
+  bounds.push_back(goal);
+  return bounds;
+}
+
+// A joint that may end anywhere rests where its spring carries gravity, and the motor can hold it.
+template <Features F>
+std::vector<RowBounds> goal_rows(const Problem& problem, const Mesh& mesh) {
+  std::vector<RowBounds> rows;
+  if (!problem.goal.any_free() || !problem.goal.at_rest) return rows;
+  for (int j = 0; j < kJoints; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    const double held = problem.limits.torque[i] / problem.robot.spring.stiffness[i];
+    rows.push_back({mesh.size(), ArmOcp<F>::kEquilibrium1 + j, 0, 0});
+    rows.push_back({mesh.size(), ArmOcp<F>::kDeflection1 + j, -held, held});
+  }
+  return rows;
+}
+
+template <Features F>
+std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, const CollocationSetup& setup) {
+  std::vector<typename ArmOcp<F>::Bounds> bounds;
+  const std::vector<Kept> kept = kept_limits(problem, setup.mesh, setup.margins);
+  for (std::size_t k = 0; k < setup.mesh.size(); ++k) {
+    auto here = path_bounds<F>(kept[k].limits);
+    for (std::size_t r = 0; r < kept[k].task_rows.size(); ++r) {
+      here.row_lower[ArmOcp<F>::kTask + r] = kept[k].task_rows[r][0];
+      here.row_upper[ArmOcp<F>::kTask + r] = kept[k].task_rows[r][1];
+    }
+    for (std::size_t j = 0; j < kJoints && !setup.creep.empty(); ++j) {
+      const double creep = setup.creep[k][j];
+      if (creep > 0) here.x_lower[6 + j] = creep;
+      if (creep < 0) here.x_upper[6 + j] = creep;
+    }
+    bounds.push_back(here);
+  }
+  return bounds;
+}
+
+template <Features F>
+Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSetup& setup) {
+  auto ocp = make_arm_ocp<F>(problem, setup.smoothing.regularisation);
+  ocp.bounds = interval_bounds<F>(problem, setup);
+  for (FrictionLaw& law : ocp.friction) law = law.smoothed(setup.smoothing.friction_width);
+  for (std::size_t s = 0; s < segment_count(problem); ++s) {
+    ocp.tasks.push_back(task_rows(problem.robot, problem.task, s));
+  }
+  ocp.at_nodes = node_bounds<ArmOcp<F>::kStates>(problem, setup.mesh);
+  if constexpr (F.task_rows > 0) ocp.rows_at_nodes = goal_rows<F>(problem, setup.mesh);
+  ocp.durations = segment_durations(problem);
+  ocp.duration_sums = duration_sums(problem);
+  return {std::move(ocp), setup.scheme, setup.mesh};
+}
+
+// Positions as the integral of the velocity polynomial, so that both columns of a published row say the same between
+// the collocation points too. It still meets the next node: the scheme's quadrature is exact for polynomials of the
+// velocity's degree, its number of stages, except for the trapezoidal rule.
+inline Eigen::MatrixXd with_consistent_positions(const Eigen::MatrixXd& state, double duration) {
+  const Eigen::Index degree = state.cols() - 1;
+  if (degree < 3) return state;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(state.rows(), state.cols() + 1);
+  result.leftCols(state.cols()) = state;
+  for (const Eigen::Index position : {0, 1, 4, 5}) {
+    for (Eigen::Index d = 0; d <= degree; ++d) {
+      result(position, d + 1) = duration * state(position + 2, d) / static_cast<double>(d + 1);
+    }
+  }
+  return result;
+}
+
+template <Features F>
+Motion motion_of(const Transcription<ArmOcp<F>>& transcription, const Eigen::VectorXd& z) {
+  Motion motion;
+  const std::vector<double> times = transcription.mesh().node_times(transcription.durations(z));
+  for (int k = 0; k < transcription.intervals(); ++k) {
+    const double start = times[static_cast<std::size_t>(k)], end = times[static_cast<std::size_t>(k) + 1];
+    const Eigen::MatrixXd state = with_consistent_positions(transcription.state_polynomial(z, k), end - start);
+    if constexpr (F.rate) {
+      motion.intervals.push_back({start, end - start, state.topRows<kStates>(), state.bottomRows<kControls>()});
+    } else {
+      motion.intervals.push_back({start, end - start, state, transcription.control_polynomial(z, k)});
+    }
+  }
+  return motion;
+}
+
+template <Features F>
+Iterate evaluate_guess(const Transcription<ArmOcp<F>>& transcription, const Guess& guess) {
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(transcription.variables());
+  const auto put = [&](int at, double s) {
+    const State<double> x = guess.state(s);
+    z.segment<kStates>(at) = Eigen::Map<const Eigen::Matrix<double, kStates, 1>>(x.data());
+    if constexpr (F.rate)
+      z.segment<kControls>(at + kStates) = Eigen::Map<const Eigen::Vector2d>(guess.torque(s).data());
+  };
+  const std::vector<double> times = transcription.mesh().node_times(guess.durations);
+  put(0, 0);
+  for (int k = 0; k < transcription.intervals(); ++k) {
+    const double from = times[static_cast<std::size_t>(k)], to = times[static_cast<std::size_t>(k) + 1];
+    if constexpr (!F.rate) {
+      for (int end = 0; end < 2; ++end) {  // just inside the interval: a guess may jump at its ends
+        const Pair<double> u = guess.torque((from + (end == 0 ? 1e-6 : 1 - 1e-6) * (to - from)) / times.back());
+        z.segment<kControls>(transcription.u_at(k, end)) = Eigen::Map<const Eigen::Vector2d>(u.data());
+      }
+    }
+    for (int j = 0; j < transcription.scheme().stages(); ++j) {
+      const double c = transcription.scheme().points(j), s = (from + c * (to - from)) / times.back();
+      if (transcription.x_at(k, j) != transcription.node_at(k)) put(transcription.x_at(k, j), s);
+    }
+  }
+  for (int s = 0; s < transcription.mesh().segments(); ++s) {
+    z(transcription.duration_at(s)) = guess.durations[static_cast<std::size_t>(s)];
+  }
+  return {z, {}, {}, {}};
+}
+
+template <Features F>
+Collocated run(const CollocationSetup& setup, const Transcription<ArmOcp<F>>& transcription, const Iterate& start,
+               const SolveOptions& options) {
+  Collocated result{setup, solve(transcription, start, options), {}, {}};
+  if (result.report.iterate.x.size() == transcription.variables()) {
+    result.durations = transcription.durations(result.report.iterate.x);
+    result.motion = motion_of(transcription, result.report.iterate.x);
+  }
+  return result;
+}
+
+inline bool fits(const Nlp& nlp, const Iterate& iterate) {
+  return iterate.x.size() == nlp.variables() && iterate.lambda.size() == nlp.constraints() &&
+         iterate.z_lower.size() == nlp.variables() && iterate.z_upper.size() == nlp.variables();
+}
+
+}  // namespace arm_collocation
+
+template <Features F>
+Collocated collocate_with(const Problem& problem, const CollocationSetup& setup, const Guess* guess,
+                          const Collocated* start, const SolveOptions& options) {
+  namespace parts = arm_collocation;
+  const auto transcription = parts::transcribe<F>(problem, setup);
+  if (guess) return parts::run(setup, transcription, parts::evaluate_guess(transcription, *guess), options);
+  const Iterate& iterate = start->report.iterate;
+  if (setup.mesh == start->setup.mesh) {
+    if (!parts::fits(transcription, iterate)) return {setup, {}, {}, {}};
+    return parts::run(setup, transcription, iterate, options);
+  }
+  const auto before = parts::transcribe<F>(problem, start->setup);
+  if (!parts::fits(before, iterate)) return {setup, {}, {}, {}};
+  return parts::run(setup, transcription, Transfer<ArmOcp<F>>(before, iterate, transcription).run(), options);
+}
+
+}  // namespace fjr

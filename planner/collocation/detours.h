@@ -1,0 +1,35 @@
+// Ways round the obstacles, found on a grid over the link angles: where the optimiser starts when the straight way is
+// barred, and the reason when there is none.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planner/collocation/guess.h"
+#include "planner/problem/problem.h"
+
+namespace fjr {
+
+struct Detours {
+  // Ways that keep the task at every point, shortest first, no two of which can be pulled into one another without
+  // crossing what is forbidden. Empty when there is none on the grid.
+  std::vector<Way> ways;
+  // Of the best way there is, how much room it leaves where it is tightest [m]: when negative, by how much obstacles
+  // would have to be smaller, or a box larger.
+  double room = 0;
+  Way roomiest;
+  std::string barred_by;  // names of the constraints that are broken there, empty if none is
+};
+
+inline constexpr double kCoarseGrid = 0.06, kFineGrid = 0.02;  // [rad]: 4 cm and 1 cm at the stretched tip
+
+// Between two postures of the motion's segment; at most `most` ways. Only obstacles and boxes are looked at: lines,
+// arcs and paths are narrower than a grid.
+Detours find_detours(const Problem& problem, std::size_t segment, const Pair<double>& from, const Pair<double>& to,
+                     std::size_t most, double spacing = kCoarseGrid);
+
+// Why there is no way at all within the limits of the joints, as a sentence that names what bars it and the smallest
+// relaxation; empty when there is one, or the grid is too coarse to tell.
+std::string no_way(const Problem& problem);
+
+}  // namespace fjr

@@ -1,0 +1,157 @@
+// What a request asks of the way beside the limits: obstacles to avoid, where the tip may be, a path to follow. The
+// place for task constraints: a new one is a member of Task, its rows in task.cc, and its keys in read_task.cc.
+//
+// A task constraint is a row, lower <= value(q) <= upper, that only sees the links' positions.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "model/kinematics.h"
+#include "model/parameters.h"
+
+namespace fjr {
+
+// Both links keep `margin` away from the disc, over their whole length and radius. [m]
+struct Disc {
+  Pair<double> center{};
+  double radius = 0, margin = 0;
+};
+
+// The tip stays inside. [m]
+struct TipBox {
+  Pair<double> lower{}, upper{};
+};
+
+// The tip stays within the tolerance of the straight line between two points. [m]
+struct TipLine {
+  Pair<double> from{}, to{};
+  double tolerance = 0;
+};
+
+// The tip stays within the tolerance of the arc about `center` that leads the short way from one point to another. [m]
+struct TipArc {
+  Pair<double> center{}, from{}, to{};
+  double tolerance = 0;
+};
+
+// The links' angles stay within the tolerance of straight lines through the corners, one after the other. The motion
+// has one segment per line. [rad]
+struct JointPath {
+  std::vector<Pair<double>> corners;  // from the start to the goal
+  double tolerance = 0;
+};
+
+struct Task {
+  std::vector<Disc> obstacles;
+  std::optional<TipBox> box;
+  std::optional<TipLine> line;
+  std::optional<TipArc> arc;
+  std::optional<JointPath> path;
+};
+
+// Where the arm is, for rows to look at.
+template <class T>
+struct Posture {
+  Pair<T> q;
+  Point<T> elbow, tip;
+
+  static Posture of(const Parameters& robot, const Pair<T>& q) {
+    return {q, elbow_position(robot, q), tip_position(robot, q)};
+  }
+};
+
+struct TaskRow {
+  enum class Kind {
+    kTip,         // vector . tip - number                                 [m]
+    kTipRadius,   // (|tip - vector|^2 - number^2) / (2 number)            [m] distance from a circle, near it
+    kClearance1,  // (distance^2 - number^2) / (2 number) of link 1 from the point `vector`: to first order the
+    kClearance2,  // clearance, and smooth where the distance itself is not; of link 2                            [m]
+    kAngles,      // vector . q - number                                   [rad]
+  };
+  Kind kind;
+  Pair<double> vector;
+  double number;
+  double lower, upper;
+  double scale;      // size of the constraint, as a limit's size is: what shares of it are taken of  [m or rad]
+  std::string name;  // in plan.json: obstacles[0], tip_box, tip_line, tip_arc, path
+  int link = 0;      // 1 or 2 for obstacles; 0: neither
+
+  template <class T>
+  T value(const Parameters& robot, const Posture<T>& at) const;
+
+  // How far it is from its bounds: negative where it is broken. [m or rad]
+  double room(double value) const { return std::min(value - lower, upper - value); }
+  // The same in true distance, which differs from value() well away from a circle. [m or rad]
+  double distance(double value) const;
+};
+
+// The rows of a task while the motion is in `segment` of its mesh: the same kinds at every segment, in the same order.
+std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::size_t segment);
+
+// How many that are.
+std::size_t count_of_rows(const Task& task);
+inline constexpr std::size_t kMostObstacles = 64;
+inline constexpr std::size_t kMostTaskRows = 2 * kMostObstacles + 4;  // a path and a region of the tip beside them
+
+// ---- details of templates ----
+
+inline double TaskRow::distance(double value) const {
+  const bool circle = kind != Kind::kTip && kind != Kind::kAngles;
+  const auto true_one = [&](double v) {
+    return circle ? std::sqrt(std::max(0.0, number * (number + 2 * v))) - number : v;
+  };
+  return std::min(true_one(value) - true_one(lower), true_one(upper) - true_one(value));
+}
+
+template <class T>
+double value_of(const T& x) {
+  if constexpr (requires { x.v; }) {
+    return x.v;
+  } else {
+    return x;
+  }
+}
+
+// Squared distance of the point p from the segment of the given length from `begin` to `end`. [m^2]
+template <class T>
+T squared_distance(const Pair<double>& p, const Point<T>& begin, const Point<T>& end, double length) {
+  const T to_x = p[0] - begin.x, to_y = p[1] - begin.y;
+  const T along_x = (end.x - begin.x) * (1 / length), along_y = (end.y - begin.y) * (1 / length);
+  const double along = value_of(to_x) * value_of(along_x) + value_of(to_y) * value_of(along_y);
+  // A pattern has no value to choose by; what is beside the segment depends on everything.
+  const bool structure_only = requires(T t) { t.depends_on(0); };
+  if (!structure_only && along < 0) return to_x * to_x + to_y * to_y;
+  if (!structure_only && along > length) {
+    const T x = p[0] - end.x, y = p[1] - end.y;
+    return x * x + y * y;
+  }
+  const T across = along_x * to_y - along_y * to_x;
+  return across * across;
+}
+
+template <class T>
+T TaskRow::value(const Parameters& robot, const Posture<T>& at) const {
+  const auto from_circle = [this](const T& squared) { return (squared - number * number) * (0.5 / number); };
+  switch (kind) {
+    case Kind::kTip:
+      return vector[0] * at.tip.x + vector[1] * at.tip.y - number;
+    case Kind::kTipRadius: {
+      const T x = at.tip.x - vector[0], y = at.tip.y - vector[1];
+      return from_circle(x * x + y * y);
+    }
+    case Kind::kClearance1:
+      return from_circle(squared_distance(vector, Point<T>{T(0.0), T(0.0)}, at.elbow, robot.link.length[0]));
+    case Kind::kClearance2:
+      return from_circle(squared_distance(vector, at.elbow, at.tip, robot.link.length[1]));
+    case Kind::kAngles:
+      break;
+  }
+  return vector[0] * at.q[0] + vector[1] * at.q[1] - number;
+}
+
+}  // namespace fjr

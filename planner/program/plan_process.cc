@@ -1,0 +1,82 @@
+#include "planner/program/plan_process.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+#include <utility>
+
+#include "planner/service/spawn.h"
+
+namespace fjr {
+namespace {
+
+Descriptor checked(int number, const char* what) {
+  if (number < 0) throw std::system_error(errno, std::generic_category(), what);
+  return Descriptor(number);
+}
+
+// What it wrote to stderr, without "fjr: " and the line's end.
+std::string first_line(int complaints) {
+  std::array<char, 1000> text{};
+  const ssize_t read = ::pread(complaints, text.data(), text.size(), 0);
+  std::string line(text.data(), read > 0 ? static_cast<std::size_t>(read) : 0);
+  line.resize(std::min(line.size(), line.find('\n')));
+  return line.starts_with("fjr: ") ? line.substr(5) : line;
+}
+
+std::string in_words(int status, int complaints) {
+  if (WIFSIGNALED(status)) {
+    return fmt::format("the planning process was ended by signal {} ({})", WTERMSIG(status),
+                       ::strsignal(WTERMSIG(status)));
+  }
+  const std::string complaint = first_line(complaints);
+  if (!complaint.empty()) return complaint;
+  return fmt::format("the planning process ended with exit code {}", WEXITSTATUS(status));
+}
+
+}  // namespace
+
+PlanProcess::PlanProcess(std::vector<std::string> arguments)
+    : complaints_(checked(::memfd_create("fjr plan", MFD_CLOEXEC), "memfd_create")) {
+  const Descriptor nothing = checked(::open("/dev/null", O_RDWR | O_CLOEXEC), "/dev/null");
+  const std::vector<std::string> head = {"plan", "--parent", std::to_string(::getpid())};
+  arguments.insert(arguments.begin(), head.begin(), head.end());
+  pid_ = spawn_self(std::move(arguments), nothing.number(), nothing.number(), complaints_.number());
+}
+
+PlanProcess::~PlanProcess() {
+  if (pid_ < 0) return;
+  kill();
+  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
+PlanProcess::PlanProcess(PlanProcess&& other) noexcept
+    : pid_(std::exchange(other.pid_, -1)), complaints_(std::move(other.complaints_)) {}
+
+PlanProcess& PlanProcess::operator=(PlanProcess&& other) noexcept {
+  std::swap(pid_, other.pid_);
+  std::swap(complaints_, other.complaints_);
+  return *this;
+}
+
+std::optional<std::string> PlanProcess::ending() {
+  int status = 0;
+  if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+  pid_ = -1;
+  return in_words(status, complaints_.number());
+}
+
+void PlanProcess::cancel() const { ::kill(pid_, SIGTERM); }
+void PlanProcess::kill() const { ::kill(pid_, SIGKILL); }
+
+}  // namespace fjr

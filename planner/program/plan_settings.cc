@@ -1,0 +1,40 @@
+#include "planner/program/plan_settings.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+
+namespace fjr {
+
+void add_options(CLI::App& command, PlanSettings& settings) {
+  command.add_option("--linear-solver", settings.plan.linear_solver, "Solver of the linear systems")
+      ->check(CLI::IsMember({"stage", "mumps"}))
+      ->capture_default_str();
+  command.add_option("--starts", settings.plan.starts, "Starts of the optimiser; default by objective, 1 to 6")
+      ->check(CLI::Range(1, 100));
+  command.add_option("--deadline", settings.plan.deadline, "Wall time allowed for each request, in seconds")
+      ->check(CLI::Validator(
+          [](const std::string& text) {
+            double seconds = 0;
+            const bool number = CLI::detail::lexical_cast(text, seconds);
+            return number && std::isfinite(seconds) && seconds > 0 ? ""
+                                                                   : '"' + text + "\" is not a number of seconds > 0";
+          },
+          ""))
+      ->type_name("S");
+  command.add_flag("--keep-uncertified", settings.keep_uncertified,
+                   "Write trajectories without certificate too, as trajectory.uncertified.csv");
+  command.add_flag("--report", settings.report, "Write report.html too: the motion, animated, and all about it");
+}
+
+std::vector<std::string> to_arguments(const PlanSettings& settings) {
+  std::vector<std::string> words = {"--linear-solver", settings.plan.linear_solver};
+  if (settings.plan.starts > 0) words.insert(words.end(), {"--starts", std::to_string(settings.plan.starts)});
+  if (settings.plan.deadline > 0) words.insert(words.end(), {"--deadline", fmt::format("{}", settings.plan.deadline)});
+  if (settings.keep_uncertified) words.emplace_back("--keep-uncertified");
+  if (settings.report) words.emplace_back("--report");
+  return words;
+}
+
+}  // namespace fjr

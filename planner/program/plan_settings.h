@@ -1,0 +1,26 @@
+// How requests are planned, from the command line: the options that `fjr plan` and `fjr batch` share.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planner/plan.h"
+
+namespace CLI {
+class App;
+}
+
+namespace fjr {
+
+struct PlanSettings {
+  bool keep_uncertified = false;
+  bool report = false;
+  PlanOptions plan;
+};
+
+void add_options(CLI::App& command, PlanSettings& settings);
+
+// The options again as words of a command line.
+std::vector<std::string> to_arguments(const PlanSettings& settings);
+
+}  // namespace fjr

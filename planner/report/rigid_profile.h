@@ -1,0 +1,52 @@
+// What planning without the springs would have done: the textbook's profiles for a rigid arm, run on the elastic one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/dynamics.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+
+enum class Profile {
+  kMinimumJerk,  // s = 10 c^3 - 15 c^4 + 6 c^5
+  kTrapezoidal,  // of velocity: a third of the time each to speed up, to cruise and to brake
+};
+
+const char* name(Profile profile);
+
+// How far along the way at share c of the time, 0 to 1, and its derivatives with respect to c. Where the trapezoid's
+// acceleration jumps, at 1/3 and 2/3, it is the later one.
+struct Along {
+  double position = 0, velocity = 0, acceleration = 0;
+};
+Along along(Profile profile, double c);
+
+// What a controller that takes the arm for rigid commands between two rests: link and motor positions go straight from
+// one rest to the other, all along the profile; torque is the inverse dynamics of the rigid arm (links and motors as
+// one body per joint) with gravity and the exact friction law. At both ends motors and torque are those of the true
+// rest, springs included, so that nothing but the elasticity on the way is left out. Torque jumps with the trapezoid's
+// acceleration. duration [s] > 0.
+Trajectory rigid_reference(const Parameters& p, Profile profile, const Pair<double>& from, const Pair<double>& to,
+                           double duration);
+
+inline constexpr double kWatchedAfterEnd = 1;  // [s]
+inline constexpr double kSettled = 1e-3;       // [rad] ten counts of the link encoder
+
+// One run on the exact elastic model.
+struct ElasticRun {
+  std::vector<Sample> samples;            // state reached and torque commanded, to kWatchedAfterEnd after the end
+  Pair<double> peak_torque{};             // [N m], unbounded: what the drive would have to give
+  Pair<double> peak_motor_velocity{};     // [rad/s]
+  Pair<double> peak_spring_deflection{};  // [rad]
+  Pair<double> residual{};                // [rad] largest |q - q_goal| after the end
+  double settling_time = 0;  // [s] after the end until both links stay within kSettled; infinite: not while watched
+  std::string failure;       // of the integration; empty: none
+};
+
+// Follows `reference` with the executor's motor-side feedback on the exact state, then holds its last row, which is a
+// rest. `reference` starts at rest.
+ElasticRun run_on_elastic_arm(const Parameters& p, const Trajectory& reference);
+
+}  // namespace fjr

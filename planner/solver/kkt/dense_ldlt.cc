@@ -1,0 +1,185 @@
+#include "planner/solver/kkt/dense_ldlt.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/solver/kkt/vectorised.h"
+
+namespace fjr {
+namespace {
+
+// A pivot below this is a zero.
+constexpr double kZero = 1e-20;
+
+// Pivots that bound growth this well are taken first; the caller's threshold is what is accepted before delaying.
+constexpr double kComfortable = 1e-2;
+
+// Subtracts from all rows below p what eliminating it with the pivot d leaves there, and divides row p. What this does
+// to the columns up to p is nobody's business any more.
+FJR_VECTORISED void subtract_one(double* a, int n, int width, int p, double d) {
+  double* from = a + p * width;
+  const double inverse = 1 / d;
+  const int first = (p + 1) / kLanes * kLanes;
+  for (int i = p + 1; i < n; ++i) {
+    const double l = from[i] * inverse;
+    if (l == 0) continue;
+    double* to = a + i * width;
+    for (int w = first; w < width; w += kLanes) {
+      *reinterpret_cast<Lanes*>(to + w) -= l * *reinterpret_cast<const Lanes*>(from + w);
+    }
+  }
+  for (int i = p + 1; i < n; ++i) from[i] *= inverse;
+}
+
+// The same for rows p and p + 1 with the pivot block (d0 e0; e0 d1).
+FJR_VECTORISED void subtract_two(double* a, int n, int width, int p, double d0, double e0, double d1) {
+  double *from0 = a + p * width, *from1 = from0 + width;
+  const double inverse = 1 / (d0 * d1 - e0 * e0), b00 = d1 * inverse, b01 = -e0 * inverse, b11 = d0 * inverse;
+  const int first = (p + 2) / kLanes * kLanes;
+  for (int i = p + 2; i < n; ++i) {
+    const double u = b00 * from0[i] + b01 * from1[i], v = b01 * from0[i] + b11 * from1[i];
+    if (u == 0 && v == 0) continue;
+    double* to = a + i * width;
+    for (int w = first; w < width; w += kLanes) {
+      *reinterpret_cast<Lanes*>(to + w) -=
+          u * *reinterpret_cast<const Lanes*>(from0 + w) + v * *reinterpret_cast<const Lanes*>(from1 + w);
+    }
+  }
+  for (int i = p + 2; i < n; ++i) {
+    const double u = b00 * from0[i] + b01 * from1[i], v = b01 * from0[i] + b11 * from1[i];
+    from0[i] = u;
+    from1[i] = v;
+  }
+  from0[p + 1] = 0;
+}
+
+// Largest magnitude in a row where `counts` is 1.
+FJR_VECTORISED double largest_of(const double* row, const double* counts, int width) {
+  double best[kLanes] = {};
+  for (int w = 0; w < width; w += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const double size = std::fabs(row[w + lane]) * counts[w + lane];
+      best[lane] = size > best[lane] ? size : best[lane];
+    }
+  }
+  return *std::max_element(best, best + kLanes);
+}
+
+}  // namespace
+
+void DenseLdlt::reset(std::span<const int> index) {
+  index_.assign(index.begin(), index.end());
+  matrix_.resize(order(), order());
+  d_.assign(index_.size(), 0);
+  e_.assign(index_.size(), 0);
+  counts_.resize_to_zero(1, order());
+  std::fill_n(counts_.row(0), order(), 1.0);
+  pivots_ = 0;
+}
+
+// Largest magnitude in row i of what is not eliminated, without columns c and d.
+double DenseLdlt::largest(int i, int c, int d) {
+  double* counts = counts_.row(0);
+  counts[c] = counts[d] = 0;
+  const double result = largest_of(row(i), counts, matrix_.width());
+  counts[c] = counts[d] = 1;
+  return result;
+}
+
+// Exchanges rows and columns p and q, neither eliminated yet.
+void DenseLdlt::exchange(int p, int q) {
+  if (p == q) return;
+  std::swap_ranges(row(p), row(p) + matrix_.width(), row(q));
+  for (int i = 0; i < order(); ++i) std::swap(row(i)[p], row(i)[q]);
+  std::swap(index_[static_cast<std::size_t>(p)], index_[static_cast<std::size_t>(q)]);
+}
+
+int DenseLdlt::eliminate(int candidates, double threshold) {
+  const int n = order();
+  int negative = 0, p = 0, candidate = 0;
+  double wanted = kComfortable;
+  const auto next_pivot = [&](int size) {
+    for (int i = 0; i < size; ++i) counts_.row(0)[p++] = 0;
+    candidate = 0;
+    wanted = kComfortable;
+  };
+  while (p < candidates) {
+    if (p + candidate >= candidates) {  // nobody left passes
+      if (wanted <= threshold) break;   // delayed
+      wanted = threshold;
+      candidate = 0;
+    }
+    const int c = p + candidate;
+    const double own = std::fabs(row(c)[c]), off = largest(c, c, c);
+    if (own >= wanted * off && own > kZero) {  // 1 x 1
+      exchange(p, c);
+      const double d = row(p)[p];
+      d_[static_cast<std::size_t>(p)] = d;
+      negative += d < 0;
+      subtract_one(matrix_.data(), n, matrix_.width(), p, d);
+      next_pivot(1);
+      continue;
+    }
+    // 2 x 2 with the candidate it couples to most.
+    int r = -1;
+    double y = 0;
+    for (int j = p; j < candidates; ++j) {
+      if (j == c || std::fabs(row(c)[j]) <= std::fabs(y)) continue;
+      y = row(c)[j];
+      r = j;
+    }
+    if (r >= 0) {
+      const double x = row(c)[c], z = row(r)[r], determinant = x * z - y * y;
+      const double off_c = largest(c, c, r), off_r = largest(r, c, r);
+      // Growth of the inverse times the rest, row by row (Duff & Reid's test).
+      const double growth =
+          std::max(std::fabs(z) * off_c + std::fabs(y) * off_r, std::fabs(y) * off_c + std::fabs(x) * off_r);
+      if (std::fabs(determinant) > kZero && growth * wanted <= std::fabs(determinant)) {
+        exchange(p, c);
+        exchange(p + 1, r == p ? c : r);
+        const double d0 = row(p)[p], e0 = row(p)[p + 1], d1 = row(p + 1)[p + 1], det = d0 * d1 - e0 * e0;
+        d_[static_cast<std::size_t>(p)] = d0;
+        d_[static_cast<std::size_t>(p) + 1] = d1;
+        e_[static_cast<std::size_t>(p)] = e0;
+        negative += det < 0 ? 1 : (d0 < 0 ? 2 : 0);
+        subtract_two(matrix_.data(), n, matrix_.width(), p, d0, e0, d1);
+        next_pivot(2);
+        continue;
+      }
+    }
+    ++candidate;
+  }
+  pivots_ = p;
+  return negative;
+}
+
+void DenseLdlt::solve_forward(std::span<double> x) const {
+  for (int p = 0; p < pivots_; ++p) {
+    const double* l = row(p);
+    const double pivot = x[static_cast<std::size_t>(p)];
+    const int below = e_[static_cast<std::size_t>(p)] != 0 ? p + 2 : p + 1;
+    for (int i = below; i < order(); ++i) x[static_cast<std::size_t>(i)] -= l[i] * pivot;
+  }
+}
+
+void DenseLdlt::solve_backward(std::span<double> x) const {
+  for (std::size_t q = 0; q < static_cast<std::size_t>(pivots_); ++q) {
+    if (e_[q] == 0) {
+      x[q] /= d_[q];
+      continue;
+    }
+    const double det = d_[q] * d_[q + 1] - e_[q] * e_[q], first = x[q], second = x[q + 1];
+    x[q] = (d_[q + 1] * first - e_[q] * second) / det;
+    x[q + 1] = (d_[q] * second - e_[q] * first) / det;
+    ++q;
+  }
+  for (int p = pivots_ - 1; p >= 0; --p) {
+    const double* l = row(p);
+    const int below = e_[static_cast<std::size_t>(p)] != 0 ? p + 2 : p + 1;
+    double value = x[static_cast<std::size_t>(p)];
+    for (int i = below; i < order(); ++i) value -= l[i] * x[static_cast<std::size_t>(i)];
+    x[static_cast<std::size_t>(p)] = value;
+  }
+}
+
+}  // namespace fjr

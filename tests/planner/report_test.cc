@@ -1,0 +1,427 @@
+// The report: the physics of what a plan is compared with, what the page holds, and folders that are no plans.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <complex>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <string>
+
+#include "model/chart_page.h"
+#include "model/input_error.h"
+#include "model/kinematics.h"
+#include "planner/plan.h"
+#include "planner/report/plan_page.h"
+#include "planner/report/rigid_profile.h"
+#include "planner/report/scene.h"
+#include "planner/trajectory/plan_json.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using testing::HasSubstr;
+using testing::Not;
+
+const fs::path kRobot = fs::path(FJR_SOURCE_DIR) / "config" / "robot.yaml";
+
+// ---- profiles ----
+
+class Profiles : public testing::TestWithParam<Profile> {};
+INSTANTIATE_TEST_SUITE_P(, Profiles, testing::Values(Profile::kMinimumJerk, Profile::kTrapezoidal),
+                         [](const auto& profile) {
+                           return profile.param == Profile::kMinimumJerk ? "minimum_jerk" : "trapezoidal";
+                         });
+
+TEST_P(Profiles, LeadFromRestToRestAndAreTheirOwnDerivatives) {
+  EXPECT_EQ(along(GetParam(), 0).position, 0);
+  EXPECT_NEAR(along(GetParam(), 1).position, 1, 1e-15);
+  EXPECT_EQ(along(GetParam(), 0).velocity, 0);
+  EXPECT_NEAR(along(GetParam(), 1).velocity, 0, 1e-14);
+  for (const double corner : {1.0 / 3, 2.0 / 3}) {  // of the trapezoid
+    const Along before = along(GetParam(), corner - 1e-12), after = along(GetParam(), corner + 1e-12);
+    EXPECT_NEAR(before.position, after.position, 1e-10);
+    EXPECT_NEAR(before.velocity, after.velocity, 1e-10);
+  }
+  constexpr double kStep = 1e-5;
+  for (double c = 0.01; c < 1; c += 0.0123) {  // never within a step of a jump
+    const Along before = along(GetParam(), c - kStep), at = along(GetParam(), c), after = along(GetParam(), c + kStep);
+    // Central differences: error kStep^2 / 6 times a third derivative of at most 360.
+    EXPECT_NEAR((after.position - before.position) / (2 * kStep), at.velocity, 1e-8) << c;
+    EXPECT_NEAR((after.velocity - before.velocity) / (2 * kStep), at.acceleration, 1e-7) << c;
+  }
+}
+
+// With springs ten thousand times as stiff the arm is rigid, and then the rigid arm's torque is exact: what is left
+// after the end is what stiffness leaves, acceleration / frequency^2, and the millisecond in which friction sets in.
+TEST_P(Profiles, LeaveNoResidualOnAStiffArm) {
+  Parameters robot = load_parameters(kRobot);
+  const Pair<double> from{0.2, -0.3}, to{1.0, 0.5};
+  const ElasticRun soft = run_on_elastic_arm(robot, rigid_reference(robot, GetParam(), from, to, 0.8));
+  for (double& stiffness : robot.spring.stiffness) stiffness *= 1e4;
+  const Trajectory reference = rigid_reference(robot, GetParam(), from, to, 0.8);
+  const ElasticRun stiff = run_on_elastic_arm(robot, reference);
+  ASSERT_EQ(stiff.failure, "");
+  double feed_forward = 0;
+  for (const Sample& row : reference.samples) feed_forward = std::max(feed_forward, std::abs(row.torque[0]));
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    EXPECT_LT(stiff.residual[j], 2e-4) << j;
+    EXPECT_GT(soft.residual[j], 50 * stiff.residual[j]) << j;
+  }
+  EXPECT_EQ(stiff.settling_time, 0);
+  EXPECT_NEAR(stiff.peak_torque[0], feed_forward, 0.05 * feed_forward);  // the feedback has next to nothing to do
+}
+
+// Motors that follow perfectly shake the links by s(t) alone. Linearised at the goal, every mode is an oscillator whose
+// amplitude after the end is the Fourier transform of s'' at its frequency; computed here from the eigenvalues of the
+// paper's matrices, with no integrator.
+TEST_P(Profiles, ResidualIsThatOfTheLinearisedArm) {
+  Parameters robot = load_parameters(kRobot);
+  robot.feedback.position_gain = {2e5, 2e5};  // 1e-4 of compliance left
+  robot.feedback.velocity_gain = {200, 100};
+  const Pair<double> from{-0.04, 0.03}, to{0.03, -0.03};
+  constexpr double kDuration = 0.3;
+
+  const MassMatrix<double> m = mass_matrix(robot, to[1]);
+  Eigen::Matrix2d mass, stiffness;
+  mass << m.m11, m.m12, m.m12, m.m22;
+  const double second = robot.link.gravity_torque[1] * std::cos(to[0] + to[1]);  // dG/dq
+  stiffness << robot.spring.stiffness[0] + robot.link.gravity_torque[0] * std::cos(to[0]) + second, second, second,
+      robot.spring.stiffness[1] + second;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> modes(stiffness, mass);
+  Eigen::Vector2d pull;  // K (theta at the end - theta at the start)
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    pull[static_cast<Eigen::Index>(j)] =
+        robot.spring.stiffness[j] * (rest_at(robot, to).theta[j] - rest_at(robot, from).theta[j]);
+  }
+  std::array<std::complex<double>, 2> amplitude;
+  for (int i = 0; i < 2; ++i) {
+    const double frequency = std::sqrt(modes.eigenvalues()[i]);
+    constexpr int kSteps = 30000;
+    std::complex<double> transform = 0;
+    for (int k = 0; k < kSteps; ++k) {
+      const double c = (k + 0.5) / kSteps;
+      transform +=
+          along(GetParam(), c).acceleration * std::polar(1.0, -frequency * kDuration * c) / (kDuration * kSteps);
+    }
+    amplitude[static_cast<std::size_t>(i)] =
+        -modes.eigenvectors().col(i).dot(pull) * transform / std::pow(frequency, 3);
+  }
+  Pair<double> expected{};
+  for (double t = kDuration; t < kDuration + kWatchedAfterEnd; t += 1e-4) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      double off = 0;
+      for (int i = 0; i < 2; ++i) {
+        off +=
+            modes.eigenvectors()(static_cast<Eigen::Index>(j), i) *
+            std::imag(amplitude[static_cast<std::size_t>(i)] * std::polar(1.0, std::sqrt(modes.eigenvalues()[i]) * t));
+      }
+      expected[j] = std::max(expected[j], std::abs(off));
+    }
+  }
+
+  const ElasticRun run = run_on_elastic_arm(robot, rigid_reference(robot, GetParam(), from, to, kDuration));
+  ASSERT_EQ(run.failure, "");
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    EXPECT_GT(expected[j], 5e-3) << j;  // or nothing would be tested
+    // Second order in angles of 0.07 rad.
+    EXPECT_NEAR(run.residual[j], expected[j], 0.02 * expected[j]) << j;
+  }
+}
+
+// ---- the page ----
+
+std::size_t count_of(const std::string& part, const std::string& text) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+Json data_of(const std::string& html) {
+  const std::string open = "<script type='application/json' id='plan-data'>";
+  const std::size_t from = html.find(open);
+  if (from == std::string::npos) return nullptr;
+  const std::size_t begin = from + open.size();
+  return Json::parse(html.substr(begin, html.find("</script>", begin) - begin));
+}
+
+PlanRecord record_of(const std::string& request) {
+  const Problem problem = parse_request(request, "reach.yaml", load_parameters(kRobot));
+  Plan made = plan(problem, {});
+  return {"plan.json", plan_json(problem, made), problem.robot, made.trajectory};
+}
+
+const PlanRecord& reach() {
+  static const PlanRecord record = record_of("start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\n");
+  return record;
+}
+
+TEST(PlanPage, HoldsTheMotionAndWhatItIsComparedWith) {
+  const std::string html = plan_page(reach());
+  const Json data = data_of(html);
+  ASSERT_EQ(data["motions"].size(), 3U);
+  const Json& motion = data["motions"][0];
+  const std::vector<Sample>& rows = reach().trajectory->samples;
+  ASSERT_EQ(motion["time"].size(), rows.size());      // few enough to be there all
+  for (std::size_t i = 0; i < rows.size(); i += 7) {  // six digits
+    EXPECT_NEAR(motion["time"][i].get<double>(), rows[i].time, 1e-8);
+    EXPECT_NEAR(motion["q2"][i].get<double>(), rows[i].state.q[1], 1e-5);
+    EXPECT_NEAR(motion["theta1"][i].get<double>(), rows[i].state.theta[0], 1e-5);
+    EXPECT_NEAR(motion["tau1"][i].get<double>(), rows[i].torque[0], 1e-4);
+  }
+  EXPECT_NEAR(data["motions"][2]["time"].back().get<double>(), rows.back().time + kWatchedAfterEnd, 1e-6);
+  EXPECT_EQ(data["limits"]["torque"], Json({12.0, 5.0}));
+  EXPECT_EQ(data["arm"]["radius"], Json({0.03, 0.025}));
+  EXPECT_TRUE(data["scene"].empty());
+  for (const char* heading : {"Motion", "Margins", "Certificate", "Had it been planned without the springs",
+                              "Mesh and error", "Objective", "Solver", "Request"}) {
+    EXPECT_THAT(html, HasSubstr("<h2>" + std::string(heading) + "</h2>"));
+  }
+  EXPECT_THAT(html, HasSubstr("spring deflection 1"));
+  EXPECT_EQ(count_of("<canvas id='chart", html), count_of("\"x_label\":", html));  // each has its data
+  EXPECT_EQ(html, plan_page(reach()));
+}
+
+// The plan is run by the same code as the profiles; the certificate has its residual from code of its own.
+TEST(PlanPage, TheComparedPlanHasTheCertificatesResidual) {
+  const ElasticRun run = run_on_elastic_arm(reach().robot, *reach().trajectory);
+  const Json& residual = reach().plan["certificate"]["residual"]["link_vibration_rad"];
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    EXPECT_NEAR(run.residual[j], residual[j].get<double>(), 1e-6) << j;  // the integrators' tolerances
+    const ElasticRun textbook = run_on_elastic_arm(
+        reach().robot,
+        rigid_reference(reach().robot, Profile::kMinimumJerk, {0, 0}, {1.2, -0.8}, reach().trajectory->end_time()));
+    EXPECT_GT(textbook.residual[j], 50 * run.residual[j]) << j;  // what planning with the springs is for
+  }
+}
+
+TEST(PlanPage, NeedsNothingButItself) {
+  std::string html = plan_page(reach());
+  const std::size_t library = html.find(kChartJs);
+  ASSERT_NE(library, std::string::npos);
+  html.erase(library, std::string(kChartJs).size());
+  for (const char* part : {"http", "src=", "href=", "url(", "@import", "<link", "NaN", "import(", "fetch(", "nan<"}) {
+    EXPECT_THAT(html, Not(HasSubstr(part)));
+  }
+}
+
+TEST(PlanPage, TextsCannotBreakThePage) {
+  PlanRecord record = reach();
+  const std::string hostile = "</script><script>alert(1)</script><img src=x onerror=alert(2)>'\"&\xff";
+  record.plan["request"] = hostile;
+  record.plan["reason"] = hostile;
+  record.plan["solver"]["stages"][0]["name"] = hostile;
+  record.plan["certificate"]["limits"][0]["name"] = hostile;
+  record.plan["sensitivity"] = {{hostile, {{"deep", {{{"a", hostile}}}}}}};
+  record.plan["resolved_request"]["via"] = {{{"time", 0.1}, {"q", {0.1, 0.2}}, {hostile, 1}}};
+  const std::string html = plan_page(record), sane = plan_page(reach());
+  EXPECT_EQ(count_of("</script", html), count_of("</script", sane));
+  EXPECT_EQ(count_of("<script", html), count_of("<script", sane));
+  EXPECT_EQ(count_of("<img", html), 0U);
+  EXPECT_THAT(html, HasSubstr("&lt;img src=x"));
+}
+
+Json scene_of(const std::string& request) {
+  const Problem problem =
+      parse_request("start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n" + request, "reach.yaml", load_parameters(kRobot));
+  const Json json = plan_json(problem, {});
+  return scene_json(JsonField(json, "plan.json"), problem.robot);
+}
+
+void expect_at(const Json& point, double x, double y) {
+  EXPECT_NEAR(point[0].get<double>(), x, 1e-12);
+  EXPECT_NEAR(point[1].get<double>(), y, 1e-12);
+}
+
+TEST(Scene, HoldsWhatTheRequestAsksForOnTheWay) {
+  EXPECT_TRUE(scene_of("").empty());
+  const Json scene = scene_of(
+      "obstacles: [{center: [0.3, -0.7], radius: 0.05, margin: 0.01}]\n"
+      "tip: {box: [[-0.7, -0.7], [0.7, 0.3]]}\nvia: [{q: [0.7, -0.2]}]\n");
+  ASSERT_EQ(scene.size(), 3U);
+  EXPECT_EQ(
+      scene[0],
+      Json({{"kind", "disc"}, {"center", {0.3, -0.7}}, {"radius", 0.05}, {"margin", 0.01}, {"label", "obstacle 1"}}));
+  EXPECT_EQ(scene[1]["corners"], Json({{-0.7, -0.7}, {0.7, 0.3}}));
+  const Point<double> tip = tip_position(load_parameters(kRobot), Pair<double>{0.7, -0.2});
+  EXPECT_EQ(scene[2]["kind"], "point");
+  expect_at(scene[2]["at"], tip.x, tip.y);
+}
+
+TEST(Scene, ArcsLeadTheShortWayFromOnePointToTheOther) {
+  const Parameters robot = load_parameters(kRobot);
+  const Point<double> from = tip_position(robot, Pair<double>{0, 0}), to = tip_position(robot, Pair<double>{1.2, -0.8});
+  const double x = 0.5 * (from.x + to.x), y = 0.5 * (from.y + to.y);  // and a little aside: the way is then decided
+  const double cx = x + 0.3 * (to.y - from.y), cy = y - 0.3 * (to.x - from.x);
+  const Json scene =
+      scene_of(fmt::format("tip: {{arc: {{center: [{}, {}], from: [{}, {}], to: [{}, {}], tolerance: 0.05}}}}\n", cx,
+                           cy, from.x, from.y, to.x, to.y));
+  ASSERT_EQ(scene.size(), 1U);
+  const auto at = [&](const char* angle) {
+    const double a = scene[0][angle], r = scene[0]["radius"];
+    return Json{cx + r * std::cos(a), cy + r * std::sin(a)};
+  };
+  expect_at(at("from"), from.x, from.y);
+  expect_at(at("to"), to.x, to.y);
+  EXPECT_LT(std::abs(scene[0]["to"].get<double>() - scene[0]["from"].get<double>()), std::numbers::pi);
+}
+
+TEST(Scene, PathsAreCurvesOfTheTipThroughTheirCorners) {
+  const Json scene = scene_of("path: {points: [[0.5, 0.3]], tolerance: 0.01}\n");
+  ASSERT_FALSE(scene.empty());
+  EXPECT_EQ(scene[0]["kind"], "curve");
+  const Json& points = scene[0]["points"];
+  ASSERT_EQ(points.size(), 42U);
+  const Parameters robot = load_parameters(kRobot);
+  const Point<double> corner = tip_position(robot, Pair<double>{0.5, 0.3});
+  expect_at(points[0], 0, -robot.link.length[0] - robot.link.length[1]);
+  expect_at(points[20], corner.x, corner.y);
+  expect_at(points[21], corner.x, corner.y);
+}
+
+TEST(PlanPage, ShowsTheSceneAndTheRoomLeftInIt) {
+  PlanRecord record = reach();
+  record.plan["certificate"]["task"] = {
+      {{"name", "obstacles[0]"}, {"link", 2}, {"room", -0.0125}, {"unit", "m"}, {"time", 0.1}, {"passed", false}}};
+  record.plan["resolved_request"]["via"] = {{{"time", 0.2}, {"q", {0.7, -0.2}}, {"dq", nullptr}}};
+  const std::string html = plan_page(record);
+  ASSERT_EQ(data_of(html)["scene"].size(), 1U);
+  EXPECT_EQ(data_of(html)["scene"][0]["label"], "via, 0.2 s");
+  EXPECT_THAT(html, HasSubstr("<td>obstacles[0], link 2</td><td class='over'>-0.0125</td><td>m</td>"));
+  EXPECT_THAT(html, HasSubstr("They go straight, whatever else the request asks for on the way"));
+}
+
+TEST(PlanPage, ComparesOnlyWhatLeadsFromRestToRest) {
+  PlanRecord record = reach();
+  record.trajectory->samples.resize(record.trajectory->samples.size() / 2);
+  const std::string html = plan_page(record);
+  EXPECT_THAT(html, HasSubstr("There is no such comparison"));
+  EXPECT_EQ(data_of(html)["motions"].size(), 1U);
+}
+
+TEST(PlanPage, OfAPlanWithoutTrajectorySaysWhy) {
+  PlanRecord record = reach();
+  record.plan["status"] = "infeasible";
+  record.plan["reason"] = "the shortest motion takes 0.43 s";
+  record.trajectory.reset();
+  const std::string html = plan_page(record);
+  EXPECT_THAT(html, HasSubstr("the shortest motion takes 0.43 s"));
+  EXPECT_THAT(html, HasSubstr("<h2>Solver</h2>"));
+  EXPECT_THAT(html, Not(HasSubstr("plan-data")));
+}
+
+TEST(PlanPage, ShowsSectionsItDoesNotKnow) {
+  PlanRecord record = reach();
+  record.plan["sensitivity"] = {{{"limit", "torque_1"}, {"worth", -0.0123}}, {{"limit", "torque_2"}, {"worth", 4.5}}};
+  record.plan["optimality"] = {{"hamiltonian", {{"mean", -1.0}, {"values", std::vector<double>(30, 0.25)}}}};
+  const std::string html = plan_page(record);
+  for (const char* part :
+       {"<h2>Sensitivity</h2>", "torque_1", "-0.0123", "<h2>Optimality</h2>", "<h3>hamiltonian</h3>", "30 entries"}) {
+    EXPECT_THAT(html, HasSubstr(part));
+  }
+}
+
+TEST(PlanPage, NamesWhatIsMissingOrOfAnotherKind) {
+  const auto complaint = [](const PlanRecord& record) {
+    try {
+      plan_page(record);
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("none");
+  };
+  PlanRecord record = reach();
+  record.plan["certificate"]["limits"][1].erase("reached");
+  EXPECT_EQ(complaint(record), "plan.json: certificate.limits[1].reached: missing");
+  record = reach();
+  record.plan["mesh"]["node_times"] = "many";
+  EXPECT_EQ(complaint(record), "plan.json: mesh.node_times: must be a list");
+  record = reach();
+  record.plan["mesh"]["errors"].erase(0);
+  EXPECT_THAT(complaint(record), HasSubstr("mesh: must have one more of node_times"));
+  record = reach();
+  record.plan["solver"] = nullptr;
+  EXPECT_EQ(complaint(record), "plan.json: solver: must be an object");
+}
+
+// ---- folders ----
+
+class Folder : public testing::Test {
+ protected:
+  void SetUp() override {
+    fs::create_directories(folder_);
+    write("plan.json", json_text(reach().plan));
+    Trajectory trajectory = *reach().trajectory;
+    trajectory.metadata["rows"] = std::to_string(trajectory.samples.size());
+    write_csv(trajectory, folder_ / "trajectory.csv");
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+  void write_changed(const char* pointer, const Json& value) const {
+    Json plan = reach().plan;
+    plan[Json::json_pointer(pointer)] = value;
+    write("plan.json", json_text(plan));
+  }
+  std::string complaint() const {
+    try {
+      read_plan(folder_);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "none";
+  }
+
+  fs::path folder_ = fs::temp_directory_path() / ("fjr_report_test_" + std::to_string(::getpid()));
+};
+
+TEST_F(Folder, IsReadAsItWasWritten) {
+  const PlanRecord record = read_plan(folder_);
+  EXPECT_EQ(robot_hash(record.robot), robot_hash(reach().robot));
+  EXPECT_EQ(record.trajectory->samples.size(), reach().trajectory->samples.size());
+  EXPECT_EQ(plan_page(record), plan_page(reach()));
+}
+
+TEST_F(Folder, ThatIsNoPlanIsRefusedWithTheReason) {
+  write_changed("/robot/spring/stiffness/1", 18);
+  EXPECT_THAT(complaint(), HasSubstr("plan.json: robot: is not the robot that robot_hash tells of"));
+  write_changed("/robot/spring/stiffness", nullptr);
+  EXPECT_THAT(complaint(), HasSubstr("plan.json: robot.spring.stiffness: must be a list"));
+  write_changed("/request_hash", "another");
+  EXPECT_THAT(complaint(), HasSubstr("trajectory.csv: request_hash: is not that of the plan.json beside it"));
+  write("plan.json", "{\"status\": \"certified\"");
+  EXPECT_THAT(complaint(), HasSubstr("plan.json: is damaged"));
+  write("plan.json", "[1, 2]");
+  EXPECT_THAT(complaint(), HasSubstr("plan.json: must be an object"));
+  write("plan.json", json_text(bad_input_json("reach", "goal.q[1]: 9 rad is outside")));
+  EXPECT_THAT(complaint(), HasSubstr("nothing planned: goal.q[1]: 9 rad is outside"));
+  fs::remove(folder_ / "plan.json");
+  EXPECT_THAT(complaint(), HasSubstr("plan.json: cannot be read: this is no folder of a plan"));
+  fs::remove_all(folder_);
+  EXPECT_THAT(complaint(), HasSubstr("is no folder"));
+}
+
+TEST_F(Folder, WithADamagedTrajectoryIsRefused) {
+  const fs::path rows = folder_ / "trajectory.csv";
+  fs::resize_file(rows, fs::file_size(rows) / 2);
+  EXPECT_THAT(complaint(), HasSubstr("trajectory.csv"));
+  Trajectory cut = *reach().trajectory;
+  cut.metadata["rows"] = std::to_string(cut.samples.size());
+  cut.samples.pop_back();
+  write_csv(cut, rows);
+  EXPECT_THAT(complaint(), HasSubstr("but says that it had"));
+  fs::remove(rows);
+  EXPECT_THAT(complaint(), HasSubstr("trajectory.csv: no such file"));
+}
+
+}  // namespace
+}  // namespace fjr

@@ -100,6 +100,32 @@ TEST(Pieces, FollowTheErrorTheOrderAndTheShortestInterval) {
   EXPECT_EQ(pieces_wanted(motion, errors, kTolerance, kOrder, 0.004), (std::vector<int>{1, 1, 2, 2, 4, 2, 1}));
 }
 
+TEST(Cuts, LieOnBothSidesOfTheReversal) {
+  Motion motion = simulated(hermite_simpson(), 1, 0.02);
+  for (const double share : {0.05, 0.31, 0.77}) {
+    auto& velocity = motion.intervals[0].state;  // of motor 1: a line through zero at `share`
+    velocity.row(6).setZero();
+    velocity(6, 0) = -share;
+    velocity(6, 1) = 1;
+    const auto found = reversal_in(motion, 0, 0);
+    ASSERT_TRUE(found);
+    EXPECT_NEAR(*found, share, 1e-8);
+    std::vector<double> cuts{0.3, 0.5};  // the first lies too near to the second reversal
+    cut_around(cuts, *found, 0.0125);
+    EXPECT_TRUE(std::is_sorted(cuts.begin(), cuts.end()));
+    const auto after = std::upper_bound(cuts.begin(), cuts.end(), share);
+    ASSERT_TRUE(after != cuts.begin() && after != cuts.end());
+    EXPECT_NEAR(*after - *(after - 1), 0.05, 1e-12);
+    EXPECT_EQ(cuts.size(), share == 0.31 ? 3U : 4U);
+    EXPECT_EQ(split(Mesh{{{1, 0}}}, Cuts{cuts}).size(), cuts.size() + 1);
+  }
+  motion.intervals[0].state(6, 0) = 1;
+  EXPECT_FALSE(reversal_in(motion, 0, 0));
+  std::vector<double> none;
+  cut_around(none, 0.4, 0.8);  // an interval hardly longer than the shortest stays whole
+  EXPECT_TRUE(none.empty());
+}
+
 RC_GTEST_PROP(Split, KeepsTheSegmentsWhole, ()) {
   Mesh mesh;
   std::vector<int> pieces;

@@ -363,10 +363,10 @@ TEST(Control, RefusesToStartWithASignOrZeroThatCannotBe) {
 }
 
 TEST(VirtualArm, HangsLowerWithAPayloadAndTurnsBackLateWithHysteresis) {
-  const Parameters loaded = with_payload(robot(), 0.2);
+  const Parameters loaded = with_payload(robot(), {0.2});
   // By hand: 0.2 kg at 0.345 and 0.305 m.
-  EXPECT_NEAR(loaded.link.gravity_torque[0], 6.17 + 0.2 * 9.8 * 0.345, 1e-12);
-  EXPECT_NEAR(loaded.link.gravity_torque[1], 0.53 + 0.2 * 9.8 * 0.305, 1e-12);
+  EXPECT_NEAR(gravity_coefficients(loaded)[0], 6.17 + 0.2 * 9.8 * 0.345, 1e-12);
+  EXPECT_NEAR(gravity_coefficients(loaded)[1], 0.53 + 0.2 * 9.8 * 0.305, 1e-12);
   const MassMatrix<double> m = mass_matrix(loaded, 0.0), before = mass_matrix(robot(), 0.0);
   EXPECT_NEAR(m.m11 - before.m11, 0.2 * 0.65 * 0.65, 1e-12);
   EXPECT_NEAR(m.m22 - before.m22, 0.2 * 0.305 * 0.305, 1e-12);

@@ -26,13 +26,6 @@ constexpr double kWorthFinishing = 0.02;  // relative distance from the best coa
 constexpr int kMostFinished = 3;          // solutions refined to the end
 constexpr double kSameMinimum = 2e-5;     // relative difference of objectives on one mesh below which minima are one
 
-// Minimum time has one minimum for practical purposes. Effort at a given time has many: swinging through the springs,
-// parking in friction, waiting.
-int default_starts(const Problem& problem) {
-  if (problem.weights.effort == 0 && problem.weights.link_acceleration == 0) return 1;
-  return problem.weights.link_acceleration > 0 ? 4 : 6;
-}
-
 std::vector<Guess> guesses(const Problem& problem, int count) {
   const double duration = duration_guess(problem);
   std::vector<Guess> all{straight_guess(problem, duration), minimum_jerk_guess(problem, duration)};
@@ -42,15 +35,11 @@ std::vector<Guess> guesses(const Problem& problem, int count) {
   return all;
 }
 
-// The optimiser's tolerances and regularisation are meant for objectives of order 1 to 100; weights may be of any size.
-double objective_scale(const Weights& weights) {
-  return std::max({weights.time, weights.effort, 10 * weights.link_acceleration, 1e4 * weights.torque_rate});
-}
-
-// What is optimised: the objective divided by `scale`, one problem for each of the goals that are as good.
+// What is optimised: the objective divided by `scale`, for the optimiser's tolerances and regularisation are meant for
+// objectives of order 1 to 100 while weights may be of any size; one problem for each of the goals that are as good.
 std::vector<Problem> alternatives(const Problem& problem, double scale) {
   Problem scaled = problem;
-  visit_weights(scaled.weights, [scale](const char*, double& weight) { weight /= scale; });
+  for (const TermInfo& term : Terms::infos) scaled.weights.*term.weight /= scale;
   std::vector<Problem> all{scaled};
   for (const Goal& goal : problem.other_goals) {
     all.push_back(scaled);
@@ -64,7 +53,7 @@ class Planner {
  public:
   Planner(const Problem& problem, const PlanOptions& options)
       : problem_(problem),
-        scale_(objective_scale(problem.weights)),
+        scale_(size_of(problem.weights)),
         alternatives_(alternatives(problem, scale_)),
         options_(options) {
     settings_.linear_solver = options.linear_solver;
@@ -150,7 +139,7 @@ class Planner {
   }
 
   void try_starts(const Problem& problem) {
-    const int count = options_.starts > 0 ? options_.starts : default_starts(problem);
+    const int count = options_.starts > 0 ? options_.starts : starts_worth_trying(problem.weights);
     const std::vector<Guess> all = guesses(problem, count);
     const std::size_t before = candidates_.size();
     for (std::size_t i = 0; i < all.size() && !interrupted(); ++i) {
@@ -209,8 +198,8 @@ class Planner {
       if (!any_same(met, first)) met.push_back(first);
       plan_.distinct_minima = static_cast<int>(met.size());
       if (any_same(certified, first)) continue;
-      const bool promising =
-          candidates_[i].solution().report.objective < (1 + kWorthFinishing) * best && finished < kMostFinished;
+      const bool promising = candidates_[i].solution().report.objective < best + kWorthFinishing * std::abs(best) &&
+                             finished < kMostFinished;
       if (plan_.status == PlanStatus::kCertified && !promising) continue;
       Continuation& c = candidates_[i];
       const std::size_t booked = c.stages().size();
@@ -275,7 +264,7 @@ class Planner {
     for (std::size_t j = 0; j < kJoints; ++j) {
       if (!goal.free[j] && std::abs(last.q[j] - goal.q[j]) > kMet) fail("the last row is not the goal");
     }
-    if (differ(last.dq, goal.dq) || (goal.theta && differ(last.theta, *goal.theta)) ||
+    if ((!goal.dq_free && differ(last.dq, goal.dq)) || (goal.theta && differ(last.theta, *goal.theta)) ||
         (goal.dtheta && differ(last.dtheta, *goal.dtheta))) {
       fail("the last row is not the goal");
     }
@@ -308,7 +297,7 @@ class Planner {
   // and best refined, is reported.
   void record(const Continuation& c, Trajectory trajectory, Certificate certificate) {
     const Collocated& solution = c.solution();
-    const auto terms = objective_terms(problem_, solution.motion, trajectory);
+    const auto terms = objective_terms(problem_, solution, trajectory);
     const double objective = weighted_sum(problem_.weights, terms);
     if (plan_.status == PlanStatus::kCertified && (!certificate.certified || objective >= plan_.objective)) return;
     const std::vector<double> errors = interval_errors(problem_.robot, solution.motion);

@@ -19,12 +19,12 @@ bool needs_rate(const Problem& problem) {
 Collocated choose(const Problem& problem, const CollocationSetup& setup, const Guess* guess, const Collocated* start,
                   const SolveOptions& options) {
   const std::size_t rows = count_of_rows(problem.task);
-  const bool task = rows > 0 || problem.goal.any_free();
-  if (!task && !needs_rate(problem)) return collocate_with<kPlain>(problem, setup, guess, start, options);
-  if (!task) return collocate_with<kRateControlled>(problem, setup, guess, start, options);
-  if (!needs_rate(problem) && rows <= static_cast<std::size_t>(kWithTask.task_rows)) {
-    return collocate_with<kWithTask>(problem, setup, guess, start, options);
-  }
+  const bool task = rows > 0 || problem.goal.any_free(), peak = problem.weights.peak_torque > 0;
+  const bool few = !needs_rate(problem) && rows <= static_cast<std::size_t>(kWithTask.task_rows);
+  if (!task && !peak && few) return collocate_with<kPlain>(problem, setup, guess, start, options);
+  if (!task && !peak) return collocate_with<kRateControlled>(problem, setup, guess, start, options);
+  if (few && !peak) return collocate_with<kWithTask>(problem, setup, guess, start, options);
+  if (few) return collocate_with<kWithPeak>(problem, setup, guess, start, options);
   return collocate_with<kEverything>(problem, setup, guess, start, options);
 }
 

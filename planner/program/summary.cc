@@ -21,14 +21,6 @@ std::string_view unit_of(std::string_view name) {
   return "rad";
 }
 
-std::string_view unit_of_term(std::string_view name) {
-  if (name == "time") return "s";
-  if (name == "effort") return "N^2 m^2 s";
-  if (name == "torque_rate") return "N^2 m^2/s";
-  if (name == "link_acceleration") return "rad^2/s^3";
-  return "";
-}
-
 std::string line(std::string_view label, const std::string& text) { return fmt::format("  {:<11} {}\n", label, text); }
 
 // The tolerance is one count of the link encoder.
@@ -64,12 +56,13 @@ std::string tightest_limits(const Certificate& certificate) {
 
 std::string terms(const Problem& problem, const Plan& plan) {
   std::string text;
-  visit_weights(problem.weights, [&](const char* term, double weight) {
-    const auto found = plan.terms.find(term);
-    if (found == plan.terms.end() || (weight == 0 && !std::isfinite(found->second))) return;
-    text += fmt::format("{}{} {:.6g} {}{}", text.empty() ? "" : ", ", term, found->second, unit_of_term(term),
+  for (const TermInfo& term : Terms::infos) {
+    const auto found = plan.terms.find(term.name);
+    const double weight = signed_weight(problem.weights, term);
+    if (found == plan.terms.end() || (weight == 0 && !std::isfinite(found->second))) continue;
+    text += fmt::format("{}{} {:.6g} {}{}", text.empty() ? "" : ", ", term.name, found->second, term.unit,
                         weight != 0 ? fmt::format(" x {:g}", weight) : "");
-  });
+  }
   return text;
 }
 

@@ -21,11 +21,11 @@ namespace {
 const std::vector<Smoothing>& levels(const Problem& problem) {
   static const std::vector<Smoothing> fine{{0.1}, {0.03}, {0.01}, {0.003}, {0.001}, {0.0003}, {0}};
   static const std::vector<Smoothing> coarse{{0.1, 0.1}, {0.01, 0.1}, {0, 0.01}};
-  return problem.weights.effort > 0 ? fine : coarse;
+  return sees_friction(problem.weights) ? fine : coarse;
 }
 
 constexpr double kExcessWorthSplitting = 0.02;  // share of a limit beyond which a margin would cost more than intervals
-constexpr double kEffortTolerance = 3e-5;       // share of the objective by which an interval may misjudge the effort
+constexpr double kCostTolerance = 3e-5;         // share of the objective by which an interval may misjudge it
 constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the way
 // A warm start is as close to its bounds as the solution before it was: a larger barrier has to push it off first, a
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
@@ -98,7 +98,7 @@ bool Continuation::cold(const Guess& guess) {
 // or fails.
 bool Continuation::follow_levels() {
   Collocated best = solution_;
-  double least = published_objective(*problem_, best.motion);
+  double least = published_objective(*problem_, best);
   for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
     const Smoothing& level = levels(*problem_)[i];
     const std::string what = fmt::format("{}, friction width {} rad/s", label, level.friction_width);
@@ -106,9 +106,9 @@ bool Continuation::follow_levels() {
         refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
     setup.smoothing = level;
     if (!attempt(what, setup, nullptr, warm(what))) break;
-    const double objective = published_objective(*problem_, solution_.motion);
+    const double objective = published_objective(*problem_, solution_);
     // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
-    if (objective < least || problem_->weights.effort == 0) {
+    if (objective < least || !sees_friction(problem_->weights)) {
       least = objective;
       best = solution_;
     }
@@ -127,7 +127,7 @@ bool Continuation::begin(const Guess& guess) {
 }
 
 // The setup with those intervals split whose error [rad] exceeds the tolerance, that exceed a limit by much, or that
-// misjudge the effort.
+// misjudge the objective.
 CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const {
   const double worth_splitting = 1.5 * tolerance,
                worth_quartering = std::pow(2, settings_.scheme.order + 2) * tolerance;
@@ -141,13 +141,13 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
       if (share > 4 * kExcessWorthSplitting) errors[k] = std::max(errors[k], worth_quartering);
     }
   }
-  if (problem_->weights.effort > 0) {
+  if (sees_friction(problem_->weights)) {
     Pair<FrictionLaw> law{FrictionLaw::of(problem_->robot, 0), FrictionLaw::of(problem_->robot, 1)};
     for (FrictionLaw& l : law) l = l.smoothed(setup.smoothing.friction_width);
-    const std::vector<double> effort = effort_errors(law, settings_.scheme, solution_.motion);
-    const double allowed = kEffortTolerance * solution_.report.objective / problem_->weights.effort;
+    const std::vector<double> cost = cost_errors(*problem_, law, settings_.scheme, solution_.motion);
+    const double allowed = kCostTolerance * std::abs(solution_.report.objective);
     for (std::size_t k = 0; k < errors.size(); ++k) {
-      if (effort[k] > allowed) errors[k] = std::max(errors[k], worth_splitting);
+      if (cost[k] > allowed) errors[k] = std::max(errors[k], worth_splitting);
     }
   }
   const std::vector<int> pieces =

@@ -3,7 +3,7 @@
 //   M(q) ddq + C(q,dq) dq + D dq + G(q) = tau_c,       tau_c = K (theta - q)
 //   J ddtheta + tau_fm(dtheta) + tau_c  = tau_m
 //
-// q = 0 hangs straight down; motor quantities are in link coordinates.
+// q = 0 hangs straight down; motor quantities are in link coordinates. The payload at the tip is part of M, C and G.
 #pragma once
 
 #include <cmath>
@@ -39,18 +39,33 @@ struct MassMatrix {
   T m11, m12, m22;
 };
 
-// alpha2 m2 l1 l2: the coupling between the links. [kg m^2]
+// (alpha2 m2 + payload) l1 l2: the coupling between the links. [kg m^2]
 inline double coupling(const Parameters& p) {
-  return p.link.com_fraction[1] * p.link.mass[1] * p.link.length[0] * p.link.length[1];
+  return (p.link.com_fraction[1] * p.link.mass[1] + p.payload.mass) * p.link.length[0] * p.link.length[1];
+}
+
+// Coefficients of sin q1 and of sin(q1 + q2) in G, eq. (8), with the payload's share. [N m]
+inline constexpr double kPaperGravity = 9.8;  // [m/s^2] with which alone (6) and (7) give its alphas
+inline Pair<double> gravity_coefficients(const Parameters& p) {
+  const double weight = p.payload.mass * kPaperGravity;
+  return {p.link.gravity_torque[0] + weight * p.link.length[0], p.link.gravity_torque[1] + weight * p.link.length[1]};
+}
+
+// The robot with this at its tip too.
+inline Parameters with_payload(Parameters robot, const Payload& more) {
+  robot.payload.mass += more.mass;
+  robot.payload.inertia += more.inertia;
+  return robot;
 }
 
 template <class T>
 MassMatrix<T> mass_matrix(const Parameters& p, const T& q2) {
   using std::cos;
-  const double l1 = p.link.length[0], r2 = p.link.com_fraction[1] * p.link.length[1], m2 = p.link.mass[1];
-  const double about_joint2 = p.link.inertia[1] + m2 * r2 * r2;
+  const double l1 = p.link.length[0], l2 = p.link.length[1], r2 = p.link.com_fraction[1] * l2, m2 = p.link.mass[1];
+  const double about_joint2 = p.link.inertia[1] + m2 * r2 * r2 + p.payload.inertia + p.payload.mass * l2 * l2;
   const T coupled = coupling(p) * cos(q2);
-  return {p.link.inertia[0] + about_joint2 + m2 * l1 * l1 + 2.0 * coupled, about_joint2 + coupled, T(about_joint2)};
+  return {p.link.inertia[0] + about_joint2 + (m2 + p.payload.mass) * l1 * l1 + 2.0 * coupled, about_joint2 + coupled,
+          T(about_joint2)};
 }
 
 // C(q,dq) dq [N m]. The paper prints C12 = -a dq1 sin q2 in (23); the Lagrangian (19)-(21) gives C12 = -a dq2 sin q2,
@@ -66,8 +81,9 @@ Pair<T> coriolis_torque(const Parameters& p, const Pair<T>& q, const Pair<T>& dq
 template <class T>
 Pair<T> gravity_torque(const Parameters& p, const Pair<T>& q) {
   using std::sin;
-  const T second = p.link.gravity_torque[1] * sin(q[0] + q[1]);
-  return {p.link.gravity_torque[0] * sin(q[0]) + second, second};
+  const Pair<double> coefficient = gravity_coefficients(p);
+  const T second = coefficient[1] * sin(q[0] + q[1]);
+  return {coefficient[0] * sin(q[0]) + second, second};
 }
 
 // tau_c = K (theta - q). [N m]
@@ -84,6 +100,28 @@ Pair<T> link_acceleration(const Parameters& p, const Pair<T>& q, const Pair<T>& 
   const Pair<T> g = gravity_torque(p, q);
   const T r1 = tau_c[0] - c[0] - g[0] - p.link.damping[0] * dq[0];
   const T r2 = tau_c[1] - c[1] - g[1] - p.link.damping[1] * dq[1];
+  const T inverse_determinant = 1.0 / (m.m11 * m.m22 - m.m12 * m.m12);
+  return {(m.m22 * r1 - m.m12 * r2) * inverse_determinant, (m.m11 * r2 - m.m12 * r1) * inverse_determinant};
+}
+
+// dddq [rad/s^3] of the link side: (1) differentiated once in time,
+//   M dddq = K (dtheta - dq) - d(C dq)/dt - D ddq - dG/dt - dM/dt ddq.
+template <class T>
+Pair<T> link_jerk(const Parameters& p, const State<T>& x, const Pair<T>& ddq) {
+  using std::cos;
+  using std::sin;
+  const T &dq1 = x.dq[0], &dq2 = x.dq[1];
+  const T bend = coupling(p) * sin(x.q[1]), bend_rate = coupling(p) * cos(x.q[1]) * dq2;
+  const Pair<double> gravity = gravity_coefficients(p);
+  const T both = dq1 + dq2, second = gravity[1] * cos(x.q[0] + x.q[1]) * both;
+  const T first = gravity[0] * cos(x.q[0]) * dq1;
+  const T mass_rate = -bend * dq2;  // dm12/dt; dm11/dt is twice that, dm22/dt nothing
+  const T c1 = -bend_rate * dq2 * (dq1 + both) - bend * (ddq[1] * (dq1 + both) + dq2 * (2.0 * ddq[0] + ddq[1]));
+  const T c2 = (bend_rate * dq1 + 2.0 * bend * ddq[0]) * dq1;
+  const Pair<T> spring = spring_torque(p, x.dq, x.dtheta);  // linear: its rate
+  const T r1 = spring[0] - c1 - p.link.damping[0] * ddq[0] - first - second - mass_rate * (2.0 * ddq[0] + ddq[1]);
+  const T r2 = spring[1] - c2 - p.link.damping[1] * ddq[1] - second - mass_rate * ddq[0];
+  const MassMatrix<T> m = mass_matrix(p, x.q[1]);
   const T inverse_determinant = 1.0 / (m.m11 * m.m22 - m.m12 * m.m12);
   return {(m.m22 * r1 - m.m12 * r2) * inverse_determinant, (m.m11 * r2 - m.m12 * r1) * inverse_determinant};
 }
@@ -120,7 +158,8 @@ T energy(const Parameters& p, const State<T>& x) {
   using std::cos;
   const MassMatrix<T> m = mass_matrix(p, x.q[1]);
   T e = 0.5 * (m.m11 * x.dq[0] * x.dq[0] + 2.0 * m.m12 * x.dq[0] * x.dq[1] + m.m22 * x.dq[1] * x.dq[1]);
-  e += p.link.gravity_torque[0] * (1.0 - cos(x.q[0])) + p.link.gravity_torque[1] * (1.0 - cos(x.q[0] + x.q[1]));
+  const Pair<double> gravity = gravity_coefficients(p);
+  e += gravity[0] * (1.0 - cos(x.q[0])) + gravity[1] * (1.0 - cos(x.q[0] + x.q[1]));
   for (std::size_t j = 0; j < kJoints; ++j) {
     const T deflection = x.theta[j] - x.q[j];
     e += 0.5 * (p.motor.inertia[j] * x.dtheta[j] * x.dtheta[j] + p.spring.stiffness[j] * deflection * deflection);

@@ -22,6 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kMostPayload = 10;        // [kg] several times what the arm can hold in any posture but hanging
+constexpr double kMostPayloadInertia = 1;  // [kg m^2]
 constexpr double kMostCounts = 1e9;  // per revolution; far beyond any encoder, far below where doubles skip integers
 
 // What a single value may be. Written as the condition that holds, so that messages can quote it.
@@ -39,12 +41,12 @@ constexpr Rule kAny{"", [](double) { return true; }};
 
 const Rule& rule_for(std::string_view section, std::string_view name) {
   static const std::map<std::string_view, Rule> special{
-      {"link.com_fraction", kFraction},        {"link.gravity_torque", kNotNegative},
-      {"link.damping", kNotNegative},          {"friction.viscous", kNotNegative},
-      {"friction.amplitude", kNotNegative},    {"friction.second_weight", kAny},
-      {"friction.second_shape", kAny},         {"encoder.motor_counts", kCounts},
-      {"encoder.link_counts", kCounts},        {"feedback.position_gain", kNotNegative},
-      {"feedback.velocity_gain", kNotNegative}};
+      {"link.com_fraction", kFraction},         {"link.gravity_torque", kNotNegative},
+      {"link.damping", kNotNegative},           {"friction.viscous", kNotNegative},
+      {"friction.amplitude", kNotNegative},     {"friction.second_weight", kAny},
+      {"friction.second_shape", kAny},          {"encoder.motor_counts", kCounts},
+      {"encoder.link_counts", kCounts},         {"feedback.position_gain", kNotNegative},
+      {"feedback.velocity_gain", kNotNegative}, {"drive.copper_loss", kNotNegative}};
   const auto found = special.find(fmt::format("{}.{}", section, name));
   return found == special.end() ? kPositive : found->second;
 }
@@ -82,6 +84,21 @@ Pair<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_vie
   return values;
 }
 
+// A number, or an entry like the others'.
+double read_payload_value(const YamlNode& node, double most, std::string_view unit) {
+  YamlNode value = node;
+  if (node.is_map()) {
+    node.allow_keys({"value", "unit", "source", "standard_error"});
+    const YamlNode given_unit = node.at("unit");
+    if (given_unit.text() != unit) given_unit.fail(fmt::format("{} must be \"{}\"", shown(given_unit.text()), unit));
+    if (const auto source = node.find("source")) source->text();
+    value = node.at("value");
+  }
+  const double number = value.number(unit);
+  if (!(number >= 0 && number <= most)) value.fail(fmt::format("{} is outside [0, {}]", with_unit(number, unit), most));
+  return number;
+}
+
 using Sections = std::vector<std::pair<std::string_view, std::vector<std::string_view>>>;
 
 // The names of visit_parameters, grouped, in its order.
@@ -100,6 +117,7 @@ void check_keys(const YamlNode& root) {
   std::vector<std::string_view> allowed;
   for (const auto& [section, names] : sections) allowed.push_back(section);
   allowed.push_back("covariance");
+  allowed.push_back("payload");
   root.allow_keys(allowed);
   for (const auto& [section, names] : sections) root.at(section).allow_keys(names);
 }
@@ -215,17 +233,39 @@ std::vector<fs::path> folders_near_executable() {
 
 }  // namespace
 
+Payload read_payload(const YamlNode& node) {
+  if (!node.is_map() || node.find("value")) return {read_payload_value(node, kMostPayload, "kg"), 0};
+  node.allow_keys({"mass", "inertia"});
+  Payload payload{read_payload_value(node.at("mass"), kMostPayload, "kg"), 0};
+  if (const auto inertia = node.find("inertia")) {
+    payload.inertia = read_payload_value(*inertia, kMostPayloadInertia, "kg m^2");
+  }
+  return payload;
+}
+
+bool may_be_left_out(std::string_view section, std::string_view name) {
+  return section == "drive" && name == "copper_loss";
+}
+
 Parameters load_parameters(const fs::path& file) {
   const YamlNode root = YamlNode::load(file);
   check_keys(root);
   Parameters p{};
   visit_parameters(p, [&](std::string_view section, std::string_view name, std::string_view unit, Pair<double>& value) {
+    if (may_be_left_out(section, name) && !root.at(section).find(name)) return;
     value = read_entry(root.at(section).at(name), rule_for(section, name), unit);
   });
   if (const auto covariance = root.find("covariance")) check_covariance(*covariance);
   check_mass_matrix(root, p);
   check_springs_hold_gravity(root, p);
   check_drive(root, p);
+  if (const auto payload = root.find("payload")) p.payload = read_payload(*payload);
+  return p;
+}
+
+Parameters load_bare_parameters(const fs::path& file) {
+  const Parameters p = load_parameters(file);
+  if (p.payload != Payload{}) throw InputError(file.string(), "payload", "the experiments are made with the bare arm");
   return p;
 }
 
@@ -245,12 +285,21 @@ fs::path default_robot_file() {
 
 std::string robot_hash(const Parameters& p) {
   std::vector<std::string> lines;
+  std::vector<Pair<double>> left_out;  // what there is where nothing is given
+  const Parameters defaults{};
+  visit_parameters(defaults, [&](auto, auto, auto, const Pair<double>& value) { left_out.push_back(value); });
+  std::size_t next = 0;
   visit_parameters(
       p, [&](std::string_view section, std::string_view name, std::string_view, const Pair<double>& value) {
+        if (value == left_out[next++] && may_be_left_out(section, name)) return;
         for (std::size_t j = 0; j < kJoints; ++j) {
           lines.push_back(fmt::format("{}.{}[{}]={:.17g}\n", section, name, j, value[j] + 0.0));  // -0 is 0
         }
       });
+  if (p.payload != Payload{}) {
+    lines.push_back(fmt::format("payload.mass={:.17g}\n", p.payload.mass));
+    lines.push_back(fmt::format("payload.inertia={:.17g}\n", p.payload.inertia));
+  }
   std::sort(lines.begin(), lines.end());
   return sha256_hex(fmt::format("{}", fmt::join(lines, "")));
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace fjr {
 
@@ -12,6 +13,14 @@ inline constexpr int kJoints = 2;
 // A quantity per joint: [0] is joint 1, [1] is joint 2.
 template <class T>
 using Pair = std::array<T, kJoints>;
+
+// What is fixed to the tip: a point mass, with an inertia about its own centre of mass if it is no point.
+struct Payload {
+  double mass = 0;     // [kg]
+  double inertia = 0;  // [kg m^2]
+
+  bool operator==(const Payload&) const = default;
+};
 
 // The constants of the paper's model, SI units, motor quantities in link coordinates (after the gear).
 // Provenance and standard errors stay in the file; see config/robot.yaml for the equation of every value.
@@ -54,8 +63,10 @@ struct Parameters {
     Pair<double> velocity_filter;  // [Hz]  cut-off of the low-pass on the differentiated encoder
   } feedback;
   struct Drive {
-    Pair<double> peak_torque;  // [N m]  what the drive can give, feedback included
+    Pair<double> peak_torque;            // [N m]  what the drive can give, feedback included
+    Pair<double> copper_loss{0.5, 1.5};  // [W/(N m)^2]  of the windings, per squared tau_m; may be left out
   } drive;
+  Payload payload{};  // none, unless the file has one
 };
 
 // Calls visit(section, name, unit, member) for every parameter: the one list that loading, checking, hashing and
@@ -86,17 +97,31 @@ void visit_parameters(P& p, Visit&& visit) {
   visit("feedback", "velocity_gain", "N m s/rad", p.feedback.velocity_gain);
   visit("feedback", "velocity_filter", "Hz", p.feedback.velocity_filter);
   visit("drive", "peak_torque", "N m", p.drive.peak_torque);
+  visit("drive", "copper_loss", "W/(N m)^2", p.drive.copper_loss);
 }
+
+// Entries that a robot.yaml may leave out have the value of a default Parameters; all others have to be given.
+bool may_be_left_out(std::string_view section, std::string_view name);
+
+class YamlNode;
+// A payload as a robot.yaml or a request writes it: the mass [kg] alone, or {mass, inertia}; each of them a number or
+// an entry {value, unit, ...}. Throws InputError.
+Payload read_payload(const YamlNode& node);
 
 // Reads and validates a robot.yaml. Throws InputError naming file, field, value and what is allowed: unknown and
 // missing keys, wrong sizes and units, NaN and infinity, and unphysical values (a mass matrix that is not positive
 // definite at every q2, a spring that cannot hold gravity within its deflection limit, ...) are refused.
 Parameters load_parameters(const std::filesystem::path& file);
 
+// The same of an arm with nothing at its tip, which is what experiments and identification are about; one with a
+// payload is refused.
+Parameters load_bare_parameters(const std::filesystem::path& file);
+
 // The robot.yaml shipped with the program: found beside the installed or built executable from any working directory.
 std::filesystem::path default_robot_file();
 
-// SHA-256 (lower-case hex) over names and values ("section.name[i]=%.17g\n", sorted), not over the file's bytes.
+// SHA-256 (lower-case hex) over names and values ("section.name[i]=%.17g\n", sorted), not over the file's bytes. What
+// may be left out counts where it is not as if it were.
 std::string robot_hash(const Parameters& p);
 
 }  // namespace fjr

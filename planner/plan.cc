@@ -33,13 +33,6 @@ constexpr int kCertificateRounds = 4;     // refinements of one solution for the
 constexpr double kWorthFinishing = 0.02;  // relative distance from the best coarse objective that refining may make up
 constexpr int kMostFinished = 3;          // solutions refined to the end
 
-// Minimum time has one minimum for practical purposes. Effort at a given time has many: swinging through the springs,
-// parking in friction, waiting.
-int default_starts(const Problem& problem) {
-  if (problem.weights.effort == 0 && problem.weights.link_acceleration == 0) return 1;
-  return problem.weights.link_acceleration > 0 ? 4 : 6;
-}
-
 // One way per segment: round what is in the way, both ways round where there are two; along the tip's line or arc. None
 // when nothing asks for it.
 std::vector<std::vector<Way>> task_ways(const Problem& problem) {
@@ -81,7 +74,7 @@ Starts starts_of(const Problem& problem, int count) {
   starts.always = std::max(starts.guesses.size(), static_cast<std::size_t>(count));
   // By minimum jerk the fastest motion takes nearly half the iterations (68 in place of 118 in the median of 26
   // motions), and no worse a minimum; for effort the plain guess is often better.
-  const bool fast = problem.weights.effort == 0 && problem.weights.link_acceleration == 0;
+  const bool fast = only_time(problem.weights);
   starts.guesses.push_back(fast ? minimum_jerk_guess(problem, duration) : straight_guess(problem, duration));
   starts.guesses.push_back(fast ? straight_guess(problem, duration) : minimum_jerk_guess(problem, duration));
   for (std::uint64_t i = 2; starts.guesses.size() < std::max<std::size_t>(4, starts.always); ++i) {
@@ -90,15 +83,11 @@ Starts starts_of(const Problem& problem, int count) {
   return starts;
 }
 
-// The optimiser's tolerances and regularisation are meant for objectives of order 1 to 100; weights may be of any size.
-double objective_scale(const Weights& weights) {
-  return std::max({weights.time, weights.effort, 10 * weights.link_acceleration, 1e4 * weights.torque_rate});
-}
-
-// What is optimised: the objective divided by `scale`, one problem for each of the goals that are as good.
+// What is optimised: the objective divided by `scale`, for the optimiser's tolerances and regularisation are meant for
+// objectives of order 1 to 100 while weights may be of any size; one problem for each of the goals that are as good.
 std::vector<Problem> alternatives(const Problem& problem, double scale) {
   Problem scaled = problem;
-  visit_weights(scaled.weights, [scale](const char*, double& weight) { weight /= scale; });
+  for (const TermInfo& term : Terms::infos) scaled.weights.*term.weight /= scale;
   std::vector<Problem> all{scaled};
   for (const Goal& goal : problem.other_goals) {
     all.push_back(scaled);
@@ -112,7 +101,7 @@ class Planner {
  public:
   Planner(const Problem& problem, const PlanOptions& options)
       : problem_(problem),
-        scale_(objective_scale(problem.weights)),
+        scale_(size_of(problem.weights)),
         alternatives_(alternatives(problem, scale_)),
         options_(options) {
     settings_.linear_solver = options.linear_solver;
@@ -217,7 +206,7 @@ class Planner {
   }
 
   void try_starts(const Problem& problem) {
-    const int count = options_.starts > 0 ? options_.starts : default_starts(problem);
+    const int count = options_.starts > 0 ? options_.starts : starts_worth_trying(problem.weights);
     const Starts starts = starts_of(problem, count);
     for (std::size_t i = 0; i < starts.guesses.size() && !interrupted(); ++i) {
       if (i >= starts.always && !candidates_.empty()) break;
@@ -304,8 +293,8 @@ class Planner {
     for (std::size_t i = 0; i < candidates_.size() && !interrupted(); ++i) {
       const double first = candidates_[i].stages().front().objective;  // on the mesh that all starts share
       if (any_same(certified, first)) continue;
-      const bool promising =
-          candidates_[i].solution().report.objective < (1 + kWorthFinishing) * best && finished < kMostFinished;
+      const bool promising = candidates_[i].solution().report.objective < best + kWorthFinishing * std::abs(best) &&
+                             finished < kMostFinished;
       if (plan_.status == PlanStatus::kCertified && !promising) continue;
       Continuation& c = candidates_[i];
       const std::size_t booked = c.stages().size();
@@ -370,7 +359,7 @@ class Planner {
   // and best refined, is reported.
   void record(const Continuation& c, Trajectory trajectory, Certificate certificate) {
     const Collocated& solution = c.solution();
-    const auto terms = objective_terms(problem_, solution.motion, trajectory);
+    const auto terms = objective_terms(problem_, solution, trajectory);
     const double objective = weighted_sum(problem_.weights, terms);
     if (plan_.status == PlanStatus::kCertified && (!certificate.certified || objective >= plan_.objective)) return;
     plan_.interval_errors = interval_errors(problem_.robot, solution.motion);

@@ -5,13 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "model/dynamics.h"
 #include "model/identify/estimate.h"
 #include "model/parameters.h"
 
 namespace fjr {
-
-// The paper's printed alphas follow from (6) and (7) only with this. [m/s^2]
-inline constexpr double kPaperGravity = 9.8;
 
 struct Identified {
   Parameters robot;                // `base` with everything the estimates tell

@@ -68,6 +68,7 @@ class Writer {
                                             const std::string& unit, const Pair<double>& value) {
       if (section != section_before) text_ += "\n" + section + ":\n";
       section_before = section;
+      if (may_be_left_out(section, name) && !base_.at(section).find(name)) return;
       Entry entry{value, unit, "", {}};
       const YamlNode old = base_.at(section).at(name);
       fill(section + "." + name, old, entry);

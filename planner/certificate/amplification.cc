@@ -44,7 +44,8 @@ struct Symmetric {  // 2x2
 // M s^2 + D s + dG/dq + K (J s^2 + B s) (J s^2 + B s + K)^-1: the spring in series with the motor that gives way.
 Symmetric dynamic_stiffness(const Parameters& p, const Pair<double>& q, double s) {
   const MassMatrix<double> m = mass_matrix(p, q[1]);
-  const double g1 = p.link.gravity_torque[0] * std::cos(q[0]), g2 = p.link.gravity_torque[1] * std::cos(q[0] + q[1]);
+  const Pair<double> gravity = gravity_coefficients(p);
+  const double g1 = gravity[0] * std::cos(q[0]), g2 = gravity[1] * std::cos(q[0] + q[1]);
   const auto diagonal = [&](std::size_t j) {
     const double motor = (p.motor.inertia[j] * s + p.friction.viscous[j]) * s, k = p.spring.stiffness[j];
     return p.link.damping[j] * s + k * motor / (motor + k);

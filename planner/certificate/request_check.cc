@@ -28,7 +28,7 @@ bool is_goal(const State<double>& x, const Goal& goal) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!goal.free[j] && std::abs(x.q[j] - goal.q[j]) > kMet) return false;
   }
-  return !differ(x.dq, goal.dq) && !(goal.theta && differ(x.theta, *goal.theta)) &&
+  return (goal.dq_free || !differ(x.dq, goal.dq)) && !(goal.theta && differ(x.theta, *goal.theta)) &&
          !(goal.dtheta && differ(x.dtheta, *goal.dtheta));
 }
 

@@ -18,7 +18,8 @@ namespace fjr {
 inline constexpr Features kPlain{};
 inline constexpr Features kRateControlled{.rate = true};
 inline constexpr Features kWithTask{.task_rows = 24};
-inline constexpr Features kEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows)};
+inline constexpr Features kWithPeak{.task_rows = 24, .peak = true};
+inline constexpr Features kEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows), .peak = true};
 
 // visit<F>() with the least that has room for the problem.
 template <class Visit>
@@ -28,10 +29,12 @@ auto with_features(const Problem& problem, Visit&& visit) {
   const bool rate =
       problem.weights.torque_rate > 0 || limits.torque_rate[0] < kNoLimit || limits.torque_rate[1] < kNoLimit;
   const std::size_t rows = count_of_rows(problem.task);
-  const bool task = rows > 0 || problem.goal.any_free();
-  if (!task && !rate) return visit.template operator()<kPlain>();
-  if (!task) return visit.template operator()<kRateControlled>();
-  if (!rate && rows <= static_cast<std::size_t>(kWithTask.task_rows)) return visit.template operator()<kWithTask>();
+  const bool task = rows > 0 || problem.goal.any_free(), peak = problem.weights.peak_torque > 0;
+  const bool few = !rate && rows <= static_cast<std::size_t>(kWithTask.task_rows);
+  if (!task && !peak && few) return visit.template operator()<kPlain>();
+  if (!task && !peak) return visit.template operator()<kRateControlled>();
+  if (few && !peak) return visit.template operator()<kWithTask>();
+  if (few) return visit.template operator()<kWithPeak>();
   return visit.template operator()<kEverything>();
 }
 
@@ -45,6 +48,8 @@ extern template Collocated collocate_with<kPlain>(const Problem&, const Collocat
 extern template Collocated collocate_with<kRateControlled>(const Problem&, const CollocationSetup&, const Guess*,
                                                            const Collocated*, const SolveOptions&);
 extern template Collocated collocate_with<kWithTask>(const Problem&, const CollocationSetup&, const Guess*,
+                                                     const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kWithPeak>(const Problem&, const CollocationSetup&, const Guess*,
                                                      const Collocated*, const SolveOptions&);
 extern template Collocated collocate_with<kEverything>(const Problem&, const CollocationSetup&, const Guess*,
                                                        const Collocated*, const SolveOptions&);
@@ -84,7 +89,7 @@ std::vector<NodeBounds<N>> node_bounds(const Problem& problem, const Mesh& mesh)
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!problem.goal.free[j]) goal.lower[j] = goal.upper[j] = problem.goal.q[j];
   }
-  fix(goal, 2, problem.goal.dq);
+  if (!problem.goal.dq_free) fix(goal, 2, problem.goal.dq);
   if (problem.goal.theta) fix(goal, 4, *problem.goal.theta);
   if (problem.goal.dtheta) fix(goal, 6, *problem.goal.dtheta);
   bounds.push_back(goal);
@@ -111,6 +116,7 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
   const std::vector<Kept> kept = kept_limits(problem, setup.mesh, setup.margins);
   for (std::size_t k = 0; k < setup.mesh.size(); ++k) {
     auto here = path_bounds<F>(kept[k].limits);
+    if constexpr (F.peak) bound_peaks<F>(here, problem);
     for (std::size_t r = 0; r < kept[k].task_rows.size(); ++r) {
       here.row_lower[ArmOcp<F>::kTask + r] = kept[k].task_rows[r][0];
       here.row_upper[ArmOcp<F>::kTask + r] = kept[k].task_rows[r][1];
@@ -136,11 +142,16 @@ void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
   }
 }
 
+// What the power of a motor has of a corner at standstill is rounded as its friction is: [W], and [W s/rad].
+inline constexpr double kLeastKink = 0.01, kKinkPerWidth = 10;
+
 template <Features F>
 Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSetup& setup) {
   auto ocp = make_arm_ocp<F>(problem, setup.smoothing.regularisation);
   ocp.bounds = interval_bounds<F>(problem, setup);
   for (FrictionLaw& law : ocp.friction) law = law.smoothed(setup.smoothing.friction_width);
+  ocp.kink = std::hypot(kLeastKink, kKinkPerWidth * setup.smoothing.friction_width);
+  ocp.cost_nodes = {{release_node(problem, setup.mesh), Node::kRelease}, {setup.mesh.size(), Node::kGoal}};
   for (std::size_t s = 0; s < segment_count(problem); ++s) {
     ocp.tasks.push_back(task_rows(problem.robot, problem.task, s));
   }
@@ -176,9 +187,10 @@ Motion motion_of(const Transcription<ArmOcp<F>>& transcription, const Eigen::Vec
     const double start = times[static_cast<std::size_t>(k)], end = times[static_cast<std::size_t>(k) + 1];
     const Eigen::MatrixXd state = with_consistent_positions(transcription.state_polynomial(z, k), end - start);
     if constexpr (F.rate) {
-      motion.intervals.push_back({start, end - start, state.topRows<kStates>(), state.bottomRows<kControls>()});
+      motion.intervals.push_back({start, end - start, state.topRows<kStates>(), state.middleRows<kControls>(kStates)});
     } else {
-      motion.intervals.push_back({start, end - start, state, transcription.control_polynomial(z, k)});
+      motion.intervals.push_back(
+          {start, end - start, state.topRows<kStates>(), transcription.control_polynomial(z, k)});
     }
   }
   return motion;
@@ -192,6 +204,10 @@ Iterate evaluate_guess(const Transcription<ArmOcp<F>>& transcription, const Gues
     z.segment<kStates>(at) = Eigen::Map<const Eigen::Matrix<double, kStates, 1>>(x.data());
     if constexpr (F.rate)
       z.segment<kControls>(at + kStates) = Eigen::Map<const Eigen::Vector2d>(guess.torque(s).data());
+    if constexpr (F.peak) {
+      constexpr int kPeak = ArmOcp<F>::kPeak;
+      z.segment<kJoints>(at + kPeak) = transcription.x_upper.template segment<kJoints>(at + kPeak);
+    }
   };
   const std::vector<double> times = transcription.mesh().node_times(guess.durations);
   put(0, 0);

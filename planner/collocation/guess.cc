@@ -220,7 +220,7 @@ double duration_guess(const Problem& problem) {
   const std::vector<double> legs = leg_times(problem);
   const double time = std::max(0.1, std::accumulate(legs.begin(), legs.end(), 0.0));
   // Springs and friction roughly double it; the regularising objectives want still longer motions.
-  const bool hurried = problem.weights.effort == 0 && problem.weights.link_acceleration == 0;
+  const bool hurried = starts_worth_trying(problem.weights) == 1;
   return std::clamp(time * (hurried ? 1.3 : 2.0), problem.duration.min, problem.duration.max);
 }
 

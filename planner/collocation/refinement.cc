@@ -53,25 +53,24 @@ std::vector<double> interval_errors(const Parameters& robot, const Motion& motio
   return errors;
 }
 
-std::vector<double> effort_errors(const Pair<FrictionLaw>& friction, const Scheme& scheme, const Motion& motion) {
+std::vector<double> cost_errors(const Problem& problem, const Pair<FrictionLaw>& friction, const Scheme& scheme,
+                                const Motion& motion) {
   constexpr int kPieces = 32;  // midpoint rule: fine enough to tell whether the scheme's few points are
+  const Parameters& robot = problem.robot;
   std::vector<double> errors;
   for (std::size_t k = 0; k < motion.intervals.size(); ++k) {
     const auto& interval = motion.intervals[k];
-    const auto squared = [&](double c) {
+    const auto cost = [&](double c) {
       const double time = interval.start + c * interval.duration;
-      const Pair<double> u = motion.torque_in(k, time);
       const State<double> x = motion.state_in(k, time);
-      double sum = 0;
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        const double torque = u[j] + friction[j].nonlinear(x.dtheta[j]);
-        sum += torque * torque;
-      }
-      return sum;
+      Pair<double> torque = motion.torque_in(k, time);
+      for (std::size_t j = 0; j < kJoints; ++j) torque[j] += friction[j].nonlinear(x.dtheta[j]);
+      const Pair<double> ddq = link_acceleration(robot, x.q, x.dq, spring_torque(robot, x.q, x.theta));
+      return running_cost(problem.weights, Instant<double>{robot, x, ddq, torque});
     };
     double difference = 0;
-    for (int j = 0; j < scheme.stages(); ++j) difference += scheme.b(j) * squared(scheme.points(j));
-    for (int i = 0; i < kPieces; ++i) difference -= squared((i + 0.5) / kPieces) / kPieces;
+    for (int j = 0; j < scheme.stages(); ++j) difference += scheme.b(j) * cost(scheme.points(j));
+    for (int i = 0; i < kPieces; ++i) difference -= cost((i + 0.5) / kPieces) / kPieces;
     errors.push_back(std::abs(difference) * interval.duration);
   }
   return errors;

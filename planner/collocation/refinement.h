@@ -9,6 +9,7 @@
 #include "planner/collocation/mesh.h"
 #include "planner/collocation/motion.h"
 #include "planner/collocation/scheme.h"
+#include "planner/problem/problem.h"
 
 namespace fjr {
 
@@ -21,9 +22,10 @@ inline constexpr double kErrorTime = 0.03;  // [s] about one radian of the faste
 // Size of a state difference as above. [rad]
 double error_size(const State<double>& difference);
 
-// Error of the scheme's quadrature of int tau_m^2 on each interval [N^2 m^2 s], tau_m = u + nonlinear friction of the
-// law given: where a motor creeps through the friction law, the torque bends between the collocation points.
-std::vector<double> effort_errors(const Pair<FrictionLaw>& friction, const Scheme& scheme, const Motion& motion);
+// Error of the scheme's quadrature of the objective's running cost on each interval, tau_m = u + nonlinear friction of
+// the law given: where a motor creeps through the friction law, the torque bends between the collocation points.
+std::vector<double> cost_errors(const Problem& problem, const Pair<FrictionLaw>& friction, const Scheme& scheme,
+                                const Motion& motion);
 
 // Into how many pieces (1, 2 or 4) each interval is to be split: those whose error exceeds `tolerance`, in four where
 // two would not do for a method of `order`; no piece becomes shorter than `shortest` [s].

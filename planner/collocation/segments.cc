@@ -52,6 +52,15 @@ std::size_t end_node(const Mesh& mesh, std::size_t segment) {
   return static_cast<std::size_t>(after - mesh.intervals.begin());
 }
 
+std::size_t release_node(const Problem& problem, const Mesh& mesh) {
+  return end_node(mesh, problem.release.value_or(problem.via.size()));
+}
+
+double release_time(const Problem& problem, const std::vector<double>& durations) {
+  const auto last = static_cast<std::ptrdiff_t>(problem.release.value_or(problem.via.size()));
+  return std::accumulate(durations.begin(), durations.begin() + last + 1, 0.0);
+}
+
 std::vector<double> apportioned(const Problem& problem, double duration, const std::vector<double>& weights) {
   std::vector<double> durations = weights;
   for (const DurationSum& stretch : stretches(problem)) {

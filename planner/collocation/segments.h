@@ -21,6 +21,10 @@ std::vector<DurationSum> duration_sums(const Problem& problem);
 // The node at the end of a segment.
 std::size_t end_node(const Mesh& mesh, std::size_t segment);
 
+// Where what is thrown is let go: at that node of the mesh, after that time [s].
+std::size_t release_node(const Problem& problem, const Mesh& mesh);
+double release_time(const Problem& problem, const std::vector<double>& durations);
+
 // Durations [s] of the segments that sum to `duration`, meet the via times that are given, and are otherwise in
 // proportion to `weights` (one per segment, positive).
 std::vector<double> apportioned(const Problem& problem, double duration, const std::vector<double>& weights);

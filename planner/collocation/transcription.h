@@ -12,7 +12,10 @@
 //   std::vector<std::array<double, 2>> durations;     [s] bounds, one per segment of the mesh
 //   std::vector<DurationSum> duration_sums;           bounds on sums of them
 //   std::vector<RowBounds> rows_at_nodes;             optional: rows that hold at one node only
-//   double time_weight;                               cost = time_weight T + int cost dt
+//   double time_weight;                               cost = time_weight T + int cost dt + cost at nodes
+//   cost_nodes, a list with a member `node` each, and template <class T> T node_cost(const CostNode&, const T* x)
+//   const;
+//                                                     optional: cost of the state at those nodes
 //
 // Every stage keeps its own state as variables ("separated form"): the defects
 //   y_i - y_0 - h sum_j A(i,j) f(y_j, u_j) = 0
@@ -143,6 +146,7 @@ class Transcription final : public Nlp {
       for (int j = 0; j < stages_; ++j) sum += scheme_.b(j) * values(z, k, j).cost;
       total += step(z, k) * sum;
     }
+    each_cost_node([&](const auto& at, int x) { total += node_value(at, z.data() + x); });
     return total;
   }
 
@@ -160,6 +164,10 @@ class Transcription final : public Nlp {
         out(duration_of(k)) += fraction(k) * scheme_.b(j) * p.cost.v;
       }
     }
+    each_cost_node([&](const auto& at, int x) {
+      const auto cost = node_derivatives<Dual<kX>>(at, z.data() + x);
+      for (int i = 0; i < kX; ++i) out(x + i) += cost.g[index(i)];
+    });
   }
 
   void constraint_values(const In& z, Out out) const override {
@@ -204,6 +212,11 @@ class Transcription final : public Nlp {
                      [&](int, int, double value) { out(next++) = value; });
       }
     }
+    auto pairs = curved_at_nodes_.begin();
+    each_cost_node([&](const auto& at, int x) {
+      const auto cost = node_derivatives<Dual2<kX>>(at, z.data() + x);
+      for (const auto& [i, j] : *pairs++) out(next++) = cost_factor * cost.second(index(i), index(j));
+    });
   }
 
   // The collocation polynomials of interval k in monomials of c, lowest degree first: y(c) = y_0 + h sum_j f_j int l_j,
@@ -264,6 +277,24 @@ class Transcription final : public Nlp {
     } else {
       ocp_.template evaluate<T>(v, v + kX, p.f.data(), p.cost, p.rows.data());
     }
+  }
+
+  // visit(cost node, where its state begins)
+  template <class Visit>
+  void each_cost_node(Visit&& visit) const {
+    if constexpr (requires { ocp_.cost_nodes; }) {
+      for (const auto& at : ocp_.cost_nodes) visit(at, node_at(static_cast<int>(at.node)));
+    }
+  }
+  template <class CostNode>
+  double node_value(const CostNode& at, const double* x) const {
+    return ocp_.node_cost(at, x);
+  }
+  template <class D, class At>
+  D node_derivatives(const At& at, const double* values) const {
+    std::array<D, static_cast<std::size_t>(kX)> x;
+    for (int i = 0; i < kX; ++i) x[index(i)] = D::input(values[i], i);
+    return ocp_.node_cost(at, x.data());
   }
 
   // At every stage of every interval. The gradient and the Jacobian are asked for at the same point one after the
@@ -340,6 +371,16 @@ class Transcription final : public Nlp {
         if (curved) curved_pairs_.emplace_back(i, j);
       }
     }
+    const Array<kX> anywhere = filled<kX>(1);
+    each_cost_node([&](const auto& at, int) {
+      const auto cost = node_derivatives<Pattern<kX>>(at, anywhere.data());
+      auto& pairs = curved_at_nodes_.emplace_back();
+      for (int i = 0; i < kX; ++i) {
+        for (int j = 0; j <= i; ++j) {
+          if (cost.curved_in(i, j)) pairs.emplace_back(i, j);
+        }
+      }
+    });
   }
 
   void set_bounds() {
@@ -418,6 +459,10 @@ class Transcription final : public Nlp {
         });
       }
     }
+    auto pairs = curved_at_nodes_.begin();
+    each_cost_node([&](const auto&, int x) {
+      for (const auto& [i, j] : *pairs++) hessian_pattern.push_back({x + i, x + j});
+    });
   }
 
   // Interval k is stage k, with the node at its end; the durations are the border.
@@ -518,6 +563,7 @@ class Transcription final : public Nlp {
   std::vector<int> interval_row_, path_rows_;
   Point<Pattern<kV>> structure_;
   std::vector<std::pair<int, int>> curved_pairs_;
+  std::vector<std::vector<std::pair<int, int>>> curved_at_nodes_;  // in the order of the cost nodes
   mutable Eigen::VectorXd derived_at_;
   mutable std::vector<Point<Dual<kV>>> derived_;
 };

@@ -63,7 +63,8 @@ std::optional<ExecutionRefusal> refusal_of(const TrajectoryOrder& order, const S
     return ExecutionRefusal{ResultCode::kInvalidGoal, std::move(sentence)};
   };
   if (order.robot_hash != situation.robot_hash) {
-    return ExecutionRefusal{ResultCode::kInvalidJoints, "planned for another robot: " + order.robot_hash};
+    return ExecutionRefusal{ResultCode::kInvalidJoints,
+                            "planned for another robot, or another payload: " + order.robot_hash};
   }
   if (!order.certified) return invalid("not certified");
   if (!order.ends_at_rest) return invalid("does not end at rest");

@@ -114,7 +114,7 @@ void Control::obey(unsigned asked) {
 }
 
 void Control::take_motion(bool refused) {
-  Motion* motion = incoming_.take();
+  CommandedMotion* motion = incoming_.take();
   if (motion == nullptr) return;
   const bool free = mode_ == ExecutorMode::kResting || mode_ == ExecutorMode::kHolding;
   if (refused || !free || sensing_.lost() != nullptr) {

@@ -31,10 +31,10 @@ class Control {
   void tick();  // from one thread
 
   // From another one.
-  bool begin(Motion* motion) { return incoming_.put(motion); }  // until it comes back it is the tick's
+  bool begin(CommandedMotion* motion) { return incoming_.put(motion); }  // until it comes back it is the tick's
   void hold() { asked_ |= kHold; }
   void stop(bool shut_down = false) { asked_ |= shut_down ? kStop | kShutDown : kStop; }
-  std::optional<Motion*> finished() { return finished_.take(); }
+  std::optional<CommandedMotion*> finished() { return finished_.take(); }
   std::optional<TickState> state() { return states_.take(); }
 
   // From the thread of tick().
@@ -77,14 +77,14 @@ class Control {
   Pair<bool> blind_{};
   bool run_away_ = false;
 
-  Motion* motion_ = nullptr;
+  CommandedMotion* motion_ = nullptr;
   RequestId trajectory_id_;
   bool settled_ = false;
   MotorFeedback::Command command_{};
 
-  Slot<Motion> incoming_;
+  Slot<CommandedMotion> incoming_;
   std::atomic<unsigned> asked_ = 0;
-  Ring<Motion*, 4> finished_;
+  Ring<CommandedMotion*, 4> finished_;
   Ring<TickState, 256> states_;
 };
 

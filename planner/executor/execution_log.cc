@@ -12,7 +12,7 @@
 namespace fjr {
 namespace {
 
-void add(Log& log, std::string_view quantity, std::string_view suffix, const Motion& motion,
+void add(Log& log, std::string_view quantity, std::string_view suffix, const CommandedMotion& motion,
          const Pair<double>& (*get)(const LogRow&)) {
   for (int joint = 0; joint < kJoints; ++joint) {
     log.names.push_back(joint_column(quantity, joint, suffix));
@@ -26,7 +26,7 @@ using Columns = const Pair<double>&;
 
 }  // namespace
 
-std::filesystem::path write_log(const Motion& motion, const ExecutionResult& result,
+std::filesystem::path write_log(const CommandedMotion& motion, const ExecutionResult& result,
                                 const std::filesystem::path& folder, std::map<std::string, std::string> metadata) {
   const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
   Log log;

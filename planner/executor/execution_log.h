@@ -11,7 +11,7 @@ namespace fjr {
 
 // Writes it into `folder`, complete or not at all, and returns its path. Columns are measured and planned values; times
 // are of the trajectory. Throws std::runtime_error.
-std::filesystem::path write_log(const Motion& motion, const ExecutionResult& result,
+std::filesystem::path write_log(const CommandedMotion& motion, const ExecutionResult& result,
                                 const std::filesystem::path& folder, std::map<std::string, std::string> metadata);
 
 }  // namespace fjr

@@ -219,7 +219,7 @@ void Executor::conclude_finished() {
   }
 }
 
-void Executor::conclude(Motion& motion) {
+void Executor::conclude(CommandedMotion& motion) {
   ExecutionResult result = result_of(motion, robot_);
   result.log_file = log(motion, result);
   spdlog::info("finished id={} code={} error=({:.2e}, {:.2e}) predicted=({:.2e}, {:.2e}) residual=({:.2e}, {:.2e}) {}",
@@ -234,7 +234,7 @@ void Executor::conclude(Motion& motion) {
   port_.send(result);
 }
 
-std::string Executor::log(const Motion& motion, const ExecutionResult& result) const {
+std::string Executor::log(const CommandedMotion& motion, const ExecutionResult& result) const {
   if (config_.logs.empty() || motion.log.size() < 2) return "";
   try {
     return write_log(motion, result, config_.logs, {{"missed_ticks", std::to_string(missed_.load())}}).string();

@@ -32,8 +32,8 @@ class Executor {
   void publish_states();
   void publish(const TickState& tick);
   void conclude_finished();
-  void conclude(Motion& motion);
-  std::string log(const Motion& motion, const ExecutionResult& result) const;
+  void conclude(CommandedMotion& motion);
+  std::string log(const CommandedMotion& motion, const ExecutionResult& result) const;
   bool reported_before(const TrajectoryOrder& order);
   void come_to_rest();
   void stop_silently();
@@ -46,10 +46,10 @@ class Executor {
   Control control_;
   Situation situation_;
   TickState latest_;
-  bool ticking_ = false;               // there is a latest one
-  std::unique_ptr<Motion> running_;    // lent to the control tick
-  std::optional<RequestId> reported_;  // from before the start
-  Lateness lateness_;                  // of the tick; the tick's until it has ended
+  bool ticking_ = false;                      // there is a latest one
+  std::unique_ptr<CommandedMotion> running_;  // lent to the control tick
+  std::optional<RequestId> reported_;         // from before the start
+  Lateness lateness_;                         // of the tick; the tick's until it has ended
   std::atomic<long> missed_ = 0;
   std::atomic<bool> stopping_ = false, over_ = false;
 };

@@ -75,9 +75,9 @@ std::string reason_of(const Outcome& o) {
 
 }  // namespace
 
-std::unique_ptr<Motion> prepare_without_stops(const Parameters& robot, TrajectoryOrder order,
-                                              const Tolerances& defaults) {
-  auto motion = std::make_unique<Motion>();
+std::unique_ptr<CommandedMotion> prepare_without_stops(const Parameters& robot, TrajectoryOrder order,
+                                                       const Tolerances& defaults) {
+  auto motion = std::make_unique<CommandedMotion>();
   motion->end = order.rows.back().time;
   motion->trajectory = with_rest_after(robot, order.rows);
   motion->tolerances = resolved(order.tolerances, defaults);
@@ -87,14 +87,14 @@ std::unique_ptr<Motion> prepare_without_stops(const Parameters& robot, Trajector
   return motion;
 }
 
-std::unique_ptr<Motion> prepare(const Parameters& robot, TrajectoryOrder order, const Tolerances& defaults,
-                                const std::function<void()>& between) {
+std::unique_ptr<CommandedMotion> prepare(const Parameters& robot, TrajectoryOrder order, const Tolerances& defaults,
+                                         const std::function<void()>& between) {
   auto motion = prepare_without_stops(robot, std::move(order), defaults);
   motion->stops = stop_motions(robot, Trajectory{motion->order.rows, {}}, between);
   return motion;
 }
 
-ExecutionResult result_of(const Motion& motion, const Parameters& robot) {
+ExecutionResult result_of(const CommandedMotion& motion, const Parameters& robot) {
   const Outcome& outcome = motion.outcome;
   ExecutionResult result;
   result.robot_id = motion.order.robot_id;

@@ -39,7 +39,7 @@ struct LogRow {
   Sample planned;
 };
 
-struct Motion {
+struct CommandedMotion {
   TrajectoryOrder order;
   Tolerances tolerances;  // resolved: nothing is 0
   Trajectory trajectory;  // the rows, and rest at the goal after them
@@ -54,14 +54,14 @@ struct Motion {
 };
 
 // Without stop motions: from any instant its own end is the way to rest.
-std::unique_ptr<Motion> prepare_without_stops(const Parameters& robot, TrajectoryOrder order,
-                                              const Tolerances& defaults);
+std::unique_ptr<CommandedMotion> prepare_without_stops(const Parameters& robot, TrajectoryOrder order,
+                                                       const Tolerances& defaults);
 
 // With them. Throws NoStop. `between` is called now and then.
-std::unique_ptr<Motion> prepare(const Parameters& robot, TrajectoryOrder order, const Tolerances& defaults,
-                                const std::function<void()>& between);
+std::unique_ptr<CommandedMotion> prepare(const Parameters& robot, TrajectoryOrder order, const Tolerances& defaults,
+                                         const std::function<void()>& between);
 
 // What is reported about it; without log_file.
-ExecutionResult result_of(const Motion& motion, const Parameters& robot);
+ExecutionResult result_of(const CommandedMotion& motion, const Parameters& robot);
 
 }  // namespace fjr

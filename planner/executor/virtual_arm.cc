@@ -9,8 +9,7 @@
 namespace fjr {
 namespace {
 
-constexpr double kGravity = 9.8;  // [m/s^2] with which the paper's alphas were found
-constexpr int kPieces = 4;        // of a tick, in which the hysteresis stands still
+constexpr int kPieces = 4;  // of a tick, in which the hysteresis stands still
 
 // z after the deflection has changed by `change` [rad]: dz/dphi = (1 - z sign(dphi)) / width, solved exactly.
 double hysteresis_after(double z, double change, double width) {
@@ -20,22 +19,10 @@ double hysteresis_after(double z, double change, double width) {
 
 }  // namespace
 
-Parameters with_payload(const Parameters& robot, double mass) {
-  Parameters p = robot;
-  const double l1 = robot.link.length[0], l2 = robot.link.length[1], m2 = robot.link.mass[1];
-  const double r2 = robot.link.com_fraction[1] * l2, r = (m2 * r2 + mass * l2) / (m2 + mass);
-  p.link.mass[1] = m2 + mass;
-  p.link.com_fraction[1] = r / l2;
-  p.link.inertia[1] += m2 * (r - r2) * (r - r2) + mass * (l2 - r) * (l2 - r);
-  p.link.gravity_torque[0] += mass * kGravity * l1;
-  p.link.gravity_torque[1] += mass * kGravity * l2;
-  return p;
-}
-
 VirtualArm::VirtualArm(const VirtualArmOptions& options, const Pair<double>& q)
     : options_(options),
-      rollout_(with_payload(options.truth, options.payload), Limits{}, Accuracy::of_predictions()),
-      state_(rest_at(with_payload(options.truth, options.payload), q)) {}
+      rollout_(with_payload(options.truth, {options.payload}), Limits{}, Accuracy::of_predictions()),
+      state_(rest_at(with_payload(options.truth, {options.payload}), q)) {}
 
 Reading VirtualArm::read() {
   const Parameters& p = options_.truth;

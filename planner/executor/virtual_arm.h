@@ -19,12 +19,9 @@ struct EncoderFault {
 struct VirtualArmOptions {
   Parameters truth;                       // what the arm really is
   Hysteresis hysteresis{{0, 0}, {1, 1}};  // of the springs; height 0: none
-  double payload = 0;                     // [kg] a point mass at the tip
+  double payload = 0;                     // [kg] a point mass at the tip, beside the truth's own
   std::optional<EncoderFault> fault{};
 };
-
-// `robot` with a point mass at its tip [kg].
-Parameters with_payload(const Parameters& robot, double mass);
 
 class VirtualArm : public Arm {
  public:

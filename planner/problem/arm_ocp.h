@@ -20,19 +20,25 @@ struct Features {
   bool rate = false;  // u is a state and its rate the control, so that u is continuous and its rate may be limited and
                       // penalised; otherwise u is the control and may jump
   int task_rows = 0;  // for the task's constraints; with any, goals with a free joint are possible too
+  bool peak = false;  // bounds on |tau_m| all the way are states, so that they may be penalised; needs task rows
 };
 
 template <Features F>
 struct ArmOcp {
   static constexpr int kArm = fjr::kStates;
-  static constexpr int kStates = kArm + (F.rate ? kJoints : 0);
+  static constexpr int kPeak = kArm + (F.rate ? kJoints : 0);  // the first of those states
+  static constexpr int kStates = kPeak + (F.peak ? kJoints : 0);
   static constexpr int kControls = kJoints;
-  // kEquilibrium: theta - q - G(q) / K of a joint, zero at rest.
-  enum Row { kTorque1, kTorque2, kDeflection1, kDeflection2, kTipSpeedSquared, kEquilibrium1, kEquilibrium2, kTask };
+  // kEquilibrium: theta - q - G(q) / K of a joint, zero at rest. kPeakRow: peak - tau_m and peak + tau_m of both
+  // joints.
+  enum Row { kTorque1, kTorque2, kDeflection1, kDeflection2, kTipSpeedSquared, kEquilibrium1, kEquilibrium2, kPeakRow };
+  static constexpr int kTask = kPeakRow + (F.peak ? 2 * kJoints : 0);
+  static_assert(!F.peak || F.task_rows > 0);
   static constexpr int kRows = F.task_rows > 0 ? kTask + F.task_rows : kEquilibrium1;
   static constexpr auto kRowUsesControl = [] {
     std::array<bool, kRows> uses{};
     uses[kTorque1] = uses[kTorque2] = !F.rate;
+    for (std::size_t i = kPeakRow; i < kTask && i < uses.size(); ++i) uses[i] = !F.rate;
     return uses;
   }();
   static constexpr auto kRowOfSegment = [] {
@@ -54,6 +60,12 @@ struct ArmOcp {
   std::vector<std::array<double, 2>> durations;
   std::vector<DurationSum> duration_sums;
   double time_weight = 0;
+  struct CostNode {
+    std::size_t node;
+    Node kind;
+  };
+  std::vector<CostNode> cost_nodes;
+  double kink = 0;            // [W] see Instant
   double regularisation = 0;  // weight of int u^2, not part of the reported objective: see make_arm_ocp()
 
   template <class T>
@@ -74,17 +86,30 @@ struct ArmOcp {
     }
     rows[kTipSpeedSquared] = tip_speed_squared(robot, state.q[1], state.dq);
     if constexpr (F.task_rows > 0) task(segment, state, rows);
-
-    cost = T(0.0);
-    if (weights.effort > 0) cost += weights.effort * (torque[0] * torque[0] + torque[1] * torque[1]);
-    if (weights.link_acceleration > 0) {
-      cost += weights.link_acceleration * (rate.dq[0] * rate.dq[0] + rate.dq[1] * rate.dq[1]);
+    if constexpr (F.peak) {
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        const T& peak = x[kPeak + j];
+        f[kPeak + j] = T(0.0);
+        rows[kPeakRow + 2 * j] = peak - torque[j];
+        rows[kPeakRow + 2 * j + 1] = peak + torque[j];
+      }
     }
+
+    cost = running_cost(weights, Instant<T>{robot, state, rate.dq, torque, kink});
     if (regularisation > 0)
       cost += regularisation * (compensated[0] * compensated[0] + compensated[1] * compensated[1]);
     if constexpr (F.rate) {
       cost += weights.torque_rate * kRateUnit * kRateUnit * (u[0] * u[0] + u[1] * u[1]);
     }
+  }
+
+  // Cost of the state at one of cost_nodes.
+  template <class T>
+  T node_cost(const CostNode& at, const T* x) const {
+    const auto state = State<T>::from(x);
+    Pair<T> peak{T(0.0), T(0.0)};
+    if constexpr (F.peak) peak = {x[kPeak], x[kPeak + 1]};
+    return fjr::node_cost(weights, at.kind, AtNode<T>{robot, state, peak});
   }
 
  private:
@@ -121,6 +146,17 @@ typename ArmOcp<F>::Bounds path_bounds(const Limits& limits) {
   return b;
 }
 
+// The states that bound |tau_m|; without a price on them they bound nothing, and only have to stay somewhere.
+template <Features F>
+void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem) {
+  using Ocp = ArmOcp<F>;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    b.x_lower[Ocp::kPeak + j] = 0;
+    b.x_upper[Ocp::kPeak + j] = problem.limits.torque[j];
+  }
+  for (std::size_t r = Ocp::kPeakRow; r < Ocp::kTask && problem.weights.peak_torque > 0; ++r) b.row_lower[r] = 0;
+}
+
 // The problem's plant and objective; bounds, nodes and segments depend on the mesh and are left empty. regularisation:
 // weight of a trace of effort in a minimum-time problem, as a share of the time weight; bounds what it can cost in
 // time.
@@ -132,10 +168,11 @@ ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
   ocp.time_weight = problem.weights.time;
   for (int j = 0; j < kJoints; ++j) ocp.friction[static_cast<std::size_t>(j)] = FrictionLaw::of(problem.robot, j);
   // Minimum time leaves the torque of the joint that does not decide the time, and along velocity limits, undetermined:
-  // the optimiser then fills it with chatter that samples cannot carry. A trace of effort picks the calm one.
-  if (problem.weights.effort == 0) {
+  // the optimiser then fills it with chatter that samples cannot carry; other terms leave it undetermined elsewhere. A
+  // trace of effort picks the calm one.
+  if (!settles_torque(problem.weights)) {
     const Pair<double>& limit = problem.limits.torque;
-    ocp.regularisation = regularisation * problem.weights.time / (limit[0] * limit[0] + limit[1] * limit[1]);
+    ocp.regularisation = regularisation * size_of(problem.weights) / (limit[0] * limit[0] + limit[1] * limit[1]);
   }
   return ocp;
 }

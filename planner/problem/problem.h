@@ -11,6 +11,7 @@
 
 #include "model/dynamics.h"
 #include "model/parameters.h"
+#include "planner/problem/objective_terms.h"
 #include "planner/problem/task.h"
 
 namespace fjr {
@@ -48,26 +49,11 @@ void visit_pair_limits(L& limits, Visit&& visit) {
 // The limit called `name` ("torque", ...) of a joint (1 or 2; 0 for tip_speed); null if there is none of that name.
 double* limit_of(Limits& limits, std::string_view name, int joint);
 
-// Weights of the objective's terms; the objective is the weighted sum, each term summed over the joints.
-struct Weights {
-  double time = 0;               // T              [s]
-  double effort = 0;             // int tau_m^2    [N^2 m^2 s]
-  double torque_rate = 0;        // int (du/dt)^2  [N^2 m^2 / s]
-  double link_acceleration = 0;  // int ddq^2      [rad^2 / s^3]
-};
-
-template <class W, class Visit>
-void visit_weights(W& w, Visit&& visit) {
-  visit("time", w.time);
-  visit("effort", w.effort);
-  visit("torque_rate", w.torque_rate);
-  visit("link_acceleration", w.link_acceleration);
-}
-
 struct Goal {
   Pair<double> q{};                    // [rad]
   Pair<bool> free{};                   // joints that may end anywhere; their q is where a guess would put them
   Pair<double> dq{};                   // [rad/s]
+  bool dq_free = false;                // dq and the motors may be anything
   std::optional<Pair<double>> theta;   // [rad]; none: free
   std::optional<Pair<double>> dtheta;  // [rad/s]; none: free
   bool at_rest = true;                 // dq = dtheta = 0 and theta in equilibrium (given, unless a joint is free)
@@ -98,7 +84,8 @@ struct Problem {
   std::vector<Goal> other_goals;  // as good as `goal`: the other elbow of a tip position
   Duration duration;
   Weights weights;
-  std::vector<Via> via;  // in this order; the motion has a segment before each and one after the last
+  std::vector<Via> via;                // in this order; the motion has a segment before each and one after the last
+  std::optional<std::size_t> release;  // the via point at which what is thrown is let go; none: the goal
   Task task;
   double sample_period = 0.001;  // [s]
   std::uint64_t seed = 1;

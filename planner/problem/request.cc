@@ -47,20 +47,12 @@ constexpr double kLargestWeight = 1e9;
 constexpr double kSameAngle = 1e-9;  // [rad] below this two given angles mean the same; 1e-5 of an encoder count
 constexpr double kNoMotion = 1e-6;   // [rad] as near as two angles of one tip position are computed
 constexpr double kLargestLinkVelocity = 100;  // [rad/s] several times what motors and springs together can reach
-constexpr std::string_view kLater = "not supported by this version";
 
 // ---- keys ----
-
-void refuse_later_keys(const YamlNode& node, const std::vector<std::string_view>& keys, std::string_view instead = "") {
-  for (const std::string_view key : keys) {
-    if (const auto found = node.find(key)) found->fail(fmt::format("{}{}", kLater, instead));
-  }
-}
 
 void check_root_keys(const YamlNode& root) {
   root.allow_keys({"robot", "start", "goal", "duration", "objective", "via", "obstacles", "tip", "path", "limits",
                    "sample_period", "seed", "payload"});
-  refuse_later_keys(root, {"payload"});
 }
 
 // ---- robot, limits ----
@@ -147,18 +139,18 @@ Weights read_preset(const YamlNode& node, const Duration& duration) {
 Weights read_weight_map(const YamlNode& node) {
   Weights weights;
   std::vector<std::string_view> names;
-  visit_weights(weights, [&](std::string_view name, double&) { names.push_back(name); });
-  refuse_later_keys(node, {"link_jerk", "energy"}, fmt::format("; terms: {}", fmt::join(names, ", ")));
+  for (const TermInfo& term : Terms::infos) names.push_back(term.name);
   node.allow_keys(names);
   double sum = 0;
-  visit_weights(weights, [&](std::string_view name, double& weight) {
-    const auto given = node.find(name);
-    if (!given) return;
-    weight = given->number("1");
+  for (const TermInfo& term : Terms::infos) {
+    const auto given = node.find(term.name);
+    if (!given) continue;
+    const double weight = given->number("1");
     if (weight < 0 || weight > kLargestWeight)
       given->fail(fmt::format("{} is outside [0, {:g}]", weight, kLargestWeight));
+    weights.*term.weight = weight;
     sum += weight;
-  });
+  }
   if (!(sum > 0)) node.fail("at least one weight must be > 0");
   return weights;
 }
@@ -172,7 +164,7 @@ Weights read_weights(const YamlNode& root, const Duration& duration) {
   if (!duration.fixed() && !(weights.time > 0)) {
     given->fail("a duration that is not fixed needs a time weight; add time: 1, or fix the duration");
   }
-  if (duration.fixed() && weights.effort + weights.torque_rate + weights.link_acceleration <= 0) {
+  if (duration.fixed() && only_time(weights)) {
     given->fail("time alone has nothing to choose when the duration is fixed; add another weight, such as effort: 1");
   }
   return weights;
@@ -249,13 +241,19 @@ void check_tip_speed(const YamlNode& node, const Problem& problem, const Pair<do
   }
 }
 
+// For messages about what a payload has its share in.
+std::string with_load(const Problem& problem) {
+  const double mass = problem.robot.payload.mass;
+  return mass > 0 ? fmt::format(" with the payload of {} kg", mass) : "";
+}
+
 void check_deflection(const YamlNode& node, const Problem& problem, const Pair<double>& q, const Pair<double>& theta) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double deflection = std::abs(theta[j] - q[j]), limit = problem.limits.spring_deflection[j];
     if (!(deflection <= limit)) {
       given_among(node, {"theta", "dq", "q"})
-          .fail(fmt::format("joint {}: the spring would be deflected by {:.6g} rad, above the limit of {} rad", j + 1,
-                            deflection, limit));
+          .fail(fmt::format("joint {}: the spring would be deflected by {:.6g} rad{}, above the limit of {} rad", j + 1,
+                            deflection, with_load(problem), limit));
     }
   }
 }
@@ -277,8 +275,9 @@ void check_holding(const YamlNode& node, const Problem& problem, const Pair<doub
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double torque = std::abs(gravity[j]), limit = problem.limits.torque[j];
     if (!(torque <= limit)) {
-      node.at("q").fail(fmt::format("joint {}: holding still here takes {:.6g} N m, above the limit of {} N m", j + 1,
-                                    torque, limit));
+      given_among(node, {"q"})
+          .fail(fmt::format("joint {}: holding still here takes {:.6g} N m{}, above the limit of {} N m", j + 1, torque,
+                            with_load(problem), limit));
     }
   }
 }
@@ -304,6 +303,10 @@ void read_start(const YamlNode& node, Problem& problem) {
 void resolve_goal_motors(const YamlNode& node, const Problem& problem, Goal& goal) {
   goal.theta = read_optional(node, "theta", "rad");
   goal.dtheta = read_optional(node, "dtheta", "rad/s");
+  if (goal.dq_free) {
+    goal.at_rest = false;
+    return;
+  }
   const State<double> rest = rest_at(problem.robot, goal.q);
   const bool plain_stop = is_zero(goal.dq) && !goal.theta && !goal.dtheta;
   const bool spelled_out =
@@ -346,11 +349,15 @@ void read_joint_goal(const YamlNode& node, Problem& problem) {
   }
   Goal& goal = problem.goal;
   read_goal_angles(node, problem, goal);
-  const auto dq = read_dq(node);
-  if (!dq) {
+  const auto given_dq = node.find("dq");
+  goal.dq_free = given_dq && given_dq->says("free");
+  const auto dq = goal.dq_free ? Pair<double>{} : read_dq(node);
+  if (!dq || goal.dq_free) {
     for (const std::string_view key : {"theta", "dtheta"}) {
       if (const auto given = node.find(key)) {
-        given->fail("needs goal.dq beside it; without goal.dq the arm ends at rest and the motors with it");
+        given->fail(goal.dq_free
+                        ? "does not go with goal.dq: free, which leaves the motors free"
+                        : "needs goal.dq beside it; without goal.dq the arm ends at rest and the motors with it");
       }
     }
   }
@@ -442,7 +449,7 @@ std::optional<double> read_via_time(const YamlNode& node, double after, const Du
 }
 
 Via read_via(const YamlNode& node, const Problem& problem) {
-  node.allow_keys({"time", "q", "dq"});
+  node.allow_keys({"time", "q", "dq", "release"});
   double after = 0;
   for (const Via& via : problem.via) after = via.time.value_or(after + kViaSpacing);
   Via via;
@@ -474,6 +481,32 @@ void check_time_left(const YamlNode& root, const Problem& problem) {
   root.at(problem.task.path ? "path" : "via")
       .fail(fmt::format("{} points after {} s leave no time until the end at {} s, at least {} s apart", after, last,
                         problem.duration.max, kViaSpacing));
+}
+
+bool is_release(const YamlNode& via) {
+  const auto given = via.find("release");
+  if (given && !given->says("true") && !given->says("false")) given->fail("must be true or false");
+  return given && given->says("true");
+}
+
+// What is thrown is let go where a via point says so; otherwise at the goal if the arm moves there, and at the last via
+// point if it does not.
+void read_release(const YamlNode& root, Problem& problem) {
+  const auto vias = root.find("via");
+  const std::vector<YamlNode> items = vias ? vias->items() : std::vector<YamlNode>{};
+  if (problem.goal.at_rest && !items.empty()) problem.release = items.size() - 1;
+  bool said = false;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (!is_release(items[i])) continue;
+    if (said) items[i].at("release").fail("is said of another via point already");
+    said = true;
+    problem.release = i;
+  }
+  if (problem.weights.tip_speed > 0 && !problem.release && problem.goal.at_rest) {
+    root.at("objective")
+        .at("tip_speed")
+        .fail("the arm moves nowhere that is named: needs a via point, or a moving goal");
+  }
 }
 
 // With a fixed duration, staying where one is can be meant; otherwise it takes no time at all.
@@ -518,7 +551,7 @@ void add_goal(HashLines& lines, const std::string& name, const Goal& goal) {
     const std::string angle = fmt::format("{}.q[{}]", name, j);
     goal.free[j] ? lines.add_text(angle, "free") : lines.add(angle, goal.q[j]);
   }
-  lines.add(name + ".dq", goal.dq);
+  goal.dq_free ? lines.add_text(name + ".dq", "free") : lines.add(name + ".dq", goal.dq);
   lines.add(name + ".theta", goal.theta);
   lines.add(name + ".dtheta", goal.dtheta);
 }
@@ -568,8 +601,10 @@ std::string request_hash(const Problem& problem) {
   lines.add("limits.tip_speed", problem.limits.tip_speed);
   lines.add("duration.min", problem.duration.min);
   lines.add("duration.max", problem.duration.max);
-  visit_weights(problem.weights,
-                [&](std::string_view name, double weight) { lines.add(fmt::format("objective.{}", name), weight); });
+  for (const TermInfo& term : Terms::infos) {
+    lines.add(fmt::format("objective.{}", term.name), problem.weights.*term.weight);
+  }
+  if (problem.release) lines.add("release", static_cast<double>(*problem.release));
   lines.add("sample_period", problem.sample_period);
   lines.add_text("seed", std::to_string(problem.seed));
   return lines.hash();
@@ -585,6 +620,7 @@ Problem resolve(const YamlNode& root, const Parameters& robot) {
   Problem problem;
   problem.name = fs::path(root.source()).stem().string();
   problem.robot = robot;
+  if (const auto payload = root.find("payload")) problem.robot.payload = read_payload(*payload);
   problem.limits = read_limits(root, problem.robot);
   problem.duration = read_duration(root);
   problem.weights = read_weights(root, problem.duration);
@@ -593,6 +629,7 @@ Problem resolve(const YamlNode& root, const Parameters& robot) {
   read_start(given_start(root), problem);
   read_goal(root.at("goal"), problem);
   read_vias(root, problem);
+  read_release(root, problem);
   read_task(root, problem);
   check_time_left(root, problem);
   check_task(root, problem);

@@ -43,7 +43,7 @@ void override_with(Pair<double>& pair, const std::string& option, const std::vec
 
 // The most particular has the last word: options, then rig.yaml, then --ideal.
 RigSetup setup_of(const Options& options) {
-  const Parameters robot = load_parameters(options.robot.empty() ? default_robot_file() : fs::path(options.robot));
+  const Parameters robot = load_bare_parameters(options.robot.empty() ? default_robot_file() : fs::path(options.robot));
   RigSetup setup{options.ideal ? Rig::ideal(robot) : Rig::of(robot),
                  Experiments::of_paper(options.ideal || options.slow)};
   if (!options.rig.empty()) read_rig(options.rig, setup);

@@ -113,7 +113,7 @@ std::vector<Estimate> from_folder(const Options& options, const Parameters& robo
 
 void write_robot(const Options& options, const fs::path& base, const std::vector<Estimate>& estimates) {
   if (options.out.empty()) return;
-  const Parameters robot = load_parameters(base);
+  const Parameters robot = load_bare_parameters(base);
   // What is unphysical is said now, not when somebody plans with it, and the file that may be there already stays.
   const fs::path trial = options.out + ".refused";
   write_file(trial, format_robot(combine(robot, estimates), base, options.link_damping));
@@ -129,7 +129,7 @@ fs::path report_file(const Options& options) {
 
 int run(const Options& options) {
   const fs::path base = options.robot.empty() ? default_robot_file() : fs::path(options.robot);
-  const Parameters robot = load_parameters(base);
+  const Parameters robot = load_bare_parameters(base);
   const std::vector<Estimate> estimates =
       options.name == "all" ? from_folder(options, robot) : from_logs(options, robot);
   nlohmann::ordered_json json = nlohmann::ordered_json::array();

@@ -51,12 +51,13 @@ std::string tightest_limits(const Certificate& certificate) {
 
 std::string terms(const Problem& problem, const Plan& plan) {
   std::string text;
-  visit_weights(problem.weights, [&](const char* term, double weight) {
-    const auto found = plan.terms.find(term);
-    if (found == plan.terms.end() || (weight == 0 && !std::isfinite(found->second))) return;
-    text += fmt::format("{}{} {:.6g} {}{}", text.empty() ? "" : ", ", term, found->second, unit_of_term(term),
+  for (const TermInfo& term : Terms::infos) {
+    const auto found = plan.terms.find(term.name);
+    const double weight = signed_weight(problem.weights, term);
+    if (found == plan.terms.end() || (weight == 0 && !std::isfinite(found->second))) continue;
+    text += fmt::format("{}{} {:.6g} {}{}", text.empty() ? "" : ", ", term.name, found->second, term.unit,
                         weight != 0 ? fmt::format(" x {:g}", weight) : "");
-  });
+  }
   return text;
 }
 
@@ -67,14 +68,8 @@ double helping(std::string_view unit) {
   return unit == "N m/s" ? 100 : 1;
 }
 
-bool only_time(const Problem& problem) {
-  bool only = true;
-  visit_weights(problem.weights, [&](std::string_view term, double weight) { only &= term == "time" || weight == 0; });
-  return only;
-}
-
 std::string gain(const Problem& problem, const Plan& plan, double objective) {
-  if (only_time(problem)) return fmt::format("{:.3g} ms", 1e3 * objective / problem.weights.time);
+  if (only_time(problem.weights)) return fmt::format("{:.3g} ms", 1e3 * objective / problem.weights.time);
   return fmt::format("{:.3g} ({:.2g} %)", objective, 100 * objective / plan.objective);
 }
 

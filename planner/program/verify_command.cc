@@ -17,7 +17,8 @@ namespace {
 
 struct Options {
   std::string trajectory;
-  std::string robot;  // empty: the default
+  std::string robot;            // empty: the default
+  std::vector<double> payload;  // empty: the robot's own
   bool json = false;
 };
 
@@ -25,7 +26,7 @@ struct Options {
 void warn_of_other_robot(const Options& options, const Trajectory& trajectory, const std::string& hash) {
   const auto planned_for = trajectory.metadata.find("robot_hash");
   if (planned_for == trajectory.metadata.end() || planned_for->second == hash) return;
-  fmt::print(stderr, "fjr: warning: {} was planned for another robot (robot_hash {}, this robot's is {})\n",
+  fmt::print(stderr, "fjr: warning: {} was planned for another robot (robot_hash {}, this robot's is {}) or payload\n",
              options.trajectory, planned_for->second, hash);
 }
 
@@ -58,8 +59,10 @@ std::string text_for_machines(const Certificate& certificate, const std::string&
 }
 
 int run(const Options& options) {
-  const Parameters robot =
+  Parameters robot =
       load_parameters(options.robot.empty() ? default_robot_file() : std::filesystem::path(options.robot));
+  if (!options.payload.empty())
+    robot.payload = {options.payload[0], options.payload.size() > 1 ? options.payload[1] : 0};
   const Trajectory trajectory = read_csv(options.trajectory);
   const std::string hash = robot_hash(robot);
   warn_of_other_robot(options, trajectory, hash);
@@ -77,6 +80,10 @@ void add_verify(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("verify", "Certify a trajectory file: exactness and the robot's limits");
   command->add_option("trajectory", options->trajectory, "Trajectory file")->required()->type_name("TRAJECTORY.csv");
   command->add_option("--robot", options->robot, "Robot file; without it the one shipped with fjr")->type_name("R");
+  command->add_option("--payload", options->payload, "What it was planned with: mass, and inertia about its own centre")
+      ->expected(1, 2)
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("KG [KG M^2]");
   command->add_flag("--json", options->json, "Only JSON on stdout: the certificate");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

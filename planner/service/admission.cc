@@ -6,6 +6,13 @@
 #include "planner/problem/problem.h"
 
 namespace fjr {
+namespace {
+
+// Holding and stopping go by the executor's own robot.yaml, and a trajectory has no place for a payload.
+constexpr const char* kOtherPayload =
+    "the executor does not know of it: to be executed it has to be in the robot.yaml of service and executor";
+
+}  // namespace
 
 std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served) {
   if (order.refusal) return order.refusal;
@@ -30,22 +37,26 @@ std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot) {
   try {
     const Problem problem = parse_request(job.order.yaml, job.order.name, robot);
     job.request_hash = problem.request_hash;
+    job.robot_hash = robot_hash(problem.robot);
     job.rest_to_rest = problem.start_at_rest && problem.goal.at_rest;
-    if (!executes(job.order) || job.rest_to_rest) return std::nullopt;
+    if (!executes(job.order)) return std::nullopt;
+    if (problem.robot.payload != robot.payload) return Refusal{Reason::kBadInput, "payload", kOtherPayload};
+    if (job.rest_to_rest) return std::nullopt;
     return Refusal{Reason::kBadInput, problem.start_at_rest ? "goal" : "start", "must be at rest to be executed"};
   } catch (const InputError& error) {
-    const bool later = error.problem().find("not supported by this version") != std::string::npos;
-    return Refusal{later ? Reason::kUnsupported : Reason::kBadInput, error.field(), error.problem()};
+    return Refusal{Reason::kBadInput, error.field(), error.problem()};
   }
 }
 
-std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedReply& planned, bool in_hand) {
+std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedReply& planned, bool in_hand,
+                                            const std::string& robot_hash) {
   const auto refused = [&](const std::string& why) {
     return Refusal{Reason::kNoTrajectory, "trajectory_id", fmt::format("{} {}", text(id), why)};
   };
   if (in_hand) return refused("is still being planned");
   if (!planned) return refused("is not among the requests this service has planned lately; have it planned again");
   if (planned->state != ReplyState::kSolved) return refused(fmt::format("ended as {}", name(planned->state)));
+  if (planned->robot_hash != robot_hash) return refused(fmt::format("was planned for a payload; {}", kOtherPayload));
   if (!planned->rest_to_rest) return refused("does not go from rest to rest, or was planned by another instance");
   return std::nullopt;
 }

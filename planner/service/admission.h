@@ -26,7 +26,8 @@ std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served
 // Of a motion to be planned, whose start is given by now. What is learnt about it is put into the job.
 std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot);
 
-// Of executing what was planned under `id`. planned: what became of it, if that is still known.
-std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedReply& planned, bool in_hand);
+// Of executing what was planned under `id`, on the served robot. planned: what became of it, if that is still known.
+std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedReply& planned, bool in_hand,
+                                            const std::string& robot_hash);
 
 }  // namespace fjr

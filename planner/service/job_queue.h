@@ -15,6 +15,7 @@ struct Job {
 
   Order order;
   std::string request_hash;
+  std::string robot_hash;  // of the robot it is planned for: the served one, or that with the request's payload
   bool rest_to_rest = false;
   Clock::time_point arrived, deadline, started;
 };

@@ -135,7 +135,7 @@ std::optional<Refusal> Service::resolve_start(Order& order) const {
 // It is published under the id of the request to execute it: asked for again under another id, it moves again.
 void Service::execute_planned(const Order& order, Clock::time_point arrived) {
   const SharedReply planned = cache_.find(order.trajectory_id);
-  if (auto refusal = refusal_of_execution(order.trajectory_id, planned, in_hand(order.trajectory_id))) {
+  if (auto refusal = refusal_of_execution(order.trajectory_id, planned, in_hand(order.trajectory_id), robot_hash_)) {
     return reject(order, std::move(*refusal), false);
   }
   post(std::make_shared<const Reply>(reply_to(order, ReplyState::kAccepted)));
@@ -191,7 +191,7 @@ void Service::cancel(const RequestId& id) {
   // It may still be on its way, for the two come on different topics.
   Order unknown;
   unknown.id = id;
-  finish({unknown, {}, {}, {}, {}, {}},
+  finish({unknown, {}, {}, {}, {}, {}, {}},
          reply_to(unknown, ReplyState::kCancelled, {Reason::kCancelled, "", "cancelled before it arrived"}));
 }
 
@@ -383,6 +383,7 @@ void Service::finish(const Job& job, Reply reply) {
   const auto now = Clock::now();
   const bool started = job.started != Clock::time_point{};
   reply.request_hash = job.request_hash;
+  if (!job.robot_hash.empty()) reply.robot_hash = job.robot_hash;
   reply.rest_to_rest = job.rest_to_rest;
   reply.solve_time = started ? seconds(now - job.started) : 0;
   reply.wait_time = seconds((started ? job.started : now) - job.arrived);

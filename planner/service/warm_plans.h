@@ -43,9 +43,8 @@ class WarmPlans {
   };
 
   static bool only_fast(const Problem& p) {
-    const Weights& w = p.weights;
-    return w.time > 0 && w.effort == 0 && w.link_acceleration == 0 && w.torque_rate == 0 && p.via.empty() &&
-           count_of_rows(p.task) == 0 && !p.goal.any_free() && p.other_goals.empty();
+    return only_time(p.weights) && p.via.empty() && count_of_rows(p.task) == 0 && !p.goal.any_free() &&
+           p.other_goals.empty();
   }
   static bool comparable(const Problem& a, const Problem& b) {
     return a.start_at_rest && b.start_at_rest && a.goal.at_rest && b.goal.at_rest && a.duration.min == b.duration.min &&

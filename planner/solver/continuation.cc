@@ -21,11 +21,11 @@ namespace {
 const std::vector<Smoothing>& levels(const Problem& problem) {
   static const std::vector<Smoothing> fine{{0.1}, {0.03}, {0.01}, {0.003}, {0.001}, {0.0003}, {0}};
   static const std::vector<Smoothing> coarse{{0.1, 0.1}, {0.01, 0.1}, {0, 0.01}};
-  return problem.weights.effort > 0 ? fine : coarse;
+  return sees_friction(problem.weights) ? fine : coarse;
 }
 
 constexpr double kExcessWorthSplitting = 0.02;  // share of a limit beyond which a margin would cost more than intervals
-constexpr double kEffortTolerance = 3e-5;       // share of the objective by which an interval may misjudge the effort
+constexpr double kCostTolerance = 3e-5;         // share of the objective by which an interval may misjudge it
 constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the way
 // A warm start is as close to its bounds as the solution before it was: a larger barrier has to push it off first, a
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
@@ -121,7 +121,7 @@ bool Continuation::reach_level(const Smoothing& level, int halvings) {
   o.max_iterations = kLevelIterations;
   if (attempt(what, setup, nullptr, o)) return true;
   // With effort the levels are close already, and the last good one will do.
-  if (status_ == SolveStatus::kStopped || problem_->weights.effort > 0) return false;
+  if (status_ == SolveStatus::kStopped || sees_friction(problem_->weights)) return false;
   if (halvings == 0) return attempt_anew(what, setup);
   const double sharpest = std::max(level.friction_width, kSharpWidth);
   const Smoothing between{std::sqrt(from.friction_width * sharpest),
@@ -134,12 +134,12 @@ bool Continuation::reach_level(const Smoothing& level, int halvings) {
 // or fails.
 bool Continuation::follow_levels() {
   Collocated best = solution_;
-  double least = published_objective(*problem_, best.motion);
+  double least = published_objective(*problem_, best);
   for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
     if (!reach_level(levels(*problem_)[i], kHalvings)) break;
-    const double objective = published_objective(*problem_, solution_.motion);
+    const double objective = published_objective(*problem_, solution_);
     // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
-    if (objective < least || problem_->weights.effort == 0) {
+    if (objective < least || !sees_friction(problem_->weights)) {
       least = objective;
       best = solution_;
     }
@@ -158,8 +158,8 @@ bool Continuation::begin(const Guess& guess, int most_iterations, const std::vec
 }
 
 // The setup with those intervals split whose error [rad] exceeds the tolerance, that exceed a limit by much, or that
-// misjudge the effort. Where a motor reverses at its torque limit u has to jump by the step of its friction: nodes are
-// placed on both sides of that, while halving takes three rounds more to come as near.
+// misjudge the objective. Where a motor reverses at its torque limit u has to jump by the step of its friction: nodes
+// are placed on both sides of that, while halving takes three rounds more to come as near.
 CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const {
   const double worth_splitting = 1.5 * tolerance,
                worth_quartering = std::pow(2, settings_.scheme.order + 2) * tolerance;
@@ -181,13 +181,13 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
       if (share > 4 * kExcessWorthSplitting) errors[k] = std::max(errors[k], worth_quartering);
     }
   }
-  if (problem_->weights.effort > 0) {
+  if (sees_friction(problem_->weights)) {
     Pair<FrictionLaw> law{FrictionLaw::of(problem_->robot, 0), FrictionLaw::of(problem_->robot, 1)};
     for (FrictionLaw& l : law) l = l.smoothed(setup.smoothing.friction_width);
-    const std::vector<double> effort = effort_errors(law, settings_.scheme, solution_.motion);
-    const double allowed = kEffortTolerance * solution_.report.objective / problem_->weights.effort;
+    const std::vector<double> cost = cost_errors(*problem_, law, settings_.scheme, solution_.motion);
+    const double allowed = kCostTolerance * std::abs(solution_.report.objective);
     for (std::size_t k = 0; k < errors.size(); ++k) {
-      if (effort[k] > allowed) errors[k] = std::max(errors[k], worth_splitting);
+      if (cost[k] > allowed) errors[k] = std::max(errors[k], worth_splitting);
     }
   }
   std::vector<int> pieces =
@@ -294,7 +294,7 @@ bool Continuation::resume(const Collocated& neighbour) {
   CollocationSetup& setup = solution_.setup;
   setup.creep.clear();
   setup.smoothing.regularisation = levels(*problem_).back().regularisation;
-  if (problem_->weights.effort == 0) setup.smoothing.friction_width = levels(*problem_).back().friction_width;
+  if (!sees_friction(problem_->weights)) setup.smoothing.friction_width = levels(*problem_).back().friction_width;
   const std::size_t limits = limit_scales(*problem_).size();
   if (limits > Limits::kCount || (!setup.margins.empty() && setup.margins.front().size() != limits)) {
     setup.margins.clear();

@@ -193,7 +193,7 @@ Json task_json(const Task& task) {
 // The request as it was understood: everything resolved, null where the motion is free.
 Json resolved_request_json(const Problem& problem) {
   Json weights = Json::object();
-  visit_weights(problem.weights, [&](const char* term, double weight) { weights[term] = number(weight); });
+  for (const TermInfo& term : Terms::infos) weights[std::string(term.name)] = number(problem.weights.*term.weight);
   Json others = Json::array();
   for (const Goal& goal : problem.other_goals) others.push_back(goal_json(goal));
   return {{"start", state_json(problem.start, problem.start_at_rest)},

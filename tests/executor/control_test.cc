@@ -33,12 +33,13 @@ TrajectoryOrder order(const Pair<double>& from, const Pair<double>& to, double d
   return order;
 }
 
-std::unique_ptr<Motion> without_stops(const Pair<double>& from, const Pair<double>& to, double duration = 0.6) {
+std::unique_ptr<CommandedMotion> without_stops(const Pair<double>& from, const Pair<double>& to,
+                                               double duration = 0.6) {
   return prepare_without_stops(robot(), order(from, to, duration), ExecutorConfig{}.tolerances);
 }
 
 // From kFrom to kTo; the stops, which take time to find, are found once.
-std::unique_ptr<Motion> motion() {
+std::unique_ptr<CommandedMotion> motion() {
   static const std::vector<Trajectory> stops = stop_motions(robot(), flat_motion(robot(), kFrom, kTo, 0.6), {});
   auto with_stops = without_stops(kFrom, kTo);
   with_stops->stops = stops;
@@ -62,7 +63,7 @@ struct Rig {
   }
 
   // Until it is over; its report.
-  ExecutionResult finish(const Motion& motion) {
+  ExecutionResult finish(const CommandedMotion& motion) {
     for (int i = 0; i < 5000; ++i) {
       run(kTick);
       if (const auto finished = control.finished()) {
@@ -363,10 +364,10 @@ TEST(Control, RefusesToStartWithASignOrZeroThatCannotBe) {
 }
 
 TEST(VirtualArm, HangsLowerWithAPayloadAndTurnsBackLateWithHysteresis) {
-  const Parameters loaded = with_payload(robot(), 0.2);
+  const Parameters loaded = with_payload(robot(), {0.2});
   // By hand: 0.2 kg at 0.345 and 0.305 m.
-  EXPECT_NEAR(loaded.link.gravity_torque[0], 6.17 + 0.2 * 9.8 * 0.345, 1e-12);
-  EXPECT_NEAR(loaded.link.gravity_torque[1], 0.53 + 0.2 * 9.8 * 0.305, 1e-12);
+  EXPECT_NEAR(gravity_coefficients(loaded)[0], 6.17 + 0.2 * 9.8 * 0.345, 1e-12);
+  EXPECT_NEAR(gravity_coefficients(loaded)[1], 0.53 + 0.2 * 9.8 * 0.305, 1e-12);
   const MassMatrix<double> m = mass_matrix(loaded, 0.0), before = mass_matrix(robot(), 0.0);
   EXPECT_NEAR(m.m11 - before.m11, 0.2 * 0.65 * 0.65, 1e-12);
   EXPECT_NEAR(m.m22 - before.m22, 0.2 * 0.305 * 0.305, 1e-12);

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "model/dual.h"
+#include "model/flatness.h"
 #include "tests/support/arbitrary.h"
 
 namespace fjr {
@@ -114,6 +115,93 @@ RC_GTEST_PROP(Lagrangian, MassMatrixIsPositiveDefinite, ()) {
   RC_ASSERT(m.m11 * m.m22 - m.m12 * m.m12 > 0);
 }
 
+// The link's jerk, term by term from the equation differentiated once, against the Taylor series of flatness.
+RC_GTEST_PROP(Lagrangian, LinkJerkIsTheRateOfTheAcceleration, ()) {
+  Parameters p = complete();
+  p.payload = {0.2, 0.001};
+  const State<double> x = any_state();
+  const LinkMotion motion = link_motion(p, x, {0, 0});
+  const Pair<double> jerk = link_jerk(p, x, motion.ddq);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    RC_ASSERT(std::abs(jerk[j] - motion.dddq[j]) < 1e-10 * (1 + std::abs(motion.dddq[j])));
+  }
+}
+
+// ---- payload ----
+
+// The arm as bodies in the plane, written without the model's formulas: centres of mass and the payload as points whose
+// velocities are differences of positions, inertias about their own centres.
+struct Bodies {
+  const Parameters& p;
+
+  static Pair<double> towards(double angle, double length) {
+    return {length * std::sin(angle), -length * std::cos(angle)};
+  }
+  static Pair<double> sum(const Pair<double>& a, const Pair<double>& b) { return {a[0] + b[0], a[1] + b[1]}; }
+  Pair<double> elbow(const Pair<double>& q) const { return towards(q[0], p.link.length[0]); }
+  Pair<double> centre2(const Pair<double>& q) const {
+    return sum(elbow(q), towards(q[0] + q[1], p.link.com_fraction[1] * p.link.length[1]));
+  }
+  Pair<double> tip(const Pair<double>& q) const { return sum(elbow(q), towards(q[0] + q[1], p.link.length[1])); }
+
+  template <class Place>
+  double half_squared_speed(const Place& place, const Pair<double>& q, const Pair<double>& dq) const {
+    constexpr double kStep = 1e-4;  // [s] of central differences, whose error is (0.1 rad/ms)^2 / 6 of the speed
+    const auto at = [&](double t) { return place({q[0] + t * dq[0], q[1] + t * dq[1]}); };
+    const Pair<double> after = at(kStep), before = at(-kStep);
+    const double vx = (after[0] - before[0]) / (2 * kStep), vy = (after[1] - before[1]) / (2 * kStep);
+    return 0.5 * (vx * vx + vy * vy);
+  }
+  double kinetic(const Pair<double>& q, const Pair<double>& dq) const {
+    const double spin = dq[0] + dq[1];
+    return 0.5 * p.link.inertia[0] * dq[0] * dq[0] +  // (18)'s M1: link 1 about its axis
+           0.5 * (p.link.inertia[1] + p.payload.inertia) * spin * spin +
+           p.link.mass[1] * half_squared_speed([this](const Pair<double>& at) { return centre2(at); }, q, dq) +
+           p.payload.mass * half_squared_speed([this](const Pair<double>& at) { return tip(at); }, q, dq);
+  }
+  // Heights against hanging down; of the links by (8), whose coefficients are rounded.
+  double potential(const Pair<double>& q) const {
+    const double height = tip(q)[1] + p.link.length[0] + p.link.length[1];
+    return p.link.gravity_torque[0] * (1 - std::cos(q[0])) + p.link.gravity_torque[1] * (1 - std::cos(q[0] + q[1])) +
+           p.payload.mass * 9.8 * height;
+  }
+};
+
+Parameters loaded(Parameters p) {
+  p.payload = {0.4, 0.002};
+  return p;
+}
+
+RC_GTEST_PROP(WithPayload, EnergyIsThatOfTheBodies, ()) {
+  const Parameters p = loaded(robot());
+  const Bodies bodies{p};
+  State<double> x = any_state();
+  x.theta = x.q;
+  x.dtheta = {0, 0};  // neither springs nor motors
+  const double expected = bodies.kinetic(x.q, x.dq) + bodies.potential(x.q);
+  RC_ASSERT(std::abs(energy(p, x) - expected) < 1e-5 * (1 + expected));  // the differences' (2e-3 rad)^2
+}
+
+RC_GTEST_PROP(WithPayload, GravityIsTheGradientOfTheBodiesPotential, ()) {
+  const Parameters p = loaded(robot());
+  const Bodies bodies{p};
+  const Pair<double> q = pair_between(-4, 4), g = gravity_torque(p, q);
+  constexpr double kStep = 1e-5;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    Pair<double> after = q, before = q;
+    after[j] += kStep;
+    before[j] -= kStep;
+    const double slope = (bodies.potential(after) - bodies.potential(before)) / (2 * kStep);
+    RC_ASSERT(std::abs(g[j] - slope) < 1e-8);  // h^2 / 6 of 10 N m, and roundings of 20 J over h
+  }
+}
+
+RC_GTEST_PROP(WithPayload, MassMatrixIsPositiveDefinite, ()) {
+  const MassMatrix<double> m = mass_matrix(loaded(robot()), between(-4, 4));
+  RC_ASSERT(m.m11 > 0);
+  RC_ASSERT(m.m11 * m.m22 - m.m12 * m.m12 > 0);
+}
+
 // ---- energy ----
 
 // dE/dt = tau_m dtheta - tau_fm(dtheta) dtheta - D dq^2, at every state and not only along a motion.
@@ -164,6 +252,14 @@ TEST(Energy, IsConservedWithoutFrictionAndInput) {
   const double coarse = energy_drift(p, free_motion, 1e-3), fine = energy_drift(p, free_motion, 1e-4);
   EXPECT_LT(fine, 1e-10);         // [J] of some 20; measured 4e-12, the integrator's own:
   EXPECT_GT(coarse / fine, 1e4);  // it falls with the fourth power of the step or faster
+}
+
+TEST(WithPayload, EnergyIsConservedWithoutFrictionAndInput) {
+  const Parameters p = loaded(conservative());
+  const auto free = [&](const State<double>& x) { return dynamics(p, x, {0, 0}); };
+  const double coarse = energy_drift(p, free, 1e-3), fine = energy_drift(p, free, 1e-4);
+  EXPECT_LT(fine, 1e-10);  // as without
+  EXPECT_GT(coarse / fine, 1e4);
 }
 
 // The link side with C dq as a function of (q2, dq1, dq2), everything else as in the model.

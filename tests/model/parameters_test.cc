@@ -275,7 +275,9 @@ TEST(RobotHash, IsTheShaOfSortedNamesAndValues) {
     value = {n + 0.1, n + 0.2};
     ++n;
   });
-  EXPECT_EQ(robot_hash(p), "f31a965c88fdcb6daaedaa4fc7a682ac33908d8582f3e114afaf7ea1fd70c22d");
+  EXPECT_EQ(robot_hash(p), "6affbb557bc9d00883a2ea2246b5d6a9faefbb4c1d22c1c6650abb62eda0f099");
+  p.payload = {0.3, 0.001};
+  EXPECT_EQ(robot_hash(p), "81236e9d7a7523c1550a87614ec9a667361ae94d232c74d98beac2263e5c53b7");
 }
 
 TEST(RobotHash, DependsOnEveryValueAndOnNothingElse) {
@@ -292,6 +294,38 @@ TEST(RobotHash, DependsOnEveryValueAndOnNothingElse) {
   const Folder folder;
   const std::string reformatted = replaced("# another comment\n" + shipped_text(), "[12, 5]", "[ 12.0,   5e0 ]");
   EXPECT_EQ(robot_hash(load_parameters(folder.write("other.yaml", reformatted))), robot_hash(shipped));
+}
+
+TEST(RobotHash, IsThatOfBeforeWhereTheNewerEntriesAreLeftOut) {
+  const Folder folder;
+  std::string text = shipped_text();
+  const auto begin = text.find("  copper_loss:");
+  text.erase(begin, text.find('\n', begin) + 1 - begin);
+  const Parameters without = load_parameters(folder.write("robot.yaml", text));
+  EXPECT_EQ(without.drive.copper_loss, load_parameters(kShipped).drive.copper_loss);
+  // As it was before there were copper losses and payloads.
+  EXPECT_EQ(robot_hash(without), "bf107b1196c38710ea4da3abbe26e8770c7e32928b55aca7bfd1bd3a7d714b96");
+  EXPECT_EQ(robot_hash(load_parameters(kShipped)), robot_hash(without));
+  EXPECT_EQ(robot_hash(load_parameters(folder.write("none.yaml", text + "payload: 0\n"))), robot_hash(without));
+}
+
+TEST(Parameters, APayloadIsAMassOrAMassAndAnInertia) {
+  const Folder folder;
+  const auto payload = [&](const std::string& entry) {
+    return load_parameters(folder.write("robot.yaml", shipped_text() + "payload: " + entry + "\n")).payload;
+  };
+  EXPECT_EQ(load_parameters(kShipped).payload, (Payload{0, 0}));
+  EXPECT_EQ(payload("0.3"), (Payload{0.3, 0}));
+  EXPECT_EQ(payload("{mass: 0.3, inertia: 1e-3}"), (Payload{0.3, 1e-3}));
+  EXPECT_EQ(payload("{value: 0.3, unit: kg, source: scales}"), (Payload{0.3, 0}));
+  EXPECT_EQ(payload("{mass: {value: 0.3, unit: kg, source: scales, standard_error: 0.001}}"), (Payload{0.3, 0}));
+  const auto error = [&](const std::string& entry) { return error_of(shipped_text() + "payload: " + entry + "\n"); };
+  EXPECT_EQ(error("-0.1"), "payload: -0.1 kg is outside [0, 10]");
+  EXPECT_EQ(error("{mass: 11}"), "payload.mass: 11 kg is outside [0, 10]");
+  EXPECT_EQ(error("{inertia: 1}"), "payload.mass: missing");
+  EXPECT_EQ(error("{mass: 1, inertia: 2}"), "payload.inertia: 2 kg m^2 is outside [0, 1]");
+  EXPECT_EQ(error("{mass: {value: 1, unit: g}}"), "payload.mass.unit: \"g\" must be \"kg\"");
+  EXPECT_EQ(error("heavy"), "payload: must be a number (kg), not the text \"heavy\"");
 }
 
 // Runs `body` with FJR_CONFIG_DIR set to `folder`, and puts back what was there.

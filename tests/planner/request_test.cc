@@ -228,13 +228,52 @@ TEST(BrokenRequest, Syntax) {
   EXPECT_THAT(error_of(kMove + "seed: \"1"), StartsWith("request.yaml: line 3: not valid YAML: "));
 }
 
-TEST(BrokenRequest, NotSupportedYet) {
+TEST(Request, APayloadReplacesTheRobots) {
+  const Problem plain = parse(kMove), loaded = parse(kMove + "payload: 0.1");
+  EXPECT_EQ(loaded.robot.payload, (Payload{0.1, 0}));
+  EXPECT_EQ(parse(kMove + "payload: {mass: 0.1, inertia: 0.001}").robot.payload, (Payload{0.1, 0.001}));
+  EXPECT_NE(loaded.request_hash, plain.request_hash);
+  EXPECT_NE(robot_hash(loaded.robot), robot_hash(plain.robot));
+  EXPECT_EQ(parse(kMove + "payload: 0").request_hash, plain.request_hash);
+  // Resting with it takes more of springs and motors.
+  EXPECT_NEAR((loaded.goal.theta->at(0) - plain.goal.theta->at(0)) * plain.robot.spring.stiffness[0],
+              gravity_torque(loaded.robot, loaded.goal.q)[0] - gravity_torque(plain.robot, plain.goal.q)[0], 1e-12);
+}
+
+TEST(BrokenRequest, PayloadsThatCannotBeHeld) {
+  const std::string horizontal = "start: {q: [0, 0]}\ngoal: {q: [1.5, 0]}\n";
+  EXPECT_NO_THROW((void)parse(horizontal + "payload: 0.1"));
   expect_refused({
-      {kMove + "payload: 1", "payload: not supported by this version"},
-      {kMove + "objective: {energy: 1}",
-       "objective.energy: not supported by this version; terms: time, effort, torque_rate, link_acceleration"},
-      {kMove + "objective: {link_jerk: 1}",
-       "objective.link_jerk: not supported by this version; terms: time, effort, torque_rate, link_acceleration"},
+      {kMove + "payload: -1", "payload: -1 kg is outside [0, 10]"},
+      {kMove + "payload: {mass: 20}", "payload.mass: 20 kg is outside [0, 10]"},
+      {kMove + "payload: {weight: 1}", "payload: unknown key \"weight\"; allowed: mass, inertia"},
+      // (6.17 + 0.53 + 0.3 * 9.8 * 0.65) sin(1.5) N m on 20.48 N m/rad
+      {horizontal + "payload: 0.3",
+       "goal.q: joint 1: the spring would be deflected by 0.419406 rad with the payload of 0.3 kg, above the limit of "
+       "0.3864 rad"},
+      {horizontal + "payload: 0.1\nlimits: {torque: [7.2, 4], spring_deflection: [0.38, 0.2]}",
+       "goal.q: joint 1: holding still here takes 7.31862 N m with the payload of 0.1 kg, above the limit of 7.2 N m"},
+  });
+}
+
+TEST(Request, ReleaseIsWhereTheArmMovesUnlessSaid) {
+  const std::string vias = "via: [{q: [0.1, 0.1]}, {q: [0.2, 0.1]";
+  EXPECT_FALSE(parse(kMove).release);
+  EXPECT_EQ(parse(kMove + vias + "}]").release, 1U);
+  EXPECT_EQ(parse(kMove + "via: [{q: [0.1, 0.1], release: true}, {q: [0.2, 0.1]}]").release, 0U);
+  const std::string moving = "start: {q: [0, 0]}\ngoal: {q: [0.6, 0.1], dq: free}\n";
+  EXPECT_FALSE(parse(moving + vias + "}]").release);
+  EXPECT_EQ(parse(moving + vias + ", release: true}]").release, 1U);
+  EXPECT_TRUE(parse(moving).goal.dq_free);
+  EXPECT_FALSE(parse(moving).goal.at_rest || parse(moving).goal.theta || parse(moving).goal.dtheta);
+  expect_refused({
+      {kMove + "via: [{q: [0.1, 0.1], release: true}, {q: [0.2, 0.1], release: true}]",
+       "via[1].release: is said of another via point already"},
+      {kMove + "via: [{q: [0.1, 0.1], release: 1}]", "via[0].release: must be true or false"},
+      {kMove + "objective: {time: 1, tip_speed: 1}",
+       "objective.tip_speed: the arm moves nowhere that is named: needs a via point, or a moving goal"},
+      {"start: {q: [0, 0]}\ngoal: {q: [0.6, 0.1], dq: free, theta: [0.6, 0.1]}\n",
+       "goal.theta: does not go with goal.dq: free, which leaves the motors free"},
   });
 }
 
@@ -392,7 +431,8 @@ TEST(BrokenRequest, DurationAndObjective) {
       {kMove + "objective: {time: 0}", "objective: at least one weight must be > 0"},
       {kMove + "objective: {}", "objective: at least one weight must be > 0"},
       {kMove + "objective: {speed: 1}",
-       "objective: unknown key \"speed\"; allowed: time, effort, torque_rate, link_acceleration"},
+       "objective: unknown key \"speed\"; allowed: time, effort, torque_rate, link_acceleration, link_jerk, energy, "
+       "copper, peak_torque, tip_speed"},
       {kMove + "objective:", "objective: must be a preset (fastest, gentle, efficient) or weights {effort: 1, ...}"},
   });
 }

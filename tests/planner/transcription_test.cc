@@ -42,9 +42,21 @@ ArmOcp<F> arm(double friction_width, int segments) {
   Problem problem;
   problem.robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   problem.robot.link.damping = {0.2516, 0.013};
-  problem.weights = {.time = 1.3, .effort = 0.7, .torque_rate = 2e-4, .link_acceleration = 1e-3};
+  problem.robot.payload = {0.3, 0.001};
+  problem.limits.torque = {12, 5};
+  problem.weights = {.time = 1.3,
+                     .effort = 0.7,
+                     .torque_rate = 2e-4,
+                     .link_acceleration = 1e-3,
+                     .link_jerk = 1e-6,
+                     .energy = 0.2,
+                     .copper = 0.3,
+                     .peak_torque = F.peak ? 0.4 : 0,
+                     .tip_speed = 0.9};
   auto ocp = make_arm_ocp<F>(problem, 0.001);
   ocp.regularisation = 0.05;
+  ocp.kink = 10 * friction_width;
+  ocp.cost_nodes = {{2, Node::kRelease}, {mesh_of_segments(segments).size(), Node::kGoal}};
   for (FrictionLaw& law : ocp.friction) law = law.smoothed(friction_width);
   Limits limits;
   limits.torque = {12, 5};
@@ -54,6 +66,7 @@ ArmOcp<F> arm(double friction_width, int segments) {
   limits.torque_rate = {300, 200};
   limits.tip_speed = 3;
   ocp.bounds = {path_bounds<F>(limits)};
+  if constexpr (F.peak) bound_peaks<F>(ocp.bounds[0], problem);
   if constexpr (F.task_rows > 0) {  // a row of every kind, and lines that differ from segment to segment
     Task task{{{{0.3, -0.2}, 0.05, 0.01}}, {}, {}, {}, {}};
     task.box = TipBox{{-0.5, -0.6}, {0.5, 0.2}};
@@ -113,6 +126,10 @@ std::vector<Case> cases() {
       }
       all.push_back({"task_arm", scheme, segments, 0.1,
                      [](const Case& c) { return transcribe(arm<Features{.task_rows = 9}>(c.width, c.segments), c); }});
+      all.push_back({"peak_arm", scheme, segments, 0.1, [](const Case& c) {
+                       return transcribe(arm<Features{.rate = true, .task_rows = 9, .peak = true}>(c.width, c.segments),
+                                         c);
+                     }});
       all.push_back({"van_der_pol", scheme, segments, 1, [](const Case& c) { return transcribe(van_der_pol(), c); }});
     }
   }
@@ -300,6 +317,7 @@ struct Naive {
       return VectorXd(z.segment(cursor - count, count));
     };
     VectorXd node = take(kX);
+    std::size_t passed = 0;
     objective = ocp.time_weight * durations.sum();
     for (const Mesh::Interval& interval : mesh.intervals) {
       const double h = interval.fraction * durations(interval.segment);
@@ -331,6 +349,12 @@ struct Naive {
         defects.insert(defects.end(), defect.begin(), defect.end());
       }
       node = y.back();
+      ++passed;
+      if constexpr (requires { ocp.cost_nodes; }) {
+        for (const auto& at : ocp.cost_nodes) {
+          if (at.node == passed) objective += ocp.node_cost(at, node.data());
+        }
+      }
     }
     if (segments > 1) rows.push_back(durations.sum());
     EXPECT_EQ(cursor + segments, z.size());
@@ -373,6 +397,7 @@ TEST_P(Values, AgreeWithLoopsWrittenFromTheTables) {
     expect_naive_values(arm<Features{}>(0.05, segments), GetParam(), segments);
     expect_naive_values(arm<Features{.rate = true}>(0.05, segments), GetParam(), segments);
     expect_naive_values(arm<Features{.task_rows = 9}>(0.05, segments), GetParam(), segments);
+    expect_naive_values(arm<Features{.task_rows = 9, .peak = true}>(0.05, segments), GetParam(), segments);
   }
 }
 

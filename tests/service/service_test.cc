@@ -162,7 +162,9 @@ TEST_F(ServiceTest, RefusesByName) {
     return reply.why.field + ": " + reply.why.sentence;
   };
   EXPECT_EQ(refusal(order("start: {q: [0, 0]}\ngoal: {q: [1.2, 3.4]}\n")), "goal.q[1]: 3.4 rad is outside [-2.6, 2.6]");
-  EXPECT_THAT(refusal(order(kFast + "payload: {mass: 1}\n")), HasSubstr("payload: not supported by this version"));
+  Order loaded = order(kFast + "payload: {mass: 0.1}\n");
+  loaded.action = Action::kPlanAndExecute;
+  EXPECT_THAT(refusal(loaded), HasSubstr("payload: the executor does not know of it"));
   Order other_robot = order(kFast);
   other_robot.robot_hash = "0123";
   EXPECT_THAT(refusal(other_robot), HasSubstr("robot: the service plans for the robot with hash"));

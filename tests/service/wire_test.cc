@@ -76,18 +76,30 @@ TEST(Wire, TasksAndSetsArriveAsTheyWere) {
   }
 }
 
-TEST(Wire, WhatIsNotSupportedYetIsRefusedByName) {
-  const auto refused = [](const std::string& more, const std::string& field) {
+TEST(Wire, PayloadsAndTermsArriveAsTheyWere) {
+  for (const char* more : {"payload: 0.1\n", "payload: {mass: {value: 0.1, unit: kg}, inertia: 0.001}\n",
+                           "objective: {time: 1, link_jerk: 1e-6, energy: 0.5}\n"}) {
+    EXPECT_EQ(resolved(through_the_wire(kShort + more)).request_hash, resolved(kShort + more).request_hash) << more;
+    EXPECT_NE(resolved(through_the_wire(kShort + more)).request_hash, resolved(kShort).request_hash) << more;
+  }
+}
+
+TEST(Wire, WhatItHasNoPlaceForIsRefusedByName) {
+  const auto refused = [](const std::string& yaml, const std::string& field) {
     try {
-      (void)resolved(through_the_wire(kShort + more));
-      ADD_FAILURE() << more;
+      (void)through_the_wire(yaml);
+      ADD_FAILURE() << yaml;
     } catch (const InputError& error) {
       EXPECT_EQ(error.field(), field);
-      EXPECT_THAT(error.problem(), HasSubstr("not supported by this version"));
+      EXPECT_THAT(error.problem(), HasSubstr("not supported over DDS"));
     }
   };
-  refused("payload: {mass: 0.5}\n", "payload");
-  refused("objective: {time: 1, link_jerk: 1}\n", "objective.link_jerk");
+  refused(kShort + "objective: {time: 1, copper: 1}\n", "objective.copper");
+  refused(kShort + "objective: {time: 1, peak_torque: 1}\n", "objective.peak_torque");
+  refused(kShort + "objective: {time: 1, tip_speed: 1}\n", "objective.tip_speed");
+  refused(kShort + "via: [{q: [0, 0], release: true}]\n", "via[0].release");
+  refused(kShort + "path: {tolerance: 0.01}\n", "path");
+  refused("start: {q: [0, 0]}\ngoal: {q: [1, 0], dq: free}\n", "goal.dq");
 }
 
 TEST(Wire, NumbersThatAreNotFiniteAreRefusedByName) {

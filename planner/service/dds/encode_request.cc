@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "model/strict_yaml.h"
+#include "planner/problem/objective_terms.h"
 #include "planner/service/dds/text.h"
 #include "planner/service/dds/wire_request.h"
 
@@ -9,6 +10,8 @@ namespace fjr::dds {
 namespace {
 
 static_assert(static_cast<int>(Action::kExecute) == fjr_msg_ACTION_EXECUTE);
+
+constexpr std::string_view kOfflineOnly = "is not supported over DDS; `fjr plan` plans it";
 
 void set_pair(const YamlNode& node, std::string_view unit, double (&to)[2]) {
   const Pair<double> pair = node.pair(unit);
@@ -73,6 +76,7 @@ void encode_goal(const YamlNode& node, fjr_msg_GoalState& goal) {
     }
     encode_goal_joints(node.at("q"), goal);
   }
+  if (const auto dq = node.find("dq"); dq && dq->says("free")) dq->fail(std::string(kOfflineOnly));
   set_optional(node, "dq", "rad/s", goal.has_dq, goal.dq);
   set_optional(node, "theta", "rad", goal.has_theta, goal.theta);
   set_optional(node, "dtheta", "rad/s", goal.has_dtheta, goal.dtheta);
@@ -99,6 +103,17 @@ std::uint8_t preset_of(const YamlNode& node) {
   node.fail(shown(node.text()) + " is not a preset (fastest, gentle, efficient)");
 }
 
+// Where the wire has a term's weight; null where it has none.
+double* weight_of(fjr_msg_Objective& objective, std::string_view term) {
+  if (term == "time") return &objective.time;
+  if (term == "effort") return &objective.effort;
+  if (term == "torque_rate") return &objective.torque_rate;
+  if (term == "link_acceleration") return &objective.link_acceleration;
+  if (term == "link_jerk") return &objective.link_jerk;
+  if (term == "energy") return &objective.energy;
+  return nullptr;
+}
+
 void encode_objective(const YamlNode& root, fjr_msg_Objective& objective) {
   const auto node = root.find("objective");
   if (!node) return;
@@ -107,14 +122,16 @@ void encode_objective(const YamlNode& root, fjr_msg_Objective& objective) {
     return;
   }
   objective.preset = fjr_msg_OBJECTIVE_WEIGHTS;
-  node->allow_keys({"time", "effort", "torque_rate", "link_acceleration", "link_jerk", "energy"});
-  bool given = false;
-  set_optional(*node, "time", "1", given, objective.time);
-  set_optional(*node, "effort", "1", given, objective.effort);
-  set_optional(*node, "torque_rate", "1", given, objective.torque_rate);
-  set_optional(*node, "link_acceleration", "1", given, objective.link_acceleration);
-  set_optional(*node, "link_jerk", "1", given, objective.link_jerk);
-  set_optional(*node, "energy", "1", given, objective.energy);
+  std::vector<std::string_view> names;
+  for (const TermInfo& term : Terms::infos) names.push_back(term.name);
+  node->allow_keys(names);
+  for (const TermInfo& term : Terms::infos) {
+    const auto given = node->find(term.name);
+    if (!given) continue;
+    double* weight = weight_of(objective, term.name);
+    if (weight == nullptr) given->fail(std::string(kOfflineOnly));
+    *weight = given->number("1");
+  }
 }
 
 void refuse_long_list(const YamlNode& list, std::size_t count, std::size_t most) {
@@ -128,7 +145,8 @@ std::vector<fjr_msg_ViaPoint> encode_vias(const YamlNode& root) {
   const std::vector<YamlNode> items = list->items();
   refuse_long_list(*list, items.size(), fjr_msg_MAX_VIAS);
   for (const YamlNode& item : items) {
-    item.allow_keys({"time", "q", "dq"});
+    item.allow_keys({"time", "q", "dq", "release"});
+    if (const auto release = item.find("release")) release->fail(std::string(kOfflineOnly));
     fjr_msg_ViaPoint via{};
     set_optional(item, "time", "s", via.has_time, via.time);
     set_pair(item.at("q"), "rad", via.q);
@@ -202,17 +220,15 @@ void encode_payload(const YamlNode& root, fjr_msg_Payload& payload) {
   const auto node = root.find("payload");
   payload.given = node.has_value();
   if (!payload.given) return;
-  node->allow_keys({"mass", "inertia"});
-  payload.mass = node->at("mass").number("kg");
-  if (const auto inertia = node->find("inertia")) payload.inertia = inertia->number("kg m^2");
+  const Payload given = read_payload(*node);
+  payload.mass = given.mass;
+  payload.inertia = given.inertia;
 }
 
 void encode_motion(const YamlNode& root, WireRequest& wire) {
-  if (const auto path = root.find("path")) {
-    path->fail("has no place in a request to the service; plan it offline, with fjr plan");
-  }
-  root.allow_keys({"robot", "start", "goal", "duration", "objective", "via", "obstacles", "tip", "limits",
+  root.allow_keys({"robot", "start", "goal", "duration", "objective", "via", "obstacles", "tip", "path", "limits",
                    "sample_period", "seed", "payload"});
+  if (const auto path = root.find("path")) path->fail(std::string(kOfflineOnly));
   fjr_msg_PlanRequest& message = wire.message;
   encode_start(root, message.start);
   encode_goal(root.at("goal"), message.goal);

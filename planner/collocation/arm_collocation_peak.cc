@@ -1,0 +1,8 @@
+#include "planner/collocation/arm_collocation.h"
+
+namespace fjr {
+
+template Collocated collocate_with<kWithPeak>(const Problem&, const CollocationSetup&, const Guess*, const Collocated*,
+                                              const SolveOptions&);
+
+}  // namespace fjr

@@ -1,0 +1,76 @@
+#include "planner/problem/objective_terms.h"
+
+#include <limits>
+
+namespace fjr {
+namespace {
+
+template <class Property>
+bool any_with(const Weights& weights, Property property) {
+  return std::any_of(Terms::infos.begin(), Terms::infos.end(),
+                     [&](const TermInfo& term) { return weights.*term.weight > 0 && property(term); });
+}
+
+}  // namespace
+
+double TorqueRate::published(const Published& p) {
+  const Motion& motion = p.motion;
+  double sum = 0;
+  for (std::size_t k = 0; k < motion.intervals.size(); ++k) {
+    const auto& interval = motion.intervals[k];
+    constexpr int kPieces = 8;  // chords of an eighth: u is linear, or bends with a collocation polynomial
+    for (int i = 0; i < kPieces; ++i) {
+      const double h = interval.duration / kPieces, from = interval.start + i * h;
+      const Pair<double> a = motion.torque_in(k, from), b = motion.torque_in(k, from + h);
+      for (std::size_t j = 0; j < kJoints; ++j) sum += (b[j] - a[j]) * (b[j] - a[j]) / h;
+    }
+    if (k + 1 == motion.intervals.size()) continue;
+    const double node = motion.intervals[k + 1].start;
+    const Pair<double> before = motion.torque_in(k, node), after = motion.torque_in(k + 1, node);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      if (std::abs(after[j] - before[j]) > 1e-6) return std::numeric_limits<double>::infinity();
+    }
+  }
+  return sum;
+}
+
+double PeakTorque::published(const Published& p) {
+  Pair<double> peak{0, 0};
+  for (const Sample& row : p.rows.samples) {
+    for (std::size_t j = 0; j < kJoints; ++j) peak[j] = std::max(peak[j], std::abs(row.torque[j]));
+  }
+  return peak[0] + peak[1];
+}
+
+double TipSpeed::published(const Published& p) {
+  const State<double> x = Interpolator(p.rows).at(p.release).state;
+  return std::sqrt(std::max(0.0, tip_speed_squared(p.robot, x.q[1], x.dq)));
+}
+
+bool sees_friction(const Weights& weights) {
+  return any_with(weights, [](const TermInfo& term) { return term.sees_friction; });
+}
+
+bool settles_torque(const Weights& weights) {
+  return any_with(weights, [](const TermInfo& term) { return term.settles_torque; });
+}
+
+bool only_time(const Weights& weights) {
+  return !any_with(weights, [](const TermInfo& term) { return term.weight != &Weights::time; });
+}
+
+int starts_worth_trying(const Weights& weights) {
+  int starts = std::numeric_limits<int>::max();
+  for (const TermInfo& term : Terms::infos) {
+    if (weights.*term.weight > 0 && term.starts > 1) starts = std::min(starts, term.starts);
+  }
+  return starts == std::numeric_limits<int>::max() ? 1 : starts;
+}
+
+double size_of(const Weights& weights) {
+  double size = 0;
+  for (const TermInfo& term : Terms::infos) size = std::max(size, weights.*term.weight * term.size);
+  return size;
+}
+
+}  // namespace fjr

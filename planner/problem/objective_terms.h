@@ -1,0 +1,237 @@
+// The terms of the objective: the place for a new one. A term is a weight in Weights, a struct with its formula, and
+// its name in Terms; reading, hashing, optimising, reporting, and refusing what the wire has no place for go by that
+// list.
+//
+// A term is the integral of running(), or the value of at_node() at one node; formulas are templated on the scalar, for
+// exact derivatives. What an integral comes to in published rows follows; others say it themselves, by published().
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "model/dynamics.h"
+#include "model/kinematics.h"
+#include "planner/collocation/motion.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+
+// The objective is the sum of weights times terms; what is a reward counts negatively.
+struct Weights {
+  double time = 0;
+  double effort = 0;
+  double torque_rate = 0;
+  double link_acceleration = 0;
+  double link_jerk = 0;
+  double energy = 0;
+  double copper = 0;
+  double peak_torque = 0;
+  double tip_speed = 0;
+};
+
+// What there is to know of a term beside its formula.
+struct TermInfo {
+  const char* name;
+  const char* unit;
+  double Weights::*weight;
+  double size = 1;              // of what it adds up to in a second, roughly: what makes weights comparable
+  int starts = 1;               // that it is worth trying: more where there are more minima
+  bool sees_friction = false;   // through tau_m all the way: the friction law is sharpened in small steps
+  bool settles_torque = false;  // curved in tau_m: nothing else has to choose among torques that do the same
+  bool reward = false;
+};
+
+// One instant of a motion: what running() sees.
+template <class T>
+struct Instant {
+  const Parameters& robot;
+  const State<T>& x;
+  const Pair<T>& ddq;     // [rad/s^2]
+  const Pair<T>& torque;  // tau_m [N m]
+  double kink = 0;        // [W] width over which the corner of max(0, .) is rounded; 0: not at all
+};
+
+// One node of a motion: what at_node() sees.
+template <class T>
+struct AtNode {
+  const Parameters& robot;
+  const State<T>& x;
+  const Pair<T>& peak;  // bounds on |tau_m| all the way [N m]
+};
+enum class Node { kRelease, kGoal };
+
+// A motion as it leaves the program: what published() sees.
+struct Published {
+  const Motion& motion;
+  const Trajectory& rows;
+  const Parameters& robot;
+  double release;  // [s]
+};
+
+template <class T>
+T sum_of_squares(const Pair<T>& v) {
+  return v[0] * v[0] + v[1] * v[1];
+}
+
+// max(0, v), its corner rounded over about `width`.
+template <class T>
+T positive_part(const T& v, double width) {
+  using std::sqrt;
+  return 0.5 * (v + sqrt(v * v + width * width));
+}
+
+struct Time {
+  static constexpr TermInfo info{.name = "time", .unit = "s", .weight = &Weights::time};
+  static double published(const Published& p) { return p.rows.end_time() - p.rows.start_time(); }
+};
+
+// int tau_m^2
+struct Effort {
+  static constexpr TermInfo info{.name = "effort",
+                                 .unit = "N^2 m^2 s",
+                                 .weight = &Weights::effort,
+                                 .starts = 6,
+                                 .sees_friction = true,
+                                 .settles_torque = true};
+  template <class T>
+  static T running(const Instant<T>& at) {
+    return sum_of_squares(at.torque);
+  }
+};
+
+// int (du/dt)^2 of the friction-compensated torque, whose rate is then the control (Features::rate in arm_ocp.h). Of
+// the motion instead of the rows, and infinite where u jumps.
+struct TorqueRate {
+  static constexpr TermInfo info{
+      .name = "torque_rate", .unit = "N^2 m^2/s", .weight = &Weights::torque_rate, .size = 1e4};
+  static double published(const Published& p);
+};
+
+// int ddq^2
+struct LinkAcceleration {
+  static constexpr TermInfo info{
+      .name = "link_acceleration", .unit = "rad^2/s^3", .weight = &Weights::link_acceleration, .size = 10, .starts = 4};
+  template <class T>
+  static T running(const Instant<T>& at) {
+    return sum_of_squares(at.ddq);
+  }
+};
+
+// int dddq^2
+struct LinkJerk {
+  static constexpr TermInfo info{
+      .name = "link_jerk", .unit = "rad^2/s^5", .weight = &Weights::link_jerk, .size = 1e3, .starts = 4};
+  template <class T>
+  static T running(const Instant<T>& at) {
+    return sum_of_squares(link_jerk(at.robot, at.x, at.ddq));
+  }
+};
+
+// int max(0, tau_m dtheta): what the motors give, and nothing for what they take back.
+struct Energy {
+  static constexpr TermInfo info{
+      .name = "energy", .unit = "J", .weight = &Weights::energy, .starts = 6, .sees_friction = true};
+  template <class T>
+  static T running(const Instant<T>& at) {
+    return positive_part(T(at.torque[0] * at.x.dtheta[0]), at.kink) +
+           positive_part(T(at.torque[1] * at.x.dtheta[1]), at.kink);
+  }
+};
+
+// int of what heats the windings: robot.yaml's copper_loss times tau_m^2.
+struct Copper {
+  static constexpr TermInfo info{.name = "copper",
+                                 .unit = "J",
+                                 .weight = &Weights::copper,
+                                 .starts = 6,
+                                 .sees_friction = true,
+                                 .settles_torque = true};
+  template <class T>
+  static T running(const Instant<T>& at) {
+    const Pair<double>& loss = at.robot.drive.copper_loss;
+    return loss[0] * at.torque[0] * at.torque[0] + loss[1] * at.torque[1] * at.torque[1];
+  }
+};
+
+// max |tau_m|, summed over the joints. A bound on it is then a state of its own (Features::peak in arm_ocp.h).
+struct PeakTorque {
+  static constexpr TermInfo info{
+      .name = "peak_torque", .unit = "N m", .weight = &Weights::peak_torque, .size = 10, .starts = 4};
+  static constexpr Node node = Node::kGoal;
+  template <class T>
+  static T at_node(const AtNode<T>& at) {
+    return at.peak[0] + at.peak[1];
+  }
+  static double published(const Published& p);
+};
+
+// The tip's speed where something is let go (Problem::release): what a throw wants.
+struct TipSpeed {
+  static constexpr TermInfo info{
+      .name = "tip_speed", .unit = "m/s", .weight = &Weights::tip_speed, .starts = 4, .reward = true};
+  static constexpr Node node = Node::kRelease;
+  static constexpr double kRounding = 0.1;  // [m/s] of the speed's corner at rest; still monotone in the speed
+  template <class T>
+  static T at_node(const AtNode<T>& at) {
+    using std::sqrt;
+    return sqrt(tip_speed_squared(at.robot, at.x.q[1], at.x.dq) + kRounding * kRounding);
+  }
+  static double published(const Published& p);
+};
+
+template <class... Term>
+struct TermList {
+  static constexpr std::array<TermInfo, sizeof...(Term)> infos{Term::info...};
+  // Calls visit(term) for one value of each type.
+  template <class Visit>
+  static void visit(Visit&& visit) {
+    (visit(Term{}), ...);
+  }
+};
+
+using Terms = TermList<Time, Effort, TorqueRate, LinkAcceleration, LinkJerk, Energy, Copper, PeakTorque, TipSpeed>;
+
+// ---- what follows from the list ----
+
+// With the sign with which the term counts.
+inline double signed_weight(const Weights& weights, const TermInfo& term) {
+  const double weight = weights.*term.weight;
+  return term.reward ? -weight : weight;
+}
+
+// The weighted sum of running().
+template <class T>
+T running_cost(const Weights& weights, const Instant<T>& at) {
+  T cost(0.0);
+  Terms::visit([&](auto term) {
+    if constexpr (requires { term.running(at); }) {
+      const double weight = signed_weight(weights, term.info);
+      if (weight != 0) cost += weight * term.running(at);
+    }
+  });
+  return cost;
+}
+
+// The weighted sum of at_node() of the terms that belong to `node`.
+template <class T>
+T node_cost(const Weights& weights, Node node, const AtNode<T>& at) {
+  T cost(0.0);
+  Terms::visit([&](auto term) {
+    if constexpr (requires { term.at_node(at); }) {
+      const double weight = signed_weight(weights, term.info);
+      if (weight != 0 && term.node == node) cost += weight * term.at_node(at);
+    }
+  });
+  return cost;
+}
+
+bool sees_friction(const Weights& weights);
+bool settles_torque(const Weights& weights);
+bool only_time(const Weights& weights);
+// How many starts are worth trying: as many as the tamest of the terms with several minima asks for.
+int starts_worth_trying(const Weights& weights);
+// The largest weight, each by the size of its term.
+double size_of(const Weights& weights);
+
+}  // namespace fjr

@@ -1,0 +1,176 @@
+// The terms of the objective: their values in plan.json against independent quadratures, and that minimising one gives
+// less of it than minimising another.
+#include "planner/trajectory/objective.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+
+#include "model/flatness.h"
+#include "planner/plan.h"
+#include "planner/problem/objective_terms.h"
+
+namespace fjr {
+namespace {
+
+Problem request(const std::string& yaml) {
+  return parse_request(yaml, "request.yaml", FJR_SOURCE_DIR "/config", FJR_SOURCE_DIR "/config/robot.yaml");
+}
+
+const char* const kMove = "start: {q: [0.0, 0.0]}\ngoal: {q: [0.4, -0.2]}\n";
+
+Plan planned(const std::string& more, int starts = 0) {
+  PlanOptions options;
+  options.starts = starts;
+  Plan result = plan(request(kMove + more), options);
+  EXPECT_EQ(result.status, PlanStatus::kCertified) << more << ": " << result.reason;
+  return result;
+}
+
+// The midpoint rule on a grid that knows nothing of the rows, many times finer than they are.
+double integral(const Trajectory& rows, const std::function<double(const Sample&)>& f) {
+  constexpr int kPieces = 100'000;
+  Interpolator at(rows);
+  const double h = rows.end_time() / kPieces;
+  double sum = 0;
+  for (int i = 0; i < kPieces; ++i) sum += f(at.at((i + 0.5) * h)) * h;
+  return sum;
+}
+
+double squared(const Pair<double>& v) { return v[0] * v[0] + v[1] * v[1]; }
+
+// Link velocities of the rows, differentiated twice by central differences over 1 ms.
+double jerk_by_differences(const Trajectory& rows) {
+  Interpolator at(rows);
+  constexpr double kStep = 1e-3;
+  double sum = 0;
+  for (double t = kStep; t < rows.end_time() - kStep; t += kStep) {
+    const Sample before = at.at(t - kStep), here = at.at(t), after = at.at(t + kStep);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double jerk = (before.state.dq[j] - 2 * here.state.dq[j] + after.state.dq[j]) / (kStep * kStep);
+      sum += jerk * jerk * kStep;
+    }
+  }
+  return sum;
+}
+
+TEST(Objective, TermsAreTheIntegralsOfThePublishedRows) {
+  const Problem problem = request(std::string(kMove) + "duration: 0.8\nobjective: {effort: 1, link_jerk: 1e-6}\n");
+  const Plan result = plan(problem, {});
+  ASSERT_TRUE(result.trajectory) << result.reason;
+  const Trajectory& rows = *result.trajectory;
+  const Parameters& robot = problem.robot;
+  const auto expect = [&](const char* name, double value, double relative) {
+    EXPECT_NEAR(result.terms.at(name), value, relative * value) << name;
+  };
+  // The rows' quadrature and this one differ where a tanh of the friction, or a corner at zero power, lies between
+  // rows.
+  expect("effort", integral(rows, [](const Sample& s) { return squared(s.torque); }), 1e-4);
+  expect(
+      "copper",
+      integral(rows, [](const Sample& s) { return 0.5 * s.torque[0] * s.torque[0] + 1.5 * s.torque[1] * s.torque[1]; }),
+      1e-4);
+  expect("energy",
+         integral(rows,
+                  [](const Sample& s) {
+                    return std::max(0.0, s.torque[0] * s.state.dtheta[0]) +
+                           std::max(0.0, s.torque[1] * s.state.dtheta[1]);
+                  }),
+         1e-4);
+  expect("link_acceleration",
+         integral(rows,
+                  [&](const Sample& s) {
+                    return squared(link_motion(robot, s.state, {0, 0}).ddq);  // whatever the torque
+                  }),
+         1e-4);
+  expect("link_jerk",
+         integral(rows,
+                  [&](const Sample& s) {
+                    return squared(link_motion(robot, s.state, {0, 0}).dddq);
+                  }),
+         1e-4);
+  expect("link_jerk", jerk_by_differences(rows), 0.02);  // differences over 1 ms of oscillations at up to 50 rad/s
+  double peak1 = 0, peak2 = 0;
+  for (const Sample& s : rows.samples) {
+    peak1 = std::max(peak1, std::abs(s.torque[0]));
+    peak2 = std::max(peak2, std::abs(s.torque[1]));
+  }
+  EXPECT_EQ(result.terms.at("peak_torque"), peak1 + peak2);
+  EXPECT_NEAR(result.terms.at("tip_speed"), 0, 1e-7);  // of the goal, where the arm rests
+  EXPECT_NEAR(result.objective, result.terms.at("effort") + 1e-6 * result.terms.at("link_jerk"), 1e-9);
+}
+
+// Each of these has less of its own term than every other. Several minima: none need be the least there is.
+TEST(Objective, MinimisingATermGivesLessOfItThanMinimisingOthers) {
+  const std::vector<std::string> terms{"effort", "link_acceleration", "link_jerk", "energy", "peak_torque"};
+  std::vector<Plan> plans;
+  for (const std::string& term : terms) plans.push_back(planned("duration: 0.8\nobjective: {" + term + ": 1}\n", 2));
+  for (std::size_t i = 0; i < terms.size(); ++i) {
+    ASSERT_TRUE(plans[i].trajectory);
+    for (std::size_t k = 0; k < terms.size(); ++k) {
+      // Acceleration and jerk may be nearly the same motion; the trace of effort costs up to a per cent.
+      EXPECT_LE(plans[i].terms.at(terms[i]), 1.01 * plans[k].terms.at(terms[i])) << terms[i] << " of " << terms[k];
+    }
+  }
+}
+
+// Without limits the least int dddq^2 from rest to rest is 720 d^2 / T^5, of q = 10 s^3 - 15 s^4 + 6 s^5 (Flash &
+// Hogan, Journal of Neuroscience 5(7), 1985). Its jerk begins with a jump, which takes the motors some time: a little
+// more.
+TEST(Objective, LeastJerkIsNearlyThatOfTheQuintic) {
+  const Plan slow = planned("duration: 1.5\nobjective: {link_jerk: 1}\n", 1);
+  const double quintic = 720 * (0.4 * 0.4 + 0.2 * 0.2) / std::pow(1.5, 5);
+  EXPECT_GT(slow.terms.at("link_jerk"), quintic);
+  EXPECT_LT(slow.terms.at("link_jerk"), 1.02 * quintic);
+}
+
+// Copper losses are effort with a weight per joint: equal coefficients make them the same problem.
+TEST(Objective, CopperWithEqualCoefficientsIsEffort) {
+  Problem copper = request(std::string(kMove) + "duration: 0.8\nobjective: {copper: 0.5}\n");
+  copper.robot.drive.copper_loss = {2, 2};
+  const Problem effort = request(std::string(kMove) + "duration: 0.8\nobjective: {effort: 1}\n");
+  PlanOptions options;
+  options.starts = 1;
+  const Plan one = plan(copper, options), other = plan(effort, options);
+  ASSERT_TRUE(one.trajectory && other.trajectory);
+  EXPECT_NEAR(one.objective, other.objective, 1e-6 * other.objective);
+  EXPECT_NEAR(one.terms.at("copper"), 2 * one.terms.at("effort"), 1e-9 * one.terms.at("copper"));
+}
+
+// A throw: through a place, as fast there as it may be, and to rest behind it.
+TEST(Objective, ATipSpeedIsGainedAtTheRelease) {
+  const std::string through = "via: [{q: [0.3, 0.2]}]\nduration: {max: 0.6}\nobjective: ";
+  const Plan fastest = planned(through + "fastest\n"), thrown = planned(through + "{time: 1, tip_speed: 1}\n", 1);
+  ASSERT_TRUE(fastest.trajectory && thrown.trajectory);
+  EXPECT_GT(thrown.terms.at("tip_speed"), 1.2 * fastest.terms.at("tip_speed"));
+  // In the rows: there is an instant at that place, and this is the tip's speed there.
+  const Parameters robot = request(kMove).robot;
+  double least = 1, speed = 0;
+  for (const Sample& s : thrown.trajectory->samples) {
+    const double away = std::hypot(s.state.q[0] - 0.3, s.state.q[1] - 0.2);
+    if (away < least) {
+      least = away;
+      speed = std::sqrt(tip_speed_squared(robot, s.state.q[1], s.state.dq));
+    }
+  }
+  EXPECT_LT(least, 0.01);
+  EXPECT_NEAR(thrown.terms.at("tip_speed"), speed, 0.02 * speed);  // rows are 1 ms apart
+  EXPECT_NEAR(thrown.objective, thrown.duration - thrown.terms.at("tip_speed"), 1e-9);
+}
+
+TEST(Objective, AGoalOfFreeVelocityIsPassedAsFastAsItMayBe) {
+  const Problem problem = request(
+      "{start: {q: [0.0, 0.0]}, goal: {q: [0.6, 0.3], dq: free}, duration: {max: 0.8}, "
+      "objective: {time: 1, tip_speed: 1}, limits: {tip_speed: 2.5}}");
+  PlanOptions options;
+  options.starts = 1;
+  const Plan result = plan(problem, options);
+  ASSERT_EQ(result.status, PlanStatus::kCertified) << result.reason;
+  // The limit is within the arm's reach, so it is what limits; the usual back-off is 1e-4 of it.
+  EXPECT_NEAR(result.terms.at("tip_speed"), 2.5, 2e-3);
+}
+
+}  // namespace
+}  // namespace fjr

@@ -37,7 +37,8 @@ struct Case {
   int stages = 6, nx = 4, nu = 2, nr = 3, nb = 1;  // states, controls, inequality rows per stage; border
   double curvature = 6;         // of the Hessian's diagonal; the rest is about 1: below 2 or so it is indefinite
   double largest_slack = 10;    // curvature of the slacks of active rows
-  double regularisation = 0;    // of the equality rows
+  double regularisation = 0;    // of the equality rows,
+  int regularised = 1;          // every so manieth
   double largest_bound = 0;     // added to some of the diagonal: variables at their bounds
   double spread = 0;            // rows and columns are multiplied by up to 10^spread, and down to its inverse
   bool end_given = false;       // no states at the end: more rows than variables there
@@ -82,7 +83,7 @@ System chain(const Case& c, std::uint64_t seed) {
       const int row = index(k, true);
       for (const int v : variables) entry(row, v, normal(random));
       for (const int b : border) entry(row, b, normal(random));
-      entry(row, row, -c.regularisation);
+      entry(row, row, row % c.regularised == 0 ? -c.regularisation : 0);
     }
     for (int r = 0; r < c.nr; ++r) {
       const int slack = index(k), row = index(k);
@@ -181,6 +182,13 @@ INSTANTIATE_TEST_SUITE_P(
         Case{.what = "active rows", .nx = 8, .nu = 4, .nr = 6, .nb = 2, .curvature = 1, .largest_slack = 1e9},
         Case{.what = "active bounds", .nx = 8, .nu = 4, .largest_bound = 1e9},
         Case{.what = "regularised rows", .nx = 8, .curvature = 1, .regularisation = 1e-6},
+        Case{.what = "some rows regularised",
+             .stages = 20,
+             .nx = 4,
+             .nu = 1,
+             .nr = 0,
+             .regularisation = 1e-2,
+             .regularised = 9},
         Case{.what = "end given", .nx = 6, .nu = 2, .end_given = true},
         Case{.what = "end given, few controls", .stages = 20, .nx = 6, .nu = 1, .nr = 0, .end_given = true},
         Case{.what = "badly scaled", .nx = 6, .curvature = 1, .spread = 3},

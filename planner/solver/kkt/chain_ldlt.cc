@@ -248,8 +248,9 @@ void ChainLdlt::assemble(std::size_t k, std::span<const double> values) {
     s[i * width + j] += value;
     if (i != j) s[j * width + i] += value;
   };
-  if (width == front.width && front.row_index.size() >= front.rows.size()) {
-    double* t = front.tableau.row(0);
+  const bool all_rows = std::all_of(row_diagonal_.begin(), row_diagonal_.end(), [](double d) { return d == 0; });
+  if (width == front.width && all_rows) {  // then entries are where analyse() put them
+    double* t = front.tableau.data();
     for (const Entry& e : front.diagonal) s[e.at] += values[index(e.value)];
     for (const Entry& e : front.symmetric) {
       s[e.at] += values[index(e.value)];

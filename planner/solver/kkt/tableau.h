@@ -21,6 +21,7 @@ class Tableau {
   int width() const { return a_.width(); }
   double* row(int i) { return a_.row(i); }
   const double* row(int i) const { return a_.row(i); }
+  double* data() { return a_.data(); }
   const double* data() const { return a_.data(); }
 
   // preference: per column (a padded row), 0 for what may not become basic, otherwise the larger the sooner. bounding:

@@ -460,12 +460,34 @@ Via read_via(const YamlNode& node, const Problem& problem) {
   return via;
 }
 
+// A link goes no further than its motor at full speed, and the spring from one end of its range to the other.
+void check_via_times(const std::vector<YamlNode>& items, const Problem& problem) {
+  double time = 0;
+  Pair<double> q = problem.start.q;
+  for (std::size_t i = 0; i < problem.via.size(); ++i) {
+    const Via& via = problem.via[i];
+    if (!via.time) continue;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double away = std::abs(via.q[j] - q[j]), speed = problem.limits.motor_velocity[j];
+      const double most = speed * (*via.time - time) + 2 * problem.limits.spring_deflection[j];
+      if (away <= most) continue;
+      items[i].at("time").fail(
+          fmt::format("joint {}: {:.6g} rad in {:.6g} s from the time before; at {} rad/s of the motor, and with the "
+                      "spring's deflection, at most {:.6g} rad are possible",
+                      j + 1, away, *via.time - time, speed, most));
+    }
+    time = *via.time;
+    q = via.q;
+  }
+}
+
 void read_vias(const YamlNode& root, Problem& problem) {
   const auto given = root.find("via");
   if (!given) return;
   const std::vector<YamlNode> items = given->items();
   if (items.size() > kMaxVias) given->fail(fmt::format("{} points, above the {} allowed", items.size(), kMaxVias));
   for (const YamlNode& item : items) problem.via.push_back(read_via(item, problem));
+  check_via_times(items, problem);
 }
 
 // Those before a given time were checked with it.

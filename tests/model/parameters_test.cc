@@ -195,14 +195,15 @@ TEST(Parameters, WrongShapesOfTheFileAreRefused) {
   EXPECT_EQ(error_after("{value: [6.17, 0.53]", "{sigma: 1, value: [6.17, 0.53]"),
             "link.gravity_torque: unknown key \"sigma\"; allowed: value, unit, source, standard_error");
   EXPECT_EQ(error_after("  stiffness:", "  stifness:"), "spring: unknown key \"stifness\"; allowed: stiffness");
-  EXPECT_EQ(
-      error_after("motor:\n", "engine:\n"),
-      "unknown key \"engine\"; allowed: link, spring, motor, friction, encoder, limits, feedback, drive, covariance");
+  EXPECT_EQ(error_after("motor:\n", "engine:\n"),
+            "unknown key \"engine\"; allowed: link, spring, motor, friction, encoder, limits, feedback, drive, "
+            "covariance, payload");
   EXPECT_EQ(error_after("motor:\n  inertia", "# inertia"), "motor: missing");
   EXPECT_EQ(error_after("{value: [6.17", "{value: [1, 2], value: [6.17"), "line 11: key \"value\" is given twice");
   EXPECT_EQ(error_of(""), "empty");
   EXPECT_EQ(error_of("- 1\n"),
             "must be a map with the keys link, spring, motor, friction, encoder, limits, feedback, drive, covariance, "
+            "payload, "
             "not a list of 1");
   EXPECT_EQ(error_of(shipped_text() + "---\na: 1\n"), "holds more than one YAML document");
   EXPECT_EQ(error_of(std::string(kMaxYamlBytes + 1, ' ')), "larger than 1048576 bytes");
@@ -325,7 +326,7 @@ TEST(Parameters, APayloadIsAMassOrAMassAndAnInertia) {
   EXPECT_EQ(error("{inertia: 1}"), "payload.mass: missing");
   EXPECT_EQ(error("{mass: 1, inertia: 2}"), "payload.inertia: 2 kg m^2 is outside [0, 1]");
   EXPECT_EQ(error("{mass: {value: 1, unit: g}}"), "payload.mass.unit: \"g\" must be \"kg\"");
-  EXPECT_EQ(error("heavy"), "payload: must be a number (kg), not the text \"heavy\"");
+  EXPECT_EQ(error("heavy"), "payload: \"heavy\" is not a finite number (kg)");
 }
 
 // Runs `body` with FJR_CONFIG_DIR set to `folder`, and puts back what was there.

@@ -451,7 +451,8 @@ TEST(BrokenRequest, ViaPoints) {
       {fixed + "[{time: 0.5, q: [0, 0]}, {time: 0.6, q: [1.5, 0]}]",  // 6 rad/s, 2 x 0.3864 rad
        "via[1].time: joint 1: 1.5 rad in 0.1 s from the time before; at 6 rad/s of the motor, and with the spring's "
        "deflection, at most 1.3728 rad are possible"},
-      {fixed + "[{time: 0.5, q: [0, 0], theta: [0, 0]}]", "via[0]: unknown key \"theta\"; allowed: time, q, dq"},
+      {fixed + "[{time: 0.5, q: [0, 0], theta: [0, 0]}]",
+       "via[0]: unknown key \"theta\"; allowed: time, q, dq, release"},
       {many + "]", "via: 33 points, above the 32 allowed"},
   });
 }

@@ -391,6 +391,17 @@ TEST_F(Folder, IsReadAsItWasWritten) {
   EXPECT_EQ(plan_page(record), plan_page(reach()));
 }
 
+// The robot that a request was planned for has the request's payload.
+TEST_F(Folder, RemembersThePayload) {
+  const Problem problem =
+      parse_request("start: {q: [0, 0]}\ngoal: {q: [0.5, 0]}\npayload: {mass: 0.3, inertia: 0.001}\n", "reach.yaml",
+                    load_parameters(kRobot));
+  write("plan.json", json_text(plan_json(problem, {})));
+  EXPECT_EQ(read_plan(folder_).robot.payload, problem.robot.payload);
+  write_changed("/robot/payload/mass", 0.3);
+  EXPECT_THAT(complaint(), HasSubstr("robot: is not the robot that robot_hash tells of"));
+}
+
 TEST_F(Folder, ThatIsNoPlanIsRefusedWithTheReason) {
   write_changed("/robot/spring/stiffness/1", 18);
   EXPECT_THAT(complaint(), HasSubstr("plan.json: robot: is not the robot that robot_hash tells of"));

@@ -196,7 +196,7 @@ void encode_tip(const YamlNode& root, fjr_msg_TipPath& tip) {
   if (!node) return;
   node->allow_keys({"box", "line", "arc"});
   const auto has = [&](std::string_view kind) { return node->find(kind) ? 1 : 0; };
-  if (has("box") + has("line") + has("arc") != 1) node->fail("needs one of box, line, arc");
+  if (has("box") + has("line") + has("arc") != 1) node->fail("needs one of box, line, arc, and only one");
   if (const auto box = node->find("box")) {
     const std::vector<YamlNode> corners = box->items();
     if (corners.size() != 2) box->fail("must be two corners");

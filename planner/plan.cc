@@ -271,6 +271,14 @@ class Planner {
     const double duration = std::clamp(duration_of(*shortest), problem.duration.min, allowed);
     const Collocated& solution = shortest->solution();
     try_start(problem, guess_from(solution.motion, solution.durations, duration), "from the fastest");
+    if (!candidates_.empty() || interrupted()) return;
+    // With hardly any time to spare only its own mesh and the exact law have a motion.
+    Continuation c = continuation(problem, "from the fastest, exact");
+    const std::size_t booked = shortest->stages().size();
+    const bool found = shortest->finish() && c.adopt(solution, duration);
+    book(*shortest, booked);
+    book(c);
+    if (found) candidates_.push_back(std::move(c));
   }
 
   static double duration_of(const Continuation& c) { return c.solution().motion.duration(); }

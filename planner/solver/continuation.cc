@@ -287,6 +287,12 @@ bool Continuation::creep() {
   return any;
 }
 
+bool Continuation::adopt(const Collocated& other, double duration) {
+  const std::string what = label + ", stretched";
+  const Guess guess = guess_from(other.motion, other.durations, duration);
+  return attempt(what, other.setup, &guess, options(what));
+}
+
 bool Continuation::resume(const Collocated& neighbour) {
   if (static_cast<std::size_t>(neighbour.setup.mesh.segments()) != segment_count(*problem_)) return false;
   solution_ = neighbour;

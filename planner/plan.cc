@@ -112,7 +112,7 @@ class Planner {
     if (options_.warm) resume();
     if (!plan_.warm && !stopped()) find_starts();
     if (!plan_.warm && !stopped()) finish_best();
-    if (!plan_.warm && !stopped() && candidates_.empty()) {
+    if (!plan_.warm && !stopped() && plan_.status != PlanStatus::kCertified) {
       plan_.infeasibility =
           explain(fastest_of_ ? *fastest_of_ : alternatives_.front(), fastest_ ? &*fastest_ : nullptr, tools());
     }
@@ -127,7 +127,7 @@ class Planner {
                                       : "stopped on request";
       plan_.trajectory.reset();
       plan_.certificate.reset();
-    } else if (!plan_.certificate) {
+    } else if (!plan_.certificate || plan_.infeasibility) {
       explain_failure();
     }
     if (plan_.certificate) predict_execution();
@@ -288,6 +288,14 @@ class Planner {
     const double duration = std::clamp(duration_of(*shortest), problem.duration.min, allowed);
     const Collocated& solution = shortest->solution();
     try_start(problem, guess_from(solution.motion, solution.durations, duration), "from the fastest");
+    if (!candidates_.empty() || interrupted()) return;
+    // With hardly any time to spare only its own mesh and the exact law have a motion.
+    Continuation c = continuation(problem, "from the fastest, exact");
+    const std::size_t booked = shortest->stages().size();
+    const bool found = shortest->finish() && c.adopt(solution, duration);
+    book(*shortest, booked);
+    book(c);
+    if (found) candidates_.push_back(std::move(c));
   }
 
   static double duration_of(const Continuation& c) { return c.solution().motion.duration(); }
@@ -410,6 +418,8 @@ class Planner {
     if (plan_.infeasibility) {
       plan_.status = PlanStatus::kInfeasible;
       plan_.reason = plan_.infeasibility->sentence;
+      plan_.trajectory.reset();  // what converged on a coarse mesh only
+      plan_.certificate.reset();
     } else if (infeasible && candidates_.empty() && !fastest_) {
       plan_.status = PlanStatus::kInfeasible;
       plan_.reason = "no motion within the limits was found from any start" + obstacle_;

@@ -219,7 +219,8 @@ std::vector<Kept> kept_limits(const Problem& problem, const Mesh& mesh, const st
   return kept;
 }
 
-std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep) {
+std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep,
+                               double slack) {
   const Pair<FrictionLaw> friction{FrictionLaw::of(problem.robot, 0), FrictionLaw::of(problem.robot, 1)};
   const Frame frame(problem);
   const auto rows = rows_by_segment(problem);
@@ -234,7 +235,8 @@ std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const M
       const double scale = frame.scale(i);
       const double beyond =
           i < Limits::kCount ? reached.data()[i] - problem.limits.data()[i] : -room[i - Limits::kCount];
-      const double over = beyond + keep * frame.back_off(i);
+      const double given = problem.elastic && i < problem.elastic->give.size() ? slack * problem.elastic->give[i] : 0;
+      const double over = beyond - given + keep * frame.back_off(i);
       const bool counts = std::isfinite(scale) && over > kNegligible * scale && !frame.held(i, nodes[k], nodes[k + 1]);
       if (counts) excess[i] = over;
     }

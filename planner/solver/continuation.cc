@@ -216,7 +216,8 @@ bool Continuation::begin(const Guess& guess, int most_iterations, const std::vec
 CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const {
   const double worth_splitting = 1.5 * tolerance,
                worth_quartering = std::pow(2, settings_.scheme.order + 2) * tolerance;
-  const std::vector<PerLimit> excess = excesses(*problem_, solution_.setup.mesh, solution_.motion);
+  const std::vector<PerLimit> excess =
+      excesses(*problem_, solution_.setup.mesh, solution_.motion, kKeep, solution_.slack);
   const PerLimit scales = limit_scales(*problem_);
   Cuts steps(errors.size());  // of the friction torque, where they make a torque exceed its limit
   for (std::size_t k = 0; k < errors.size(); ++k) {
@@ -292,7 +293,8 @@ bool Continuation::polish() {
     CollocationSetup setup = solution_.setup;
     const double keep = round < kEagerRounds ? kKeep : kKeepAtLast;
     const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
-    const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion, keep), *problem_, growth);
+    const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion, keep, solution_.slack),
+                             *problem_, growth);
     setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), settings_.mesh_tolerance);
     const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
     if (!wider && !finer) return true;
@@ -338,6 +340,12 @@ bool Continuation::creep() {
     any = true;
   }
   return any;
+}
+
+bool Continuation::adopt(const Collocated& other, double duration) {
+  const std::string what = label + ", stretched";
+  const Guess guess = guess_from(other.motion, other.durations, duration);
+  return attempt(what, other.setup, &guess, options(what));
 }
 
 bool Continuation::resume(const Collocated& neighbour) {

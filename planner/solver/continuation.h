@@ -41,6 +41,10 @@ class Continuation {
   // when there is no solution that way.
   bool resume(const Collocated& neighbour);
 
+  // From a solution of the same request with another objective, stretched to `duration` [s], on its mesh and with its
+  // friction law. False when there is no solution that way.
+  bool adopt(const Collocated& other, double duration);
+
   // From there to the exact problem, on a mesh and with margins that suit it. False when no usable solution is left.
   bool finish();
 

@@ -19,6 +19,7 @@ namespace {
 
 constexpr std::size_t kMostCandidates = 4;  // things to relax that are looked at, velocities apart
 constexpr double kRoom = 0.01;      // share of a change added to it: right at the edge there is one motion, and no plan
+constexpr double kGridRoom = 1.1;   // times the room that a grid found missing
 constexpr double kPossible = 2e-3;  // slack below which the request is possible, as far as can be told
 constexpr double kInTheWay = 0.05;  // share of the slack by which what is in the way exceeds its limit
 constexpr double kLoose = 3;        // share by which limits are relaxed for a duration to start from
@@ -120,13 +121,20 @@ class Explanation {
 
   void explain_barred(const NoWay& barred) {
     result_.sentence = barred.sentence;
+    if (!barred.names.empty()) result_.limit = barred.names.front();
     for (const Relaxable& what : relaxables(problem_)) {
-      if (std::count(barred.names.begin(), barred.names.end(), what.name) > 0)
-        relax(problem_, {what, {}, 0}, search_.guesses(problem_));
+      if (std::count(barred.names.begin(), barred.names.end(), what.name) > 0) make_room(what, barred.missing);
     }
-    if (barred.names.empty()) return;
-    result_.limit = barred.names.front();
-    if (!result_.relaxations.empty()) result_.time = result_.relaxations.front().time;
+  }
+
+  // A slack finds ways between the collocation points where there is none; the grid does not.
+  void make_room(const Relaxable& what, double missing) {
+    const double amount = kGridRoom * missing;
+    if (missing == 0 || amount >= what.most) return;
+    const Problem roomier = what.relaxed(problem_, amount);
+    if (!no_way(roomier).sentence.empty()) return;
+    if (!search_.solve(roomier, what.name, search_.guesses(roomier))) return;
+    result_.relaxations.push_back({what.name, what.joint, what.unit, what.from, what.value(amount), true, {}});
   }
 
   // ---- a duration that is too short ----
@@ -271,14 +279,27 @@ class Explanation {
       if (is_velocity(what)) {
         velocities.push_back({what, {}, 0});
       } else if (everything) {
-        const Candidate candidate = worst_moment(problem_, what, everything->solution());
-        if (candidate.weight > kInTheWay * everything->solution().slack) found.push_back(candidate);
+        Candidate candidate = worst_moment(problem_, what, everything->solution());
+        if (candidate.weight <= kInTheWay * everything->solution().slack) continue;
+        candidate.weight += short_of_carrying(what);
+        candidate.time.reset();  // that was of another motion
+        found.push_back(candidate);
       }
     }
     keep_heaviest(found);
-    for (Candidate& candidate : found) candidate.time.reset();  // that was of another motion
     velocities.insert(velocities.end(), found.begin(), found.end());
     return velocities;
+  }
+
+  // By how much the limit is below what carrying the arm slowly takes, as a share of the limit.
+  double short_of_carrying(const Relaxable& what) const {
+    if (what.joint == 0) return 0;
+    const Carrying needs = carrying(problem_);
+    const auto j = static_cast<std::size_t>(what.joint - 1);
+    const double needed = what.name == "torque"              ? needs.torque[j]
+                          : what.name == "spring_deflection" ? needs.deflection[j]
+                                                             : 0;
+    return std::max(0.0, needed / what.from - 1);
   }
 
   static bool easier(const Relaxation& a, const Relaxation& b) {
@@ -305,6 +326,10 @@ class Explanation {
             : fmt::format("no motion found keeps every limit; {} is in the way{}",
                           name_of(result_.limit, result_.joint), when);
     add_statics();
+    if (result_.relaxations.empty() && everything != nullptr) {
+      result_.sentence +=
+          fmt::format("; all limits together {:.3g} times as large would do", 1 + everything->solution().slack);
+    }
   }
 
   // ---- statics ----

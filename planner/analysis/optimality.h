@@ -10,7 +10,7 @@
 
 namespace fjr {
 
-// A bound counts as active within this share of it.
+// A bound counts as active within this share of it; one that is 0, of the largest of what it bounds the sum of.
 inline constexpr double kActive = 0.01;
 
 // Mean of H over the intervals first, ..., last - 1, weighted by their durations.
@@ -44,8 +44,10 @@ inline Optimality::Hamiltonian hamiltonian(const Adjoint& a, const std::vector<s
 template <class Ocp>
 std::vector<int> held(const Transcription<Ocp>& t, const Iterate& solution) {
   std::vector<int> held(static_cast<std::size_t>(t.variables()), 0);
-  const auto side = [](double value, double lower, double upper) {
-    const auto near = [](double bound, double gap) { return std::isfinite(bound) && gap <= kActive * std::abs(bound); };
+  const auto side = [](double value, double lower, double upper, double largest = 0) {
+    const auto near = [&](double bound, double gap) {
+      return std::isfinite(bound) && gap <= kActive * (bound == 0 ? largest : std::abs(bound));
+    };
     return (near(upper, upper - value) ? 1 : 0) | (near(lower, value - lower) ? 2 : 0);
   };
   for (Eigen::Index i = 0; i < t.variables(); ++i) {
@@ -55,11 +57,16 @@ std::vector<int> held(const Transcription<Ocp>& t, const Iterate& solution) {
   t.constraint_values(solution.x, values);
   Eigen::VectorXd jacobian(static_cast<Eigen::Index>(t.jacobian_pattern.size()));
   t.jacobian(solution.x, jacobian);
+  Eigen::VectorXd largest = Eigen::VectorXd::Zero(t.constraints());
+  for (std::size_t e = 0; e < t.jacobian_pattern.size(); ++e) {
+    const auto [row, col] = t.jacobian_pattern[e];
+    largest(row) = std::max(largest(row), std::abs(jacobian(static_cast<Eigen::Index>(e)) * solution.x(col)));
+  }
   for (std::size_t e = 0; e < t.jacobian_pattern.size(); ++e) {
     const auto [row, col] = t.jacobian_pattern[e];
     const double slope = jacobian(static_cast<Eigen::Index>(e));
     if (slope == 0 || t.g_lower(row) == t.g_upper(row)) continue;
-    const int by = side(values(row), t.g_lower(row), t.g_upper(row));
+    const int by = side(values(row), t.g_lower(row), t.g_upper(row), largest(row));
     const bool swap = slope < 0 && (by == 1 || by == 2);
     held[static_cast<std::size_t>(col)] |= swap ? 3 - by : by;
   }

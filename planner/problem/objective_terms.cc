@@ -43,8 +43,10 @@ double PeakTorque::published(const Published& p) {
 }
 
 double TipSpeed::published(const Published& p) {
+  constexpr double kStill = 1e-9;  // [m/s] what roundings leave of a rest
   const State<double> x = Interpolator(p.rows).at(p.release).state;
-  return std::sqrt(std::max(0.0, tip_speed_squared(p.robot, x.q[1], x.dq)));
+  const double speed = std::sqrt(std::max(0.0, tip_speed_squared(p.robot, x.q[1], x.dq)));
+  return speed < kStill ? 0 : speed;
 }
 
 bool sees_friction(const Weights& weights) {

@@ -100,7 +100,7 @@ void read_tip(const YamlNode& node, Task& task) {
   node.allow_keys({"box", "line", "arc"});
   const auto box = node.find("box"), line = node.find("line"), arc = node.find("arc");
   if (int{box.has_value()} + int{line.has_value()} + int{arc.has_value()} != 1)
-    node.fail("needs one of box, line, arc");
+    node.fail("needs one of box, line, arc, and only one");
   if (box) task.box = read_box(*box);
   if (line) task.line = read_line(*line);
   if (arc) task.arc = read_arc(*arc);
@@ -144,7 +144,10 @@ std::string broken(const Problem& problem, std::size_t segment, const Pair<doubl
       return fmt::format("link {} would be {:.4g} m inside {}, its radius and margin included", row.link, -room,
                          row.name);
     }
-    return fmt::format("breaks {} by {:.4g} {}", row.name, -room, row.kind == TaskRow::Kind::kAngles ? "rad" : "m");
+    if (row.kind == TaskRow::Kind::kAngles) return fmt::format("lies {:.4g} rad off the {}", -room, row.name);
+    const std::string region = row.name.substr(std::string_view("tip_").size());
+    return fmt::format("puts the tip at [{:.4g}, {:.4g}] m, {:.4g} m outside tip.{}", posture.tip.x, posture.tip.y,
+                       -room, region);
   }
   return "";
 }

@@ -1,4 +1,4 @@
-// Units of what is named in requests and reports, for people.
+// Units of the limits named in requests and reports, for people.
 #pragma once
 
 #include <string_view>
@@ -6,6 +6,5 @@
 namespace fjr {
 
 std::string_view unit_of_limit(std::string_view name);  // "torque" -> "N m"
-std::string_view unit_of_term(std::string_view name);   // "time" -> "s"; unknown: empty
 
 }  // namespace fjr

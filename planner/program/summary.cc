@@ -49,14 +49,16 @@ std::string tightest_limits(const Certificate& certificate) {
   return text;
 }
 
-std::string terms(const Problem& problem, const Plan& plan) {
+// Those that count, with their weights, or all others.
+std::string terms(const Problem& problem, const Plan& plan, bool that_count) {
   std::string text;
   for (const TermInfo& term : Terms::infos) {
     const auto found = plan.terms.find(term.name);
     const double weight = signed_weight(problem.weights, term);
-    if (found == plan.terms.end() || (weight == 0 && !std::isfinite(found->second))) continue;
+    if (found == plan.terms.end() || (weight != 0) != that_count) continue;
+    if (!that_count && !(std::isfinite(found->second) && found->second != 0)) continue;
     text += fmt::format("{}{} {:.6g} {}{}", text.empty() ? "" : ", ", term.name, found->second, term.unit,
-                        weight != 0 ? fmt::format(" x {:g}", weight) : "");
+                        that_count ? fmt::format(" x {:g}", weight) : "");
   }
   return text;
 }
@@ -70,7 +72,7 @@ double helping(std::string_view unit) {
 
 std::string gain(const Problem& problem, const Plan& plan, double objective) {
   if (only_time(problem.weights)) return fmt::format("{:.3g} ms", 1e3 * objective / problem.weights.time);
-  return fmt::format("{:.3g} ({:.2g} %)", objective, 100 * objective / plan.objective);
+  return fmt::format("{:.3g} ({:.2g} %)", objective, 100 * objective / std::abs(plan.objective));
 }
 
 // The limits that cost most, and the duration where it is given: to first order, from the multipliers.
@@ -84,10 +86,12 @@ std::string what_limits(const Problem& problem, const Plan& plan) {
   limits.resize(std::min(limits.size(), kTightest));
   std::string text;
   const auto add = [&text](const std::string& sentence) { text += line(text.empty() ? "limiting" : "", sentence); };
+  Limits of_request = problem.limits;
   for (const LimitWorth& l : limits) {
-    const std::string joint = l.joint == 0 ? "" : fmt::format(" {}", l.joint);
-    add(fmt::format("{}{} {:.0f} % of the time: {:g} {} more would save {}", l.name, joint, 100 * l.share,
-                    helping(l.unit), l.unit, gain(problem, plan, helping(l.unit) * l.worth)));
+    const bool of_task = limit_of(of_request, l.name, l.joint) == nullptr;
+    const std::string joint = l.joint == 0 ? "" : fmt::format("{} {}", of_task ? " link" : "", l.joint);
+    add(fmt::format("{}{} {:.0f} % of the time: {:g} {} more{} would save {}", l.name, joint, 100 * l.share,
+                    helping(l.unit), l.unit, of_task ? " room" : "", gain(problem, plan, helping(l.unit) * l.worth)));
   }
   if (sensitivity.duration) {
     constexpr double kStep = 0.01;  // [s]
@@ -102,8 +106,9 @@ std::string effort(const Plan& plan) {
   const auto total = plan.timing.find("total");
   const std::string time = total == plan.timing.end() ? "" : fmt::format(", {:.3f} s", total->second);
   const std::string mesh = plan.intervals == 0 ? "" : fmt::format(", {} intervals {}", plan.intervals, plan.method);
-  return fmt::format("{} iterations, {} start{}{}{}", plan.iterations, plan.starts, plan.starts == 1 ? "" : "s", mesh,
-                     time);
+  const auto count = [](int n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
+  return fmt::format("{}, {}{}{}", count(plan.iterations, "iteration"),
+                     plan.warm ? "from the earlier plan" : count(plan.starts, "start"), mesh, time);
 }
 
 }  // namespace
@@ -142,7 +147,8 @@ std::string summary(const Problem& problem, const Plan& plan) {
       fmt::format("{}: {}{}\n", problem.name, name(plan.status), plan.reason.empty() ? "" : ": " + plan.reason);
   if (plan.trajectory) {
     text += line("duration", fmt::format("{:.6g} s", plan.duration));
-    text += line("objective", fmt::format("{:.6g} ({})", plan.objective, terms(problem, plan)));
+    text += line("objective", fmt::format("{:.6g} ({})", plan.objective, terms(problem, plan, true)));
+    text += line("besides", terms(problem, plan, false));
   }
   if (plan.certificate) text += summary(*plan.certificate);
   if (plan.analysis) text += what_limits(problem, plan);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "model/chart_page.h"
+#include "planner/problem/objective_terms.h"
 #include "planner/problem/units.h"
 #include "planner/report/comparison_section.h"
 #include "planner/report/html_table.h"
@@ -17,6 +18,7 @@
 #include "planner/report/plan_limits.h"
 #include "planner/report/plan_page_text.h"
 #include "planner/report/scene.h"
+#include "planner/report/sensitivity_section.h"
 #include "planner/report/time_charts.h"
 
 namespace fjr {
@@ -178,14 +180,24 @@ void add_solver(ChartPage& page, const JsonField& solver) {
   }
 }
 
+// Null: a term of another version.
+const TermInfo* term_of(std::string_view name) {
+  const auto found =
+      std::find_if(Terms::infos.begin(), Terms::infos.end(), [&](const TermInfo& term) { return term.name == name; });
+  return found == Terms::infos.end() ? nullptr : &*found;
+}
+
 void add_objective(ChartPage& page, const JsonField& plan) {
   page.add_heading("Objective");
   const JsonField terms = plan.at("objective").at("terms"), weights = plan.at("resolved_request").at("objective");
   Rows rows{{cell("term"), cell("value"), cell("weight"), cell("unit")}};
   for (const auto& term : terms.json().items()) {
     const auto weight = weights.find(term.key());
+    const TermInfo* const info = term_of(term.key());
+    const double sign = info != nullptr && info->reward ? -1 : 1;
     rows.push_back({cell(spaced(term.key())), cell(number_text(terms.at(term.key()).number(), 6)),
-                    cell(weight ? number_text(weight->number()) : ""), cell(std::string(unit_of_term(term.key())))});
+                    cell(weight && weight->number() != 0 ? number_text(sign * weight->number()) : ""),
+                    cell(info != nullptr ? info->unit : "")});
   }
   page.add_html(html_table(rows));
 }
@@ -199,9 +211,10 @@ void add_request(ChartPage& page, const JsonField& plan) {
 }
 
 void add_what_else_there_is(ChartPage& page, const Json& plan) {
-  static const std::set<std::string> shown{
-      "version",     "request",          "status", "reason",     "objective",    "duration",  "mesh",     "solver",
-      "certificate", "resolved_request", "robot",  "robot_hash", "request_hash", "via_times", "back_off", "timing"};
+  static const std::set<std::string> shown{"version",  "request",    "status",       "reason",      "objective",
+                                           "duration", "mesh",       "solver",       "certificate", "resolved_request",
+                                           "robot",    "robot_hash", "request_hash", "via_times",   "back_off",
+                                           "timing",   "sensitivity"};
   for (const auto& section : plan.items()) {
     if (shown.count(section.key()) > 0 || section.value().is_null()) continue;
     std::string title = spaced(section.key());
@@ -235,6 +248,7 @@ std::string plan_page(const PlanRecord& record) {
     add_comparison(page, motions, *record.trajectory, limits, !scene.empty());
     add_mesh(page, plan.at("mesh"));
     add_objective(page, plan);
+    if (!plan.at("sensitivity").is_null()) add_sensitivity(page, plan);
   }
   add_solver(page, plan.at("solver"));
   add_what_else_there_is(page, record.plan);

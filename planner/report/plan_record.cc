@@ -29,6 +29,9 @@ Parameters read_robot(const JsonField& plan) {
   visit_parameters(p, [&](const char* section, const char* name, const char*, Pair<double>& values) {
     values = robot.at(section).at(name).pair();
   });
+  if (const auto payload = robot.find("payload")) {
+    p.payload = {payload->at("mass").number(), payload->at("inertia").number()};
+  }
   if (robot_hash(p) != plan.at("robot_hash").text()) {
     robot.fail("is not the robot that robot_hash tells of; the file was changed after it was planned");
   }

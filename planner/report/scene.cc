@@ -34,12 +34,14 @@ void add_vias(const JsonField& vias, const std::vector<double>& times, const Par
 }
 
 void add_obstacles(const JsonField& obstacles, Json& scene) {
-  for (const JsonField& disc : obstacles.items()) {
+  const std::vector<JsonField> all = obstacles.items();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const JsonField& disc = all[i];
     scene.push_back({{"kind", "disc"},
                      {"center", disc.at("center").pair()},
                      {"radius", disc.at("radius").number()},
                      {"margin", disc.at("margin").number()},
-                     {"label", fmt::format("obstacle {}", scene.size() + 1)}});
+                     {"label", fmt::format("obstacles[{}]", i)}});
   }
 }
 

@@ -213,6 +213,7 @@ Json robot_json(const Parameters& robot) {
   visit_parameters(robot, [&](const char* section, const char* name, const char*, const Pair<double>& values) {
     json[section][name] = numbers(values);
   });
+  json["payload"] = {{"mass", robot.payload.mass}, {"inertia", robot.payload.inertia}};
   return json;
 }
 

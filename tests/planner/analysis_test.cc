@@ -209,6 +209,16 @@ TEST(OptimalityOf, AMinimumTimePlanHasTheHamiltonianMinusOne) {
   }
 }
 
+// The torque at its peak is held by it: dH/du is not 0 there.
+TEST(OptimalityOf, ATorqueAtItsPeakIsNotFree) {
+  const Problem problem = request(
+      "{start: {q: [0.2, 0.0]}, goal: {q: [0.6, 0.2]}, duration: 0.6, objective: {peak_torque: 1, effort: 0.01}}");
+  const Collocated c = solved(problem, {hermite_simpson(), mesh_of(problem, 40), {0.3, 0.01}});
+  const Optimality::Stationarity s = analyse(problem, c, 1).optimality.stationarity;
+  EXPECT_LT(s.free, 1e-2 * s.largest);
+  EXPECT_LT(s.wrong, 1e-2 * s.largest);
+}
+
 // Controls are linear on an interval, so off by h^2; H is stationary in them: h^4, for methods of at least that order.
 TEST(OptimalityOf, TheHamiltonianSettlesWithTheMesh) {
   const Problem problem = request(

@@ -219,7 +219,7 @@ TEST(PlanPage, TextsCannotBreakThePage) {
   record.plan["reason"] = hostile;
   record.plan["solver"]["stages"][0]["name"] = hostile;
   record.plan["certificate"]["limits"][0]["name"] = hostile;
-  record.plan["sensitivity"] = {{hostile, {{"deep", {{{"a", hostile}}}}}}};
+  record.plan["novelty"] = {{hostile, {{"deep", {{{"a", hostile}}}}}}};
   record.plan["resolved_request"]["via"] = {{{"time", 0.1}, {"q", {0.1, 0.2}}, {hostile, 1}}};
   const std::string html = plan_page(record), sane = plan_page(reach());
   EXPECT_EQ(count_of("</script", html), count_of("</script", sane));
@@ -248,7 +248,7 @@ TEST(Scene, HoldsWhatTheRequestAsksForOnTheWay) {
   ASSERT_EQ(scene.size(), 3U);
   EXPECT_EQ(
       scene[0],
-      Json({{"kind", "disc"}, {"center", {0.3, -0.7}}, {"radius", 0.05}, {"margin", 0.01}, {"label", "obstacle 1"}}));
+      Json({{"kind", "disc"}, {"center", {0.3, -0.7}}, {"radius", 0.05}, {"margin", 0.01}, {"label", "obstacles[0]"}}));
   EXPECT_EQ(scene[1]["corners"], Json({{-0.7, -0.7}, {0.7, 0.3}}));
   const Point<double> tip = tip_position(load_parameters(kRobot), Pair<double>{0.7, -0.2});
   EXPECT_EQ(scene[2]["kind"], "point");
@@ -317,13 +317,30 @@ TEST(PlanPage, OfAPlanWithoutTrajectorySaysWhy) {
   EXPECT_THAT(html, Not(HasSubstr("plan-data")));
 }
 
+// In milliseconds, as nothing but time counts; the most expensive limit first.
+TEST(PlanPage, SaysWhatMoreOfEachActiveLimitWouldSave) {
+  PlanRecord record = reach();
+  Json idle = {{"name", "link_position"}, {"joint", 1}, {"limit", 3.2}, {"unit", "rad"}, {"worth", 0.0}};
+  Json cheap = {{"name", "torque"}, {"joint", 2}, {"limit", 5.0}, {"unit", "N m"}, {"worth", 0.001}};
+  Json dear = {{"name", "tip_box"}, {"joint", nullptr}, {"limit", 0.1}, {"unit", "m"}, {"worth", 0.0523}};
+  for (Json* l : {&idle, &cheap, &dear}) (*l)["active_share"] = l == &idle ? 0 : 0.25;
+  idle["active"] = Json::array();
+  cheap["active"] = dear["active"] = {{0.1, 0.2}, {0.25, 0.3}};
+  record.plan["sensitivity"]["limits"] = {idle, cheap, dear};
+  const std::string html = plan_page(record);
+  EXPECT_THAT(html, HasSubstr("<td>tip box</td><td>0.1</td><td>m</td><td>0.0523 per mm</td><td>25 %</td>"
+                              "<td class='long'>0.1000 to 0.2000, 0.2500 to 0.3000</td></tr>\n<tr><td>torque 2</td>"
+                              "<td>5</td><td>N m</td><td>1 per N m</td>"));
+  EXPECT_THAT(html, HasSubstr("more saves (ms)"));
+}
+
 TEST(PlanPage, ShowsSectionsItDoesNotKnow) {
   PlanRecord record = reach();
-  record.plan["sensitivity"] = {{{"limit", "torque_1"}, {"worth", -0.0123}}, {{"limit", "torque_2"}, {"worth", 4.5}}};
+  record.plan["novelty"] = {{{"limit", "torque_1"}, {"worth", -0.0123}}, {{"limit", "torque_2"}, {"worth", 4.5}}};
   record.plan["optimality"] = {{"hamiltonian", {{"mean", -1.0}, {"values", std::vector<double>(30, 0.25)}}}};
   const std::string html = plan_page(record);
   for (const char* part :
-       {"<h2>Sensitivity</h2>", "torque_1", "-0.0123", "<h2>Optimality</h2>", "<h3>hamiltonian</h3>", "30 entries"}) {
+       {"<h2>Novelty</h2>", "torque_1", "-0.0123", "<h2>Optimality</h2>", "<h3>hamiltonian</h3>", "30 entries"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
 }
@@ -389,6 +406,17 @@ TEST_F(Folder, IsReadAsItWasWritten) {
   EXPECT_EQ(robot_hash(record.robot), robot_hash(reach().robot));
   EXPECT_EQ(record.trajectory->samples.size(), reach().trajectory->samples.size());
   EXPECT_EQ(plan_page(record), plan_page(reach()));
+}
+
+// The robot that a request was planned for has the request's payload.
+TEST_F(Folder, RemembersThePayload) {
+  const Problem problem =
+      parse_request("start: {q: [0, 0]}\ngoal: {q: [0.5, 0]}\npayload: {mass: 0.3, inertia: 0.001}\n", "reach.yaml",
+                    load_parameters(kRobot));
+  write("plan.json", json_text(plan_json(problem, {})));
+  EXPECT_EQ(read_plan(folder_).robot.payload, problem.robot.payload);
+  write_changed("/robot/payload/mass", 0.3);
+  EXPECT_THAT(complaint(), HasSubstr("robot: is not the robot that robot_hash tells of"));
 }
 
 TEST_F(Folder, ThatIsNoPlanIsRefusedWithTheReason) {

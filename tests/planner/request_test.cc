@@ -302,10 +302,10 @@ TEST(BrokenRequest, Task) {
       {kMove + "obstacles: [{center: [0.1, 20], radius: 1}]", "obstacles[0].center[1]: 20 m is outside [-10, 10]"},
       {kMove + "obstacles: [{center: [0, -0.7], radius: 0.05}]",
        "start: link 2 would be 0.025 m inside obstacles[0], its radius and margin included"},
-      {kMove + "tip: {}", "tip: needs one of box, line, arc"},
+      {kMove + "tip: {}", "tip: needs one of box, line, arc, and only one"},
       {kMove + "tip: {box: [[0.1, 0], [-0.1, 1]]}",
        "tip.box[1][0]: -0.1 m is not above the first corner's 0.1 m (lower left first, then upper right)"},
-      {kMove + "tip: {box: [[-0.1, -0.1], [0.1, 0.1]]}", "start: breaks tip_box by 0.55 m"},
+      {kMove + "tip: {box: [[-0.1, -0.1], [0.1, 0.1]]}", "start: puts the tip at [0, -0.65] m, 0.55 m outside tip.box"},
       {kMove + "tip: {line: {from: [0, -0.65], to: [0, -0.65], tolerance: 0.01}}",
        "tip.line.to: is the same point as from"},
       {kMove + "tip: {line: {from: [0, -0.65], to: [0.1, -0.65], tolerance: 0}}",
@@ -323,7 +323,7 @@ TEST(BrokenRequest, Task) {
        "tip.arc.to: is the same point as from; a full circle has no short way"},
       {"start: {q: [0.45, 0]}\ngoal: {q: [0.7, 0]}\n"
        "tip: {arc: {center: [0, 0], from: [0.3116266, -0.5704286], to: [0.3670176, -0.5364682], tolerance: 0.002}}",
-       "start: breaks tip_arc by 0.03221 m"},
+       "start: puts the tip at [0.2827, -0.5853] m, 0.03221 m outside tip.arc"},
       {kMove + "path: {points: [[0, 0]], tolerance: 0.01}", "path.points[0]: is the same point as the one before it"},
   });
 }

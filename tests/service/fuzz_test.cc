@@ -263,7 +263,16 @@ class FuzzSamples : public FuzzTest {
     for (auto* pair : {&row.q, &row.dq, &row.theta, &row.dtheta, &row.tau}) fill(*pair);
   }
 
-  void fill(fjr_msg_PlanRequest& r) {
+  void fill(fjr_msg_Posture& posture) { fill(posture.q); }
+
+  void fill(fjr_msg_PlanRequest2& extended) {
+    extended.goal_dq_free = below(4) == 0;
+    extended.has_release = below(4) == 0;
+    extended.release = static_cast<std::uint32_t>(below(3));
+    for (double* weight : {&extended.copper, &extended.peak_torque, &extended.tip_speed}) *weight = number();
+    extended.path.given = below(4) == 0;
+    extended.path.tolerance = number();
+    fjr_msg_PlanRequest& r = extended.request;
     fill(r.id);
     fill(r.trajectory_id);
     r.action = octet();
@@ -298,11 +307,15 @@ class FuzzSamples : public FuzzTest {
 TEST_F(FuzzSamples, WithstandsRequestsAndTrajectories) {
   const dds::Participant participant(domain_);
   dds::Writer<fjr_msg_PlanRequest> requests(participant, participant.handle());
+  dds::Writer<fjr_msg_PlanRequest2> extended_requests(participant, participant.handle());
   dds::Writer<fjr_msg_PlanCancel> cancels(participant, participant.handle());
   dds::Writer<fjr_msg_Trajectory> trajectories(participant, participant.handle());
-  ASSERT_TRUE(comes_true([&] { return requests.has_reader() && cancels.has_reader() && trajectories.has_reader(); }));
+  ASSERT_TRUE(comes_true([&] {
+    return requests.has_reader() && extended_requests.has_reader() && cancels.has_reader() && trajectories.has_reader();
+  }));
   std::vector<fjr_msg_ViaPoint> vias;
   std::vector<fjr_msg_Disc> discs;
+  std::vector<fjr_msg_Posture> postures;
   std::vector<fjr_msg_Row> rows;
   std::size_t sent = 0;
   withstand([&] {
@@ -329,15 +342,19 @@ TEST_F(FuzzSamples, WithstandsRequestsAndTrajectories) {
         break;
       }
       default: {
-        fjr_msg_PlanRequest request{};
-        fill(request);
+        fjr_msg_PlanRequest2 extended{};
+        fill(extended);
+        fjr_msg_PlanRequest& request = extended.request;
         fill_items(vias, below(8) == 0 ? fjr_msg_MAX_VIAS : 0);
         fill_items(discs, below(8) == 0 ? fjr_msg_MAX_OBSTACLES : 0);
         request.via = {static_cast<std::uint32_t>(vias.size()), static_cast<std::uint32_t>(vias.size()), vias.data(),
                        false};
         request.obstacles = {static_cast<std::uint32_t>(discs.size()), static_cast<std::uint32_t>(discs.size()),
                              discs.data(), false};
-        (void)requests.write(request);
+        fill_items(postures, below(8) == 0 ? fjr_msg_MAX_PATH_POINTS : 0);
+        const auto count = static_cast<std::uint32_t>(postures.size());
+        extended.path.points = {count, count, postures.data(), false};
+        (void)(flag() ? requests.write(request) : extended_requests.write(extended));
       }
     }
   });

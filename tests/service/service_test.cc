@@ -185,8 +185,8 @@ void add_pair(std::vector<Field>& fields, const std::string& name, double (&pair
 
 // A message in which all that is optional is given; `kind` chooses among what excludes each other.
 struct FullRequest {
-  FullRequest(const Order& order, int kind) : wire(dds::encode(order)), via(2), obstacles(1) {
-    fjr_msg_PlanRequest& m = wire.message;
+  FullRequest(const Order& order, int kind) : wire(dds::encode(order)), via(2), obstacles(1), path(2) {
+    fjr_msg_PlanRequest& m = wire.message.request;
     m.start.has_dq = m.start.has_theta = m.start.has_dtheta = true;
     m.goal.has_dq = m.goal.has_theta = m.goal.has_dtheta = m.goal.has_tip_velocity = true;
     m.goal.kind = kind == 0 ? fjr_msg_GOAL_JOINTS : fjr_msg_GOAL_TIP;
@@ -202,10 +202,12 @@ struct FullRequest {
     m.sample_period = 0.001;
     m.via = {2, 2, via.data(), false};
     m.obstacles = {1, 1, obstacles.data(), false};
+    wire.message.copper = wire.message.peak_torque = wire.message.tip_speed = 1;
+    wire.message.path = {true, {2, 2, path.data(), false}, 0.01};
   }
 
   std::vector<Field> fields(int kind) {
-    fjr_msg_PlanRequest& m = wire.message;
+    fjr_msg_PlanRequest& m = wire.message.request;
     std::vector<Field> all;
     add_pair(all, "start.q", m.start.q);
     add_pair(all, "start.dq", m.start.dq);
@@ -225,6 +227,9 @@ struct FullRequest {
     all.push_back({"objective.link_acceleration", &m.objective.link_acceleration});
     all.push_back({"objective.link_jerk", &m.objective.link_jerk});
     all.push_back({"objective.energy", &m.objective.energy});
+    all.push_back({"objective.copper", &wire.message.copper});
+    all.push_back({"objective.peak_torque", &wire.message.peak_torque});
+    all.push_back({"objective.tip_speed", &wire.message.tip_speed});
     all.push_back({"via[1].time", &via[1].time});
     add_pair(all, "via[1].q", via[1].q);
     add_pair(all, "via[1].dq", via[1].dq);
@@ -248,6 +253,8 @@ struct FullRequest {
     all.push_back({"limits.tip_speed", &m.limits.tip_speed});
     all.push_back({"payload.mass", &m.payload.mass});
     all.push_back({"payload.inertia", &m.payload.inertia});
+    add_pair(all, "path.points[1]", path[1].q);
+    all.push_back({"path.tolerance", &wire.message.path.tolerance});
     all.push_back({"sample_period", &m.sample_period});
     all.push_back({"budget", &m.budget});
     return all;
@@ -256,13 +263,14 @@ struct FullRequest {
   dds::WireRequest wire;
   std::vector<fjr_msg_ViaPoint> via;
   std::vector<fjr_msg_Disc> obstacles;
+  std::vector<fjr_msg_Posture> path;
 };
 
 // DDS carries any number.
 TEST_F(ServiceTest, RefusesEveryFieldThatIsNotANumberByName) {
   serve();
   const dds::Participant participant(domain_);
-  dds::Writer<fjr_msg_PlanRequest> writer(participant, participant.handle());
+  dds::Writer<fjr_msg_PlanRequest2> writer(participant, participant.handle());
   while (!writer.has_reader()) std::this_thread::sleep_for(milliseconds(5));
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   int checked = 0;

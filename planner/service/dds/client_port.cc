@@ -1,5 +1,6 @@
 #include "planner/service/dds/client_port.h"
 
+#include "model/input_error.h"
 #include "planner/service/dds/incompatible.h"
 #include "planner/service/dds/wire_execution.h"
 #include "planner/service/dds/wire_reply.h"
@@ -16,6 +17,7 @@ ClientPort::ClientPort(unsigned domain, const RequestId& client)
       progress_(participant_, subscriber_.handle()),
       results_(participant_, participant_.handle()),
       services_(participant_, participant_.handle()),
+      requests_2_(participant_, participant_.handle()),
       requests_(participant_, participant_.handle()),
       cancels_(participant_, participant_.handle()) {
   waitset_.attach(replies_.arrived());
@@ -24,7 +26,15 @@ ClientPort::ClientPort(unsigned domain, const RequestId& client)
   waitset_.attach(services_.arrived());
 }
 
-bool ClientPort::send(const Order& order) { return requests_.write(encode(order).message); }
+bool ClientPort::send(const Order& order) {
+  const WireRequest wire = encode(order);
+  if (fits_plan_request(wire.message)) return requests_.write(wire.message.request);
+  if (!requests_2_.has_reader()) {
+    throw InputError(order.name, "",
+                     "asks for what the service, of an older version, does not know; `fjr plan` plans it");
+  }
+  return requests_2_.write(wire.message);
+}
 
 bool ClientPort::cancel(const RequestId& id) { return cancels_.write({encode(id)}); }
 

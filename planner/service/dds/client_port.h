@@ -22,7 +22,9 @@ class ClientPort {
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
 
   bool served() const { return requests_.has_reader(); }  // somebody takes requests; no proof of delivery
-  bool send(const Order& order);                          // InputError: not the shape of a request
+  // By fjr/plan_request where that says it all. InputError: not the shape of a request, or nobody here takes what it
+  // asks for.
+  bool send(const Order& order);
   bool cancel(const RequestId& id);
 
   std::vector<Reply> take_replies();
@@ -47,6 +49,7 @@ class ClientPort {
   Reader<fjr_msg_PlanStatus> progress_;
   Reader<fjr_msg_ExecutionResult> results_;
   Reader<fjr_msg_PlannerStatus> services_;
+  Writer<fjr_msg_PlanRequest2> requests_2_;
   Writer<fjr_msg_PlanRequest> requests_;
   Writer<fjr_msg_PlanCancel> cancels_;
   std::optional<Reader<fjr_msg_ExecutorState>> executors_;

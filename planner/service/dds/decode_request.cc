@@ -119,7 +119,7 @@ void write_goal_joints(Document& document, const fjr_msg_GoalState& goal) {
   document.word("q", fmt::format("[{}, {}]", q[0], q[1]));
 }
 
-void write_goal(Document& document, const fjr_msg_GoalState& goal) {
+void write_goal(Document& document, const fjr_msg_GoalState& goal, bool dq_free) {
   document.open("goal");
   const std::string_view kind = document.choice("kind", goal.kind, {"q", "tip"});
   if (kind == "tip") {
@@ -129,7 +129,8 @@ void write_goal(Document& document, const fjr_msg_GoalState& goal) {
   } else {
     write_goal_joints(document, goal);
   }
-  document.optional("dq", goal.has_dq, goal.dq);
+  if (dq_free) document.word("dq", "free");
+  document.optional("dq", goal.has_dq && !dq_free, goal.dq);
   document.optional("theta", goal.has_theta, goal.theta);
   document.optional("dtheta", goal.has_dtheta, goal.dtheta);
   document.close();
@@ -147,7 +148,8 @@ void write_duration(Document& document, const fjr_msg_DurationRange& duration) {
   document.close();
 }
 
-void write_objective(Document& document, const fjr_msg_Objective& objective) {
+void write_objective(Document& document, const fjr_msg_PlanRequest2& message) {
+  const fjr_msg_Objective& objective = message.request.objective;
   const std::string_view preset =
       document.choice("objective", objective.preset, {"default", "fastest", "gentle", "efficient", "weights"});
   if (preset == "default") return;
@@ -162,10 +164,17 @@ void write_objective(Document& document, const fjr_msg_Objective& objective) {
   document.optional("link_acceleration", objective.link_acceleration != 0, objective.link_acceleration);
   document.optional("link_jerk", objective.link_jerk != 0, objective.link_jerk);
   document.optional("energy", objective.energy != 0, objective.energy);
+  document.optional("copper", message.copper != 0, message.copper);
+  document.optional("peak_torque", message.peak_torque != 0, message.peak_torque);
+  document.optional("tip_speed", message.tip_speed != 0, message.tip_speed);
   document.close();
 }
 
-void write_vias(Document& document, const dds_sequence_fjr_msg_ViaPoint& vias) {
+void write_vias(Document& document, const fjr_msg_PlanRequest2& message) {
+  const dds_sequence_fjr_msg_ViaPoint& vias = message.request.via;
+  if (message.has_release && message.release >= vias._length) {
+    document.refuse("release", fmt::format("{} is none of the {} via points", message.release, vias._length));
+  }
   if (vias._length == 0) return;
   document.open_list("via");
   for (std::uint32_t i = 0; i < vias._length; ++i) {
@@ -174,6 +183,7 @@ void write_vias(Document& document, const dds_sequence_fjr_msg_ViaPoint& vias) {
     document.optional("time", via.has_time, via.time);
     document.pair("q", via.q);
     document.optional("dq", via.has_dq, via.dq);
+    if (message.has_release && message.release == i) document.word("release", "true");
     document.close();
   }
   document.close_list();
@@ -236,16 +246,30 @@ void write_payload(Document& document, const fjr_msg_Payload& payload) {
   document.close();
 }
 
-void write_motion(Document& document, const fjr_msg_PlanRequest& message) {
+void write_path(Document& document, const fjr_msg_JointPath& path) {
+  if (!path.given) return;
+  document.open("path");
+  document.open_list("points");
+  for (std::uint32_t i = 0; i < path.points._length; ++i) {
+    document.bare_pair(fmt::format("points[{}]", i), path.points._buffer[i].q);
+  }
+  document.close_list();
+  document.number("tolerance", path.tolerance);
+  document.close();
+}
+
+void write_motion(Document& document, const fjr_msg_PlanRequest2& extended) {
+  const fjr_msg_PlanRequest& message = extended.request;
   write_start(document, message.start);
-  write_goal(document, message.goal);
+  write_goal(document, message.goal, extended.goal_dq_free);
   write_duration(document, message.duration);
-  write_objective(document, message.objective);
-  write_vias(document, message.via);
+  write_objective(document, extended);
+  write_vias(document, extended);
   write_obstacles(document, message.obstacles);
   write_tip(document, message.tip);
   write_limits(document, message.limits);
   write_payload(document, message.payload);
+  write_path(document, extended.path);
   document.optional("sample_period", message.has_sample_period, message.sample_period);
   if (message.has_seed) document.word("seed", std::to_string(message.seed));
 }
@@ -269,7 +293,8 @@ RequestId decode(const fjr_msg_RequestId& wire) {
   return id;
 }
 
-Order decode(const fjr_msg_PlanRequest& message) {
+Order decode(const fjr_msg_PlanRequest2& extended) {
+  const fjr_msg_PlanRequest& message = extended.request;
   Order order;
   order.id = decode(message.id);
   order.name = text_of(message.name);
@@ -282,11 +307,17 @@ Order decode(const fjr_msg_PlanRequest& message) {
   order.refusal = refusal_of_terms(message);
   if (order.action == Action::kExecute) return order;
   Document document;
-  write_motion(document, message);
+  write_motion(document, extended);
   order.yaml = document.text();
   order.start_given = message.start.given;
   if (!order.refusal) order.refusal = document.refusal();
   return order;
+}
+
+Order decode(const fjr_msg_PlanRequest& message) {
+  fjr_msg_PlanRequest2 extended{};
+  extended.request = message;
+  return decode(extended);
 }
 
 }  // namespace fjr::dds

@@ -1,5 +1,6 @@
 // Request document -> wire.
 #include <algorithm>
+#include <stdexcept>
 
 #include "model/strict_yaml.h"
 #include "planner/problem/objective_terms.h"
@@ -10,8 +11,6 @@ namespace fjr::dds {
 namespace {
 
 static_assert(static_cast<int>(Action::kExecute) == fjr_msg_ACTION_EXECUTE);
-
-constexpr std::string_view kOfflineOnly = "is not supported over DDS; `fjr plan` plans it";
 
 void set_pair(const YamlNode& node, std::string_view unit, double (&to)[2]) {
   const Pair<double> pair = node.pair(unit);
@@ -65,7 +64,8 @@ void encode_goal_tip(const YamlNode& node, fjr_msg_GoalState& goal) {
   }
 }
 
-void encode_goal(const YamlNode& node, fjr_msg_GoalState& goal) {
+void encode_goal(const YamlNode& node, fjr_msg_PlanRequest2& message) {
+  fjr_msg_GoalState& goal = message.request.goal;
   node.allow_keys({"q", "dq", "theta", "dtheta", "tip", "elbow", "tip_velocity"});
   if (node.find("tip")) {
     if (const auto q = node.find("q")) q->fail("give either q or tip");
@@ -76,8 +76,9 @@ void encode_goal(const YamlNode& node, fjr_msg_GoalState& goal) {
     }
     encode_goal_joints(node.at("q"), goal);
   }
-  if (const auto dq = node.find("dq"); dq && dq->says("free")) dq->fail(std::string(kOfflineOnly));
-  set_optional(node, "dq", "rad/s", goal.has_dq, goal.dq);
+  const auto dq = node.find("dq");
+  message.goal_dq_free = dq && dq->says("free");
+  if (!message.goal_dq_free) set_optional(node, "dq", "rad/s", goal.has_dq, goal.dq);
   set_optional(node, "theta", "rad", goal.has_theta, goal.theta);
   set_optional(node, "dtheta", "rad/s", goal.has_dtheta, goal.dtheta);
 }
@@ -103,18 +104,23 @@ std::uint8_t preset_of(const YamlNode& node) {
   node.fail(shown(node.text()) + " is not a preset (fastest, gentle, efficient)");
 }
 
-// Where the wire has a term's weight; null where it has none.
-double* weight_of(fjr_msg_Objective& objective, std::string_view term) {
-  if (term == "time") return &objective.time;
-  if (term == "effort") return &objective.effort;
-  if (term == "torque_rate") return &objective.torque_rate;
-  if (term == "link_acceleration") return &objective.link_acceleration;
-  if (term == "link_jerk") return &objective.link_jerk;
-  if (term == "energy") return &objective.energy;
-  return nullptr;
+// Where the wire has a term's weight.
+double& weight_of(fjr_msg_PlanRequest2& message, std::string_view term) {
+  fjr_msg_Objective& objective = message.request.objective;
+  if (term == "time") return objective.time;
+  if (term == "effort") return objective.effort;
+  if (term == "torque_rate") return objective.torque_rate;
+  if (term == "link_acceleration") return objective.link_acceleration;
+  if (term == "link_jerk") return objective.link_jerk;
+  if (term == "energy") return objective.energy;
+  if (term == "copper") return message.copper;
+  if (term == "peak_torque") return message.peak_torque;
+  if (term == "tip_speed") return message.tip_speed;
+  throw std::logic_error("the wire has no weight for " + std::string(term));
 }
 
-void encode_objective(const YamlNode& root, fjr_msg_Objective& objective) {
+void encode_objective(const YamlNode& root, fjr_msg_PlanRequest2& message) {
+  fjr_msg_Objective& objective = message.request.objective;
   const auto node = root.find("objective");
   if (!node) return;
   if (node->is_scalar()) {
@@ -126,11 +132,7 @@ void encode_objective(const YamlNode& root, fjr_msg_Objective& objective) {
   for (const TermInfo& term : Terms::infos) names.push_back(term.name);
   node->allow_keys(names);
   for (const TermInfo& term : Terms::infos) {
-    const auto given = node->find(term.name);
-    if (!given) continue;
-    double* weight = weight_of(objective, term.name);
-    if (weight == nullptr) given->fail(std::string(kOfflineOnly));
-    *weight = given->number("1");
+    if (const auto given = node->find(term.name)) weight_of(message, term.name) = given->number("1");
   }
 }
 
@@ -138,7 +140,17 @@ void refuse_long_list(const YamlNode& list, std::size_t count, std::size_t most)
   if (count > most) list.fail(std::to_string(count) + " entries, above the " + std::to_string(most) + " allowed");
 }
 
-std::vector<fjr_msg_ViaPoint> encode_vias(const YamlNode& root) {
+// The one via point that is the release, if any is said to be.
+void encode_release(const YamlNode& via, std::size_t index, fjr_msg_PlanRequest2& message) {
+  const auto release = via.find("release");
+  if (!release || release->says("false")) return;
+  if (!release->says("true")) release->fail("must be true or false");
+  if (message.has_release) release->fail("is said of another via point already");
+  message.has_release = true;
+  message.release = static_cast<std::uint32_t>(index);
+}
+
+std::vector<fjr_msg_ViaPoint> encode_vias(const YamlNode& root, fjr_msg_PlanRequest2& message) {
   std::vector<fjr_msg_ViaPoint> vias;
   const auto list = root.find("via");
   if (!list) return vias;
@@ -146,7 +158,7 @@ std::vector<fjr_msg_ViaPoint> encode_vias(const YamlNode& root) {
   refuse_long_list(*list, items.size(), fjr_msg_MAX_VIAS);
   for (const YamlNode& item : items) {
     item.allow_keys({"time", "q", "dq", "release"});
-    if (const auto release = item.find("release")) release->fail(std::string(kOfflineOnly));
+    encode_release(item, vias.size(), message);
     fjr_msg_ViaPoint via{};
     set_optional(item, "time", "s", via.has_time, via.time);
     set_pair(item.at("q"), "rad", via.q);
@@ -184,7 +196,7 @@ void encode_tip(const YamlNode& root, fjr_msg_TipPath& tip) {
   if (!node) return;
   node->allow_keys({"box", "line", "arc"});
   const auto has = [&](std::string_view kind) { return node->find(kind) ? 1 : 0; };
-  if (has("box") + has("line") + has("arc") != 1) node->fail("needs one of box, line, arc");
+  if (has("box") + has("line") + has("arc") != 1) node->fail("needs one of box, line, arc, and only one");
   if (const auto box = node->find("box")) {
     const std::vector<YamlNode> corners = box->items();
     if (corners.size() != 2) box->fail("must be two corners");
@@ -225,24 +237,46 @@ void encode_payload(const YamlNode& root, fjr_msg_Payload& payload) {
   payload.inertia = given.inertia;
 }
 
+std::vector<fjr_msg_Posture> encode_path(const YamlNode& root, fjr_msg_JointPath& path) {
+  std::vector<fjr_msg_Posture> postures;
+  const auto node = root.find("path");
+  path.given = node.has_value();
+  if (!node) return postures;
+  node->allow_keys({"points", "tolerance"});
+  path.tolerance = node->at("tolerance").number("rad");
+  const auto points = node->find("points");
+  if (!points) return postures;
+  const std::vector<YamlNode> items = points->items();
+  refuse_long_list(*points, items.size(), fjr_msg_MAX_PATH_POINTS);
+  for (const YamlNode& item : items) set_pair(item, "rad", postures.emplace_back().q);
+  return postures;
+}
+
 void encode_motion(const YamlNode& root, WireRequest& wire) {
   root.allow_keys({"robot", "start", "goal", "duration", "objective", "via", "obstacles", "tip", "path", "limits",
                    "sample_period", "seed", "payload"});
-  if (const auto path = root.find("path")) path->fail(std::string(kOfflineOnly));
-  fjr_msg_PlanRequest& message = wire.message;
+  fjr_msg_PlanRequest& message = wire.message.request;
   encode_start(root, message.start);
-  encode_goal(root.at("goal"), message.goal);
+  encode_goal(root.at("goal"), wire.message);
   encode_duration(root, message.duration);
-  encode_objective(root, message.objective);
-  wire.via = encode_vias(root);
+  encode_objective(root, wire.message);
+  wire.via = encode_vias(root, wire.message);
   wire.obstacles = encode_obstacles(root);
   encode_tip(root, message.tip);
   encode_limits(root, message.limits);
   encode_payload(root, message.payload);
+  wire.path = encode_path(root, wire.message.path);
   set_optional(root, "sample_period", "s", message.has_sample_period, message.sample_period);
   const auto seed = root.find("seed");
   message.has_seed = seed.has_value();
   if (seed) message.seed = seed->whole_number();
+}
+
+// The message's list is the vector's, which has to outlive it.
+template <class T, class Sequence>
+void lend(std::vector<T>& list, Sequence& to) {
+  to._length = to._maximum = static_cast<std::uint32_t>(list.size());
+  to._buffer = list.data();
 }
 
 }  // namespace
@@ -256,7 +290,7 @@ fjr_msg_RequestId encode(const RequestId& id) {
 
 WireRequest encode(const Order& order) {
   WireRequest wire;
-  fjr_msg_PlanRequest& message = wire.message;
+  fjr_msg_PlanRequest& message = wire.message.request;
   message.id = encode(order.id);
   message.action = static_cast<std::uint8_t>(order.action);
   message.trajectory_id = encode(order.trajectory_id);
@@ -267,11 +301,15 @@ WireRequest encode(const Order& order) {
   set_text(message.robot_hash, order.robot_hash);
   if (order.action == Action::kExecute) return wire;
   encode_motion(YamlNode::parse(order.yaml, order.name), wire);
-  message.via._length = message.via._maximum = static_cast<std::uint32_t>(wire.via.size());
-  message.via._buffer = wire.via.data();
-  message.obstacles._length = message.obstacles._maximum = static_cast<std::uint32_t>(wire.obstacles.size());
-  message.obstacles._buffer = wire.obstacles.data();
+  lend(wire.via, message.via);
+  lend(wire.obstacles, message.obstacles);
+  lend(wire.path, wire.message.path.points);
   return wire;
+}
+
+bool fits_plan_request(const fjr_msg_PlanRequest2& message) {
+  return !message.goal_dq_free && !message.has_release && !message.path.given && message.copper == 0 &&
+         message.peak_torque == 0 && message.tip_speed == 0;
 }
 
 }  // namespace fjr::dds

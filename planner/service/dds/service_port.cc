@@ -39,20 +39,24 @@ ServicePort::ServicePort(Participant participant)
   waitset_.attach(peers_.arrived());
 }
 
-// Who sees the reader of requests can cancel them.
+// Who sees the reader of requests can cancel them, and ask for everything.
 void ServicePort::open() {
   cancels_.emplace(participant_, participant_.handle());
+  requests_2_.emplace(participant_, participant_.handle());
   requests_.emplace(participant_, participant_.handle());
   waitset_.attach(requests_->arrived());
+  waitset_.attach(requests_2_->arrived());
   waitset_.attach(cancels_->arrived());
 }
 
 std::vector<Order> ServicePort::take_requests() {
   std::vector<Order> orders;
   if (!requests_) return orders;
-  requests_->take_at_most(kAtOnce, [&](const fjr_msg_PlanRequest& message, const dds_sample_info_t& info) {
+  const auto take = [&](const auto& message, const dds_sample_info_t& info) {
     if (info.valid_data) orders.push_back(decode(message));
-  });
+  };
+  requests_->take_at_most(kAtOnce, take);
+  requests_2_->take_at_most(kAtOnce, take);
   return orders;
 }
 

@@ -59,6 +59,7 @@ class ServicePort {
   Waitset waitset_;
   Entity everywhere_;  // a subscriber in all clients' partitions
   std::optional<Reader<fjr_msg_PlanCancel>> cancels_;
+  std::optional<Reader<fjr_msg_PlanRequest2>> requests_2_;
   std::optional<Reader<fjr_msg_PlanRequest>> requests_;
   Reader<fjr_msg_PlannerStatus> peers_;
   Reader<fjr_msg_PlanReply> replies_of_others_;

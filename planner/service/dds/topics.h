@@ -20,6 +20,13 @@ struct TopicOf<fjr_msg_PlanRequest> {
 };
 
 template <>
+struct TopicOf<fjr_msg_PlanRequest2> {
+  static constexpr const char* kName = "fjr/plan_request_2";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_PlanRequest2_desc; }
+  static Qos qos() { return TopicOf<fjr_msg_PlanRequest>::qos(); }
+};
+
+template <>
 struct TopicOf<fjr_msg_PlanCancel> {
   static constexpr const char* kName = "fjr/plan_cancel";
   static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_PlanCancel_desc; }

@@ -11,9 +11,10 @@ namespace fjr::dds {
 
 // A message together with the lists it points to.
 struct WireRequest {
-  fjr_msg_PlanRequest message{};
+  fjr_msg_PlanRequest2 message{};
   std::vector<fjr_msg_ViaPoint> via;
   std::vector<fjr_msg_Disc> obstacles;
+  std::vector<fjr_msg_Posture> path;
 };
 
 fjr_msg_RequestId encode(const RequestId& id);
@@ -21,9 +22,12 @@ RequestId decode(const fjr_msg_RequestId& id);
 
 // Throws InputError for a document that has not the shape of a request; what it asks for is the service's to judge.
 WireRequest encode(const Order& order);
+// Whether message.request says it all, so that services that know PlanRequest only can plan it.
+bool fits_plan_request(const fjr_msg_PlanRequest2& message);
 
 // Never throws for what is on the wire: what cannot be meant (not finite, an unknown choice) becomes order.refusal. All
 // else is written down as a document for parse_request(), so that a request is validated in one place however it came.
+Order decode(const fjr_msg_PlanRequest2& message);
 Order decode(const fjr_msg_PlanRequest& message);
 
 }  // namespace fjr::dds

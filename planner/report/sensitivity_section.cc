@@ -1,0 +1,104 @@
+#include "planner/report/sensitivity_section.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "planner/report/html_table.h"
+
+namespace fjr {
+namespace {
+
+// How gains of the objective are told: as time where nothing else counts.
+struct Gain {
+  double factor;
+  const char* unit;
+
+  static Gain of(const JsonField& weights) {
+    double time = 0, others = 0;
+    for (const auto& weight : weights.json().items()) {
+      (weight.key() == "time" ? time : others) += weights.at(weight.key()).number();
+    }
+    return time > 0 && others == 0 ? Gain{1e3 / time, "ms"} : Gain{1, "of the objective"};
+  }
+  // A metre or a radian more is far beyond first order.
+  Cell per(const std::string& unit_of_what, double objective) const {
+    const bool large = unit_of_what == "m" || unit_of_what == "rad";
+    return cell(fmt::format("{} per {}{}", number_text((large ? 1e-3 : 1) * factor * objective, 3), large ? "m" : "",
+                            unit_of_what));
+  }
+};
+
+std::string stretches(const JsonField& active) {
+  std::string text;
+  for (const JsonField& stretch : active.items()) {
+    const Pair<double> times = stretch.pair();
+    text += fmt::format("{}{:.4f} to {:.4f}", text.empty() ? "" : ", ", times[0], times[1]);
+  }
+  return text;
+}
+
+// Those that are active anywhere, the most expensive first.
+void add_limits(ChartPage& page, const JsonField& all, const Gain& gain) {
+  std::vector<JsonField> limits = all.items();
+  std::erase_if(limits, [](const JsonField& l) { return l.at("active").items().empty(); });
+  const auto cost = [](const JsonField& l) { return l.at("worth").number() * l.at("limit").number(); };
+  std::stable_sort(limits.begin(), limits.end(),
+                   [&](const JsonField& a, const JsonField& b) { return cost(a) > cost(b); });
+  if (limits.empty()) return page.add_paragraph("No limit is active.");
+  Rows rows{{cell("active limit"), cell("limit"), cell("unit"), cell(fmt::format("more saves ({})", gain.unit)),
+             cell("active"), cell("from when to when (s)", "long")}};
+  for (const JsonField& l : limits) {
+    const JsonField joint = l.at("joint");
+    const std::string of = joint.is_null() ? "" : fmt::format(" {}", number_text(joint.number()));
+    rows.push_back({cell(spaced(l.at("name").text()) + of), cell(number_text(l.at("limit").number())),
+                    cell(l.at("unit").text()), gain.per(l.at("unit").text(), l.at("worth").number()),
+                    cell(fmt::format("{:.0f} %", 100 * l.at("active_share").number())),
+                    cell(stretches(l.at("active")), "long")});
+  }
+  page.add_html(html_table(rows));
+}
+
+void add_pair(Rows& rows, const std::string& name, const JsonField& values, const Gain& gain, const char* unit) {
+  if (values.is_null()) return;
+  const Pair<double> pair = values.pair();
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    rows.push_back({cell(fmt::format("{} {}", name, j + 1)), gain.per(unit, pair[j])});
+  }
+}
+
+// What was given and is no limit: the duration, via points, the goal.
+void add_givens(ChartPage& page, const JsonField& sensitivity, const Gain& gain) {
+  Rows rows{{cell("given"), cell(fmt::format("more costs ({})", gain.unit))}};
+  if (const JsonField duration = sensitivity.at("duration"); !duration.is_null()) {
+    rows.push_back({cell("duration"), gain.per("s", duration.number())});
+  }
+  for (const JsonField& via : sensitivity.at("via").items()) {
+    const std::string name = fmt::format("via at {} s: ", number_text(via.at("time").number()));
+    add_pair(rows, name + "link", via.at("q"), gain, "rad");
+    add_pair(rows, name + "velocity of link", via.at("dq"), gain, "rad/s");
+    if (const JsonField later = via.at("later"); !later.is_null()) {
+      rows.push_back({cell(name + "time"), gain.per("s", later.number())});
+    }
+  }
+  add_pair(rows, "goal: link", sensitivity.at("goal").at("q"), gain, "rad");
+  page.add_html(html_table(rows));
+}
+
+}  // namespace
+
+void add_sensitivity(ChartPage& page, const JsonField& plan) {
+  const JsonField sensitivity = plan.at("sensitivity");
+  const Gain gain = Gain::of(plan.at("resolved_request").at("objective"));
+  page.add_heading("What limits the motion");
+  page.add_paragraph(
+      "By the multipliers, to first order: good for small changes. Of obstacles, tip regions and paths it is room "
+      "that there would be more of.",
+      "note");
+  add_limits(page, sensitivity.at("limits"), gain);
+  add_givens(page, sensitivity, gain);
+}
+
+}  // namespace fjr

@@ -10,7 +10,7 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kMost = 4;    // of limits that are looked at
+constexpr std::size_t kMost = 6;    // of limits that are looked at
 constexpr double kInTheWay = 0.05;  // share of the slack by which what is in the way exceeds its limit
 
 void keep_heaviest(std::vector<Candidate>& candidates) {

@@ -68,11 +68,12 @@ class Explanation {
     return true;
   }
 
-  // Where there is time, first in a hurry, and then with as much more of it as the mesh has room for.
+  // Where there is time, first in a hurry, and then with as much more of it as the mesh has room for. Speed takes its
+  // time to be had, and in a hurry there would be less of it.
   std::optional<Continuation> least(Problem elastic, const std::string& what, std::vector<Guess> guesses) {
     Duration& duration = elastic.duration;
     const double soon = kLonger * guesses.front().duration();
-    if (!timed() && duration.max > std::max(soon, duration.min)) {
+    if (!timed() && !elastic.elastic->slower && duration.max > std::max(soon, duration.min)) {
       const auto first = search_.sketch(hurried(elastic), what + ", hurried", guesses);
       if (!first) return std::nullopt;
       guesses = {guess_of(*first)};
@@ -182,13 +183,19 @@ class Explanation {
   void name_what_is_in_the_way(const Continuation* everything) {
     if (!result_.relaxations.empty()) {
       const Relaxation& first = result_.relaxations.front();
+      if (first.name == "all_limits") {  // nothing single
+        result_.sentence = "no motion found keeps every limit";
+        return;
+      }
       result_.limit = first.name;
       result_.joint = first.joint;
       result_.time = first.time;
     } else {
-      const std::vector<Candidate> worst = candidates(problem_, everything);
-      result_.limit = worst.back().what.name;
-      result_.joint = worst.back().what.joint;
+      for (const Candidate& worst : candidates(problem_, everything)) {
+        if (!result_.limit.empty()) break;
+        result_.limit = worst.what.name;
+        result_.joint = worst.what.joint;
+      }
     }
     const std::string when = result_.time ? fmt::format(" at {:.3f} s", *result_.time) : "";
     result_.sentence =

@@ -52,11 +52,19 @@ Problem changed(Problem problem, const Relaxation& by, double share) {
 // Right at the edge of what is possible there is a single motion, and no room for margins.
 constexpr double kEnough = 1.03, kTooLittle = 0.9;
 
+Plan without_explanation(const Problem& problem) {
+  bool explaining = false;
+  PlanOptions options;
+  options.on_progress = [&](const Progress& p) { explaining = p.stage.starts_with("why not"); };
+  options.cancelled = [&] { return explaining; };
+  return plan(problem, options);
+}
+
 void expect_least(const Problem& problem, const Infeasibility& why, const std::string& name, int joint) {
   const Relaxation* by = find(why, name, joint);
   ASSERT_NE(by, nullptr) << why.sentence;
   EXPECT_EQ(plan(changed(problem, *by, kEnough), {}).status, PlanStatus::kCertified) << why.sentence;
-  EXPECT_NE(plan(changed(problem, *by, kTooLittle), {}).status, PlanStatus::kCertified) << why.sentence;
+  EXPECT_NE(without_explanation(changed(problem, *by, kTooLittle)).status, PlanStatus::kCertified) << why.sentence;
 }
 
 std::string refusal(const std::string& yaml) {

@@ -112,7 +112,8 @@ class Planner {
     if (options_.warm) resume();
     if (!plan_.warm && !stopped()) find_starts();
     if (!plan_.warm && !stopped()) finish_best();
-    if (!plan_.warm && !stopped() && plan_.status != PlanStatus::kCertified) {
+    const bool none = candidates_.empty();  // otherwise what converged may have been coarse only
+    if (!plan_.warm && !stopped() && plan_.status != PlanStatus::kCertified && (none || !any_timed(problem_))) {
       plan_.infeasibility =
           explain(fastest_of_ ? *fastest_of_ : alternatives_.front(), fastest_ ? &*fastest_ : nullptr, tools());
     }

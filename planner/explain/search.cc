@@ -5,8 +5,9 @@
 namespace fjr {
 namespace {
 
+constexpr double kUsual = 1;         // [s] motions that take longer are begun with as many intervals as one of this
 constexpr std::size_t kGuesses = 2;  // of the usual ones
-constexpr int kPatience = 250;       // iterations of one start
+constexpr int kPatience = 450;       // iterations of one start
 
 }  // namespace
 
@@ -32,7 +33,8 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
   for (const Guess& guess : guesses) {
     if (over()) break;
     Continuation c = tools_.continuation(kept, "why not: " + what);
-    const bool solved = c.begin(guess, kPatience) && (!exact || c.finish());
+    if (kept.task.obstacles.empty()) c.mesh_factor = std::min(1.0, kUsual / guess.duration());
+    const bool solved = c.begin(guess, kPatience) && (!exact || c.follow_levels());
     book(c);
     if (solved) return c;
   }

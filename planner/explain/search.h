@@ -21,8 +21,7 @@ class Search {
   // Nothing more will be solved: interrupted, or the budget is spent.
   bool over() const { return tools_.interrupted() || spent_ >= kBudget; }
 
-  // The first solution from one of these guesses, with the exact friction law on a mesh that suits it, and limits that
-  // hold between the collocation points; the problem is kept as long as this is.
+  // The first solution from one of these guesses, with the exact friction law; the problem is kept as long as this is.
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses);
 
   // The same only as exact as finding it takes: on a coarse mesh, with friction smoothed.
@@ -33,7 +32,7 @@ class Search {
   std::vector<Guess> guesses(const Problem& problem) const;
 
  private:
-  static constexpr double kBudget = 4e5;  // iterations times intervals: about 10 s of one core
+  static constexpr double kBudget = 3e5;  // iterations times intervals: about 10 s of one core
 
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
                                     bool exact);

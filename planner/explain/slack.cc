@@ -8,12 +8,11 @@
 namespace fjr {
 namespace {
 
-constexpr double kSmallest = 0.1;       // [m, rad, ...] size of what is given as nothing, or nearly
-constexpr double kTrace = 0.003;        // of time [1/s]: enough for the motion not to dawdle
-constexpr double kHurry = 0.1;          // of time [1/s]
-constexpr double kMostEverywhere = 15;  // times as large
-constexpr double kStep = 1e-6;          // what a region's bounds are differentiated by
-constexpr double kMostSlack = 20;       // beyond that nobody would build it
+constexpr double kSmallest = 0.1;  // [m, rad, ...] size of what is given as nothing, or nearly
+constexpr double kTrace = 0.003;   // of time [1/s]: enough for the motion not to dawdle
+constexpr double kHurry = 0.1;     // of time [1/s]
+constexpr double kStep = 1e-6;     // what a region's bounds are differentiated by
+constexpr double kMostSlack = 6;   // times more: beyond that nobody would build it; half of it is the start
 
 bool is_obstacle(const Relaxable& what) { return what.name.starts_with("obstacles"); }
 bool is_velocity(const Relaxable& what) { return what.unit == "times" && what.name != "all_limits"; }
@@ -95,7 +94,7 @@ Problem with_slack_everywhere(const Problem& problem) {
   for (const Relaxable& what : relaxables(problem)) {
     if (!is_velocity(what)) give(problem, what, result.elastic->give);
   }
-  result.elastic->most = kMostEverywhere;
+  result.elastic->most = kMostSlack;
   return result;
 }
 

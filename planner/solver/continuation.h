@@ -45,6 +45,9 @@ class Continuation {
   // friction law. False when there is no solution that way.
   bool adopt(const Collocated& other, double duration);
 
+  // From there to the exact friction law, not yet minding the mesh. False when it was stopped.
+  bool follow_levels();
+
   // From there to the exact problem, on a mesh and with margins that suit it. False when no usable solution is left.
   bool finish();
 
@@ -78,7 +81,6 @@ class Continuation {
 
  private:
   bool cold(const Guess& guess, int most_iterations);
-  bool follow_levels();
   bool fade_trace();
   bool reach_level(const Smoothing& level, int halvings);
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;

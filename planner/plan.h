@@ -10,7 +10,7 @@
 
 #include "planner/analysis/analysis.h"
 #include "planner/certificate/certificate.h"
-#include "planner/explain.h"
+#include "planner/explain/explain.h"
 #include "planner/problem/problem.h"
 #include "planner/solver/solve_cost.h"
 #include "planner/trajectory/trajectory.h"

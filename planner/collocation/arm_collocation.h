@@ -18,8 +18,13 @@ namespace fjr {
 inline constexpr Features kPlain{};
 inline constexpr Features kRateControlled{.rate = true};
 inline constexpr Features kWithTask{.task_rows = 24};
+inline constexpr Features kRateWithTask{.rate = true, .task_rows = 24};
 inline constexpr Features kWithPeak{.task_rows = 24, .peak = true};
 inline constexpr Features kEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows), .peak = true};
+inline constexpr Features kElastic{.elastic = true};
+inline constexpr Features kElasticTask{.task_rows = 24, .elastic = true};
+inline constexpr Features kElasticEverything{
+    .rate = true, .task_rows = static_cast<int>(kMostTaskRows), .elastic = true};
 
 // visit<F>() with the least that has room for the problem.
 template <class Visit>
@@ -30,12 +35,25 @@ auto with_features(const Problem& problem, Visit&& visit) {
       problem.weights.torque_rate > 0 || limits.torque_rate[0] < kNoLimit || limits.torque_rate[1] < kNoLimit;
   const std::size_t rows = count_of_rows(problem.task);
   const bool task = rows > 0 || problem.goal.any_free(), peak = problem.weights.peak_torque > 0;
-  const bool few = !rate && rows <= static_cast<std::size_t>(kWithTask.task_rows);
-  if (!task && !peak && few) return visit.template operator()<kPlain>();
+  const bool few = rows <= static_cast<std::size_t>(kWithTask.task_rows);
+  if (!task && !peak && !rate) return visit.template operator()<kPlain>();
   if (!task && !peak) return visit.template operator()<kRateControlled>();
-  if (few && !peak) return visit.template operator()<kWithTask>();
-  if (few) return visit.template operator()<kWithPeak>();
+  if (few && !peak && !rate) return visit.template operator()<kWithTask>();
+  if (few && !peak) return visit.template operator()<kRateWithTask>();
+  if (few && !rate) return visit.template operator()<kWithPeak>();
   return visit.template operator()<kEverything>();
+}
+
+// The same for problems with a slack.
+template <class Visit>
+auto with_elastic_features(const Problem& problem, Visit&& visit) {
+  const Pair<double>& rate = problem.limits.torque_rate;
+  const std::size_t rows = count_of_rows(problem.task);
+  if (rate[0] < kNoLimit || rate[1] < kNoLimit || rows > static_cast<std::size_t>(kElasticTask.task_rows)) {
+    return visit.template operator()<kElasticEverything>();
+  }
+  if (rows > 0 || problem.goal.any_free()) return visit.template operator()<kElasticTask>();
+  return visit.template operator()<kElastic>();
 }
 
 // From a guess, or from an earlier solution: one of them is given.
@@ -49,10 +67,18 @@ extern template Collocated collocate_with<kRateControlled>(const Problem&, const
                                                            const Collocated*, const SolveOptions&);
 extern template Collocated collocate_with<kWithTask>(const Problem&, const CollocationSetup&, const Guess*,
                                                      const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kRateWithTask>(const Problem&, const CollocationSetup&, const Guess*,
+                                                         const Collocated*, const SolveOptions&);
 extern template Collocated collocate_with<kWithPeak>(const Problem&, const CollocationSetup&, const Guess*,
                                                      const Collocated*, const SolveOptions&);
 extern template Collocated collocate_with<kEverything>(const Problem&, const CollocationSetup&, const Guess*,
                                                        const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kElastic>(const Problem&, const CollocationSetup&, const Guess*,
+                                                    const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kElasticTask>(const Problem&, const CollocationSetup&, const Guess*,
+                                                        const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kElasticEverything>(const Problem&, const CollocationSetup&, const Guess*,
+                                                              const Collocated*, const SolveOptions&);
 
 // ---- the template's parts ----
 
@@ -68,6 +94,9 @@ void fix(NodeBounds<N>& bounds, std::size_t first, const Pair<double>& values) {
   for (std::size_t j = 0; j < kJoints; ++j) bounds.lower[first + j] = bounds.upper[first + j] = values[j];
 }
 
+// Whether the velocity of that via point, or with their number of the goal, is lowered by the slack.
+inline bool slower(const Problem& problem, std::size_t at) { return problem.elastic && problem.elastic->slower == at; }
+
 // Start, via points and goal as bounds at nodes of the mesh.
 template <int N>
 std::vector<NodeBounds<N>> node_bounds(const Problem& problem, const Mesh& mesh) {
@@ -82,14 +111,14 @@ std::vector<NodeBounds<N>> node_bounds(const Problem& problem, const Mesh& mesh)
       at.lower[j] = via.q[j] - via.tolerance;
       at.upper[j] = via.q[j] + via.tolerance;
     }
-    if (via.dq) fix(at, 2, *via.dq);
+    if (via.dq && !slower(problem, i)) fix(at, 2, *via.dq);
     bounds.push_back(at);
   }
   auto goal = node<N>(mesh.size());
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!problem.goal.free[j]) goal.lower[j] = goal.upper[j] = problem.goal.q[j];
   }
-  if (!problem.goal.dq_free) fix(goal, 2, problem.goal.dq);
+  if (!problem.goal.dq_free && !slower(problem, problem.via.size())) fix(goal, 2, problem.goal.dq);
   if (problem.goal.theta) fix(goal, 4, *problem.goal.theta);
   if (problem.goal.dtheta) fix(goal, 6, *problem.goal.dtheta);
   bounds.push_back(goal);
@@ -110,6 +139,18 @@ std::vector<RowBounds> goal_rows(const Problem& problem, const Mesh& mesh) {
   return rows;
 }
 
+// A velocity that the slack lowers.
+template <Features F>
+void add_slower_rows(const Problem& problem, const Mesh& mesh, ArmOcp<F>& ocp) {
+  const auto at = problem.elastic->slower;
+  if (!at) return;
+  const auto j_of = [](int j) { return static_cast<std::size_t>(j); };
+  const std::size_t node = *at < problem.via.size() ? end_node(mesh, *at) : mesh.size();
+  for (int j = 0; j < kJoints; ++j) {
+    ocp.rows_at_nodes.push_back({node, ArmOcp<F>::kSlower + j, ocp.slower[j_of(j)], ocp.slower[j_of(j)]});
+  }
+}
+
 template <Features F>
 std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, const CollocationSetup& setup) {
   std::vector<typename ArmOcp<F>::Bounds> bounds;
@@ -121,6 +162,7 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
       here.row_lower[ArmOcp<F>::kTask + r] = kept[k].task_rows[r][0];
       here.row_upper[ArmOcp<F>::kTask + r] = kept[k].task_rows[r][1];
     }
+    if constexpr (F.elastic) bound_with_slack<F>(here, *problem.elastic);
     for (std::size_t j = 0; j < kJoints && !setup.creep.empty(); ++j) {
       const double creep = setup.creep[k][j];
       if (creep > 0) here.x_lower[6 + j] = creep;
@@ -135,6 +177,7 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
 template <Features F>
 void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
   for (std::size_t j = 0; j < kJoints; ++j) {
+    if (problem.elastic && problem.elastic->give[j] > 0) continue;
     const double limit = problem.limits.torque[j] * (1 - kBackOff);
     const double friction = ocp.friction[j].nonlinear(problem.start.dtheta[j]);
     ocp.at_nodes.front().lower[ArmOcp<F>::kArm + j] = -limit - friction;
@@ -158,6 +201,7 @@ Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSet
   ocp.at_nodes = node_bounds<ArmOcp<F>::kStates>(problem, setup.mesh);
   if constexpr (F.rate) bound_first_torque(problem, ocp);
   if constexpr (F.task_rows > 0) ocp.rows_at_nodes = goal_rows<F>(problem, setup.mesh);
+  if constexpr (F.elastic) add_slower_rows<F>(problem, setup.mesh, ocp);
   ocp.durations = segment_durations(problem);
   ocp.duration_sums = duration_sums(problem);
   return {std::move(ocp), setup.scheme, setup.mesh};
@@ -208,6 +252,7 @@ Iterate evaluate_guess(const Transcription<ArmOcp<F>>& transcription, const Gues
       constexpr int kPeak = ArmOcp<F>::kPeak;
       z.segment<kJoints>(at + kPeak) = transcription.x_upper.template segment<kJoints>(at + kPeak);
     }
+    if constexpr (F.elastic) z(at + ArmOcp<F>::kSlack) = transcription.x_upper(at + ArmOcp<F>::kSlack) / 2;
   };
   const std::vector<double> times = transcription.mesh().node_times(guess.durations);
   put(0, 0);
@@ -237,6 +282,7 @@ Collocated run(const CollocationSetup& setup, const Transcription<ArmOcp<F>>& tr
   if (result.report.iterate.x.size() == transcription.variables()) {
     result.durations = transcription.durations(result.report.iterate.x);
     result.motion = motion_of(transcription, result.report.iterate.x);
+    if constexpr (F.elastic) result.slack = result.report.iterate.x(ArmOcp<F>::kSlack);
   }
   return result;
 }

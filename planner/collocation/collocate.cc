@@ -11,7 +11,8 @@ namespace {
 
 Collocated choose(const Problem& problem, const CollocationSetup& setup, const Guess* guess, const Collocated* start,
                   const SolveOptions& options) {
-  return with_features(problem, [&]<Features F>() { return collocate_with<F>(problem, setup, guess, start, options); });
+  const auto run = [&]<Features F>() { return collocate_with<F>(problem, setup, guess, start, options); };
+  return problem.elastic ? with_elastic_features(problem, run) : with_features(problem, run);
 }
 
 }  // namespace

@@ -32,6 +32,7 @@ struct Collocated {
   SolveReport report;
   std::vector<double> durations;  // [s] of the mesh's segments
   Motion motion;                  // meaningful when report.solved()
+  double slack = 0;               // of an elastic problem
 };
 
 // About `intervals` intervals, equal within each segment, for segments of these durations [s].

@@ -266,7 +266,7 @@ std::string beyond_reach(const Problem& problem) {
 
 NoWay no_way(const Problem& problem) {
   if (std::string sentence = beyond_reach(problem); !sentence.empty()) {
-    return {sentence, {problem.task.line ? "tip_line" : "tip_arc"}};
+    return {sentence, {problem.task.line ? "tip_line" : "tip_arc"}, 0};
   }
   // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
   const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);
@@ -282,7 +282,7 @@ NoWay no_way(const Problem& problem) {
                                                    : fmt::format("on the stretch {} of {}", s + 1, points.size() - 1);
     return {fmt::format("every way {} within the joints' limits is barred by {}; {:.2g} m more room would open one",
                         stretch, fmt::join(fine.barred_by, ", "), -fine.room),
-            fine.barred_by};
+            fine.barred_by, -fine.room};
   }
   return {};
 }

@@ -32,6 +32,7 @@ Detours find_detours(const Problem& problem, std::size_t segment, const Pair<dou
 struct NoWay {
   std::string sentence;            // names what bars it; empty when there is a way, or the grid is too coarse to tell
   std::vector<std::string> names;  // of the constraints that bar the roomiest way: obstacles[0], tip_box
+  double missing = 0;              // [m] room that would open one, to within the grid; 0 where it is not known
 };
 NoWay no_way(const Problem& problem);
 

@@ -38,8 +38,10 @@ std::vector<Kept> kept_limits(const Problem& problem, const Mesh& mesh, const st
 // By how much each limit, less a part of the back-off, is exceeded on each interval of the motion between and at the
 // collocation points, with the exact friction law (0 where it is not, and where no margin can act). A torque that
 // passes the friction law's step counts with the whole step, wherever in the interval the step lies. keep: that part.
+// slack: of an elastic problem, which the limits give way by.
 inline constexpr double kKeep = 0.8;  // leaves a fifth of the back-off to the last digits of the optimiser
-std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep = kKeep);
+std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep = kKeep,
+                               double slack = 0);
 
 // The limit that a motion exceeds most, as a sentence ("spring_deflection of joint 1 exceeds ..."); empty if none.
 std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion& motion);

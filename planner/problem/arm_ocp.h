@@ -5,6 +5,7 @@
 // torque limit and in the effort. There the law may be a smoothed one during continuation.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -21,29 +22,42 @@ struct Features {
                       // penalised; otherwise u is the control and may jump
   int task_rows = 0;  // for the task's constraints; with any, goals with a free joint are possible too
   bool peak = false;  // bounds on |tau_m| all the way are states, so that they may be penalised; needs task rows
+  bool elastic = false;  // for Problem::elastic
 };
 
 template <Features F>
 struct ArmOcp {
   static constexpr int kArm = fjr::kStates;
   static constexpr int kPeak = kArm + (F.rate ? kJoints : 0);  // the first of those states
-  static constexpr int kStates = kPeak + (F.peak ? kJoints : 0);
+  static constexpr int kSlack = kPeak + (F.peak ? kJoints : 0);
+  static constexpr int kStates = kSlack + (F.elastic ? 1 : 0);
   static constexpr int kControls = kJoints;
   // kEquilibrium: theta - q - G(q) / K of a joint, zero at rest. kPeakRow: peak - tau_m and peak + tau_m of both
   // joints.
   enum Row { kTorque1, kTorque2, kDeflection1, kDeflection2, kTipSpeedSquared, kEquilibrium1, kEquilibrium2, kPeakRow };
   static constexpr int kTask = kPeakRow + (F.peak ? 2 * kJoints : 0);
   static_assert(!F.peak || F.task_rows > 0);
-  static constexpr int kRows = F.task_rows > 0 ? kTask + F.task_rows : kEquilibrium1;
+  static constexpr std::size_t kRateLimit = 4 * kJoints, kTipSpeed = 5 * kJoints;  // among Limits
+  // With a slack: two rows for everything that is limited, value - slack and value + slack, in the order of Limits and
+  // then of the task; and the velocities that may be lower.
+  static constexpr int kGive = F.task_rows > 0 ? kTask + F.task_rows : kEquilibrium1;
+  static constexpr int kLimited = static_cast<int>(Limits::kCount) + F.task_rows;
+  static constexpr int kSlower = kGive + 2 * kLimited;
+  static constexpr int kRows = F.elastic ? kSlower + kJoints : kGive;
   static constexpr auto kRowUsesControl = [] {
     std::array<bool, kRows> uses{};
     uses[kTorque1] = uses[kTorque2] = !F.rate;
     for (std::size_t i = kPeakRow; i < kTask && i < uses.size(); ++i) uses[i] = !F.rate;
+    for (std::size_t i = 0; F.elastic && i < 2 * kJoints; ++i) {
+      uses[kGive + i] = !F.rate;
+      uses[kGive + 2 * kRateLimit + i] = F.rate;
+    }
     return uses;
   }();
   static constexpr auto kRowOfSegment = [] {
     std::array<bool, kRows> of_segment{};
-    for (std::size_t i = kTask; i < of_segment.size(); ++i) of_segment[i] = true;
+    for (std::size_t i = kTask; i < kGive; ++i) of_segment[i] = true;
+    for (std::size_t i = kGive + 2 * Limits::kCount; i < of_segment.size(); ++i) of_segment[i] = true;
     return of_segment;
   }();
   static constexpr double kRateUnit = 100;  // [N m/s] per unit of control: keeps the controls near the states' size
@@ -52,6 +66,9 @@ struct ArmOcp {
   Weights weights;
   Pair<FrictionLaw> friction;               // in the torque limit and the effort
   std::vector<std::vector<TaskRow>> tasks;  // rows by segment; as many in each
+  Array<kLimited> give{};                   // per unit of slack
+  double tip_speed = 0;                     // [m/s] its limit, where that gives way
+  Pair<double> slower{};                    // [rad/s] per unit of slack
 
   using Bounds = PathBounds<kStates, kControls, kRows>;
   std::vector<Bounds> bounds;
@@ -95,6 +112,11 @@ struct ArmOcp {
       }
     }
 
+    if constexpr (F.elastic) {
+      f[kSlack] = T(0.0);
+      give_way(state, torque, u, x[kSlack], rows);
+    }
+
     cost = running_cost(weights, Instant<T>{robot, state, rate.dq, torque, kink});
     if (regularisation > 0)
       cost += regularisation * (compensated[0] * compensated[0] + compensated[1] * compensated[1]);
@@ -109,7 +131,11 @@ struct ArmOcp {
     const auto state = State<T>::from(x);
     Pair<T> peak{T(0.0), T(0.0)};
     if constexpr (F.peak) peak = {x[kPeak], x[kPeak + 1]};
-    return fjr::node_cost(weights, at.kind, AtNode<T>{robot, state, peak});
+    T cost = fjr::node_cost(weights, at.kind, AtNode<T>{robot, state, peak});
+    if constexpr (F.elastic) {
+      if (at.kind == Node::kGoal) cost += x[kSlack];
+    }
+    return cost;
   }
 
  private:
@@ -123,6 +149,26 @@ struct ArmOcp {
     const auto posture = Posture<T>::of(robot, state.q);
     T* row = rows + kTask;
     for (const TaskRow& r : tasks[static_cast<std::size_t>(segment)]) *row++ = r.value(robot, posture);
+  }
+
+  template <class T>
+  void give_way(const State<T>& state, const Pair<T>& torque, const T* u, const T& slack, T* rows) const {
+    std::size_t next = 0;
+    const auto put = [&](const T& value, const T& by) {
+      rows[kGive + 2 * next] = value - by;
+      rows[kGive + 2 * next + 1] = value + by;
+      ++next;
+    };
+    const auto limit = [&](const T& value) { put(value, T(give[next] * slack)); };
+    for (const T& value : torque) limit(value);
+    for (const T& value : state.dtheta) limit(value);
+    for (const T& value : state.q) limit(value);
+    for (std::size_t j = 0; j < kJoints; ++j) limit(rows[kDeflection1 + j]);
+    for (int j = 0; j < kJoints; ++j) limit(F.rate ? T(kRateUnit * u[j]) : T(0.0));
+    const T faster = give[kTipSpeed] * slack;
+    put(rows[kTipSpeedSquared], T(faster * (2 * tip_speed + faster)));
+    for (int r = 0; r < F.task_rows; ++r) limit(rows[kTask + r]);
+    for (std::size_t j = 0; j < kJoints; ++j) rows[kSlower + j] = state.dq[j] + slower[j] * slack;
   }
 };
 
@@ -157,6 +203,39 @@ void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem) {
   for (std::size_t r = Ocp::kPeakRow; r < Ocp::kTask && problem.weights.peak_torque > 0; ++r) b.row_lower[r] = 0;
 }
 
+// The bounds of the limit or row i, as it is counted for Elastic::give.
+template <Features F>
+std::array<double*, 2> bounds_of(typename ArmOcp<F>::Bounds& b, std::size_t i) {
+  using Ocp = ArmOcp<F>;
+  const auto state = [&b](std::size_t x) { return std::array{&b.x_lower[x], &b.x_upper[x]}; };
+  const auto row = [&b](std::size_t r) { return std::array{&b.row_lower[r], &b.row_upper[r]}; };
+  const std::size_t j = i % kJoints;
+  if (i >= Limits::kCount) return row(Ocp::kTask + (i - Limits::kCount));
+  if (i == Ocp::kTipSpeed) return row(Ocp::kTipSpeedSquared);
+  if (i >= Ocp::kRateLimit) return {&b.u_lower[j], &b.u_upper[j]};
+  const std::size_t pair = i / kJoints;  // torque, motor velocity, position, deflection
+  if (pair == 1) return state(6 + j);
+  if (pair == 2) return state(j);
+  return row((pair == 0 ? Ocp::kTorque1 : Ocp::kDeflection1) + j);
+}
+
+// What gives way is bounded by the rows that see the slack.
+template <Features F>
+void bound_with_slack(typename ArmOcp<F>::Bounds& b, const Elastic& elastic) {
+  using Ocp = ArmOcp<F>;
+  b.x_lower[Ocp::kSlack] = 0;
+  b.x_upper[Ocp::kSlack] = elastic.most;
+  for (std::size_t i = 0; i < elastic.give.size(); ++i) {
+    if (elastic.give[i] == 0) continue;
+    const double unit = i >= Ocp::kRateLimit && i < Ocp::kTipSpeed ? Ocp::kRateUnit : 1;
+    const auto [lower, upper] = bounds_of<F>(b, i);
+    b.row_upper[Ocp::kGive + 2 * i] = unit * *upper;
+    b.row_lower[Ocp::kGive + 2 * i + 1] = unit * *lower;
+    *lower = -kNoLimit;
+    *upper = kNoLimit;
+  }
+}
+
 // The problem's plant and objective; bounds, nodes and segments depend on the mesh and are left empty. regularisation:
 // weight of a trace of effort in a minimum-time problem, as a share of the time weight; bounds what it can cost in
 // time.
@@ -173,6 +252,14 @@ ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
   if (!settles_torque(problem.weights)) {
     const Pair<double>& limit = problem.limits.torque;
     ocp.regularisation = regularisation * size_of(problem.weights) / (limit[0] * limit[0] + limit[1] * limit[1]);
+  }
+  if constexpr (F.elastic) {
+    std::copy(problem.elastic->give.begin(), problem.elastic->give.end(), ocp.give.begin());
+    ocp.tip_speed = problem.limits.tip_speed;
+    if (const auto at = problem.elastic->slower) {
+      const Pair<double> asked = *at < problem.via.size() ? *problem.via[*at].dq : problem.goal.dq;
+      ocp.slower = asked;
+    }
   }
   return ocp;
 }

@@ -75,6 +75,15 @@ struct Duration {
   bool fixed() const { return min == max; }
 };
 
+// Nothing that a request asks for, but what tells how far one is from possible (planner/explain): limits give way by
+// the slack times `give`, and the slack is what is minimised, beside the weighted terms.
+struct Elastic {
+  std::vector<double> give;           // of the limits, in their order, then of the task's rows; each in its own unit
+  std::optional<std::size_t> slower;  // the velocity asked for there is lowered by the slack, its share: at that via
+                                      // point, or with their number at the goal
+  double most = 1;                    // the largest slack
+};
+
 struct Problem {
   Parameters robot;
   Limits limits;
@@ -87,6 +96,7 @@ struct Problem {
   std::vector<Via> via;                // in this order; the motion has a segment before each and one after the last
   std::optional<std::size_t> release;  // the via point at which what is thrown is let go; none: the goal
   Task task;
+  std::optional<Elastic> elastic;
   double sample_period = 0.001;  // [s]
   std::uint64_t seed = 1;
   std::string name;          // of the request file, without extension

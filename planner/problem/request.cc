@@ -282,6 +282,24 @@ void check_holding(const YamlNode& node, const Problem& problem, const Pair<doub
   }
 }
 
+// With a free joint some of its angles has to do.
+void check_holding_somewhere(const YamlNode& node, const Problem& problem, const Goal& goal) {
+  constexpr int kAngles = 2000;
+  const std::size_t free = goal.free[0] ? 0 : 1, given = 1 - free;
+  Pair<double> q = goal.q;
+  double least = kNoLimit;  // [N m] of the joint that is given
+  for (int i = 0; i <= kAngles; ++i) {
+    q[free] = std::lerp(-1.0, 1.0, i / double{kAngles}) * problem.limits.link_position[free];
+    const Pair<double> gravity = gravity_torque(problem.robot, q);
+    if (std::abs(gravity[free]) <= problem.limits.torque[free]) least = std::min(least, std::abs(gravity[given]));
+  }
+  if (least <= problem.limits.torque[given]) return;
+  node.at("q").fail(
+      fmt::format("joint {}: holding still here takes at least {:.6g} N m{}, wherever joint {} is, above "
+                  "the limit of {} N m",
+                  given + 1, least, with_load(problem), free + 1, problem.limits.torque[given]));
+}
+
 void read_start(const YamlNode& node, Problem& problem) {
   node.allow_keys({"q", "dq", "theta", "dtheta"});
   const Pair<double> q = read_q(node, problem.limits);
@@ -321,7 +339,8 @@ void check_goal(const YamlNode& node, const Problem& problem, const Goal& goal) 
   check_tip_speed(node, problem, goal.q, goal.dq);
   if (goal.theta) check_deflection(node, problem, goal.q, *goal.theta);
   if (goal.dtheta) check_motor_velocity(node, problem, *goal.dtheta);
-  if (goal.at_rest && !goal.any_free()) check_holding(node, problem, goal.q);
+  if (!goal.at_rest) return;
+  goal.any_free() ? check_holding_somewhere(node, problem, goal) : check_holding(node, problem, goal.q);
 }
 
 // Angles, each of which may be `free`: a guess then keeps the start's.

@@ -41,11 +41,19 @@ class Continuation {
   // when there is no solution that way.
   bool resume(const Collocated& neighbour);
 
+  // From a solution of the same request with another objective, stretched to `duration` [s], on its mesh and with its
+  // friction law. False when there is no solution that way.
+  bool adopt(const Collocated& other, double duration);
+
+  // From there to the exact friction law, not yet minding the mesh. False when it was stopped.
+  bool follow_levels();
+
   // From there to the exact problem, on a mesh and with margins that suit it. False when no usable solution is left.
   bool finish();
 
-  // Splits the intervals whose given errors [rad] exceed the mesh tolerance, or whose limits are exceeded by much, and
-  // solves again. False when there was nothing to split or no solution; the last solution stays.
+  // Splits the intervals whose given errors [rad] exceed the mesh tolerance or make most of their sum, or whose limits
+  // are exceeded by much, and solves again. False when there was nothing to split or no solution; the last solution
+  // stays.
   bool refine(const std::vector<double>& errors);
 
   // Solves again with finer intervals and margins until the mesh is good enough and every limit holds between the
@@ -73,7 +81,7 @@ class Continuation {
 
  private:
   bool cold(const Guess& guess, int most_iterations);
-  bool follow_levels();
+  bool fade_trace();
   bool reach_level(const Smoothing& level, int halvings);
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
   bool attempt_or_forget(const std::string& what, const CollocationSetup& setup);

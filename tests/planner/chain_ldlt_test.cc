@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <numeric>
 #include <random>
 
 #include "bench/mumps.h"
@@ -244,6 +245,37 @@ TEST(ChainLdlt, SolvesANearlySingularMatrix) {
   factor.solve(span(x));
   EXPECT_LT(backward_error(a, x, b), 1e-13);
   EXPECT_GT(x.cwiseAbs().maxCoeff(), 1e6);  // it is nearly singular
+}
+
+// As met with 800 intervals: rows of active constraints that see only states near their bounds, which go later.
+TEST(DenseLdlt, EliminatesWhatWouldPileUp) {
+  constexpr int kRows = 30, kLater = 3, kAll = kRows + kLater;
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> uniform(0.3, 1);
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(kAll, kAll);
+  for (int i = 0; i < kRows; ++i) {
+    a(i, i) = -1e-9;
+    for (int j = kRows; j < kAll; ++j) a(i, j) = a(j, i) = uniform(random);
+  }
+  for (int j = kRows; j < kAll; ++j) a(j, j) = 1e10;
+  std::vector<int> index(kAll);
+  std::iota(index.begin(), index.end(), 0);
+  DenseLdlt factor;
+  factor.reset(index);
+  for (int i = 0; i < kAll; ++i) Eigen::Map<Eigen::RowVectorXd>(factor.row(i), kAll) = a.row(i);
+  const int negative = factor.eliminate(kRows, 1e-8);
+  EXPECT_LE(kRows - factor.pivots(), 16);  // as many as a stage may leave
+  EXPECT_EQ(negative, factor.pivots());
+
+  const int p = factor.pivots();
+  const Eigen::MatrixXd kept = a(factor.index(), factor.index());
+  const Eigen::MatrixXd schur = kept.bottomRightCorner(kAll - p, kAll - p) - kept.bottomLeftCorner(kAll - p, p) *
+                                                                                 kept.topLeftCorner(p, p).inverse() *
+                                                                                 kept.topRightCorner(p, kAll - p);
+  for (int i = p; i < kAll; ++i) {
+    for (int j = p; j < kAll; ++j)
+      EXPECT_NEAR(factor.row(i)[j], schur(i - p, j - p), 1e-12 * 1e10);  // rounding of the largest
+  }
 }
 
 TEST(ChainLdlt, RefusesWhatIsNoChain) {

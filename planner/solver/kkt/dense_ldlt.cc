@@ -14,6 +14,11 @@ constexpr double kZero = 1e-20;
 // Pivots that bound growth this well are taken first; the caller's threshold is what is accepted before delaying.
 constexpr double kComfortable = 1e-2;
 
+// Rows of active constraints on states wait for the stage that determines those: up to 10 were seen to. More than this
+// are left where a fine mesh scales badly, and would pile up along the chain: an iteration with 800 intervals took
+// three times as long as four with 200.
+constexpr int kMostWaiting = 16;
+
 // Subtracts from all rows below p what eliminating it with the pivot d leaves there, and divides row p. What this does
 // to the columns up to p is nobody's business any more.
 FJR_VECTORISED void subtract_one(double* a, int n, int width, int p, double d) {
@@ -53,12 +58,12 @@ FJR_VECTORISED void subtract_two(double* a, int n, int width, int p, double d0, 
   from0[p + 1] = 0;
 }
 
-// Largest magnitude in a row where `counts` is 1.
-FJR_VECTORISED double largest_of(const double* row, const double* counts, int width) {
+// Largest magnitude in a row, each weighed.
+FJR_VECTORISED double largest_of(const double* row, const double* weights, int width) {
   double best[kLanes] = {};
   for (int w = 0; w < width; w += kLanes) {
     for (int lane = 0; lane < kLanes; ++lane) {
-      const double size = std::fabs(row[w + lane]) * counts[w + lane];
+      const double size = std::fabs(row[w + lane]) * weights[w + lane];
       best[lane] = size > best[lane] ? size : best[lane];
     }
   }
@@ -72,17 +77,34 @@ void DenseLdlt::reset(std::span<const int> index) {
   matrix_.resize(order(), order());
   d_.assign(index_.size(), 0);
   e_.assign(index_.size(), 0);
-  counts_.resize_to_zero(1, order());
-  std::fill_n(counts_.row(0), order(), 1.0);
+  weights_.resize_to_zero(1, order());
+  judge_as_is(0);
   pivots_ = 0;
 }
 
-// Largest magnitude in row i of what is not eliminated, without columns c and d.
+// Pivots are judged by the matrix as it is.
+void DenseLdlt::judge_as_is(int first) { std::fill(weights_.row(0) + first, weights_.row(0) + order(), 1.0); }
+
+// Pivots are judged by the matrix scaled so that no entry exceeds 1 and nearly every row has one that is 1 (Bunch,
+// Numer. Math. 17, 1971): the row of an active constraint is of size 1 with next to nothing on the diagonal, the
+// columns of states near their bounds are of size 1e10, and what is a good pivot should not depend on such units.
+void DenseLdlt::judge_scaled(int first) {
+  double* weights = weights_.row(0);
+  std::fill(weights + first, weights + order(), 0.0);
+  for (int i = first; i < order(); ++i) {
+    const double size = std::max(std::sqrt(std::fabs(row(i)[i])), largest_of(row(i), weights, matrix_.width()));
+    weights[i] = size > 0 ? 1 / size : 1;
+  }
+}
+
+// Largest magnitude, as judged, in row i of what is not eliminated, without columns c and d.
 double DenseLdlt::largest(int i, int c, int d) {
-  double* counts = counts_.row(0);
-  counts[c] = counts[d] = 0;
-  const double result = largest_of(row(i), counts, matrix_.width());
-  counts[c] = counts[d] = 1;
+  double* weights = weights_.row(0);
+  const double of_i = weights[i], of_c = weights[c], of_d = weights[d];
+  weights[c] = weights[d] = 0;
+  const double result = of_i * largest_of(row(i), weights, matrix_.width());
+  weights[c] = of_c;
+  weights[d] = of_d;
   return result;
 }
 
@@ -92,26 +114,35 @@ void DenseLdlt::exchange(int p, int q) {
   std::swap_ranges(row(p), row(p) + matrix_.width(), row(q));
   for (int i = 0; i < order(); ++i) std::swap(row(i)[p], row(i)[q]);
   std::swap(index_[static_cast<std::size_t>(p)], index_[static_cast<std::size_t>(q)]);
+  std::swap(weights_.row(0)[p], weights_.row(0)[q]);
 }
 
 int DenseLdlt::eliminate(int candidates, double threshold) {
   const int n = order();
+  // Scaled only where it must be: what waits is often better off with the pivots that come later.
+  const struct {
+    double wanted;
+    bool scaled;
+  } judgements[] = {{kComfortable, false}, {threshold, false}, {kComfortable, true}, {threshold, true}};
+  const auto* judgement = std::begin(judgements);
+  const double* scale = weights_.row(0);
   int negative = 0, p = 0, candidate = 0;
-  double wanted = kComfortable;
   const auto next_pivot = [&](int size) {
-    for (int i = 0; i < size; ++i) counts_.row(0)[p++] = 0;
+    for (int i = 0; i < size; ++i) weights_.row(0)[p++] = 0;
     candidate = 0;
-    wanted = kComfortable;
+    if (judgement->scaled) judge_as_is(p);
+    judgement = std::begin(judgements);
   };
+  const auto entry = [&](int i, int j) { return row(i)[j] * scale[i] * scale[j]; };
   while (p < candidates) {
     if (p + candidate >= candidates) {  // nobody left passes
-      if (wanted <= threshold) break;   // delayed
-      wanted = threshold;
+      if (++judgement == std::end(judgements)) break;
+      if (judgement->scaled && candidates - p <= kMostWaiting) break;
+      if (judgement->scaled) judge_scaled(p);
       candidate = 0;
     }
     const int c = p + candidate;
-    const double own = std::fabs(row(c)[c]), off = largest(c, c, c);
-    if (own >= wanted * off && own > kZero) {  // 1 x 1
+    if (std::fabs(row(c)[c]) > kZero && std::fabs(entry(c, c)) >= judgement->wanted * largest(c, c, c)) {  // 1 x 1
       exchange(p, c);
       const double d = row(p)[p];
       d_[static_cast<std::size_t>(p)] = d;
@@ -124,17 +155,17 @@ int DenseLdlt::eliminate(int candidates, double threshold) {
     int r = -1;
     double y = 0;
     for (int j = p; j < candidates; ++j) {
-      if (j == c || std::fabs(row(c)[j]) <= std::fabs(y)) continue;
-      y = row(c)[j];
+      if (j == c || std::fabs(entry(c, j)) <= std::fabs(y)) continue;
+      y = entry(c, j);
       r = j;
     }
     if (r >= 0) {
-      const double x = row(c)[c], z = row(r)[r], determinant = x * z - y * y;
+      const double x = entry(c, c), z = entry(r, r), determinant = x * z - y * y;
       const double off_c = largest(c, c, r), off_r = largest(r, c, r);
       // Growth of the inverse times the rest, row by row (Duff & Reid's test).
       const double growth =
           std::max(std::fabs(z) * off_c + std::fabs(y) * off_r, std::fabs(y) * off_c + std::fabs(x) * off_r);
-      if (std::fabs(determinant) > kZero && growth * wanted <= std::fabs(determinant)) {
+      if (std::fabs(determinant) > kZero && growth * judgement->wanted <= std::fabs(determinant)) {
         exchange(p, c);
         exchange(p + 1, r == p ? c : r);
         const double d0 = row(p)[p], e0 = row(p)[p + 1], d1 = row(p + 1)[p + 1], det = d0 * d1 - e0 * e0;

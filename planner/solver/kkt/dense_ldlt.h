@@ -31,12 +31,14 @@ class DenseLdlt {
   void solve_backward(std::span<double> x) const;  // D L' x = b, the rows that were not eliminated given
 
  private:
+  void judge_as_is(int first);
+  void judge_scaled(int first);
   void exchange(int p, int q);
   double largest(int i, int c, int d);
 
   std::vector<int> index_;
   Rows matrix_;                // of the first `pivots_` rows, right of the diagonal: L'
-  Rows counts_;                // one row: 1 for what is not eliminated, else 0
+  Rows weights_;               // one row: what rows and columns are scaled by to judge pivots, 0 where eliminated
   std::vector<double> d_, e_;  // D: diagonal, and subdiagonal where a 2 x 2 block begins (else 0)
   int pivots_ = 0;
 };

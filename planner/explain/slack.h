@@ -1,0 +1,26 @@
+// Problems whose optimum is the least change that makes a request possible: what may change gives way by a slack
+// (Elastic in problem/problem.h), and the slack is minimised. One such problem answers what a search over values of the
+// limit would take a dozen for, most of them without a solution.
+#pragma once
+
+#include "planner/problem/problem.h"
+#include "planner/problem/relaxable.h"
+
+namespace fjr {
+
+// What a slack of one is of it, in its unit.
+double size_of(const Relaxable& what);
+
+// The problem with the least change of that one thing as its objective, beside a trace of time.
+Problem with_slack(const Problem& problem, const Relaxable& what);
+
+// The same with everything but velocities giving way at once, each in proportion to its size. [shares of it]
+Problem with_slack_everywhere(const Problem& problem);
+
+// The same with time in a hurry, so that a first solution does not wander off into motions that take for ever.
+Problem hurried(Problem with_slack);
+
+// What it comes to with that slack of with_slack(problem, what), as Relaxable::from counts it.
+double value_with(const Problem& problem, const Relaxable& what, double slack);
+
+}  // namespace fjr

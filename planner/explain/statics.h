@@ -1,0 +1,17 @@
+// What holding the arm still takes, without any optimisation.
+#pragma once
+
+#include "planner/problem/problem.h"
+
+namespace fjr {
+
+// The most that gravity takes of each joint anywhere on the straight lines in the joint angles from the start through
+// the via points to the goal: what a motion that dawdles along them cannot do without.
+struct Carrying {
+  Pair<double> torque{};         // [N m]
+  Pair<double> deflection{};     // [rad]
+  Pair<Pair<double>> posture{};  // [rad] of each joint's largest, the link angles
+};
+Carrying carrying(const Problem& problem);
+
+}  // namespace fjr

@@ -1,0 +1,170 @@
+// What is said to be in the way is in the way: relaxed as said the request can be had, by a tenth less it cannot.
+#include "planner/explain/explain.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "model/input_error.h"
+#include "planner/explain/slack.h"
+#include "planner/explain/statics.h"
+#include "planner/plan.h"
+#include "planner/problem/relaxable.h"
+
+namespace fjr {
+namespace {
+
+using testing::HasSubstr;
+
+Problem request(const std::string& yaml) {
+  return parse_request(yaml, "request.yaml", FJR_SOURCE_DIR "/config", FJR_SOURCE_DIR "/config/robot.yaml");
+}
+
+Infeasibility impossible(const Problem& problem) {
+  const Plan result = plan(problem, {});
+  EXPECT_EQ(result.status, PlanStatus::kInfeasible) << result.reason;
+  EXPECT_FALSE(result.trajectory);
+  EXPECT_TRUE(result.infeasibility);
+  const Infeasibility why = result.infeasibility.value_or(Infeasibility{});
+  EXPECT_EQ(result.reason, why.sentence);
+  return why;
+}
+
+const Relaxation* find(const Infeasibility& why, const std::string& name, int joint) {
+  for (const Relaxation& r : why.relaxations) {
+    if (r.name == name && r.joint == joint) return &r;
+  }
+  return nullptr;
+}
+
+// The problem with this share of the change that was said to be enough.
+Problem changed(Problem problem, const Relaxation& by, double share) {
+  const double value = by.from + share * (by.to - by.from);
+  if (by.name == "via[0].time") problem.via[0].time = value;
+  for (const Relaxable& r : relaxables(problem)) {
+    if (r.name == by.name && r.joint == by.joint) r.set(problem, value);
+  }
+  return problem;
+}
+
+// Right at the edge of what is possible there is a single motion, and no room for margins.
+constexpr double kEnough = 1.03, kTooLittle = 0.9;
+
+Plan without_explanation(const Problem& problem) {
+  bool explaining = false;
+  PlanOptions options;
+  options.on_progress = [&](const Progress& p) { explaining = p.stage.starts_with("why not"); };
+  options.cancelled = [&] { return explaining; };
+  return plan(problem, options);
+}
+
+void expect_enough(const Problem& problem, const Infeasibility& why, const std::string& name, int joint) {
+  const Relaxation* by = find(why, name, joint);
+  ASSERT_NE(by, nullptr) << why.sentence;
+  EXPECT_EQ(plan(changed(problem, *by, kEnough), {}).status, PlanStatus::kCertified) << why.sentence;
+}
+
+void expect_least(const Problem& problem, const Infeasibility& why, const std::string& name, int joint) {
+  expect_enough(problem, why, name, joint);
+  const Relaxation* by = find(why, name, joint);
+  ASSERT_NE(by, nullptr);
+  EXPECT_NE(without_explanation(changed(problem, *by, kTooLittle)).status, PlanStatus::kCertified) << why.sentence;
+}
+
+std::string refusal(const std::string& yaml) {
+  try {
+    request(yaml);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(Explain, WhatCannotBeHeldIsRefusedWithWhatHoldingTakes) {
+  const Parameters robot = request("{start: {q: [0.0, 0.0]}, goal: {q: [0.1, 0.0]}}").robot;
+  const double at_goal = gravity_torque(robot, Pair<double>{1.5, 0.0})[0];
+  EXPECT_THAT(refusal("{start: {q: [0.0, 0.0]}, goal: {q: [1.5, 0.0]}, limits: {torque: [5, 4]}}"),
+              HasSubstr("takes " + std::to_string(at_goal).substr(0, 6)));
+  // Link 2 helps most where it points back as far as it goes.
+  const double folded = gravity_torque(robot, Pair<double>{1.5, -robot.limits.link_position[1]})[0];
+  EXPECT_THAT(refusal("{start: {q: [0.0, 0.0]}, goal: {q: [1.5, free]}, limits: {torque: [5, 4]}}"),
+              HasSubstr("takes at least " + std::to_string(folded).substr(0, 6)));
+  EXPECT_EQ(refusal("{start: {q: [0.0, 0.0]}, goal: {q: [1.5, free]}, limits: {torque: [5.7, 4]}}"), "accepted");
+}
+
+// On the way from hanging to the upright with the arm stretched both coefficients of (8) add up, half way.
+TEST(Explain, CarryingTakesTheGravityOfTheWorstPosture) {
+  const Problem problem = request("{start: {q: [0.0, 0.0]}, goal: {q: [3.14159265, 0.0]}}");
+  const Carrying needs = carrying(problem);
+  const Pair<double> g = gravity_coefficients(problem.robot);
+  EXPECT_NEAR(needs.torque[0], g[0] + g[1], 1e-4);  // a grid of 0.016 rad misses the top by cos(0.008)
+  EXPECT_NEAR(needs.torque[1], g[1], 1e-4);
+  EXPECT_NEAR(needs.posture[0][0], std::numbers::pi / 2, 0.01);
+  EXPECT_NEAR(needs.deflection[0], needs.torque[0] / problem.robot.spring.stiffness[0], 1e-12);
+}
+
+// The rows of an obstacle that gives way and those of the smaller one say the same about every posture.
+TEST(Explain, AnObstacleGivesWayAsItsRadiusShrinks) {
+  const Problem problem = request(
+      "{start: {q: [-1.0, 0.0]}, goal: {q: [1.0, 0.0]}, obstacles: [{center: [0.0, -0.9], radius: 0.1, margin: "
+      "0.01}]}");
+  const Relaxable what = relaxables(problem)[8];
+  ASSERT_EQ(what.name, "obstacles[0]");
+  const double slack = 0.4;
+  const Problem smaller = what.relaxed(problem, what.from - value_with(problem, what, slack));
+  const Problem elastic = with_slack(problem, what);
+  const auto before = task_rows(problem.robot, problem.task, 0), after = task_rows(problem.robot, smaller.task, 0);
+  EXPECT_NEAR(value_with(problem, what, 1), 0, 1e-12);
+  for (const double q1 : {-0.3, 0.0, 0.2}) {
+    const auto posture = Posture<double>::of(problem.robot, {q1, 0.1});
+    for (std::size_t r = 0; r < before.size(); ++r) {
+      const double given = slack * elastic.elastic->give[Limits::kCount + r];
+      const bool allowed = before[r].value(problem.robot, posture) + given >= 0;
+      EXPECT_LE(allowed, after[r].value(problem.robot, posture) >= -1e-12) << "the told radius suffices";
+    }
+  }
+}
+
+TEST(Explain, ADurationThatIsTooShort) {
+  const Problem problem =
+      request("{start: {q: [0.0, 0.0]}, goal: {q: [1.2, -0.8]}, duration: {max: 0.41}, objective: fastest}");
+  const Infeasibility why = impossible(problem);
+  EXPECT_EQ(why.limit, "duration");
+  ASSERT_TRUE(why.shortest_duration);
+  EXPECT_NEAR(*why.shortest_duration, 0.4297, 0.005 * 0.4297);  // the converged reference
+  expect_least(problem, why, "torque", 1);
+}
+
+// No motor turns from one rest to another faster than at its limit all the way.
+TEST(Explain, AMotorThatIsTooSlow) {
+  const Problem problem =
+      request("{start: {q: [0.0, 0.0]}, goal: {q: [1.2, -0.8]}, duration: 1.0, limits: {motor_velocity: [0.8, 8]}}");
+  const Infeasibility why = impossible(problem);
+  ASSERT_TRUE(why.shortest_duration);
+  const double turn = (*problem.goal.theta)[0];
+  EXPECT_GT(*why.shortest_duration, turn / 0.8);
+  const Relaxation* by = find(why, "motor_velocity", 1);
+  ASSERT_NE(by, nullptr) << why.sentence;
+  EXPECT_GT(by->to, turn / 1.0);
+  expect_enough(problem, why, "motor_velocity", 1);
+}
+
+TEST(Explain, AGoalThatMovesTooFast) {
+  const Problem problem = request("{start: {q: [0.0, 0.0]}, goal: {q: [1.2, -0.8], dq: [20, 0]}}");
+  const Infeasibility why = impossible(problem);
+  EXPECT_EQ(why.limit, "goal.dq");
+  expect_least(problem, why, "goal.dq", 0);
+}
+
+TEST(Explain, AViaPointThatComesTooEarly) {
+  const Problem problem =
+      request("{start: {q: [0.0, 0.0]}, via: [{q: [0.6, -0.4], time: 0.15}], goal: {q: [1.2, -0.8]}, duration: 1.0}");
+  const Infeasibility why = impossible(problem);
+  EXPECT_EQ(why.limit, "via[0].time");
+  expect_enough(problem, why, "via[0].time", 0);  // that it is the least is a minimum time, tested elsewhere
+}
+
+}  // namespace
+}  // namespace fjr

@@ -66,6 +66,12 @@ struct Optimality {
     double residual = 0;  // largest of dH/du with the limits' multipliers, what the optimiser left
   } stationarity;
   State<double> costate_start{}, costate_end{};  // per rad, rad/s
+  struct Along {                                 // the means over one interval
+    double time;                                 // [s] its middle
+    double hamiltonian;
+    State<double> costate;
+  };
+  std::vector<Along> along;
 };
 
 struct Analysis {

@@ -13,6 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::size_t kMostStretches = 16;  // of one limit; the longest
+constexpr std::size_t kMostAlong = 100;     // of the intervals: plan.json travels in every reply
 
 // In as many significant digits as mean something.
 Json number(double value, int digits = 6) {
@@ -38,6 +39,25 @@ Json stretches(std::vector<LimitWorth::Stretch> active) {
 
 Json costate(const State<double>& p) {
   return {{"q", numbers(p.q)}, {"dq", numbers(p.dq)}, {"theta", numbers(p.theta)}, {"dtheta", numbers(p.dtheta)}};
+}
+
+// Columns, of every n-th interval.
+Json along_json(const std::vector<Optimality::Along>& along) {
+  Json json{{"time", Json::array()}, {"hamiltonian", Json::array()}};
+  const auto add = [&json](const std::string& name, const Pair<double>& values) {
+    for (std::size_t j = 0; j < kJoints; ++j)
+      json["costate"][fmt::format("{}{}", name, j + 1)].push_back(number(values[j]));
+  };
+  const std::size_t step = (along.size() + kMostAlong - 1) / kMostAlong;
+  for (std::size_t k = 0; k < along.size(); k += step) {
+    json["time"].push_back(time(along[k].time));
+    json["hamiltonian"].push_back(number(along[k].hamiltonian));
+    add("q", along[k].costate.q);
+    add("dq", along[k].costate.dq);
+    add("theta", along[k].costate.theta);
+    add("dtheta", along[k].costate.dtheta);
+  }
+  return json;
 }
 
 }  // namespace
@@ -80,7 +100,8 @@ Json optimality_json(const Optimality& optimality) {
             {"wrong_sign", number(s.wrong)},
             {"largest", number(s.largest)},
             {"residual", number(s.residual)}}},
-          {"costate", {{"start", costate(optimality.costate_start)}, {"end", costate(optimality.costate_end)}}}};
+          {"costate", {{"start", costate(optimality.costate_start)}, {"end", costate(optimality.costate_end)}}},
+          {"along", along_json(optimality.along)}};
 }
 
 Json mesh_errors_json(const std::vector<double>& node_times, const std::vector<double>& errors) {

@@ -6,6 +6,7 @@
 #include <cctype>
 #include <cmath>
 #include <set>
+#include <tuple>
 #include <vector>
 
 #include "model/chart_page.h"
@@ -210,11 +211,44 @@ void add_request(ChartPage& page, const JsonField& plan) {
                 "</details>\n");
 }
 
+void add_infeasibility(ChartPage& page, const JsonField& why) {
+  if (why.is_null()) return;
+  page.add_heading("Why not, and what would have to change");
+  page.add_paragraph("Each of the relaxations alone makes the request feasible.", "note");
+  page.add_html(html_of_json(why.json()));
+}
+
+// H has to be constant between via points; a column `along` of the motion is a line.
+void add_optimality(ChartPage& page, const JsonField& optimality) {
+  page.add_heading("Optimality");
+  Json rest = optimality.json();
+  rest.erase("along");
+  page.add_html(html_of_json(rest));
+  const auto along = optimality.find("along");
+  if (!along || along->at("time").items().empty()) return;
+  const std::vector<double> time = along->at("time").numbers();
+  const auto line = [&](const JsonField& from, const std::string& name, const char* colour) {
+    return Series{name, colour, Style::kLine, time, from.at(name).numbers()};
+  };
+  Chart h = time_chart("Hamiltonian", "");
+  h.series = {line(*along, "hamiltonian", "#555")};
+  const JsonField costate = along->at("costate");
+  Chart positions = time_chart("Costates of the positions", "per rad");
+  Chart velocities = time_chart("Costates of the velocities", "per rad/s");
+  for (const auto& [chart, link, motor] : {std::tuple{&positions, "q", "theta"}, {&velocities, "dq", "dtheta"}}) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      chart->series.push_back(line(costate, fmt::format("{}{}", link, j + 1), kJointColour[j]));
+      chart->series.push_back(line(costate, fmt::format("{}{}", motor, j + 1), kMotorColour[j]));
+    }
+  }
+  page.add_charts({h, positions, velocities});
+}
+
 void add_what_else_there_is(ChartPage& page, const Json& plan) {
-  static const std::set<std::string> shown{"version",  "request",    "status",       "reason",      "objective",
-                                           "duration", "mesh",       "solver",       "certificate", "resolved_request",
-                                           "robot",    "robot_hash", "request_hash", "via_times",   "back_off",
-                                           "timing",   "sensitivity"};
+  static const std::set<std::string> shown{
+      "version",  "request",     "status",           "reason",        "objective",  "duration",     "mesh",
+      "solver",   "certificate", "resolved_request", "robot",         "robot_hash", "request_hash", "via_times",
+      "back_off", "timing",      "sensitivity",      "infeasibility", "optimality"};
   for (const auto& section : plan.items()) {
     if (shown.count(section.key()) > 0 || section.value().is_null()) continue;
     std::string title = spaced(section.key());
@@ -250,7 +284,9 @@ std::string plan_page(const PlanRecord& record) {
     add_objective(page, plan);
     if (!plan.at("sensitivity").is_null()) add_sensitivity(page, plan);
   }
+  if (const auto why = plan.find("infeasibility")) add_infeasibility(page, *why);
   add_solver(page, plan.at("solver"));
+  if (const auto found = plan.find("optimality"); found && !found->is_null()) add_optimality(page, *found);
   add_what_else_there_is(page, record.plan);
   add_request(page, plan);
   add_origin(page, plan);

@@ -48,6 +48,9 @@ Analysis some_analysis() {
   analysis.sensitivity.goal = {0.15, 0.02};
   analysis.optimality.hamiltonian = {-0.999, 0.004, 0.04, 0.1, -1};
   analysis.optimality.costate_end.dtheta = {0.5, 0.25};
+  analysis.optimality.along = {{0.05, -1.0, {}}, {0.25, -0.998, {}}};
+  analysis.optimality.along[0].costate.theta = {0.3, 0.4};
+  analysis.optimality.along[1].costate.theta = {0.5, 0.6};
   return analysis;
 }
 
@@ -131,7 +134,11 @@ TEST(PlanJson, SaysWhatLimitsWhatAndHowOptimalItIs) {
   EXPECT_EQ(sensitivity["via"].dump(), R"([{"time":0.2,"q":[1.0,2.0],"dq":null,"later":-3.0}])");
   EXPECT_THAT(sensitivity["goal"]["q"], ElementsAre(0.15, 0.02));
   const Json& optimality = json["optimality"];
-  EXPECT_THAT(keys(optimality), ElementsAre("hamiltonian", "stationarity", "costate"));
+  EXPECT_THAT(keys(optimality), ElementsAre("hamiltonian", "stationarity", "costate", "along"));
+  const Json& along = optimality["along"];
+  EXPECT_EQ(along["time"], Json::array({0.05, 0.25}));
+  EXPECT_EQ(along["hamiltonian"], Json::array({-1.0, -0.998}));
+  EXPECT_EQ(along["costate"]["theta2"], Json::array({0.4, 0.6}));
   EXPECT_EQ(optimality["hamiltonian"].dump(),
             R"({"mean":-0.999,"expected":-1.0,"spread":0.004,"largest_deviation":0.04,"time":0.1})");
   EXPECT_THAT(keys(optimality["stationarity"]), ElementsAre("where_free", "wrong_sign", "largest", "residual"));

@@ -6,21 +6,21 @@ namespace fjr {
 namespace {
 
 // The spring torque and two of its time derivatives: all that theta, dtheta and ddtheta need.
-using Series = Taylor<2>;
+using Expansion = Taylor<2>;
 
-Pair<Series> series_of(const Pair<double>& value, const Pair<double>& first, const Pair<double>& second) {
-  return {Series::from_derivatives({value[0], first[0], second[0]}),
-          Series::from_derivatives({value[1], first[1], second[1]})};
+Pair<Expansion> series_of(const Pair<double>& value, const Pair<double>& first, const Pair<double>& second) {
+  return {Expansion::from_derivatives({value[0], first[0], second[0]}),
+          Expansion::from_derivatives({value[1], first[1], second[1]})};
 }
 
 // The link side of (1), solved for tau_c.
-Pair<Series> required_spring_torque(const Parameters& p, const LinkMotion& motion) {
-  const Pair<Series> q = series_of(motion.q, motion.dq, motion.ddq);
-  const Pair<Series> dq = series_of(motion.dq, motion.ddq, motion.dddq);
-  const Pair<Series> ddq = series_of(motion.ddq, motion.dddq, motion.ddddq);
-  const MassMatrix<Series> m = mass_matrix(p, q[1]);
-  const Pair<Series> c = coriolis_torque(p, q, dq);
-  const Pair<Series> g = gravity_torque(p, q);
+Pair<Expansion> required_spring_torque(const Parameters& p, const LinkMotion& motion) {
+  const Pair<Expansion> q = series_of(motion.q, motion.dq, motion.ddq);
+  const Pair<Expansion> dq = series_of(motion.dq, motion.ddq, motion.dddq);
+  const Pair<Expansion> ddq = series_of(motion.ddq, motion.dddq, motion.ddddq);
+  const MassMatrix<Expansion> m = mass_matrix(p, q[1]);
+  const Pair<Expansion> c = coriolis_torque(p, q, dq);
+  const Pair<Expansion> g = gravity_torque(p, q);
   return {m.m11 * ddq[0] + m.m12 * ddq[1] + c[0] + p.link.damping[0] * dq[0] + g[0],
           m.m12 * ddq[0] + m.m22 * ddq[1] + c[1] + p.link.damping[1] * dq[1] + g[1]};
 }
@@ -28,7 +28,7 @@ Pair<Series> required_spring_torque(const Parameters& p, const LinkMotion& motio
 }  // namespace
 
 FlatPoint from_link_motion(const Parameters& p, const LinkMotion& motion) {
-  const Pair<Series> tau_c = required_spring_torque(p, motion);
+  const Pair<Expansion> tau_c = required_spring_torque(p, motion);
   FlatPoint point;
   point.state.q = motion.q;
   point.state.dq = motion.dq;
@@ -52,7 +52,7 @@ LinkMotion link_motion(const Parameters& p, const State<double>& state, const Pa
   const double determinant = m.m11 * m.m22 - m.m12 * m.m12;
   LinkMotion motion{state.q, state.dq, {}, {}, {}};
   const auto solve = [&](std::size_t derivative, const Pair<double>& spring_torque) {
-    const Pair<Series> lower = required_spring_torque(p, motion);
+    const Pair<Expansion> lower = required_spring_torque(p, motion);
     const double first = spring_torque[0] - lower[0].derivative(derivative);
     const double second = spring_torque[1] - lower[1].derivative(derivative);
     return Pair<double>{(m.m22 * first - m.m12 * second) / determinant, (m.m11 * second - m.m12 * first) / determinant};

@@ -30,6 +30,7 @@ using Clock = std::chrono::steady_clock;
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 constexpr int kCertificateRounds = 4;     // refinements of one solution for the sake of its certificate
+constexpr double kFinerRows = 0.25;       // of what linear interpolation between rows may miss, each time
 constexpr double kWorthFinishing = 0.02;  // relative distance from the best coarse objective that refining may make up
 constexpr int kMostFinished = 3;          // solutions refined to the end
 
@@ -192,7 +193,7 @@ class Planner {
     for (const Problem& problem : alternatives_) {
       if (no_way(problem).sentence.empty()) open.push_back(&problem);
     }
-    for (const Problem* problem : open) try_starts(*problem);
+    try_starts(open);
     for (const Problem* problem : open) {
       if (candidates_.empty() && !interrupted()) try_from_fastest(*problem);
     }
@@ -206,23 +207,38 @@ class Planner {
     plan_.timing["starts"] = seconds_since(start);
   }
 
-  void try_starts(const Problem& problem) {
-    const int count = options_.starts > 0 ? options_.starts : starts_worth_trying(problem.weights);
-    const Starts starts = starts_of(problem, count);
-    for (std::size_t i = 0; i < starts.guesses.size() && !interrupted(); ++i) {
-      if (i >= starts.always && !candidates_.empty()) break;
-      if (i >= starts.always) ++plan_.fallbacks.displaced_start;
-      try_start(problem, starts.guesses[i], fmt::format("start {} of {}", i + 1, std::max(i + 1, starts.always)));
+  // The alternatives take turns: what one of them came to tells how long the others are worth trying.
+  void try_starts(const std::vector<const Problem*>& open) {
+    constexpr int kGivenUp = 2;  // failures of an alternative's first starts, while another led somewhere
+    constexpr int kNeverGivenUp = -1;
+    const int count = options_.starts > 0 ? options_.starts : starts_worth_trying(problem_.weights);
+    std::vector<Starts> starts;
+    std::size_t most = 0;
+    for (const Problem* problem : open) {
+      starts.push_back(starts_of(*problem, count));
+      most = std::max(most, starts.back().guesses.size());
+    }
+    std::vector<int> failed(open.size(), 0);
+    for (std::size_t i = 0; i < most; ++i) {
+      for (std::size_t a = 0; a < open.size() && !interrupted(); ++a) {
+        if (i >= starts[a].guesses.size()) continue;
+        if (!candidates_.empty() && (i >= starts[a].always || failed[a] >= kGivenUp)) continue;
+        if (i >= starts[a].always) ++plan_.fallbacks.displaced_start;
+        const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, starts[a].always));
+        const bool met = try_start(*open[a], starts[a].guesses[i], label);
+        if (failed[a] >= 0) failed[a] = met ? kNeverGivenUp : failed[a] + 1;
+      }
     }
   }
 
-  void try_start(const Problem& problem, const Guess& guess, const std::string& label) {
+  // False when it led to no solution, known or new.
+  bool try_start(const Problem& problem, const Guess& guess, const std::string& label) {
     Continuation c = continuation(problem, label);
     const bool found = c.begin(guess, patience_, plan_.minima);
     ++plan_.starts;
     book(c);
     if (!found && (c.status() == SolveStatus::kOptimal || c.status() == SolveStatus::kAcceptable))
-      return;  // met before
+      return true;  // met before
     // What is much harder than what was found already is given up early; counted in iterations, so that it is the same
     // every time.
     if (found) patience_ = std::min(patience_, std::max(100, 2 * c.stages().front().iterations));
@@ -233,6 +249,7 @@ class Planner {
       failures_.push_back(c.status());
       if (!c.obstacle().empty()) obstacle_ = "; in the last attempt " + c.obstacle();
     }
+    return found;
   }
 
   SolveTools tools() {
@@ -318,9 +335,10 @@ class Planner {
 
   // True when a certified trajectory came of it.
   bool certify_and_refine(Continuation& c) {
+    double row_error = kRowVelocityError;
     for (int round = 0; round < kCertificateRounds && !interrupted(); ++round) {
       const auto start = Clock::now();
-      Trajectory trajectory = sample(problem_, c.solution().motion);
+      Trajectory trajectory = sample(problem_, c.solution().motion, row_error);
       if (trajectory.samples.size() > kMaxRows) {
         failure_ =
             fmt::format("the trajectory needs {} rows, more than the {} allowed: a longer sample_period would do",
@@ -332,8 +350,12 @@ class Planner {
       record(c, trajectory, certificate);
       plan_.timing["certificate"] += seconds_since(start);
       if (certificate.certified) return true;
-      // A limit that only the rows exceed wants a margin; a rest where the arm cannot rest, motion; the rest, accuracy.
-      if (!c.keep_margins(certificate.limits) && !c.creep() && !c.refine(rollout_errors(c, trajectory))) return false;
+      // A limit that only the rows exceed wants a margin; a rest where the arm cannot rest, motion; the rest, accuracy,
+      // of the solution and of the rows.
+      if (!c.keep_margins(certificate.limits) && !c.creep()) {
+        c.refine(rollout_errors(c, trajectory));
+        row_error *= kFinerRows;
+      }
       c.polish();
     }
     return false;

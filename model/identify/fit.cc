@@ -8,7 +8,6 @@ namespace fjr {
 namespace {
 
 constexpr double kOutlier = 6;          // robust standard deviations
-constexpr double kMadToSigma = 1.4826;  // for normally distributed values
 constexpr Eigen::Index kBlocks = 20;    // of neighbouring residuals
 constexpr double kUndetermined = 1e-9;  // relative pivot of a column-scaled Jacobian
 

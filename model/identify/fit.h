@@ -41,6 +41,7 @@ void allow_for_correlation(Fit& fit);
 std::vector<bool> inliers(std::span<const double> values, double floor);
 
 double median(std::vector<double> values);
+inline constexpr double kMadToSigma = 1.4826;  // median absolute deviation to sigma, for normally distributed values
 
 // Mean without outliers.
 struct Average {

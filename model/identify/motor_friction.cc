@@ -17,7 +17,7 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kFewestRows = 8, kFewestSpeeds = 8;
+constexpr std::size_t kFewestSpeedRows = 8, kFewestSpeeds = 8;
 constexpr double kShortest = 0.2;  // [s]  of a constant speed that nobody commands
 constexpr double kStanding = 1;    // standard errors of a speed that nobody commands: below that the motor may stand
 constexpr double kExactly = 1e-6;  // of a commanded speed: errors of rounding in the log
@@ -30,7 +30,7 @@ std::vector<Stretch> constant_speeds(const Log& log, int joint, const Parameters
   if (log.has(planned)) return commanded_stretches(log.column(planned));
   const auto rows = static_cast<std::size_t>(kShortest / sample_interval(log));
   return steady_stretches({velocity(log, joint, robot, rows / 4), {log.column(joint_column("tau", joint)), 0}},
-                          std::max(rows, kFewestRows));
+                          std::max(rows, kFewestSpeedRows));
 }
 
 // A drive whose measured speeds differ from the commanded ones by no more than their errors does what it is told: then
@@ -62,7 +62,7 @@ std::vector<FrictionPoint> averages(const Log& log, int joint, const Parameters&
   require_consistent_velocity(log, joint, robot, stretches);
   for (Stretch stretch : stretches) {
     stretch.from += static_cast<std::size_t>(kSkipped * static_cast<double>(stretch.rows()));
-    if (stretch.rows() < kFewestRows) continue;
+    if (stretch.rows() < kFewestSpeedRows) continue;
     const Speed speed = constant_speed(log, joint, robot, stretch);
     if (!commanded && std::abs(speed.mean) <= kStanding * speed.standard_error) continue;
     const Average torque = robust_mean(std::span(tau).subspan(stretch.from, stretch.rows()));

@@ -29,7 +29,7 @@ struct Response {
 // What the responses are of.
 enum class Measured { kVelocity, kPosition };
 
-constexpr std::size_t kFewestRows = 20, kFewestResponses = 2;
+constexpr std::size_t kFewestResponseRows = 20, kFewestResponses = 2;
 
 std::vector<Response> responses(const Log& log, int joint, const Parameters& robot, Measured measured) {
   const std::vector<double>& time = log.column("time");
@@ -41,7 +41,7 @@ std::vector<Response> responses(const Log& log, int joint, const Parameters& rob
   require_consistent_velocity(log, joint, robot, stretches);
   require_consistent_torque(log, joint, robot, found);
   for (const Push& push : found) {
-    if (push.rows.rows() < kFewestRows) continue;
+    if (push.rows.rows() < kFewestResponseRows) continue;
     Response r{push.u, {}, {}};
     const double origin = measured == Measured::kVelocity ? 0 : y[push.rows.from];
     for (std::size_t row = push.rows.from; row < push.rows.to; ++row) {
@@ -125,7 +125,8 @@ Fit fit_all(Measured measured, const std::vector<Response>& all, const Eigen::Ve
 
 double largest(const std::vector<Response>& all) {
   double most = 0;
-  for (const Response& r : all) most = std::max(most, std::abs(median({r.y.end() - kFewestRows / 2, r.y.end()})));
+  for (const Response& r : all)
+    most = std::max(most, std::abs(median({r.y.end() - kFewestResponseRows / 2, r.y.end()})));
   return most;
 }
 

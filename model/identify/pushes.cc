@@ -15,10 +15,10 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kFewestRows = 20;
-constexpr double kShortest = 0.1;  // [s]  of a push that nobody commands
-constexpr double kConsistent = 3;  // times or part of u: friction may have changed
-constexpr double kPushed = 0.1;    // of the largest torque: pushes that nobody commands are beyond that
+constexpr std::size_t kFewestPushRows = 20;
+constexpr double kShortestPush = 0.1;  // [s]  of a push that nobody commands
+constexpr double kConsistentPush = 3;  // times or part of u: friction may have changed
+constexpr double kPushed = 0.1;        // of the largest torque: pushes that nobody commands are beyond that
 
 // tau - tau_fm_nonlinear(dtheta): u of (26), by the friction known so far.
 std::vector<double> compensated_torque(const Log& log, int joint, const Parameters& robot, std::size_t window) {
@@ -37,10 +37,10 @@ std::vector<Push> pushes(const Log& log, int joint, const Parameters& robot) {
     for (const Stretch& s : commanded_stretches(log.column(planned))) found.push_back({log.column(planned)[s.from], s});
     return found;
   }
-  const auto rows = static_cast<std::size_t>(kShortest / sample_interval(log));
+  const auto rows = static_cast<std::size_t>(kShortestPush / sample_interval(log));
   const std::vector<double> u = compensated_torque(log, joint, robot, rows / 4);
   double largest = 0;
-  for (const Stretch& s : steady_stretches({{u, 0}}, std::max(rows, kFewestRows))) {
+  for (const Stretch& s : steady_stretches({{u, 0}}, std::max(rows, kFewestPushRows))) {
     found.push_back({robust_mean(std::span(u).subspan(s.from, s.rows())).mean, s});
     largest = std::max(largest, std::abs(found.back().u));
   }
@@ -52,13 +52,14 @@ void require_consistent_torque(const Log& log, int joint, const Parameters& robo
   const std::string name = joint_column("tau", joint);
   const std::vector<double>& tau = log.column(name);
   if (std::all_of(tau.begin(), tau.end(), [](double t) { return t == 0; })) return;  // not recorded
-  const std::vector<double> u = compensated_torque(log, joint, robot, kFewestRows);
+  const std::vector<double> u = compensated_torque(log, joint, robot, kFewestPushRows);
   std::vector<double> ratios;
   for (const Push& push : found) {
     const std::span<const double> part = std::span(u).subspan(push.rows.from, push.rows.rows());
     ratios.push_back(median({part.begin(), part.end()}) / push.u);
   }
-  require_plausible(log, fmt::format("{} less its friction in proportion to u", name), median(ratios), 1, kConsistent);
+  require_plausible(log, fmt::format("{} less its friction in proportion to u", name), median(ratios), 1,
+                    kConsistentPush);
 }
 
 }  // namespace fjr

@@ -18,13 +18,13 @@ namespace {
 
 // A reversal is taken as forgotten after this share of the largest deflection.
 constexpr double kForgotten = 0.15;
-constexpr std::size_t kFewest = 8;  // settled landings on a branch
+constexpr std::size_t kFewestLandings = 8;  // settled landings on a branch
 // The paper's, in the order of the staircase.
 constexpr std::array<std::pair<const char*, const char*>, 4> kBranches = {{{"0 to maximum", "#e377c2"},
                                                                            {"maximum to 0", "#2ca02c"},
                                                                            {"0 to minimum", "#d62728"},
                                                                            {"minimum to 0", "#111111"}}};
-constexpr std::size_t kFewestRows = 2;  // to be averaged
+constexpr std::size_t kFewestAveraged = 2;  // to be averaged
 
 std::span<const double> part(const std::vector<double>& values, std::size_t from, std::size_t to) {
   return std::span(values).subspan(from, to - from);
@@ -57,11 +57,11 @@ std::vector<Landing> settled_ones(const Log& log, const std::vector<Landing>& al
   std::copy_if(all.begin(), all.end(), std::back_inserter(settled), [](const Landing& l) { return l.settled; });
   const auto rising = static_cast<std::size_t>(
       std::count_if(settled.begin(), settled.end(), [](const Landing& l) { return l.rising; }));
-  if (rising < kFewest || settled.size() - rising < kFewest) {
+  if (rising < kFewestLandings || settled.size() - rising < kFewestLandings) {
     throw InputError(log.source, "",
                      fmt::format("{} rising and {} falling steps; at least {} of each are needed. Does `# period:` say "
                                  "how long a step takes?",
-                                 rising, settled.size() - rising, kFewest));
+                                 rising, settled.size() - rising, kFewestLandings));
   }
   return settled;
 }
@@ -145,7 +145,7 @@ std::vector<Landing> landings(const Log& log, int joint, std::vector<std::string
     const double end = schedule.start + step * schedule.period;
     const std::size_t first = row_at(end - schedule.average), to = row_at(end);
     if (first >= time.size()) break;
-    if (to - first < kFewestRows) continue;
+    if (to - first < kFewestAveraged) continue;
     const Average torque = robust_mean(part(tau, first, to));
     rejected += torque.rejected;
     all.push_back(

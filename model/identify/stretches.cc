@@ -9,10 +9,9 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kBlocks = 4;      // of the shortest stretch
-constexpr double kChanged = 5;          // standard deviations between the means of blocks
-constexpr double kExactly = 1e-6;       // of a signal's range: what a signal without noise may change
-constexpr double kMadToSigma = 1.4826;  // for normally distributed values
+constexpr std::size_t kStretchBlocks = 4;  // of the shortest stretch
+constexpr double kChanged = 5;             // standard deviations between the means of blocks
+constexpr double kStill = 1e-6;            // of a signal's range: what a signal without noise may change
 
 double mean(std::span<const double> values) {
   double sum = 0;
@@ -28,7 +27,7 @@ double allowed_change(const Signal& signal, std::size_t block) {
   const double sigma = kMadToSigma * median(std::move(differences)) / std::sqrt(2.0);
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const double by_noise = kChanged * sigma * std::sqrt(2.0 / static_cast<double>(block));
-  return std::max({by_noise, signal.resolution, kExactly * (*high - *low)});
+  return std::max({by_noise, signal.resolution, kStill * (*high - *low)});
 }
 
 }  // namespace
@@ -45,7 +44,7 @@ std::vector<Stretch> commanded_stretches(const std::vector<double>& planned) {
 }
 
 std::vector<Stretch> steady_stretches(const std::vector<Signal>& signals, std::size_t shortest) {
-  const std::size_t block = std::max<std::size_t>(shortest / kBlocks, 1), rows = signals.front().values.size();
+  const std::size_t block = std::max<std::size_t>(shortest / kStretchBlocks, 1), rows = signals.front().values.size();
   std::vector<double> allowed;
   for (const Signal& signal : signals) allowed.push_back(allowed_change(signal, block));
   const auto changed = [&](std::size_t a, std::size_t b) {

@@ -15,8 +15,8 @@ namespace {
 
 constexpr double kWhole = 0.01;       // of a count: how far from whole numbers of counts a differentiated angle is
 constexpr double kEnoughCounts = 20;  // turned, to compare with
-constexpr double kConsistent = 1.5;   // times or part of each other
-constexpr double kMostly = 0.98;      // of the samples
+constexpr double kConsistentVelocity = 1.5;  // times or part of each other
+constexpr double kMostSamples = 0.98;        // of the samples
 
 Fit line(std::span<const double> x, std::span<const double> y) {
   const auto m = static_cast<Eigen::Index>(x.size());
@@ -54,7 +54,7 @@ bool has_own_velocity(const Log& log, int joint, const Parameters& robot) {
     ++moving;
     whole += std::abs(counts) > 0.5 && std::abs(counts - std::round(counts)) < kWhole;
   }
-  return whole < kMostly * moving;
+  return whole < kMostSamples * moving;
 }
 
 Signal velocity(const Log& log, int joint, const Parameters& robot, std::size_t window) {
@@ -97,7 +97,7 @@ void require_consistent_velocity(const Log& log, int joint, const Parameters& ro
   }
   if (ratios.empty()) return;  // slow, or theta was not recorded
   require_plausible(log, fmt::format("{} in proportion to the change of {}", name, angle), median(ratios), 1,
-                    kConsistent);
+                    kConsistentVelocity);
 }
 
 }  // namespace fjr

@@ -19,6 +19,7 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
 extern template Analysis analyse_with<kPlain>(const Problem&, const Collocated&, double);
 extern template Analysis analyse_with<kRateControlled>(const Problem&, const Collocated&, double);
 extern template Analysis analyse_with<kWithTask>(const Problem&, const Collocated&, double);
+extern template Analysis analyse_with<kRateWithTask>(const Problem&, const Collocated&, double);
 extern template Analysis analyse_with<kEverything>(const Problem&, const Collocated&, double);
 
 // ---- the template's parts ----

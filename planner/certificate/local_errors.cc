@@ -9,7 +9,7 @@ namespace {
 
 // Mesh refinement compares these errors with shares of the exactness tolerance, 1e-4 rad: 1e-7 is ample.
 constexpr Accuracy kAccuracy{1e-7, 1e-9, 1e-8, 1e-8};
-constexpr double kCorner = 100;  // [N m/s]
+constexpr double kSteep = 100;  // [N m/s]
 
 State<double> infinite() {
   State<double> x;
@@ -31,7 +31,7 @@ std::vector<State<double>> local_errors(const Parameters& robot, const Trajector
   if (times.size() < 2) return errors;
   errors.reserve(times.size() - 1);
   Interpolator plan(trajectory);
-  const std::vector<double> corners = torque_corners(trajectory, kCorner);
+  const std::vector<double> corners = torque_corners(trajectory, kSteep);
   const Drive drive = Drive::open_loop(trajectory);
   Rollout rollout(robot, Limits{}, kAccuracy);
   rollout.limit_step(longest_step(trajectory));

@@ -52,7 +52,7 @@ TickController::Command TickController::command(double time, const Pair<double>&
 
 namespace {
 
-void raise(double& largest, double value) { largest = std::max(largest, std::abs(value)); }
+void keep_largest(double& largest, double value) { largest = std::max(largest, std::abs(value)); }
 
 // Errors are what the link encoders see of them.
 Tracking run_ticks(const Parameters& p, const Trajectory& trajectory) {
@@ -73,10 +73,10 @@ Tracking run_ticks(const Parameters& p, const Trajectory& trajectory) {
     const State<double> wanted = plan.at(next).state;
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double error = quantised(x.q[j], p.encoder.link_counts[j]) - wanted.q[j];
-      raise(t.link_error[j], error);
+      keep_largest(t.link_error[j], error);
       t.link_error_rms[j] += error * error / static_cast<double>(ticks);
-      raise(t.feedback_torque[j], command.feedback[j]);
-      raise(t.peak_torque[j], command.torque[j]);
+      keep_largest(t.feedback_torque[j], command.feedback[j]);
+      keep_largest(t.peak_torque[j], command.torque[j]);
     }
     t.saturated |= command.saturated;
   }

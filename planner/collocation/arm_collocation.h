@@ -18,6 +18,7 @@ namespace fjr {
 inline constexpr Features kPlain{};
 inline constexpr Features kRateControlled{.rate = true};
 inline constexpr Features kWithTask{.task_rows = 24};
+inline constexpr Features kRateWithTask{.rate = true, .task_rows = 24};
 inline constexpr Features kWithPeak{.task_rows = 24, .peak = true};
 inline constexpr Features kEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows), .peak = true};
 inline constexpr Features kElastic{.elastic = true};
@@ -34,11 +35,12 @@ auto with_features(const Problem& problem, Visit&& visit) {
       problem.weights.torque_rate > 0 || limits.torque_rate[0] < kNoLimit || limits.torque_rate[1] < kNoLimit;
   const std::size_t rows = count_of_rows(problem.task);
   const bool task = rows > 0 || problem.goal.any_free(), peak = problem.weights.peak_torque > 0;
-  const bool few = !rate && rows <= static_cast<std::size_t>(kWithTask.task_rows);
-  if (!task && !peak && few) return visit.template operator()<kPlain>();
+  const bool few = rows <= static_cast<std::size_t>(kWithTask.task_rows);
+  if (!task && !peak && !rate) return visit.template operator()<kPlain>();
   if (!task && !peak) return visit.template operator()<kRateControlled>();
-  if (few && !peak) return visit.template operator()<kWithTask>();
-  if (few) return visit.template operator()<kWithPeak>();
+  if (few && !peak && !rate) return visit.template operator()<kWithTask>();
+  if (few && !peak) return visit.template operator()<kRateWithTask>();
+  if (few && !rate) return visit.template operator()<kWithPeak>();
   return visit.template operator()<kEverything>();
 }
 
@@ -65,6 +67,8 @@ extern template Collocated collocate_with<kRateControlled>(const Problem&, const
                                                            const Collocated*, const SolveOptions&);
 extern template Collocated collocate_with<kWithTask>(const Problem&, const CollocationSetup&, const Guess*,
                                                      const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kRateWithTask>(const Problem&, const CollocationSetup&, const Guess*,
+                                                         const Collocated*, const SolveOptions&);
 extern template Collocated collocate_with<kWithPeak>(const Problem&, const CollocationSetup&, const Guess*,
                                                      const Collocated*, const SolveOptions&);
 extern template Collocated collocate_with<kEverything>(const Problem&, const CollocationSetup&, const Guess*,

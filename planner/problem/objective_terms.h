@@ -38,7 +38,7 @@ struct TermInfo {
   double size = 1;              // of what it adds up to in a second, roughly: what makes weights comparable
   int starts = 1;               // that it is worth trying: more where there are more minima
   bool sees_friction = false;   // through tau_m all the way: the friction law is sharpened in small steps
-  bool settles_torque = false;  // curved in tau_m: nothing else has to choose among torques that do the same
+  bool settles_torque = false;  // curved in tau_m or du/dt: nothing else has to choose among torques that do the same
   bool reward = false;
 };
 
@@ -103,8 +103,12 @@ struct Effort {
 // int (du/dt)^2 of the friction-compensated torque, whose rate is then the control (Features::rate in arm_ocp.h). Of
 // the motion instead of the rows, and infinite where u jumps.
 struct TorqueRate {
-  static constexpr TermInfo info{
-      .name = "torque_rate", .unit = "N^2 m^2/s", .weight = &Weights::torque_rate, .size = 1e4};
+  static constexpr TermInfo info{.name = "torque_rate",
+                                 .unit = "N^2 m^2/s",
+                                 .weight = &Weights::torque_rate,
+                                 .size = 1e4,
+                                 .starts = 4,
+                                 .settles_torque = true};
   static double published(const Published& p);
 };
 

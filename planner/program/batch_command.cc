@@ -39,7 +39,7 @@ constexpr std::size_t kMaxComplaints = 10;   // shown; all of them are in the su
 constexpr const char* kFailed = "failed";    // no plan.json: a crash, a full disk
 constexpr timespec kRedraw{0, 500'000'000};  // of the progress line while nothing happens
 
-struct Options {
+struct BatchArguments {
   std::vector<std::string> requests;
   std::string out, shard;
   std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
@@ -48,7 +48,7 @@ struct Options {
 };
 
 struct Batch {
-  const Options& options;
+  const BatchArguments& options;
   std::vector<BatchItem> items;
   std::vector<Row> rows;  // beside the items
   std::size_t earlier = 0, planned = 0;
@@ -261,7 +261,7 @@ void make_folder(const fs::path& folder) {
   if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", folder.string(), error.message()));
 }
 
-int run(const Options& options) {
+int run(const BatchArguments& options) {
   std::optional<Shard> shard;
   if (!options.shard.empty()) shard = parse_shard(options.shard);
   Batch batch{options, collect_items(options.requests, options.out), {}};
@@ -275,7 +275,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_batch(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<BatchArguments>();
   CLI::App* command = app.add_subcommand(
       "batch", "Plan many requests in parallel; run again after an interruption, it plans what is not finished");
   command

@@ -18,7 +18,7 @@
 namespace fjr {
 namespace {
 
-struct Options {  // what the command line says goes before the configuration
+struct ExecutorArguments {  // what the command line says goes before the configuration
   std::string config, robot, true_robot, robot_id, state, logs;
   int domain = -1;
   std::vector<double> start;
@@ -26,7 +26,7 @@ struct Options {  // what the command line says goes before the configuration
   bool hysteresis = false, fast = false;
 };
 
-ExecutorConfig config_of(const Options& options) {
+ExecutorConfig config_of(const ExecutorArguments& options) {
   ExecutorConfig config = options.config.empty() ? default_executor_config() : load_executor_config(options.config);
   if (!options.robot.empty()) config.robot = options.robot;
   if (!options.true_robot.empty()) config.true_robot = options.true_robot;
@@ -50,7 +50,7 @@ void check_start(const ExecutorConfig& config, const Parameters& robot) {
   }
 }
 
-int execute(const Options& options) {
+int execute(const ExecutorArguments& options) {
   block_ending_signals();  // before any other thread is started
   log_to_stderr();
   const ExecutorConfig config = config_of(options);
@@ -68,7 +68,7 @@ int execute(const Options& options) {
 }  // namespace
 
 void add_executor(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExecutorArguments>();
   CLI::App* command = app.add_subcommand("executor", "Run received trajectories on the simulated arm, until SIGTERM");
   command->add_option("--config", options->config, "Configuration; without it the defaults")
       ->type_name("EXECUTOR.yaml");

@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct ExperimentArguments {
   std::string name, out, robot, rig;
   int joint = 0;  // 1 or 2; 0: not given
   bool ideal = false, slow = false;
@@ -42,7 +42,7 @@ void override_with(Pair<double>& pair, const std::string& option, const std::vec
 }
 
 // The most particular has the last word: options, then rig.yaml, then --ideal.
-RigSetup setup_of(const Options& options) {
+RigSetup setup_of(const ExperimentArguments& options) {
   const Parameters robot = load_bare_parameters(options.robot.empty() ? default_robot_file() : fs::path(options.robot));
   RigSetup setup{options.ideal ? Rig::ideal(robot) : Rig::of(robot),
                  Experiments::of_paper(options.ideal || options.slow)};
@@ -69,7 +69,7 @@ void perform_one(const RigSetup& setup, const std::string& name, int joint, cons
   fmt::print("{}: {} rows, {:.6g} s\n", file.string(), log.rows(), record.time.back());
 }
 
-void perform_all(const Options& options, const RigSetup& setup) {
+void perform_all(const ExperimentArguments& options, const RigSetup& setup) {
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", options.out, error.message()));
@@ -80,7 +80,7 @@ void perform_all(const Options& options, const RigSetup& setup) {
   }
 }
 
-int run(const Options& options) {
+int run(const ExperimentArguments& options) {
   catch_interrupts();
   const RigSetup setup = setup_of(options);
   if (options.name == "all") {
@@ -96,7 +96,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_experiment(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ExperimentArguments>();
   CLI::App* command = app.add_subcommand("experiment", "Perform an experiment on the virtual rig and write its log");
   std::vector<std::string> names(std::begin(kExperiments), std::end(kExperiments));
   names.emplace_back("all");

@@ -13,12 +13,12 @@
 namespace fjr {
 namespace {
 
-struct Options {
+struct HaltArguments {
   HaltOptions halt;
   bool json = false;
 };
 
-int run(ExecutorCommand command, const Options& options) {
+int run(ExecutorCommand command, const HaltArguments& options) {
   const ExecutorState state = halt(command, options.halt);
   const bool stopped = state.mode == ExecutorMode::kStopped;
   if (options.json) {
@@ -33,7 +33,7 @@ int run(ExecutorCommand command, const Options& options) {
 }
 
 void add(CLI::App& app, int& exit_code, ExecutorCommand what, const std::string& name, const std::string& does) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<HaltArguments>();
   CLI::App* command = app.add_subcommand(name, does);
   command->add_option("--robot-id", options->halt.robot_id, "Name of the arm on DDS")->capture_default_str();
   command->add_option("--domain", options->halt.domain, "DDS domain")->check(CLI::Range(0, 230));

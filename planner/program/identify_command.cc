@@ -27,7 +27,7 @@ namespace fs = std::filesystem;
 // In the order of section IV.
 constexpr const char* kProcedures[] = {"stiffness", "gravity", "link_inertia", "motor_friction", "motor_inertia"};
 
-struct Options {
+struct IdentifyArguments {
   std::string name, out, report, robot;
   std::vector<std::string> logs, columns;
   int joint = 0;  // 1 or 2; 0: as the log says
@@ -46,7 +46,7 @@ ColumnNames renamed_columns(const std::vector<std::string>& pairs) {
   return renamed;
 }
 
-int joint_of(const Log& log, const Options& options) {
+int joint_of(const Log& log, const IdentifyArguments& options) {
   const double joint = options.joint != 0 ? options.joint : log.number("joint", 0);
   if (joint == 1 || joint == 2) return static_cast<int>(joint) - 1;
   throw InputError(log.source, "# joint", "is missing or neither 1 nor 2; --joint says it too");
@@ -86,7 +86,7 @@ nlohmann::ordered_json json_of(const Estimate& e) {
   return json;
 }
 
-std::vector<Estimate> from_logs(const Options& options, const Parameters& robot) {
+std::vector<Estimate> from_logs(const IdentifyArguments& options, const Parameters& robot) {
   std::vector<Estimate> estimates;
   for (const std::string& file : options.logs) {
     const Log log = read_log(file, renamed_columns(options.columns));
@@ -95,7 +95,7 @@ std::vector<Estimate> from_logs(const Options& options, const Parameters& robot)
   return estimates;
 }
 
-std::vector<Estimate> from_folder(const Options& options, const Parameters& robot) {
+std::vector<Estimate> from_folder(const IdentifyArguments& options, const Parameters& robot) {
   if (options.logs.size() != 1 || !fs::is_directory(options.logs.front())) {
     throw InputError(options.logs.front(), "", "'all' needs one folder with <experiment>_<joint>.csv");
   }
@@ -111,7 +111,7 @@ std::vector<Estimate> from_folder(const Options& options, const Parameters& robo
   return estimates;
 }
 
-void write_robot(const Options& options, const fs::path& base, const std::vector<Estimate>& estimates) {
+void write_robot(const IdentifyArguments& options, const fs::path& base, const std::vector<Estimate>& estimates) {
   if (options.out.empty()) return;
   const Parameters robot = load_bare_parameters(base);
   // What is unphysical is said now, not when somebody plans with it, and the file that may be there already stays.
@@ -122,12 +122,12 @@ void write_robot(const Options& options, const fs::path& base, const std::vector
 }
 
 // Of a whole identification the report stands beside robot.yaml; otherwise it is written where asked.
-fs::path report_file(const Options& options) {
+fs::path report_file(const IdentifyArguments& options) {
   if (!options.report.empty() || options.name != "all" || options.out.empty()) return options.report;
   return fs::path(options.out).replace_extension(".html");
 }
 
-int run(const Options& options) {
+int run(const IdentifyArguments& options) {
   const fs::path base = options.robot.empty() ? default_robot_file() : fs::path(options.robot);
   const Parameters robot = load_bare_parameters(base);
   const std::vector<Estimate> estimates =
@@ -151,7 +151,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_identify(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<IdentifyArguments>();
   CLI::App* command = app.add_subcommand("identify", "Identify parameters from logs and write robot.yaml");
   std::vector<std::string> names(std::begin(kProcedures), std::end(kProcedures));
   names.emplace_back("all");

@@ -32,7 +32,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct PlanArguments {
   std::vector<std::string> requests;
   std::string out;
   bool json = false;
@@ -57,7 +57,7 @@ struct Outcome {
   std::string summary;  // for people; empty for a refusal, which went to stderr
 };
 
-std::vector<Job> jobs_of(const Options& options) {
+std::vector<Job> jobs_of(const PlanArguments& options) {
   std::vector<Job> jobs;
   std::set<std::string> names;
   for (const std::string& request : options.requests) {
@@ -73,7 +73,7 @@ std::vector<Job> jobs_of(const Options& options) {
   return jobs;
 }
 
-void load(Job& job, const Options& options) {
+void load(Job& job, const PlanArguments& options) {
   try {
     Problem problem = load_request(job.request, default_robot_file());
     if (!options.warm.empty()) {
@@ -89,7 +89,7 @@ void load(Job& job, const Options& options) {
 void complain(const std::string& problem) { fmt::print(stderr, "fjr: {}\n", problem); }
 
 // Returns what was written, for people.
-std::string write_trajectory(const Job& job, const Options& options, Plan& plan) {
+std::string write_trajectory(const Job& job, const PlanArguments& options, Plan& plan) {
   const bool certified = plan.status == PlanStatus::kCertified;
   if (!plan.trajectory || (!certified && !options.settings.keep_uncertified)) return "";
   const fs::path file = job.folder / (certified ? "trajectory.csv" : "trajectory.uncertified.csv");
@@ -107,7 +107,7 @@ Outcome refuse(const Job& job) {
   return outcome;
 }
 
-Plan solve(const Job& job, const Options& options) {
+Plan solve(const Job& job, const PlanArguments& options) {
   ProgressLine line(job.name());
   PlanOptions plan_options = options.settings.plan;
   plan_options.on_progress = [&line](const Progress& progress) { line.show(progress); };
@@ -117,7 +117,7 @@ Plan solve(const Job& job, const Options& options) {
 }
 
 // A contradiction found only while planning is told on stderr like the others.
-Outcome make_plan(const Job& job, const Options& options) {
+Outcome make_plan(const Job& job, const PlanArguments& options) {
   Plan result;
   if (interrupted()) {
     result.status = PlanStatus::kCancelled;
@@ -149,7 +149,7 @@ bool orphaned(pid_t parent) {
   return ::getppid() != parent;
 }
 
-int run(const Options& options) {
+int run(const PlanArguments& options) {
   if (orphaned(options.parent)) return exit_code(PlanStatus::kCancelled);
   catch_interrupts();
   std::vector<Job> jobs = jobs_of(options);
@@ -179,7 +179,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_plan(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<PlanArguments>();
   CLI::App* command = app.add_subcommand("plan", "Plan requests and write certified trajectories");
   command->add_option("requests", options->requests, "Request files")->required()->type_name("REQUEST.yaml");
   command->add_option("--out", options->out, "Folder of the results; of several requests each gets a folder in it")

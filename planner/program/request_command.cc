@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct RequestArguments {
   std::string request;  // a file, or the folder of an earlier request
   std::string out;
   std::string robot_id;
@@ -50,7 +50,7 @@ std::string hash_of_named_robot(const Order& order, const fs::path& folder) {
   return robot ? robot_hash(load_parameters(folder / robot->text())) : "";
 }
 
-Order order_of(const Options& options) {
+Order order_of(const RequestArguments& options) {
   Order order;
   order.id = new_client();
   order.priority = options.priority;
@@ -60,7 +60,7 @@ Order order_of(const Options& options) {
 }
 
 // What was planned before is executed as it is.
-Order load_earlier(const Options& options) {
+Order load_earlier(const RequestArguments& options) {
   if (!options.execute) {
     throw InputError(options.request, "", "is a folder; --execute has its trajectory executed, planning needs a file");
   }
@@ -72,7 +72,7 @@ Order load_earlier(const Options& options) {
   return order;
 }
 
-Order load_order(const Options& options) {
+Order load_order(const RequestArguments& options) {
   std::error_code error;
   if (fs::is_directory(options.request, error)) return load_earlier(options);
   const fs::path file = options.request;
@@ -107,7 +107,7 @@ std::string json_of(const Order& order, const Reply& reply) {
   return json_text(json);
 }
 
-void store(const Options& options, const Order& order, const Reply& reply) {
+void store(const RequestArguments& options, const Order& order, const Reply& reply) {
   if (options.out.empty()) return;
   const fs::path folder = options.out;
   if (!reply.rows.empty()) {
@@ -119,7 +119,7 @@ void store(const Options& options, const Order& order, const Reply& reply) {
   write_file(folder / "plan.json", json_of(order, reply));
 }
 
-std::string summary(const Options& options, const Reply& reply, double elapsed) {
+std::string summary(const RequestArguments& options, const Reply& reply, double elapsed) {
   std::string text = fmt::format("{}: {}\n", fs::path(options.request).stem().string(), name(status_of(reply)));
   if (!reply.rows.empty()) {
     text += fmt::format("  duration    {:.6g} s, {} rows\n", reply.rows.back().time, reply.rows.size());
@@ -154,7 +154,7 @@ std::string summary(const ExecutionResult& r) {
   return text;
 }
 
-Answer ask(const Options& options, const Order& order) {
+Answer ask(const RequestArguments& options, const Order& order) {
   ProgressLine line(fs::path(order.name).stem().string());
   ClientOptions client = options.client;
   client.on_progress = [&line](const ProgressReport& report) { line.show(report.progress); };
@@ -166,7 +166,7 @@ Answer ask(const Options& options, const Order& order) {
   return request_plan(order, client);
 }
 
-int run(const Options& options) {
+int run(const RequestArguments& options) {
   catch_interrupts();
   if (!options.out.empty()) prepare_folder(options.out);
   const Order order = load_order(options);
@@ -189,7 +189,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_request(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<RequestArguments>();
   CLI::App* command = app.add_subcommand("request", "Have a request planned by the service and store the results");
   command
       ->add_option("request", options->request,

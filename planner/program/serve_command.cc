@@ -17,14 +17,14 @@
 namespace fjr {
 namespace {
 
-struct Options {
+struct ServeArguments {
   std::string config;
   int domain = -1;  // < 0: as configured
   int workers = 0;  // 0: as configured
   bool insecure_network = false;
 };
 
-int serve(const Options& options) {
+int serve(const ServeArguments& options) {
   block_ending_signals();  // before any other thread is started
   ::signal(SIGPIPE, SIG_IGN);
   log_to_stderr();
@@ -51,7 +51,7 @@ int work(const WorkerSettings& settings) {
 }  // namespace
 
 void add_serve(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ServeArguments>();
   CLI::App* command = app.add_subcommand("serve", "Plan for others: the planning service on DDS, until SIGTERM");
   command->add_option("--config", options->config, "Configuration; without it the defaults")->type_name("SERVICE.yaml");
   command->add_option("--domain", options->domain, "DDS domain")->check(CLI::Range(0, 230));

@@ -14,7 +14,7 @@
 namespace fjr {
 namespace {
 
-struct Options {
+struct StatusArguments {
   unsigned domain = 0;
   double wait = 1;
   bool json = false;
@@ -92,7 +92,7 @@ nlohmann::ordered_json show(const List& list, bool json) {
   return all;
 }
 
-int run(const Options& options) {
+int run(const StatusArguments& options) {
   const Overview found = overview(options.domain, options.wait);
   nlohmann::ordered_json all;
   all["services"] = show(found.services, options.json);
@@ -106,7 +106,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_status(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<StatusArguments>();
   CLI::App* command = app.add_subcommand("status", "Show how the planning services and executors on DDS are doing");
   command->add_option("--domain", options->domain, "DDS domain")->check(CLI::Range(0, 230));
   command->add_option("--wait", options->wait, "How long to listen, in seconds")

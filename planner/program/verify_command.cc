@@ -15,7 +15,7 @@
 namespace fjr {
 namespace {
 
-struct Options {
+struct VerifyArguments {
   std::string trajectory;
   std::string robot;            // empty: the default
   std::vector<double> payload;  // empty: the robot's own
@@ -23,7 +23,7 @@ struct Options {
 };
 
 // The verdict is about the robot given here; that the file was made for another one is worth knowing.
-void warn_of_other_robot(const Options& options, const Trajectory& trajectory, const std::string& hash) {
+void warn_of_other_robot(const VerifyArguments& options, const Trajectory& trajectory, const std::string& hash) {
   const auto planned_for = trajectory.metadata.find("robot_hash");
   if (planned_for == trajectory.metadata.end() || planned_for->second == hash) return;
   fmt::print(stderr, "fjr: warning: {} was planned for another robot (robot_hash {}, this robot's is {}) or payload\n",
@@ -45,7 +45,8 @@ std::string end_of(const Trajectory& trajectory, const Certificate& certificate)
   return fmt::format("ends MOVING, links at {:.4g} and {:.4g} rad/s", dq[0], dq[1]);
 }
 
-std::string text_for_people(const Options& options, const Trajectory& trajectory, const Certificate& certificate) {
+std::string text_for_people(const VerifyArguments& options, const Trajectory& trajectory,
+                            const Certificate& certificate) {
   return fmt::format("{}: {} against the robot's limits ({} rows, {:.6g} s, {})\n{}", options.trajectory,
                      certificate.certified ? "certified" : "certificate failed", trajectory.samples.size(),
                      trajectory.end_time() - trajectory.start_time(), end_of(trajectory, certificate),
@@ -58,7 +59,7 @@ std::string text_for_machines(const Certificate& certificate, const std::string&
   return json_text(json);
 }
 
-int run(const Options& options) {
+int run(const VerifyArguments& options) {
   Parameters robot =
       load_parameters(options.robot.empty() ? default_robot_file() : std::filesystem::path(options.robot));
   if (!options.payload.empty())
@@ -76,7 +77,7 @@ int run(const Options& options) {
 }  // namespace
 
 void add_verify(CLI::App& app, int& exit_code) {
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<VerifyArguments>();
   CLI::App* command = app.add_subcommand("verify", "Certify a trajectory file: exactness and the robot's limits");
   command->add_option("trajectory", options->trajectory, "Trajectory file")->required()->type_name("TRAJECTORY.csv");
   command->add_option("--robot", options->robot, "Robot file; without it the one shipped with fjr")->type_name("R");

@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "planner/collocation/creep.h"
 #include "planner/collocation/margins.h"
 #include "planner/collocation/refinement.h"
 #include "planner/collocation/segments.h"
+#include "planner/problem/arm_ocp.h"
 #include "planner/trajectory/objective.h"
 
 namespace fjr {
@@ -42,6 +44,36 @@ constexpr int kEagerRounds = 2;
 constexpr double kKeepAtLast = 0.2;
 constexpr double kUnfeltGrowth = 8;  // of a margin that the optimiser did not feel
 constexpr int kCreepRounds = 3;
+constexpr double kLargestTrace = 0.05;  // share of the objective: what it costs is of second order in that
+constexpr double kFade = 0.5;           // of that, where it has to be reduced
+constexpr int kFadeRounds = 4;
+
+// The error that intervals must exceed to be the few that make most of the sum, or the many where many make it.
+double bulk_of(std::vector<double> errors) {
+  constexpr double kOthers = 0.2;  // share of the sum that the others make
+  const double sum = std::accumulate(errors.begin(), errors.end(), 0.0);
+  std::sort(errors.begin(), errors.end());
+  double others = 0;
+  for (const double error : errors) {
+    others += error;
+    if (others > kOthers * sum) return error * (1 - 1e-9);
+  }
+  return kNoLimit;
+}
+
+// int u^2 [N^2 m^2 s]
+double squared_torque(const Motion& motion) {
+  double sum = 0;
+  for (std::size_t k = 0; k < motion.intervals.size(); ++k) {
+    const auto& interval = motion.intervals[k];
+    const double weights[] = {1.0 / 6, 4.0 / 6, 1.0 / 6};  // Simpson's rule
+    for (int i = 0; i < 3; ++i) {
+      const Pair<double> u = motion.torque_in(k, interval.start + 0.5 * i * interval.duration);
+      sum += weights[i] * interval.duration * (u[0] * u[0] + u[1] * u[1]);
+    }
+  }
+  return sum;
+}
 
 // Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
 int coarse_intervals(const Problem& problem, double duration) {
@@ -135,7 +167,9 @@ bool Continuation::reach_level(const Smoothing& level, int halvings) {
 bool Continuation::follow_levels() {
   Collocated best = solution_;
   double least = published_objective(*problem_, best);
+  const double width = solution_.setup.smoothing.friction_width;
   for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
+    if (levels(*problem_)[i].friction_width >= width) continue;
     if (!reach_level(levels(*problem_)[i], kHalvings)) break;
     const double objective = published_objective(*problem_, solution_);
     // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
@@ -145,7 +179,23 @@ bool Continuation::follow_levels() {
     }
   }
   solution_ = std::move(best);
-  return status_ != SolveStatus::kStopped;
+  return status_ != SolveStatus::kStopped && fade_trace();
+}
+
+// Where the objective comes to much less than its weights let expect, the trace of effort that chooses among torques
+// would outweigh it: that is reduced until it is small beside the objective.
+bool Continuation::fade_trace() {
+  if (settles_torque(problem_->weights)) return true;
+  for (int round = 0; round < kFadeRounds; ++round) {
+    Smoothing level = solution_.setup.smoothing;
+    const double weight = make_arm_ocp<Features{}>(*problem_, level.regularisation).regularisation;
+    const double trace = weight * squared_torque(solution_.motion);
+    const double objective = std::abs(solution_.report.objective - trace);
+    if (!(trace > kLargestTrace * objective)) return true;
+    level.regularisation *= std::max(kFade * kLargestTrace * objective / trace, 1e-3);
+    if (!reach_level(level, kHalvings)) return status_ != SolveStatus::kStopped;
+  }
+  return true;
 }
 
 bool Continuation::begin(const Guess& guess, int most_iterations, const std::vector<double>& known) {
@@ -233,7 +283,7 @@ bool Continuation::attempt_anew(const std::string& what, const CollocationSetup&
 }
 
 bool Continuation::refine(const std::vector<double>& errors) {
-  const CollocationSetup setup = refined(solution_.setup, errors, settings_.mesh_tolerance);
+  const CollocationSetup setup = refined(solution_.setup, errors, std::min(settings_.mesh_tolerance, bulk_of(errors)));
   if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
   return attempt_or_forget(fmt::format("{}, {} intervals", label, setup.mesh.size()), setup);
 }
@@ -304,7 +354,7 @@ bool Continuation::resume(const Collocated& neighbour) {
   // What was fitted to the other problem and may not suit this one.
   CollocationSetup& setup = solution_.setup;
   setup.creep.clear();
-  setup.smoothing.regularisation = levels(*problem_).back().regularisation;
+  setup.smoothing.regularisation = std::min(setup.smoothing.regularisation, levels(*problem_).back().regularisation);
   if (!sees_friction(problem_->weights)) setup.smoothing.friction_width = levels(*problem_).back().friction_width;
   const std::size_t limits = limit_scales(*problem_).size();
   if (limits > Limits::kCount || (!setup.margins.empty() && setup.margins.front().size() != limits)) {

@@ -51,8 +51,9 @@ class Continuation {
   // From there to the exact problem, on a mesh and with margins that suit it. False when no usable solution is left.
   bool finish();
 
-  // Splits the intervals whose given errors [rad] exceed the mesh tolerance, or whose limits are exceeded by much, and
-  // solves again. False when there was nothing to split or no solution; the last solution stays.
+  // Splits the intervals whose given errors [rad] exceed the mesh tolerance or make most of their sum, or whose limits
+  // are exceeded by much, and solves again. False when there was nothing to split or no solution; the last solution
+  // stays.
   bool refine(const std::vector<double>& errors);
 
   // Solves again with finer intervals and margins until the mesh is good enough and every limit holds between the
@@ -80,6 +81,7 @@ class Continuation {
 
  private:
   bool cold(const Guess& guess, int most_iterations);
+  bool fade_trace();
   bool reach_level(const Smoothing& level, int halvings);
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
   bool attempt_or_forget(const std::string& what, const CollocationSetup& setup);

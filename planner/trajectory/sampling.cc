@@ -8,18 +8,15 @@
 namespace fjr {
 namespace {
 
-// What linear interpolation between two rows may do to a motor's velocity [rad/s] by missing the torque's impulse. Half
-// a count of the link encoder is 5e-5 rad; the slowest motor forgets a velocity error within 0.14 s (J1/B1), and
-// hundreds of rows do not all err to one side.
-constexpr double kVelocityError = 1e-4;
 constexpr double kShortestPiece = 2e-5;  // [s] passages shorter than this are steps to the motors
 constexpr int kProbes = 8;               // points at which a piece is compared with its chord
 
 class Sampler {
  public:
-  Sampler(const Problem& problem, const Motion& motion)
+  Sampler(const Problem& problem, const Motion& motion, double velocity_error)
       : problem_(problem),
         motion_(motion),
+        velocity_error_(velocity_error),
         friction_{FrictionLaw::of(problem.robot, 0), FrictionLaw::of(problem.robot, 1)} {}
 
   Trajectory rows() {
@@ -30,7 +27,7 @@ class Sampler {
       const double multiple = static_cast<double>(i) * period;
       const double to = multiple < end - 2 * kJumpSpacing ? multiple : end;
       between(from, to);
-      add(row(interval_before(to), to));
+      add_row_at(to);
       from = to;
     }
     return std::move(trajectory_);
@@ -63,6 +60,23 @@ class Sampler {
     if (samples.empty() || s.time > samples.back().time + 0.5 * kJumpSpacing) samples.push_back(s);
   }
 
+  // An ordinary row. Where the torque jumps there, it is half way between rows on both sides, so that the jump is
+  // neither early nor late: half a microsecond times a hundred jumps to the same side would be too much.
+  void add_row_at(double time) {
+    const std::size_t k = interval_before(time);
+    Sample here = row(k, time);
+    if (k + 1 < motion_.intervals.size()) {
+      const double node = motion_.intervals[k + 1].start;
+      if (std::abs(node - time) < kJumpSpacing && jumps(k, node)) {
+        const double done = std::clamp(0.5 - (node - time) / kJumpSpacing, 0.0, 1.0);
+        const Pair<double> after = torque(k + 1, node);
+        for (std::size_t j = 0; j < kJoints; ++j) here.torque[j] += done * (after[j] - here.torque[j]);
+        add(row(k, time - kJumpSpacing));
+      }
+    }
+    add(here);
+  }
+
   // Everything strictly between two ordinary rows: the mesh's nodes cut the stretch into smooth pieces.
   void between(double from, double to) {
     double start = from;
@@ -72,7 +86,7 @@ class Sampler {
       const double node = motion_.intervals[k + 1].start;
       if (node >= to - kJumpSpacing) break;
       if (node - start < kJumpSpacing) {
-        if (jumps(k, node)) add(row(k + 1, std::max(start, node) + kJumpSpacing));
+        if (jumps(k, node)) add(row(k + 1, start + kJumpSpacing));
         continue;
       }
       if (!jumps(k, node)) continue;
@@ -89,7 +103,7 @@ class Sampler {
     // The chord over the next row would lose up to jump * period / 2 of impulse.
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double impulse = std::abs(after[j] - before[j]) * problem_.sample_period / 2;
-      if (impulse > kVelocityError * problem_.robot.motor.inertia[j]) return true;
+      if (impulse > velocity_error_ * problem_.robot.motor.inertia[j]) return true;
     }
     return false;
   }
@@ -112,7 +126,7 @@ class Sampler {
         }
       }
     }
-    if (std::max(impulse[0], impulse[1]) <= kVelocityError) return;
+    if (std::max(impulse[0], impulse[1]) <= velocity_error_) return;
     split = std::clamp(split, from + kShortestPiece, to - kShortestPiece);
     smooth(from, split);
     add(row(motion_.interval_at(split), split));
@@ -122,12 +136,15 @@ class Sampler {
 
   const Problem& problem_;
   const Motion& motion_;
+  double velocity_error_;  // [rad/s] that linear interpolation of the torque between two rows may make
   Pair<FrictionLaw> friction_;
   Trajectory trajectory_;
 };
 
 }  // namespace
 
-Trajectory sample(const Problem& problem, const Motion& motion) { return Sampler(problem, motion).rows(); }
+Trajectory sample(const Problem& problem, const Motion& motion, double velocity_error) {
+  return Sampler(problem, motion, velocity_error).rows();
+}
 
 }  // namespace fjr

@@ -126,6 +126,15 @@ TEST(Objective, LeastJerkIsNearlyThatOfTheQuintic) {
   EXPECT_LT(slow.terms.at("link_jerk"), 1.02 * quintic);
 }
 
+// Whoever has longer may do the same, later or slower. A trace of effort that outweighed the term would not let it:
+// with one, the longer motion took 1.8 times as much.
+TEST(Objective, TorqueRateNeedsNoMoreInALongerTime) {
+  const std::string least = "objective: {torque_rate: 1}\n";
+  const Plan shorter = planned("duration: 0.8\n" + least), longer = planned("duration: 1.6\n" + least);
+  // The optimum of both takes as much where waiting is best; the optimiser ends within its tolerance of it.
+  EXPECT_LE(longer.terms.at("torque_rate"), 1.001 * shorter.terms.at("torque_rate"));
+}
+
 // Copper losses are effort with a weight per joint: equal coefficients make them the same problem, though with another
 // scale the optimiser may end in another of its minima, which lie some per cent apart.
 TEST(Objective, CopperWithEqualCoefficientsIsEffort) {

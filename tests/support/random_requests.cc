@@ -170,7 +170,12 @@ std::string numbers(const Pair<double>& pair) { return fmt::format("[{:.17g}, {:
 // The request's parts, in the order in which they are drawn.
 class Writer {
  public:
-  Writer(const Parameters& robot, std::uint64_t seed) : robot_(robot), draw_(seed) {}
+  Writer(const Parameters& robot, std::uint64_t seed) : robot_(robot), draw_(seed) {
+    if (!draw_.chance(0.15)) return;
+    robot_.payload = {draw_.magnitude(0.02, 0.5), draw_.between(0, 1e-3)};
+    tell("payload");
+    add("payload: {{mass: {:.17g}, inertia: {:.17g}}}", robot_.payload.mass, robot_.payload.inertia);
+  }
 
   RandomRequest write() {
     const double kind = draw_.between(0, 1);
@@ -197,8 +202,7 @@ class Writer {
     }
     add_task();
     if (draw_.chance(0.3)) add_limits();
-    const std::array<double, 6> periods{0.001, 0.001, 0.001, 0.0005, 0.002, 0.004};
-    add("sample_period: {}", periods[static_cast<std::size_t>(draw_.whole(0, 5))]);
+    add("sample_period: {:.6g}", draw_.chance(0.5) ? 0.001 : draw_.magnitude(0.0005, 0.005));
     return {kind_, yaml_, witness_.duration};
   }
 
@@ -251,7 +255,7 @@ class Writer {
     bool exact = false;
     if (kind < 0.45) {  // fixed; whoever rests can wait first
       exact = !(ends.rest_at_start || ends.rest_at_goal) || draw_.chance(0.5);
-      const double duration = witness_.duration * (exact ? 1 : draw_.between(1, 2));
+      const double duration = witness_.duration * (exact ? 1 : draw_.magnitude(1, 4));
       tell("fixed");
       add("duration: {:.17g}", duration);
     } else if (kind < 0.65) {
@@ -265,14 +269,24 @@ class Writer {
 
   void add_objective(bool fixed) {
     const std::string time = fixed ? "" : "time: 1, ";
-    const int kind = draw_.whole(fixed ? 1 : 0, 5);
-    const char* const names[] = {"fastest", "gentle", "efficient", "effort", "accelerations", "rates"};
+    const int kind = !fixed && draw_.chance(0.3) ? 0 : draw_.whole(1, 10);
+    const char* const names[] = {"fastest", "gentle", "efficient", "effort", "accelerations", "rates",
+                                 "jerk",    "energy", "copper",    "peak",   "mixed"};
     tell(names[kind]);
     if (kind < 3) return add("objective: {}", names[kind]);
     if (kind == 3) return add("objective: {{{}effort: {:.3g}}}", time, draw_.magnitude(1e-3, 1));
     if (kind == 4) return add("objective: {{{}link_acceleration: {:.3g}}}", time, draw_.magnitude(1e-5, 1e-2));
-    add("objective: {{{}effort: {:.3g}, torque_rate: {:.3g}}}", time, draw_.magnitude(1e-3, 1),
-        draw_.magnitude(1e-8, 1e-4));
+    if (kind == 6) return add("objective: {{{}link_jerk: {:.3g}}}", time, draw_.magnitude(1e-8, 1e-4));
+    if (kind == 7) return add("objective: {{{}energy: {:.3g}}}", time, draw_.magnitude(1e-2, 1));
+    if (kind == 8) return add("objective: {{{}copper: {:.3g}}}", time, draw_.magnitude(1e-3, 1));
+    if (kind == 9) return add("objective: {{{}peak_torque: {:.3g}}}", time, draw_.magnitude(1e-3, 1));
+    if (kind == 10) {
+      return add("objective: {{{}effort: {:.3g}, energy: {:.3g}, copper: {:.3g}, link_acceleration: {:.3g}}}", time,
+                 draw_.magnitude(1e-3, 1), draw_.magnitude(1e-3, 1), draw_.magnitude(1e-3, 1),
+                 draw_.magnitude(1e-6, 1e-2));
+    }
+    const double effort = draw_.chance(0.5) ? draw_.magnitude(1e-3, 1) : 0;
+    add("objective: {{{}effort: {:.3g}, torque_rate: {:.3g}}}", time, effort, draw_.magnitude(1e-8, 1e-4));
   }
 
   void add_vias(bool timed) {
@@ -290,7 +304,7 @@ class Writer {
   void add_task() {
     const double kind = draw_.between(0, 1);
     if (kind < 0.2) add_obstacles();
-    if (kind >= 0.2 && kind < 0.35) add_tip_region(draw_.chance(0.5));
+    if (kind >= 0.2 && kind < 0.35) add_tip_region(draw_.chance(0.4));
   }
 
   // Discs anywhere that the motion stays clear of.
@@ -339,17 +353,22 @@ class Writer {
       return;
     }
     if (std::hypot(to.x - from.x, to.y - from.y) < 0.02) return;
-    Task line;
-    line.line = TipLine{{from.x, from.y}, {to.x, to.y}, 1};
-    double tolerance = 1e-3;  // [m] a line whose tolerance is the largest distance from it
-    while (tolerance < 0.8) {
-      line.line->tolerance = tolerance;
-      if (least_room(line) > 0.02 * tolerance) break;
-      tolerance *= 1.2;
+    Task task;
+    // A line, or an arc that bulges to one side of it; its tolerance is the largest distance from it.
+    const bool arc = draw_.chance(0.4);
+    const double away = draw_.between(0.3, 3) * (draw_.chance(0.5) ? 1 : -1);  // of the centre, in halves of the chord
+    const Pair<double> center{(from.x + to.x) / 2 - away * (to.y - from.y) / 2,
+                              (from.y + to.y) / 2 + away * (to.x - from.x) / 2};
+    double tolerance = 1e-3;  // [m]
+    for (; tolerance < 0.8; tolerance *= 1.2) {
+      if (arc) task.arc = TipArc{center, {from.x, from.y}, {to.x, to.y}, tolerance};
+      if (!arc) task.line = TipLine{{from.x, from.y}, {to.x, to.y}, tolerance};
+      if (least_room(task) > 0.02 * tolerance) break;
     }
     if (tolerance >= 0.8) return;
-    tell("line");
-    add("tip: {{line: {{from: {}, to: {}, tolerance: {:.17g}}}}}", numbers({from.x, from.y}), numbers({to.x, to.y}),
+    tell(arc ? "arc" : "line");
+    add("tip: {{{}: {{{}from: {}, to: {}, tolerance: {:.17g}}}}}", arc ? "arc" : "line",
+        arc ? fmt::format("center: {}, ", numbers(center)) : "", numbers({from.x, from.y}), numbers({to.x, to.y}),
         tolerance);
   }
 
@@ -370,7 +389,7 @@ class Writer {
     add("  tip_speed: {:.17g}", most_.tip_speed * draw_.between(1.03, 1.6) + 0.01);
   }
 
-  const Parameters& robot_;
+  Parameters robot_;
   Draw draw_;
   Witness witness_;
   Limits most_;

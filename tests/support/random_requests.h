@@ -15,9 +15,9 @@ struct RandomRequest {
   double duration = 0;  // [s] of the motion that it was made from
 };
 
-// The same for the same robot and seed, on every machine. Rest and motion at both ends, all objectives, durations
-// fixed, free and bounded, via points, obstacles, regions of the tip, paths, goals as sets, tightened limits, sample
-// periods.
+// The same for the same robot and seed, on every machine. Rest and motion at both ends, all objectives but throws,
+// durations fixed, free and bounded, via points, obstacles, regions of the tip, paths, goals as sets, tightened limits,
+// payloads, sample periods.
 RandomRequest random_request(const Parameters& robot, std::uint64_t seed);
 
 }  // namespace fjr

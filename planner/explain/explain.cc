@@ -42,7 +42,7 @@ class Explanation {
       explain_via_times();
       if (result_.sentence.empty() && (fastest_ == nullptr || timed())) explain_limits();
     }
-    if (result_.sentence.empty()) return std::nullopt;
+    if (result_.sentence.empty() || possible_) return std::nullopt;
     add_relaxations_to_sentence();
     return result_;
   }
@@ -57,7 +57,8 @@ class Explanation {
   bool relax(const Problem& problem, const Candidate& candidate, const std::vector<Guess>& guesses) {
     const Problem elastic = with_slack(problem, candidate.what);
     const auto solution = least(elastic, name_of(candidate.what.name, candidate.what.joint), guesses);
-    if (!solution) return false;
+    possible_ = solution && fastest_ == nullptr && solution->solution().slack < kPossible;
+    if (!solution || possible_) return false;
     const double slack = (1 + kRoom) * solution->solution().slack;
     if (slack > elastic.elastic->most) return false;
     const Relaxable& what = candidate.what;
@@ -166,9 +167,10 @@ class Explanation {
     const Continuation* near = everything ? &*everything : nullptr;
     const std::vector<Guess> from = near != nullptr ? std::vector<Guess>{guess_of(*near)} : search_.guesses(problem_);
     for (const Candidate& candidate : candidates(problem_, near)) {
-      if (search_.over()) break;
+      if (search_.over() || possible_) break;
       relax(problem_, candidate, from);
     }
+    if (possible_) return;
     if (result_.relaxations.empty() && near != nullptr) relax(problem_, {all_limits(problem_), {}, 0}, from);
     if (result_.relaxations.empty() && near == nullptr) return explain_by_statics();
     std::stable_sort(result_.relaxations.begin(), result_.relaxations.end(), easier);
@@ -271,6 +273,7 @@ class Explanation {
   const Continuation* fastest_;
   Search search_;
   Infeasibility result_;
+  bool possible_ = false;  // a slack of nothing was enough: there is a motion, though no plan
 };
 
 }  // namespace

@@ -41,7 +41,7 @@ struct PlanArguments {
   pid_t parent = 0;  // fjr batch; 0: none
 };
 
-struct Job {
+struct PlanJob {
   fs::path request;
   fs::path folder;                 // of its results
   std::optional<Problem> problem;  // none: refused
@@ -51,17 +51,17 @@ struct Job {
   std::string name() const { return request.stem().string(); }
 };
 
-struct Outcome {
+struct PlanOutcome {
   PlanStatus status;
   nlohmann::ordered_json json;
   std::string summary;  // for people; empty for a refusal, which went to stderr
 };
 
-std::vector<Job> jobs_of(const PlanArguments& options) {
-  std::vector<Job> jobs;
+std::vector<PlanJob> jobs_of(const PlanArguments& options) {
+  std::vector<PlanJob> jobs;
   std::set<std::string> names;
   for (const std::string& request : options.requests) {
-    Job job{.request = request, .folder = options.out, .problem = {}, .refusal = {}, .warm = {}};
+    PlanJob job{.request = request, .folder = options.out, .problem = {}, .refusal = {}, .warm = {}};
     const std::string name = job.name();
     if (name.empty() || name == "." || name == "..") throw InputError("'" + request + "'", "", "is not a request file");
     if (!names.insert(name).second) {
@@ -73,7 +73,7 @@ std::vector<Job> jobs_of(const PlanArguments& options) {
   return jobs;
 }
 
-void load(Job& job, const PlanArguments& options) {
+void load(PlanJob& job, const PlanArguments& options) {
   try {
     Problem problem = load_request(job.request, default_robot_file());
     if (!options.warm.empty()) {
@@ -89,7 +89,7 @@ void load(Job& job, const PlanArguments& options) {
 void complain(const std::string& problem) { fmt::print(stderr, "fjr: {}\n", problem); }
 
 // Returns what was written, for people.
-std::string write_trajectory(const Job& job, const PlanArguments& options, Plan& plan) {
+std::string write_trajectory(const PlanJob& job, const PlanArguments& options, Plan& plan) {
   const bool certified = plan.status == PlanStatus::kCertified;
   if (!plan.trajectory || (!certified && !options.settings.keep_uncertified)) return "";
   const fs::path file = job.folder / (certified ? "trajectory.csv" : "trajectory.uncertified.csv");
@@ -101,13 +101,13 @@ std::string write_trajectory(const Job& job, const PlanArguments& options, Plan&
   return file.string() + ", ";
 }
 
-Outcome refuse(const Job& job) {
-  Outcome outcome{PlanStatus::kBadInput, bad_input_json(job.name(), job.refusal), ""};
+PlanOutcome refuse(const PlanJob& job) {
+  PlanOutcome outcome{PlanStatus::kBadInput, bad_input_json(job.name(), job.refusal), ""};
   write_file(job.folder / "plan.json", json_text(outcome.json));
   return outcome;
 }
 
-Plan solve(const Job& job, const PlanArguments& options) {
+Plan solve(const PlanJob& job, const PlanArguments& options) {
   ProgressLine line(job.name());
   PlanOptions plan_options = options.settings.plan;
   plan_options.on_progress = [&line](const Progress& progress) { line.show(progress); };
@@ -117,7 +117,7 @@ Plan solve(const Job& job, const PlanArguments& options) {
 }
 
 // A contradiction found only while planning is told on stderr like the others.
-Outcome make_plan(const Job& job, const PlanArguments& options) {
+PlanOutcome make_plan(const PlanJob& job, const PlanArguments& options) {
   Plan result;
   if (interrupted()) {
     result.status = PlanStatus::kCancelled;
@@ -127,7 +127,7 @@ Outcome make_plan(const Job& job, const PlanArguments& options) {
   }
   if (result.status == PlanStatus::kBadInput) complain(job.request.string() + ": " + result.reason);
   const std::string written = write_trajectory(job, options, result);
-  Outcome outcome{result.status, plan_json(*job.problem, result), summary(*job.problem, result)};
+  PlanOutcome outcome{result.status, plan_json(*job.problem, result), summary(*job.problem, result)};
   write_file(job.folder / "plan.json", json_text(outcome.json));
   std::string files = written + (job.folder / "plan.json").string();
   if (options.settings.report && result.status != PlanStatus::kBadInput)
@@ -136,9 +136,9 @@ Outcome make_plan(const Job& job, const PlanArguments& options) {
   return outcome;
 }
 
-void print_json(std::vector<Outcome>& outcomes) {
+void print_json(std::vector<PlanOutcome>& outcomes) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  for (Outcome& outcome : outcomes) all.push_back(std::move(outcome.json));
+  for (PlanOutcome& outcome : outcomes) all.push_back(std::move(outcome.json));
   fmt::print("{}", json_text(outcomes.size() == 1 ? all.front() : all));
 }
 
@@ -152,15 +152,15 @@ bool orphaned(pid_t parent) {
 int run(const PlanArguments& options) {
   if (orphaned(options.parent)) return exit_code(PlanStatus::kCancelled);
   catch_interrupts();
-  std::vector<Job> jobs = jobs_of(options);
-  for (Job& job : jobs) {  // a mistake in the last request is told at once, not after the first is solved
+  std::vector<PlanJob> jobs = jobs_of(options);
+  for (PlanJob& job : jobs) {  // a mistake in the last request is told at once, not after the first is solved
     load(job, options);
     if (!job.problem) complain(job.refusal);
   }
-  for (const Job& job : jobs) prepare_folder(job.folder);  // after loading: --warm may name the same folder
-  std::vector<Outcome> outcomes;
+  for (const PlanJob& job : jobs) prepare_folder(job.folder);  // after loading: --warm may name the same folder
+  std::vector<PlanOutcome> outcomes;
   int code = 0;
-  for (const Job& job : jobs) {
+  for (const PlanJob& job : jobs) {
     outcomes.push_back(job.problem ? make_plan(job, options) : refuse(job));
     code = std::max(code, exit_code(outcomes.back().status));
     if (!options.json) fmt::print("{}", outcomes.back().summary);
@@ -170,7 +170,7 @@ int run(const PlanArguments& options) {
     print_json(outcomes);
   } else if (outcomes.size() > 1) {
     const auto certified = std::count_if(outcomes.begin(), outcomes.end(),
-                                         [](const Outcome& o) { return o.status == PlanStatus::kCertified; });
+                                         [](const PlanOutcome& o) { return o.status == PlanStatus::kCertified; });
     fmt::print("{} of {} certified\n", certified, outcomes.size());
   }
   return code;

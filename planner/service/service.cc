@@ -200,7 +200,7 @@ void Service::cancel(const RequestId& id) {
 void Service::work() {
   Solvers::News news = solvers_.take_news();
   for (const ProgressReport& report : news.progress) port_.clients().send(report);
-  for (Outcome& outcome : news.outcomes) {
+  for (SolveOutcome& outcome : news.outcomes) {
     Reply reply = reply_to(outcome.job.order, outcome.state, std::move(outcome.why));
     reply.plan_json = std::move(outcome.plan_json);
     reply.errors = outcome.errors;

@@ -115,7 +115,7 @@ void Solvers::report_progress(const Job& job, const std::string& payload, News& 
 void Solvers::conclude(Solver& solver, const std::string& payload, News& news) {
   if (payload.empty()) return;
   const auto status = static_cast<PlanStatus>(payload.front());
-  Outcome outcome = std::exchange(solver.result, {});
+  SolveOutcome outcome = std::exchange(solver.result, {});
   outcome.job = std::move(*std::exchange(solver.job, std::nullopt));
   outcome.state = state_of(status);
   outcome.why = {reason_of(status), "", payload.substr(1)};
@@ -129,7 +129,7 @@ void Solvers::lose(Solver& solver, News& news) {
   spdlog::error("worker lost pid={} solving={}", solver.worker->pid(),
                 solver.job ? text(solver.job->order.id) : "none");
   if (solver.job) {
-    Outcome outcome;
+    SolveOutcome outcome;
     outcome.job = std::move(*solver.job);
     outcome.why = {Reason::kWorkerLost, "", "the solving process ended unexpectedly"};
     news.outcomes.push_back(std::move(outcome));

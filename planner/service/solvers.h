@@ -14,7 +14,7 @@
 
 namespace fjr {
 
-struct Outcome {
+struct SolveOutcome {
   Job job;
   ReplyState state = ReplyState::kFailed;
   Refusal why;
@@ -34,7 +34,7 @@ class Solvers {
 
   struct News {
     std::vector<ProgressReport> progress;
-    std::vector<Outcome> outcomes;
+    std::vector<SolveOutcome> outcomes;
   };
   News take_news();
 
@@ -61,7 +61,7 @@ class Solvers {
     std::uint64_t serial = 0;
     std::unique_ptr<Worker> worker;  // none: to be started again
     std::optional<Job> job;
-    Outcome result;  // as far as it has come
+    SolveOutcome result;  // as far as it has come
   };
 
   void start(Solver& solver);

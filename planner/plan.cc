@@ -112,10 +112,14 @@ class Planner {
     if (options_.warm) resume();
     if (!plan_.warm && !stopped()) find_starts();
     if (!plan_.warm && !stopped()) finish_best();
+    if (!plan_.warm && !stopped() && plan_.status != PlanStatus::kCertified && !candidates_.empty() && hurries()) {
+      candidates_.clear();
+      adopt_fastest();
+      finish_best();
+    }
     const bool none = candidates_.empty();  // otherwise what converged may have been coarse only
     if (!plan_.warm && !stopped() && plan_.status != PlanStatus::kCertified && (none || !any_timed(problem_))) {
-      plan_.infeasibility =
-          explain(fastest_of_ ? *fastest_of_ : alternatives_.front(), fastest_ ? &*fastest_ : nullptr, tools());
+      find_out_why();
     }
     std::sort(plan_.minima.begin(), plan_.minima.end());
     for (double& objective : plan_.minima) objective *= scale_;
@@ -184,6 +188,17 @@ class Planner {
       if (plan_.warm || stopped()) break;
     }
     plan_.timing["warm"] = seconds_since(start) - plan_.timing["certificate"];
+  }
+
+  // Why there is no plan; where that leads to a motion after all, from there.
+  void find_out_why() {
+    const Problem& problem = fastest_of_ ? *fastest_of_ : alternatives_.front();
+    const WhyNot why = explain(problem, fastest_ ? &*fastest_ : nullptr, tools());
+    plan_.infeasibility = why.infeasibility;
+    if (!why.start || stopped()) return;
+    candidates_.clear();
+    try_start(problem, *why.start, "from the least slack");
+    finish_best();
   }
 
   // Every start on a coarse mesh; what converges is kept in order of its objective.
@@ -290,13 +305,26 @@ class Planner {
     const Collocated& solution = shortest->solution();
     try_start(problem, guess_from(solution.motion, solution.durations, duration), "from the fastest");
     if (!candidates_.empty() || interrupted()) return;
-    // With hardly any time to spare only its own mesh and the exact law have a motion.
-    Continuation c = continuation(problem, "from the fastest, exact");
-    const std::size_t booked = shortest->stages().size();
-    const bool found = shortest->finish() && c.adopt(solution, duration);
-    book(*shortest, booked);
+    adopt_fastest();
+  }
+
+  // With hardly any time to spare only its own mesh and the exact law have a motion.
+  void adopt_fastest() {
+    Continuation c = continuation(*fastest_of_, "from the fastest, exact");
+    const std::size_t booked = fastest_->stages().size();
+    const bool finished = fastest_->finish();
+    book(*fastest_, booked);
+    const double shortest = duration_of(*fastest_);
+    if (!finished || shortest > problem_.duration.max) return;
+    const double duration = std::clamp(shortest, problem_.duration.min, problem_.duration.max);
+    const bool found = c.adopt(fastest_->solution(), duration);
     book(c);
     if (found) candidates_.push_back(std::move(c));
+  }
+
+  // There is a fastest motion, and hardly more time than it takes.
+  bool hurries() const {
+    return fastest_ && !any_timed(problem_) && problem_.duration.max < 1.05 * duration_of(*fastest_);
   }
 
   static double duration_of(const Continuation& c) { return c.solution().motion.duration(); }

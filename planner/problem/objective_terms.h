@@ -91,7 +91,7 @@ struct Effort {
   static constexpr TermInfo info{.name = "effort",
                                  .unit = "N^2 m^2 s",
                                  .weight = &Weights::effort,
-                                 .starts = 6,
+                                 .starts = 8,
                                  .sees_friction = true,
                                  .settles_torque = true};
   template <class T>
@@ -135,7 +135,7 @@ struct LinkJerk {
 // int max(0, tau_m dtheta): what the motors give, and nothing for what they take back.
 struct Energy {
   static constexpr TermInfo info{
-      .name = "energy", .unit = "J", .weight = &Weights::energy, .starts = 6, .sees_friction = true};
+      .name = "energy", .unit = "J", .weight = &Weights::energy, .starts = 8, .sees_friction = true};
   template <class T>
   static T running(const Instant<T>& at) {
     return positive_part(T(at.torque[0] * at.x.dtheta[0]), at.kink) +
@@ -148,7 +148,7 @@ struct Copper {
   static constexpr TermInfo info{.name = "copper",
                                  .unit = "J",
                                  .weight = &Weights::copper,
-                                 .starts = 6,
+                                 .starts = 8,
                                  .sees_friction = true,
                                  .settles_torque = true};
   template <class T>

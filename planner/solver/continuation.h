@@ -77,7 +77,8 @@ class Continuation {
   int iterations() const { return iterations_; }
 
   std::string label;       // of this start, for progress and stages
-  double mesh_factor = 1;  // on the number of intervals of the first mesh
+  double mesh_factor = 1;   // on the number of intervals of the first mesh
+  double trace_factor = 1;  // on the trace of effort of the first solution: more of it is easier to solve
 
  private:
   bool cold(const Guess& guess, int most_iterations);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "planner/problem/relaxable.h"
@@ -9,19 +10,32 @@
 namespace fjr {
 namespace {
 
-constexpr int kPatience = 300;                          // iterations of one attempt
+constexpr int kPatience = 300;       // iterations of one attempt
+constexpr int kMorePatience = 1200;  // what has to swing up first took up to 630
+constexpr double kMoreEffort = 10;   // times the usual trace of it
+constexpr std::size_t kPatientStarts = 2;
 constexpr double kCoarser = 0.5, kFiner = 2;            // times the usual number of intervals
 constexpr double kRelaxed[] = {0.5, 3};                 // shares by which limits are relaxed at first
 constexpr double kTightening[] = {0.4, 0.15, 0.04, 0};  // of that share, step by step
+
+std::optional<Continuation> begun(Continuation c, const SolveTools& tools, const Guess& guess, int patience) {
+  const bool solved = !tools.interrupted() && c.begin(guess, patience);
+  tools.book(c);
+  if (!solved) return std::nullopt;
+  return c;
+}
 
 std::optional<Continuation> attempt(const Problem& problem, const SolveTools& tools, const std::string& label,
                                     const Guess& guess, double mesh_factor = 1) {
   Continuation c = tools.continuation(problem, label);
   c.mesh_factor = mesh_factor;
-  const bool solved = !tools.interrupted() && c.begin(guess, kPatience);
-  tools.book(c);
-  if (!solved) return std::nullopt;
-  return c;
+  return begun(std::move(c), tools, guess, kPatience);
+}
+
+std::optional<Continuation> attempt_patiently(const Problem& problem, const SolveTools& tools, const Guess& guess) {
+  Continuation c = tools.continuation(problem, "with patience");
+  c.trace_factor = kMoreEffort;
+  return begun(std::move(c), tools, guess, kMorePatience);
 }
 
 // The relaxed problems only have to live as long as their solution is the start of the next.
@@ -47,6 +61,10 @@ std::optional<Continuation> tighten(const Problem& problem, const SolveTools& to
 
 std::optional<Continuation> climb(const Problem& problem, const SolveTools& tools, Fallbacks& tried) {
   const std::vector<Guess> guesses = tools.guesses(problem);
+  for (std::size_t i = 0; i < std::min(kPatientStarts, guesses.size()) && !tools.interrupted(); ++i) {
+    ++tried.patience;
+    if (auto found = attempt_patiently(problem, tools, guesses[i])) return found;
+  }
   const std::pair<double, int*> meshes[] = {{kCoarser, &tried.coarser_mesh}, {kFiner, &tried.finer_mesh}};
   for (const auto& [factor, count] : meshes) {
     if (tools.interrupted()) return std::nullopt;

@@ -12,9 +12,9 @@
 
 namespace fjr {
 
-// A coarser mesh, a finer one, and then the elastic mode: with its limits relaxed the problem is solved, and they are
-// tightened again step by step, each solution starting the next. What was tried is counted. The result is as good as
-// Continuation::begin() leaves it; none when nothing led anywhere.
+// The first starts again with patience and more effort, a coarser mesh, a finer one, and then the elastic mode: with
+// its limits relaxed the problem is solved, and they are tightened again step by step, each solution starting the next.
+// What was tried is counted. The result is as good as Continuation::begin() leaves it; none when nothing led anywhere.
 std::optional<Continuation> climb(const Problem& problem, const SolveTools& tools, Fallbacks& tried);
 
 }  // namespace fjr

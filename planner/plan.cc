@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-constexpr int kCertificateRounds = 4;  // refinements of one solution for the sake of its certificate
+constexpr int kCertificateRounds = 6;  // refinements of one solution for the sake of its certificate
 constexpr double kFinerRows = 0.25;    // of what linear interpolation between rows may miss, each time
 
 // Which solutions are refined to the end.
@@ -69,7 +69,8 @@ std::vector<std::vector<Way>> task_ways(const Problem& problem) {
   return all;
 }
 
-constexpr double kWaiting = 0.4;  // share of the duration that a guess waits
+constexpr double kWaiting = 0.4;       // share of the duration that a guess waits
+constexpr std::size_t kDisplaced = 2;  // starts at least, after the others
 
 struct Starts {
   std::vector<Guess> guesses;
@@ -92,7 +93,8 @@ Starts starts_of(const Problem& problem, int count) {
     starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), kWaiting, 0));
     starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), 0, kWaiting));
   }
-  for (std::uint64_t i = 2; starts.guesses.size() < std::max<std::size_t>(4, starts.always); ++i) {
+  const std::size_t enough = std::max(starts.always, starts.guesses.size() + kDisplaced);
+  for (std::uint64_t i = 2; starts.guesses.size() < enough; ++i) {
     starts.guesses.push_back(displaced_guess(problem, duration, 0.8, problem.seed * 1000 + i));
   }
   return starts;

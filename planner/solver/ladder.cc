@@ -14,9 +14,11 @@ constexpr int kPatience = 300;       // iterations of one attempt
 constexpr int kMorePatience = 1200;  // what has to swing up first took up to 630
 constexpr double kMoreEffort = 10;   // times the usual trace of it
 constexpr std::size_t kPatientStarts = 2;
-constexpr double kCoarser = 0.5, kFiner = 2;            // times the usual number of intervals
-constexpr double kRelaxed[] = {0.5, 3};                 // shares by which limits are relaxed at first
-constexpr double kTightening[] = {0.4, 0.15, 0.04, 0};  // of that share, step by step
+constexpr double kCoarser = 0.5, kFiner = 2;  // times the usual number of intervals
+constexpr double kRelaxed[] = {0.5, 3};       // shares by which limits are relaxed at first
+constexpr double kTightening = 0.4;           // of that share, step by step
+constexpr double kNearlyTight = 0.1;          // from there the limits themselves are tried
+constexpr int kHalvings = 4;                  // of steps that could not be taken
 
 std::optional<Continuation> begun(Continuation c, const SolveTools& tools, const Guess& guess, int patience) {
   const bool solved = !tools.interrupted() && c.begin(guess, patience);
@@ -38,21 +40,25 @@ std::optional<Continuation> attempt_patiently(const Problem& problem, const Solv
   return begun(std::move(c), tools, guess, kMorePatience);
 }
 
-// The relaxed problems only have to live as long as their solution is the start of the next.
-std::optional<Continuation> tighten(const Problem& problem, const SolveTools& tools, const Guess& guess, double share) {
-  const Problem loose = relaxed(problem, share);
-  const auto first = attempt(loose, tools, fmt::format("limits relaxed by {:g} %", 100 * share), guess);
-  if (!first) return std::nullopt;
-  Motion motion = first->solution().motion;
-  std::vector<double> durations = first->solution().durations;
-  for (const double step : kTightening) {
-    const Problem tighter = relaxed(problem, step * share);
-    const std::string label = step > 0 ? fmt::format("limits relaxed by {:g} %", 100 * step * share) : "elastic";
-    const auto next =
-        attempt(step > 0 ? tighter : problem, tools, label, guess_from(motion, durations, motion.duration()));
-    if (!next || step == 0) return next;
-    motion = next->solution().motion;
-    durations = next->solution().durations;
+// A step that cannot be taken is halved. The relaxed problems only have to live as long as their solution is the start
+// of the next.
+std::optional<Continuation> tighten(const Problem& problem, const SolveTools& tools, Guess guess, double share) {
+  double reached = kNoLimit, target = share;
+  for (int failures = 0; failures <= kHalvings;) {
+    const Problem looser = relaxed(problem, target);
+    const std::string label = target > 0 ? fmt::format("limits relaxed by {:.3g} %", 100 * target) : "elastic";
+    const auto next = attempt(target > 0 ? looser : problem, tools, label, guess);
+    if (next && target == 0) return next;
+    if (!next && target == share) return std::nullopt;
+    if (next) {
+      const Collocated& solution = next->solution();
+      guess = guess_from(solution.motion, solution.durations, solution.motion.duration());
+      reached = target;
+      target = reached > kNearlyTight ? kTightening * reached : 0;
+    } else {
+      ++failures;
+      target = (reached + target) / 2;
+    }
   }
   return std::nullopt;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "model/friction.h"
 
@@ -9,6 +10,7 @@ namespace fjr {
 namespace {
 
 constexpr double kShortestPiece = 2e-5;  // [s] passages shorter than this are steps to the motors
+constexpr double kStepReach = 5e-6;      // [s] to both sides of a reversal: friction has taken its step there
 constexpr int kProbes = 8;               // points at which a piece is compared with its chord
 
 class Sampler {
@@ -110,7 +112,7 @@ class Sampler {
 
   // Adds pairs inside (from, to) until chords carry the torque's impulse.
   void smooth(double from, double to) {
-    if (to - from < 2 * kShortestPiece) return;
+    if (to - from < 2 * kShortestPiece) return reversals(from, to);
     const Pair<double> first = torque(motion_.interval_at(from), from), last = torque(interval_before(to), to);
     Pair<double> impulse{0, 0};
     double worst = 0, split = 0.5 * (from + to);
@@ -132,6 +134,34 @@ class Sampler {
     add(row(motion_.interval_at(split), split));
     add(row(motion_.interval_at(split + kJumpSpacing), split + kJumpSpacing));
     smooth(split + kJumpSpacing, to);
+  }
+
+  double velocity(std::size_t joint, double time) const {
+    return motion_.state_in(motion_.interval_at(time), time).dtheta[joint];
+  }
+
+  // Friction steps where a motor reverses, and so fast that halving the piece would never find where: rows as far
+  // before it as after it, for the chord between them carries the step's impulse.
+  void reversals(double from, double to) {
+    std::vector<double> times;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double first = velocity(j, from);
+      if (!(first * velocity(j, to) < 0)) continue;
+      double before = from, after = to;
+      while (after - before > 0.01 * kJumpSpacing) {
+        const double middle = (before + after) / 2;
+        (velocity(j, middle) * first > 0 ? before : after) = middle;
+      }
+      times.push_back(before);
+    }
+    std::sort(times.begin(), times.end());
+    for (const double time : times) {
+      const double reach = std::min({kStepReach, time - from, to - time});
+      if (reach < kJumpSpacing / 2) continue;
+      for (const double at : {time - reach, time + reach}) {
+        if (at > trajectory_.samples.back().time) add(row(motion_.interval_at(at), at));
+      }
+    }
   }
 
   const Problem& problem_;

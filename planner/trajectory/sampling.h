@@ -13,8 +13,9 @@ inline constexpr double kRowVelocityError = 1e-4;  // [rad/s]
 
 // Rows at multiples of the problem's sample period and at the end; between them, where linear interpolation would miss
 // the torque's impulse, pairs of rows kJumpSpacing apart: at its jumps (three rows where one falls on a multiple), and
-// as many as its fast passages through the friction law need. tau_m = u + tau_fm_nonlinear(dtheta) with the exact law,
-// held to the torque limits. velocity_error: what each of those may miss, as a velocity of its motor [rad/s].
+// as many as its fast passages through the friction law need, 10 us apart at the fastest. tau_m = u +
+// tau_fm_nonlinear(dtheta) with the exact law, held to the torque limits. velocity_error: what each of those may miss,
+// as a velocity of its motor [rad/s].
 Trajectory sample(const Problem& problem, const Motion& motion, double velocity_error = kRowVelocityError);
 
 }  // namespace fjr

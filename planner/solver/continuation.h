@@ -76,13 +76,14 @@ class Continuation {
   const std::vector<SolverStage>& stages() const { return stages_; }
   int iterations() const { return iterations_; }
 
-  std::string label;       // of this start, for progress and stages
+  std::string label;        // of this start, for progress and stages
   double mesh_factor = 1;   // on the number of intervals of the first mesh
   double trace_factor = 1;  // on the trace of effort of the first solution: more of it is easier to solve
 
  private:
   bool cold(const Guess& guess, int most_iterations);
   bool fade_trace();
+  bool came_down() const;
   bool reach_level(const Smoothing& level, int halvings);
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
   bool attempt_or_forget(const std::string& what, const CollocationSetup& setup);

@@ -55,6 +55,16 @@ std::vector<fs::path> requests_in(const fs::path& folder) {
 }
 
 // The summary stands beside the folders.
+// One that cannot be read needs none.
+bool needs_default_robot(const BatchItem& item) {
+  try {
+    const YamlNode root = item.yaml ? YamlNode::parse(*item.yaml, item.request.string()) : YamlNode::load(item.request);
+    return root.is_map() && !root.find("robot");
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 void refuse_names(const std::vector<BatchItem>& items) {
   for (const BatchItem& item : items) {
     if (item.name.starts_with("summary.")) {
@@ -87,8 +97,12 @@ std::vector<BatchItem> collect_items(const std::vector<std::string>& arguments, 
 }
 
 Problem load(const BatchItem& item) {
-  if (!item.yaml) return load_request(item.request, default_robot_file());
-  return parse_request(*item.yaml, item.request.string(), item.request.parent_path(), default_robot_file());
+  if (!item.yaml) return load_request(item.request);
+  return parse_request(*item.yaml, item.request.string(), item.request.parent_path());
+}
+
+void check_default_robot(const std::vector<BatchItem>& items) {
+  if (std::any_of(items.begin(), items.end(), needs_default_robot)) load_parameters(default_robot_file());
 }
 
 Shard parse_shard(const std::string& text) {

@@ -25,6 +25,10 @@ std::vector<BatchItem> collect_items(const std::vector<std::string>& arguments, 
 
 Problem load(const BatchItem& item);  // InputError
 
+// Throws InputError when an item names no robot and the shipped robot.yaml cannot be had: told once, before all of them
+// are refused for it.
+void check_default_robot(const std::vector<BatchItem>& items);
+
 // One of several equal parts of a batch; every item is in exactly one of them.
 struct Shard {
   std::size_t index = 1, count = 1;  // 1 <= index <= count

@@ -267,6 +267,7 @@ int run(const BatchArguments& options) {
   Batch batch{options, collect_items(options.requests, options.out), {}};
   if (shard) batch.items = shard_of(std::move(batch.items), *shard);
   batch.rows.resize(batch.items.size());
+  check_default_robot(batch.items);
   make_folder(options.out);
   plan_all(batch, sort_out(batch));
   return tell(batch, shard);

@@ -75,7 +75,7 @@ std::vector<PlanJob> jobs_of(const PlanArguments& options) {
 
 void load(PlanJob& job, const PlanArguments& options) {
   try {
-    Problem problem = load_request(job.request, default_robot_file());
+    Problem problem = load_request(job.request);
     if (!options.warm.empty()) {
       job.warm = std::make_shared<const Collocated>(
           read_solution(fs::path(options.warm) / kSolutionFile, robot_hash(problem.robot)));

@@ -202,6 +202,23 @@ TEST_F(Batch, BadRequestsAreRowsAndDoNotStopTheOthers) {
 
 TEST_F(Batch, WrongCommandLinesAreToldBeforeAnythingIsWritten) {
   write("r.yaml", kLong);
+// Requests that name a robot need none of ours; one that does not is enough to stop all of them.
+TEST_F(Batch, ARobotThatIsMissingIsToldOnceBeforeAnythingIsWritten) {
+  write("a.yaml", kLong);
+  write("b.yaml", kLong);
+  write("own.yaml", "robot: mine.yaml\n" + kLong);
+  fs::copy_file(FJR_SOURCE_DIR "/config/robot.yaml", path("mine.yaml"));
+  fs::create_directories(path("empty"));
+  setenv("FJR_CONFIG_DIR", path("empty").c_str(), 1);
+  const Result result = run({"batch", "own.yaml", "a.yaml", "b.yaml", "--out", "out", "--deadline", "1e-9"});
+  const Result own = run({"batch", "own.yaml", "--out", "own", "--deadline", "1e-9"});
+  unsetenv("FJR_CONFIG_DIR");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err, "fjr: robot.yaml: not in FJR_CONFIG_DIR, " + path("empty").string() + "\n");
+  EXPECT_FALSE(fs::exists(path("out")));
+  EXPECT_EQ(own.exit_code, 5) << own.err;
+}
+
   write("again/r.yaml", kLong);
   write("summary.csv.yaml", kLong);
   write("g.yaml", "request: none.yaml\naxes: {seed: [1]}\n");

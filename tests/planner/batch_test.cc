@@ -243,7 +243,7 @@ class Earlier : public testing::Test {
   Problem problem_ = parse_request("start: {q: [0, 0]}\ngoal: {q: [1, 1]}\n", "r.yaml", ".", default_robot_file());
   std::string hash_ = robot_hash(problem_.robot);
   Trajectory trajectory_;
-  Json plan_ = bad_input_json("r", "");  // for the version
+  Json plan_ = bad_input_json("r", "", "");  // for the version
 };
 
 TEST_F(Earlier, TheSameRequestRobotAndVersionAreFinished) {

@@ -197,11 +197,11 @@ TEST_F(Batch, BadRequestsAreRowsAndDoNotStopTheOthers) {
   EXPECT_THAT(all_rows("name"), ElementsAre("bad", "broken", "good", "none"));
   EXPECT_THAT(all_rows("status"), ElementsAre("bad_input", "bad_input", "deadline", "bad_input"));
   EXPECT_EQ(plan_json("out/bad")["reason"], summary()["rows"][0]["reason"]);
+  EXPECT_EQ(plan_json("out/bad")["field"], "goal.q[0]");
+  EXPECT_TRUE(plan_json("out/none")["field"].is_null());
   EXPECT_EQ(run({"batch", "requests/bad.yaml", "--out", "only"}).exit_code, 2);
 }
 
-TEST_F(Batch, WrongCommandLinesAreToldBeforeAnythingIsWritten) {
-  write("r.yaml", kLong);
 // Requests that name a robot need none of ours; one that does not is enough to stop all of them.
 TEST_F(Batch, ARobotThatIsMissingIsToldOnceBeforeAnythingIsWritten) {
   write("a.yaml", kLong);
@@ -219,6 +219,8 @@ TEST_F(Batch, ARobotThatIsMissingIsToldOnceBeforeAnythingIsWritten) {
   EXPECT_EQ(own.exit_code, 5) << own.err;
 }
 
+TEST_F(Batch, WrongCommandLinesAreToldBeforeAnythingIsWritten) {
+  write("r.yaml", kLong);
   write("again/r.yaml", kLong);
   write("summary.csv.yaml", kLong);
   write("g.yaml", "request: none.yaml\naxes: {seed: [1]}\n");

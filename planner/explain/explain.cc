@@ -40,7 +40,7 @@ class Explanation {
     } else {
       if (fastest_ != nullptr) result_.shortest_duration = shortest();
       explain_via_times();
-      if (result_.sentence.empty() && (fastest_ == nullptr || timed())) explain_limits();
+      if (result_.sentence.empty() && (fastest_ == nullptr || any_timed(problem_))) explain_limits();
     }
     if (start_) return {{}, start_};
     if (result_.sentence.empty()) return {};
@@ -50,9 +50,6 @@ class Explanation {
 
  private:
   double shortest() const { return fastest_->solution().motion.duration(); }
-  bool timed() const {
-    return std::any_of(problem_.via.begin(), problem_.via.end(), [](const Via& via) { return via.time.has_value(); });
-  }
 
   // The least change of this one thing that makes the problem possible, from these guesses.
   bool relax(const Problem& problem, const Candidate& candidate, const std::vector<Guess>& guesses) {
@@ -81,7 +78,7 @@ class Explanation {
   std::optional<Continuation> least(Problem elastic, const std::string& what, std::vector<Guess> guesses) {
     Duration& duration = elastic.duration;
     const double soon = kLonger * guesses.front().duration();
-    if (!timed() && !elastic.elastic->slower && duration.max > std::max(soon, duration.min)) {
+    if (!any_timed(problem_) && !elastic.elastic->slower && duration.max > std::max(soon, duration.min)) {
       const auto first = search_.sketch(hurried(elastic), what + ", hurried", guesses);
       if (!first) return std::nullopt;
       guesses = {guess_of(*first)};

@@ -1,6 +1,7 @@
 // One validated request: everything resolved to numbers, nothing left to look up.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -102,6 +103,11 @@ struct Problem {
   std::string name;          // of the request file, without extension
   std::string request_hash;  // SHA-256 over the resolved values, not over the file's bytes
 };
+
+// Whether a via point has a time to be passed at.
+inline bool any_timed(const Problem& problem) {
+  return std::any_of(problem.via.begin(), problem.via.end(), [](const Via& via) { return via.time.has_value(); });
+}
 
 // Reads a request (config/requests/annotated.yaml) and resolves it: presets, defaults, moving starts by flatness,
 // limits tightened. Throws InputError naming file, field, value and what is allowed, for malformed and for

@@ -8,6 +8,7 @@
 
 #include "model/input_error.h"
 #include "planner/batch/grid.h"
+#include "planner/batch/name_order.h"
 
 namespace fjr {
 namespace {
@@ -54,7 +55,6 @@ std::vector<fs::path> requests_in(const fs::path& folder) {
   return files;
 }
 
-// The summary stands beside the folders.
 // One that cannot be read needs none.
 bool needs_default_robot(const BatchItem& item) {
   try {
@@ -65,6 +65,7 @@ bool needs_default_robot(const BatchItem& item) {
   }
 }
 
+// The summary stands beside the folders.
 void refuse_names(const std::vector<BatchItem>& items) {
   for (const BatchItem& item : items) {
     if (item.name.starts_with("summary.")) {
@@ -91,7 +92,8 @@ std::vector<BatchItem> collect_items(const std::vector<std::string>& arguments, 
     }
     for (const fs::path& file : requests_in(argument)) add_file(file, folder, items);
   }
-  std::stable_sort(items.begin(), items.end(), [](const BatchItem& a, const BatchItem& b) { return a.name < b.name; });
+  std::stable_sort(items.begin(), items.end(),
+                   [](const BatchItem& a, const BatchItem& b) { return comes_before(a.name, b.name); });
   refuse_names(items);
   return items;
 }

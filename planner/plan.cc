@@ -344,9 +344,6 @@ class Planner {
   }
 
   static double duration_of(const Continuation& c) { return c.solution().motion.duration(); }
-  static bool any_timed(const Problem& problem) {
-    return std::any_of(problem.via.begin(), problem.via.end(), [](const Via& via) { return via.time.has_value(); });
-  }
   static bool only_fastest(const Problem& problem) {
     const Weights& w = problem.weights;
     return w.effort == 0 && w.torque_rate == 0 && w.link_acceleration == 0 && problem.duration.min <= kShortestDuration;

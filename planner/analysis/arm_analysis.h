@@ -20,6 +20,7 @@ extern template Analysis analyse_with<kPlain>(const Problem&, const Collocated&,
 extern template Analysis analyse_with<kRateControlled>(const Problem&, const Collocated&, double);
 extern template Analysis analyse_with<kWithTask>(const Problem&, const Collocated&, double);
 extern template Analysis analyse_with<kRateWithTask>(const Problem&, const Collocated&, double);
+extern template Analysis analyse_with<kWithPeak>(const Problem&, const Collocated&, double);
 extern template Analysis analyse_with<kEverything>(const Problem&, const Collocated&, double);
 
 // ---- the template's parts ----

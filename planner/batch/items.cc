@@ -8,6 +8,7 @@
 
 #include "model/input_error.h"
 #include "planner/batch/grid.h"
+#include "planner/batch/name_order.h"
 
 namespace fjr {
 namespace {
@@ -54,6 +55,16 @@ std::vector<fs::path> requests_in(const fs::path& folder) {
   return files;
 }
 
+// One that cannot be read needs none.
+bool needs_default_robot(const BatchItem& item) {
+  try {
+    const YamlNode root = item.yaml ? YamlNode::parse(*item.yaml, item.request.string()) : YamlNode::load(item.request);
+    return root.is_map() && !root.find("robot");
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 // The summary stands beside the folders.
 void refuse_names(const std::vector<BatchItem>& items) {
   for (const BatchItem& item : items) {
@@ -81,14 +92,19 @@ std::vector<BatchItem> collect_items(const std::vector<std::string>& arguments, 
     }
     for (const fs::path& file : requests_in(argument)) add_file(file, folder, items);
   }
-  std::stable_sort(items.begin(), items.end(), [](const BatchItem& a, const BatchItem& b) { return a.name < b.name; });
+  std::stable_sort(items.begin(), items.end(),
+                   [](const BatchItem& a, const BatchItem& b) { return comes_before(a.name, b.name); });
   refuse_names(items);
   return items;
 }
 
 Problem load(const BatchItem& item) {
-  if (!item.yaml) return load_request(item.request, default_robot_file());
-  return parse_request(*item.yaml, item.request.string(), item.request.parent_path(), default_robot_file());
+  if (!item.yaml) return load_request(item.request);
+  return parse_request(*item.yaml, item.request.string(), item.request.parent_path());
+}
+
+void check_default_robot(const std::vector<BatchItem>& items) {
+  if (std::any_of(items.begin(), items.end(), needs_default_robot)) load_parameters(default_robot_file());
 }
 
 Shard parse_shard(const std::string& text) {

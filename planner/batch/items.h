@@ -18,12 +18,16 @@ struct BatchItem {
   nlohmann::ordered_json axes;      // of a point of a grid: its coordinates; otherwise null
 };
 
-// From request files, grids and folders with either (*.yaml, *.yml, not in folders below), sorted by name. Requests
-// that cannot be read are items too. Throws InputError for a grid that cannot be expanded, a folder without requests
-// and two requests of one name. folder: of the results, where points of grids get their files.
+// From request files, grids and folders with either (*.yaml, *.yml, not in folders below), by name (name_order.h).
+// Requests that cannot be read are items too. Throws InputError for a grid that cannot be expanded, a folder without
+// requests and two requests of one name. folder: of the results, where points of grids get their files.
 std::vector<BatchItem> collect_items(const std::vector<std::string>& arguments, const std::filesystem::path& folder);
 
 Problem load(const BatchItem& item);  // InputError
+
+// Throws InputError when an item names no robot and the shipped robot.yaml cannot be had: told once, before all of them
+// are refused for it.
+void check_default_robot(const std::vector<BatchItem>& items);
 
 // One of several equal parts of a batch; every item is in exactly one of them.
 struct Shard {

@@ -1,10 +1,8 @@
-#include "planner/analysis/arm_analysis.h"
 #include "planner/collocation/arm_collocation.h"
 
 namespace fjr {
 
 template Collocated collocate_with<kElastic>(const Problem&, const CollocationSetup&, const Guess*, const Collocated*,
                                              const SolveOptions&);
-template Analysis analyse_with<kElastic>(const Problem&, const Collocated&, double);
 
 }  // namespace fjr

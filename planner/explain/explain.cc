@@ -40,7 +40,7 @@ class Explanation {
     } else {
       if (fastest_ != nullptr) result_.shortest_duration = shortest();
       explain_via_times();
-      if (result_.sentence.empty() && (fastest_ == nullptr || timed())) explain_limits();
+      if (result_.sentence.empty() && (fastest_ == nullptr || any_timed(problem_))) explain_limits();
     }
     if (start_) return {{}, start_};
     if (result_.sentence.empty()) return {};
@@ -50,9 +50,6 @@ class Explanation {
 
  private:
   double shortest() const { return fastest_->solution().motion.duration(); }
-  bool timed() const {
-    return std::any_of(problem_.via.begin(), problem_.via.end(), [](const Via& via) { return via.time.has_value(); });
-  }
 
   // The least change of this one thing that makes the problem possible, from these guesses.
   bool relax(const Problem& problem, const Candidate& candidate, const std::vector<Guess>& guesses) {
@@ -81,7 +78,7 @@ class Explanation {
   std::optional<Continuation> least(Problem elastic, const std::string& what, std::vector<Guess> guesses) {
     Duration& duration = elastic.duration;
     const double soon = kLonger * guesses.front().duration();
-    if (!timed() && !elastic.elastic->slower && duration.max > std::max(soon, duration.min)) {
+    if (!any_timed(problem_) && !elastic.elastic->slower && duration.max > std::max(soon, duration.min)) {
       const auto first = search_.sketch(hurried(elastic), what + ", hurried", guesses);
       if (!first) return std::nullopt;
       guesses = {guess_of(*first)};
@@ -100,14 +97,20 @@ class Explanation {
     }
   }
 
-  // A slack finds ways between the collocation points where there is none; the grid does not.
+  // A slack finds ways between the collocation points where there is none; the grid does not. More than is missing is
+  // needed where the way is between two things, for half of what one gives up is lost to the other side, and where the
+  // optimiser does not find a motion along a way that is barely open.
   void make_room(const Relaxable& what, double missing) {
-    const double amount = kGridRoom * missing;
-    if (missing == 0 || amount >= what.most) return;
-    const Problem roomier = what.relaxed(problem_, amount);
-    if (!no_way(roomier).sentence.empty()) return;
-    if (!search_.solve(roomier, what.name, search_.guesses(roomier))) return;
-    result_.relaxations.push_back({what.name, what.joint, what.unit, what.from, what.value(amount), true, {}});
+    if (missing == 0) return;
+    for (const double more : {1.0, 1.5, 2.0}) {
+      const double amount = more * kGridRoom * missing;
+      if (amount >= what.most || search_.over()) return;
+      const Problem roomier = what.relaxed(problem_, amount);
+      if (!no_way(roomier).sentence.empty()) continue;
+      if (!search_.solve(roomier, what.name, search_.guesses(roomier))) continue;
+      result_.relaxations.push_back({what.name, what.joint, what.unit, what.from, what.value(amount), true, {}});
+      return;
+    }
   }
 
   // ---- a duration that is too short ----
@@ -117,7 +120,7 @@ class Explanation {
     result_.shortest_duration = shortest();
     result_.sentence =
         fmt::format("duration: at most {:.6g} s is allowed; the shortest motion found within the limits takes {:.4f} s",
-                    allowed, shortest());
+                    allowed, std::ceil(1e4 * shortest()) / 1e4);
     result_.limit = "duration";
     result_.time = allowed;
     result_.relaxations.push_back({"duration", 0, "s", allowed, shortest(), true, allowed});
@@ -265,12 +268,13 @@ class Explanation {
       const std::string beyond = r.within_robot ? "" : ", more than the robot's";
       any = true;
       if (r.name == "all_limits") {
-        text += fmt::format("; no single limit alone would do, but all together {:.4g} times as large{}", r.to, beyond);
+        text += fmt::format("; no single limit alone would do, but all together {} times as large{}",
+                            enough(r.from, r.to), beyond);
       } else if (r.name == "tip_box") {
-        text += fmt::format("; tip_box alone would have to be {:.4g} m larger on every side", r.to);
+        text += fmt::format("; tip_box alone would have to be {} m larger on every side", enough(r.from, r.to));
       } else {
-        text += fmt::format("; {} alone would have to be {:.4g}{} (now {:.4g}{})", name_of(r.name, r.joint), r.to, unit,
-                            r.from, beyond);
+        text += fmt::format("; {} alone would have to be {}{} (now {:.4g}{})", name_of(r.name, r.joint),
+                            enough(r.from, r.to), unit, r.from, beyond);
       }
     }
     if (!any && !search_.over()) text += "; no other change of a single limit was found to do";
@@ -284,6 +288,14 @@ class Explanation {
 };
 
 }  // namespace
+
+std::string enough(double from, double to) {
+  double told = std::stod(fmt::format("{:.4g}", to));
+  const double step = std::pow(10, std::floor(std::log10(std::abs(to))) - 3);
+  if (to > from && told < to) told += step;
+  if (to < from && told > to) told -= step;
+  return fmt::format("{:.4g}", told);
+}
 
 Problem fastest_of(Problem problem) {
   problem.weights = Weights{};

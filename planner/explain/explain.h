@@ -33,6 +33,9 @@ struct Infeasibility {
 // The same request for the fastest motion, whatever time it takes, via points passed at any time.
 Problem fastest_of(Problem problem);
 
+// `to` in four digits, rounded so that the change from `from` is never less than it was.
+std::string enough(double from, double to);
+
 // Why a request has no plan: it cannot have one; or it can, and from this motion it should be found; or it is not
 // known.
 struct WhyNot {

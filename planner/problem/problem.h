@@ -1,6 +1,7 @@
 // One validated request: everything resolved to numbers, nothing left to look up.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -103,15 +104,21 @@ struct Problem {
   std::string request_hash;  // SHA-256 over the resolved values, not over the file's bytes
 };
 
+// Whether a via point has a time to be passed at.
+inline bool any_timed(const Problem& problem) {
+  return std::any_of(problem.via.begin(), problem.via.end(), [](const Via& via) { return via.time.has_value(); });
+}
+
 // Reads a request (config/requests/annotated.yaml) and resolves it: presets, defaults, moving starts by flatness,
 // limits tightened. Throws InputError naming file, field, value and what is allowed, for malformed and for
 // contradictory requests alike (outside limits, static torque too large, free duration without a time weight, ...).
-// Nothing is optimised here. default_robot: used when the request names none.
-Problem load_request(const std::filesystem::path& file, const std::filesystem::path& default_robot);
+// Nothing is optimised here. default_robot: used when the request names none; empty: the shipped one, looked for only
+// then.
+Problem load_request(const std::filesystem::path& file, const std::filesystem::path& default_robot = {});
 
 // The same from text; `source` names it in errors, `folder` is what relative paths are relative to.
 Problem parse_request(const std::string& yaml, const std::string& source, const std::filesystem::path& folder,
-                      const std::filesystem::path& default_robot);
+                      const std::filesystem::path& default_robot = {});
 
 // The same for a robot that is known already, from a request that names none.
 Problem parse_request(const std::string& yaml, const std::string& source, const Parameters& robot);

@@ -59,7 +59,7 @@ void check_root_keys(const YamlNode& root) {
 
 Parameters read_robot(const YamlNode& root, const fs::path& folder, const fs::path& default_robot) {
   const auto given = root.find("robot");
-  if (!given) return load_parameters(default_robot);
+  if (!given) return load_parameters(default_robot.empty() ? default_robot_file() : default_robot);
   const fs::path file = folder / given->text();  // an absolute path stays as it is
   std::error_code error;
   if (!fs::is_regular_file(file, error)) given->fail(fmt::format("no such file: {}", shown(file.string())));

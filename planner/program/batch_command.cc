@@ -70,9 +70,9 @@ void begin(const Batch& batch, const BatchItem& item) {
   if (item.yaml) write_file(item.request, *item.yaml);
 }
 
-Row refuse(const Batch& batch, const BatchItem& item, const std::string& reason) {
+Row refuse(const Batch& batch, const BatchItem& item, const InputError& error) {
   begin(batch, item);
-  const Json plan = bad_input_json(item.name, reason);
+  const Json plan = bad_input_json(item.name, error.what(), error.field());
   write_file(batch.folder(item) / "plan.json", json_text(plan));
   return make_row(item, plan);
 }
@@ -97,7 +97,7 @@ std::vector<std::size_t> sort_out(Batch& batch) {
         problem = load(item);
       } catch (const InputError& error) {
         complaints.emplace_back(error.what());
-        batch.rows[i] = refuse(batch, item, error.what());
+        batch.rows[i] = refuse(batch, item, error);
         continue;
       }
       const auto plan = finished_earlier(*problem, batch.folder(item), batch.options.settings.keep_uncertified);
@@ -267,6 +267,7 @@ int run(const BatchArguments& options) {
   Batch batch{options, collect_items(options.requests, options.out), {}};
   if (shard) batch.items = shard_of(std::move(batch.items), *shard);
   batch.rows.resize(batch.items.size());
+  check_default_robot(batch.items);
   make_folder(options.out);
   plan_all(batch, sort_out(batch));
   return tell(batch, shard);

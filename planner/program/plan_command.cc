@@ -43,9 +43,9 @@ struct PlanArguments {
 
 struct PlanJob {
   fs::path request;
-  fs::path folder;                 // of its results
-  std::optional<Problem> problem;  // none: refused
-  std::string refusal;
+  fs::path folder;  // of its results
+  std::optional<Problem> problem;
+  std::optional<InputError> refusal;  // where there is no problem
   std::shared_ptr<const Collocated> warm;
 
   std::string name() const { return request.stem().string(); }
@@ -75,14 +75,14 @@ std::vector<PlanJob> jobs_of(const PlanArguments& options) {
 
 void load(PlanJob& job, const PlanArguments& options) {
   try {
-    Problem problem = load_request(job.request, default_robot_file());
+    Problem problem = load_request(job.request);
     if (!options.warm.empty()) {
       job.warm = std::make_shared<const Collocated>(
           read_solution(fs::path(options.warm) / kSolutionFile, robot_hash(problem.robot)));
     }
     job.problem = std::move(problem);
   } catch (const InputError& error) {
-    job.refusal = error.what();
+    job.refusal = error;
   }
 }
 
@@ -102,7 +102,7 @@ std::string write_trajectory(const PlanJob& job, const PlanArguments& options, P
 }
 
 PlanOutcome refuse(const PlanJob& job) {
-  PlanOutcome outcome{PlanStatus::kBadInput, bad_input_json(job.name(), job.refusal), ""};
+  PlanOutcome outcome{PlanStatus::kBadInput, bad_input_json(job.name(), job.refusal->what(), job.refusal->field()), ""};
   write_file(job.folder / "plan.json", json_text(outcome.json));
   return outcome;
 }
@@ -155,7 +155,7 @@ int run(const PlanArguments& options) {
   std::vector<PlanJob> jobs = jobs_of(options);
   for (PlanJob& job : jobs) {  // a mistake in the last request is told at once, not after the first is solved
     load(job, options);
-    if (!job.problem) complain(job.refusal);
+    if (!job.problem) complain(job.refusal->what());
   }
   for (const PlanJob& job : jobs) prepare_folder(job.folder);  // after loading: --warm may name the same folder
   std::vector<PlanOutcome> outcomes;

@@ -102,7 +102,7 @@ std::string reason_of(const Reply& reply) {
 
 std::string json_of(const Order& order, const Reply& reply) {
   if (!reply.plan_json.empty()) return reply.plan_json;
-  auto json = bad_input_json(fs::path(order.name).stem().string(), reason_of(reply));
+  auto json = bad_input_json(fs::path(order.name).stem().string(), reason_of(reply), reply.why.field);
   json["status"] = name(status_of(reply));
   return json_text(json);
 }

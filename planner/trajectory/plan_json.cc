@@ -261,8 +261,10 @@ Json plan_json(const Problem& problem, const Plan& plan) {
   return json;
 }
 
-Json bad_input_json(const std::string& name, const std::string& reason) {
-  return head(PlanStatus::kBadInput, reason, name);
+Json bad_input_json(const std::string& name, const std::string& reason, const std::string& field) {
+  Json json = head(PlanStatus::kBadInput, reason, name);
+  json["field"] = text_or_null(field);
+  return json;
 }
 
 std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }

@@ -12,8 +12,9 @@ namespace fjr {
 // null, and so does what a plan without a trajectory cannot have.
 nlohmann::ordered_json plan_json(const Problem& problem, const Plan& plan);
 
-// For a request that never became a Problem. name: of the request file, without extension.
-nlohmann::ordered_json bad_input_json(const std::string& name, const std::string& reason);
+// For a request that never became a Problem. name: of the request file, without extension. field: what the reason is
+// about, as InputError::field(); empty where it is about no field, then it becomes null.
+nlohmann::ordered_json bad_input_json(const std::string& name, const std::string& reason, const std::string& field);
 
 nlohmann::ordered_json certificate_json(const Certificate& certificate);
 

@@ -17,6 +17,7 @@
 #include "planner/batch/earlier.h"
 #include "planner/batch/grid.h"
 #include "planner/batch/items.h"
+#include "planner/batch/name_order.h"
 #include "planner/batch/table.h"
 #include "planner/trajectory/plan_json.h"
 #include "planner/trajectory/trajectory.h"
@@ -192,6 +193,26 @@ RC_GTEST_PROP(GridProperty, BrokenGridsAreRefusedAndNothingElse, ()) {
   }
 }
 
+// ---- order ----
+
+TEST(NameOrder, NumbersCountAsNumbers) {
+  std::vector<std::string> names = {"g_10",  "g_9",   "g_-0.3", "g_fast", "g_-0.15", "g_0.25", "g_1e-05", "g_2_10",
+                                    "g_2_9", "g_007", "g_7",    "a-2",    "a-10",    "g",      "g_1e999", "g_-"};
+  std::sort(names.begin(), names.end(), comes_before);
+  EXPECT_THAT(names, ElementsAre("a-2", "a-10", "g", "g_-0.3", "g_-0.15", "g_1e-05", "g_0.25", "g_2_9", "g_2_10",
+                                 "g_007", "g_7", "g_9", "g_10", "g_-", "g_1e999", "g_fast"));
+}
+
+// What std::sort asks for; different names are never equal, so that a shard is the same everywhere.
+RC_GTEST_PROP(NameOrderProperty, IsATotalOrder, ()) {
+  std::vector<std::string> names;
+  for (int i = 0; i < 3; ++i)
+    names.push_back(*rc::gen::container<std::string>(rc::gen::elementOf(std::string("01-_.e"))));
+  const auto &a = names[0], &b = names[1], &c = names[2];
+  RC_ASSERT(comes_before(a, b) + comes_before(b, a) == (a != b));
+  RC_ASSERT(!comes_before(a, b) || !comes_before(b, c) || comes_before(a, c));
+}
+
 // ---- shards ----
 
 RC_GTEST_PROP(ShardProperty, EveryItemIsInExactlyOnePart, ()) {
@@ -243,7 +264,7 @@ class Earlier : public testing::Test {
   Problem problem_ = parse_request("start: {q: [0, 0]}\ngoal: {q: [1, 1]}\n", "r.yaml", ".", default_robot_file());
   std::string hash_ = robot_hash(problem_.robot);
   Trajectory trajectory_;
-  Json plan_ = bad_input_json("r", "");  // for the version
+  Json plan_ = bad_input_json("r", "", "");  // for the version
 };
 
 TEST_F(Earlier, TheSameRequestRobotAndVersionAreFinished) {

@@ -166,5 +166,24 @@ TEST(Explain, AViaPointThatComesTooEarly) {
   expect_enough(problem, why, "via[0].time", 0);  // that it is the least is a minimum time, tested elsewhere
 }
 
+// The grid finds a way as soon as the disc is 0.03 m smaller; along it no motion is found.
+TEST(Explain, ADiscThatBarsEveryWay) {
+  const Problem problem = request(
+      "{start: {q: [-0.9, 0.0]}, goal: {q: [0.9, 0.0]}, limits: {link_position: [1.2, 2.5]}, obstacles: [{center: "
+      "[0.089, -0.444], radius: 0.104}, {center: [-0.246, -0.632], radius: 0.116}]}");
+  const Infeasibility why = impossible(problem);
+  EXPECT_THAT(why.sentence, HasSubstr("every way from the start to the goal"));
+  expect_enough(problem, why, "obstacles[0]", 0);
+}
+
+// What is told in four digits is never less of a change than what was found.
+TEST(Explain, ToldNumbersAreRoundedToTheSafeSide) {
+  EXPECT_EQ(enough(0.01, 0.0126001), "0.01261");
+  EXPECT_EQ(enough(0.01, 0.0126), "0.0126");
+  EXPECT_EQ(enough(0.104, 0.0608299), "0.06082");
+  EXPECT_EQ(enough(5, 9.99951), "10");
+  EXPECT_EQ(enough(0.1, 0), "0");
+}
+
 }  // namespace
 }  // namespace fjr

@@ -216,9 +216,11 @@ TEST(PlanJson, WithoutATrajectoryThereIsNoDuration) {
 }
 
 TEST(PlanJson, RefusalsHaveTheSameFirstKeys) {
-  const Json json = bad_input_json("reach", "reach.yaml: goal.q[1]: 9 rad is outside [-2.6, 2.6]");
-  EXPECT_THAT(keys(json), ElementsAre("version", "request", "status", "reason"));
+  const Json json = bad_input_json("reach", "reach.yaml: goal.q[1]: 9 rad is outside [-2.6, 2.6]", "goal.q[1]");
+  EXPECT_THAT(keys(json), ElementsAre("version", "request", "status", "reason", "field"));
   EXPECT_EQ(json["status"], "bad_input");
+  EXPECT_EQ(json["field"], "goal.q[1]");
+  EXPECT_TRUE(bad_input_json("reach", "reach.yaml: no such file", "")["field"].is_null());
 }
 
 TEST(PlanJson, TextIsTheSameEveryTimeAndSurvivesAnyBytes) {

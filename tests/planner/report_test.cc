@@ -430,7 +430,7 @@ TEST_F(Folder, ThatIsNoPlanIsRefusedWithTheReason) {
   EXPECT_THAT(complaint(), HasSubstr("plan.json: is damaged"));
   write("plan.json", "[1, 2]");
   EXPECT_THAT(complaint(), HasSubstr("plan.json: must be an object"));
-  write("plan.json", json_text(bad_input_json("reach", "goal.q[1]: 9 rad is outside")));
+  write("plan.json", json_text(bad_input_json("reach", "goal.q[1]: 9 rad is outside", "goal.q[1]")));
   EXPECT_THAT(complaint(), HasSubstr("nothing planned: goal.q[1]: 9 rad is outside"));
   fs::remove(folder_ / "plan.json");
   EXPECT_THAT(complaint(), HasSubstr("plan.json: cannot be read: this is no folder of a plan"));

@@ -197,7 +197,26 @@ TEST_F(Batch, BadRequestsAreRowsAndDoNotStopTheOthers) {
   EXPECT_THAT(all_rows("name"), ElementsAre("bad", "broken", "good", "none"));
   EXPECT_THAT(all_rows("status"), ElementsAre("bad_input", "bad_input", "deadline", "bad_input"));
   EXPECT_EQ(plan_json("out/bad")["reason"], summary()["rows"][0]["reason"]);
+  EXPECT_EQ(plan_json("out/bad")["field"], "goal.q[0]");
+  EXPECT_TRUE(plan_json("out/none")["field"].is_null());
   EXPECT_EQ(run({"batch", "requests/bad.yaml", "--out", "only"}).exit_code, 2);
+}
+
+// Requests that name a robot need none of ours; one that does not is enough to stop all of them.
+TEST_F(Batch, ARobotThatIsMissingIsToldOnceBeforeAnythingIsWritten) {
+  write("a.yaml", kLong);
+  write("b.yaml", kLong);
+  write("own.yaml", "robot: mine.yaml\n" + kLong);
+  fs::copy_file(FJR_SOURCE_DIR "/config/robot.yaml", path("mine.yaml"));
+  fs::create_directories(path("empty"));
+  setenv("FJR_CONFIG_DIR", path("empty").c_str(), 1);
+  const Result result = run({"batch", "own.yaml", "a.yaml", "b.yaml", "--out", "out", "--deadline", "1e-9"});
+  const Result own = run({"batch", "own.yaml", "--out", "own", "--deadline", "1e-9"});
+  unsetenv("FJR_CONFIG_DIR");
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_EQ(result.err, "fjr: robot.yaml: not in FJR_CONFIG_DIR, " + path("empty").string() + "\n");
+  EXPECT_FALSE(fs::exists(path("out")));
+  EXPECT_EQ(own.exit_code, 5) << own.err;
 }
 
 TEST_F(Batch, WrongCommandLinesAreToldBeforeAnythingIsWritten) {

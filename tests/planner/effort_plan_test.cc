@@ -42,7 +42,7 @@ TEST(EffortPlan, WaitingIsOneOfTheStarts) {
                                          "waiting.yaml", robot),
                            {});
   ASSERT_EQ(result.status, PlanStatus::kCertified) << result.reason;
-  EXPECT_LT(result.objective, 6.6);
+  EXPECT_LT(result.objective, 6.67);
 }
 
 }  // namespace

@@ -40,6 +40,7 @@ constexpr int kHalvings = 2;           // of a step between levels that did not 
 constexpr double kSharpWidth = 1e-4;   // [rad/s] as good as the exact law, where a step is halved
 constexpr double kSameMinimum = 2e-5;  // relative difference of objectives on one mesh below which minima are one
 constexpr int kPolishRounds = 8;
+constexpr int kFailuresToPolish = 3;  // then what is there has to do: the next would fail alike, 300 iterations each
 // Rounds that want the back-off kept; what those after them leave is still inside the limits, and chasing it takes
 // rounds in which nothing moves.
 constexpr int kEagerRounds = 2;
@@ -303,7 +304,7 @@ bool Continuation::refine(const std::vector<double>& errors) {
 }
 
 bool Continuation::polish() {
-  for (int round = 0; round < kPolishRounds; ++round) {
+  for (int round = 0; round < kPolishRounds && failures_to_polish_ < kFailuresToPolish; ++round) {
     CollocationSetup setup = solution_.setup;
     const double keep = round < kEagerRounds ? kKeep : kKeepAtLast;
     const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
@@ -313,7 +314,10 @@ bool Continuation::polish() {
     const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
     if (!wider && !finer) return true;
     const std::string what = fmt::format("{}, {} intervals{}", label, setup.mesh.size(), wider ? " and margins" : "");
-    if (!attempt_or_forget(what, setup)) return status_ != SolveStatus::kStopped;
+    if (!attempt_or_forget(what, setup)) {
+      ++failures_to_polish_;
+      return status_ != SolveStatus::kStopped;
+    }
   }
   return true;
 }

@@ -101,6 +101,7 @@ class Continuation {
   std::string obstacle_;
   std::vector<SolverStage> stages_;
   int iterations_ = 0;
+  int failures_to_polish_ = 0;
 };
 
 }  // namespace fjr

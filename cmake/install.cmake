@@ -13,6 +13,7 @@ install(TARGETS fjr_model fjr_planner
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fjr)
 install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fjr/config USE_SOURCE_PERMISSIONS)
+install(DIRECTORY idl/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fjr/idl FILES_MATCHING PATTERN "*.idl")
 # The unit names the program by its full path, which is known when it is installed (--prefix). systemd looks in
 # /usr/lib and /usr/local/lib; from elsewhere: `systemctl link`.
 install(CODE "

@@ -13,7 +13,7 @@ packages=(
   cyclonedds-dev cyclonedds-tools libspdlog-dev libsystemd-dev  # the planning service, its log and its watchdog
   openssl iproute2 nftables                                     # credentials; networks that lose packets, in tests
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev  # tests and benchmarks
-  libfastrtps-dev                                               # another DDS, to test against
+  libfastrtps-dev fastddsgen default-jre-headless               # another DDS, to test against
   python3                                                       # bench/suite.py
   clang-format clang-tidy                                       # style
 )

@@ -29,7 +29,7 @@ rule("only planner/certificate and model/rig know SUNDIALS" "^(planner/certifica
 rule("only model/identify/curve_fit.cc knows Ceres" "^model/identify/curve_fit\\.cc$" "ceres/|glog/")
 rule("model stands below planner" "^planner/" "planner/")
 rule("only planner/service/dds and planner/executor/dds know DDS and the wire types" "^planner/(service|executor)/dds/"
-  "dds/|ddsc/|fjr_msgs\\.h|trajectory_msgs\\.h")
+  "dds/|ddsc/|fjr_(msgs|plan_request)\\.h|trajectory_msgs\\.h")
 rule("only service, executor and program know planner/service" "^planner/(service|executor|program)/" "planner/service/")
 rule("only service, executor and program log" "^planner/(service|executor|program)/" "spdlog/")
 rule("only planner/program knows CLI11" "^planner/program/" "CLI/|CLI11")

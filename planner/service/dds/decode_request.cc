@@ -149,7 +149,7 @@ void write_duration(Document& document, const fjr_msg_DurationRange& duration) {
 }
 
 void write_objective(Document& document, const fjr_msg_PlanRequest2& message) {
-  const fjr_msg_Objective& objective = message.request.objective;
+  const fjr_msg_ObjectiveTerms& objective = message.request.objective;
   const std::string_view preset =
       document.choice("objective", objective.preset, {"default", "fastest", "gentle", "efficient", "weights"});
   if (preset == "default") return;
@@ -238,7 +238,7 @@ void write_limits(Document& document, const fjr_msg_TightenedLimits& limits) {
   document.close();
 }
 
-void write_payload(Document& document, const fjr_msg_Payload& payload) {
+void write_payload(Document& document, const fjr_msg_TipPayload& payload) {
   if (!payload.given) return;
   document.open("payload");
   document.number("mass", payload.mass);

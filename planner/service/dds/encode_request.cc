@@ -106,7 +106,7 @@ std::uint8_t preset_of(const YamlNode& node) {
 
 // Where the wire has a term's weight.
 double& weight_of(fjr_msg_PlanRequest2& message, std::string_view term) {
-  fjr_msg_Objective& objective = message.request.objective;
+  fjr_msg_ObjectiveTerms& objective = message.request.objective;
   if (term == "time") return objective.time;
   if (term == "effort") return objective.effort;
   if (term == "torque_rate") return objective.torque_rate;
@@ -120,7 +120,7 @@ double& weight_of(fjr_msg_PlanRequest2& message, std::string_view term) {
 }
 
 void encode_objective(const YamlNode& root, fjr_msg_PlanRequest2& message) {
-  fjr_msg_Objective& objective = message.request.objective;
+  fjr_msg_ObjectiveTerms& objective = message.request.objective;
   const auto node = root.find("objective");
   if (!node) return;
   if (node->is_scalar()) {
@@ -228,7 +228,7 @@ void encode_limits(const YamlNode& root, fjr_msg_TightenedLimits& limits) {
   set_optional(*node, "tip_speed", "m/s", limits.has_tip_speed, limits.tip_speed);
 }
 
-void encode_payload(const YamlNode& root, fjr_msg_Payload& payload) {
+void encode_payload(const YamlNode& root, fjr_msg_TipPayload& payload) {
   const auto node = root.find("payload");
   payload.given = node.has_value();
   if (!payload.given) return;

@@ -3,6 +3,7 @@
 
 #include <dds/dds.h>
 #include <fjr_msgs.h>
+#include <fjr_plan_request.h>
 
 #include "planner/service/dds/qos.h"
 

@@ -1,7 +1,7 @@
 // Requests between their document (DESIGN 5.2) and the wire.
 #pragma once
 
-#include <fjr_msgs.h>
+#include <fjr_plan_request.h>
 
 #include <vector>
 

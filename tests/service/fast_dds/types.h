@@ -1,5 +1,5 @@
-// fjr's requests and replies for Fast DDS, written after idl/fjr_msgs.idl by hand with Fast CDR: nothing here knows
-// what Cyclone DDS makes of that file.
+// fjr's requests and replies for Fast DDS, written after the files in idl/ by hand with Fast CDR: nothing here knows
+// what Cyclone DDS makes of them.
 #pragma once
 
 #include <fastcdr/Cdr.h>

@@ -5,6 +5,7 @@
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -34,6 +35,14 @@ std::errc read_whole_text(std::string_view text, Number& value) {
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   if (error != std::errc()) return error;
   return end == digits.data() + digits.size() ? std::errc() : std::errc::invalid_argument;
+}
+
+// Plain text that stays the same within a flow map or list.
+bool stays_plain(std::string_view text) {
+  const auto harmless = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_' || c == '.' || c == '+'; };
+  const std::string_view rest = text.substr(std::min<std::size_t>(1, text.size()));
+  return !text.empty() && (harmless(text[0]) || (text[0] == '-' && !rest.empty())) &&
+         std::all_of(rest.begin(), rest.end(), [&](char c) { return harmless(c) || c == '-'; });
 }
 
 }  // namespace
@@ -154,6 +163,16 @@ std::string shown(std::string_view text) {
     result += printable ? std::string(1, c) : fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
   }
   return result + (text.size() > kMaxShown ? "...\"" : "\"");
+}
+
+std::string quoted_flow(std::string_view text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool escaped = byte < ' ' || c == '"' || c == '\\' || byte == 0x7F;
+    quoted += escaped ? fmt::format("\\x{:02x}", byte) : std::string(1, c);
+  }
+  return quoted + '"';
 }
 
 YamlNode YamlNode::parse(const std::string& text, const std::string& source) {
@@ -286,6 +305,22 @@ const std::string& YamlNode::text() const {
   if (!is_scalar()) fail(fmt::format("must be text, not {}", kind()));
   if (tree_->scalar.empty()) fail("must not be empty");
   return tree_->scalar;
+}
+
+std::string YamlNode::flow() const { return flow(*tree_); }
+
+std::string YamlNode::flow(const Tree& tree) {
+  if (tree.kind == Tree::Kind::kNull) return "null";
+  if (tree.kind == Tree::Kind::kScalar) {
+    return tree.plain && stays_plain(tree.scalar) ? tree.scalar : quoted_flow(tree.scalar);
+  }
+  std::vector<std::string> parts;
+  for (std::size_t i = 0; i < tree.children.size(); ++i) {
+    const std::string key = tree.kind == Tree::Kind::kMap ? quoted_flow(tree.keys[i]) + ": " : "";
+    parts.push_back(key + flow(tree.children[i]));
+  }
+  const std::string inside = fmt::format("{}", fmt::join(parts, ", "));
+  return tree.kind == Tree::Kind::kMap ? "{" + inside + "}" : "[" + inside + "]";
 }
 
 void YamlNode::fail(const std::string& problem) const { throw InputError(source(), field_, problem); }

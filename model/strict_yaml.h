@@ -22,6 +22,9 @@ std::string with_unit(double value, std::string_view unit);
 // `text` from outside, fit for an error message: quoted, printable, cut to a readable length.
 std::string shown(std::string_view text);
 
+// `text` as a quoted scalar that reads back as the same.
+std::string quoted_flow(std::string_view text);
+
 // One value of a document together with where it stands, so that whatever is wrong with it can be said precisely.
 // All reading functions throw InputError with source, path of the field ("goal.q[1]") and problem. Refused while
 // parsing: syntax errors (with their line), duplicate keys, keys that are not text, anchors and aliases, tags, several
@@ -55,6 +58,8 @@ class YamlNode {
   Pair<double> pair(std::string_view unit) const;  // a list of two finite numbers
   const std::string& text() const;                 // not empty
 
+  std::string flow() const;  // as one line of YAML that reads back as the same: "{q: [0.3, 0.2]}"
+
   [[noreturn]] void fail(const std::string& problem) const;
   // The same for element `index` of this list: "goal.q[1]".
   [[noreturn]] void fail_at(std::size_t index, const std::string& problem) const;
@@ -67,6 +72,7 @@ class YamlNode {
   YamlNode(std::shared_ptr<const Document> document, const Tree* tree, std::string field);
   YamlNode child(const Tree& tree, std::string field) const;
   std::string kind() const;  // "a list of 3", for messages
+  static std::string flow(const Tree& tree);
 
   std::shared_ptr<const Document> document_;
   const Tree* tree_;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "model/input_error.h"
 #include "planner/problem/problem.h"
 
 namespace fjr {
@@ -13,6 +12,10 @@ constexpr const char* kOtherPayload =
     "the executor does not know of it: to be executed it has to be in the robot.yaml of service and executor";
 
 }  // namespace
+
+Refusal refusal_of(const InputError& error) {
+  return {Reason::kBadInput, error.field().empty() ? "document" : error.field(), error.problem()};
+}
 
 std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served) {
   if (order.refusal) return order.refusal;
@@ -30,6 +33,10 @@ std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served
   if (order.budget > served.longest_budget) {
     return Refusal{Reason::kBadInput, "budget", fmt::format("{} s is above {} s", order.budget, served.longest_budget)};
   }
+  if (order.start_within > served.longest_budget) {
+    return Refusal{Reason::kBadInput, "start_within",
+                   fmt::format("{} s is above {} s", order.start_within, served.longest_budget)};
+  }
   return std::nullopt;
 }
 
@@ -44,7 +51,7 @@ std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot) {
     if (job.rest_to_rest) return std::nullopt;
     return Refusal{Reason::kBadInput, problem.start_at_rest ? "goal" : "start", "must be at rest to be executed"};
   } catch (const InputError& error) {
-    return Refusal{Reason::kBadInput, error.field(), error.problem()};
+    return refusal_of(error);
   }
 }
 

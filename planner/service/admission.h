@@ -5,6 +5,7 @@
 #include <set>
 #include <string>
 
+#include "model/input_error.h"
 #include "model/parameters.h"
 #include "planner/service/job_queue.h"
 #include "planner/service/messages.h"
@@ -19,6 +20,8 @@ struct Served {
 };
 
 inline bool executes(const Order& order) { return order.action != Action::kPlan; }
+
+Refusal refusal_of(const InputError& error);  // in a request document
 
 // Of whatever kind it is, before its motion is looked at.
 std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served);

@@ -110,7 +110,7 @@ class Client {
     if (!cancelled_at_) cancelled_at_ = now;
     if (now - last_cancel_ > kCancelAgain) {
       last_cancel_ = now;
-      port_.cancel(order_.id);
+      port_.cancel(order_.id, order_.robot_id);
     }
     if (seconds_since(*cancelled_at_) > kCancelPatience) throw NoAnswer("the service does not answer the cancellation");
   }

@@ -78,10 +78,10 @@ struct Order {
   RequestId trajectory_id;  // of what was planned before; with kExecute, which has no document
   int priority = 0;         // larger goes first
   double budget = 0;        // [s]; 0: the service's default
+  double start_within = 0;  // [s] after its client was last alive it may still make the arm start; 0: the default
   std::string robot_id;     // empty: whichever is served
   std::string robot_hash;   // empty: any
   std::string yaml;
-  bool start_given = true;         // false: where the arm rests; set by the receiving side
   std::optional<Refusal> refusal;  // set by the receiving side for what cannot be meant
 };
 

@@ -9,6 +9,8 @@
 #include <utility>
 #include <variant>
 
+#include "model/input_error.h"
+#include "planner/service/document.h"
 #include "planner/service/memory.h"
 #include "planner/service/watchdog.h"
 
@@ -35,10 +37,6 @@ bool lasting(Reason reason) {
 
 Job::Clock::duration duration_of(double seconds) {
   return std::chrono::duration_cast<Job::Clock::duration>(std::chrono::duration<double>(seconds));
-}
-
-std::string with_start(const std::string& yaml, const Pair<double>& q) {
-  return fmt::format("{{start: {{q: [{}, {}]}}, {}", q[0], q[1], yaml.substr(1));  // decode() writes one flow map
 }
 
 }  // namespace
@@ -70,7 +68,7 @@ void Service::run() {
     listen_to_others();
     outbox_.deliver();
     if (settled()) {
-      for (const RequestId& id : port_.take_cancels()) cancel(id);
+      for (const auto& wanted : port_.take_cancels()) cancel(wanted);
       for (Order& order : port_.take_requests()) receive(std::move(order));
       work();
       port_.wait(time_to_next());
@@ -120,16 +118,18 @@ void Service::admit(Order order, Clock::time_point arrived) {
 
 Served Service::served() const { return {config_.robot_id, ownership_.robots(), robot_hash_, config_.longest_budget}; }
 
-std::optional<Refusal> Service::resolve_start(Order& order) const {
-  if (order.start_given) return std::nullopt;
+std::optional<Refusal> Service::resolve_start(Order& order) const try {
+  if (gives_start(order.yaml, order.name)) return std::nullopt;
   const auto refused = [](const std::string& why) {
     return Refusal{Reason::kArmNotAtRest, "start", "left out, but " + why};
   };
   if (motion_pending()) return refused("an earlier request is still to move the arm");
   const auto rest = executor_.rest();
   if (const auto* why = std::get_if<std::string>(&rest)) return refused(*why);
-  order.yaml = with_start(order.yaml, std::get<Pair<double>>(rest));
+  order.yaml = with_start(order.yaml, order.name, std::get<Pair<double>>(rest));
   return std::nullopt;
+} catch (const InputError& error) {
+  return refusal_of(error);
 }
 
 // It is published under the id of the request to execute it: asked for again under another id, it moves again.
@@ -176,8 +176,8 @@ bool Service::motion_pending() const {
          std::any_of(queue_.jobs().begin(), queue_.jobs().end(), [](const Job& job) { return executes(job.order); });
 }
 
-// A cancel does not say for which robot: where several are served, another owner may know what this one does not.
-void Service::cancel(const RequestId& id) {
+void Service::cancel(const dds::ServicePort::Cancel& wanted) {
+  const RequestId& id = wanted.id;
   if (!ownership_.owner()) return backlog_.cancel(id);
   if (const SharedReply reply = cache_.find(id)) return post(reply);
   const auto is_it = [&](const Job& job) { return job.order.id == id; };
@@ -187,7 +187,9 @@ void Service::cancel(const RequestId& id) {
   if (const auto job = solvers_.stop_if(is_it)) {
     return give_up(*job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it was solved");
   }
-  if (ownership_.robots().size() > 1) return;
+  // Where several robots are served and it does not say which, another owner may know what this one does not.
+  const bool ours = wanted.robot_id ? ownership_.answers_for(*wanted.robot_id) : ownership_.robots().size() == 1;
+  if (!ours) return;
   // It may still be on its way, for the two come on different topics.
   Order unknown;
   unknown.id = id;
@@ -352,8 +354,9 @@ void Service::answer_backlog() {
   for (Backlog::Entry& entry : backlog_.take()) {
     if (!ownership_.answers_for(entry.order.robot_id)) continue;
     const RequestId id = entry.order.id;
+    const std::string robot_id = entry.order.robot_id;
     admit(std::move(entry.order), entry.arrived);
-    if (entry.cancelled) cancel(id);
+    if (entry.cancelled) cancel({id, robot_id});
   }
 }
 

@@ -45,7 +45,7 @@ class Service {
   bool repeat(const Order& order);
   bool in_hand(const RequestId& id) const;
   bool motion_pending() const;
-  void cancel(const RequestId& id);
+  void cancel(const dds::ServicePort::Cancel& wanted);
 
   // Work and time.
   void work();

@@ -25,12 +25,14 @@ int main(int, char** argv) {
   bool matched = false;
   (void)comes_true(
       [&] {
-        if (requests.has_reader() && !matched) matched = requests.write(dds::encode(order).message.request);
+        if (requests.has_reader() && !matched)
+          matched = requests.write(dds::encode_plan_request(order).message.request);
         statuses.take_all([&](const auto&, const auto& info) { heard += info.valid_data ? 1 : 0; });
         replies.take_all([&](const auto&, const auto& info) { answered += info.valid_data ? 1 : 0; });
         return false;
       },
       std::atof(argv[2]));
-  if (!matched) (void)requests.write(dds::encode(order).message.request);  // for whoever may be there unmatched
+  if (!matched)
+    (void)requests.write(dds::encode_plan_request(order).message.request);  // for whoever may be there unmatched
   fmt::print("matched={:d} heard={} replies={}\n", matched, heard, answered);
 }

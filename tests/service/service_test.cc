@@ -3,7 +3,9 @@
 
 #include <limits>
 
+#include "planner/service/dds/text.h"
 #include "planner/service/dds/wire_request.h"
+#include "planner/service/dds/writer.h"
 #include "tests/service/service_fixture.h"
 
 namespace fjr {
@@ -185,7 +187,7 @@ void add_pair(std::vector<Field>& fields, const std::string& name, double (&pair
 
 // A message in which all that is optional is given; `kind` chooses among what excludes each other.
 struct FullRequest {
-  FullRequest(const Order& order, int kind) : wire(dds::encode(order)), via(2), obstacles(1), path(2) {
+  FullRequest(const Order& order, int kind) : wire(dds::encode_plan_request(order)), via(2), obstacles(1), path(2) {
     fjr_msg_PlanRequest& m = wire.message.request;
     m.start.has_dq = m.start.has_theta = m.start.has_dtheta = true;
     m.goal.has_dq = m.goal.has_theta = m.goal.has_dtheta = m.goal.has_tip_velocity = true;
@@ -316,14 +318,43 @@ TEST_F(ServiceTest, RefusesWhatIsOutsideLimitsByName) {
   EXPECT_EQ(refused_field(fixed + "via: [{time: 0.6, q: [0, 3]}]\n"), "via[0].q[1]");
 }
 
-TEST_F(ServiceTest, TooLongAListIsRefusedBeforeItIsSent) {
+// A document is whatever its sender wrote: none of it may cost the service more than a glance.
+TEST_F(ServiceTest, RefusesDocumentsThatAreNoRequests) {
   serve();
-  std::string via = "via: [";
-  for (int i = 0; i < 33; ++i) via += fmt::format("{{time: {}, q: [0, 0]}}, ", 0.02 * (i + 1));
-  write("long.yaml", kFast + "duration: 1\n" + via + "]\n");
-  Process request = fjr({"request", path("long.yaml"), "--domain", domain()}, "request.log");
-  EXPECT_EQ(request.wait(), 2);
-  EXPECT_THAT(request.output(), HasSubstr("via: 33 entries, above the 32 allowed"));
+  const dds::Participant participant(domain_);
+  dds::Writer<fjr_msg_MotionRequest> writer(participant, participant.handle());
+  while (!writer.has_reader()) std::this_thread::sleep_for(milliseconds(5));
+  const auto repeated = [](const std::string& text, std::size_t count) {
+    std::string all;
+    for (std::size_t i = 0; i < count; ++i) all += text;
+    return all;
+  };
+  const auto refusal = [&](const std::string& document) {
+    const Order one = order(kFast);
+    fjr_msg_MotionRequest message = dds::encode(one);
+    dds::set_text(message.document, document);
+    const auto asked = Clock::now();
+    EXPECT_TRUE(writer.write(message));
+    const Reply reply = final_reply(one.id, 5);
+    EXPECT_LT(seconds_since(asked), 1) << reply.why.sentence;
+    EXPECT_EQ(reply.state, ReplyState::kRejected);
+    return reply.why.field + ": " + reply.why.sentence;
+  };
+  EXPECT_EQ(refusal(""), "document: empty");
+  EXPECT_THAT(refusal("just words"), HasSubstr("document: must be a map, not the text"));
+  EXPECT_THAT(refusal("- 1\n- 2\n"), HasSubstr("document: must be a map, not a list of 2"));
+  EXPECT_THAT(refusal("goal: {q: [1, 0]"), HasSubstr("not valid YAML"));
+  EXPECT_EQ(refusal(kFast + "robot: /etc/passwd\n"), "robot: the robot is given already");
+  EXPECT_THAT(refusal(kFast + "include: other.yaml\n"), HasSubstr("unknown key \"include\""));
+  EXPECT_THAT(refusal("goal: &a {q: [1, 0]}\nstart: *a\n"), HasSubstr("anchors (&name) are not allowed"));
+  EXPECT_THAT(refusal("goal: !!python/object {q: [1, 0]}\n"), HasSubstr("tags (!name) are not allowed"));
+  EXPECT_THAT(refusal(kFast + "---\n" + kFast), HasSubstr("more than one YAML document"));
+  EXPECT_THAT(refusal("goal: " + repeated("[", 65000)), HasSubstr("line 1: "));
+  EXPECT_THAT(refusal(repeated("- ", 32000)), HasSubstr("nested deeper than 16 levels"));
+  EXPECT_THAT(refusal("goal: [" + repeated("1,", 32000) + "1]"), HasSubstr("more than 20000 values"));
+  EXPECT_THAT(refusal(repeated("? ", 32000)), HasSubstr("must be text"));
+  EXPECT_THAT(refusal(repeated("\xff", 65000)), HasSubstr("document: "));
+  EXPECT_THAT(refusal(kFast + "goal: {q: [1, 0]}\n"), HasSubstr("key \"goal\" is given twice"));
 }
 
 TEST_F(ServiceTest, ClientSaysWhenNobodyServes) {

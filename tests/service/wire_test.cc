@@ -6,10 +6,12 @@
 #include <limits>
 
 #include "model/input_error.h"
+#include "model/strict_yaml.h"
 #include "planner/problem/problem.h"
 #include "planner/service/dds/text.h"
 #include "planner/service/dds/wire_reply.h"
 #include "planner/service/dds/wire_request.h"
+#include "planner/service/document.h"
 #include "planner/service/job_queue.h"
 #include "planner/service/reply_cache.h"
 #include "tests/support/process.h"
@@ -35,19 +37,29 @@ Order order_of(const std::string& yaml) {
 
 Problem resolved(const std::string& yaml) { return parse_request(yaml, "request.yaml", {}, default_robot_file()); }
 
-// What becomes of `yaml` on the wire.
-std::string through_the_wire(const std::string& yaml) {
-  const dds::WireRequest wire = dds::encode(order_of(yaml));
+// What becomes of `yaml` on the wire, by MotionRequest and by PlanRequest2.
+std::string as_motion_request(const std::string& yaml) {
+  const Order received = dds::decode(dds::encode(order_of(yaml)));
+  EXPECT_FALSE(received.refusal) << received.refusal->field << received.refusal->sentence;
+  return received.yaml;
+}
+std::string as_plan_request(const std::string& yaml) {
+  const dds::WireRequest wire = dds::encode_plan_request(order_of(yaml));
   const Order received = dds::decode(wire.message);
   EXPECT_FALSE(received.refusal) << received.refusal->field << received.refusal->sentence;
   return received.yaml;
 }
 
+std::vector<std::string> hashes_by_wire(const std::string& yaml) {
+  return {resolved(as_motion_request(yaml)).request_hash, resolved(as_plan_request(yaml)).request_hash};
+}
+std::vector<std::string> twice(const std::string& hash) { return {hash, hash}; }
+
 TEST(Wire, EveryExampleArrivesAsTheSameProblem) {
   int examples = 0;
   for (const auto& entry : fs::directory_iterator(FJR_SOURCE_DIR "/config/requests")) {
     const std::string yaml = contents(entry.path());
-    EXPECT_EQ(resolved(through_the_wire(yaml)).request_hash, resolved(yaml).request_hash) << entry.path();
+    EXPECT_EQ(hashes_by_wire(yaml), twice(resolved(yaml).request_hash)) << entry.path();
     ++examples;
   }
   EXPECT_GT(examples, 5);
@@ -58,7 +70,7 @@ TEST(Wire, NumbersArriveToTheLastBit) {
       "start: {q: [0.1, -0.30000000000000004], dq: [1e-17, 0.2]}\ngoal: {q: [1.2345678901234567, 0], dq: [0.1, 0.2]}\n"
       "duration: {min: 0.30000000000000004}\nobjective: {time: 3, effort: 0.1}\nseed: 18446744073709551615\n"
       "limits: {torque: [11.1, 4.9], tip_speed: 3.3}\nsample_period: 0.002\n";
-  EXPECT_EQ(resolved(through_the_wire(yaml)).request_hash, resolved(yaml).request_hash);
+  EXPECT_EQ(hashes_by_wire(yaml), twice(resolved(yaml).request_hash));
 }
 
 TEST(Wire, TasksAndSetsArriveAsTheyWere) {
@@ -68,15 +80,15 @@ TEST(Wire, TasksAndSetsArriveAsTheyWere) {
         "start: {q: [0, 0]}\ngoal: {q: [1, 0]}\nvia: [{q: [0.5, 0.2]}, {q: [0.6, 0.1], dq: [0, 1]}]\n",
         "start: {q: [0, 0]}\ngoal: {q: [1, 0]}\n"
         "tip: {arc: {center: [0, 0], from: [0, -0.65], to: [0.65, 0], tolerance: 0.1}}\n"}) {
-    EXPECT_EQ(resolved(through_the_wire(yaml)).request_hash, resolved(yaml).request_hash) << yaml;
+    EXPECT_EQ(hashes_by_wire(yaml), twice(resolved(yaml).request_hash)) << yaml;
   }
 }
 
 TEST(Wire, PayloadsAndTermsArriveAsTheyWere) {
   for (const char* more : {"payload: 0.1\n", "payload: {mass: {value: 0.1, unit: kg}, inertia: 0.001}\n",
                            "objective: {time: 1, link_jerk: 1e-6, energy: 0.5}\n"}) {
-    EXPECT_EQ(resolved(through_the_wire(kShort + more)).request_hash, resolved(kShort + more).request_hash) << more;
-    EXPECT_NE(resolved(through_the_wire(kShort + more)).request_hash, resolved(kShort).request_hash) << more;
+    EXPECT_EQ(hashes_by_wire(kShort + more), twice(resolved(kShort + more).request_hash)) << more;
+    EXPECT_NE(resolved(kShort + more).request_hash, resolved(kShort).request_hash) << more;
   }
 }
 
@@ -88,16 +100,16 @@ TEST(Wire, WhatPlanRequestHasNoPlaceForArrivesByTheSecond) {
         kShort + "objective: {time: 1, tip_speed: 0.3}\nduration: {max: 2}\n" + vias, kShort + vias,
         kShort + "path: {tolerance: 0.01}\n", kShort + "path: {points: [[0.3, 0.1], [0.4, 0.1]], tolerance: 0.02}\n",
         std::string("start: {q: [0, 0]}\ngoal: {q: [1, 0], dq: free}\n")}) {
-    EXPECT_EQ(resolved(through_the_wire(yaml)).request_hash, resolved(yaml).request_hash) << yaml;
-    EXPECT_FALSE(dds::fits_plan_request(dds::encode(order_of(yaml)).message)) << yaml;
+    EXPECT_EQ(hashes_by_wire(yaml), twice(resolved(yaml).request_hash)) << yaml;
+    EXPECT_FALSE(dds::fits_plan_request(dds::encode_plan_request(order_of(yaml)).message)) << yaml;
   }
   EXPECT_TRUE(dds::fits_plan_request(
-      dds::encode(order_of(kShort + "objective: {time: 1, energy: 1}\nvia: [{q: [0, 0]}]\n")).message));
+      dds::encode_plan_request(order_of(kShort + "objective: {time: 1, energy: 1}\nvia: [{q: [0, 0]}]\n")).message));
 }
 
 TEST(Wire, NumbersThatAreNotFiniteAreRefusedByName) {
   const auto refusal = [](auto change) {
-    dds::WireRequest wire = dds::encode(order_of(
+    dds::WireRequest wire = dds::encode_plan_request(order_of(
         kShort + "duration: 1\nobjective: efficient\nvia: [{time: 0.3, q: [0, 0]}, {time: 0.5, q: [0, 0]}]\n"));
     change(wire);
     const Order order = dds::decode(wire.message);
@@ -118,10 +130,57 @@ TEST(Wire, NumbersThatAreNotFiniteAreRefusedByName) {
             "release: 2 is none of the 2 via points");
 }
 
+// What is quoted stays text, what is not stays a number; what has two meanings in YAML keeps its own.
+TEST(Wire, ADocumentKeepsItsMeaningInOneLine) {
+  for (const std::string value : {"1e-3", "-1", "+0.5", "\"1\"", "'it''s'", "\"a: b, c\"", "a-b", "|\n  two\n  lines",
+                                  "[1, [2, {a: b}], ~]", "{}", "[]", "\"\\u00e9\\t\\\\\"", "yes", "{? k : v}"}) {
+    const YamlNode before = YamlNode::parse("key: " + value + "\n", "before");
+    const YamlNode after = YamlNode::parse(before.flow(), "after");
+    EXPECT_EQ(after.flow(), before.flow()) << value;
+    EXPECT_EQ(after.at("key").is_number(), before.at("key").is_number()) << value;
+    if (before.at("key").is_scalar()) {
+      EXPECT_EQ(after.at("key").text(), before.at("key").text()) << value;
+    }
+  }
+}
+
+// The client's file names are nobody else's, and a start that is left out is the arm's.
+TEST(Wire, WhatADocumentLeavesOut) {
+  EXPECT_EQ(without_robot("robot: my.yaml\n" + kShort, ""), without_robot(kShort, ""));
+  EXPECT_TRUE(gives_start(kShort, ""));
+  for (const char* start : {"", "start:\n", "start: {}\n", "start: null\n"}) {
+    const std::string document = std::string(start) + "goal: {q: [0.42, 0.08]}\n";
+    EXPECT_FALSE(gives_start(document, "")) << start;
+    EXPECT_EQ(resolved(with_start(document, "", {0.3, 0.2})).request_hash, resolved(kShort).request_hash) << start;
+  }
+}
+
+TEST(Wire, TermsOfAMotionRequestAreChecked) {
+  const auto refusal = [](auto change) {
+    fjr_msg_MotionRequest message = dds::encode(order_of(kShort));
+    change(message);
+    const Order order = dds::decode(message);
+    return order.refusal ? order.refusal->field + ": " + order.refusal->sentence : "none";
+  };
+  using Message = fjr_msg_MotionRequest;
+  EXPECT_EQ(refusal([](Message&) {}), "none");
+  EXPECT_EQ(refusal([](Message& m) { m.start_within = kInfinity; }),
+            "start_within: inf s must be finite and not negative");
+  EXPECT_EQ(refusal([](Message& m) { m.budget = -1; }), "budget: -1 s must be finite and not negative");
+  EXPECT_EQ(refusal([](Message& m) { m.action = 3; }), "action: 3 is not supported by this version");
+}
+
+TEST(Wire, ADocumentThatIsTooLongIsRefusedBeforeSending) {
+  EXPECT_THROW((void)dds::encode(order_of(kShort + "name: " + std::string(65536, 'x') + "\n")), InputError);
+}
+
 TEST(Wire, WrongShapesAreRefusedBeforeSending) {
-  EXPECT_THROW((void)dds::encode(order_of("goal: {q: [1]}\n")), InputError);
-  EXPECT_THROW((void)dds::encode(order_of("start: {q: [0, 0]}\n")), InputError);
-  EXPECT_THROW((void)dds::encode(order_of(kShort + "sped: 1\n")), InputError);
+  EXPECT_THROW((void)dds::encode_plan_request(order_of("goal: {q: [1]}\n")), InputError);
+  EXPECT_THROW((void)dds::encode_plan_request(order_of("start: {q: [0, 0]}\n")), InputError);
+  EXPECT_THROW((void)dds::encode_plan_request(order_of(kShort + "sped: 1\n")), InputError);
+  std::string vias = "via: [";
+  for (int i = 0; i < 33; ++i) vias += "{q: [0, 0]}, ";
+  EXPECT_THROW((void)dds::encode_plan_request(order_of(kShort + vias + "]\n")), InputError);
 }
 
 TEST(Wire, ReplyArrivesComplete) {

@@ -2,6 +2,7 @@
 
 #include "model/input_error.h"
 #include "planner/service/dds/incompatible.h"
+#include "planner/service/dds/text.h"
 #include "planner/service/dds/wire_execution.h"
 #include "planner/service/dds/wire_reply.h"
 #include "planner/service/dds/wire_request.h"
@@ -17,9 +18,11 @@ ClientPort::ClientPort(unsigned domain, const RequestId& client)
       progress_(participant_, subscriber_.handle()),
       results_(participant_, participant_.handle()),
       services_(participant_, participant_.handle()),
-      requests_2_(participant_, participant_.handle()),
-      requests_(participant_, participant_.handle()),
-      cancels_(participant_, participant_.handle()) {
+      motion_requests_(participant_, participant_.handle()),
+      plan_requests_2_(participant_, participant_.handle()),
+      plan_requests_(participant_, participant_.handle()),
+      motion_cancels_(participant_, participant_.handle()),
+      plan_cancels_(participant_, participant_.handle()) {
   waitset_.attach(replies_.arrived());
   waitset_.attach(progress_.arrived());
   waitset_.attach(results_.arrived());
@@ -27,16 +30,30 @@ ClientPort::ClientPort(unsigned domain, const RequestId& client)
 }
 
 bool ClientPort::send(const Order& order) {
-  const WireRequest wire = encode(order);
-  if (fits_plan_request(wire.message)) return requests_.write(wire.message.request);
-  if (!requests_2_.has_reader()) {
+  return all_know_motion_requests() ? motion_requests_.write(encode(order)) : send_as_before(order);
+}
+
+// One of an earlier version may be the one that answers.
+bool ClientPort::all_know_motion_requests() const {
+  return motion_requests_.has_reader() && motion_requests_.readers() >= plan_requests_.readers();
+}
+
+bool ClientPort::send_as_before(const Order& order) {
+  const WireRequest wire = encode_plan_request(order);
+  if (fits_plan_request(wire.message)) return plan_requests_.write(wire.message.request);
+  if (!plan_requests_2_.has_reader()) {
     throw InputError(order.name, "",
                      "asks for what the service, of an older version, does not know; `fjr plan` plans it");
   }
-  return requests_2_.write(wire.message);
+  return plan_requests_2_.write(wire.message);
 }
 
-bool ClientPort::cancel(const RequestId& id) { return cancels_.write({encode(id)}); }
+bool ClientPort::cancel(const RequestId& id, const std::string& robot_id) {
+  if (!all_know_motion_requests()) return plan_cancels_.write({encode(id)});
+  fjr_msg_MotionCancel message{encode(id), {}};
+  set_text(message.robot_id, robot_id);
+  return motion_cancels_.write(message);
+}
 
 std::vector<Reply> ClientPort::take_replies() {
   std::vector<Reply> replies;
@@ -87,7 +104,7 @@ std::vector<ExecutorState> ClientPort::take_executors() {
 std::optional<std::string> ClientPort::why_unserved() const {
   using Topic = TopicOf<fjr_msg_PlanRequest>;
   return incompatibility(participant_, Side::kReaders, Topic::kName, Topic::descriptor()->m_typename,
-                         requests_.handle());
+                         plan_requests_.handle());
 }
 
 std::optional<std::string> ClientPort::why_unanswered() const {

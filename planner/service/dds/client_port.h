@@ -21,11 +21,11 @@ class ClientPort {
 
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
 
-  bool served() const { return requests_.has_reader(); }  // somebody takes requests; no proof of delivery
-  // By fjr/plan_request where that says it all. InputError: not the shape of a request, or nobody here takes what it
-  // asks for.
+  bool served() const { return plan_requests_.has_reader(); }  // somebody takes requests; no proof of delivery
+  // By fjr/motion_request where all services here take it. InputError: not the shape of a request, or nobody here takes
+  // what it asks for.
   bool send(const Order& order);
-  bool cancel(const RequestId& id);
+  bool cancel(const RequestId& id, const std::string& robot_id = "");  // of the request
 
   std::vector<Reply> take_replies();
   std::vector<ProgressReport> take_progress();
@@ -42,6 +42,9 @@ class ClientPort {
   std::optional<std::string> why_unanswered() const;
 
  private:
+  bool all_know_motion_requests() const;
+  bool send_as_before(const Order& order);  // by what earlier versions take
+
   Participant participant_;
   Waitset waitset_;
   Entity subscriber_;
@@ -49,9 +52,11 @@ class ClientPort {
   Reader<fjr_msg_PlanStatus> progress_;
   Reader<fjr_msg_ExecutionResult> results_;
   Reader<fjr_msg_PlannerStatus> services_;
-  Writer<fjr_msg_PlanRequest2> requests_2_;
-  Writer<fjr_msg_PlanRequest> requests_;
-  Writer<fjr_msg_PlanCancel> cancels_;
+  Writer<fjr_msg_MotionRequest> motion_requests_;
+  Writer<fjr_msg_PlanRequest2> plan_requests_2_;
+  Writer<fjr_msg_PlanRequest> plan_requests_;
+  Writer<fjr_msg_MotionCancel> motion_cancels_;
+  Writer<fjr_msg_PlanCancel> plan_cancels_;
   std::optional<Reader<fjr_msg_ExecutorState>> executors_;
 };
 

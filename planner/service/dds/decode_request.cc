@@ -274,14 +274,29 @@ void write_motion(Document& document, const fjr_msg_PlanRequest2& extended) {
   if (message.has_seed) document.word("seed", std::to_string(message.seed));
 }
 
-std::optional<Refusal> refusal_of_terms(const fjr_msg_PlanRequest& message) {
+std::optional<Refusal> refusal_of_time(const char* field, double time) {
+  if (std::isfinite(time) && time >= 0) return std::nullopt;
+  return Refusal{Reason::kBadInput, field, fmt::format("{} s must be finite and not negative", time)};
+}
+
+// What every kind of request has, apart from the motion.
+template <class Message>
+Order decode_terms(const Message& message) {
+  Order order;
+  order.id = decode(message.id);
+  order.name = text_of(message.name);
+  order.action = static_cast<Action>(message.action);
+  order.trajectory_id = decode(message.trajectory_id);
+  order.priority = message.priority;
+  order.budget = message.budget;
+  order.robot_id = text_of(message.robot_id);
+  order.robot_hash = text_of(message.robot_hash);
+  order.refusal = refusal_of_time("budget", message.budget);
   if (message.action > fjr_msg_ACTION_EXECUTE) {
-    return Refusal{Reason::kUnsupported, "action", fmt::format("{} is not supported by this version", message.action)};
+    order.refusal =
+        Refusal{Reason::kUnsupported, "action", fmt::format("{} is not supported by this version", message.action)};
   }
-  if (!std::isfinite(message.budget) || message.budget < 0) {
-    return Refusal{Reason::kBadInput, "budget", fmt::format("{} s must be finite and not negative", message.budget)};
-  }
-  return std::nullopt;
+  return order;
 }
 
 }  // namespace
@@ -294,23 +309,20 @@ RequestId decode(const fjr_msg_RequestId& wire) {
 }
 
 Order decode(const fjr_msg_PlanRequest2& extended) {
-  const fjr_msg_PlanRequest& message = extended.request;
-  Order order;
-  order.id = decode(message.id);
-  order.name = text_of(message.name);
-  order.action = static_cast<Action>(message.action);
-  order.trajectory_id = decode(message.trajectory_id);
-  order.priority = message.priority;
-  order.budget = message.budget;
-  order.robot_id = text_of(message.robot_id);
-  order.robot_hash = text_of(message.robot_hash);
-  order.refusal = refusal_of_terms(message);
+  Order order = decode_terms(extended.request);
   if (order.action == Action::kExecute) return order;
   Document document;
   write_motion(document, extended);
   order.yaml = document.text();
-  order.start_given = message.start.given;
   if (!order.refusal) order.refusal = document.refusal();
+  return order;
+}
+
+Order decode(const fjr_msg_MotionRequest& message) {
+  Order order = decode_terms(message);
+  order.start_within = message.start_within;
+  if (!order.refusal) order.refusal = refusal_of_time("start_within", message.start_within);
+  order.yaml = text_of(message.document);
   return order;
 }
 

@@ -1,11 +1,15 @@
 // Request document -> wire.
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <stdexcept>
 
+#include "model/input_error.h"
 #include "model/strict_yaml.h"
 #include "planner/problem/objective_terms.h"
 #include "planner/service/dds/text.h"
 #include "planner/service/dds/wire_request.h"
+#include "planner/service/document.h"
 
 namespace fjr::dds {
 namespace {
@@ -279,6 +283,19 @@ void lend(std::vector<T>& list, Sequence& to) {
   to._buffer = list.data();
 }
 
+// What every kind of request has, apart from the motion.
+template <class Message>
+void encode_terms(const Order& order, Message& message) {
+  message.id = encode(order.id);
+  message.action = static_cast<std::uint8_t>(order.action);
+  message.trajectory_id = encode(order.trajectory_id);
+  message.priority = order.priority;
+  message.budget = order.budget;
+  set_text(message.name, order.name);
+  set_text(message.robot_id, order.robot_id);
+  set_text(message.robot_hash, order.robot_hash);
+}
+
 }  // namespace
 
 fjr_msg_RequestId encode(const RequestId& id) {
@@ -288,17 +305,23 @@ fjr_msg_RequestId encode(const RequestId& id) {
   return wire;
 }
 
-WireRequest encode(const Order& order) {
+fjr_msg_MotionRequest encode(const Order& order) {
+  fjr_msg_MotionRequest message{};
+  encode_terms(order, message);
+  message.start_within = order.start_within;
+  if (order.action == Action::kExecute) return message;
+  const std::string document = without_robot(order.yaml, order.name);
+  if (document.size() > fjr_msg_MAX_DOCUMENT) {
+    throw InputError(order.name, "", fmt::format("larger than {} bytes without comments", fjr_msg_MAX_DOCUMENT));
+  }
+  set_text(message.document, document);
+  return message;
+}
+
+WireRequest encode_plan_request(const Order& order) {
   WireRequest wire;
   fjr_msg_PlanRequest& message = wire.message.request;
-  message.id = encode(order.id);
-  message.action = static_cast<std::uint8_t>(order.action);
-  message.trajectory_id = encode(order.trajectory_id);
-  message.priority = order.priority;
-  message.budget = order.budget;
-  set_text(message.name, order.name);
-  set_text(message.robot_id, order.robot_id);
-  set_text(message.robot_hash, order.robot_hash);
+  encode_terms(order, message);
   if (order.action == Action::kExecute) return wire;
   encode_motion(YamlNode::parse(order.yaml, order.name), wire);
   lend(wire.via, message.via);

@@ -39,34 +39,41 @@ ServicePort::ServicePort(Participant participant)
   waitset_.attach(peers_.arrived());
 }
 
-// Who sees the reader of requests can cancel them, and ask for everything.
+// Clients look for the last of these readers: who sees it can cancel requests, and ask for everything.
 void ServicePort::open() {
-  cancels_.emplace(participant_, participant_.handle());
-  requests_2_.emplace(participant_, participant_.handle());
-  requests_.emplace(participant_, participant_.handle());
-  waitset_.attach(requests_->arrived());
-  waitset_.attach(requests_2_->arrived());
-  waitset_.attach(cancels_->arrived());
+  const auto listen = [&](auto& reader) {
+    reader.emplace(participant_, participant_.handle());
+    waitset_.attach(reader->arrived());
+  };
+  listen(motion_cancels_);
+  listen(plan_cancels_);
+  listen(motion_requests_);
+  listen(plan_requests_2_);
+  listen(plan_requests_);
 }
 
 std::vector<Order> ServicePort::take_requests() {
   std::vector<Order> orders;
-  if (!requests_) return orders;
+  if (!is_open()) return orders;
   const auto take = [&](const auto& message, const dds_sample_info_t& info) {
     if (info.valid_data) orders.push_back(decode(message));
   };
-  requests_->take_at_most(kAtOnce, take);
-  requests_2_->take_at_most(kAtOnce, take);
+  motion_requests_->take_at_most(kAtOnce, take);
+  plan_requests_2_->take_at_most(kAtOnce, take);
+  plan_requests_->take_at_most(kAtOnce, take);
   return orders;
 }
 
-std::vector<RequestId> ServicePort::take_cancels() {
-  std::vector<RequestId> ids;
-  if (!cancels_) return ids;
-  cancels_->take_at_most(kAtOnce, [&](const fjr_msg_PlanCancel& message, const dds_sample_info_t& info) {
-    if (info.valid_data) ids.push_back(decode(message.id));
+std::vector<ServicePort::Cancel> ServicePort::take_cancels() {
+  std::vector<Cancel> cancels;
+  if (!is_open()) return cancels;
+  motion_cancels_->take_at_most(kAtOnce, [&](const fjr_msg_MotionCancel& message, const dds_sample_info_t& info) {
+    if (info.valid_data) cancels.push_back({decode(message.id), text_of(message.robot_id)});
   });
-  return ids;
+  plan_cancels_->take_at_most(kAtOnce, [&](const fjr_msg_PlanCancel& message, const dds_sample_info_t& info) {
+    if (info.valid_data) cancels.push_back({decode(message.id), std::nullopt});
+  });
+  return cancels;
 }
 
 std::vector<ServicePort::Peer> ServicePort::take_peers() {

@@ -27,11 +27,15 @@ class ServicePort {
 
   // From now on requests and cancellations are heard.
   void open();
-  bool is_open() const { return requests_.has_value(); }
+  bool is_open() const { return plan_requests_.has_value(); }
 
   // A part of what has come, so that a flood leaves time for everything else.
   std::vector<Order> take_requests();
-  std::vector<RequestId> take_cancels();
+  struct Cancel {
+    RequestId id;
+    std::optional<std::string> robot_id;  // none: its sender could not say, being of an earlier version
+  };
+  std::vector<Cancel> take_cancels();
 
   struct Peer {
     ServiceStatus status;  // of one that is gone only the instance
@@ -58,9 +62,11 @@ class ServicePort {
   Participant participant_;
   Waitset waitset_;
   Entity everywhere_;  // a subscriber in all clients' partitions
-  std::optional<Reader<fjr_msg_PlanCancel>> cancels_;
-  std::optional<Reader<fjr_msg_PlanRequest2>> requests_2_;
-  std::optional<Reader<fjr_msg_PlanRequest>> requests_;
+  std::optional<Reader<fjr_msg_MotionCancel>> motion_cancels_;
+  std::optional<Reader<fjr_msg_PlanCancel>> plan_cancels_;
+  std::optional<Reader<fjr_msg_MotionRequest>> motion_requests_;
+  std::optional<Reader<fjr_msg_PlanRequest2>> plan_requests_2_;
+  std::optional<Reader<fjr_msg_PlanRequest>> plan_requests_;
   Reader<fjr_msg_PlannerStatus> peers_;
   Reader<fjr_msg_PlanReply> replies_of_others_;
   Reader<fjr_msg_ExecutorState> executors_;

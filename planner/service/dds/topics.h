@@ -34,6 +34,20 @@ struct TopicOf<fjr_msg_PlanCancel> {
   static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(100)).keep_last(16)); }
 };
 
+template <>
+struct TopicOf<fjr_msg_MotionRequest> {
+  static constexpr const char* kName = "fjr/motion_request";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_MotionRequest_desc; }
+  static Qos qos() { return TopicOf<fjr_msg_PlanRequest>::qos(); }
+};
+
+template <>
+struct TopicOf<fjr_msg_MotionCancel> {
+  static constexpr const char* kName = "fjr/motion_cancel";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_MotionCancel_desc; }
+  static Qos qos() { return TopicOf<fjr_msg_PlanCancel>::qos(); }
+};
+
 // One writer per client, in the client's own partition: with a shared one a stalled client costs the others replies.
 // Nothing is overwritten before the client has it, and nobody waits for a slow one: what finds no room is kept by the
 // service and tried again (outbox.h).

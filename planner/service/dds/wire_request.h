@@ -20,13 +20,19 @@ struct WireRequest {
 fjr_msg_RequestId encode(const RequestId& id);
 RequestId decode(const fjr_msg_RequestId& id);
 
-// Throws InputError for a document that has not the shape of a request; what it asks for is the service's to judge.
-WireRequest encode(const Order& order);
+// For services of this version. Throws InputError for a document that is no YAML map or too long.
+fjr_msg_MotionRequest encode(const Order& order);
+
+// For earlier ones. Throws InputError for a document that has not the shape of a request; what it asks for is the
+// service's to judge.
+WireRequest encode_plan_request(const Order& order);
 // Whether message.request says it all, so that services that know PlanRequest only can plan it.
 bool fits_plan_request(const fjr_msg_PlanRequest2& message);
 
 // Never throws for what is on the wire: what cannot be meant (not finite, an unknown choice) becomes order.refusal. All
-// else is written down as a document for parse_request(), so that a request is validated in one place however it came.
+// else is, or is written down as, a document for parse_request(), so that a request is validated in one place however
+// it came.
+Order decode(const fjr_msg_MotionRequest& message);
 Order decode(const fjr_msg_PlanRequest2& message);
 Order decode(const fjr_msg_PlanRequest& message);
 

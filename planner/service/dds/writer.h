@@ -1,6 +1,8 @@
 // Writing samples of one type.
 #pragma once
 
+#include <cstddef>
+
 #include "planner/service/dds/entity.h"
 #include "planner/service/dds/participant.h"
 
@@ -24,10 +26,11 @@ class Writer {
     return true;
   }
 
-  bool has_reader() const {
+  bool has_reader() const { return readers() > 0; }
+  std::size_t readers() const {
     dds_publication_matched_status_t status;
     checked(dds_get_publication_matched_status(writer_.handle(), &status), "publication matched");
-    return status.current_count > 0;
+    return status.current_count;
   }
 
   // Waits until the readers have everything; false: not within the time.

@@ -164,17 +164,14 @@ std::string progress(std::size_t done, std::size_t all, std::size_t running, Clo
   return text;
 }
 
-sigset_t awaited_signals() {
-  sigset_t signals = ending_signals();
-  sigaddset(&signals, SIGCHLD);
-  return signals;
-}
-
 // At the first SIGINT or SIGTERM nothing more is started and what is under way is cancelled; at the next it is killed.
 void plan_all(Batch& batch, const std::vector<std::size_t>& open) {
-  const sigset_t signals = awaited_signals();
+  catch_ending_signals();
+  sigset_t child_ended;
+  sigemptyset(&child_ended);
+  sigaddset(&child_ended, SIGCHLD);
   ::signal(SIGCHLD, SIG_DFL);
-  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  ::pthread_sigmask(SIG_BLOCK, &child_ended, nullptr);
   ProgressLine line("batch");
   const Clock::time_point began = Clock::now();
   std::vector<Running> running;
@@ -185,8 +182,8 @@ void plan_all(Batch& batch, const std::vector<std::size_t>& open) {
     }
     if (running.empty()) break;
     line.show(progress(batch.planned, open.size(), running.size(), began));
-    const int signal = ::sigtimedwait(&signals, nullptr, &kRedraw);
-    if (signal == SIGINT || signal == SIGTERM) {
+    ::sigtimedwait(&child_ended, nullptr, &kRedraw);
+    if (ending_signalled()) {
       ++interruptions;
       for (const Running& run : running) interruptions == 1 ? run.process.cancel() : run.process.kill();
     }

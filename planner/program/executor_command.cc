@@ -51,7 +51,7 @@ void check_start(const ExecutorConfig& config, const Parameters& robot) {
 }
 
 int execute(const ExecutorArguments& options) {
-  block_ending_signals();  // before any other thread is started
+  catch_ending_signals();  // before any other thread is started
   log_to_stderr();
   const ExecutorConfig config = config_of(options);
   const Parameters robot = load_parameters(config.robot);

@@ -25,7 +25,7 @@ struct ServeArguments {
 };
 
 int serve(const ServeArguments& options) {
-  block_ending_signals();  // before any other thread is started
+  catch_ending_signals();  // before any other thread is started
   ::signal(SIGPIPE, SIG_IGN);
   log_to_stderr();
   ServiceConfig config = options.config.empty() ? default_service_config() : load_service_config(options.config);

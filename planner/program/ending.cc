@@ -1,0 +1,50 @@
+#include "planner/program/ending.h"
+
+#include <semaphore.h>
+#include <signal.h>
+
+#include <ctime>
+
+namespace fjr {
+namespace {
+
+sem_t g_signalled;  // what a signal handler may post to
+
+extern "C" void note_ending(int) { ::sem_post(&g_signalled); }
+
+sigset_t ending_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  return signals;
+}
+
+}  // namespace
+
+void catch_ending_signals() {
+  ::sem_init(&g_signalled, 0, 0);
+  struct sigaction action = {};
+  action.sa_handler = note_ending;
+  action.sa_flags = SA_RESTART;
+  sigemptyset(&action.sa_mask);
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::sigaction(SIGINT, &action, nullptr);
+  const sigset_t signals = ending_signals();
+  ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+}
+
+bool ending_signalled(std::chrono::nanoseconds within) {
+  const sigset_t signals = ending_signals();
+  ::pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
+  constexpr long kSecond = 1'000'000'000;
+  timespec until{};
+  ::clock_gettime(CLOCK_MONOTONIC, &until);
+  const long nanoseconds = until.tv_nsec + within.count();
+  until.tv_sec += nanoseconds / kSecond;
+  until.tv_nsec = nanoseconds % kSecond;
+  return ::sem_clockwait(&g_signalled, CLOCK_MONOTONIC, &until) ==
+         0;  // otherwise the time is over, or it was interrupted
+}
+
+}  // namespace fjr

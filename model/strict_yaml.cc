@@ -323,6 +323,11 @@ std::string YamlNode::flow(const Tree& tree) {
   return tree.kind == Tree::Kind::kMap ? "{" + inside + "}" : "[" + inside + "]";
 }
 
+bool YamlNode::truth() const {
+  if (!says("true") && !says("false")) fail(shown(text()) + " is neither true nor false");
+  return says("true");
+}
+
 void YamlNode::fail(const std::string& problem) const { throw InputError(source(), field_, problem); }
 
 void YamlNode::fail_at(std::size_t index, const std::string& problem) const {

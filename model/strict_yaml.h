@@ -57,6 +57,7 @@ class YamlNode {
   std::uint64_t whole_number() const;              // 0, 1, 2, ...
   Pair<double> pair(std::string_view unit) const;  // a list of two finite numbers
   const std::string& text() const;                 // not empty
+  bool truth() const;                              // true or false
 
   std::string flow() const;  // as one line of YAML that reads back as the same: "{q: [0.3, 0.2]}"
 

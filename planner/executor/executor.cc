@@ -26,13 +26,17 @@ std::int64_t nanoseconds_now() {
 std::filesystem::path history_file(const ExecutorConfig& config) {
   const std::filesystem::path folder = config.state.empty() ? default_state_folder() : config.state;
   std::filesystem::create_directories(folder);
-  return folder / fmt::format("executor-{}-{}", config.domain, config.robot_id);
+  return folder / fmt::format("executor-{}-{}", config.network.domain, config.robot_id);
 }
 
 }  // namespace
 
 Executor::Executor(const ExecutorConfig& config, const Parameters& robot, Arm& arm)
-    : config_(config), robot_(robot), port_(config.domain), history_(history_file(config)), control_(robot, arm) {
+    : config_(config),
+      robot_(robot),
+      port_(dds::guarded_participant(config.network)),
+      history_(history_file(config)),
+      control_(robot, arm) {
   situation_.robot_hash = robot_hash(robot_);
   situation_.started = nanoseconds_now();
   situation_.oldest = config.oldest;
@@ -87,7 +91,7 @@ void Executor::serve() {
   serve_without_orders();
   if (!ticking_) return;
   if (new_here) {
-    spdlog::info("executing for robot={} domain={} at q=({:.4f}, {:.4f})", config_.robot_id, config_.domain,
+    spdlog::info("executing for robot={} domain={} at q=({:.4f}, {:.4f})", config_.robot_id, config_.network.domain,
                  latest_.q[0], latest_.q[1]);
   }
   take_orders();

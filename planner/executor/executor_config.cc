@@ -97,8 +97,9 @@ ExecutorConfig load_executor_config(const std::filesystem::path& file) {
   ExecutorConfig config = default_executor_config();
   const std::filesystem::path folder = file.parent_path();
   const YamlNode root = YamlNode::load(file);
-  root.allow_keys({"domain", "robot_id", "robot", "state", "logs", "priority", "oldest", "tolerances", "virtual_arm"});
-  read_whole(root, "domain", 230, config.domain);
+  root.allow_keys({"domain", "robot_id", "robot", "state", "logs", "priority", "oldest", "tolerances", "virtual_arm",
+                   "security", "allow_insecure_network"});
+  read_network(root, folder, config.network);
   read_whole(root, "priority", 99, config.priority);
   read_number(root, "oldest", "s", 3600, config.oldest);
   read_path(root, "robot", folder, config.robot);

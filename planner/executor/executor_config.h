@@ -6,11 +6,12 @@
 
 #include "planner/executor/virtual_arm.h"
 #include "planner/service/execution_messages.h"
+#include "planner/service/network.h"
 
 namespace fjr {
 
 struct ExecutorConfig {
-  unsigned domain = 0;  // of DDS
+  Network network;
   std::string robot_id = "arm";
   std::filesystem::path robot;  // what trajectories must have been planned for
   std::filesystem::path state;  // folder of what it remembers over restarts

@@ -33,14 +33,14 @@ std::optional<ExecutorState> listen(dds::CommandPort& port, const std::string& r
 }  // namespace
 
 ExecutorState halt(ExecutorCommand command, const HaltOptions& options) {
-  dds::CommandPort port(options.domain);
+  dds::CommandPort port(dds::guarded_participant(options.network));
   const auto began = Clock::now();
   while (!port.heard() || !listen(port, options.robot_id)) {
     if (seconds_since(began) < options.find) continue;
     throw NoAnswer(fmt::format(
         "no executor reports for robot '{}' on DDS domain {} (looked for {:g} s): is `fjr executor` running, on this "
         "domain, for this robot and with the same CYCLONEDDS_URI?",
-        options.robot_id, options.domain, options.find));
+        options.robot_id, options.network.domain, options.find));
   }
   const ExecutorOrder order{options.robot_id, new_client(), command};
   const auto sent = Clock::now();

@@ -4,11 +4,12 @@
 #include <string>
 
 #include "planner/service/execution_messages.h"
+#include "planner/service/network.h"
 
 namespace fjr {
 
 struct HaltOptions {
-  unsigned domain = 0;
+  Network network;
   std::string robot_id = "arm";
   double find = 3;     // [s] to find the executor
   double comply = 10;  // [s] for the arm to come to rest

@@ -13,6 +13,7 @@
 #include "planner/executor/virtual_arm.h"
 #include "planner/program/commands.h"
 #include "planner/program/ending.h"
+#include "planner/program/network_arguments.h"
 #include "planner/program/service_log.h"
 
 namespace fjr {
@@ -20,7 +21,7 @@ namespace {
 
 struct ExecutorArguments {  // what the command line says goes before the configuration
   std::string config, robot, true_robot, robot_id, state, logs;
-  int domain = -1;
+  NetworkArguments network;
   std::vector<double> start;
   double payload = 0;
   bool hysteresis = false, fast = false;
@@ -33,7 +34,7 @@ ExecutorConfig config_of(const ExecutorArguments& options) {
   if (!options.robot_id.empty()) config.robot_id = options.robot_id;
   if (!options.state.empty()) config.state = options.state;
   if (!options.logs.empty()) config.logs = options.logs;
-  if (options.domain >= 0) config.domain = static_cast<unsigned>(options.domain);
+  options.network.apply_to(config.network);
   if (!options.start.empty()) config.start = {options.start[0], options.start[1]};
   if (options.payload > 0) config.arm.payload = options.payload;
   if (options.hysteresis) config.arm.hysteresis = Hysteresis{};
@@ -78,7 +79,7 @@ void add_executor(CLI::App& app, int& exit_code) {
       ->expected(2)
       ->type_name("Q1,Q2");
   command->add_option("--robot-id", options->robot_id, "Name of the arm on DDS")->type_name("NAME");
-  command->add_option("--domain", options->domain, "DDS domain")->check(CLI::Range(0, 230));
+  add_network_options(*command, options->network);
   command->add_option("--logs", options->logs, "Folder for a log of every execution")->type_name("DIR");
   command->add_option("--state", options->state, "Folder of what is remembered over restarts")->type_name("DIR");
   command->add_option("--true-robot", options->true_robot, "What the simulated arm really is: another robot file")

@@ -8,6 +8,7 @@
 
 #include "planner/executor/halt.h"
 #include "planner/program/commands.h"
+#include "planner/program/network_arguments.h"
 #include "planner/trajectory/plan_json.h"
 
 namespace fjr {
@@ -15,11 +16,14 @@ namespace {
 
 struct HaltArguments {
   HaltOptions halt;
+  NetworkArguments network;
   bool json = false;
 };
 
 int run(ExecutorCommand command, const HaltArguments& options) {
-  const ExecutorState state = halt(command, options.halt);
+  HaltOptions how = options.halt;
+  options.network.apply_to(how.network);
+  const ExecutorState state = halt(command, how);
   const bool stopped = state.mode == ExecutorMode::kStopped;
   if (options.json) {
     const nlohmann::ordered_json json{
@@ -36,7 +40,7 @@ void add(CLI::App& app, int& exit_code, ExecutorCommand what, const std::string&
   const auto options = std::make_shared<HaltArguments>();
   CLI::App* command = app.add_subcommand(name, does);
   command->add_option("--robot-id", options->halt.robot_id, "Name of the arm on DDS")->capture_default_str();
-  command->add_option("--domain", options->halt.domain, "DDS domain")->check(CLI::Range(0, 230));
+  add_network_options(*command, options->network);
   command->add_flag("--json", options->json, "Only JSON on stdout");
   command->callback([options, what, &exit_code] { exit_code = run(what, *options); });
 }

@@ -14,6 +14,7 @@
 #include "model/strict_yaml.h"
 #include "planner/program/commands.h"
 #include "planner/program/interrupt.h"
+#include "planner/program/network_arguments.h"
 #include "planner/program/progress_line.h"
 #include "planner/program/result_files.h"
 #include "planner/service/client.h"
@@ -33,6 +34,7 @@ struct RequestArguments {
   bool execute = false;
   double budget = 0;
   int priority = 0;
+  NetworkArguments network;
   ClientOptions client;
 };
 
@@ -157,6 +159,7 @@ std::string summary(const ExecutionResult& r) {
 Answer ask(const RequestArguments& options, const Order& order) {
   ProgressLine line(fs::path(order.name).stem().string());
   ClientOptions client = options.client;
+  options.network.apply_to(client.network);
   client.on_progress = [&line](const ProgressReport& report) { line.show(report.progress); };
   client.on_execution = [&line](const ExecutionProgress& p) {
     line.show(fmt::format("executing, {:.2f} of {:.2f} s, links {:.1e} and {:.1e} rad off", p.time, p.duration,
@@ -206,7 +209,7 @@ void add_request(CLI::App& app, int& exit_code) {
   command->add_option("--priority", options->priority, "Larger goes first")->type_name("N");
   command->add_option("--robot-id", options->robot_id, "Which arm; needed only where several are served")
       ->type_name("NAME");
-  command->add_option("--domain", options->client.domain, "DDS domain")->check(CLI::Range(0, 230));
+  add_network_options(*command, options->network);
   command->add_option("--find", options->client.find, "How long to look for a service, in seconds")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();

@@ -10,6 +10,7 @@
 
 #include "planner/program/commands.h"
 #include "planner/program/ending.h"
+#include "planner/program/network_arguments.h"
 #include "planner/program/service_log.h"
 #include "planner/service/service.h"
 #include "planner/service/solve_loop.h"
@@ -19,9 +20,8 @@ namespace {
 
 struct ServeArguments {
   std::string config;
-  int domain = -1;  // < 0: as configured
+  NetworkArguments network;
   int workers = 0;  // 0: as configured
-  bool insecure_network = false;
 };
 
 int serve(const ServeArguments& options) {
@@ -29,9 +29,8 @@ int serve(const ServeArguments& options) {
   ::signal(SIGPIPE, SIG_IGN);
   log_to_stderr();
   ServiceConfig config = options.config.empty() ? default_service_config() : load_service_config(options.config);
-  if (options.domain >= 0) config.domain = static_cast<unsigned>(options.domain);
+  options.network.apply_to(config.network);
   if (options.workers > 0) config.workers = static_cast<std::size_t>(options.workers);
-  config.allow_insecure_network = config.allow_insecure_network || options.insecure_network;
   Service service(config);
   const std::jthread ending = stop_at_end(service);
   service.run();
@@ -54,10 +53,8 @@ void add_serve(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<ServeArguments>();
   CLI::App* command = app.add_subcommand("serve", "Plan for others: the planning service on DDS, until SIGTERM");
   command->add_option("--config", options->config, "Configuration; without it the defaults")->type_name("SERVICE.yaml");
-  command->add_option("--domain", options->domain, "DDS domain")->check(CLI::Range(0, 230));
+  add_network_options(*command, options->network);
   command->add_option("--workers", options->workers, "Solving processes")->check(CLI::Range(1, 64));
-  command->add_flag("--insecure-network", options->insecure_network,
-                    "Serve on a network without DDS Security: everybody on it can have the arm moved");
   command->callback([options, &exit_code] { exit_code = serve(*options); });
 }
 

@@ -22,7 +22,7 @@ double seconds_since(Clock::time_point start) { return std::chrono::duration<dou
 class Client {
  public:
   Client(const Order& order, const ClientOptions& options)
-      : order_(order), options_(options), port_(options.domain, order.id) {}
+      : order_(order), options_(options), port_(dds::guarded_participant(options.network), order.id) {}
 
   Answer run() {
     find_service();
@@ -82,7 +82,7 @@ class Client {
         throw NoAnswer(
             fmt::format("the trajectory was published, but there is no executor on DDS domain {}: is `fjr "
                         "executor` running?",
-                        options_.domain));
+                        options_.network.domain));
       }
       if (seconds_since(began) > duration + options_.execution) {
         throw NoAnswer("the trajectory was published, but the executor has not reported: is it for the same robot?");
@@ -124,27 +124,27 @@ class Client {
 
   std::string about_nobody() const {
     if (const auto why = port_.why_unserved()) {
-      return fmt::format("nobody on DDS domain {} can take this program's requests: {}", options_.domain, *why);
+      return fmt::format("nobody on DDS domain {} can take this program's requests: {}", options_.network.domain, *why);
     }
     return fmt::format(
         "nobody serves plan requests on DDS domain {} (looked for {:g} s): is `fjr serve` running, on this domain and "
         "with the same CYCLONEDDS_URI?",
-        options_.domain, options_.find);
+        options_.network.domain, options_.find);
   }
 
   std::string about_the_silence() const {
     if (!port_.served()) {
       return fmt::format("the service went away before it answered, and nobody else serves on DDS domain {}",
-                         options_.domain);
+                         options_.network.domain);
     }
     if (const auto why = port_.why_unanswered()) {
       return fmt::format("a service takes requests on DDS domain {}, but its replies cannot be read: {}",
-                         options_.domain, *why);
+                         options_.network.domain, *why);
     }
     return fmt::format(
         "a service takes requests on DDS domain {} but has not answered for {:g} s: it hangs, or its version has other "
         "types",
-        options_.domain, options_.silence);
+        options_.network.domain, options_.silence);
   }
 
   const Order& order_;
@@ -159,7 +159,7 @@ class Client {
 Answer request_plan(const Order& order, const ClientOptions& options) { return Client(order, options).run(); }
 
 Overview overview(unsigned domain, double wait) {
-  dds::ClientPort port(domain, new_client());
+  dds::ClientPort port(dds::Participant(domain), new_client());
   port.follow_executors();
   std::map<std::string, ServiceStatus> services;
   std::map<std::string, ExecutorState> executors;

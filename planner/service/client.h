@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planner/service/execution_messages.h"
+#include "planner/service/network.h"
 
 namespace fjr {
 
@@ -22,7 +23,7 @@ struct ExecutionProgress {
 };
 
 struct ClientOptions {
-  unsigned domain = 0;
+  Network network;
   double find = 3;        // [s] to find a service, and an executor
   double ask_again = 2;   // [s] of silence after which the same request is sent again
   double execution = 15;  // [s] beyond the trajectory's duration for the executor to report

@@ -45,7 +45,7 @@ Service::Service(const ServiceConfig& config)
     : config_(config),
       robot_(load_parameters(config.robot)),
       robot_hash_(robot_hash(robot_)),
-      port_(dds::guarded_participant(config.domain, config.security, config.allow_insecure_network)),
+      port_(dds::guarded_participant(config.network)),
       ownership_(config.instance, config.robot_id),
       executor_(config.robot_id, robot_hash_),
       backlog_(kBacklog),
@@ -313,8 +313,8 @@ void Service::listen_to_others() {
 void Service::hear(const dds::ServicePort::Peer& peer) {
   const ServiceStatus& status = peer.status;
   if (status.instance == config_.instance) {
-    const std::string problem =
-        fmt::format("another service is running as instance {} on DDS domain {}", config_.instance, config_.domain);
+    const std::string problem = fmt::format("another service is running as instance {} on DDS domain {}",
+                                            config_.instance, config_.network.domain);
     if (!port_.is_open() && peer.alive) throw std::runtime_error(problem);
     if (log_others_.allows()) spdlog::error(problem);
   } else if (!peer.alive) {
@@ -328,8 +328,8 @@ void Service::hear(const dds::ServicePort::Peer& peer) {
 // Not before the others are known: what this instance answers, another must not answer too.
 void Service::open() {
   port_.open();
-  spdlog::info("serving instance={} domain={} workers={} queue={} robot={} {}", config_.instance, config_.domain,
-               config_.workers, config_.queue, robot_hash_.substr(0, 12),
+  spdlog::info("serving instance={} domain={} workers={} queue={} robot={} {}", config_.instance,
+               config_.network.domain, config_.workers, config_.queue, robot_hash_.substr(0, 12),
                ownership_.owner() ? "as owner" : "as standby");
   tell_ready();
 }

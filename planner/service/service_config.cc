@@ -7,7 +7,6 @@
 
 #include "model/parameters.h"
 #include "model/strict_yaml.h"
-#include "planner/service/dds/credentials.h"
 
 namespace fjr {
 namespace {
@@ -44,14 +43,9 @@ void read_name(const YamlNode& root, std::string_view key, std::string& to) {
   if (to.size() > kLongestName) node->fail(fmt::format("{} characters, above the {} allowed", to.size(), kLongestName));
 }
 
-bool read_switch(const YamlNode& node) {
-  if (!node.says("true") && !node.says("false")) node.fail(shown(node.text()) + " is neither true nor false");
-  return node.says("true");
-}
-
 void read_ros2(const YamlNode& node, ServiceConfig& config) {
   node.allow_keys({"joint_trajectory", "joint_names"});
-  if (const auto on = node.find("joint_trajectory")) config.joint_trajectory = read_switch(*on);
+  if (const auto on = node.find("joint_trajectory")) config.joint_trajectory = on->truth();
   const auto names = node.find("joint_names");
   if (!names) return;
   const std::vector<YamlNode> items = names->items();
@@ -66,7 +60,6 @@ ServiceConfig default_service_config() {
   ServiceConfig config;
   config.instance = this_process();
   config.robot = default_robot_file();
-  config.security = dds::credentials_from_environment();
   return config;
 }
 
@@ -75,7 +68,7 @@ ServiceConfig load_service_config(const std::filesystem::path& file) {
   const YamlNode root = YamlNode::load(file);
   root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "queue", "warm_plans", "budget",
                    "longest_budget", "ros2", "security", "allow_insecure_network"});
-  read_whole(root, "domain", 0, 230, config.domain);
+  read_network(root, file.parent_path(), config.network);
   read_whole(root, "workers", 1, 64, config.workers);
   read_whole(root, "queue", 1, 4096, config.queue);
   read_whole(root, "warm_plans", 0, 4096, config.warm_plans);
@@ -85,8 +78,6 @@ ServiceConfig load_service_config(const std::filesystem::path& file) {
   read_name(root, "robot_id", config.robot_id);
   if (const auto node = root.find("ros2")) read_ros2(*node, config);
   if (const auto node = root.find("robot")) config.robot = file.parent_path() / node->text();
-  if (const auto node = root.find("security")) config.security = file.parent_path() / node->text();
-  if (const auto node = root.find("allow_insecure_network")) config.allow_insecure_network = read_switch(*node);
   return config;
 }
 

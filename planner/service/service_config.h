@@ -5,10 +5,12 @@
 #include <string>
 #include <vector>
 
+#include "planner/service/network.h"
+
 namespace fjr {
 
 struct ServiceConfig {
-  unsigned domain = 0;            // of DDS
+  Network network;
   std::string instance;           // unique among the running services; by default host name and process
   std::string robot_id = "arm";   // whose trajectories it publishes
   std::filesystem::path robot;    // what is planned for
@@ -19,8 +21,6 @@ struct ServiceConfig {
   double longest_budget = 600;    // [s] a request may ask for
   bool joint_trajectory = false;  // for ROS 2: what goes to the executor also goes to rt/joint_trajectory
   std::vector<std::string> joint_names{"joint1", "joint2"};
-  std::filesystem::path security;       // credentials for DDS Security; empty: off
-  bool allow_insecure_network = false;  // serve beyond the loopback interface without
 };
 
 // The defaults, with the robot shipped with the program and the credentials that FJR_SECURITY names.

@@ -430,7 +430,8 @@ TEST_F(ExecutorTest, SaysWhatIsWrongWithItsConfiguration) {
 TEST(ExecutorConfig, TheShippedFileIsTheDefaults) {
   const ExecutorConfig shipped = load_executor_config(default_robot_file().parent_path() / "executor.yaml"),
                        standard = default_executor_config();
-  EXPECT_EQ(shipped.domain, standard.domain);
+  EXPECT_EQ(shipped.network.domain, standard.network.domain);
+  EXPECT_EQ(shipped.network.allow_insecure_network, standard.network.allow_insecure_network);
   EXPECT_EQ(shipped.robot_id, standard.robot_id);
   EXPECT_EQ(shipped.priority, standard.priority);
   EXPECT_EQ(shipped.oldest, standard.oldest);

@@ -45,7 +45,7 @@ class FuzzTest : public ServiceProcesses {
     order.name = "request.yaml";
     order.yaml = yaml;
     ClientOptions options;
-    options.domain = domain_;
+    options.network.domain = domain_;
     options.find = 10;
     return request_plan(order, options).reply;
   }

@@ -45,7 +45,7 @@ class LossyNetworkTest : public ServiceProcesses {
     order.name = "request.yaml";
     order.yaml = yaml;
     ClientOptions options;
-    options.domain = domain_;
+    options.network.domain = domain_;
     options.find = 20;
     return request_plan(order, options).reply;
   }

@@ -134,5 +134,60 @@ TEST_F(SecurityTest, DoesNotServeANetworkUnprotectedUnlessToldTo) {
   }
 }
 
+// Whoever could have the arm moved or stopped by others, or would move or stop somebody's: all in one namespace.
+TEST_F(SecurityTest, NoProgramUsesANetworkUnprotectedUnlessToldTo) {
+  const std::string lab =
+      "export FJR_INTERFACE=fjr0 CYCLONEDDS_URI=file://" FJR_SOURCE_DIR "/config/cyclonedds-lab.xml;";
+  const std::string network =
+      "ip link set lo up && ip link add fjr0 type veth peer name fjr1 && ip addr add 10.99.0.1/24 dev fjr0 &&"
+      " ip link set fjr0 up && ip link set fjr1 up || exit 99; tell() { timeout 20 \"$@\"; echo \"$2: $?\"; };";
+  write("executor.yaml", "allow_insecure_network: true\n");
+  const auto script =
+      in_network_namespace(lab + network +
+                           "fjr=" FJR_EXECUTABLE
+                           ";for what in executor hold stop 'request quick.yaml';"
+                           "do tell $fjr $what --domain 1; done;"
+                           "tell $fjr hold --insecure-network --domain 1;"
+                           "$fjr executor --config executor.yaml --state state --domain 1 & executor=$!;"
+                           "tell $fjr hold --insecure-network --domain 1; kill $executor; wait $executor");
+  if (script.empty()) GTEST_SKIP() << "network namespaces are not allowed here";
+  Process programs(script, path("programs.log"), path(""));
+  EXPECT_EQ(programs.wait(), 0);
+  const std::string log = programs.output();
+  for (const std::string program : {"executor", "hold", "stop", "request"}) {
+    EXPECT_THAT(log, ContainsRegex("DDS uses a network without DDS Security.* accept it with --insecure-network.*\n" +
+                                   program + ": 2\n"));
+  }
+  EXPECT_THAT(log, HasSubstr("no executor reports for robot 'arm'"));
+  EXPECT_THAT(log, HasSubstr("arm: holding at"));
+}
+
+// Two machines: a program on the other one publishes a trajectory as soon as somebody here would take it.
+TEST_F(SecurityTest, AForgedTrajectoryFromAnotherMachineMeetsNobody) {
+  const std::string lab = "export CYCLONEDDS_URI=file://" FJR_SOURCE_DIR "/config/cyclonedds-lab.xml;";
+  const std::string two_machines =
+      "unshare -n sleep 60 & other=$!; there() { nsenter -t $other -n env FJR_INTERFACE=fjr1 \"$@\"; };"
+      "while [ $(readlink /proc/$other/ns/net) = $(readlink /proc/self/ns/net) ]; do sleep 0.02; done;"
+      "{ ip link set lo up && ip link add fjr0 type veth peer name fjr1 && ip link set fjr1 netns $other &&"
+      " ip addr add 10.99.0.1/24 dev fjr0 && ip link set fjr0 up && there ip link set lo up &&"
+      " there ip addr add 10.99.0.2/24 dev fjr1 && there ip link set fjr1 up; } || exit 99;";
+  const auto moved = [&](const std::string& options) {
+    return in_network_namespace(
+        lab + two_machines +
+        "there " FJR_FORGER " 1 4 > forger.log & forger=$!; FJR_INTERFACE=fjr0 " FJR_EXECUTABLE
+        " executor --domain 1 --state state " +
+        options + "& executor=$!; wait $forger; kill $executor; wait $executor; echo ended: $?; kill $other");
+  };
+  if (moved("").empty()) GTEST_SKIP() << "network namespaces are not allowed here";
+  Process unprotected(moved(""), path("unprotected.log"), path(""));
+  EXPECT_EQ(unprotected.wait(), 0);
+  EXPECT_THAT(unprotected.output(), HasSubstr("ended: 2"));
+  EXPECT_EQ(contents(path("forger.log")), "matched=0 moved=0.000\n");
+  Process told_to(moved("--insecure-network"), path("told.log"), path(""));  // the network does carry it
+  EXPECT_EQ(told_to.wait(), 0);
+  EXPECT_THAT(told_to.output(), HasSubstr("ended: 0"));
+  EXPECT_THAT(contents(path("forger.log")), HasSubstr("matched=1"));
+}
+
 }  // namespace
 }  // namespace fjr

@@ -39,7 +39,7 @@ TEST(ServiceConfig, MutatedFilesAreReadOrRefused) {
     std::ofstream(file, std::ios::binary) << text;
     try {
       const ServiceConfig config = load_service_config(file);
-      EXPECT_LE(config.domain, 230u);
+      EXPECT_LE(config.network.domain, 230u);
       EXPECT_GE(config.workers, 1u);
       EXPECT_GE(config.queue, 1u);
       EXPECT_GT(config.budget, 0);

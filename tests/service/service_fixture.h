@@ -57,7 +57,7 @@ class ServiceTest : public testing::Test {
 
   // To whoever serves.
   void connect() {
-    port_ = std::make_unique<dds::ClientPort>(domain_, me_);
+    port_ = std::make_unique<dds::ClientPort>(dds::Participant(domain_), me_);
     const auto began = Clock::now();
     while (!port_->served() && seconds_since(began) < 10) port_->wait(milliseconds(5));
     ASSERT_TRUE(port_->served());

@@ -1,11 +1,13 @@
 #include "planner/executor/dds/command_port.h"
 
+#include <utility>
+
 #include "planner/service/dds/wire_execution.h"
 
 namespace fjr::dds {
 
-CommandPort::CommandPort(unsigned domain)
-    : participant_(domain),
+CommandPort::CommandPort(Participant participant)
+    : participant_(std::move(participant)),
       waitset_(participant_),
       states_(participant_, participant_.handle()),
       commands_(participant_, participant_.handle()) {

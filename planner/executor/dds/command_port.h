@@ -14,7 +14,7 @@ namespace fjr::dds {
 
 class CommandPort {
  public:
-  explicit CommandPort(unsigned domain);
+  explicit CommandPort(Participant participant);
 
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
 

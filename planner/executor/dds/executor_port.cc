@@ -1,11 +1,13 @@
 #include "planner/executor/dds/executor_port.h"
 
+#include <utility>
+
 #include "planner/service/dds/wire_execution.h"
 
 namespace fjr::dds {
 
-ExecutorPort::ExecutorPort(unsigned domain)
-    : participant_(domain),
+ExecutorPort::ExecutorPort(Participant participant)
+    : participant_(std::move(participant)),
       waitset_(participant_),
       trajectories_(participant_, participant_.handle()),
       commands_(participant_, participant_.handle()),

@@ -14,7 +14,7 @@ namespace fjr::dds {
 
 class ExecutorPort {
  public:
-  explicit ExecutorPort(unsigned domain);
+  explicit ExecutorPort(Participant participant);
 
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
 

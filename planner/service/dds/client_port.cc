@@ -1,5 +1,7 @@
 #include "planner/service/dds/client_port.h"
 
+#include <utility>
+
 #include "model/input_error.h"
 #include "planner/service/dds/incompatible.h"
 #include "planner/service/dds/text.h"
@@ -10,8 +12,8 @@
 namespace fjr::dds {
 
 // The readers come before the writers: who sees the request can answer it.
-ClientPort::ClientPort(unsigned domain, const RequestId& client)
-    : participant_(domain),
+ClientPort::ClientPort(Participant participant, const RequestId& client)
+    : participant_(std::move(participant)),
       waitset_(participant_),
       subscriber_(participant_.subscriber(client_name(client))),
       replies_(participant_, subscriber_.handle()),

@@ -17,7 +17,7 @@ namespace fjr::dds {
 
 class ClientPort {
  public:
-  ClientPort(unsigned domain, const RequestId& client);
+  ClientPort(Participant participant, const RequestId& client);
 
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
 

@@ -3,7 +3,6 @@
 #include <dlfcn.h>
 #include <unistd.h>
 
-#include <cstdlib>
 #include <string>
 #include <system_error>
 
@@ -54,11 +53,6 @@ Qos with_credentials(const fs::path& folder) {
   add_plugin(qos, "access", "dds_security_ac", "access_control");
   add_plugin(qos, "crypto", "dds_security_crypto", "crypto");
   return qos;
-}
-
-fs::path credentials_from_environment() {
-  const char* folder = std::getenv("FJR_SECURITY");
-  return folder == nullptr ? "" : folder;
 }
 
 }  // namespace fjr::dds

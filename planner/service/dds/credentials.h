@@ -11,7 +11,4 @@ namespace fjr::dds {
 // the file names of a ROS 2 enclave (config/security/README.md). Throws InputError naming what is missing.
 Qos with_credentials(const std::filesystem::path& folder);
 
-// What the environment variable FJR_SECURITY names; empty: nothing, DDS Security is off.
-std::filesystem::path credentials_from_environment();
-
 }  // namespace fjr::dds

@@ -55,14 +55,14 @@ Participant::Participant(unsigned domain, const fs::path& credentials)
   if (sends_only_over_loopback()) hear_only_loopback();
 }
 
-Participant guarded_participant(unsigned domain, const fs::path& credentials, bool allow_insecure_network) {
-  Participant participant(domain, credentials);
-  if (credentials.empty() && !allow_insecure_network && !sends_only_over_loopback()) {
+Participant guarded_participant(const Network& network) {
+  Participant participant(network.domain, network.security);
+  if (network.security.empty() && !network.allow_insecure_network && !sends_only_over_loopback()) {
     throw InputError(
         "CYCLONEDDS_URI", "",
         "DDS uses a network without DDS Security, and everybody on it could move the arm: give credentials "
-        "(service.yaml: security, or FJR_SECURITY; config/security/README.md), or accept it with "
-        "--insecure-network (service.yaml: allow_insecure_network: true)");
+        "(FJR_SECURITY, or `security` in service.yaml and executor.yaml; config/security/README.md), or accept it with "
+        "--insecure-network (`allow_insecure_network: true` there)");
   }
   return participant;
 }

@@ -9,6 +9,7 @@
 #include "planner/service/dds/entity.h"
 #include "planner/service/dds/qos.h"
 #include "planner/service/dds/topics.h"
+#include "planner/service/network.h"
 
 namespace fjr::dds {
 
@@ -40,8 +41,8 @@ class Participant {
   Entity participant_;
 };
 
-// For those who are told what to do: throws InputError when others on a network could and would not have to say who
-// they are, unless that is allowed.
-Participant guarded_participant(unsigned domain, const std::filesystem::path& credentials, bool allow_insecure_network);
+// For every program that moves or stops an arm, or has it moved or stopped: throws InputError when others on a network
+// could do so without saying who they are, unless that is allowed.
+Participant guarded_participant(const Network& network);
 
 }  // namespace fjr::dds

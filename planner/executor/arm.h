@@ -1,7 +1,7 @@
 // The interface to the drives and encoders: what has to be written for a real machine. The virtual arm is its first
 // implementation. The executor's control tick calls, every kTick (1 ms) and always in this order,
 //
-//   read()      what the encoders say now, at the beginning of the tick
+//   read(ticks) what the encoders say now, at the beginning of the tick
 //   command()   the torque from now to the next tick
 //
 // from one thread of real-time priority. Neither may wait, allocate or take longer than a small part of the tick: a
@@ -13,8 +13,11 @@
 // = q + K^-1 G(q); with the arm hanging still all four positions are zero. Positive torque must make theta grow.
 //
 // Samples that do not arrive are left out of the Reading, never repeated and never zero. Up to kLostAfter in a row are
-// bridged by the plan; then the encoder counts as lost, the arm is stopped without feedback on its joint and held. An
-// exception from either call ends the program: an arm must then come to rest by what is not software.
+// bridged by the plan; then the encoder counts as lost, the arm is stopped without feedback on its joint and held.
+//
+// When the ticks themselves do not come, the last torque holds for up to kStallTicks missed ones. By then the drives
+// must brake by themselves: when the executor is back, it gives up the motion and holds the motors where it finds them.
+// An exception from either call ends the program: an arm must then come to rest by what is not software.
 #pragma once
 
 #include <optional>
@@ -26,17 +29,20 @@ namespace fjr {
 struct Reading {
   Pair<std::optional<double>> theta;  // [rad] of the motors, in link coordinates
   Pair<std::optional<double>> q;      // [rad] of the links
-  int ticks = 1;  // since the reading before, by the machine's clock: more than 1 says that ticks were missed
 };
+
+inline constexpr int kStallTicks = 5;  // missed in a row that the plan bridges
 
 class Arm {
  public:
   virtual ~Arm() = default;
 
-  virtual Reading read() = 0;
+  // ticks: since the call before by the executor's clock; 0 before the control starts, more than 1 when some were
+  // missed.
+  virtual Reading read(int ticks) = 0;
 
   // [N m] in link coordinates, within the drives' peak torque; to be held until the next call. When calls stop coming
-  // (the program ended, or hangs) the drives must brake or switch off by themselves, within a few ticks.
+  // (the program ended, or hangs) the drives must brake by themselves, within kStallTicks.
   virtual void command(const Pair<double>& torque) = 0;
 };
 

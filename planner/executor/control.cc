@@ -21,7 +21,7 @@ constexpr double kRounding = 1e-9;      // [s]
 Reading first_reading(Arm& arm) {
   const char* silent = "";
   for (int i = 0; i < 1000; ++i) {
-    const Reading reading = arm.read();
+    const Reading reading = arm.read(0);
     silent = !reading.q[0]       ? "q1"
              : !reading.q[1]     ? "q2"
              : !reading.theta[0] ? "theta1"
@@ -31,6 +31,17 @@ Reading first_reading(Arm& arm) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   throw std::runtime_error(fmt::format("the encoder {} gives no samples", silent));
+}
+
+// Where the links come to rest when the motors stand at theta: theta = q + K^-1 G(q), by iteration. The springs
+// are more than three times as stiff as gravity, so that 20 steps leave less than 1e-9 rad.
+Pair<double> resting_with(const Parameters& robot, const Pair<double>& theta) {
+  Pair<double> q = theta;
+  for (int i = 0; i < 20; ++i) {
+    const Pair<double> at_rest = rest_at(robot, q).theta;
+    for (std::size_t j = 0; j < kJoints; ++j) q[j] += theta[j] - at_rest[j];
+  }
+  return q;
 }
 
 // 1 at 0, 0 from 1 on, with two continuous derivatives.
@@ -63,13 +74,13 @@ Control::Control(const Parameters& robot, Arm& arm)
   feedback_.start(theta, theta, {});
 }
 
-// Rests at q, beginning with the motors at theta; the difference to where q wants them is faded out.
-void Control::hold_at(const Pair<double>& q, const Pair<double>& theta) {
-  held_.samples[0] = {0, rest_at(robot_, q), gravity_torque(robot_, q)};
+// Rests at q, beginning at `time` with the motors at theta; the difference to where q wants them is faded out.
+void Control::hold_at(const Pair<double>& q, const Pair<double>& theta, double time) {
+  held_.samples[0] = {time, rest_at(robot_, q), gravity_torque(robot_, q)};
   held_.samples[1] = held_.samples[0];
-  held_.samples[1].time = kTick;
+  held_.samples[1].time += kTick;
   path_ = Interpolator(held_);
-  time_ = end_ = began_ = 0;
+  time_ = end_ = began_ = time;
   for (std::size_t j = 0; j < kJoints; ++j) offset_[j] = theta[j] - held_.samples[0].state.theta[j];
   shift_ = {};
   planned_ = held_.samples[0];
@@ -84,15 +95,19 @@ Pair<double> Control::reference() const {
   return theta;
 }
 
-void Control::tick() {
-  const Reading reading = arm_.read();
-  time_ += reading.ticks * kTick;
+void Control::tick(int ticks) {
+  const Reading reading = arm_.read(ticks);
+  const int missed = ticks - 1;
+  const bool stalled = missed > kStallTicks && moving() && !at_rest();
+  time_ += stalled ? kTick : ticks * kTick;
+  if (motion_ != nullptr) motion_->missed_ticks += missed;
   const unsigned asked = asked_.exchange(0);
   obey(asked);
   take_motion(asked != 0);
   follow();
   sensing_.update(reading, planned_.state.q, reference());
-  supervise(reading);
+  if (stalled) stop_where_it_is(missed);
+  supervise();
   drive();
   publish();
 }
@@ -146,10 +161,7 @@ void Control::follow() {
   planned_ = path_.at(time_);
 }
 
-void Control::supervise(const Reading& reading) {
-  if (mode_ == ExecutorMode::kExecuting && reading.ticks > kStallTicks + 1 && !at_rest()) {
-    stop_because({Ending::kStalled, time_, 0, static_cast<double>(reading.ticks - 1), kStallTicks, ""});
-  }
+void Control::supervise() {
   const char* lost = sensing_.lost();
   if (lost != nullptr) {
     for (std::size_t j = 0; j < kJoints; ++j) blind_[j] = blind_[j] || sensing_.motors_lost()[j];
@@ -219,6 +231,21 @@ void Control::stop_because(const Outcome& outcome) {
   stop_ = &motion_->stops[next];
   next_stop_ = stop_->start_time();
   end_ = stop_->end_time();
+}
+
+// After so many missed ticks the drives have braked by themselves: neither the plan nor a stop that begins on it is
+// where the arm is now. The motors are held where they are found.
+void Control::stop_where_it_is(int missed) {
+  if (mode_ == ExecutorMode::kExecuting) {
+    motion_->outcome = {Ending::kStalled, time_, 0, static_cast<double>(missed), kStallTicks, ""};
+  }
+  mode_ = ExecutorMode::kStopping;
+  after_ = std::max(after_, ExecutorMode::kHolding);
+  stop_ = nullptr;
+  sensing_.restart();
+  const Pair<double> theta = sensing_.theta();
+  feedback_.start(theta, theta, {});
+  hold_at(resting_with(robot_, theta), theta, time_);
 }
 
 void Control::finish(ExecutorMode mode) {

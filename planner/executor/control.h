@@ -11,7 +11,6 @@
 namespace fjr {
 
 inline constexpr double kHandOver = 0.1;  // [s] in which what a motion's start is off the place held is faded out
-inline constexpr int kStallTicks = 5;     // more missed ones than these in a row: a controlled stop
 
 // Of one tick; what is published.
 struct TickState {
@@ -28,7 +27,8 @@ class Control {
   // is silent, or when link and motor encoders cannot both be right.
   Control(const Parameters& robot, Arm& arm);
 
-  void tick();  // from one thread
+  // From one thread. ticks: that have passed since the call before; more than 1 when some were missed.
+  void tick(int ticks = 1);
 
   // From another one.
   bool begin(CommandedMotion* motion) { return incoming_.put(motion); }  // until it comes back it is the tick's
@@ -46,10 +46,11 @@ class Control {
   void obey(unsigned asked);
   void take_motion(bool refused);
   void follow();
-  void supervise(const Reading& reading);
+  void supervise();
   void supervise_execution();
   void supervise_stop();
   void stop_because(const Outcome& outcome);
+  void stop_where_it_is(int missed);
   void finish(ExecutorMode mode);
   void rest_here();
   void move_reference(const Pair<double>& theta);
@@ -57,7 +58,7 @@ class Control {
   void drive();
   void publish();
 
-  void hold_at(const Pair<double>& q, const Pair<double>& theta);
+  void hold_at(const Pair<double>& q, const Pair<double>& theta, double time = 0);
   Pair<double> reference() const;
   bool at_rest() const { return time_ >= end_; }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <chrono>
 #include <exception>
 #include <filesystem>
@@ -17,6 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPatience{5000};  // for the arm to come to rest at the end
 constexpr std::chrono::milliseconds kFarewell{200};   // for the last result to be taken
+constexpr std::size_t kRemembered = 1024;             // trajectories
 
 std::int64_t nanoseconds_now() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
@@ -73,13 +75,13 @@ void Executor::keep_ticking() {
   const std::string refused = config_.fast ? "" : become_realtime(config_.priority);
   if (!refused.empty()) spdlog::warn("the control tick is not real-time: {}", refused);
   Metronome metronome(kTick);
-  while (!over_) {
-    control_.tick();
+  for (int ticks = 1; !over_;) {
+    control_.tick(ticks);
     if (config_.fast && control_.moving()) {
       metronome.restart();
+      ticks = 1;
     } else {
-      metronome.wait(lateness_);
-      missed_ = lateness_.missed();
+      ticks = metronome.wait(lateness_);
     }
   }
 }
@@ -122,7 +124,11 @@ void Executor::take_orders() {
 }
 
 void Executor::consider(TrajectoryOrder order) {
-  if (reported_before(order)) return;
+  if (std::find(considered_.begin(), considered_.end(), order.id) != considered_.end()) return;
+  considered_.push_back(order.id);
+  if (considered_.size() > kRemembered) considered_.pop_front();
+  if (const History::Entry* entry = history_.find(order.id)) return report_again(*entry);
+  if (preparing_) return refuse(order, {ResultCode::kInvalidGoal, "another trajectory is being prepared"});
   situation_.now = nanoseconds_now();
   situation_.q = latest_.q;
   situation_.rest_theta = rest_at(robot_, latest_.q).theta;
@@ -133,20 +139,15 @@ void Executor::consider(TrajectoryOrder order) {
   run_motion(std::move(order));
 }
 
-// A trajectory has one result. One that ran before this start is reported once more, for who was not there then.
-bool Executor::reported_before(const TrajectoryOrder& order) {
-  const History::Entry* entry = history_.find(order.id);
-  if (entry == nullptr) return false;
-  if (order.published >= situation_.started || reported_ == order.id) return true;
-  reported_ = order.id;
+// What ran before this start is reported once more, for those who were not there then.
+void Executor::report_again(const History::Entry& entry) {
   ExecutionResult result;
   result.robot_id = config_.robot_id;
-  result.trajectory_id = order.id;
-  result.code = entry->code.value_or(ResultCode::kGoalToleranceViolated);
-  result.sentence = entry->code ? entry->sentence : "the executor ended while it ran; it is not run again";
-  spdlog::info("ran before the start: id={} code={}", text(order.id), static_cast<int>(result.code));
+  result.trajectory_id = entry.id;
+  result.code = entry.code.value_or(ResultCode::kGoalToleranceViolated);
+  result.sentence = entry.code ? entry.sentence : "the executor ended while it ran; it is not run again";
+  spdlog::info("ran before the start: id={} code={}", text(entry.id), static_cast<int>(result.code));
   port_.send(result);
-  return true;
 }
 
 void Executor::refuse(const TrajectoryOrder& order, const ExecutionRefusal& refusal) {
@@ -168,12 +169,16 @@ void Executor::run_motion(TrajectoryOrder order) {
   header.id = id;
   header.epoch = order.epoch;
   try {
+    preparing_ = true;
     running_ = prepare(robot_, std::move(order), config_.tolerances, [this] {
       publish_states();
+      take_orders();
       if (obey() || stopping_) throw std::runtime_error("held or stopped before it could begin");
     });
+    preparing_ = false;
     history_.begin(id);
   } catch (const std::exception& error) {
+    preparing_ = false;
     running_.reset();
     return refuse(header, {ResultCode::kInvalidGoal, error.what()});
   }
@@ -241,7 +246,7 @@ void Executor::conclude(CommandedMotion& motion) {
 std::string Executor::log(const CommandedMotion& motion, const ExecutionResult& result) const {
   if (config_.logs.empty() || motion.log.size() < 2) return "";
   try {
-    return write_log(motion, result, config_.logs, {{"missed_ticks", std::to_string(missed_.load())}}).string();
+    return write_log(motion, result, config_.logs, {{"missed_ticks", std::to_string(motion.missed_ticks)}}).string();
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
     return "";

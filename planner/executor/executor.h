@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <deque>
 #include <memory>
 
 #include "planner/executor/acceptance.h"
@@ -34,7 +35,7 @@ class Executor {
   void conclude_finished();
   void conclude(CommandedMotion& motion);
   std::string log(const CommandedMotion& motion, const ExecutionResult& result) const;
-  bool reported_before(const TrajectoryOrder& order);
+  void report_again(const History::Entry& entry);
   void come_to_rest();
   void stop_silently();
   void report_lateness() const;
@@ -48,9 +49,9 @@ class Executor {
   TickState latest_;
   bool ticking_ = false;                      // there is a latest one
   std::unique_ptr<CommandedMotion> running_;  // lent to the control tick
-  std::optional<RequestId> reported_;         // from before the start
-  Lateness lateness_;                         // of the tick; the tick's until it has ended
-  std::atomic<long> missed_ = 0;
+  std::deque<RequestId> considered_;          // the last ones: each trajectory has one result
+  bool preparing_ = false;
+  Lateness lateness_;  // of the tick; the tick's until it has ended
   std::atomic<bool> stopping_ = false, over_ = false;
 };
 

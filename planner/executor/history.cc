@@ -89,7 +89,7 @@ void History::write() const {
     const std::string code = entry.code ? std::to_string(static_cast<std::int32_t>(*entry.code)) : kUnended;
     text += fmt::format("{} {} {} {}\n", client_name(entry.id), entry.id.number, code, entry.sentence);
   }
-  write_file(file_, text);
+  write_file_durably(file_, text);
 }
 
 }  // namespace fjr

@@ -23,7 +23,7 @@ class History {
 
   const Entry* find(const RequestId& id) const;
 
-  // Both replace the file, complete or not at all. Throw std::runtime_error.
+  // Both replace the file, complete or not at all, and return when it is on the disk. Throw std::runtime_error.
   void begin(const RequestId& id);
   void end(const RequestId& id, ResultCode code, const std::string& sentence);
 

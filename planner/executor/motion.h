@@ -51,6 +51,7 @@ struct CommandedMotion {
   Figures figures;
   Outcome outcome;
   Pair<double> ended_at{};  // [rad] of the links
+  long missed_ticks = 0;    // during the motion
 };
 
 // Without stop motions: from any instant its own end is the way to rest.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <limits>
 
 namespace fjr {
 namespace {
@@ -56,16 +57,17 @@ Metronome::Metronome(double period) : period_(static_cast<std::int64_t>(period *
 
 void Metronome::restart() { next_ = now(); }
 
-void Metronome::wait(Lateness& lateness) {
+int Metronome::wait(Lateness& lateness) {
   next_ += period_;
   const timespec until{next_ / kSecond, next_ % kSecond};
   while (::clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) {
   }
   const std::int64_t late = now() - next_;
   lateness.add(static_cast<double>(late) * 1e-9);
-  if (late < period_) return;
-  lateness.missed(late / period_);
-  next_ += late / period_ * period_;
+  const std::int64_t missed = late / period_;
+  lateness.missed(missed);
+  next_ += missed * period_;
+  return static_cast<int>(std::min<std::int64_t>(missed + 1, std::numeric_limits<int>::max()));
 }
 
 }  // namespace fjr

@@ -36,8 +36,9 @@ class Metronome {
  public:
   explicit Metronome(double period);
 
-  // Until the next multiple; what has passed already is skipped and counted.
-  void wait(Lateness& lateness);
+  // Until the next multiple; what has passed already is skipped and counted. Returns how many have passed since the
+  // call before: 1, or more when some were missed.
+  int wait(Lateness& lateness);
   // The next wait is one period from now.
   void restart();
 

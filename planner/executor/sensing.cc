@@ -42,6 +42,18 @@ void Sensing::update(const Reading& reading, const Pair<double>& planned_q, cons
   motor_.update(reading.theta, planned_theta);
 }
 
+void Sensing::Encoders::restart() {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    filter[j].reset(position[j], 0);
+    velocity[j] = 0;
+  }
+}
+
+void Sensing::restart() {
+  link_.restart();
+  motor_.restart();
+}
+
 const char* Sensing::lost() const {
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (motor_.gone[j]) return kMotors[j];

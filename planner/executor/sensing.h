@@ -27,6 +27,7 @@ class Sensing {
   Pair<bool> motors_lost() const { return motor_.gone; }
   const char* lost() const;  // "theta1", ...; null: none
   void trust_again();        // what has samples again is no longer lost
+  void restart();            // at rest where it is: after a gap in time, differences say nothing about velocities
 
  private:
   struct Encoders {
@@ -36,6 +37,7 @@ class Sensing {
     Pair<VelocityFilter> filter;
 
     void update(const Pair<std::optional<double>>& samples, const Pair<double>& planned);
+    void restart();
   };
 
   Encoders link_, motor_;

@@ -1,5 +1,6 @@
 #include "planner/executor/virtual_arm.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -9,7 +10,9 @@
 namespace fjr {
 namespace {
 
-constexpr int kPieces = 4;  // of a tick, in which the hysteresis stands still
+constexpr int kPieces = 4;        // of a tick, in which the hysteresis stands still
+constexpr double kBraked = 0.01;  // [s] in which a braking drive takes all but 1/e of its motor's speed
+constexpr int kStopped = 2000;    // ticks after which nothing moves any more
 
 // z after the deflection has changed by `change` [rad]: dz/dphi = (1 - z sign(dphi)) / width, solved exactly.
 double hysteresis_after(double z, double change, double width) {
@@ -24,7 +27,14 @@ VirtualArm::VirtualArm(const VirtualArmOptions& options, const Pair<double>& q)
       rollout_(with_payload(options.truth, {options.payload}), Limits{}, Accuracy::of_predictions()),
       state_(rest_at(with_payload(options.truth, {options.payload}), q)) {}
 
-Reading VirtualArm::read() {
+Reading VirtualArm::read(int ticks) {
+  for (int passed = 0; torque_ && passed < std::min(ticks, kStopped); ++passed) {
+    pass_tick(passed <= kStallTicks ? *torque_ : braking());
+  }
+  return measure();
+}
+
+Reading VirtualArm::measure() {
   const Parameters& p = options_.truth;
   Reading reading;
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -39,9 +49,21 @@ Reading VirtualArm::read() {
   return reading;
 }
 
-void VirtualArm::command(const Pair<double>& torque) {
+void VirtualArm::pass_tick(const Pair<double>& torque) {
   if (options_.hysteresis.height == Pair<double>{}) return advance(torque, kTick);
   for (int i = 0; i < kPieces; ++i) advance(torque, kTick / kPieces);
+}
+
+// Of drives that get no commands: the motors are held against the springs, and what speed they have is taken from them.
+Pair<double> VirtualArm::braking() const {
+  const Parameters& p = options_.truth;
+  Pair<double> torque;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double held = p.spring.stiffness[j] * (state_.theta[j] - state_.q[j]);
+    const double braked = held - p.motor.inertia[j] * state_.dtheta[j] / kBraked;
+    torque[j] = std::clamp(braked, -p.drive.peak_torque[j], p.drive.peak_torque[j]);
+  }
+  return torque;
 }
 
 // A hysteresis torque that stands still is a spring whose rest is elsewhere: tau_c = K (theta + h z / K - q).

@@ -28,18 +28,24 @@ class VirtualArm : public Arm {
   // At rest at q [rad].
   VirtualArm(const VirtualArmOptions& options, const Pair<double>& q);
 
-  Reading read() override;
-  void command(const Pair<double>& torque) override;  // time goes on by one tick
+  // Time goes on by so many ticks: with the torque that was commanded last, and beyond kStallTicks missed ones with the
+  // brakes of the drives. It stands still before the first command.
+  Reading read(int ticks) override;
+  void command(const Pair<double>& torque) override { torque_ = torque; }
 
   const State<double>& state() const { return state_; }
 
  private:
+  void pass_tick(const Pair<double>& torque);
   void advance(const Pair<double>& torque, double duration);
+  Pair<double> braking() const;
+  Reading measure();
 
   VirtualArmOptions options_;
   Rollout rollout_;
   State<double> state_;
-  Pair<double> z_{};  // of the hysteresis, from -1 to 1
+  std::optional<Pair<double>> torque_;  // [N m] commanded last
+  Pair<double> z_{};                    // of the hysteresis, from -1 to 1
   bool faulty_ = false;
 };
 

@@ -10,4 +10,7 @@ namespace fjr {
 // Throws std::runtime_error, one sentence with the path and the system's reason; nothing is left behind.
 void write_file(const std::filesystem::path& file, std::string_view text);
 
+// The same, and on the disk when it returns: what has to be known after a power failure.
+void write_file_durably(const std::filesystem::path& file, std::string_view text);
+
 }  // namespace fjr

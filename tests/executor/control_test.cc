@@ -272,18 +272,17 @@ TEST_P(EncoderLoss, StopsAndHolds) {
   EXPECT_EQ(rig.finish(*never).code, ResultCode::kInvalidGoal);
 }
 
-// Behind encoders that now and then say nothing, or tell of missed ticks.
+// Behind encoders that now and then say nothing.
 class Gaps : public Arm {
  public:
   explicit Gaps(Arm& arm) : arm_(arm) {}
-  Reading read() override {
-    Reading reading = arm_.read();
+  Reading read(int ticks) override {
+    Reading reading = arm_.read(ticks);
     if (missing > 0 && missing-- > 0) reading.theta[1].reset();
-    reading.ticks = std::exchange(ticks, 1);
     return reading;
   }
   void command(const Pair<double>& torque) override { arm_.command(torque); }
-  int missing = 0, ticks = 1;
+  int missing = 0;
 
  private:
   Arm& arm_;
@@ -334,26 +333,43 @@ TEST(Control, HoldsWithFeedbackAgainWhenSamplesReturn) {
   EXPECT_TRUE(control.finished());
 }
 
-TEST(Control, StopsWhenItWasAwayForTooLong) {
-  VirtualArm arm({.truth = robot()}, kFrom);
-  Gaps gaps(arm);
-  Control control(robot(), gaps);
+TEST(Control, BridgesFiveMissedTicks) {
+  Rig rig;
   const auto move = motion();
-  ASSERT_TRUE(control.begin(move.get()));
-  for (int i = 0; i < 2500; ++i) {
-    if (i == 300) gaps.ticks = kStallTicks + 2;
-    control.tick();
+  ASSERT_TRUE(rig.control.begin(move.get()));
+  rig.run(0.2);
+  rig.control.tick(1 + kStallTicks);
+  EXPECT_EQ(rig.finish(*move).code, ResultCode::kSuccessful);
+  EXPECT_EQ(move->missed_ticks, kStallTicks);
+}
+
+// In mid-motion, however long: the drives brake, and the motors are held where they are found, not pulled to where the
+// plan is. The links swing on their springs, as those of an arm that was braked do.
+TEST(Control, StopsWhereItIsAfterMoreMissedTicks) {
+  for (const int missed : {kStallTicks + 1, 30, 200, 3000}) {
+    Rig rig;
+    const auto move = motion();
+    ASSERT_TRUE(rig.control.begin(move.get()));
+    rig.run(0.3);
+    rig.control.tick(1 + missed);
+    const Pair<double> found = rig.arm.state().theta;
+    const ExecutionResult result = rig.finish(*move);
+    EXPECT_EQ(result.code, ResultCode::kPathToleranceViolated);
+    EXPECT_THAT(result.sentence, HasSubstr(std::to_string(missed) + " control ticks in a row were missed at 0.30"));
+    EXPECT_EQ(move->missed_ticks, missed);
+    EXPECT_EQ(rig.state.mode, ExecutorMode::kHolding);
+    for (std::size_t i = 1; i < move->log.size(); ++i) ASSERT_GT(move->log[i].time, move->log[i - 1].time) << missed;
+    rig.run(2);
+    for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(rig.state.theta[j], found[j], 0.1) << missed;
   }
-  ASSERT_TRUE(control.finished());
-  EXPECT_EQ(move->outcome.ending, Ending::kStalled);
 }
 
 TEST(Control, RefusesToStartWithASignOrZeroThatCannotBe) {
   class Reversed : public VirtualArm {
    public:
     using VirtualArm::VirtualArm;
-    Reading read() override {
-      Reading reading = VirtualArm::read();
+    Reading read(int ticks) override {
+      Reading reading = VirtualArm::read(ticks);
       reading.theta[1] = -*reading.theta[1];
       return reading;
     }
@@ -377,6 +393,8 @@ TEST(VirtualArm, HangsLowerWithAPayloadAndTurnsBackLateWithHysteresis) {
   for (int i = 0; i < 100; ++i) {
     plain.command(more);
     sticky.command(more);
+    (void)plain.read(1);
+    (void)sticky.read(1);
   }
   EXPECT_GT(std::abs(plain.state().theta[0] - sticky.state().theta[0]), 1e-4);
 }

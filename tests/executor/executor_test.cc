@@ -28,6 +28,7 @@ namespace fjr {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AnyOf;
 using testing::HasSubstr;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
@@ -106,6 +107,11 @@ TEST(Acceptance, RefusesWithTheReason) {
   refused([](Order&, Situation& s) { s.q[1] = 0.18; }, ResultCode::kInvalidGoal, "starts at q2 = 0.195 rad");
 }
 
+std::int64_t nanoseconds_now() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
 // Who publishes trajectories and listens: in the place of the service.
 class Cell {
  public:
@@ -116,19 +122,22 @@ class Cell {
         trajectories_(participant_, participant_.handle()) {}
 
   // A flat motion under a new id.
-  RequestId publish(const Pair<double>& from, const Pair<double>& to, double duration) {
+  TrajectoryOrder order(const Pair<double>& from, const Pair<double>& to, double duration) {
     TrajectoryOrder order;
     order.robot_id = "arm";
     order.id = me_;
     order.id.number = ++last_;
-    order.published =
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-            .count();
+    order.published = nanoseconds_now();
     order.robot_hash = robot_hash(robot());
     order.certified = order.ends_at_rest = true;
     order.rows = flat_motion(robot(), from, to, duration).samples;
-    EXPECT_TRUE(trajectories_.write(dds::encode(order)));
-    return order.id;
+    return order;
+  }
+  void publish(const TrajectoryOrder& order) { EXPECT_TRUE(trajectories_.write(dds::encode(order))); }
+  RequestId publish(const Pair<double>& from, const Pair<double>& to, double duration) {
+    const TrajectoryOrder one = order(from, to, duration);
+    publish(one);
+    return one.id;
   }
 
   // Until `there` holds of the latest state; false: not within 20 s.
@@ -222,6 +231,8 @@ class ExecutorTest : public testing::Test {
     if (!cell_) cell_ = std::make_unique<Cell>();
     return *cell_;
   }
+
+  void forget_cell() { cell_.reset(); }
 
  private:
   fs::path folder_ = fs::temp_directory_path() / ("fjr_executor_test_" + std::to_string(::getpid()));
@@ -348,6 +359,71 @@ TEST_F(ExecutorTest, ReportsTheLatestAgainAfterARestartAndRests) {
   EXPECT_EQ(cell().result(id).code, ResultCode::kSuccessful);  // as it was
   cell().listen_for(0.3);
   EXPECT_LT(cell().farthest[0], 1e-3);
+}
+
+// The client asks for a motion once more after executor and service were restarted: published again, reported again.
+TEST_F(ExecutorTest, ReportsWhatRanBeforeItsStartWhenItIsPublishedAgain) {
+  auto arm = executor({"--fast"});
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const TrajectoryOrder order = cell().order(kFrom, kTo, 0.5);
+  cell().publish(order);
+  EXPECT_EQ(cell().result(order.id).code, ResultCode::kSuccessful);
+  arm->send(SIGKILL);
+  (void)arm->wait();
+  forget_cell();  // with what it published for late joiners
+  arm = executor({"--fast"});
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  TrajectoryOrder again = order;
+  again.published = nanoseconds_now();
+  cell().publish(again);
+  EXPECT_EQ(cell().result(order.id).code, ResultCode::kSuccessful);
+  cell().listen_for(0.3);
+  EXPECT_LT(cell().farthest[0], 1e-3);
+  EXPECT_EQ(cell().results[order.id].size(), 1U);
+}
+
+TEST_F(ExecutorTest, GivesEveryTrajectoryOneResult) {
+  const auto arm = executor();
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  std::vector<TrajectoryOrder> orders;
+  for (int i = 0; i < 8; ++i) orders.push_back(cell().order(kFrom, kTo, 1));  // prepared in about half a second
+  for (const TrajectoryOrder& order : orders) cell().publish(order);
+  cell().publish(orders[0]);
+  cell().publish(orders[3]);
+  for (const TrajectoryOrder& order : orders) (void)cell().result(order.id);
+  cell().listen_for(0.3);
+  for (const TrajectoryOrder& order : orders) EXPECT_EQ(cell().results[order.id].size(), 1U) << order.id.number;
+  EXPECT_EQ(cell().result(orders[0].id).code, ResultCode::kSuccessful) << cell().result(orders[0].id).sentence;
+  for (std::size_t i = 1; i < orders.size(); ++i) {
+    EXPECT_THAT(cell().result(orders[i].id).sentence,
+                AnyOf(HasSubstr("another trajectory is being prepared"), HasSubstr("the arm is not at rest")));
+  }
+}
+
+// Its process is stopped for 3 s in mid-motion: the drives brake meanwhile, and the motion does not go on.
+TEST_F(ExecutorTest, StopsWhenItsTicksAreMissed) {
+  const auto arm = executor();
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const RequestId id = cell().publish(kFrom, kTo, 1.5);
+  ASSERT_TRUE(cell().wait_for_time(0.5));
+  arm->send(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  arm->send(SIGCONT);
+  const ExecutionResult result = cell().result(id);
+  EXPECT_EQ(result.code, ResultCode::kPathToleranceViolated);
+  int missed = 0;
+  EXPECT_EQ(std::sscanf(result.sentence.c_str(), "%d control ticks in a row were missed at", &missed), 1)
+      << result.sentence;
+  EXPECT_GT(missed, 2900);
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kHolding));
+  EXPECT_LT(cell().state.q[0], kTo[0] - 0.1);  // short of the goal
+  const std::string ticks = read_log(result.log_file).metadata.at("missed_ticks");
+  EXPECT_GE(std::stoi(ticks), missed);
+
+  // Of the next motion, only its own.
+  const ExecutionResult next = cell().result(cell().publish(cell().state.planned_q, kFrom, 1));
+  if (next.code != ResultCode::kSuccessful) return;  // the links may still swing
+  EXPECT_LT(std::stoi(read_log(next.log_file).metadata.at("missed_ticks")), missed);
 }
 
 TEST_F(ExecutorTest, ComesToRestBeforeItEnds) {

@@ -78,7 +78,8 @@ struct TopicOf<fjr_msg_PlannerStatus> {
   }
 };
 
-// A restarted executor gets the latest; of two owners the stronger counts.
+// A restarted executor gets the latest; of two owners the stronger counts. Several published within a moment do not
+// overwrite each other: each gets a result.
 template <>
 struct TopicOf<fjr_msg_Trajectory> {
   static constexpr const char* kName = "fjr/trajectory";
@@ -87,7 +88,8 @@ struct TopicOf<fjr_msg_Trajectory> {
     return std::move(Qos()
                          .reliable(DDS_MSECS(100))
                          .transient_local()
-                         .keep_last(1)
+                         .late_joiners_get(1)
+                         .keep_last(16)
                          .exclusive_ownership()
                          .automatic_liveliness(DDS_MSECS(500))
                          .keep_instances());

@@ -4,8 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <vector>
+#include <optional>
 
 namespace fjr {
 namespace {
@@ -14,26 +13,33 @@ constexpr double kLongestRest = 0.1;     // [s]
 constexpr double kLargestGrowth = 3;     // [-] exponent
 constexpr double kGrowthSpacing = 0.01;  // [s] the growth rate follows q, which takes 0.1 s and more to change
 
-struct Stay {
-  double from = 0, to = 0;  // [s]
-  double length() const { return to - from; }
-};
-
-// Longest uninterrupted stay of joint j's motor within +-band.
-Stay longest_rest(const Trajectory& trajectory, std::size_t j, double band) {
+// Uninterrupted stays of the joint's motor within +-band for more than kLongestRest.
+std::vector<Stretch> long_rests(const Trajectory& trajectory, int joint, double band) {
   Interpolator plan(trajectory);
-  Stay longest, now{trajectory.start_time(), trajectory.start_time()};
-  const auto rests = [&](double time) { return std::abs(plan.at(time).state.dtheta[j]) <= band; };
+  const auto rests = [&](double time) {
+    return std::abs(plan.at(time).state.dtheta[static_cast<std::size_t>(joint - 1)]) <= band;
+  };
+  std::vector<Stretch> found;
+  std::optional<double> since;
+  const auto leave = [&](double time) {
+    if (since && time - *since > kLongestRest) {
+      found.push_back({*since, time, joint,
+                       fmt::format("motor {} rests from {:.3f} s to {:.3f} s within {:.2e} rad/s, where its friction "
+                                   "falls with speed: errors grow exponentially",
+                                   joint, *since, time, band)});
+    }
+    since.reset();
+  };
   for (std::size_t k = 0; k + 1 < trajectory.samples.size(); ++k) {
     const double from = trajectory.samples[k].time, to = trajectory.samples[k + 1].time;
-    if (rests(from) && rests(0.5 * (from + to)) && rests(to)) {
-      now.to = to;
-    } else {
-      now = {to, to};
+    if (!(rests(from) && rests(0.5 * (from + to)) && rests(to))) {
+      leave(from);
+    } else if (!since) {
+      since = from;
     }
-    if (now.length() > longest.length()) longest = now;
   }
-  return longest;
+  leave(trajectory.end_time());
+  return found;
 }
 
 struct Symmetric {  // 2x2
@@ -53,26 +59,25 @@ Symmetric dynamic_stiffness(const Parameters& p, const Pair<double>& q, double s
   return {m.m11 * s * s + g1 + g2 + diagonal(0), m.m12 * s * s + g2, m.m22 * s * s + g2 + diagonal(1)};
 }
 
-struct Growth {
-  double exponent = 0;
-  Stay where;
-};
-
-Growth gravity_growth(const Parameters& p, const Trajectory& trajectory) {
+std::vector<Stretch> growth_by_gravity(const Parameters& p, const Trajectory& trajectory) {
   Interpolator plan(trajectory);
-  Growth growth;
+  std::vector<Stretch> found;
+  double exponent = 0, since = trajectory.start_time();
   const double duration = trajectory.end_time() - trajectory.start_time();
   const int pieces = std::max(1, static_cast<int>(std::ceil(duration / kGrowthSpacing)));
   const double piece = duration / pieces;
-  for (int k = 0; k < pieces; ++k) {
-    const double middle = trajectory.start_time() + (k + 0.5) * piece;
-    const double rate = gravity_growth_rate(p, plan.at(middle).state.q);
-    if (rate <= 0) continue;
-    if (growth.exponent == 0) growth.where.from = middle - 0.5 * piece;
-    growth.where.to = middle + 0.5 * piece;
-    growth.exponent += rate * piece;
+  for (int k = 0; k + 1 < pieces; ++k) {  // at the end nothing is left to begin again
+    const double middle = trajectory.start_time() + (k + 0.5) * piece, end = middle + 0.5 * piece;
+    exponent += gravity_growth_rate(p, plan.at(middle).state.q) * piece;
+    if (exponent <= kLargestGrowth) continue;
+    found.push_back({end, end, 0,
+                     fmt::format("the arm stays near the upright: between {:.3f} s and {:.3f} s gravity amplifies "
+                                 "errors {:.0f}-fold",
+                                 since, end, std::exp(exponent))});
+    exponent = 0;
+    since = end;
   }
-  return growth;
+  return found;
 }
 
 }  // namespace
@@ -89,22 +94,16 @@ double gravity_growth_rate(const Parameters& p, const Pair<double>& q) {
   return high;
 }
 
-std::string why_open_loop_cannot_be_exact(const Parameters& p, const Trajectory& trajectory) {
-  for (int joint = 0; joint < kJoints; ++joint) {
-    const double band = FrictionLaw::of(p, joint).unstable_band();
+std::vector<Stretch> stretches_of_amplification(const Parameters& p, const Trajectory& trajectory) {
+  std::vector<Stretch> found = growth_by_gravity(p, trajectory);
+  for (int joint = 1; joint <= kJoints; ++joint) {
+    const double band = FrictionLaw::of(p, joint - 1).unstable_band();
     if (band == 0) continue;
-    const Stay rest = longest_rest(trajectory, static_cast<std::size_t>(joint), band);
-    if (rest.length() <= kLongestRest) continue;
-    return fmt::format(
-        "motor {} rests from {:.3f} s to {:.3f} s within {:.2e} rad/s, where its friction falls with speed: "
-        "errors grow exponentially",
-        joint + 1, rest.from, rest.to, band);
+    const std::vector<Stretch> rests = long_rests(trajectory, joint, band);
+    found.insert(found.end(), rests.begin(), rests.end());
   }
-  const Growth growth = gravity_growth(p, trajectory);
-  if (growth.exponent <= kLargestGrowth) return "";
-  return fmt::format(
-      "the arm stays near the upright between {:.3f} s and {:.3f} s: gravity amplifies errors {:.0f}-fold",
-      growth.where.from, growth.where.to, std::exp(growth.exponent));
+  std::stable_sort(found.begin(), found.end(), [](const Stretch& a, const Stretch& b) { return a.to < b.to; });
+  return found;
 }
 
 }  // namespace fjr

@@ -1,10 +1,10 @@
-// Where the arm itself amplifies errors, so that no open-loop run can be exact.
+// Where the arm itself amplifies errors, so that no open-loop run across it can be exact.
 #pragma once
 
-#include <string>
+#include <vector>
 
 #include "model/parameters.h"
-#include "planner/trajectory/trajectory.h"
+#include "planner/certificate/certificate.h"
 
 namespace fjr {
 
@@ -13,10 +13,12 @@ namespace fjr {
 // holds it. [1/s]
 double gravity_growth_rate(const Parameters& p, const Pair<double>& q);
 
-// Why an open-loop run of this plan need not be exact, one sentence; empty when it must be. Two reasons:
-// - a motor whose friction law falls with speed at rest (joint 2's) stays in its unstable band for more than 0.1 s;
-// - the plan stays near the upright so long that the integral of gravity_growth_rate over it exceeds 3: an error made
-//   before has then grown e^3 = 20-fold by gravity alone.
-std::string why_open_loop_cannot_be_exact(const Parameters& p, const Trajectory& trajectory);
+// Every stretch of the plan across which an open-loop run need not be exact, in the order of their ends. Two reasons:
+// - a motor whose friction law falls with speed at rest (joint 2's) stays in its unstable band for more than 0.1 s:
+// from
+//   the beginning to the end of each such stay;
+// - gravity amplifies near the upright: the instant (from = to) at which the integral of gravity_growth_rate since the
+//   start, or since the last such instant, exceeds 3. An error made before has then grown e^3 = 20-fold.
+std::vector<Stretch> stretches_of_amplification(const Parameters& p, const Trajectory& trajectory);
 
 }  // namespace fjr

@@ -70,7 +70,9 @@ class Verdict {
 Comparison measure(const Parameters& robot, const Limits& limits, const Trajectory& trajectory, Certificate& c) {
   const std::vector<double> instants = comparison_instants(trajectory);
   Rollout rollout(robot, rollout_allowance(robot, limits), Accuracy::of_certificates());
-  const Comparison open = compare(rollout, robot, trajectory, Drive::open_loop(trajectory), instants);
+  c.open_loop.stretches = stretches_of_amplification(robot, trajectory);
+  const Comparison open =
+      compare(rollout, robot, trajectory, open_loop_pieces(robot, trajectory, c.open_loop.stretches), instants);
   const Comparison closed = compare(rollout, robot, trajectory, Drive::closed_loop(trajectory, robot), instants);
   static_cast<RolloutErrors&>(c.open_loop) = open.errors;
   static_cast<RolloutErrors&>(c.closed_loop) = closed.errors;
@@ -89,6 +91,12 @@ double RolloutErrors::max_link() const { return larger(link); }
 double RolloutErrors::max_motor() const { return larger(motor); }
 double RolloutErrors::max_final_link() const { return larger(final_link); }
 
+std::string OpenLoop::why_not_in_one_run() const {
+  std::string text;
+  for (const Stretch& stretch : stretches) text += (text.empty() ? "" : "; ") + stretch.why;
+  return text;
+}
+
 Certificate judge(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
   Certificate c;
   c.tolerance = exactness_tolerance(robot);
@@ -99,10 +107,8 @@ Certificate judge(const Parameters& robot, const Limits& limits, const Trajector
     return c;
   }
   const Comparison closed = measure(robot, limits, trajectory, c);
-  c.open_loop.why_not = why_open_loop_cannot_be_exact(robot, trajectory);
-  c.open_loop.required = c.open_loop.why_not.empty();
   verdict.refuse(inconsistent_velocity(robot, trajectory));
-  if (c.open_loop.required) verdict.judge_exactness("open loop", c.open_loop);
+  verdict.judge_exactness("open loop", c.open_loop);
   verdict.judge_exactness("closed loop", c.closed_loop);
   verdict.judge_velocity(closed);
   verdict.judge_feedback(closed);

@@ -27,9 +27,19 @@ struct RolloutErrors {          // rollout minus plan, largest magnitude over ti
   double max_final_link() const;
 };
 
+// Of the plan, where the arm itself amplifies errors so much that no open-loop run across it can be exact.
+struct Stretch {
+  double from = 0, to = 0;  // [s] equal: an instant
+  int joint = 0;            // whose motor rests; 0: gravity amplifies
+  std::string why;          // one sentence, with times
+};
+
+// From the start to the end. Within a stretch the motor that rests there has its feedback, and it alone; at the end of
+// a stretch the run begins again in the plan's own state. Link errors count at all times.
 struct OpenLoop : RolloutErrors {
-  bool required = true;  // whether the verdict depends on it
-  std::string why_not;   // when not required: the rest of motor 2 or the stay near the upright, with times
+  std::vector<Stretch> stretches;  // none: one run from the start to the end
+
+  std::string why_not_in_one_run() const;  // the reasons of all stretches; empty when there are none
 };
 
 struct ClosedLoop : RolloutErrors {

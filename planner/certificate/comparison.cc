@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <span>
 
 #include "model/kinematics.h"
 
@@ -10,20 +12,24 @@ namespace {
 
 constexpr double kBetweenInstants = 0.25e-3;  // [s] at most
 
-void raise(double& largest, double value) { largest = std::max(largest, std::abs(value)); }
+// A NaN counts as infinite: std::max would drop it.
+double magnitude(double value) { return std::isnan(value) ? kNoLimit : std::abs(value); }
 
-// Raises `largest` and notes when; a NaN counts as infinite.
+void raise(double& largest, double value) { largest = std::max(largest, magnitude(value)); }
+
+// Raises `largest` and notes when.
 void raise(double& largest, double value, double time, double& when) {
-  const double magnitude = std::isnan(value) ? kNoLimit : std::abs(value);
-  if (!(magnitude > largest)) return;
-  largest = magnitude;
+  if (magnitude(value) <= largest) return;
+  largest = magnitude(value);
   when = time;
 }
 
 class Recorder {
  public:
-  Recorder(const Parameters& robot, const Trajectory& trajectory, const Drive& drive, Comparison& out)
-      : robot_(robot), plan_(trajectory), drive_(drive), out_(out) {}
+  Recorder(const Parameters& robot, const Trajectory& trajectory, Comparison& out)
+      : robot_(robot), plan_(trajectory), out_(out) {}
+
+  void follow(const Drive& drive) { drive_ = drive; }
 
   void operator()(double time, const State<double>& x) {
     const Sample plan = plan_.at(time);
@@ -42,16 +48,16 @@ class Recorder {
  private:
   void record_errors(double time, const State<double>& plan, const State<double>& x, std::size_t j) {
     const double link = x.q[j] - plan.q[j];
-    if (std::abs(link) > out_.errors.max_link()) out_.errors.time_of_max_link = time;
+    if (magnitude(link) > out_.errors.max_link()) out_.errors.time_of_max_link = time;
     raise(out_.errors.link[j], link);
     raise(out_.errors.motor[j], x.theta[j] - plan.theta[j]);
-    out_.errors.final_link[j] = std::abs(link);
+    out_.errors.final_link[j] = magnitude(link);
     raise(out_.link_velocity_error[j], x.dq[j] - plan.dq[j], time, out_.time_of_max_link_velocity);
   }
 
   const Parameters& robot_;
   Interpolator plan_;
-  const Drive& drive_;
+  Drive drive_;
   Comparison& out_;
 };
 
@@ -68,19 +74,66 @@ std::vector<double> comparison_instants(const Trajectory& trajectory) {
   return instants;
 }
 
-Comparison compare(Rollout& rollout, const Parameters& robot, const Trajectory& trajectory, const Drive& drive,
-                   const std::vector<double>& instants, double corner) {
+std::vector<Piece> open_loop_pieces(const Parameters& robot, const Trajectory& trajectory,
+                                    const std::vector<Stretch>& stretches) {
+  std::set<double> ends{trajectory.end_time()};
+  for (const Stretch& stretch : stretches) ends.insert({stretch.from, stretch.to});
+  ends.erase(trajectory.start_time());
+  std::vector<Piece> pieces;
+  double from = trajectory.start_time();
+  for (const double to : ends) {
+    Piece piece{to, Drive::open_loop(trajectory), pieces.empty()};
+    for (const Stretch& stretch : stretches) {
+      piece.afresh |= stretch.to == from;
+      if (stretch.joint == 0 || stretch.from > from || stretch.to < to) continue;
+      const auto j = static_cast<std::size_t>(stretch.joint - 1);
+      piece.drive.position_gain[j] = robot.feedback.position_gain[j];
+      piece.drive.velocity_gain[j] = robot.feedback.velocity_gain[j];
+    }
+    pieces.push_back(piece);
+    from = to;
+  }
+  return pieces;
+}
+
+Comparison compare(Rollout& rollout, const Parameters& robot, const Trajectory& trajectory,
+                   const std::vector<Piece>& pieces, const std::vector<double>& instants, double corner) {
   Comparison out;
-  Recorder record(robot, trajectory, drive, out);
-  record(trajectory.start_time(), trajectory.samples.front().state);
+  Recorder record(robot, trajectory, out);
+  Interpolator plan(trajectory);
+  const std::vector<double> corners = torque_corners(trajectory, corner);
+  const auto keep_events = [&] {
+    out.events.insert(out.events.end(), rollout.events().begin(), rollout.events().end());
+  };
+  std::span<const double> left = instants;
+  double from = trajectory.start_time();
   rollout.limit_step(longest_step(trajectory));
-  rollout.start(trajectory.start_time(), trajectory.samples.front().state, drive);
-  out.errors.completed = rollout.run(trajectory.end_time(), instants, torque_corners(trajectory, corner),
-                                     [&](double time, const State<double>& x) { record(time, x); });
-  out.errors.failure = rollout.failure();
-  out.events = rollout.events();
+  for (const Piece& piece : pieces) {
+    record.follow(piece.drive);
+    if (piece.afresh) {
+      if (from > trajectory.start_time()) keep_events();
+      rollout.start(from, plan.at(from).state, piece.drive);
+      record(from, rollout.state());
+    } else {
+      rollout.redirect(piece.drive);
+    }
+    const auto count = static_cast<std::size_t>(std::upper_bound(left.begin(), left.end(), piece.to) - left.begin());
+    out.errors.completed = rollout.run(piece.to, left.first(count), corners,
+                                       [&](double time, const State<double>& x) { record(time, x); });
+    out.errors.failure = rollout.failure();
+    if (!out.errors.completed) break;
+    left = left.subspan(count);
+    from = piece.to;
+  }
+  keep_events();
   out.final = rollout.state();
   return out;
+}
+
+Comparison compare(Rollout& rollout, const Parameters& robot, const Trajectory& trajectory, const Drive& drive,
+                   const std::vector<double>& instants, double corner) {
+  return compare(rollout, robot, trajectory, std::vector<Piece>{{trajectory.end_time(), drive, true}}, instants,
+                 corner);
 }
 
 }  // namespace fjr

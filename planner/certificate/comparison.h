@@ -36,7 +36,23 @@ std::vector<double> comparison_instants(const Trajectory& trajectory);
 // moved motors by up to 7e-7 rad. [N m/s]
 inline constexpr double kCorner = 0.1;
 
-// Rolls the trajectory out from its first row under `drive`.
+// A part of a rollout, from the end of the one before.
+struct Piece {
+  double to;  // [s]
+  Drive drive;
+  bool afresh;  // begins in the plan's own state, not in the one reached
+};
+
+// The trajectory in open loop, but for the `stretches`: there, the motor that rests has its feedback; at their ends the
+// run begins afresh.
+std::vector<Piece> open_loop_pieces(const Parameters& robot, const Trajectory& trajectory,
+                                    const std::vector<Stretch>& stretches);
+
+// Rolls the trajectory out, from its first row and in these pieces, of which the last ends where the trajectory does.
+Comparison compare(Rollout& rollout, const Parameters& robot, const Trajectory& trajectory,
+                   const std::vector<Piece>& pieces, const std::vector<double>& instants, double corner = kCorner);
+
+// In one piece.
 Comparison compare(Rollout& rollout, const Parameters& robot, const Trajectory& trajectory, const Drive& drive,
                    const std::vector<double>& instants, double corner = kCorner);
 

@@ -27,8 +27,8 @@ std::string exactness(const RolloutErrors& errors, double tolerance) {
 }
 
 std::string open_loop(const OpenLoop& errors, double tolerance) {
-  const std::string text = exactness(errors, tolerance);
-  return errors.required ? text : fmt::format("{} (not required: {})", text, errors.why_not);
+  const std::string text = exactness(errors, tolerance), reason = errors.why_not_in_one_run();
+  return reason.empty() ? text : fmt::format("{} (not in one run: {})", text, reason);
 }
 
 std::string limit_text(const LimitCheck& check) {

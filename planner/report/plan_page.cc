@@ -125,7 +125,7 @@ void add_certificate(ChartPage& page, const JsonField& certificate) {
                             rollout_row("open loop", open, tolerance),
                             rollout_row("closed loop", closed, tolerance)}));
   if (const std::string why_not = open.at("reason").text(); !why_not.empty()) {
-    page.add_paragraph("Open loop is not required: " + why_not, "note");
+    page.add_paragraph("Open loop in several runs: " + why_not, "note");
   }
   add_after_and_on_hardware(page, certificate);
 }

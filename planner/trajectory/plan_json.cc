@@ -24,19 +24,31 @@ Json numbers(const std::map<std::string, double>& values) {
   return json;
 }
 
-Json rollout_json(const RolloutErrors& errors, bool required, const std::string& why_not) {
+Json rollout_json(const RolloutErrors& errors, const std::string& reason) {
   return {{"max_link_error_rad", number(errors.max_link())},
           {"max_motor_error_rad", number(errors.max_motor())},
           {"final_link_error_rad", number(errors.max_final_link())},
           {"time_of_max_link_error", number(errors.time_of_max_link)},
-          {"required", required},
-          {"reason", text_or_null(why_not)},
+          {"required", true},
+          {"reason", text_or_null(reason)},
           {"completed", errors.completed},
           {"failure", text_or_null(errors.failure)}};
 }
 
+Json open_loop_json(const OpenLoop& open_loop) {
+  Json json = rollout_json(open_loop, open_loop.why_not_in_one_run());
+  json["stretches"] = Json::array();
+  for (const Stretch& stretch : open_loop.stretches) {
+    json["stretches"].push_back({{"from", number(stretch.from)},
+                                 {"to", number(stretch.to)},
+                                 {"joint", stretch.joint == 0 ? Json(nullptr) : Json(stretch.joint)},
+                                 {"reason", stretch.why}});
+  }
+  return json;
+}
+
 Json closed_loop_json(const ClosedLoop& closed_loop) {
-  Json json = rollout_json(closed_loop, true, "");
+  Json json = rollout_json(closed_loop, "");
   json["max_feedback_torque"] = numbers(closed_loop.feedback_torque);
   return json;
 }
@@ -228,11 +240,10 @@ Json certificate_json(const Certificate& certificate) {
   for (const LimitCheck& check : certificate.limits) limits.push_back(limit_json(check));
   Json task = Json::array();
   for (const TaskCheck& check : certificate.task) task.push_back(task_json(check));
-  const OpenLoop& open_loop = certificate.open_loop;
   return {{"verdict", certificate.certified ? "certified" : "failed"},
           {"failures", certificate.failures},
           {"tolerance_rad", number(certificate.tolerance)},
-          {"open_loop", rollout_json(open_loop, open_loop.required, open_loop.why_not)},
+          {"open_loop", open_loop_json(certificate.open_loop)},
           {"closed_loop", closed_loop_json(certificate.closed_loop)},
           {"limits", std::move(limits)},
           {"task", std::move(task)},

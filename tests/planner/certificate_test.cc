@@ -121,7 +121,7 @@ TEST(Certificate, ExactTrajectoryIsCertifiedWithErrorsFarBelowTheTolerance) {
   EXPECT_THAT(c.failures, IsEmpty());
   EXPECT_TRUE(c.certified);
   EXPECT_NEAR(c.tolerance, 9.587e-5, 1e-8);
-  EXPECT_TRUE(c.open_loop.required) << c.open_loop.why_not;
+  EXPECT_THAT(c.open_loop.why_not_in_one_run(), IsEmpty());
   EXPECT_TRUE(c.open_loop.completed);
   EXPECT_LT(c.open_loop.max_link(), 0.01 * c.tolerance);  // a share of the tolerance that cannot change a verdict
   EXPECT_LT(c.closed_loop.max_link(), 0.01 * c.tolerance);
@@ -388,18 +388,102 @@ TEST(Amplification, GrowthRateIsTheLargestRealEigenvalueOfTheCompleteArm) {
   EXPECT_EQ(gravity_growth_rate(robot(), {0.3, 0.4}), 0);
 }
 
-TEST(Amplification, LongRestsOfMotorTwoAndLongStaysUprightExcuseTheOpenLoop) {
-  EXPECT_THAT(why_open_loop_cannot_be_exact(robot(), resting({0.3, 0.2}, 0.09)), IsEmpty());
-  EXPECT_THAT(why_open_loop_cannot_be_exact(robot(), resting({0.3, 0.2}, 0.3)),
-              HasSubstr("motor 2 rests from 0.000 s"));
-  const auto moving_at = [](const Pair<double>& q, double duration) {
-    Trajectory trajectory = resting(q, duration);
-    all([](Sample& row) { row.state.dtheta = {0.01, 0.01}; })(trajectory.samples);
-    return trajectory;
+// At q with motors that move out of their bands, for `duration`.
+Trajectory moving_at(const Pair<double>& q, double duration) {
+  Trajectory trajectory = resting(q, duration);
+  all([](Sample& row) { row.state.dtheta = {0.01, 0.01}; })(trajectory.samples);
+  return trajectory;
+}
+
+TEST(Amplification, LongRestsOfMotorTwoAndLongStaysUprightAreStretches) {
+  EXPECT_THAT(stretches_of_amplification(robot(), resting({0.3, 0.2}, 0.09)), IsEmpty());
+  const std::vector<Stretch> rest = stretches_of_amplification(robot(), resting({0.3, 0.2}, 0.3));
+  ASSERT_EQ(rest.size(), 1u);
+  EXPECT_EQ(rest[0].from, 0);
+  EXPECT_EQ(rest[0].to, 0.3);
+  EXPECT_EQ(rest[0].joint, 2);
+  EXPECT_THAT(rest[0].why, HasSubstr("motor 2 rests from 0.000 s"));
+  EXPECT_THAT(stretches_of_amplification(robot(), moving_at({pi, 0}, 0.5)), IsEmpty());
+  EXPECT_THAT(stretches_of_amplification(robot(), moving_at({1.0, 0}, 10.0)), IsEmpty());
+}
+
+// 4.2/s upright: e^3 every 0.72 s.
+TEST(Amplification, GravityAsksForARunOfItsOwnWheneverItHasAmplifiedTwentyfold) {
+  const std::vector<Stretch> upright = stretches_of_amplification(robot(), moving_at({pi, 0}, 2.0));
+  ASSERT_EQ(upright.size(), 2u);
+  EXPECT_NEAR(upright[0].from, 3 / 4.2, 0.02);
+  EXPECT_EQ(upright[0].to, upright[0].from);
+  EXPECT_NEAR(upright[1].to, 2 * upright[0].to, 0.02);
+  EXPECT_THAT(upright[1].why, HasSubstr("upright"));
+}
+
+TEST(Amplification, EveryRestIsAStretchOfItsOwn) {
+  Trajectory trajectory = resting({0.3, 0.2}, 1);
+  for (std::size_t k = 200; k < 400; ++k) trajectory.samples[k].state.dtheta[1] = 0.1;
+  for (std::size_t k = 450; k < 600; ++k) trajectory.samples[k].state.dtheta[1] = 0.1;  // 0.05 s after the one before
+  const std::vector<Stretch> rests = stretches_of_amplification(robot(), trajectory);
+  ASSERT_EQ(rests.size(), 2u);
+  EXPECT_NEAR(rests[0].to, 0.199, 1e-12);
+  EXPECT_NEAR(rests[1].from, 0.6, 1e-12);
+  EXPECT_NEAR(rests[1].to, 1, 1e-12);
+}
+
+void append(Trajectory& trajectory, const Trajectory& more) {
+  const double from = trajectory.end_time();
+  for (std::size_t k = 1; k < more.samples.size(); ++k) {
+    trajectory.samples.push_back(more.samples[k]);
+    trajectory.samples.back().time += from;
+  }
+}
+
+// What rests so long that no open-loop run across it is exact says nothing about what comes after: motor 1's torque is
+// 0.2 % too large there, which is refused as it is without the rest.
+TEST(Certificate, ALongRestExcusesNothingElse) {
+  for (const double torque : {1.0, 1.002}) {
+    Trajectory rest_first = resting({0.1, -0.2}, 0.11), motion = reference_trajectory();
+    all([&](Sample& row) { row.torque[0] *= torque; })(motion.samples);
+    motion.samples.front().torque = rest_first.samples.back().torque;
+    append(rest_first, motion);
+    const Certificate c = certificate_of(rest_first);
+    ASSERT_EQ(c.open_loop.stretches.size(), 1u);
+    EXPECT_EQ(c.certified, torque == 1) << testing::PrintToString(c.failures);
+    if (torque != 1) {
+      EXPECT_THAT(c.failures, testing::Contains(HasSubstr("open loop: link")));
+    }
+  }
+}
+
+// Motor 2 stands still while link 1 swings: tau2 is what its spring pulls with, tau1 is smooth.
+Trajectory swing_with_motor_two_at_rest(double duration) {
+  Trajectory trajectory;
+  State<double> x = rest_at(robot(), {0.1, -0.2});
+  const auto torque = [](double t, const State<double>& at) {
+    return Pair<double>{smooth_torque(t)[0], spring_torque(robot(), at.q, at.theta)[1]};
   };
-  EXPECT_THAT(why_open_loop_cannot_be_exact(robot(), moving_at({pi, 0}, 0.5)), IsEmpty());
-  EXPECT_THAT(why_open_loop_cannot_be_exact(robot(), moving_at({pi, 0}, 1.0)), HasSubstr("upright"));
-  EXPECT_THAT(why_open_loop_cannot_be_exact(robot(), moving_at({1.0, 0}, 10.0)), IsEmpty());
+  trajectory.samples.push_back({0, x, torque(0, x)});
+  const double still = x.theta[1];
+  constexpr double kStep = 1e-6;  // [s] motor 1 passes through the friction step in 60 of these
+  for (int k = 1; k * kStep <= duration + 1e-9; ++k) {
+    x = runge_kutta_step(torque, (k - 1) * kStep, x, kStep);
+    x.theta[1] = still;
+    x.dtheta[1] = 0;
+    if (k % 1000 == 0) trajectory.samples.push_back({k * kStep, x, torque(k * kStep, x)});
+  }
+  return trajectory;
+}
+
+TEST(Certificate, WhileOneMotorRestsTheOtherIsStillInOpenLoop) {
+  for (const double torque : {1.0, 1.002}) {
+    Trajectory trajectory = swing_with_motor_two_at_rest(0.2);
+    all([&](Sample& row) { row.torque[0] *= torque; })(trajectory.samples);
+    const Certificate c = certificate_of(trajectory);
+    ASSERT_EQ(c.open_loop.stretches.size(), 1u);
+    EXPECT_EQ(c.open_loop.stretches[0].to, trajectory.end_time());
+    EXPECT_EQ(c.certified, torque == 1) << testing::PrintToString(c.failures);
+    if (torque != 1) {
+      EXPECT_THAT(c.failures, testing::Contains(HasSubstr("open loop: link 1")));
+    }
+  }
 }
 
 TEST(Certificate, RestOfMotorTwoIsCertifiedInClosedLoop) {
@@ -407,8 +491,7 @@ TEST(Certificate, RestOfMotorTwoIsCertifiedInClosedLoop) {
   trajectory.samples.front().state.dtheta[1] += 1e-9;  // the seed of the instability
   const Certificate c = certificate_of(trajectory);
   EXPECT_THAT(c.failures, IsEmpty());
-  EXPECT_FALSE(c.open_loop.required);
-  EXPECT_THAT(c.open_loop.why_not, HasSubstr("motor 2 rests"));
+  EXPECT_THAT(c.open_loop.why_not_in_one_run(), HasSubstr("motor 2 rests"));
   EXPECT_TRUE(c.residual.evaluated);
   EXPECT_EQ(c.residual.window, 1.0);
   // Feedback bounds what open loop lets run away: friction pushes at most 1.77e-3 N m around rest.
@@ -421,7 +504,10 @@ TEST(Certificate, InstabilityIsSeenHoweverFarTheRowsAreApart) {
   Trajectory trajectory = resting({0.5, 0.3}, 0.3);
   trajectory.samples = {trajectory.samples.front(), trajectory.samples.back()};
   trajectory.samples.front().state.dtheta[1] += 1e-12;
-  EXPECT_GT(certificate_of(trajectory).open_loop.link[1], 1e-4);
+  Rollout rollout(robot(), Limits{}, Accuracy::of_certificates());
+  const Comparison open =
+      compare(rollout, robot(), trajectory, Drive::open_loop(trajectory), comparison_instants(trajectory));
+  EXPECT_GT(open.errors.link[1], 1e-4);
   Trajectory brief = resting({0.5, 0.3}, 0.002);
   brief.samples.front().state.dtheta[1] += 1e-8;
   EXPECT_GT(certificate_of(brief).residual.open_loop_drift[1], 5e-4);
@@ -431,7 +517,7 @@ TEST(Certificate, RestOfMotorOneNeedsNoExcuse) {
   Trajectory trajectory = resting({0.5, 0.3}, 0.09);
   const Certificate c = certificate_of(trajectory);
   EXPECT_TRUE(c.certified);
-  EXPECT_TRUE(c.open_loop.required);
+  EXPECT_THAT(c.open_loop.stretches, IsEmpty());
 }
 
 // slope(0)/J2 = 365/s: the deviation of a motor at rest grows by e^3.65 in 10 ms, as long as it stays far inside the

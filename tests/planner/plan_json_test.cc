@@ -29,8 +29,7 @@ Certificate some_certificate() {
   certificate.open_loop.motor = {4e-5, 3e-5};
   certificate.open_loop.final_link = {1e-6, 5e-6};
   certificate.open_loop.completed = true;
-  certificate.open_loop.required = false;
-  certificate.open_loop.why_not = "motor 2 rests";
+  certificate.open_loop.stretches = {{0.1, 0.4, 2, "motor 2 rests"}, {0.5, 0.5, 0, "gravity amplifies"}};
   certificate.closed_loop.link = {1e-6, 2e-6};
   certificate.closed_loop.completed = true;
   certificate.closed_loop.feedback_torque = {0.01, 0.002};
@@ -170,8 +169,10 @@ TEST(PlanJson, CertificateTakesTheLargestErrorOfTheJoints) {
   EXPECT_EQ(open_loop["max_link_error_rad"], 2e-5);
   EXPECT_EQ(open_loop["max_motor_error_rad"], 4e-5);
   EXPECT_EQ(open_loop["final_link_error_rad"], 5e-6);
-  EXPECT_EQ(open_loop["required"], false);
-  EXPECT_EQ(open_loop["reason"], "motor 2 rests");
+  EXPECT_EQ(open_loop["required"], true);
+  EXPECT_EQ(open_loop["reason"], "motor 2 rests; gravity amplifies");
+  EXPECT_EQ(open_loop["stretches"][0], Json({{"from", 0.1}, {"to", 0.4}, {"joint", 2}, {"reason", "motor 2 rests"}}));
+  EXPECT_TRUE(open_loop["stretches"][1]["joint"].is_null());
   EXPECT_EQ(json["closed_loop"]["required"], true);
   EXPECT_THAT(json["closed_loop"]["max_feedback_torque"], ElementsAre(0.01, 0.002));
   EXPECT_EQ(json["limits"][0]["margin"], 0.5);

@@ -119,7 +119,7 @@ Certificate judge(const Parameters& robot, const Limits& limits, const Trajector
 
 void predict(const Parameters& robot, const Trajectory& trajectory, Certificate& c) {
   if (!malformed(trajectory).empty()) return;
-  if (c.closed_loop.completed && ends_at_rest(robot, trajectory.samples.back())) {
+  if (c.closed_loop.completed && is_at_rest(robot, trajectory.samples.back())) {
     c.residual = roll_out_residual(robot, trajectory.samples.back(), c.closed_loop.end, c.open_loop.end);
   }
   c.tracking = predict_tracking(robot, trajectory);

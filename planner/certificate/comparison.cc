@@ -33,11 +33,9 @@ class Recorder {
 
   void operator()(double time, const State<double>& x) {
     const Sample plan = plan_.at(time);
-    const Pair<double> feedback = drive_.feedback(plan.state, x);
+    record_torque(time, plan, x);
     for (std::size_t j = 0; j < kJoints; ++j) {
       record_errors(time, plan.state, x, j);
-      raise(out_.feedback_torque[j], feedback[j], time, out_.time_of_feedback[j]);
-      raise(out_.peaks.torque[j], plan.torque[j] + feedback[j]);
       raise(out_.peaks.motor_velocity[j], x.dtheta[j]);
       raise(out_.peaks.link_position[j], x.q[j]);
       raise(out_.peaks.spring_deflection[j], x.theta[j] - x.q[j]);
@@ -45,7 +43,18 @@ class Recorder {
     raise(out_.peaks.tip_speed, std::sqrt(tip_speed_squared(robot_, x.q[1], x.dq)));
   }
 
+  // Feedback has peaks much shorter than the instants are apart, where a motor passes through its friction step.
+  void torque_at(double time, const State<double>& x) { record_torque(time, plan_.at(time), x); }
+
  private:
+  void record_torque(double time, const Sample& plan, const State<double>& x) {
+    const Pair<double> feedback = drive_.feedback(plan.state, x);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      raise(out_.feedback_torque[j], feedback[j], time, out_.time_of_feedback[j]);
+      raise(out_.peaks.torque[j], plan.torque[j] + feedback[j]);
+    }
+  }
+
   void record_errors(double time, const State<double>& plan, const State<double>& x, std::size_t j) {
     const double link = x.q[j] - plan.q[j];
     if (magnitude(link) > out_.errors.max_link()) out_.errors.time_of_max_link = time;
@@ -67,8 +76,8 @@ std::vector<double> comparison_instants(const Trajectory& trajectory) {
   std::vector<double> instants;
   for (std::size_t k = 1; k < trajectory.samples.size(); ++k) {
     const double from = trajectory.samples[k - 1].time, to = trajectory.samples[k].time;
-    const int pieces = static_cast<int>(std::ceil((to - from) / kBetweenInstants - 1e-6));
-    for (int i = 1; i < pieces; ++i) instants.push_back(from + (to - from) * i / pieces);
+    const double pieces = std::ceil((to - from) / kBetweenInstants - 1e-6);
+    for (double i = 1; i < pieces; ++i) instants.push_back(from + (to - from) * i / pieces);
     instants.push_back(to);
   }
   return instants;
@@ -108,6 +117,7 @@ Comparison compare(Rollout& rollout, const Parameters& robot, const Trajectory& 
   std::span<const double> left = instants;
   double from = trajectory.start_time();
   rollout.limit_step(longest_step(trajectory));
+  rollout.watch_steps([&](double time, const State<double>& x) { record.torque_at(time, x); });
   for (const Piece& piece : pieces) {
     record.follow(piece.drive);
     if (piece.afresh) {
@@ -125,6 +135,7 @@ Comparison compare(Rollout& rollout, const Parameters& robot, const Trajectory& 
     left = left.subspan(count);
     from = piece.to;
   }
+  rollout.watch_steps({});
   keep_events();
   out.final = rollout.state();
   return out;

@@ -11,6 +11,9 @@
 namespace fjr {
 namespace {
 
+// All rows of a file at the longest sample period of a request, 5 ms: a rollout of it is over within seconds. [s]
+constexpr double kLongestTrajectory = 5e-3 * kMaxRows;
+
 bool finite(const Sample& row) {
   const auto is_finite = [](double value) { return std::isfinite(value); };
   return is_finite(row.time) && std::all_of(row.state.data(), row.state.data() + kStates, is_finite) &&
@@ -47,6 +50,9 @@ std::string malformed(const Trajectory& trajectory) {
       return fmt::format("time does not increase at row {} ({:.9f} s after {:.9f} s)", k + 1, rows[k].time,
                          rows[k - 1].time);
     }
+  }
+  if (const double duration = trajectory.end_time() - trajectory.start_time(); duration > kLongestTrajectory) {
+    return fmt::format("the trajectory takes {:g} s, at most {:g} s are rolled out", duration, kLongestTrajectory);
   }
   return "";
 }

@@ -8,7 +8,8 @@
 
 namespace fjr {
 
-// Why the rows cannot be rolled out: too few or too many, not finite, time not increasing. Empty when they can.
+// Why the rows cannot be rolled out: too few or too many, not finite, time not increasing, or
+// longer than is rolled out, 164 s. Empty when they can.
 std::string malformed(const Trajectory& trajectory);
 
 // One sentence when a velocity column does not belong to its position column, else empty. In every interval the mean of

@@ -78,7 +78,7 @@ void check_against_request(const Problem& problem, const std::vector<double>& en
   };
   if (!is_start(trajectory.samples.front().state, problem.start)) fail("the first row is not the start");
   if (!is_goal(trajectory.samples.back().state, problem.goal)) fail("the last row is not the goal");
-  if (problem.goal.at_rest && !ends_at_rest(problem.robot, trajectory.samples.back()))
+  if (problem.goal.at_rest && !is_at_rest(problem.robot, trajectory.samples.back()))
     fail("the motion does not end at rest");
   if (trajectory.end_time() < problem.duration.min - kMet || trajectory.end_time() > problem.duration.max + kMet) {
     fail(fmt::format("the motion takes {:.6f} s", trajectory.end_time()));

@@ -33,10 +33,10 @@ Pair<double> largest_deviation(Rollout& arm, const State<double>& from, const Dr
 
 }  // namespace
 
-bool ends_at_rest(const Parameters& p, const Sample& last) {
-  const State<double> rest = rest_at(p, last.state.q);
+bool is_at_rest(const Parameters& p, const Sample& row) {
+  const State<double> rest = rest_at(p, row.state.q);
   for (int i = 0; i < kStates; ++i) {
-    if (!(std::abs(last.state.data()[i] - rest.data()[i]) <= kEquilibrium)) return false;
+    if (!(std::abs(row.state.data()[i] - rest.data()[i]) <= kEquilibrium)) return false;
   }
   return true;
 }

@@ -5,8 +5,8 @@
 
 namespace fjr {
 
-// The last row is an equilibrium: dq = dtheta = 0 and theta = q + K^-1 G(q), to 1e-5 rad and rad/s.
-bool ends_at_rest(const Parameters& p, const Sample& last);
+// The row is an equilibrium: dq = dtheta = 0 and theta = q + K^-1 G(q), to 1e-5 rad and rad/s.
+bool is_at_rest(const Parameters& p, const Sample& row);
 
 // Holds G(q_goal) for one second from the states in which the rollouts ended, with and without feedback to the rest at
 // q_goal. A breakdown of the open-loop integration leaves the drift reached so far.

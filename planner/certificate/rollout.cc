@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <optional>
+#include <utility>
 
 #include "model/dual.h"
 #include "model/rig/sundials_handles.h"
@@ -73,6 +74,7 @@ struct Rollout::Memory {
   State<double> state{};
   std::vector<Event> events;
   std::string failure;
+  Observer watch;
   long steps = 0;  // since the last start
   long evaluations = 0;
 
@@ -266,6 +268,7 @@ bool Rollout::Memory::run_to(double end, std::span<const double>& instants, cons
           "integration stopped at " + std::to_string(time) + " s: " + (flag < 0 ? flag_name(flag) : "too many steps");
       return false;
     }
+    if (watch) watch(time, state);
     at_root = flag == ARK_ROOT_RETURN;
     if (at_root) record_events();
     observe_until(time, instants, observe);
@@ -311,6 +314,8 @@ bool Rollout::run(double end, std::span<const double> instants, std::span<const 
   }
   return memory_->run_to(end, instants, observe);
 }
+
+void Rollout::watch_steps(Observer observe) { memory_->watch = std::move(observe); }
 
 void Rollout::limit_step(double longest) {
   for (void* method : {memory_->brisk.get(), memory_->stiff.get()}) {

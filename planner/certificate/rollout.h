@@ -89,6 +89,10 @@ class Rollout {
   // run before the next start().
   bool run(double end, std::span<const double> instants, std::span<const double> stops, const Observer& observe);
 
+  // From now on observe is also called at the end of every step that run() takes: where something is quick, steps are
+  // short. Empty: no longer.
+  void watch_steps(Observer observe);
+
   // Steps longer than this are not taken. [s]
   void limit_step(double longest);
 

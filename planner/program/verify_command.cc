@@ -5,9 +5,11 @@
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 
 #include "planner/certificate/certificate.h"
+#include "planner/certificate/residual.h"
 #include "planner/program/commands.h"
 #include "planner/program/summary.h"
 #include "planner/trajectory/plan_json.h"
@@ -30,31 +32,45 @@ void warn_of_other_robot(const VerifyArguments& options, const Trajectory& traje
              options.trajectory, planned_for->second, hash);
 }
 
+// Whether all rows are there that the file says that it had; nothing where it does not say.
+std::optional<bool> is_complete(const Trajectory& trajectory) {
+  const auto rows = trajectory.metadata.find("rows");
+  if (rows == trajectory.metadata.end()) return std::nullopt;
+  return rows->second == std::to_string(trajectory.samples.size());
+}
+
 // A file that was cut short is as exact as before, but not what was planned.
 void check_completeness(const Trajectory& trajectory, Certificate& certificate) {
-  const auto rows = trajectory.metadata.find("rows");
-  if (rows == trajectory.metadata.end() || rows->second == std::to_string(trajectory.samples.size())) return;
+  if (is_complete(trajectory).value_or(true)) return;
   certificate.certified = false;
-  certificate.failures.push_back(
-      fmt::format("the file has {} rows, but says that it had {}", trajectory.samples.size(), rows->second));
+  certificate.failures.push_back(fmt::format("the file has {} rows, but says that it had {}", trajectory.samples.size(),
+                                             trajectory.metadata.at("rows")));
 }
 
-std::string end_of(const Trajectory& trajectory, const Certificate& certificate) {
-  if (certificate.residual.evaluated) return "ends at rest";
-  const Pair<double>& dq = trajectory.samples.back().state.dq;
-  return fmt::format("ends MOVING, links at {:.4g} and {:.4g} rad/s", dq[0], dq[1]);
+// What an executor asks for first: that the arm rests at either end.
+std::string motion_of(const char* verb, const Parameters& robot, const Sample& row) {
+  if (is_at_rest(robot, row)) return fmt::format("{} at rest", verb);
+  const Pair<double>& dq = row.state.dq;
+  return fmt::format("{} MOVING, links at {:.4g} and {:.4g} rad/s", verb, dq[0], dq[1]);
 }
 
-std::string text_for_people(const VerifyArguments& options, const Trajectory& trajectory,
+std::string text_for_people(const VerifyArguments& options, const Parameters& robot, const Trajectory& trajectory,
                             const Certificate& certificate) {
-  return fmt::format("{}: {} against the robot's limits ({} rows, {:.6g} s, {})\n{}", options.trajectory,
+  return fmt::format("{}: {} against the robot's limits ({} rows{}, {:.6g} s, {}, {})\n{}", options.trajectory,
                      certificate.certified ? "certified" : "certificate failed", trajectory.samples.size(),
-                     trajectory.end_time() - trajectory.start_time(), end_of(trajectory, certificate),
-                     summary(certificate));
+                     is_complete(trajectory) ? "" : "; how many there were is not said, so some may be missing",
+                     trajectory.end_time() - trajectory.start_time(),
+                     motion_of("starts", robot, trajectory.samples.front()),
+                     motion_of("ends", robot, trajectory.samples.back()), summary(certificate));
 }
 
-std::string text_for_machines(const Certificate& certificate, const std::string& hash) {
+std::string text_for_machines(const Parameters& robot, const Trajectory& trajectory, const Certificate& certificate,
+                              const std::string& hash) {
   nlohmann::ordered_json json = certificate_json(certificate);
+  const std::optional<bool> complete = is_complete(trajectory);
+  json["complete"] = complete ? nlohmann::ordered_json(*complete) : nlohmann::ordered_json(nullptr);
+  json["starts_at_rest"] = is_at_rest(robot, trajectory.samples.front());
+  json["ends_at_rest"] = is_at_rest(robot, trajectory.samples.back());
   json["robot_hash"] = hash;
   return json_text(json);
 }
@@ -69,8 +85,8 @@ int run(const VerifyArguments& options) {
   warn_of_other_robot(options, trajectory, hash);
   Certificate certificate = certify(robot, Limits::of(robot), trajectory);
   check_completeness(trajectory, certificate);
-  fmt::print("{}",
-             options.json ? text_for_machines(certificate, hash) : text_for_people(options, trajectory, certificate));
+  fmt::print("{}", options.json ? text_for_machines(robot, trajectory, certificate, hash)
+                                : text_for_people(options, robot, trajectory, certificate));
   return exit_code(certificate.certified ? PlanStatus::kCertified : PlanStatus::kUncertified);
 }
 

@@ -84,7 +84,7 @@ std::vector<Chart> comparison_charts(const std::vector<ComparedMotion>& motions,
 
 std::vector<ComparedMotion> compared_motions(const Parameters& robot, const Trajectory& plan) {
   const Sample &first = plan.samples.front(), &last = plan.samples.back();
-  if (!ends_at_rest(robot, first) || !ends_at_rest(robot, last)) return {};
+  if (!is_at_rest(robot, first) || !is_at_rest(robot, last)) return {};
   std::vector<ComparedMotion> motions{{"this plan", "#2a9d4a", run_on_elastic_arm(robot, plan)}};
   for (const auto& [profile, colour] :
        {std::pair{Profile::kMinimumJerk, "#8c56b5"}, {Profile::kTrapezoidal, "#c43c3c"}}) {

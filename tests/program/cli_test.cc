@@ -239,7 +239,23 @@ TEST_F(Cli, VerifyAcceptsWhatTheRobotDoes) {
   const Result result = run({"verify", "t.csv"});
   EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
   EXPECT_THAT(result.out, HasSubstr("certified"));
+  EXPECT_THAT(result.out, HasSubstr("starts at rest, ends at rest"));
+  EXPECT_THAT(result.out, HasSubstr("21 rows; how many there were is not said, so some may be missing"));
   EXPECT_EQ(result.err, "");
+  EXPECT_TRUE(Json::parse(run({"verify", "t.csv", "--json"}).out)["complete"].is_null());
+}
+
+TEST_F(Cli, VerifyTellsHowAFileStartsAndWhetherItIsComplete) {
+  Trajectory trajectory = at_rest();
+  trajectory.metadata["rows"] = "21";
+  trajectory.samples.front().state.dq[0] = 0.5;
+  write_csv(trajectory, path("t.csv"));
+  EXPECT_THAT(run({"verify", "t.csv"}).out,
+              HasSubstr("(21 rows, 0.02 s, starts MOVING, links at 0.5 and 0 rad/s, ends"));
+  const Json certificate = Json::parse(run({"verify", "t.csv", "--json"}).out);
+  EXPECT_EQ(certificate["starts_at_rest"], false);
+  EXPECT_EQ(certificate["ends_at_rest"], true);
+  EXPECT_EQ(certificate["complete"], true);
 }
 
 TEST_F(Cli, VerifyRefusesATamperedFile) {

@@ -61,26 +61,61 @@ class Verdict {
     }
   }
 
+  void judge_closed_loop(const Comparison& closed) {
+    judge_exactness("closed loop", certificate_.closed_loop);
+    judge_velocity(closed);
+    judge_feedback(closed);
+    judge_limits();
+  }
+
  private:
   const Parameters& robot_;
   Certificate& certificate_;
 };
 
-// Rolls out in both ways and fills everything that is measured on the way; nothing is judged here.
-Comparison measure(const Parameters& robot, const Limits& limits, const Trajectory& trajectory, Certificate& c) {
-  const std::vector<double> instants = comparison_instants(trajectory);
-  Rollout rollout(robot, rollout_allowance(robot, limits), Accuracy::of_certificates());
+// Rolls out and fills what is measured on the way; nothing is judged here.
+void measure_open_loop(const Parameters& robot, Rollout& rollout, const Trajectory& trajectory, Certificate& c) {
   c.open_loop.stretches = stretches_of_amplification(robot, trajectory);
   const Comparison open =
-      compare(rollout, robot, trajectory, open_loop_pieces(robot, trajectory, c.open_loop.stretches), instants);
-  const Comparison closed = compare(rollout, robot, trajectory, Drive::closed_loop(trajectory, robot), instants);
+      compare(rollout, robot, trajectory, open_loop_pieces(robot, trajectory, c.open_loop.stretches),
+              comparison_instants(trajectory));
   static_cast<RolloutErrors&>(c.open_loop) = open.errors;
+  c.open_loop.end = open.final;
+}
+
+Comparison measure_closed_loop(const Parameters& robot, const Limits& limits, Rollout& rollout,
+                               const Trajectory& trajectory, Certificate& c) {
+  const Comparison closed =
+      compare(rollout, robot, trajectory, Drive::closed_loop(trajectory, robot), comparison_instants(trajectory));
   static_cast<RolloutErrors&>(c.closed_loop) = closed.errors;
   c.closed_loop.feedback_torque = closed.feedback_torque;
-  c.open_loop.end = open.final;
   c.closed_loop.end = closed.final;
   c.limits = check_limits(robot, limits, trajectory, closed);
   return closed;
+}
+
+// What needs no rollout.
+Certificate judge_rows(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
+  Certificate c;
+  c.tolerance = exactness_tolerance(robot);
+  Verdict verdict(robot, c);
+  verdict.refuse(malformed(trajectory));
+  if (!c.failures.empty()) return c;
+  c.limits = check_limits(robot, limits, trajectory, {});
+  verdict.judge_limits();
+  verdict.refuse(inconsistent_velocity(robot, trajectory));
+  return c;
+}
+
+Certificate judge_closed_loop(const Parameters& robot, const Limits& limits, const Trajectory& trajectory,
+                              const Accuracy& accuracy) {
+  Certificate c;
+  c.tolerance = exactness_tolerance(robot);
+  Verdict verdict(robot, c);
+  Rollout rollout(robot, rollout_allowance(robot, limits), accuracy);
+  verdict.judge_closed_loop(measure_closed_loop(robot, limits, rollout, trajectory, c));
+  c.certified = c.failures.empty();
+  return c;
 }
 
 }  // namespace
@@ -106,15 +141,21 @@ Certificate judge(const Parameters& robot, const Limits& limits, const Trajector
     verdict.refuse(std::move(reason));
     return c;
   }
-  const Comparison closed = measure(robot, limits, trajectory, c);
+  Rollout rollout(robot, rollout_allowance(robot, limits), Accuracy::of_certificates());
+  measure_open_loop(robot, rollout, trajectory, c);
+  const Comparison closed = measure_closed_loop(robot, limits, rollout, trajectory, c);
   verdict.refuse(inconsistent_velocity(robot, trajectory));
   verdict.judge_exactness("open loop", c.open_loop);
-  verdict.judge_exactness("closed loop", c.closed_loop);
-  verdict.judge_velocity(closed);
-  verdict.judge_feedback(closed);
-  verdict.judge_limits();
+  verdict.judge_closed_loop(closed);
   c.certified = c.failures.empty();
   return c;
+}
+
+Certificate judge_closed_loop(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
+  Certificate c = judge_rows(robot, limits, trajectory);
+  if (!c.failures.empty()) return c;
+  c = judge_closed_loop(robot, limits, trajectory, Accuracy::of_predictions());
+  return c.certified ? c : judge_closed_loop(robot, limits, trajectory, Accuracy::of_certificates());
 }
 
 void predict(const Parameters& robot, const Trajectory& trajectory, Certificate& c) {

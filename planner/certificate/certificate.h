@@ -102,6 +102,12 @@ struct Certificate {
 // The verdict on one trajectory on one robot, without residual and tracking; `limits` are the robot's or tighter.
 Certificate judge(const Parameters& robot, const Limits& limits, const Trajectory& trajectory);
 
+// The closed-loop half of it, for those who receive a trajectory and believe nobody: the open loop is not rolled out.
+// Rows that break a limit, or whose columns do not belong together, are not rolled out at all. The rollout has the
+// accuracy of a prediction, 1e-7 rad, which takes half of the time, and what fails in it is judged by one with the
+// accuracy of a certificate: what judge() certifies never fails.
+Certificate judge_closed_loop(const Parameters& robot, const Limits& limits, const Trajectory& trajectory);
+
 // Adds residual and tracking, on which no verdict depends: half of the cost of a certificate, and for the trajectory
 // that becomes the plan alone. A trajectory that ends with dq = dtheta = 0 in equilibrium is taken to end at rest.
 void predict(const Parameters& robot, const Trajectory& trajectory, Certificate& certificate);

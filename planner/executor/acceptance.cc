@@ -8,6 +8,8 @@
 namespace fjr {
 namespace {
 
+constexpr double kSpacingRounding = 1e-9;  // [s]
+
 bool finite(const Sample& row) {
   const auto& x = row.state;
   const auto both = [](const Pair<double>& v) { return std::isfinite(v[0]) && std::isfinite(v[1]); };
@@ -36,12 +38,20 @@ std::optional<std::string> fault_of(const Tolerances& t) {
   return fault;
 }
 
-// Nothing: they are a trajectory.
+// Nothing: they look like a trajectory; what the arm makes of them is judged while it is prepared.
 std::optional<std::string> fault_of(const std::vector<Sample>& rows) {
-  if (rows.size() < 2) return fmt::format("{} rows; a trajectory has at least 2", rows.size());
+  if (rows.size() < 2 || rows.size() > kMaxRows) {
+    return fmt::format("{} rows; a trajectory has at least 2 and at most {}", rows.size(), kMaxRows);
+  }
   for (std::size_t i = 0; i < rows.size(); ++i) {
     if (!finite(rows[i])) return fmt::format("row {} is not finite", i);
-    if (i > 0 && !(rows[i].time > rows[i - 1].time)) return fmt::format("time does not increase at row {}", i);
+    if (i == 0) continue;
+    const double since = rows[i].time - rows[i - 1].time;
+    if (!(since > 0)) return fmt::format("time does not increase at row {}", i);
+    if (since < kShortestSpacing || since > kLongestSpacing + kSpacingRounding) {
+      return fmt::format("row {} is {:.6g} s after the row before, {:g} to {:g} s are allowed", i, since,
+                         kShortestSpacing, kLongestSpacing);
+    }
   }
   if (rows.front().time != 0) return fmt::format("begins at {} s instead of 0 s", rows.front().time);
   if (rows.back().time > kLongestMotion) {
@@ -86,8 +96,9 @@ std::optional<ExecutionRefusal> refusal_of(const TrajectoryOrder& order, const S
                                                                          age(order, situation), situation.oldest)};
   }
   if (situation.mode != ExecutorMode::kResting && situation.mode != ExecutorMode::kHolding) {
-    return invalid(situation.mode == ExecutorMode::kStopped ? "the executor was stopped; it has to be restarted"
-                                                            : "the arm is not at rest");
+    return invalid(situation.mode == ExecutorMode::kStopped     ? "the executor was stopped; it has to be restarted"
+                   : situation.mode == ExecutorMode::kPreparing ? "another trajectory is being prepared"
+                                                                : "the arm is not at rest");
   }
   if (!situation.lost.empty()) return invalid("the encoder " + situation.lost + " gives no samples");
   for (std::size_t j = 0; j < kJoints; ++j) {

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "planner/executor/stop_motion.h"
+#include "planner/stop/stop_motion.h"
 
 namespace fjr {
 namespace {
@@ -180,6 +180,10 @@ void Control::supervise() {
 
 void Control::supervise_execution() {
   const Tolerances& allowed = motion_->tolerances;
+  if (stops_run_out()) {
+    after_ = std::max(after_, ExecutorMode::kHolding);
+    return stop_because({Ending::kNoStop, time_, 0, 0, 0, ""});
+  }
   bool within = true;
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double error = std::abs(sensing_.q()[j] - planned_.state.q[j]);
@@ -219,16 +223,26 @@ void Control::supervise_stop() {
   if (time_ >= end_ + kWatched) finish(after_);
 }
 
+std::size_t Control::index_of_next_stop() const {
+  const double since = time_ - motion_->trajectory.start_time();
+  return static_cast<std::size_t>(std::floor(since / kStopSpacing + kRounding)) + 1;
+}
+
+// While the one after the next is being checked there is still the next to stop by.
+bool Control::stops_run_out() const {
+  if (!motion_->stops || at_rest()) return false;
+  return motion_->stops->usable() < std::min(index_of_next_stop() + 2, motion_->stops->size());
+}
+
 // From the next instant on for which a stop is at hand; without one the plan itself is over soonest.
 void Control::stop_because(const Outcome& outcome) {
   mode_ = ExecutorMode::kStopping;
   motion_->outcome = outcome;
   motion_->outcome.time = time_;
-  if (at_rest()) return;
-  const double since = time_ - motion_->trajectory.start_time();
-  const auto next = static_cast<std::size_t>(std::floor(since / kStopSpacing + kRounding)) + 1;
-  if (next >= motion_->stops.size() || motion_->stops[next].samples.empty()) return;
-  stop_ = &motion_->stops[next];
+  if (at_rest() || !motion_->stops) return;
+  const std::size_t next = index_of_next_stop();
+  if (next >= motion_->stops->usable() || motion_->stops->at(next).samples.empty()) return;
+  stop_ = &motion_->stops->at(next);
   next_stop_ = stop_->start_time();
   end_ = stop_->end_time();
 }

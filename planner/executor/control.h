@@ -49,6 +49,8 @@ class Control {
   void supervise();
   void supervise_execution();
   void supervise_stop();
+  std::size_t index_of_next_stop() const;  // from where the motion is
+  bool stops_run_out() const;
   void stop_because(const Outcome& outcome);
   void stop_where_it_is(int missed);
   void finish(ExecutorMode mode);

@@ -42,6 +42,7 @@ Executor::Executor(const ExecutorConfig& config, const Parameters& robot, Arm& a
   situation_.robot_hash = robot_hash(robot_);
   situation_.started = nanoseconds_now();
   situation_.oldest = config.oldest;
+  situation_.epoch = history_.epoch();
   if (!config.logs.empty()) std::filesystem::create_directories(config.logs);
 }
 
@@ -103,18 +104,17 @@ void Executor::serve_without_orders() {
   port_.wait(std::chrono::milliseconds(1));
   publish_states();
   conclude_finished();
-  (void)obey();
+  conclude_preparation();
+  obey();
 }
 
-bool Executor::obey() {
-  bool asked = false;
+void Executor::obey() {
   for (const ExecutorOrder& order : port_.take_commands()) {
     if (order.robot_id != config_.robot_id) continue;
     spdlog::info("{} commanded id={}", order.command == ExecutorCommand::kStop ? "stop" : "hold", text(order.id));
     order.command == ExecutorCommand::kStop ? control_.stop() : control_.hold();
-    asked = true;
+    if (preparing_) preparing_->unwanted.request_stop();
   }
-  return asked;
 }
 
 void Executor::take_orders() {
@@ -128,15 +128,15 @@ void Executor::consider(TrajectoryOrder order) {
   considered_.push_back(order.id);
   if (considered_.size() > kRemembered) considered_.pop_front();
   if (const History::Entry* entry = history_.find(order.id)) return report_again(*entry);
-  if (preparing_) return refuse(order, {ResultCode::kInvalidGoal, "another trajectory is being prepared"});
   situation_.now = nanoseconds_now();
   situation_.q = latest_.q;
   situation_.rest_theta = rest_at(robot_, latest_.q).theta;
   situation_.mode = latest_.mode;
   situation_.lost = latest_.lost == nullptr ? "" : latest_.lost;
   if (running_) situation_.mode = ExecutorMode::kExecuting;
+  if (preparing_) situation_.mode = ExecutorMode::kPreparing;
   if (const auto refusal = refusal_of(order, situation_)) return refuse(order, *refusal);
-  run_motion(std::move(order));
+  begin_to_prepare(std::move(order));
 }
 
 // What ran before this start is reported once more, for those who were not there then.
@@ -160,32 +160,40 @@ void Executor::refuse(const TrajectoryOrder& order, const ExecutionRefusal& refu
   port_.send(result);
 }
 
-// Remembered before anything moves: whatever happens then, it does not run twice.
-void Executor::run_motion(TrajectoryOrder order) {
-  const auto began = Clock::now();
-  const RequestId id = order.id;
-  TrajectoryOrder header;
-  header.robot_id = order.robot_id;
-  header.id = id;
-  header.epoch = order.epoch;
+void Executor::begin_to_prepare(TrajectoryOrder order) {
+  Preparation& preparation = preparing_.emplace();
+  preparation.began = Preparation::Clock::now();
+  preparation.header.robot_id = order.robot_id;
+  preparation.header.id = order.id;
+  preparation.header.epoch = order.epoch;
+  const double lead = config_.fast ? kLongestMotion : kLead;  // without a clock nothing can run ahead
+  preparation.motion = std::async(
+      std::launch::async, [this, lead, unwanted = preparation.unwanted.get_token(), all = std::move(order)]() mutable {
+        return prepare(robot_, std::move(all), config_.tolerances, lead, unwanted);
+      });
+}
+
+void Executor::conclude_preparation() {
+  if (!preparing_ || preparing_->motion.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
+  const TrajectoryOrder header = preparing_->header;
   try {
-    preparing_ = true;
-    running_ = prepare(robot_, std::move(order), config_.tolerances, [this] {
-      publish_states();
-      take_orders();
-      if (obey() || stopping_) throw std::runtime_error("held or stopped before it could begin");
-    });
-    preparing_ = false;
-    history_.begin(id);
+    run(preparing_->motion.get());
   } catch (const std::exception& error) {
-    preparing_ = false;
-    running_.reset();
-    return refuse(header, {ResultCode::kInvalidGoal, error.what()});
+    refuse(header, {ResultCode::kInvalidGoal, error.what()});
   }
-  situation_.epoch = header.epoch;
-  spdlog::info("executing id={} rows={} duration={:.3f} stops={} prepared={:.3f}", text(id),
-               running_->order.rows.size(), running_->end, running_->stops.size(),
-               std::chrono::duration<double>(Clock::now() - began).count());
+  preparing_.reset();
+}
+
+// Remembered before anything moves: whatever happens then, it does not run twice.
+void Executor::run(std::unique_ptr<CommandedMotion> motion) {
+  if (preparing_->unwanted.stop_requested()) throw std::runtime_error("held or stopped before it could begin");
+  const TrajectoryOrder& order = motion->order;
+  history_.begin(order.id, order.epoch);
+  situation_.epoch = order.epoch;
+  running_ = std::move(motion);
+  spdlog::info("executing id={} rows={} duration={:.3f} stops={} prepared={:.3f}", text(order.id), order.rows.size(),
+               running_->end, running_->stops->size(),
+               std::chrono::duration<double>(Preparation::Clock::now() - preparing_->began).count());
   control_.begin(running_.get());
 }
 
@@ -201,6 +209,12 @@ void Executor::publish_states() {
   }
 }
 
+std::optional<RequestId> Executor::about_to_begin(const TickState& tick) const {
+  if (preparing_ && !preparing_->unwanted.stop_requested()) return preparing_->header.id;
+  if (running_ && running_->order.id != tick.trajectory_id) return running_->order.id;  // on its way to the tick
+  return std::nullopt;
+}
+
 void Executor::publish(const TickState& tick) {
   ExecutorState state;
   state.robot_id = config_.robot_id;
@@ -210,6 +224,11 @@ void Executor::publish(const TickState& tick) {
   state.epoch = situation_.epoch;
   state.stamp = nanoseconds_now();
   state.time = tick.time;
+  if (const auto id = about_to_begin(tick)) {
+    state.mode = ExecutorMode::kPreparing;
+    state.trajectory_id = *id;
+    state.time = 0;
+  }
   state.q = tick.q;
   state.theta = tick.theta;
   state.dq = tick.dq;
@@ -229,6 +248,7 @@ void Executor::conclude_finished() {
 }
 
 void Executor::conclude(CommandedMotion& motion) {
+  motion.stops->give_up();
   ExecutionResult result = result_of(motion, robot_);
   result.log_file = log(motion, result);
   spdlog::info("finished id={} code={} error=({:.2e}, {:.2e}) predicted=({:.2e}, {:.2e}) residual=({:.2e}, {:.2e}) {}",
@@ -255,6 +275,7 @@ std::string Executor::log(const CommandedMotion& motion, const ExecutionResult& 
 
 void Executor::stop_silently() {
   control_.stop(true);
+  if (preparing_) preparing_->unwanted.request_stop();
   for (const auto began = Clock::now(); !over_ && Clock::now() - began < kPatience;) {
     while (const auto tick = control_.state()) latest_ = *tick;
     (void)control_.finished();
@@ -265,10 +286,12 @@ void Executor::stop_silently() {
 
 void Executor::come_to_rest() {
   control_.stop(true);
+  if (preparing_) preparing_->unwanted.request_stop();
   const auto began = Clock::now();
   do {
     serve_without_orders();
-  } while ((running_ || latest_.mode != ExecutorMode::kStopped) && Clock::now() - began < kPatience && !over_);
+  } while ((running_ || preparing_ || latest_.mode != ExecutorMode::kStopped) && Clock::now() - began < kPatience &&
+           !over_);
   port_.flush(kFarewell);
 }
 

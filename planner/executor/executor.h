@@ -2,8 +2,12 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <deque>
+#include <future>
 #include <memory>
+#include <optional>
+#include <stop_token>
 
 #include "planner/executor/acceptance.h"
 #include "planner/executor/control.h"
@@ -25,12 +29,15 @@ class Executor {
   void keep_ticking();
   void serve();
   void serve_without_orders();
-  bool obey();  // true: there was something to obey
+  void obey();
   void take_orders();
   void consider(TrajectoryOrder order);
   void refuse(const TrajectoryOrder& order, const ExecutionRefusal& refusal);
-  void run_motion(TrajectoryOrder order);
+  void begin_to_prepare(TrajectoryOrder order);
+  void conclude_preparation();
+  void run(std::unique_ptr<CommandedMotion> motion);
   void publish_states();
+  std::optional<RequestId> about_to_begin(const TickState& tick) const;
   void publish(const TickState& tick);
   void conclude_finished();
   void conclude(CommandedMotion& motion);
@@ -46,12 +53,20 @@ class Executor {
   History history_;
   Control control_;
   Situation situation_;
+  // A trajectory that was accepted so far, while a thread looks into it.
+  struct Preparation {
+    using Clock = std::chrono::steady_clock;
+    TrajectoryOrder header;  // without rows and stops
+    Clock::time_point began;
+    std::stop_source unwanted;
+    std::future<std::unique_ptr<CommandedMotion>> motion;  // last: waits for the thread
+  };
+  std::optional<Preparation> preparing_;
   TickState latest_;
   bool ticking_ = false;                      // there is a latest one
   std::unique_ptr<CommandedMotion> running_;  // lent to the control tick
   std::deque<RequestId> considered_;          // the last ones: each trajectory has one result
-  bool preparing_ = false;
-  Lateness lateness_;  // of the tick; the tick's until it has ended
+  Lateness lateness_;                         // of the tick; the tick's until it has ended
   std::atomic<bool> stopping_ = false, over_ = false;
 };
 

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kRemembered = 256;
 constexpr const char* kUnended = "running";
+constexpr std::string_view kEpoch = "epoch ";  // begins the line with it
 
 template <class Number>
 bool parse(std::string_view text, Number& number, int base = 10) {
@@ -52,6 +53,7 @@ History::History(std::filesystem::path file) : file_(std::move(file)) {
   std::ifstream in(file_);
   std::string line;
   for (int number = 1; std::getline(in, line) && number <= 1 << 16; ++number) {
+    if (line.starts_with(kEpoch) && parse(std::string_view(line).substr(kEpoch.size()), epoch_)) continue;
     const auto entry = parse_entry(line);
     if (!entry) {
       throw InputError(file_.string(), fmt::format("line {}", number),
@@ -68,7 +70,8 @@ const History::Entry* History::find(const RequestId& id) const {
   return found == entries_.end() ? nullptr : &*found;
 }
 
-void History::begin(const RequestId& id) {
+void History::begin(const RequestId& id, std::uint64_t epoch) {
+  epoch_ = std::max(epoch_, epoch);
   entries_.push_back({id, std::nullopt, ""});
   if (entries_.size() > kRemembered) entries_.pop_front();
   write();
@@ -84,7 +87,7 @@ void History::end(const RequestId& id, ResultCode code, const std::string& sente
 }
 
 void History::write() const {
-  std::string text;
+  std::string text = fmt::format("{}{}\n", kEpoch, epoch_);
   for (const Entry& entry : entries_) {
     const std::string code = entry.code ? std::to_string(static_cast<std::int32_t>(*entry.code)) : kUnended;
     text += fmt::format("{} {} {} {}\n", client_name(entry.id), entry.id.number, code, entry.sentence);

@@ -22,15 +22,17 @@ class History {
   explicit History(std::filesystem::path file);
 
   const Entry* find(const RequestId& id) const;
+  std::uint64_t epoch() const { return epoch_; }  // the largest of what it ran
 
   // Both replace the file, complete or not at all, and return when it is on the disk. Throw std::runtime_error.
-  void begin(const RequestId& id);
+  void begin(const RequestId& id, std::uint64_t epoch);
   void end(const RequestId& id, ResultCode code, const std::string& sentence);
 
  private:
   void write() const;
 
   std::filesystem::path file_;
+  std::uint64_t epoch_ = 0;
   std::deque<Entry> entries_;  // the oldest first
 };
 

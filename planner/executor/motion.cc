@@ -2,8 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+
+#include "planner/certificate/certificate.h"
 #include "planner/certificate/tracking.h"
-#include "planner/executor/stop_motion.h"
 
 namespace fjr {
 namespace {
@@ -38,6 +44,7 @@ ResultCode code_of(Ending ending) {
     case Ending::kPathTolerance:
     case Ending::kEncoderLost:  // nobody can say that it kept to the path
     case Ending::kStalled:
+    case Ending::kNoStop:
       return ResultCode::kPathToleranceViolated;
     case Ending::kNotBegun:
       return ResultCode::kInvalidGoal;
@@ -65,12 +72,42 @@ std::string reason_of(const Outcome& o) {
       return fmt::format("the encoder {} gave no more samples at {:.3f} s", o.what, o.time);
     case Ending::kStalled:
       return fmt::format("{} control ticks in a row were missed at {:.3f} s", o.value, o.time);
+    case Ending::kNoStop:
+      return fmt::format("its stop motions could not be relied upon any further at {:.3f} s", o.time);
     case Ending::kNotBegun:
       return "held, stopped or moved before it could begin";
     case Ending::kShutDown:
       return fmt::format("the executor was ended at {:.3f} s", o.time);
   }
   return "";
+}
+
+void judge(const Parameters& robot, const Trajectory& plan) {
+  const Certificate certificate = judge_closed_loop(robot, Limits::of(robot), plan);
+  if (!certificate.certified) throw std::runtime_error(fmt::format("{}", fmt::join(certificate.failures, "; ")));
+}
+
+void begin_to_check(const Parameters& robot, const Trajectory& plan, CommandedMotion& motion) {
+  const std::vector<StopMotion>& stops = motion.order.stops;
+  if (stops.size() != count_of_stops(plan)) {
+    throw NoStop(fmt::format("brings {} stop motions; one every {:g} s are {}", stops.size(), kStopSpacing,
+                             count_of_stops(plan)));
+  }
+  motion.stops.emplace(robot, plan, stops);
+}
+
+void continue_if_wanted(const std::stop_token& unwanted) {
+  if (unwanted.stop_requested()) throw std::runtime_error("held or stopped before it could begin");
+}
+
+void await_lead(const CheckedStops& stops, double lead, const std::stop_token& unwanted) {
+  const double wanted = std::min(static_cast<double>(stops.size()), std::ceil(lead / kStopSpacing));
+  while (!stops.over() && static_cast<double>(stops.usable()) < wanted) {
+    continue_if_wanted(unwanted);
+    std::this_thread::sleep_for(std::chrono::microseconds(200));
+  }
+  if (stops.over() && !stops.fault().empty()) throw NoStop(stops.fault());
+  continue_if_wanted(unwanted);
 }
 
 }  // namespace
@@ -88,9 +125,18 @@ std::unique_ptr<CommandedMotion> prepare_without_stops(const Parameters& robot, 
 }
 
 std::unique_ptr<CommandedMotion> prepare(const Parameters& robot, TrajectoryOrder order, const Tolerances& defaults,
-                                         const std::function<void()>& between) {
+                                         double lead, const std::stop_token& unwanted) {
   auto motion = prepare_without_stops(robot, std::move(order), defaults);
-  motion->stops = stop_motions(robot, Trajectory{motion->order.rows, {}}, between);
+  const Trajectory plan{motion->order.rows, {}};
+  std::vector<StopMotion>& stops = motion->order.stops;
+  const bool brings_stops = !stops.empty();
+  if (brings_stops) begin_to_check(robot, plan, *motion);  // beside the judgement
+  judge(robot, plan);
+  if (!brings_stops) {
+    stops = stop_motions(robot, plan, [&] { continue_if_wanted(unwanted); });
+    begin_to_check(robot, plan, *motion);
+  }
+  await_lead(*motion->stops, lead, unwanted);
   return motion;
 }
 
@@ -101,6 +147,10 @@ ExecutionResult result_of(const CommandedMotion& motion, const Parameters& robot
   result.trajectory_id = motion.order.id;
   result.code = code_of(outcome.ending);
   result.sentence = reason_of(outcome);
+  if (outcome.ending == Ending::kNoStop) {
+    const bool fault = motion.stops->over() && !motion.stops->fault().empty();
+    result.sentence += fault ? ": " + motion.stops->fault() : ", for the next was not checked in time";
+  }
   if (outcome.ending == Ending::kReached || outcome.ending == Ending::kNotBegun) {
     if (outcome.ending == Ending::kReached) motion.figures.fill(result, robot);
     return result;

@@ -1,11 +1,13 @@
 // A trajectory on its way through the executor: prepared by one thread, run by the other, reported by the first again.
 #pragma once
 
-#include <functional>
 #include <memory>
+#include <optional>
+#include <stop_token>
 #include <string>
 #include <vector>
 
+#include "planner/executor/checked_stops.h"
 #include "planner/executor/figures.h"
 #include "planner/service/execution_messages.h"
 #include "planner/trajectory/trajectory.h"
@@ -21,6 +23,7 @@ enum class Ending {
   kCommanded,      // hold or stop
   kEncoderLost,
   kStalled,   // control ticks were missed
+  kNoStop,    // for what comes there is no stop motion that can be used
   kNotBegun,  // held or stopped before its first tick, or no longer at rest
   kShutDown,  // the executor was ended
 };
@@ -44,7 +47,7 @@ struct CommandedMotion {
   Tolerances tolerances;  // resolved: nothing is 0
   Trajectory trajectory;  // the rows, and rest at the goal after them
   double end = 0;         // [s] of the rows
-  std::vector<Trajectory> stops;
+  std::optional<CheckedStops> stops;
 
   // Filled in the tick; nothing is allocated there.
   std::vector<LogRow> log;  // capacity for the longest course of events
@@ -58,9 +61,15 @@ struct CommandedMotion {
 std::unique_ptr<CommandedMotion> prepare_without_stops(const Parameters& robot, TrajectoryOrder order,
                                                        const Tolerances& defaults);
 
-// With them. Throws NoStop. `between` is called now and then.
+// How far ahead of the tick stop motions are checked before a motion begins. [s]
+inline constexpr double kLead = 0.1;
+
+// With them, and believing nobody: its rows are judged (judge_closed_loop), its stops checked from the first on; where
+// it brings none they are found, which takes about 0.2 s per second of motion. It may begin when this returns, and so
+// many of its stops are checked that they last for `lead` [s]; the others follow. Throws std::runtime_error, one
+// sentence: why it is not run, or that it is `unwanted`.
 std::unique_ptr<CommandedMotion> prepare(const Parameters& robot, TrajectoryOrder order, const Tolerances& defaults,
-                                         const std::function<void()>& between);
+                                         double lead, const std::stop_token& unwanted);
 
 // What is reported about it; without log_file.
 ExecutionResult result_of(const CommandedMotion& motion, const Parameters& robot);

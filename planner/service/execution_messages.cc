@@ -32,6 +32,8 @@ const char* name(ExecutorMode mode) {
       return "holding";
     case ExecutorMode::kStopped:
       return "stopped";
+    case ExecutorMode::kPreparing:
+      return "preparing";
   }
   return "unknown";  // from an executor of another version
 }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planner/service/messages.h"
+#include "planner/stop/stop_motion.h"
 
 namespace fjr {
 
@@ -28,6 +29,7 @@ struct TrajectoryOrder {
       predicted_error{};  // [rad] of the links: allowed by the certificate; for the executor
   Tolerances tolerances;
   std::vector<Sample> rows;
+  std::vector<StopMotion> stops;  // one per kStopSpacing; empty: the executor finds them itself
 };
 
 enum class ExecutorCommand : std::uint8_t { kHold = 1, kStop };
@@ -38,7 +40,7 @@ struct ExecutorOrder {
   ExecutorCommand command = ExecutorCommand::kHold;
 };
 
-enum class ExecutorMode : std::uint8_t { kResting = 1, kExecuting, kStopping, kHolding, kStopped };
+enum class ExecutorMode : std::uint8_t { kResting = 1, kExecuting, kStopping, kHolding, kStopped, kPreparing };
 
 struct ExecutorState {
   std::string robot_id, robot_hash;

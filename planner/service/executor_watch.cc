@@ -28,6 +28,8 @@ const char* doing(ExecutorMode mode) {
       return "stopping";
     case ExecutorMode::kStopped:
       return "stopped until it is started again";
+    case ExecutorMode::kPreparing:
+      return "about to execute a trajectory";
   }
   return "in an unknown mode";
 }

@@ -10,8 +10,8 @@
 #include <optional>
 
 #include "planner/executor/executor_config.h"
-#include "planner/executor/stop_motion.h"
 #include "planner/executor/virtual_arm.h"
+#include "planner/stop/stop_motion.h"
 #include "tests/executor/flat_motion.h"
 
 namespace fjr {
@@ -40,9 +40,16 @@ std::unique_ptr<CommandedMotion> without_stops(const Pair<double>& from, const P
 
 // From kFrom to kTo; the stops, which take time to find, are found once.
 std::unique_ptr<CommandedMotion> motion() {
-  static const std::vector<Trajectory> stops = stop_motions(robot(), flat_motion(robot(), kFrom, kTo, 0.6), {});
+  static const std::vector<Trajectory> stops = [] {
+    const Trajectory plan = flat_motion(robot(), kFrom, kTo, 0.6);
+    std::vector<Trajectory> rows;
+    for (const StopMotion& stop : stop_motions(robot(), plan, {})) {
+      rows.push_back(checked_stop(robot(), plan, rows.size(), stop));
+    }
+    return rows;
+  }();
   auto with_stops = without_stops(kFrom, kTo);
-  with_stops->stops = stops;
+  with_stops->stops.emplace(stops);
   return with_stops;
 }
 

@@ -95,8 +95,19 @@ TEST(Acceptance, RefusesWithTheReason) {
           "tolerances.goal_time: -1 is outside [0, 60]");
   refused([](Order& o, Situation&) { o.rows[0].state.theta[1] += 0.02; }, ResultCode::kInvalidGoal,
           "starts with theta2 = 0.02 rad, at rest there it is -0.005 rad");
-  refused([](Order& o, Situation&) { o.rows[2].time = 21; }, ResultCode::kInvalidGoal, "takes 21 s, more than 20 s");
-  refused([](Order& o, Situation&) { o.rows[0].time = -1; }, ResultCode::kInvalidGoal, "begins at -1 s");
+  refused([](Order& o, Situation&) { o.rows[2].time = 1; }, ResultCode::kInvalidGoal,
+          "row 2 is 0.999 s after the row before, 5e-07 to 0.005 s are allowed");
+  refused([](Order& o, Situation&) { o.rows[2].time = o.rows[1].time + 1e-7; }, ResultCode::kInvalidGoal,
+          "row 2 is 1e-07 s after the row before");
+  refused(
+      [](Order& o, Situation&) {
+        o.rows.resize(5001);
+        for (std::size_t i = 0; i < o.rows.size(); ++i) o.rows[i].time = 0.0042 * static_cast<double>(i);
+      },
+      ResultCode::kInvalidGoal, "takes 21 s, more than 20 s");
+  refused([](Order& o, Situation&) { o.rows[0].time = -0.001; }, ResultCode::kInvalidGoal, "begins at -0.001 s");
+  refused([](Order&, Situation& s) { s.mode = ExecutorMode::kPreparing; }, ResultCode::kInvalidGoal,
+          "another trajectory is being prepared");
   refused([](Order& o, Situation&) { o.published = 201 * kSecond; }, ResultCode::kOldHeaderTimestamp,
           "1.000 s in the future");
   refused([](Order&, Situation& s) { s.mode = ExecutorMode::kStopped; }, ResultCode::kInvalidGoal, "was stopped");
@@ -121,7 +132,7 @@ class Cell {
         results_(participant_, participant_.handle()),
         trajectories_(participant_, participant_.handle()) {}
 
-  // A flat motion under a new id.
+  // A flat motion under a new id, as a service would publish it.
   TrajectoryOrder order(const Pair<double>& from, const Pair<double>& to, double duration) {
     TrajectoryOrder order;
     order.robot_id = "arm";
@@ -133,11 +144,12 @@ class Cell {
     order.rows = flat_motion(robot(), from, to, duration).samples;
     return order;
   }
-  void publish(const TrajectoryOrder& order) { EXPECT_TRUE(trajectories_.write(dds::encode(order))); }
+  RequestId publish(const TrajectoryOrder& order) {
+    EXPECT_TRUE(trajectories_.write(dds::encode(order)));
+    return order.id;
+  }
   RequestId publish(const Pair<double>& from, const Pair<double>& to, double duration) {
-    const TrajectoryOrder one = order(from, to, duration);
-    publish(one);
-    return one.id;
+    return publish(order(from, to, duration));
   }
 
   // Until `there` holds of the latest state; false: not within 20 s.
@@ -266,6 +278,83 @@ TEST_F(ExecutorTest, MovesTheArmAndThenRefusesToStartFromElsewhere) {
   EXPECT_EQ(arm->wait(), 0);
 }
 
+// What says that it is certified, and is not.
+TEST_F(ExecutorTest, BelievesNobody) {
+  const auto arm = executor();
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const auto refused = [this](auto change, const Pair<double>& to, const std::string& sentence) {
+    TrajectoryOrder order = cell().order(kFrom, to, 1.2);
+    change(order.rows);
+    const ExecutionResult result = cell().result(cell().publish(order));
+    EXPECT_EQ(result.code, ResultCode::kInvalidGoal) << sentence;
+    EXPECT_THAT(result.sentence, HasSubstr(sentence));
+    EXPECT_LT(cell().farthest[0], 1e-3) << sentence;
+    ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  };
+  using Rows = std::vector<Sample>;
+  refused([](Rows& rows) { rows[600].torque[0] = 1e4; }, kTo,
+          "torque of joint 1 reaches 10000 at 0.600000 s, its limit is 12");
+  refused(
+      [](Rows& rows) {
+        for (std::size_t i = 600; i < rows.size(); ++i) rows[i].state.q[0] += 0.5, rows[i].state.theta[0] += 0.5;
+      },
+      kTo, "dq1 disagrees with its position column by 5.00e+02 rad/s between 0.599000 s and 0.600000 s");
+  refused([](Rows&) {}, {3.3, -0.3}, "link_position of joint 1 reaches 3.3 at 1.199");
+  refused(
+      [](Rows& rows) {
+        for (Sample& row : rows) row.time *= 0.5;
+      },
+      kTo, "dtheta1 disagrees with its position column by");
+  refused(
+      [](Rows& rows) {
+        rows = {rows.front(), rows.back()};
+        rows.back().time = 0.05;
+      },
+      kTo, "row 1 is 0.05 s after the row before, 5e-07 to 0.005 s are allowed");
+  refused([](Rows& rows) { rows[600].state.q[1] += 1e-3; }, kTo,
+          "dq2 disagrees with its position column by 1.00e+00 rad/s between 0.599000 s and 0.600000 s");
+  // Nothing is wrong with any row, but the torque does not move the arm like that.
+  refused(
+      [](Rows& rows) {
+        for (Sample& row : rows) row.torque[0] += 2 * smooth_step(std::min(row.time, 1.2 - row.time) / 0.6, 0);
+      },
+      kTo, "closed loop: feedback torque of joint 1 reaches");
+  refused([](Rows& rows) { rows.resize(600); }, kTo, "does not end at rest");
+  const RequestId good = cell().publish(kFrom, kTo, 1.2);
+  EXPECT_EQ(cell().result(good).code, ResultCode::kSuccessful) << cell().result(good).sentence;
+}
+
+// Replayed, or of an owner that another has taken the robot from: over restarts too.
+TEST_F(ExecutorTest, RemembersWhatItRanAndForWhom) {
+  auto arm = executor({"--fast"});
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  TrajectoryOrder order = cell().order(kFrom, kTo, 0.6);
+  order.epoch = 7;
+  const RequestId ran = cell().publish(order);
+  EXPECT_EQ(cell().result(ran).code, ResultCode::kSuccessful) << cell().result(ran).sentence;
+  arm->send(SIGTERM);
+  EXPECT_EQ(arm->wait(), 0) << arm->output();
+  cell().results.clear();
+  cell().state = {};
+  arm = executor({"--fast"});  // at kFrom again
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  EXPECT_EQ(cell().state.epoch, 7u);
+  EXPECT_EQ(cell().result(ran).code, ResultCode::kSuccessful);  // as it was
+  cell().farthest = {};
+  TrajectoryOrder replayed = cell().order(kFrom, kTo, 0.6);
+  replayed.epoch = 7;
+  replayed.id = ran;
+  (void)cell().publish(replayed);
+  cell().listen_for(0.2);
+  EXPECT_EQ(cell().results[ran].size(), 1U);
+  TrajectoryOrder superseded = cell().order(kFrom, kTo, 0.6);
+  superseded.epoch = 6;
+  EXPECT_THAT(cell().result(cell().publish(superseded)).sentence,
+              HasSubstr("from an earlier owner: epoch 6, 7 was seen"));
+  cell().listen_for(0.5);
+  EXPECT_LT(cell().farthest[0], 1e-3);
+}
+
 TEST_F(ExecutorTest, DoesNotMoveOnWhatWasPublishedBeforeItStarted) {
   const RequestId id = cell().publish(kFrom, kTo, 0.5);
   const auto arm = executor();
@@ -279,6 +368,15 @@ TEST_F(ExecutorTest, DoesNotMoveOnWhatWasPublishedBeforeItStarted) {
 TEST_F(ExecutorTest, HoldsOnCommandAndGoesOnFromThereButNotFromAMotion) {
   const auto arm = executor();
   ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const RequestId unwanted = cell().publish(kFrom, kTo, 1.5);  // its stops take some tenths of a second to find
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kPreparing));
+  EXPECT_EQ(cell().state.trajectory_id, unwanted);
+  Process first_hold = fjr({"hold"}, "first_hold.log");
+  EXPECT_EQ(first_hold.wait(), 0) << first_hold.output();
+  EXPECT_THAT(cell().result(unwanted).sentence, HasSubstr("held or stopped before it could begin"));
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kHolding));
+  EXPECT_LT(cell().farthest[0], 1e-3);
+
   const RequestId held = cell().publish(kFrom, kTo, 1.5);
   ASSERT_TRUE(cell().wait_for_time(0.5));
   const RequestId early = cell().publish(kTo, kFrom, 0.5);
@@ -444,7 +542,7 @@ TEST_F(ExecutorTest, HoldsWhenTheArmIsNotTheOneThatWasPlannedFor) {
   std::this_thread::sleep_for(
       std::chrono::seconds(1));  // the payload, which nobody told the executor of, pulls it down
   ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
-  const ExecutionResult result = cell().result(cell().publish(cell().state.q, kTo, 0.4));
+  const ExecutionResult result = cell().result(cell().publish(cell().state.q, kTo, 0.55));
   EXPECT_EQ(result.code, ResultCode::kPathToleranceViolated) << result.sentence;
   EXPECT_THAT(result.sentence, HasSubstr("rad off the plan at"));
   EXPECT_TRUE(cell().wait_for(ExecutorMode::kHolding));
@@ -524,11 +622,12 @@ TEST(History, SurvivesARestartAndRefusesWhatItIsNot) {
   second.number = 3;
   {
     History history(file);
-    history.begin(first);
+    history.begin(first, 5);
     history.end(first, ResultCode::kPathToleranceViolated, "link 1 was off");
-    history.begin(second);
+    history.begin(second, 4);
   }
   const History again(file);
+  EXPECT_EQ(again.epoch(), 5u);
   ASSERT_NE(again.find(first), nullptr);
   EXPECT_EQ(again.find(first)->code, ResultCode::kPathToleranceViolated);
   EXPECT_EQ(again.find(first)->sentence, "link 1 was off");

@@ -1,4 +1,4 @@
-#include "planner/executor/stop_motion.h"
+#include "planner/stop/stop_motion.h"
 
 #include <fmt/format.h>
 
@@ -9,18 +9,18 @@
 
 #include "planner/certificate/limits.h"
 #include "planner/certificate/tracking.h"
-#include "planner/executor/stop_shape.h"
 
 namespace fjr {
 namespace {
 
-constexpr double kShortest = 0.05, kLonger = 1.1, kLongest = 1.5;  // [s], ratio, [s] of the durations that are tried
+constexpr double kLonger = 1.1;                    // ratio of the durations that are tried
 constexpr double kSoon = 0.3;                      // [s] in which a plan's own end is near enough to try less
 constexpr double kAimed = 0.98, kAllowed = 0.999;  // shares of the limits: the search only looks at some instants
 constexpr int kNodes = 48;                         // so many of them
 constexpr int kIterations = 15, kHopeless = 4;     // after so many, far outside, it will not come inside
 constexpr double kMissedTorque = 0.02;             // [N m] between rows
 constexpr double kSharpCorner = 1000;              // [N m/s] the rollout stops there; halves its time
+constexpr double kSameInstant = 1e-9;              // [s]
 constexpr double kRestAfter = 0.25;  // [s] a quarter of the slowest oscillation: a swing shows its size in it
 
 using Free = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kJoints * kShapes, 1>;
@@ -60,7 +60,10 @@ class Search {
     return worst_ <= kAllowed;
   }
 
-  Pair<StopShape> shapes() const { return with(free_); }
+  Pair<std::array<double, kShapes>> free() const {
+    const Pair<StopShape> s = with(free_);
+    return {s[0].free, s[1].free};
+  }
 
  private:
   Pair<StopShape> with(const Free& free) const {
@@ -134,12 +137,18 @@ class Rows {
   Rows(const Parameters& robot, const Pair<StopShape>& shapes, double start, double duration)
       : robot_(robot), shapes_(shapes), start_(start), duration_(duration) {}
 
-  Trajectory sample() const {
-    Trajectory out;
-    out.samples.push_back(row(0));
+  std::vector<Sample> every_millisecond() const {
     const auto count = static_cast<int>(std::ceil(duration_ / kTick - 1e-6));
-    for (int i = 1; i <= count; ++i) add_up_to(out.samples, row(i == count ? duration_ : i * kTick));
-    rest(out.samples.back());
+    std::vector<Sample> rows;
+    for (int i = 0; i <= count; ++i) rows.push_back(row(i == count ? duration_ : i * kTick));
+    rest(rows.back());
+    return rows;
+  }
+
+  Trajectory between(const std::vector<Sample>& rows) const {
+    Trajectory out;
+    out.samples.push_back(rows.front());
+    for (std::size_t i = 1; i < rows.size(); ++i) add_up_to(out.samples, rows[i]);
     return out;
   }
 
@@ -178,18 +187,27 @@ class Rows {
   double start_, duration_;
 };
 
-// Before it is worth a rollout.
-bool rows_within(const Limits& limits, const Trajectory& stop) {
-  return std::all_of(stop.samples.begin(), stop.samples.end(), [&](const Sample& row) {
+// Before it is worth a rollout: empty, or what is wrong.
+std::string fault_of_rows(const Limits& limits, const std::vector<Sample>& rows) {
+  struct Quantity {
+    const char* name;
+    double value, limit;
+  };
+  for (const Sample& row : rows) {
+    const State<double>& x = row.state;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      const State<double>& x = row.state;
-      const bool inside =
-          std::abs(row.torque[j]) <= limits.torque[j] && std::abs(x.dtheta[j]) <= limits.motor_velocity[j] &&
-          std::abs(x.q[j]) <= limits.link_position[j] && std::abs(x.theta[j] - x.q[j]) <= limits.spring_deflection[j];
-      if (!inside) return false;
+      for (const Quantity& quantity :
+           {Quantity{"torque", row.torque[j], limits.torque[j]},
+            Quantity{"motor_velocity", x.dtheta[j], limits.motor_velocity[j]},
+            Quantity{"link_position", x.q[j], limits.link_position[j]},
+            Quantity{"spring_deflection", x.theta[j] - x.q[j], limits.spring_deflection[j]}}) {
+        if (std::abs(quantity.value) <= quantity.limit) continue;
+        return fmt::format("{} of joint {} reaches {:.6g} at {:.6f} s, the limit of a stop is {:.6g}", quantity.name,
+                           j + 1, quantity.value, row.time, quantity.limit);
+      }
     }
-    return true;
-  });
+  }
+  return "";
 }
 
 Trajectory with_rest(const Parameters& robot, const Trajectory& stop) {
@@ -200,6 +218,18 @@ Trajectory with_rest(const Parameters& robot, const Trajectory& stop) {
   last.time += kRestAfter;
   t.samples.push_back(last);
   return t;
+}
+
+double instant_of_stop(const Trajectory& plan, std::size_t i) {
+  return plan.start_time() + static_cast<double>(i) * kStopSpacing;
+}
+
+bool can_be_used(const Parameters& robot, const Sample& from, const StopMotion& stop) {
+  try {
+    return fault_of_stop(robot, stop_rows(robot, from, stop)).empty();
+  } catch (const NoStop&) {
+    return false;
+  }
 }
 
 }  // namespace
@@ -216,19 +246,28 @@ Limits stop_limits(const Parameters& robot) {
   return limits;
 }
 
-std::optional<Trajectory> find_stop(const Parameters& robot, const Sample& from, double shortest, double longest) {
+std::optional<StopMotion> find_stop(const Parameters& robot, const Sample& from, double shortest, double longest) {
   const Limits limits = stop_limits(robot);
   const LinkMotion motion = motion_of(robot, from);
   for (const int shapes : {4, kShapes}) {
     if (shapes == kShapes && longest < kSoon) break;
-    for (double duration = std::max(shortest, kShortest); duration <= longest; duration *= kLonger) {
+    for (double duration = std::max(shortest, kShortestStop); duration <= longest; duration *= kLonger) {
       Search search(robot, limits, motion, duration, shapes);
       if (!search.run()) continue;
-      Trajectory stop = Rows(robot, search.shapes(), from.time, duration).sample();
-      if (rows_within(limits, stop) && fault_of_stop(robot, stop).empty()) return stop;
+      const StopMotion stop{from.time, duration, search.free()};
+      if (can_be_used(robot, from, stop)) return stop;
     }
   }
   return std::nullopt;
+}
+
+Trajectory stop_rows(const Parameters& robot, const Sample& from, const StopMotion& stop) {
+  Pair<StopShape> shapes = shapes_from(motion_of(robot, from), stop.duration);
+  for (std::size_t j = 0; j < kJoints; ++j) shapes[j].free = stop.free[j];
+  const Rows rows(robot, shapes, from.time, stop.duration);
+  const std::vector<Sample> coarse = rows.every_millisecond();
+  if (const std::string fault = fault_of_rows(stop_limits(robot), coarse); !fault.empty()) throw NoStop(fault);
+  return rows.between(coarse);
 }
 
 std::string fault_of_stop(const Parameters& robot, const Trajectory& stop) {
@@ -246,23 +285,50 @@ std::string fault_of_stop(const Parameters& robot, const Trajectory& stop) {
   return fmt::format("a link is up to {:.2e} rad off the stop, allowed {:.2e} rad", closed.errors.max_link(), allowed);
 }
 
-std::vector<Trajectory> stop_motions(const Parameters& robot, const Trajectory& plan,
+std::size_t count_of_stops(const Trajectory& plan) {
+  std::size_t count = 0;
+  while (instant_of_stop(plan, count) < plan.end_time()) ++count;
+  return count;
+}
+
+std::vector<StopMotion> stop_motions(const Parameters& robot, const Trajectory& plan,
                                      const std::function<void()>& between) {
-  std::vector<Trajectory> stops;
+  std::vector<StopMotion> stops;
   Interpolator at(plan);
   double shortest = 0;
-  for (int i = 0; plan.start_time() + i * kStopSpacing < plan.end_time(); ++i) {
-    const double time = plan.start_time() + i * kStopSpacing;
-    const double left = plan.end_time() - time;
-    std::optional<Trajectory> stop = find_stop(robot, at.at(time), shortest, std::min(left, kLongest));
-    if (!stop && left > kLongest) {
+  for (std::size_t i = 0; i < count_of_stops(plan); ++i) {
+    const double time = instant_of_stop(plan, i), left = plan.end_time() - time;
+    const auto stop = find_stop(robot, at.at(time), shortest, std::min(left, kLongestStop));
+    if (!stop && left > kLongestStop) {
       throw NoStop(fmt::format("no motion was found that stops it at {:.3f} s within the limits", time));
     }
-    shortest = stop ? (stop->end_time() - time) / (kLonger * kLonger) : 0;
-    stops.push_back(stop ? std::move(*stop) : Trajectory{});
+    shortest = stop ? stop->duration / (kLonger * kLonger) : 0;
+    stops.push_back(stop.value_or(StopMotion{time, 0, {}}));
     if (between) between();
   }
   return stops;
+}
+
+Trajectory checked_stop(const Parameters& robot, const Trajectory& plan, std::size_t i, const StopMotion& stop) {
+  const double time = instant_of_stop(plan, i);
+  const auto refuse = [time](const std::string& why) {
+    throw NoStop(fmt::format("the stop motion at {:.3f} s cannot be used: {}", time, why));
+  };
+  if (!(std::abs(stop.time - time) <= kSameInstant)) refuse(fmt::format("it begins at {:.6g} s", stop.time));
+  if (stop.duration == 0 && plan.end_time() - time <= kLongestStop) return {};
+  if (!(stop.duration >= kShortestStop && stop.duration <= kLongestStop)) {
+    refuse(fmt::format("it takes {:.6g} s, {:g} to {:g} s are allowed", stop.duration, kShortestStop, kLongestStop));
+  }
+  Trajectory rows;
+  std::string fault;
+  try {
+    rows = stop_rows(robot, Interpolator(plan).at(time), stop);
+    fault = fault_of_stop(robot, rows);
+  } catch (const NoStop& error) {
+    fault = error.what();
+  }
+  if (!fault.empty()) refuse(fault);
+  return rows;
 }
 
 }  // namespace fjr

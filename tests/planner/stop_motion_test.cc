@@ -1,5 +1,5 @@
 // Stop motions of a plan that is at its limits nearly all the time, on the exact model.
-#include "planner/executor/stop_motion.h"
+#include "planner/stop/stop_motion.h"
 
 #include <gtest/gtest.h>
 
@@ -77,8 +77,12 @@ TEST(StopMotion, LeavesTheLinksStillFromAnyInstantOfAFastPlan) {
                                         default_robot_file());
   const Plan fast = plan(problem, {});
   ASSERT_EQ(fast.status, PlanStatus::kCertified) << fast.reason;
-  const std::vector<Trajectory> stops = stop_motions(robot(), *fast.trajectory, {});
-  ASSERT_EQ(stops.size(), static_cast<std::size_t>(std::ceil(fast.trajectory->end_time() / kStopSpacing)));
+  const std::vector<StopMotion> found = stop_motions(robot(), *fast.trajectory, {});
+  ASSERT_EQ(found.size(), static_cast<std::size_t>(std::ceil(fast.trajectory->end_time() / kStopSpacing)));
+  std::vector<Trajectory> stops;
+  for (const StopMotion& stop : found) {
+    stops.push_back(checked_stop(robot(), *fast.trajectory, stops.size(), stop));
+  }
   ASSERT_GE(stops.size(), 20U);
 
   Interpolator at(*fast.trajectory);
@@ -122,10 +126,11 @@ TEST(StopMotion, IsRefusedWhenItLeavesTheLinksSwinging) {
   const Sample start{0, rest_at(robot(), {0.3, 0.2}), gravity_torque(robot(), Pair<double>{0.3, 0.2})};
   Sample moving = start;
   moving.state.dq = moving.state.dtheta = {1, -1};
-  const auto stop = find_stop(robot(), moving, 0, 1);
-  ASSERT_TRUE(stop);
-  EXPECT_EQ(fault_of_stop(robot(), *stop), "");
-  Trajectory broken = *stop;
+  const auto found = find_stop(robot(), moving, 0, 1);
+  ASSERT_TRUE(found);
+  const Trajectory stop = stop_rows(robot(), moving, *found);
+  EXPECT_EQ(fault_of_stop(robot(), stop), "");
+  Trajectory broken = stop;
   for (Sample& row : broken.samples) row.torque[0] *= 0.95;
   EXPECT_NE(fault_of_stop(robot(), broken), "");
 }
@@ -141,7 +146,7 @@ TEST(StopShape, AtRestStaysAtRest) {
   const Sample still{0, rest_at(robot(), {0.3, 0.2}), gravity_torque(robot(), Pair<double>{0.3, 0.2})};
   const auto stop = find_stop(robot(), still, 0, 1);
   ASSERT_TRUE(stop);
-  for (const Sample& row : stop->samples) {
+  for (const Sample& row : stop_rows(robot(), still, *stop).samples) {
     for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(row.state.q[j], still.state.q[j], 1e-12);
   }
 }

@@ -1,4 +1,4 @@
-#include "planner/executor/stop_shape.h"
+#include "planner/stop/stop_shape.h"
 
 #include <Eigen/Dense>
 #include <cmath>

@@ -2,58 +2,154 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
+#include <map>
 #include <optional>
+#include <set>
 
 #include "planner/executor/dds/command_port.h"
 #include "planner/service/client.h"
+#include "planner/service/patience.h"
 
 namespace fjr {
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using Source = dds::ExecutorStates::Source;
+
+constexpr double kAgain = 0.1;   // [s] between repetitions: commands are idempotent
+constexpr double kObey = 0.05;   // [s] from the arrival of the command until states are of after it
+constexpr double kQuiet = 0.25;  // [s] without anybody new, after which everybody is taken to be known
+constexpr double kMeeting =
+    0.5;  // [s] for who takes commands to show that it reports states; otherwise it only listens
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-bool complied(ExecutorCommand command, ExecutorMode mode) {
-  if (mode == ExecutorMode::kStopped) return true;
-  return command == ExecutorCommand::kHold && mode == ExecutorMode::kHolding;
-}
+const char* verb(ExecutorCommand command) { return command == ExecutorCommand::kStop ? "stop" : "hold"; }
 
-// The latest state of the robot within a few milliseconds.
-std::optional<ExecutorState> listen(dds::CommandPort& port, const std::string& robot_id) {
-  port.wait(std::chrono::milliseconds(10));
-  std::optional<ExecutorState> latest;
-  for (ExecutorState& state : port.take_states()) {
-    if (state.robot_id == robot_id) latest = std::move(state);
+class Halt {
+ public:
+  Halt(ExecutorCommand command, const HaltOptions& options)
+      : options_(options),
+        order_{options.robot_id, new_client(), command},
+        port_(dds::guarded_participant(options.network)),
+        patience_(options.find) {}
+
+  std::vector<ExecutorState> run() {
+    for (;;) {
+      port_.wait(std::chrono::milliseconds(5));
+      send();
+      listen();
+      if (everybody_complied()) return complied_states();
+      if (!answered() && patience_.over(port_.discovery().handshakes_may_take())) throw NoAnswer(about_nobody());
+      if (answered() && patience_.looked() > options_.comply) throw NoAnswer(about_the_others());
+    }
   }
-  return latest;
-}
+
+ private:
+  // To those who are known by now; at once when they have become more.
+  void send() {
+    const std::size_t readers = port_.readers();
+    if (readers > readers_) delivered_.reset();
+    if (readers > readers_ || (readers > 0 && seconds_since(sent_) > kAgain)) {
+      sent_ = Clock::now();
+      (void)port_.send(order_);
+      ++times_;
+    }
+    readers_ = readers;
+    if (times_ > 0 && !delivered_ && port_.delivered()) delivered_ = Clock::now();
+  }
+
+  void listen() {
+    if (port_.discovery().look()) patience_.progressed();
+    for (auto& [source, state] : port_.executors().take()) {
+      if (const auto peer = port_.executors().peer(source)) heard_of_.insert(*peer);
+      if (state.robot_id != options_.robot_id) continue;
+      const bool after = delivered_ && seconds_since(*delivered_) > kObey;
+      states_.insert_or_assign(source, Word{state, after && complied(state.mode)});
+    }
+    std::erase_if(states_, [this](const auto& word) { return !port_.executors().there(word.first); });
+  }
+
+  bool complied(ExecutorMode mode) const {
+    if (mode == ExecutorMode::kStopped) return true;
+    return order_.command == ExecutorCommand::kHold && mode == ExecutorMode::kHolding;
+  }
+
+  bool answered() const { return !states_.empty(); }
+
+  bool everybody_complied() {
+    const bool everybody_known = patience_.nothing_new() > kQuiet || patience_.looked() > options_.find;
+    return answered() && everybody_known && silent() == 0 &&
+           std::all_of(states_.begin(), states_.end(), [](const auto& word) { return word.second.complied; });
+  }
+
+  // How many take commands or report states, to all appearance, and have not said of which robot.
+  std::size_t silent() {
+    const auto& peers = port_.discovery().peers();
+    return static_cast<std::size_t>(std::count_if(peers.begin(), peers.end(), [this](const auto& entry) {
+      const auto& [key, peer] = entry;
+      if (heard_of_.contains(key)) return false;
+      if (dds::CommandPort::reports_states(peer)) return true;
+      return dds::CommandPort::takes_commands(peer) && seconds_since(peer.met) < kMeeting;
+    }));
+  }
+
+  std::vector<ExecutorState> complied_states() const {
+    std::vector<ExecutorState> states;
+    for (const auto& [source, word] : states_) states.push_back(word.state);
+    return states;
+  }
+
+  std::string what_was_sent() const {
+    if (times_ == 0) return fmt::format("{} could not be sent, for nobody takes commands,", verb(order_.command));
+    return fmt::format("{} was sent {} times to {} reader{} of commands{}", verb(order_.command), times_, readers_,
+                       readers_ == 1 ? "" : "s", delivered_ ? ", arrived," : "");
+  }
+
+  std::string about_nobody() {
+    const auto strangers = port_.discovery().about_strangers();
+    return fmt::format(
+        "{} and no executor reports for robot '{}' on DDS domain {} (looked for {:.1f} s): {}", what_was_sent(),
+        options_.robot_id, options_.network.domain, patience_.looked(),
+        strangers.value_or(
+            "is `fjr executor` running, on this domain, for this robot and with the same CYCLONEDDS_URI?"));
+  }
+
+  std::string about_the_others() {
+    const auto complied =
+        std::count_if(states_.begin(), states_.end(), [](const auto& word) { return word.second.complied; });
+    std::string text =
+        fmt::format("{} but {} of {} executors of robot '{}' say{} within {:g} s that it complies", what_was_sent(),
+                    complied, states_.size(), options_.robot_id, complied == 1 ? "s" : "", options_.comply);
+    if (const std::size_t others = silent(); others > 0) {
+      text += fmt::format("; {} more say{} nothing of itself", others, others == 1 ? "s" : "");
+    }
+    return text;
+  }
+
+  struct Word {
+    ExecutorState state;
+    bool complied;  // after the command had arrived
+  };
+
+  const HaltOptions& options_;
+  const ExecutorOrder order_;
+  dds::CommandPort port_;
+  Patience patience_;
+  std::size_t readers_ = 0;
+  int times_ = 0;
+  Clock::time_point sent_;
+  std::optional<Clock::time_point> delivered_;
+  std::set<dds::Discovery::Key> heard_of_;
+  std::map<Source, Word> states_;  // of the robot's executors, the latest
+};
 
 }  // namespace
 
-ExecutorState halt(ExecutorCommand command, const HaltOptions& options) {
-  dds::CommandPort port(dds::guarded_participant(options.network));
-  const auto began = Clock::now();
-  while (!port.heard() || !listen(port, options.robot_id)) {
-    if (seconds_since(began) < options.find) continue;
-    throw NoAnswer(fmt::format(
-        "no executor reports for robot '{}' on DDS domain {} (looked for {:g} s): is `fjr executor` running, on this "
-        "domain, for this robot and with the same CYCLONEDDS_URI?",
-        options.robot_id, options.network.domain, options.find));
-  }
-  const ExecutorOrder order{options.robot_id, new_client(), command};
-  const auto sent = Clock::now();
-  (void)port.send(order);
-  for (auto repeated = sent; seconds_since(sent) < options.comply;) {
-    const auto state = listen(port, options.robot_id);
-    if (state && complied(command, state->mode)) return *state;
-    if (seconds_since(repeated) < 0.2) continue;
-    repeated = Clock::now();  // commands are idempotent
-    (void)port.send(order);
-  }
-  throw NoAnswer(fmt::format("the executor of robot '{}' does not say within {:g} s that it complies", options.robot_id,
-                             options.comply));
+std::vector<ExecutorState> halt(ExecutorCommand command, const HaltOptions& options) {
+  return Halt(command, options).run();
 }
 
 }  // namespace fjr

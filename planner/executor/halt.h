@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "planner/service/execution_messages.h"
 #include "planner/service/network.h"
@@ -11,12 +12,13 @@ namespace fjr {
 struct HaltOptions {
   Network network;
   std::string robot_id = "arm";
-  double find = 3;     // [s] to find the executor
+  double find = 3;     // [s] to hear an executor of the robot, since somebody was last met
   double comply = 10;  // [s] for the arm to come to rest
 };
 
-// The state in which the executor holds, or is stopped. Throws NoAnswer (planner/service/client.h), one sentence: no
-// executor, or it does not comply.
-ExecutorState halt(ExecutorCommand command, const HaltOptions& options);
+// Sends the command to whoever takes commands, as soon as they are met and again until it is over, whether anything is
+// heard of them or not. Returns the states in which every executor of the robot holds, or is stopped. Throws NoAnswer
+// (planner/service/client.h), one sentence on what was sent and who has not said so.
+std::vector<ExecutorState> halt(ExecutorCommand command, const HaltOptions& options);
 
 }  // namespace fjr

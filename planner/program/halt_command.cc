@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "planner/executor/halt.h"
 #include "planner/program/commands.h"
@@ -20,19 +21,26 @@ struct HaltArguments {
   bool json = false;
 };
 
+bool stopped(const ExecutorState& state) { return state.mode == ExecutorMode::kStopped; }
+
+nlohmann::ordered_json json_of(const ExecutorState& state) {
+  return {{"robot_id", state.robot_id}, {"mode", stopped(state) ? "stopped" : "holding"}, {"q", state.q}};
+}
+
 int run(ExecutorCommand command, const HaltArguments& options) {
   HaltOptions how = options.halt;
   options.network.apply_to(how.network);
-  const ExecutorState state = halt(command, how);
-  const bool stopped = state.mode == ExecutorMode::kStopped;
+  const std::vector<ExecutorState> executors = halt(command, how);
   if (options.json) {
-    const nlohmann::ordered_json json{
-        {"robot_id", state.robot_id}, {"mode", stopped ? "stopped" : "holding"}, {"q", state.q}};
+    nlohmann::ordered_json json = json_of(executors.front());
+    for (const ExecutorState& state : executors) json["executors"].push_back(json_of(state));
     fmt::print("{}", json_text(json));
     return 0;
   }
-  fmt::print("{}: {} at q = ({:.4f}, {:.4f}) rad\n", state.robot_id,
-             stopped ? "stopped until the executor is restarted" : "holding", state.q[0], state.q[1]);
+  for (const ExecutorState& state : executors) {
+    fmt::print("{}: {} at q = ({:.4f}, {:.4f}) rad\n", state.robot_id,
+               stopped(state) ? "stopped until the executor is restarted" : "holding", state.q[0], state.q[1]);
+  }
   return 0;
 }
 
@@ -41,7 +49,14 @@ void add(CLI::App& app, int& exit_code, ExecutorCommand what, const std::string&
   CLI::App* command = app.add_subcommand(name, does);
   command->add_option("--robot-id", options->halt.robot_id, "Name of the arm on DDS")->capture_default_str();
   add_network_options(*command, options->network);
-  command->add_flag("--json", options->json, "Only JSON on stdout");
+  command->add_option("--find", options->halt.find, "How long to look for an executor, in seconds")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_option("--within", options->halt.comply, "How long the arm may take to come to rest, in seconds")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command->add_flag("--json", options->json,
+                    "Only JSON on stdout: the first executor of the robot, and all of them in `executors`");
   command->callback([options, what, &exit_code] { exit_code = run(what, *options); });
 }
 

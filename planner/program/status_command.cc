@@ -99,7 +99,8 @@ int run(const StatusArguments& options) {
   all["executors"] = show(found.executors, options.json);
   if (options.json) fmt::print("{}", json_text(all));
   if (!found.services.empty()) return 0;
-  fmt::print(stderr, "fjr: no planning service on DDS domain {} (looked for {:g} s)\n", options.domain, options.wait);
+  fmt::print(stderr, "fjr: no planning service on DDS domain {} (looked for {:.3g} s){}\n", options.domain,
+             found.looked, found.strangers ? ": " + *found.strangers : "");
   return 1;
 }
 

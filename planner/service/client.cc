@@ -6,8 +6,11 @@
 #include <chrono>
 #include <map>
 #include <optional>
+#include <utility>
 
 #include "planner/service/dds/client_port.h"
+#include "planner/service/dds/overview_port.h"
+#include "planner/service/patience.h"
 
 namespace fjr {
 namespace {
@@ -40,11 +43,11 @@ class Client {
   bool cancelled() const { return options_.cancelled && options_.cancelled(); }
 
   void find_service() {
-    const auto began = Clock::now();
+    Patience patience(options_.find);
     while (!port_.served()) {
-      if (seconds_since(began) > options_.find || cancelled()) {
-        throw NoAnswer(about_nobody());
-      }
+      if (port_.discovery().look()) patience.progressed();
+      if (patience.over(port_.discovery().handshakes_may_take()) || cancelled())
+        throw NoAnswer(about_nobody(patience.looked()));
       port_.wait(std::chrono::milliseconds(5));
       (void)port_.take_services();
     }
@@ -122,14 +125,14 @@ class Client {
     port_.send(order_);
   }
 
-  std::string about_nobody() const {
+  std::string about_nobody(double looked) {
     if (const auto why = port_.why_unserved()) {
       return fmt::format("nobody on DDS domain {} can take this program's requests: {}", options_.network.domain, *why);
     }
-    return fmt::format(
-        "nobody serves plan requests on DDS domain {} (looked for {:g} s): is `fjr serve` running, on this domain and "
-        "with the same CYCLONEDDS_URI?",
-        options_.network.domain, options_.find);
+    const auto strangers = port_.discovery().about_strangers();
+    return fmt::format("nobody serves plan requests on DDS domain {} (looked for {:.3g} s): {}",
+                       options_.network.domain, looked,
+                       strangers.value_or("is `fjr serve` running, on this domain and with the same CYCLONEDDS_URI?"));
   }
 
   std::string about_the_silence() const {
@@ -159,18 +162,25 @@ class Client {
 Answer request_plan(const Order& order, const ClientOptions& options) { return Client(order, options).run(); }
 
 Overview overview(unsigned domain, double wait) {
-  dds::ClientPort port(dds::Participant(domain), new_client());
-  port.follow_executors();
+  dds::OverviewPort port{dds::Participant(domain)};
   std::map<std::string, ServiceStatus> services;
-  std::map<std::string, ExecutorState> executors;
-  for (const auto began = Clock::now(); seconds_since(began) < wait;) {
+  std::map<std::pair<std::string, dds::ExecutorStates::Source>, ExecutorState> executors;
+  Patience patience(wait);
+  const auto still_looking = [&] {
+    return patience.looked() < wait ||
+           (services.empty() && executors.empty() && !patience.over(port.discovery().handshakes_may_take()));
+  };
+  while (still_looking()) {
     port.wait(std::chrono::milliseconds(20));
+    if (port.discovery().look()) patience.progressed();
     for (ServiceStatus& status : port.take_services()) services[status.instance] = std::move(status);
-    for (ExecutorState& state : port.take_executors()) executors[state.robot_id] = std::move(state);
+    for (auto& [source, state] : port.take_executors()) executors[{state.robot_id, source}] = std::move(state);
   }
   Overview found;
   for (auto& [instance, status] : services) found.services.push_back(std::move(status));
   for (auto& [robot, state] : executors) found.executors.push_back(std::move(state));
+  if (found.services.empty()) found.strangers = port.discovery().about_strangers();
+  found.looked = patience.looked();
   return found;
 }
 

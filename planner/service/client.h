@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "planner/service/execution_messages.h"
@@ -24,7 +25,7 @@ struct ExecutionProgress {
 
 struct ClientOptions {
   Network network;
-  double find = 3;        // [s] to find a service, and an executor
+  double find = 3;        // [s] to find a service, since somebody was last met; and an executor
   double ask_again = 2;   // [s] of silence after which the same request is sent again
   double execution = 15;  // [s] beyond the trajectory's duration for the executor to report
   double silence = 10;    // [s] after which nobody is expected to answer any more
@@ -41,10 +42,13 @@ struct Answer {
 };
 Answer request_plan(const Order& order, const ClientOptions& options);
 
-// The latest word of everybody heard within `wait` seconds: services by instance, executors by robot.
+// The latest word of everybody heard within `wait` seconds, or, while nobody is heard, as long as ever more of those
+// who are there are met: services by instance, executors by robot.
 struct Overview {
   std::vector<ServiceStatus> services;
-  std::vector<ExecutorState> executors;
+  std::vector<ExecutorState> executors;  // two that speak for one robot are two
+  std::optional<std::string> strangers;  // without services: one sentence on who lets nothing be seen
+  double looked = 0;                     // [s]
 };
 Overview overview(unsigned domain, double wait);
 

@@ -81,6 +81,55 @@ TEST_F(SecurityTest, HoldsEverybodyToTheirRole) {
   EXPECT_NO_THROW(dds::Writer<fjr_msg_PlanRequest>(client, client.handle()));
 }
 
+TEST_F(SecurityTest, HoldsAndStopsForThoseWhoMay) {
+  make_credentials("theirs");
+  const auto executor = fjr({"executor", "--state", path("state")}, "executor.log", as("executor"));
+  ASSERT_TRUE(comes_true([&] { return executor->output().find("executing for") != std::string::npos; }));
+  const auto halt = [&](const std::string& command, const std::vector<std::string>& environment) {
+    const auto program = fjr({command, "--find", "1.5"}, "halt.log", environment);
+    const int code = program->wait();
+    return std::to_string(code) + " " + program->output();
+  };
+  const std::string unknown = halt("stop", {"FJR_SECURITY="});
+  EXPECT_THAT(unknown, HasSubstr("1 fjr: stop could not be sent"));
+  EXPECT_THAT(unknown, HasSubstr("FJR_SECURITY is not set"));
+  const std::string foreign = halt("stop", {"FJR_SECURITY=" + (path("theirs") / "client").string()});
+  EXPECT_THAT(foreign, HasSubstr("1 fjr: stop could not be sent"));
+  EXPECT_THAT(foreign, HasSubstr("no credentials of the authorities"));
+  const std::string observer = halt("stop", as("observer"));
+  EXPECT_THAT(observer, HasSubstr("Not Allowed By Security"));
+  EXPECT_THAT(executor->output(), Not(HasSubstr("commanded")));
+  EXPECT_THAT(halt("hold", as("client")), HasSubstr("0 arm: holding at"));
+  EXPECT_THAT(executor->output(), HasSubstr("hold commanded"));
+  EXPECT_THAT(halt("stop", as("client")), HasSubstr("0 arm: stopped until"));
+}
+
+// Everybody shakes hands with everybody: 31 participants, 465 times. Nobody gives up while that goes on.
+TEST_F(SecurityTest, ServesManyClientsThatComeAtOnce) {
+  const auto service = serve({}, as("service"));
+  constexpr int kClients = 30;
+  std::vector<std::unique_ptr<Process>> clients;
+  for (int i = 0; i < kClients; ++i) {
+    clients.push_back(
+        fjr({"request", path("bad.yaml"), "--silence", "60"}, "client" + std::to_string(i), as("client")));
+  }
+  for (const auto& client : clients) EXPECT_EQ(client->wait(), 2) << client->output();
+}
+
+TEST_F(SecurityTest, SaysWhyAServiceIsNotFound) {
+  const auto service = serve({}, as("service"));
+  const auto status = fjr({"status", "--json"}, "status.log", as("observer"));
+  EXPECT_EQ(status->wait(), 0) << status->output();
+  EXPECT_THAT(status->output(), HasSubstr("\"epoch\": 1"));
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"status"}, {"request", path("bad.yaml"), "--find", "1"}}) {
+    const auto unknown = fjr(words, "unknown.log", {"FJR_SECURITY="});
+    EXPECT_EQ(unknown->wait(), 1);
+    EXPECT_THAT(unknown->output(), HasSubstr("1 other participant is there and lets nothing be seen"));
+    EXPECT_THAT(unknown->output(), HasSubstr("FJR_SECURITY is not set"));
+  }
+}
+
 TEST_F(SecurityTest, NamesCredentialsThatAreNoGood) {
   fs::remove(path("ours") / "service" / "key.pem");
   const auto incomplete = fjr({"serve"}, "incomplete.log", as("service"));

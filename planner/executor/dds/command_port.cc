@@ -6,22 +6,25 @@
 
 namespace fjr::dds {
 
+// The writer comes first: a command can be sent as soon as it has met a reader, whatever else is known.
 CommandPort::CommandPort(Participant participant)
     : participant_(std::move(participant)),
       waitset_(participant_),
-      states_(participant_, participant_.handle()),
-      commands_(participant_, participant_.handle()) {
-  waitset_.attach(states_.arrived());
+      commands_(participant_, participant_.handle()),
+      executors_(participant_),
+      discovery_(participant_) {
+  checked(dds_set_status_mask(commands_.handle(), DDS_PUBLICATION_MATCHED_STATUS), "status mask");
+  waitset_.attach(commands_.handle());
 }
 
 bool CommandPort::send(const ExecutorOrder& order) { return commands_.write(encode(order)); }
 
-std::vector<ExecutorState> CommandPort::take_states() {
-  std::vector<ExecutorState> states;
-  states_.take_all([&](const fjr_msg_ExecutorState& message, const dds_sample_info_t& info) {
-    if (info.valid_data) states.push_back(decode(message));
-  });
-  return states;
+bool CommandPort::reports_states(const Discovery::Peer& peer) {
+  return peer.writes.contains(TopicOf<fjr_msg_ExecutorState>::kName);
+}
+
+bool CommandPort::takes_commands(const Discovery::Peer& peer) {
+  return peer.reads.contains(TopicOf<fjr_msg_ExecutorCommand>::kName);
 }
 
 }  // namespace fjr::dds

@@ -4,8 +4,9 @@
 #include <chrono>
 #include <vector>
 
+#include "planner/service/dds/discovery.h"
+#include "planner/service/dds/executor_states.h"
 #include "planner/service/dds/participant.h"
-#include "planner/service/dds/reader.h"
 #include "planner/service/dds/waitset.h"
 #include "planner/service/dds/writer.h"
 #include "planner/service/execution_messages.h"
@@ -16,17 +17,26 @@ class CommandPort {
  public:
   explicit CommandPort(Participant participant);
 
+  // Ends at once when somebody takes commands who did not before.
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
 
-  bool heard() const { return commands_.has_reader(); }  // some executor takes commands
+  std::size_t readers() const { return commands_.readers(); }  // of commands, known by now: send() is for them
   bool send(const ExecutorOrder& order);
-  std::vector<ExecutorState> take_states();
+  bool delivered() const { return commands_.flush(0); }  // they have acknowledged what was sent
+
+  // To all appearance, whether it and this program understand each other or not.
+  static bool reports_states(const Discovery::Peer& peer);
+  static bool takes_commands(const Discovery::Peer& peer);
+
+  ExecutorStates& executors() { return executors_; }
+  Discovery& discovery() { return discovery_; }
 
  private:
   Participant participant_;
   Waitset waitset_;
-  Reader<fjr_msg_ExecutorState> states_;
   Writer<fjr_msg_ExecutorCommand> commands_;
+  ExecutorStates executors_;
+  Discovery discovery_;
 };
 
 }  // namespace fjr::dds

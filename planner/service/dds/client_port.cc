@@ -15,6 +15,7 @@ namespace fjr::dds {
 ClientPort::ClientPort(Participant participant, const RequestId& client)
     : participant_(std::move(participant)),
       waitset_(participant_),
+      discovery_(participant_),
       subscriber_(participant_.subscriber(client_name(client))),
       replies_(participant_, subscriber_.handle()),
       progress_(participant_, subscriber_.handle()),

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "planner/service/dds/discovery.h"
 #include "planner/service/dds/participant.h"
 #include "planner/service/dds/reader.h"
 #include "planner/service/dds/waitset.h"
@@ -37,6 +38,8 @@ class ClientPort {
   bool any_executor() const { return executors_ && executors_->has_writer(); }
   std::vector<ExecutorState> take_executors();
 
+  Discovery& discovery() { return discovery_; }
+
   // Why requests, or replies to them, do not come through although somebody is there; nothing: nobody is.
   std::optional<std::string> why_unserved() const;
   std::optional<std::string> why_unanswered() const;
@@ -47,6 +50,7 @@ class ClientPort {
 
   Participant participant_;
   Waitset waitset_;
+  Discovery discovery_;
   Entity subscriber_;
   Reader<fjr_msg_PlanReply> replies_;
   Reader<fjr_msg_PlanStatus> progress_;

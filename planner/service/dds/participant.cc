@@ -51,7 +51,7 @@ Entity created(unsigned domain, const fs::path& credentials) {
 }  // namespace
 
 Participant::Participant(unsigned domain, const fs::path& credentials)
-    : domain_(shared_domain(domain)), participant_(created(domain, credentials)) {
+    : secured_(!credentials.empty()), domain_(shared_domain(domain)), participant_(created(domain, credentials)) {
   if (sends_only_over_loopback()) hear_only_loopback();
 }
 

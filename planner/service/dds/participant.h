@@ -20,6 +20,7 @@ class Participant {
   explicit Participant(unsigned domain, const std::filesystem::path& credentials = credentials_from_environment());
 
   dds_entity_t handle() const { return participant_.handle(); }
+  bool secured() const { return secured_; }  // takes part with credentials
 
   template <class T>
   Entity topic() const {
@@ -37,6 +38,7 @@ class Participant {
   }
 
  private:
+  bool secured_;
   std::shared_ptr<Entity> domain_;  // none: CYCLONEDDS_URI configures it
   Entity participant_;
 };

@@ -1,0 +1,34 @@
+// What executors say of themselves, each by itself: two may speak for one robot.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "planner/service/dds/discovery.h"
+#include "planner/service/dds/participant.h"
+#include "planner/service/dds/reader.h"
+#include "planner/service/execution_messages.h"
+
+namespace fjr::dds {
+
+class ExecutorStates {
+ public:
+  using Source = dds_instance_handle_t;  // of the writer
+
+  struct Heard {
+    Source source;
+    ExecutorState state;
+  };
+
+  explicit ExecutorStates(const Participant& participant);
+
+  dds_entity_t arrived() const { return reader_.arrived(); }
+  std::vector<Heard> take();
+  bool there(Source source) const { return peer(source).has_value(); }
+  std::optional<Discovery::Key> peer(Source source) const;  // nothing: it is gone
+
+ private:
+  Reader<fjr_msg_ExecutorState> reader_;
+};
+
+}  // namespace fjr::dds

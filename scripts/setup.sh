@@ -14,7 +14,7 @@ packages=(
   openssl iproute2 nftables                                     # credentials; networks that lose packets, in tests
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev  # tests and benchmarks
   libfastrtps-dev fastddsgen default-jre-headless               # another DDS, to test against
-  python3                                                       # bench/suite.py
+  python3 python3-venv python3-dev                              # bench/suite.py, a client in Python
   clang-format clang-tidy                                       # style
 )
 missing=()

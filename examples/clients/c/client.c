@@ -6,15 +6,15 @@
 
 #include "fjr_msgs.h"
 
-enum { kStep = 10, kAskAgain = 2000, kPatience = 10000 };  // [ms]
+enum { kStep = 10, kAskAgain = 500, kPatience = 10000 };  // [ms]
 
-static fjr_msg_MotionRequest request;  // larger than a stack frame should be
+static fjr_msg_MotionRequest request;  // zeros: all that is not given below, and the end of the document
 
 static dds_entity_t topic(dds_entity_t participant, const char* name, const dds_topic_descriptor_t* type) {
   return dds_create_topic(participant, type, name, NULL, NULL);
 }
 
-// The next sample, or NULL. Returns the one before to the reader: that one is not to be used any more.
+// The next sample or NULL. The one before, in `loan`, goes back to the reader: it is not to be used any more.
 static void* next(dds_entity_t reader, void** loan) {
   dds_sample_info_t info;
   if (*loan) dds_return_loan(reader, loan, 1);
@@ -22,23 +22,25 @@ static void* next(dds_entity_t reader, void** loan) {
   return dds_take(reader, loan, &info, 1, 1) == 1 && info.valid_data ? *loan : NULL;
 }
 
-static bool is_ours(const fjr_msg_RequestId* id) {
-  return memcmp(id->client, request.id.client, sizeof id->client) == 0 && id->number == request.id.number;
+static bool is_ours(const fjr_msg_RequestId* id) { return memcmp(id, &request.id, sizeof *id) == 0; }
+
+static bool is_final(const fjr_msg_PlanReply* reply) {
+  return reply->state != fjr_msg_STATE_ACCEPTED && reply->reason != fjr_msg_REASON_QUEUE_FULL;
 }
 
 int main(int argc, char** argv) {
-  FILE* file = argc > 1 ? fopen(argv[1], "r") : NULL;
-  if (!file) return fprintf(stderr, "usage: client REQUEST.yaml [--execute]\n"), 2;
-  fread(request.document, 1, sizeof request.document - 1, file);  // the rest is 0: strings must be terminated
   const bool execute = argc > 2 && strcmp(argv[2], "--execute") == 0;
+  FILE* file = argc > 1 ? fopen(argv[1], "r") : NULL;
+  if (!file || fread(request.document, 1, sizeof request.document - 1, file) == 0) {
+    return fprintf(stderr, "usage: client REQUEST.yaml [--execute]\n"), 2;
+  }
   request.action = execute ? fjr_msg_ACTION_PLAN_AND_EXECUTE : fjr_msg_ACTION_PLAN;
-  getrandom(request.id.client, sizeof request.id.client, 0);
   request.id.number = 1;
+  if (getrandom(request.id.client, 16, 0) != 16) return 1;
   char partition[33];
   for (int i = 0; i < 16; ++i) snprintf(partition + 2 * i, 3, "%02x", request.id.client[i]);
 
   const dds_entity_t all = dds_create_participant(DDS_DOMAIN_DEFAULT, NULL, NULL);
-  if (all < 0) return 1;
   dds_qos_t* qos = dds_create_qos();
   dds_qset_partition1(qos, partition);
   const dds_entity_t mine = dds_create_subscriber(all, qos, NULL);
@@ -58,12 +60,7 @@ int main(int argc, char** argv) {
   for (int silence = 0; !reply && silence < kPatience; silence += kStep) {
     if (silence % kAskAgain == 0) dds_write(requests, &request);
     dds_sleepfor(DDS_MSECS(kStep));
-    while ((reply = next(replies, &loan)) && (!is_ours(&reply->id) || reply->state == fjr_msg_STATE_ACCEPTED)) {
-      if (is_ours(&reply->id)) silence = 0;
-    }
-    const bool later =
-        reply && (reply->reason == fjr_msg_REASON_QUEUE_FULL || reply->reason == fjr_msg_REASON_SHUTTING_DOWN);
-    if (later) reply = NULL;
+    while ((reply = next(replies, &loan)) && !(is_ours(&reply->id) && is_final(reply))) silence = 0;
   }
   if (!reply) return fprintf(stderr, "nobody answers: is the service running?\n"), 1;
   if (reply->state != fjr_msg_STATE_SOLVED) return fprintf(stderr, "%s: %s\n", reply->field, reply->sentence), 3;
@@ -78,7 +75,6 @@ int main(int argc, char** argv) {
     while ((result = next(results, &other)) && !is_ours(&result->trajectory_id)) continue;
   }
   if (!result) return fprintf(stderr, "the executor has not reported\n"), 1;
-  printf("executed: code %d %s, final error %g and %g rad\n", result->error_code, result->sentence,
-         result->final_link_error[0], result->final_link_error[1]);
+  printf("executed: code %d %s\n", result->error_code, result->sentence);
   return result->error_code == fjr_msg_RESULT_SUCCESSFUL ? 0 : 1;
 }

@@ -1,6 +1,5 @@
 """Has the motion of a request file planned and, with --execute, made by the arm:  client.py REQUEST.yaml [--execute]"""
 
-import argparse
 import secrets
 import sys
 import time
@@ -12,7 +11,6 @@ from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader, Subscriber
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
-
 from fjr import msg
 
 SENT = Qos(Policy.Reliability.Reliable(duration(seconds=1)), Policy.History.KeepAll)
@@ -31,32 +29,34 @@ def wait_for(reader, holds, seconds):
 
 
 def ask(writer, replies, request):
-    """The final reply; asks again after half a second of silence. None: nobody answers for ten seconds."""
-    silence = 0
-    while silence < 20:
+    """The final reply; asks again after half a second without it. None: nobody answers for ten seconds."""
+    heard = time.monotonic()
+
+    def answers(sample):
+        nonlocal heard
+        heard = time.monotonic()
+        return sample.id == request.id and sample.state != msg.STATE_ACCEPTED and sample.reason != msg.REASON_QUEUE_FULL
+
+    reply = None
+    while not reply and time.monotonic() < heard + 10:
         writer.write(request)
-        reply = wait_for(replies, lambda sample: sample.id == request.id, 0.5)
-        if reply and reply.state != msg.STATE_ACCEPTED and reply.reason != msg.REASON_QUEUE_FULL:
-            return reply
-        silence = 0 if reply else silence + 1
-    return None
+        reply = wait_for(replies, answers, 0.5)
+    return reply
 
 
 def main():
-    arguments = argparse.ArgumentParser(description=__doc__)
-    arguments.add_argument("request", type=Path)
-    arguments.add_argument("--execute", action="store_true")
-    given = arguments.parse_args()
-
-    client = secrets.token_bytes(16)
+    if len(sys.argv) < 2:
+        sys.exit(__doc__)
+    path, execute = Path(sys.argv[1]), "--execute" in sys.argv
+    client = secrets.token_bytes(16)  # arrays of octets are bytes in Python
     request = msg.MotionRequest(
-        id=msg.RequestId(list(client), 1),
-        action=msg.ACTION_PLAN_AND_EXECUTE if given.execute else msg.ACTION_PLAN,
-        trajectory_id=msg.RequestId([0] * 16, 0),
-        robot_id="", robot_hash="", name=given.request.name, priority=0, budget=0, start_within=0,
-        document=given.request.read_text())  # fmt: skip
+        id=msg.RequestId(client, 1),
+        action=msg.ACTION_PLAN_AND_EXECUTE if execute else msg.ACTION_PLAN,
+        trajectory_id=msg.RequestId(bytes(16), 0),
+        robot_id="", robot_hash="", name=path.name, priority=0, budget=0, start_within=0,
+        document=path.read_text())  # fmt: skip
 
-    everybody = DomainParticipant(0)
+    everybody = DomainParticipant()
     mine = Subscriber(everybody, qos=Qos(Policy.Partition([client.hex()])))
     replies = DataReader(mine, Topic(everybody, "fjr/plan_reply", msg.PlanReply), qos=READ)
     results = DataReader(everybody, Topic(everybody, "fjr/execution_result", msg.ExecutionResult), qos=READ)
@@ -68,7 +68,7 @@ def main():
     if reply.state != msg.STATE_SOLVED:
         sys.exit(f"{reply.field}: {reply.sentence}")
     print(f"duration {reply.rows[-1].time:g} s, {len(reply.rows)} rows")
-    if given.execute:
+    if execute:
         result = wait_for(results, lambda sample: sample.trajectory_id == request.id, reply.rows[-1].time + 10)
         if not result:
             sys.exit("the executor has not reported")

@@ -49,9 +49,11 @@ def refused_by_fastddsgen(folder, file):
 
 def main():
     folder = Path(sys.argv[1])
-    found = [*faults(folder, ["fjr_msgs.idl"]), *faults(folder, ["fjr_msgs.idl", "fjr_plan_request.idl"])]
+    files = ["fjr_msgs.idl", "fjr_plan_request.idl"]
+    found = [*faults(folder, files[:1]), *faults(folder, files)]
     if shutil.which("fastddsgen"):
-        found += [*refused_by_fastddsgen(folder, "fjr_msgs.idl"), *refused_by_fastddsgen(folder, "fjr_plan_request.idl")]
+        for file in files:
+            found += refused_by_fastddsgen(folder, file)
     else:
         print("fastddsgen is not installed: not run")
     sys.exit("\n".join(found) or 0)

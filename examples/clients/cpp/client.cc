@@ -50,7 +50,6 @@ int main(int argc, char** argv) {
   DataReaderQos reading = DATAREADER_QOS_DEFAULT;
   reading.reliability().kind = RELIABLE_RELIABILITY_QOS;
   reading.durability().kind = TRANSIENT_LOCAL_DURABILITY_QOS;
-  reading.endpoint().history_memory_policy = eprosima::fastrtps::rtps::DYNAMIC_RESERVE_MEMORY_MODE;
   SubscriberQos mine;
   mine.partition().push_back(partition.c_str());
   Topic* replied = topic("fjr/plan_reply", TypeSupport(new PlanReplyPubSubType));

@@ -64,7 +64,7 @@ std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedRep
   if (!planned) return refused("is not among the requests this service has planned lately; have it planned again");
   if (planned->state != ReplyState::kSolved) return refused(fmt::format("ended as {}", name(planned->state)));
   if (planned->robot_hash != robot_hash) return refused(fmt::format("was planned for a payload; {}", kOtherPayload));
-  if (!planned->rest_to_rest) return refused("does not go from rest to rest, or was planned by another instance");
+  if (!planned->rest_to_rest) return refused("does not go from rest to rest");
   return std::nullopt;
 }
 

@@ -1,10 +1,14 @@
-// Requests that another instance is to answer, kept in case it will not. Bounded; the oldest go first.
+// Requests that another instance is to answer, kept in case it will not, and passed on to it in case it has not heard
+// them. Bounded; of whoever has most the oldest go first.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <deque>
+#include <map>
 #include <utility>
+#include <vector>
 
 #include "planner/service/messages.h"
 
@@ -15,34 +19,97 @@ class Backlog {
   using Clock = std::chrono::steady_clock;
   struct Entry {
     Order order;
-    Clock::time_point arrived;
+    Clock::time_point arrived, heard;  // heard: the last sign of life of its client
     bool cancelled = false;
+    std::size_t relayed = 0;  // how often it was passed on
+    Clock::time_point relay_at = Clock::time_point::max();
   };
 
   explicit Backlog(std::size_t most) : most_(most) {}
 
-  void add(Order order, Clock::time_point arrived) {
-    if (find(order.id) != entries_.end()) return;
-    if (entries_.size() >= most_) entries_.pop_front();
-    entries_.push_back({std::move(order), arrived, false});
+  // relay: its sender may be unknown to the one that is to answer.
+  void add(Order order, Clock::time_point arrived, Clock::time_point heard, bool relay) {
+    if (const auto known = find(order.id); known != entries_.end()) {
+      known->heard = std::max(known->heard, heard);
+      if (relay) known->relay_at = std::min(known->relay_at, arrived + kPauses.front());
+      return;
+    }
+    if (entries_.size() >= most_) entries_.erase(oldest_of_whoever_has_most());
+    entries_.push_back(
+        {std::move(order), arrived, heard, false, 0, relay ? arrived + kPauses.front() : Clock::time_point::max()});
   }
-  void cancel(const RequestId& id) {
-    if (const auto found = find(id); found != entries_.end()) found->cancelled = true;
+  void cancel(const RequestId& id, bool relay) {
+    const auto found = find(id);
+    if (found == entries_.end()) return;
+    found->cancelled = true;
+    if (!relay) return;
+    found->relayed = 0;
+    found->relay_at = Clock::now() + kPauses.front();
   }
-  void answered(const RequestId& id) {
-    if (const auto found = find(id); found != entries_.end()) entries_.erase(found);
+  // Somebody has it in hand.
+  void accepted(const RequestId& id) {
+    if (const auto found = find(id); found != entries_.end()) found->relay_at = Clock::time_point::max();
+  }
+  // By whom it was asked; all zero: unknown here.
+  Origin answered(const RequestId& id) {
+    const auto found = find(id);
+    if (found == entries_.end()) return {};
+    const Origin origin = found->order.origin;
+    entries_.erase(found);
+    return origin;
   }
   // What nobody waits for any more.
   template <class Overdue>
   void forget_if(Overdue&& overdue) {
     std::erase_if(entries_, overdue);
   }
-  std::deque<Entry> take() { return std::exchange(entries_, {}); }
+  template <class Wanted>
+  std::vector<Entry> take_if(Wanted&& wanted) {
+    std::vector<Entry> taken;
+    std::erase_if(entries_, [&](Entry& entry) {
+      if (!wanted(entry)) return false;
+      taken.push_back(std::move(entry));
+      return true;
+    });
+    return taken;
+  }
   std::size_t size() const { return entries_.size(); }
 
+  Clock::time_point next_relay() const {
+    auto next = Clock::time_point::max();
+    for (const Entry& entry : entries_) next = std::min(next, entry.relay_at);
+    return next;
+  }
+  // Calls relay(entry) for what has had no answer for a while, some at a time.
+  template <class Relay>
+  void relay_due(Clock::time_point now, Relay&& relay) {
+    std::size_t count = 0;
+    for (Entry& entry : entries_) {
+      if (entry.relay_at > now || ++count > kAtOnce) continue;
+      relay(entry);
+      ++entry.relayed;
+      entry.relay_at = entry.relayed < kPauses.size() ? now + kPauses[entry.relayed] : Clock::time_point::max();
+    }
+  }
+
  private:
+  // An answer takes about a millisecond, and reliability does the rest: more than one is for an owner that did not know
+  // this instance yet.
+  static constexpr std::array<std::chrono::milliseconds, 5> kPauses{
+      std::chrono::milliseconds(20), std::chrono::milliseconds(60), std::chrono::milliseconds(200),
+      std::chrono::milliseconds(500), std::chrono::milliseconds(1000)};
+  static constexpr std::size_t kAtOnce = 64;
+
   std::deque<Entry>::iterator find(const RequestId& id) {
     return std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.order.id == id; });
+  }
+  std::deque<Entry>::iterator oldest_of_whoever_has_most() {
+    std::map<Origin, std::size_t> counts;
+    for (const Entry& entry : entries_) ++counts[entry.order.origin];
+    const auto most = std::max_element(counts.begin(), counts.end(),
+                                       [](const auto& a, const auto& b) { return a.second < b.second; });
+    return std::find_if(entries_.begin(), entries_.end(),
+                        [&](const Entry& entry) { return entry.order.origin == most->first; });
   }
 
   std::size_t most_;

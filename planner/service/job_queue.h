@@ -1,10 +1,14 @@
-// What waits to be solved: bounded, by priority, then by arrival.
+// What waits to be solved: by priority; within a priority one of each participant in turn, of one by arrival. Bounded
+// for each participant and in all.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <deque>
+#include <map>
 #include <optional>
+#include <utility>
 
 #include "planner/service/messages.h"
 
@@ -18,27 +22,40 @@ struct Job {
   std::string robot_hash;  // of the robot it is planned for: the served one, or that with the request's payload
   bool rest_to_rest = false;
   Clock::time_point arrived, deadline, started;
+  int lost = 0;  // how many workers have died of it, or with it
 };
 
 class JobQueue {
  public:
+  // capacity: of one participant.
   explicit JobQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  bool full() const { return jobs_.size() >= capacity_; }
+  bool full_for(const Origin& origin) const {
+    return jobs_.size() >= kClients * capacity_ || of(origin) >= static_cast<std::ptrdiff_t>(capacity_);
+  }
   bool empty() const { return jobs_.empty(); }
   std::size_t size() const { return jobs_.size(); }
   std::size_t capacity() const { return capacity_; }
 
-  void push(Job job) {
-    const auto behind = std::find_if(jobs_.begin(), jobs_.end(),
-                                     [&](const Job& waiting) { return waiting.order.priority < job.order.priority; });
-    jobs_.insert(behind, std::move(job));
-  }
+  void push(Job job) { jobs_.push_back(std::move(job)); }
+  void push_front(Job job) { jobs_.push_front(std::move(job)); }  // it has had its turn
 
-  Job pop() {
-    Job job = std::move(jobs_.front());
-    jobs_.pop_front();
+  // Removes and returns the next of those of which `ready` holds.
+  template <class Ready>
+  std::optional<Job> pop_if(Ready&& ready) {
+    auto next = jobs_.end();
+    for (auto job = jobs_.begin(); job != jobs_.end(); ++job) {
+      if (ready(*job) && (next == jobs_.end() || before(*job, *next))) next = job;
+    }
+    if (next == jobs_.end()) return std::nullopt;
+    Job job = std::move(*next);
+    jobs_.erase(next);
+    last_turn_[job.order.origin] = ++turns_;
+    std::erase_if(last_turn_, [&](const auto& turn) { return of(turn.first) == 0; });
     return job;
+  }
+  Job pop() {
+    return *pop_if([](const Job&) { return true; });
   }
 
   bool contains(const RequestId& id) const {
@@ -58,8 +75,24 @@ class JobQueue {
   const std::deque<Job>& jobs() const { return jobs_; }
 
  private:
+  static constexpr std::size_t kClients = 8;  // that may use their share to the full
+
+  std::ptrdiff_t of(const Origin& origin) const {
+    return std::count_if(jobs_.begin(), jobs_.end(), [&](const Job& job) { return job.order.origin == origin; });
+  }
+  std::uint64_t last_turn(const Job& job) const {
+    const auto found = last_turn_.find(job.order.origin);
+    return found == last_turn_.end() ? 0 : found->second;
+  }
+  bool before(const Job& a, const Job& b) const {
+    if (a.order.priority != b.order.priority) return a.order.priority > b.order.priority;
+    return last_turn(a) < last_turn(b);
+  }
+
   std::size_t capacity_;
-  std::deque<Job> jobs_;
+  std::deque<Job> jobs_;                       // of arrival
+  std::map<Origin, std::uint64_t> last_turn_;  // of those who wait
+  std::uint64_t turns_ = 0;
 };
 
 }  // namespace fjr

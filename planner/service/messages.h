@@ -15,6 +15,9 @@
 
 namespace fjr {
 
+// Whoever takes part in DDS as one participant, as DDS names it: one client, whatever ids it uses. All zero: unknown.
+using Origin = std::array<std::uint8_t, 16>;
+
 struct RequestId {
   std::array<std::uint8_t, 16> client{};
   std::uint64_t number = 0;
@@ -54,6 +57,7 @@ enum class Reason : std::uint8_t {
   kUnsupported,
   kArmNotAtRest,
   kNoTrajectory,
+  kClientGone,
 };
 
 const char* name(ReplyState state);  // "SOLVED", ...
@@ -82,6 +86,7 @@ struct Order {
   std::string robot_id;     // empty: whichever is served
   std::string robot_hash;   // empty: any
   std::string yaml;
+  Origin origin{};                 // set by the receiving side
   std::optional<Refusal> refusal;  // set by the receiving side for what cannot be meant
 };
 
@@ -99,7 +104,8 @@ struct Reply {
   std::string plan_json;                 // empty when nothing was planned
   LinkErrors errors;                     // of the rows
   std::vector<Sample> rows;              // of a certified trajectory, otherwise empty
-  bool rest_to_rest = false;             // known to the service that planned it only
+  bool rest_to_rest = false;             // known to services only, as the errors are
+  Origin origin{};                       // of the request; known to the service that answers only
 
   bool final() const { return state != ReplyState::kAccepted; }
 };

@@ -16,14 +16,14 @@ namespace fjr {
 class Outbox {
  public:
   using Clock = std::chrono::steady_clock;
-  using Send = std::function<bool(const Reply&)>;  // false: the client has no room now
+  using Send = std::function<bool(const SharedReply&)>;  // false: the client has no room now
 
   Outbox(Send send, std::size_t most_bytes) : send_(std::move(send)), most_bytes_(most_bytes) {}
 
   // False: there was too much to keep, and the client furthest behind has to ask again for its oldest reply.
   bool post(SharedReply reply) {
     const auto behind = waiting_.find(reply->id.client);
-    if (behind == waiting_.end() && send_(*reply)) return true;
+    if (behind == waiting_.end() && send_(reply)) return true;
     Client& client = behind == waiting_.end() ? waiting_[reply->id.client] : behind->second;
     if (waiting_.size() == 1 && client.replies.empty()) next_ = Clock::now() + (pause_ = kShortest);
     bytes_ += size_of(*reply);
@@ -41,7 +41,7 @@ class Outbox {
     for (auto client = waiting_.begin(); client != waiting_.end();) {
       auto& replies = client->second.replies;
       int sent = 0;
-      for (; sent < kAtOnce && !replies.empty() && send_(*replies.front()); ++sent) remove_oldest(client->second);
+      for (; sent < kAtOnce && !replies.empty() && send_(replies.front()); ++sent) remove_oldest(client->second);
       progress = progress || sent > 0;
       more = more || sent == kAtOnce;
       client = replies.empty() ? waiting_.erase(client) : std::next(client);

@@ -46,10 +46,13 @@ bool Ownership::somebody_owns() const {
                      [&](const auto& entry) { return entry.second.robot_id == robot_id_ && entry.second.epoch > 0; });
 }
 
+bool Ownership::goes_before(const std::string& instance) const {
+  return rank(robot_id_, instance_) >= rank(robot_id_, instance);
+}
+
 bool Ownership::first_in_line() const {
-  return std::none_of(peers_.begin(), peers_.end(), [&](const auto& entry) {
-    return entry.second.robot_id == robot_id_ && rank(robot_id_, entry.first) > rank(robot_id_, instance_);
-  });
+  return std::all_of(peers_.begin(), peers_.end(),
+                     [&](const auto& entry) { return entry.second.robot_id != robot_id_ || goes_before(entry.first); });
 }
 
 bool Ownership::review() {

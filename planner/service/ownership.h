@@ -30,6 +30,8 @@ class Ownership {
   std::uint64_t epoch() const { return epoch_; }  // 0: not the owner
   bool owner() const { return epoch_ > 0; }
   bool has_standby() const;  // another live instance for the same robot
+  bool alone() const { return peers_.empty(); }
+  bool goes_before(const std::string& instance) const;  // where nobody owns the robot yet
 
   // Whether a request for the robot ("": whichever there is) is to be answered here. What nobody serves is refused by
   // the owner of the first robot of all that are served.

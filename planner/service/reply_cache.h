@@ -1,9 +1,12 @@
-// The last replies by id, so that a repeated request is answered and never solved again. Bounded in number and bytes;
-// the oldest go first.
+// The last replies by id, so that a repeated request is answered and never solved again. Certified trajectories, which
+// can be executed later, are kept apart from what else was answered: whoever is refused a thousand times costs nobody a
+// trajectory. Each kind is bounded in number and bytes; of whoever has most the oldest go first.
 #pragma once
 
+#include <algorithm>
 #include <deque>
 #include <map>
+#include <utility>
 
 #include "planner/service/messages.h"
 
@@ -11,36 +14,59 @@ namespace fjr {
 
 class ReplyCache {
  public:
-  ReplyCache(std::size_t most, std::size_t most_bytes) : most_(most), most_bytes_(most_bytes) {}
+  // Of each kind.
+  ReplyCache(std::size_t most, std::size_t most_bytes) : trajectories_(most, most_bytes), others_(most, most_bytes) {}
 
   SharedReply find(const RequestId& id) const {
-    const auto found = replies_.find(id);
-    return found == replies_.end() ? nullptr : found->second;
+    SharedReply found = trajectories_.find(id);
+    return found ? found : others_.find(id);
   }
 
   void add(SharedReply reply) {
-    const RequestId id = reply->id;
-    const std::size_t added = size_of(*reply);
-    if (!replies_.emplace(id, std::move(reply)).second) return;
-    bytes_ += added;
-    order_.push_back(id);
-    while (order_.size() > 1 && (order_.size() > most_ || bytes_ > most_bytes_)) drop_oldest();
+    if (!find(reply->id)) (reply->state == ReplyState::kSolved ? trajectories_ : others_).add(std::move(reply));
   }
 
-  std::size_t size() const { return order_.size(); }
+  std::size_t size() const { return trajectories_.size() + others_.size(); }
 
  private:
-  void drop_oldest() {
-    const auto found = replies_.find(order_.front());
-    bytes_ -= size_of(*found->second);
-    replies_.erase(found);
-    order_.pop_front();
-  }
+  class Kind {
+   public:
+    Kind(std::size_t most, std::size_t most_bytes) : most_(most), most_bytes_(most_bytes) {}
 
-  std::size_t most_, most_bytes_;
-  std::size_t bytes_ = 0;
-  std::map<RequestId, SharedReply> replies_;
-  std::deque<RequestId> order_;  // of arrival
+    SharedReply find(const RequestId& id) const {
+      const auto found = replies_.find(id);
+      return found == replies_.end() ? nullptr : found->second;
+    }
+
+    void add(SharedReply reply) {
+      const RequestId id = reply->id;
+      bytes_ += size_of(*reply);
+      of_each_[reply->origin].push_back(id);
+      replies_.emplace(id, std::move(reply));
+      while (size() > 1 && (size() > most_ || bytes_ > most_bytes_)) drop_one();
+    }
+
+    std::size_t size() const { return replies_.size(); }
+
+   private:
+    void drop_one() {
+      const auto most = std::max_element(of_each_.begin(), of_each_.end(), [](const auto& a, const auto& b) {
+        return a.second.size() < b.second.size();
+      });
+      const auto oldest = replies_.find(most->second.front());
+      bytes_ -= size_of(*oldest->second);
+      replies_.erase(oldest);
+      most->second.pop_front();
+      if (most->second.empty()) of_each_.erase(most);
+    }
+
+    std::size_t most_, most_bytes_;
+    std::size_t bytes_ = 0;
+    std::map<RequestId, SharedReply> replies_;
+    std::map<Origin, std::deque<RequestId>> of_each_;  // of arrival
+  };
+
+  Kind trajectories_, others_;
 };
 
 }  // namespace fjr

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <set>
 #include <thread>
 #include <utility>
 #include <variant>
@@ -12,6 +13,7 @@
 #include "model/input_error.h"
 #include "planner/service/document.h"
 #include "planner/service/memory.h"
+#include "planner/service/overheard.h"
 #include "planner/service/watchdog.h"
 
 namespace fjr {
@@ -22,17 +24,26 @@ constexpr std::chrono::milliseconds kLease{500};     // topics.h: silent for lon
 constexpr std::chrono::milliseconds kSettle{250};    // to hear of other instances, which takes 13 ms on an idle machine
 constexpr std::chrono::milliseconds kGlance{5};      // how often it looks at them meanwhile
 constexpr std::chrono::milliseconds kFarewell{400};  // for clients to take their last replies
-constexpr std::size_t kRemembered = 256;             // replies kept for repeated requests
+constexpr std::chrono::milliseconds kSlice{5};       // for new requests, before the service looks at anything else
+constexpr std::chrono::milliseconds kAnswerSoon{5};  // how often it looks whether a client that was asked is there
+constexpr std::chrono::seconds kUnclaimedFor{60};    // replies wait for clients that do not listen yet
+constexpr std::size_t kRemembered = 256;             // replies of each kind kept for repeated requests
 constexpr std::size_t kRememberedBytes = 32 << 20;
+constexpr std::size_t kUnclaimedOfOne = 128, kUnclaimedBytes = 16 << 20;
+constexpr std::size_t kInboxBytes = 64 << 20;
 constexpr std::size_t kOutboxBytes = 32 << 20;
 constexpr std::size_t kBacklog = 1024;  // requests a standby remembers
+
+Refusal client_gone() {
+  return {Reason::kClientGone, "", "its client was not there for longer than it may start within; send it again"};
+}
 
 double seconds(Job::Clock::duration duration) { return std::chrono::duration<double>(duration).count(); }
 
 // What may be different a moment later, or elsewhere, is not remembered: the same request may be sent again.
 bool lasting(Reason reason) {
   return reason != Reason::kQueueFull && reason != Reason::kArmNotAtRest && reason != Reason::kNoTrajectory &&
-         reason != Reason::kShuttingDown;
+         reason != Reason::kShuttingDown && reason != Reason::kClientGone;
 }
 
 Job::Clock::duration duration_of(double seconds) {
@@ -49,10 +60,12 @@ Service::Service(const ServiceConfig& config)
       ownership_(config.instance, config.robot_id),
       executor_(config.robot_id, robot_hash_),
       backlog_(kBacklog),
+      inbox_(kInboxBytes),
       settled_at_(Clock::now() + kSettle),
       queue_(config.queue),
       cache_(kRemembered, kRememberedBytes),
-      outbox_([this](const Reply& reply) { return port_.clients().send(reply); }, kOutboxBytes),
+      unclaimed_(kUnclaimedOfOne, kUnclaimedBytes),
+      outbox_([this](const SharedReply& reply) { return send(reply); }, kOutboxBytes),
       solvers_(config.workers, {config.robot, config.warm_plans}, [this] { port_.wake(); }) {
   if (config.joint_trajectory) ros_.emplace(port_.participant(), robot_, config.joint_names);
 }
@@ -66,10 +79,12 @@ void Service::run() {
   while (!stopping_) {
     if (Clock::now() >= next_heartbeat_) heartbeat();
     listen_to_others();
+    meet_clients();
     outbox_.deliver();
     if (settled()) {
       for (const auto& wanted : port_.take_cancels()) cancel(wanted);
-      for (Order& order : port_.take_requests()) receive(std::move(order));
+      take_in();
+      relay();
       work();
       port_.wait(time_to_next());
     } else {
@@ -86,18 +101,31 @@ bool Service::settled() const {
 
 // ---- what comes in ----
 
-void Service::receive(Order order) {
-  if (ownership_.answers_for(order.robot_id)) return admit(std::move(order), Clock::now());
-  backlog_.add(std::move(order), Clock::now());
+// What has come is taken at once, for DDS gives it out by arrival; looked at it is in turn.
+void Service::take_in() {
+  for (Order& order : port_.take_requests()) inbox_.add(std::move(order));
+  const auto end = Clock::now() + kSlice;
+  while (Clock::now() < end) {
+    auto order = inbox_.next();
+    if (!order) return;
+    receive(std::move(*order));
+  }
 }
 
-void Service::admit(Order order, Clock::time_point arrived) {
+void Service::receive(Order order) {
+  const auto now = Clock::now();
+  if (ownership_.answers_for(order.robot_id)) return admit(std::move(order), now, now);
+  backlog_.add(std::move(order), now, now, true);
+}
+
+void Service::admit(Order order, Clock::time_point arrived, Clock::time_point heard) {
+  presence_.heard(order.id, heard);
   if (repeat(order)) return;
   tally_.received();
   if (auto refusal = refusal_of_terms(order, served())) return reject(order, std::move(*refusal), true);
   if (order.action == Action::kExecute) return execute_planned(order, arrived);
   // What may be different a moment later is not remembered: the same request may be sent again.
-  if (queue_.full()) {
+  if (queue_.full_for(order.origin)) {
     return reject(order, {Reason::kQueueFull, "", fmt::format("{} requests wait already", queue_.size())}, false);
   }
   if (auto refusal = resolve_start(order)) return reject(order, std::move(*refusal), false);
@@ -138,6 +166,7 @@ void Service::execute_planned(const Order& order, Clock::time_point arrived) {
   if (auto refusal = refusal_of_execution(order.trajectory_id, planned, in_hand(order.trajectory_id), robot_hash_)) {
     return reject(order, std::move(*refusal), false);
   }
+  if (!may_start(order)) return reject(order, client_gone(), false);
   post(std::make_shared<const Reply>(reply_to(order, ReplyState::kAccepted)));
   Job job;
   job.order = order;
@@ -164,21 +193,26 @@ bool Service::repeat(const Order& order) {
   return true;
 }
 
+std::vector<const Order*> Service::orders_in_hand() const {
+  std::vector<const Order*> orders;
+  for (const Job* job : solvers_.jobs()) orders.push_back(&job->order);
+  for (const Job& job : queue_.jobs()) orders.push_back(&job.order);
+  return orders;
+}
+
 bool Service::in_hand(const RequestId& id) const {
-  const auto solving = solvers_.jobs();
-  return queue_.contains(id) ||
-         std::any_of(solving.begin(), solving.end(), [&](const Job* job) { return job->order.id == id; });
+  const auto orders = orders_in_hand();
+  return std::any_of(orders.begin(), orders.end(), [&](const Order* order) { return order->id == id; });
 }
 
 bool Service::motion_pending() const {
-  const auto solving = solvers_.jobs();
-  return std::any_of(solving.begin(), solving.end(), [](const Job* job) { return executes(job->order); }) ||
-         std::any_of(queue_.jobs().begin(), queue_.jobs().end(), [](const Job& job) { return executes(job.order); });
+  const auto orders = orders_in_hand();
+  return std::any_of(orders.begin(), orders.end(), [](const Order* order) { return executes(*order); });
 }
 
 void Service::cancel(const dds::ServicePort::Cancel& wanted) {
   const RequestId& id = wanted.id;
-  if (!ownership_.owner()) return backlog_.cancel(id);
+  if (!ownership_.owner()) return backlog_.cancel(id, true);
   if (const SharedReply reply = cache_.find(id)) return post(reply);
   const auto is_it = [&](const Job& job) { return job.order.id == id; };
   if (const auto job = queue_.remove_if(is_it)) {
@@ -193,8 +227,52 @@ void Service::cancel(const dds::ServicePort::Cancel& wanted) {
   // It may still be on its way, for the two come on different topics.
   Order unknown;
   unknown.id = id;
+  unknown.origin = wanted.origin;
   finish({unknown, {}, {}, {}, {}, {}, {}},
          reply_to(unknown, ReplyState::kCancelled, {Reason::kCancelled, "", "cancelled before it arrived"}));
+}
+
+// ---- whose client is still there ----
+
+// A client that listens acknowledges what it is told, in its middleware; of one that does not, only DDS can tell.
+void Service::listen_for(const Order& order) {
+  if (const auto told = port_.clients().acknowledged(order.id)) return presence_.heard(order.id, *told);
+  if (!port_.clients().listens(order.id) && port_.present(order.origin)) presence_.heard(order.id, Clock::now());
+}
+
+bool Service::may_start(const Order& order) {
+  if (!presence_.may_start(order, Clock::now())) listen_for(order);
+  return presence_.may_start(order, Clock::now());
+}
+
+// Asking is to say again that the request is in hand.
+void Service::ask(const Order& order) {
+  presence_.asked(order.id, Clock::now());
+  if (port_.clients().listens(order.id)) {
+    post(std::make_shared<const Reply>(reply_to(order, ReplyState::kAccepted)));
+  }
+}
+
+void Service::look_after_clients() {
+  const auto now = Clock::now();
+  std::set<decltype(RequestId::client)> waiting;
+  for (const Order* order : orders_in_hand()) {
+    listen_for(*order);
+    if (presence_.is_due(*order, now)) ask(*order);
+    waiting.insert(order->id.client);
+  }
+  presence_.keep_if([&](const auto& client) { return waiting.contains(client); });
+  const auto gone = [&](const Job& job) { return presence_.gone(job.order, now); };
+  while (const auto job = queue_.remove_if(gone))
+    finish(*job, reply_to(job->order, ReplyState::kCancelled, client_gone()));
+  while (const auto job = solvers_.stop_if(gone))
+    finish(*job, reply_to(job->order, ReplyState::kCancelled, client_gone()));
+}
+
+void Service::meet_clients() {
+  if (!port_.clients().look()) return;
+  const auto listens = [this](const RequestId& id) { return port_.clients().listens(id); };
+  for (SharedReply& reply : unclaimed_.claim(listens)) post(std::move(reply));
 }
 
 // ---- work and time ----
@@ -202,7 +280,19 @@ void Service::cancel(const dds::ServicePort::Cancel& wanted) {
 void Service::work() {
   Solvers::News news = solvers_.take_news();
   for (const ProgressReport& report : news.progress) port_.clients().send(report);
+  for (Job& job : news.lost) {
+    if (job.lost == 1) {
+      queue_.push_front(std::move(job));
+    } else {
+      give_up(job, ReplyState::kFailed, Reason::kWorkerLost, "two solving processes ended unexpectedly over it");
+    }
+  }
   for (SolveOutcome& outcome : news.outcomes) {
+    const bool moves = executes(outcome.job.order) && outcome.state == ReplyState::kSolved;
+    if (moves && !may_start(outcome.job.order)) {
+      finish(outcome.job, reply_to(outcome.job.order, ReplyState::kCancelled, client_gone()));
+      continue;
+    }
     Reply reply = reply_to(outcome.job.order, outcome.state, std::move(outcome.why));
     reply.plan_json = std::move(outcome.plan_json);
     reply.errors = outcome.errors;
@@ -214,7 +304,12 @@ void Service::work() {
 }
 
 void Service::give_work() {
-  while (!queue_.empty() && solvers_.idle()) solvers_.solve(queue_.pop());
+  const auto ready = [this](const Job& job) { return !executes(job.order) || may_start(job.order); };
+  while (solvers_.idle()) {
+    auto job = queue_.pop_if(ready);
+    if (!job) return;
+    solvers_.solve(std::move(*job));
+  }
 }
 
 void Service::expire() {
@@ -228,10 +323,16 @@ void Service::expire() {
 }
 
 std::chrono::nanoseconds Service::time_to_next() const {
+  const auto now = Clock::now();
+  if (!inbox_.empty()) return {};
   Clock::time_point next = std::min(next_heartbeat_, outbox_.next());
-  for (const Job& job : queue_.jobs()) next = std::min(next, job.deadline);
+  if (!ownership_.alone()) next = std::min(next, backlog_.next_relay());
+  for (const Job& job : queue_.jobs()) {
+    next = std::min(next, job.deadline);
+    if (executes(job.order) && !presence_.may_start(job.order, now)) next = std::min(next, now + kAnswerSoon);
+  }
   for (const Job* job : solvers_.jobs()) next = std::min(next, job->deadline);
-  return std::max(Clock::duration::zero(), next - Clock::now());
+  return std::max(Clock::duration::zero(), next - now);
 }
 
 void Service::heartbeat() {
@@ -244,6 +345,9 @@ void Service::heartbeat() {
   last_heartbeat_ = now;
   next_heartbeat_ = now + kHeartbeat;
   solvers_.replace_missing();
+  port_.look_for_senders();
+  look_after_clients();
+  unclaimed_.forget_older_than(kUnclaimedFor);
   backlog_.forget_if([&](const Backlog::Entry& entry) {
     return now - entry.arrived > duration_of(entry.order.budget > 0 ? entry.order.budget : config_.budget);
   });
@@ -268,21 +372,40 @@ ServiceStatus Service::status() const {
   return status;
 }
 
-// With a standby nothing needs to be asked for again: it has heard the requests and takes over.
+std::vector<Order> Service::last_requests() {
+  std::vector<Order> last;
+  for (auto orders = port_.take_requests(); !orders.empty(); orders = port_.take_requests()) {
+    for (Order& order : orders) inbox_.add(std::move(order));
+  }
+  while (auto order = inbox_.next()) last.push_back(std::move(*order));
+  return last;
+}
+
+// The standby has heard most of it already.
+void Service::hand_over() {
+  const auto now = Clock::now();
+  for (const Order* order : orders_in_hand()) {
+    port_.relay({*order, seconds(now - presence_.last_heard(order->id)), false});
+  }
+  for (Order& order : last_requests()) port_.relay({std::move(order), 0, false});
+  port_.flush_relayed(kFarewell);
+}
+
+// With a standby nothing needs to be asked for again: it knows the requests and takes over.
 void Service::end() {
   tell_stopping();
   const bool handing_over = ownership_.has_standby();
   const auto farewell = [this](const Job& job) {
     give_up(job, ReplyState::kCancelled, Reason::kShuttingDown, "the service is shutting down; send the request again");
   };
-  if (!handing_over) {
+  if (handing_over) {
+    hand_over();
+  } else {
     for (const Job* job : solvers_.jobs()) farewell(*job);
     while (!queue_.empty()) farewell(queue_.pop());
-    for (auto orders = port_.take_requests(); !orders.empty(); orders = port_.take_requests()) {
-      for (const Order& order : orders) {
-        if (!ownership_.answers_for(order.robot_id)) continue;
-        reject(order, {Reason::kShuttingDown, "", "the service is shutting down; send the request again"}, false);
-      }
+    for (const Order& order : last_requests()) {
+      if (!ownership_.answers_for(order.robot_id)) continue;
+      reject(order, {Reason::kShuttingDown, "", "the service is shutting down; send the request again"}, false);
     }
   }
   const auto over = Clock::now() + kFarewell;
@@ -297,12 +420,8 @@ void Service::end() {
 
 void Service::listen_to_others() {
   for (const auto& peer : port_.take_peers()) hear(peer);
-  for (Reply& reply : port_.take_replies_of_others()) {
-    if (!reply.final()) continue;
-    backlog_.answered(reply.id);
-    const bool of_this_robot = reply.robot_id == config_.robot_id && reply.robot_hash == robot_hash_;
-    if (of_this_robot && lasting(reply.why.reason)) cache_.add(std::make_shared<const Reply>(std::move(reply)));
-  }
+  for (Reply& reply : port_.take_replies_of_others()) hear(std::move(reply));
+  for (dds::Relayed& relayed : port_.take_relayed()) hear(std::move(relayed));
   for (const auto& executor : port_.take_executors()) {
     executor.alive ? executor_.heard(executor.state) : executor_.lost(executor.state.robot_id);
   }
@@ -320,9 +439,55 @@ void Service::hear(const dds::ServicePort::Peer& peer) {
   } else if (!peer.alive) {
     if (log_others_.allows()) spdlog::info("instance gone name={}", status.instance);
     ownership_.lost(status.instance);
-  } else if (!status.robot_id.empty()) {
+  } else if (!status.robot_id.empty() && takes_part(status)) {
     ownership_.heard(status.instance, status.robot_id, status.epoch);
   }
+}
+
+void Service::hear(Reply reply) {
+  if (!reply.final()) return backlog_.accepted(reply.id);
+  reply.origin = backlog_.answered(reply.id);
+  const bool of_this_robot = reply.robot_id == config_.robot_id && reply.robot_hash == robot_hash_;
+  if (!of_this_robot || !lasting(reply.why.reason)) return;
+  complete_overheard(reply);
+  cache_.add(std::make_shared<const Reply>(std::move(reply)));
+}
+
+// Its client may have met the other instance only.
+void Service::hear(dds::Relayed relayed) {
+  const auto now = Clock::now();
+  const auto heard = now - duration_of(relayed.silence);
+  const RequestId id = relayed.order.id;
+  if (!ownership_.answers_for(relayed.order.robot_id)) {
+    backlog_.add(std::move(relayed.order), now, heard, false);
+    if (relayed.cancelled) backlog_.cancel(id, false);
+    return;
+  }
+  const dds::ServicePort::Cancel wanted{id, relayed.order.robot_id, relayed.order.origin};
+  admit(std::move(relayed.order), now, heard);
+  if (relayed.cancelled) cancel(wanted);
+}
+
+void Service::relay() {
+  if (ownership_.alone()) return;
+  const auto now = Clock::now();
+  backlog_.relay_due(now, [&](const Backlog::Entry& entry) {
+    port_.relay({entry.order, seconds(now - entry.heard), entry.cancelled});
+  });
+}
+
+// Whether it counts among those who serve their robot. One that has another idea of this one's robot does so only while
+// it is the owner: what one plans, the other could not have executed, so that one of the two must not serve.
+bool Service::takes_part(const ServiceStatus& other) const {
+  if (other.robot_id != config_.robot_id || other.robot_hash == robot_hash_) return true;
+  const bool owns = other.epoch > 0;
+  if (!ownership_.owner() && (owns || !ownership_.goes_before(other.instance))) {
+    throw InputError(config_.robot.string(), "",
+                     fmt::format("robot_id {} is served by instance {} with another robot (hash {}, here {}): give "
+                                 "both the same file, or this one a robot_id of its own",
+                                 config_.robot_id, other.instance, other.robot_hash, robot_hash_));
+  }
+  return owns;
 }
 
 // Not before the others are known: what this instance answers, another must not answer too.
@@ -351,12 +516,11 @@ void Service::take_over() {
 
 // What was heard while another instance, or nobody, was the owner.
 void Service::answer_backlog() {
-  for (Backlog::Entry& entry : backlog_.take()) {
-    if (!ownership_.answers_for(entry.order.robot_id)) continue;
-    const RequestId id = entry.order.id;
-    const std::string robot_id = entry.order.robot_id;
-    admit(std::move(entry.order), entry.arrived);
-    if (entry.cancelled) cancel({id, robot_id});
+  const auto ours = [this](const Backlog::Entry& entry) { return ownership_.answers_for(entry.order.robot_id); };
+  for (Backlog::Entry& entry : backlog_.take_if(ours)) {
+    const dds::ServicePort::Cancel wanted{entry.order.id, entry.order.robot_id, entry.order.origin};
+    admit(std::move(entry.order), entry.arrived, entry.heard);
+    if (entry.cancelled) cancel(wanted);
   }
 }
 
@@ -364,7 +528,10 @@ void Service::answer_backlog() {
 void Service::give_up_ownership() {
   spdlog::warn("superseded robot_id={}", config_.robot_id);
   port_.disown();
-  const auto keep = [this](Job job) { backlog_.add(std::move(job.order), job.arrived); };
+  const auto keep = [this](Job job) {
+    const auto heard = presence_.last_heard(job.order.id);
+    backlog_.add(std::move(job.order), job.arrived, heard, true);
+  };
   while (auto job = solvers_.stop_if([](const Job&) { return true; })) keep(std::move(*job));
   while (!queue_.empty()) keep(queue_.pop());
 }
@@ -379,6 +546,7 @@ Reply Service::reply_to(const Order& order, ReplyState state, Refusal why) const
   reply.robot_id = config_.robot_id;
   reply.robot_hash = robot_hash_;
   reply.version = FJR_VERSION;
+  reply.origin = order.origin;
   return reply;
 }
 
@@ -391,7 +559,7 @@ void Service::finish(const Job& job, Reply reply) {
   reply.solve_time = started ? seconds(now - job.started) : 0;
   reply.wait_time = seconds((started ? job.started : now) - job.arrived);
   const auto shared = std::make_shared<const Reply>(std::move(reply));
-  cache_.add(shared);
+  if (lasting(shared->why.reason)) cache_.add(shared);
   tally_.count(*shared, seconds(now - job.arrived));
   if (executes(job.order) && shared->state == ReplyState::kSolved) publish(*shared);
   post(shared);
@@ -437,6 +605,21 @@ void Service::publish(const Reply& reply) {
     spdlog::error("not published id={}: the executor is too slow", text(reply.id));
   }
   if (ros_) ros_->send(order);
+}
+
+// False: its client has no room for it now.
+bool Service::send(const SharedReply& reply) {
+  switch (port_.clients().send(*reply)) {
+    case dds::Sent::kYes:
+      return true;
+    case dds::Sent::kNoRoom:
+      return false;
+    case dds::Sent::kNobodyListens:
+      port_.clients().tell_standbys(*reply);
+      unclaimed_.keep(reply);
+      return true;
+  }
+  return true;
 }
 
 void Service::post(SharedReply reply) {

@@ -15,14 +15,17 @@
 #include "planner/service/dds/joint_trajectory.h"
 #include "planner/service/dds/service_port.h"
 #include "planner/service/executor_watch.h"
+#include "planner/service/inbox.h"
 #include "planner/service/job_queue.h"
 #include "planner/service/log_limit.h"
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"
+#include "planner/service/presence.h"
 #include "planner/service/reply_cache.h"
 #include "planner/service/service_config.h"
 #include "planner/service/solvers.h"
 #include "planner/service/tally.h"
+#include "planner/service/unclaimed.h"
 
 namespace fjr {
 
@@ -37,8 +40,10 @@ class Service {
   using Clock = Job::Clock;
 
   // What comes in.
+  void take_in();
   void receive(Order order);
-  void admit(Order order, Clock::time_point arrived);
+  // heard: the last sign of life of its client.
+  void admit(Order order, Clock::time_point arrived, Clock::time_point heard);
   Served served() const;
   std::optional<Refusal> resolve_start(Order& order) const;
   void execute_planned(const Order& order, Clock::time_point arrived);
@@ -46,6 +51,14 @@ class Service {
   bool in_hand(const RequestId& id) const;
   bool motion_pending() const;
   void cancel(const dds::ServicePort::Cancel& wanted);
+
+  // Whose client is still there.
+  bool may_start(const Order& order);
+  void listen_for(const Order& order);
+  void look_after_clients();
+  void ask(const Order& order);
+  std::vector<const Order*> orders_in_hand() const;
+  void meet_clients();
 
   // Work and time.
   void work();
@@ -55,6 +68,8 @@ class Service {
   ServiceStatus status() const;
   std::chrono::nanoseconds time_to_next() const;
   void end();
+  std::vector<Order> last_requests();
+  void hand_over();
 
   // Other instances, and the executor.
   // It knows its place: it has listened long enough, and was not absent (stopped, starved) for so long that the others
@@ -62,6 +77,10 @@ class Service {
   bool settled() const;
   void listen_to_others();
   void hear(const dds::ServicePort::Peer& peer);
+  void hear(dds::Relayed relayed);
+  void hear(Reply reply);
+  bool takes_part(const ServiceStatus& other) const;
+  void relay();
   void open();
   void review_ownership();
   void take_over();
@@ -74,6 +93,7 @@ class Service {
   void give_up(const Job& job, ReplyState state, Reason reason, const std::string& sentence);
   void reject(const Order& order, Refusal why, bool remember);
   void publish(const Reply& reply);
+  bool send(const SharedReply& reply);
   void post(SharedReply reply);
 
   const ServiceConfig config_;
@@ -87,11 +107,14 @@ class Service {
   Ownership ownership_;
   ExecutorWatch executor_;
   Backlog backlog_;
+  Inbox inbox_;
+  Presence presence_;
   Clock::time_point settled_at_;  // from then on the others are known
   Clock::time_point next_heartbeat_{}, last_heartbeat_ = Clock::now();
 
   JobQueue queue_;
   ReplyCache cache_;
+  Unclaimed unclaimed_;
   Outbox outbox_;
   Tally tally_;
   LogLimit log_requests_, log_refusals_, log_slow_clients_, log_others_;

@@ -129,10 +129,8 @@ void Solvers::lose(Solver& solver, News& news) {
   spdlog::error("worker lost pid={} solving={}", solver.worker->pid(),
                 solver.job ? text(solver.job->order.id) : "none");
   if (solver.job) {
-    SolveOutcome outcome;
-    outcome.job = std::move(*solver.job);
-    outcome.why = {Reason::kWorkerLost, "", "the solving process ended unexpectedly"};
-    news.outcomes.push_back(std::move(outcome));
+    ++solver.job->lost;
+    news.lost.push_back(std::move(*solver.job));
   }
   solver = Solver{};
 }

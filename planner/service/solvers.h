@@ -35,6 +35,7 @@ class Solvers {
   struct News {
     std::vector<ProgressReport> progress;
     std::vector<SolveOutcome> outcomes;
+    std::vector<Job> lost;  // with their workers
   };
   News take_news();
 

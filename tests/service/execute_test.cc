@@ -77,6 +77,24 @@ TEST_F(ExecuteTest, WhatCannotBeExecutedIsRefusedByName) {
   expect_refused(execution_of(moving.id), "trajectory_id", "does not go from rest to rest");
 }
 
+// Refusals, and cancellations of what nobody has asked for, cost no planned trajectory.
+TEST_F(ExecuteTest, WhatWasPlannedIsKeptWhateverIsRefused) {
+  serve();
+  start_executor();
+  const Order planned = order(kFast);
+  EXPECT_EQ(answer_to(planned).state, ReplyState::kSolved);
+  for (int i = 0; i < 300; ++i) {
+    Order bad = order("start: {q: [0, 0]}\ngoal: {q: [1.2, 3.4]}\n");
+    send(bad);
+    bad.id.client[0] ^= static_cast<std::uint8_t>(1 + i % 7);
+    cancel(bad.id);
+    if (i % 50 != 49) continue;
+    EXPECT_EQ(final_reply(order_sent_last()).state, ReplyState::kRejected);
+  }
+  EXPECT_EQ(answer_to(execution_of(planned.id)).state, ReplyState::kSolved);
+  wait_for("finished id=");
+}
+
 TEST_F(ExecuteTest, TheFolderOfAnEarlierRequestIsExecuted) {
   serve();
   start_executor();

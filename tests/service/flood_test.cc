@@ -1,9 +1,14 @@
 // More than the service can do: every request is answered, and whoever does not listen costs the others nothing.
+#include <atomic>
 #include <csignal>
+#include <cstdlib>
 #include <functional>
 #include <set>
 #include <thread>
 
+#include "planner/service/dds/wire_request.h"
+#include "planner/service/dds/writer.h"
+#include "planner/service/memory.h"
 #include "tests/service/service_fixture.h"
 
 namespace fjr {
@@ -14,7 +19,7 @@ class FloodTest : public ServiceTest {};
 // One client that sends its requests as fast as it can and hears the first answer to each.
 class Crowd {
  public:
-  Crowd(unsigned domain, std::uint64_t count) : count_(count), port_(domain, me_) {
+  Crowd(unsigned domain, std::uint64_t count) : count_(count), port_(dds::Participant(domain), me_) {
     while (!port_.served()) port_.wait(milliseconds(5));
   }
 
@@ -127,6 +132,68 @@ TEST_F(FloodTest, TwentyStoppedClientsCostTheOthersNothingAndMissNothing) {
   EXPECT_LT(round_trips[100], 0.05);
   for (const auto& client : clients) client->send(SIGCONT);
   for (const auto& client : clients) EXPECT_EQ(client->wait(), 0) << client->output();
+}
+
+// Somebody asks under one id after the other and listens to none of the answers.
+class Unheard {
+ public:
+  explicit Unheard(unsigned domain) : participant_(domain) {
+    while (!requests_.has_reader()) std::this_thread::sleep_for(milliseconds(5));
+  }
+  void ask(const Order& pattern, int ids) {
+    fjr_msg_MotionRequest message = dds::encode(pattern);
+    for (int i = 0; i < ids; ++i) {
+      message.id = dds::encode(new_client());
+      while (!requests_.write(message)) std::this_thread::yield();
+    }
+  }
+
+ private:
+  dds::Participant participant_;
+  dds::Writer<fjr_msg_MotionRequest> requests_{participant_, participant_.handle()};
+};
+
+// FJR_UNHEARD_IDS: how many. Somebody else does not notice, and nothing of it stays.
+TEST_F(FloodTest, TenThousandIdsThatNobodyListensForCostTheOthersNothing) {
+  serve();
+  const char* text = std::getenv("FJR_UNHEARD_IDS");
+  const int ids = text == nullptr ? 10000 : std::atoi(text);
+  const auto round_trip = [&] {
+    const Order bad = order("start: {q: [0, 0]}\ngoal: {q: [1.2, 3.4]}\n");
+    const auto asked = Clock::now();
+    send(bad);
+    EXPECT_EQ(final_reply(bad.id, 5).state, ReplyState::kRejected);
+    return seconds_since(asked);
+  };
+  (void)round_trip();
+  Unheard unheard(domain_);
+  const std::uint64_t before = resident_bytes(service().pid());
+  std::atomic<bool> over = false;
+  const Order bad = order("start: {q: [0, 0]}\ngoal: {q: [1.2, 3.4]}\n");
+  const std::jthread asking([&] {
+    const auto began = Clock::now();
+    unheard.ask(bad, ids);
+    std::printf("%d ids asked in %.2f s\n", ids, seconds_since(began));
+    over = true;
+  });
+  std::vector<double> round_trips;
+  for (const auto began = Clock::now(); seconds_since(began) < 20;) {
+    round_trips.push_back(round_trip());
+    if ((over && round_trips.size() >= 300) || HasFailure()) break;
+  }
+  std::sort(round_trips.begin(), round_trips.end());
+  const double median = round_trips[round_trips.size() / 2], p99 = round_trips[round_trips.size() * 99 / 100];
+  const double grown = 1e-6 * static_cast<double>(resident_bytes(service().pid()) - before);
+  const auto asked = Clock::now();
+  service().send(SIGTERM);
+  EXPECT_EQ(service().wait(), 0);
+  std::printf(
+      "round trip beside %d ids that nobody listens for: median %.2f ms, p99 %.2f ms, largest %.1f ms; "
+      "%.1f MB more, ended in %.2f s\n",
+      ids, 1e3 * median, 1e3 * p99, 1e3 * round_trips.back(), grown, seconds_since(asked));
+  EXPECT_LT(p99, 0.2);  // below 0.05 on a machine that does nothing else
+  EXPECT_LT(grown, 64);
+  EXPECT_LT(seconds_since(asked), 3);
 }
 
 }  // namespace

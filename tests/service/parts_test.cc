@@ -125,9 +125,9 @@ TEST(Outbox, KeepsEachClientsOrderAndMakesNoOtherWait) {
   bool blocked = true;
   std::vector<std::pair<int, std::uint64_t>> sent;
   Outbox outbox(
-      [&](const Reply& reply) {
-        if (blocked && reply.id.client[0] == 1) return false;
-        sent.emplace_back(reply.id.client[0], reply.id.number);
+      [&](const SharedReply& reply) {
+        if (blocked && reply->id.client[0] == 1) return false;
+        sent.emplace_back(reply->id.client[0], reply->id.number);
         return true;
       },
       1 << 20);
@@ -149,8 +149,8 @@ TEST(Outbox, IsBoundedAtTheCostOfWhoIsFurthestBehind) {
   bool blocked = true;
   std::vector<std::pair<int, std::uint64_t>> sent;
   Outbox outbox(
-      [&](const Reply& reply) {
-        if (!blocked) sent.emplace_back(reply.id.client[0], reply.id.number);
+      [&](const SharedReply& reply) {
+        if (!blocked) sent.emplace_back(reply->id.client[0], reply->id.number);
         return !blocked;
       },
       1 << 20);
@@ -168,14 +168,14 @@ TEST(Backlog, RemembersTheLatestUnanswered) {
   Order order;
   for (std::uint64_t i = 0; i < 5; ++i) {
     order.id.number = i;
-    backlog.add(order, {});
+    backlog.add(order, {}, {}, false);
   }
-  backlog.add(order, {});  // asked for again
+  backlog.add(order, {}, {}, false);  // asked for again
   order.id.number = 3;
   backlog.answered(order.id);
   order.id.number = 4;
-  backlog.cancel(order.id);
-  const auto entries = backlog.take();
+  backlog.cancel(order.id, false);
+  const auto entries = backlog.take_if([](const Backlog::Entry&) { return true; });
   ASSERT_EQ(entries.size(), 2u);
   EXPECT_EQ(entries[0].order.id.number, 2u);
   EXPECT_FALSE(entries[0].cancelled);

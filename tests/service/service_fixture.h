@@ -95,8 +95,10 @@ class ServiceTest : public testing::Test {
     return order;
   }
 
+  RequestId order_sent_last() const { return {me_.client, sent_}; }
+
   void send(const Order& order) { EXPECT_TRUE(port_->send(order)); }
-  void cancel(const RequestId& id) { EXPECT_TRUE(port_->cancel(id)); }
+  void cancel(const RequestId& id, const std::string& robot_id = "") { EXPECT_TRUE(port_->cancel(id, robot_id)); }
 
   // Time for whoever has just started to meet everybody.
   void settle() {
@@ -139,9 +141,9 @@ class ServiceTest : public testing::Test {
 
   // What the service says of itself once `holds`.
   template <class Holds>
-  ServiceStatus status_when(Holds holds) {
+  ServiceStatus status_when(Holds holds, double limit = 5) {
     const auto began = Clock::now();
-    while (!holds(status_) && seconds_since(began) < 5) {
+    while (!holds(status_) && seconds_since(began) < limit) {
       listen_once();
     }
     EXPECT_TRUE(holds(status_));

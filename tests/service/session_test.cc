@@ -37,11 +37,13 @@ TEST_F(SessionTest, LeavesNothingBehind) {
   EXPECT_EQ(cancelled->wait(), 5) << cancelled->output();
 
   const auto lost = ask("slow.yaml", "d.log");
-  ASSERT_TRUE(comes_true([&] { return !service->children().empty(); }));
-  std::this_thread::sleep_for(std::chrono::milliseconds(500));
-  for (const pid_t worker : service->children()) ::kill(worker, SIGKILL);
+  for (int i = 0; i < 2; ++i) {  // it is tried once more
+    ASSERT_TRUE(comes_true([&] { return !service->children().empty(); }));
+    std::this_thread::sleep_for(std::chrono::milliseconds(800));
+    for (const pid_t worker : service->children()) ::kill(worker, SIGKILL);
+  }
   EXPECT_NE(lost->wait(), 0);
-  EXPECT_THAT(lost->output(), HasSubstr("the solving process ended unexpectedly"));
+  EXPECT_THAT(lost->output(), HasSubstr("two solving processes ended unexpectedly"));
 
   const auto unfinished = ask("slow.yaml", "e.log");
   std::this_thread::sleep_for(std::chrono::milliseconds(1000));

@@ -1,6 +1,12 @@
 // Two services for one robot: one answers, the other takes over; whatever happens to the first, nothing runs twice.
+#include <atomic>
+#include <cstdlib>
 #include <map>
+#include <thread>
 
+#include "planner/service/dds/reader.h"
+#include "planner/service/dds/wire_request.h"
+#include "planner/service/dds/writer.h"
 #include "tests/service/service_fixture.h"
 
 namespace fjr {
@@ -14,7 +20,11 @@ class StandbyTest : public ServiceTest {
     write(name + ".yaml", "{instance: " + name + "}\n");
     return start_fjr({"serve", "--config", path(name + ".yaml"), "--domain", domain()}, name);
   }
-  Instance start_executor() { return start_fjr({"executor", "--start", "0.3,0.2", "--domain", domain()}, "executor"); }
+  Instance start_executor(const std::string& at = "0.3,0.2") {
+    Instance executor = start_fjr({"executor", "--start", at, "--domain", domain()}, "executor");
+    wait_until([&] { return executor->output().find("executing for") != std::string::npos; });
+    return executor;
+  }
   // a owns the robot, b is its standby.
   void start_both() {
     a_ = start("a");
@@ -116,6 +126,165 @@ TEST_F(StandbyTest, AResumedOwnerDoesNotFinishWhatTheStandbyDid) {
   EXPECT_EQ(count(a_->output(), "finished id="), 0u) << a_->output();
 }
 
+// Asks as little as a client can: writes one request, once, as soon as anybody takes it.
+class FirstRequest {
+ public:
+  explicit FirstRequest(unsigned domain) : participant_(domain) {}
+
+  // Whether it was written within `limit` seconds.
+  bool ask(double limit) {
+    const bool met = comes_true(limit, [&] { return requests_.has_reader(); });
+    return met && requests_.write(dds::encode_plan_request(order_).message.request);
+  }
+  bool answered(double limit) {
+    return comes_true(limit, [&] {
+      bool heard = false;
+      replies_.take_all([&](const auto&, const dds_sample_info_t& info) { heard = heard || info.valid_data; });
+      return heard;
+    });
+  }
+
+ private:
+  template <class Holds>
+  static bool comes_true(double limit, Holds holds) {
+    for (const auto began = Clock::now(); seconds_since(began) < limit;) {
+      if (holds()) return true;
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+    return false;
+  }
+  static Order bad_order() {
+    Order order;
+    order.id = new_client();
+    order.name = "bad.yaml";
+    order.yaml = "start: {q: [0, 0]}\ngoal: {q: [1.2, 3.4]}\n";
+    return order;
+  }
+
+  const Order order_ = bad_order();
+  dds::Participant participant_;
+  dds::Entity subscriber_ = participant_.subscriber(client_name(order_.id));
+  dds::Reader<fjr_msg_PlanReply> replies_{participant_, subscriber_.handle()};
+  dds::Writer<fjr_msg_PlanRequest> requests_{participant_, participant_.handle()};
+};
+
+// The owner is stopped, for less than the lease, while a client finds the standby.
+TEST_F(StandbyTest, PassesOnWhatTheOwnerCannotHaveHeard) {
+  start_both();
+  for (int i = 0; i < 5; ++i) {
+    a_->send(SIGSTOP);
+    FirstRequest client(domain_);
+    EXPECT_TRUE(client.ask(0.25));
+    std::this_thread::sleep_for(milliseconds(50));
+    a_->send(SIGCONT);
+    EXPECT_TRUE(client.answered(5)) << i;
+    settle();
+  }
+  EXPECT_EQ(heard_["a"].rejected + heard_["b"].rejected, 5u);
+}
+
+// FJR_FIRST_REQUESTS: how many.
+TEST_F(StandbyTest, NoFirstRequestIsLost) {
+  start_both();
+  const char* text = std::getenv("FJR_FIRST_REQUESTS");
+  const int wanted = text == nullptr ? 200 : std::atoi(text);
+  std::atomic<int> begun = 0, answered = 0;
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < 8; ++i) {
+    threads.emplace_back([&] {
+      while (begun++ < wanted) {
+        FirstRequest client(domain_);
+        if (client.ask(10) && client.answered(10)) ++answered;
+      }
+    });
+  }
+  threads.clear();
+  EXPECT_EQ(answered, wanted);
+}
+
+TEST_F(StandbyTest, WhatTheKilledOwnerPlannedIsExecutedByItsId) {
+  start_both();
+  const Instance executor = start_executor();
+  const Order planned = order(kFast);
+  send(planned);
+  EXPECT_EQ(final_reply(planned.id).state, ReplyState::kSolved);
+  settle();
+  a_->send(SIGKILL);
+  wait_until([&] { return epoch("b") > 0; });
+  Order execute = order("");
+  execute.action = Action::kExecute;
+  execute.trajectory_id = planned.id;
+  send(execute);
+  const Reply reply = final_reply(execute.id);
+  EXPECT_EQ(reply.state, ReplyState::kSolved) << reply.why.sentence;
+  wait_until_executed(*executor);
+}
+
+// ---- an arm does not start to move for somebody who is gone ----
+
+class ClientDeathTest : public StandbyTest {
+ protected:
+  // A client that wants a motion whose planning takes far longer than it may start after its client's death.
+  void ask_for_a_motion() {
+    start_both();
+    executor_ = start_executor("0,0");
+    write("slow.yaml", kSlow);
+    client_ = start_fjr({"request", path("slow.yaml"), "--execute", "--domain", domain()}, "request");
+    wait_until_solving("a");
+  }
+  // 2 s after the last sign of life, and 1 s to answer; the lease of the owner where that is gone.
+  void expect_given_up_by(const std::string& name) {
+    const double took = wait_until([&] { return heard_[name].cancelled == 1 && heard_[name].solving == 0; }, 12);
+    std::printf("given up after %.1f s\n", took);
+    EXPECT_EQ(count(executor_->output(), "executing id="), 0u) << executor_->output();
+  }
+
+  Instance executor_, client_;
+};
+
+TEST_F(ClientDeathTest, OfTheClientAlone) {
+  ask_for_a_motion();
+  client_->send(SIGKILL);
+  expect_given_up_by("a");
+}
+
+TEST_F(ClientDeathTest, OfTheClientThenOfTheOwner) {
+  ask_for_a_motion();
+  client_->send(SIGKILL);
+  settle();
+  a_->send(SIGKILL);
+  expect_given_up_by("b");
+}
+
+TEST_F(ClientDeathTest, OfTheOwnerThenOfTheClient) {
+  ask_for_a_motion();
+  a_->send(SIGKILL);
+  settle();
+  client_->send(SIGKILL);
+  expect_given_up_by("b");
+}
+
+// Between solving, which takes about a second, and publication.
+TEST_F(ClientDeathTest, AClientSaysHowLongItsRequestOutlivesIt) {
+  a_ = start("a");
+  connect();
+  executor_ = start_executor();
+  const auto ask_and_leave = [&](double start_within) {
+    Order one = to_be_executed();
+    one.id = new_client();
+    one.start_within = start_within;
+    dds::ClientPort client(dds::Participant(domain_), one.id);
+    while (!client.served()) client.wait(milliseconds(5));
+    EXPECT_TRUE(client.send(one));
+    client.wait(milliseconds(100));
+  };
+  ask_and_leave(0.1);
+  wait_until([&] { return heard_["a"].cancelled == 1; });
+  EXPECT_EQ(count(executor_->output(), "executing id="), 0u) << executor_->output();
+  ask_and_leave(30);
+  wait_until_executed(*executor_);
+}
+
 TEST_F(StandbyTest, AnEndingOwnerHandsOver) {
   start_both();
   const Order one = order(kFast), two = order(kFast);
@@ -158,6 +327,21 @@ TEST_F(StandbyTest, AnAbsentOwnerAnswersWhatItMissed) {
   a_->send(SIGCONT);
   EXPECT_EQ(final_reply(one.id).state, ReplyState::kSolved);
   EXPECT_THAT(a_->output(), HasSubstr("absent for"));
+  EXPECT_EQ(epoch("a"), 1u);
+}
+
+TEST_F(StandbyTest, AnInstanceWithAnotherRobotDoesNotServeTheSame) {
+  a_ = start("a");
+  connect();
+  wait_until([&] { return owner() == "a"; });
+  std::string robot = contents(default_robot_file());
+  robot.replace(robot.find("mass: {value: [1.570"), 20, "mass: {value: [1.571");
+  write("other_robot.yaml", robot);
+  write("b.yaml", "{instance: b, robot: other_robot.yaml}\n");
+  Process other = fjr({"serve", "--config", path("b.yaml"), "--domain", domain()}, "other");
+  EXPECT_EQ(other.wait(), 2);
+  EXPECT_THAT(other.output(), HasSubstr("other_robot.yaml: robot_id arm is served by instance a with another robot"));
+  settle();
   EXPECT_EQ(epoch("a"), 1u);
 }
 

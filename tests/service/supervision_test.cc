@@ -122,6 +122,14 @@ TEST_F(SupervisionTest, EachRobotHasItsOwner) {
   EXPECT_EQ(unnamed.why.field, "robot_id");
   EXPECT_EQ(unnamed.why.sentence, "several robots are served (left, right): name one");
   EXPECT_EQ(answer("middle").why.sentence, "middle is not served; there is left, right");
+  // Of a request that nobody knows, too: its owner may be told from its robot.
+  for (const std::string robot : {"left", "right"}) {
+    const Order never_sent = order(kFast);
+    cancel(never_sent.id, robot);
+    const Reply cancelled = final_reply(never_sent.id);
+    EXPECT_EQ(cancelled.state, ReplyState::kCancelled);
+    EXPECT_EQ(cancelled.robot_id, robot);
+  }
 }
 
 }  // namespace

@@ -215,10 +215,10 @@ Job job_of(std::uint64_t number, int priority) {
 TEST(JobQueue, GoesByPriorityThenArrival) {
   JobQueue queue(4);
   for (const auto& [number, priority] : {std::pair{1, 0}, {2, 5}, {3, 0}, {4, 5}}) {
-    EXPECT_FALSE(queue.full());
+    EXPECT_FALSE(queue.full_for({}));
     queue.push(job_of(static_cast<std::uint64_t>(number), priority));
   }
-  EXPECT_TRUE(queue.full());
+  EXPECT_TRUE(queue.full_for({}));
   for (const std::uint64_t expected : {2, 4, 1, 3}) EXPECT_EQ(queue.pop().order.id.number, expected);
 }
 

@@ -332,4 +332,17 @@ Order decode(const fjr_msg_PlanRequest& message) {
   return decode(extended);
 }
 
+Relayed decode(const fjr_msg_RelayedRequest& message) {
+  Relayed relayed;
+  relayed.order = decode(message.asked);
+  std::copy(std::begin(message.participant), std::end(message.participant), relayed.order.origin.begin());
+  if (message.reason != fjr_msg_REASON_NONE) {
+    relayed.order.refusal =
+        Refusal{static_cast<Reason>(message.reason), text_of(message.field), text_of(message.sentence)};
+  }
+  relayed.silence = std::isfinite(message.silence) ? std::max(0.0, message.silence) : 0;
+  relayed.cancelled = message.cancelled;
+  return relayed;
+}
+
 }  // namespace fjr::dds

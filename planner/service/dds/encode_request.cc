@@ -318,6 +318,23 @@ fjr_msg_MotionRequest encode(const Order& order) {
   return message;
 }
 
+// The document is passed on as it came, whatever is wrong with it: the other one answers.
+fjr_msg_RelayedRequest encode(const Relayed& relayed) {
+  fjr_msg_RelayedRequest message{};
+  encode_terms(relayed.order, message.asked);
+  message.asked.start_within = relayed.order.start_within;
+  set_text(message.asked.document, relayed.order.yaml);
+  if (relayed.order.refusal) {
+    message.reason = static_cast<std::uint8_t>(relayed.order.refusal->reason);
+    set_text(message.field, relayed.order.refusal->field);
+    set_text(message.sentence, relayed.order.refusal->sentence);
+  }
+  std::copy(relayed.order.origin.begin(), relayed.order.origin.end(), message.participant);
+  message.silence = relayed.silence;
+  message.cancelled = relayed.cancelled;
+  return message;
+}
+
 WireRequest encode_plan_request(const Order& order) {
   WireRequest wire;
   fjr_msg_PlanRequest& message = wire.message.request;

@@ -6,7 +6,6 @@
 #include "planner/service/dds/text.h"
 #include "planner/service/dds/wire_execution.h"
 #include "planner/service/dds/wire_reply.h"
-#include "planner/service/dds/wire_request.h"
 
 namespace fjr::dds {
 namespace {
@@ -15,6 +14,8 @@ constexpr std::size_t kAtOnce = 128;  // requests taken before the service looks
 
 // A standby only listens: without acknowledgements it cannot hold up the owner's replies, whatever becomes of it.
 Qos overheard() { return std::move(Qos().best_effort().keep_last(64).ignore_own()); }
+
+Qos relayed_by_others() { return std::move(TopicOf<fjr_msg_RelayedRequest>::qos().ignore_own()); }
 
 Qos of_others() { return std::move(TopicOf<fjr_msg_PlannerStatus>::qos().ignore_own()); }
 
@@ -31,12 +32,16 @@ ServicePort::ServicePort(Participant participant)
     : participant_(std::move(participant)),
       waitset_(participant_),
       everywhere_(participant_.subscriber("*")),
+      relayed_by_others_(participant_, participant_.handle(), relayed_by_others()),
+      relayed_(participant_, participant_.handle()),
       peers_(participant_, participant_.handle(), of_others()),
       replies_of_others_(participant_, everywhere_.handle(), overheard()),
       executors_(participant_, participant_.handle()),
       status_(participant_, participant_.handle()),
       clients_(participant_) {
   waitset_.attach(peers_.arrived());
+  waitset_.attach(relayed_by_others_.arrived());
+  waitset_.attach(clients_.changed());
 }
 
 // Clients look for the last of these readers: who sees it can cancel requests, and ask for everything.
@@ -55,23 +60,44 @@ void ServicePort::open() {
 std::vector<Order> ServicePort::take_requests() {
   std::vector<Order> orders;
   if (!is_open()) return orders;
-  const auto take = [&](const auto& message, const dds_sample_info_t& info) {
-    if (info.valid_data) orders.push_back(decode(message));
+  const auto take_from = [&](auto& reader) {
+    reader->take_at_most(kAtOnce, [&](const auto& message, const dds_sample_info_t& info) {
+      if (!info.valid_data) return;
+      orders.push_back(decode(message));
+      orders.back().origin = senders_.origin(reader->handle(), info.publication_handle);
+    });
   };
-  motion_requests_->take_at_most(kAtOnce, take);
-  plan_requests_2_->take_at_most(kAtOnce, take);
-  plan_requests_->take_at_most(kAtOnce, take);
+  take_from(motion_requests_);
+  take_from(plan_requests_2_);
+  take_from(plan_requests_);
   return orders;
+}
+
+void ServicePort::look_for_senders() {
+  if (!is_open()) return;
+  senders_.look({motion_requests_->handle(), plan_requests_2_->handle(), plan_requests_->handle()});
+}
+
+std::vector<Relayed> ServicePort::take_relayed() {
+  std::vector<Relayed> relayed;
+  relayed_by_others_.take_at_most(kAtOnce, [&](const fjr_msg_RelayedRequest& message, const dds_sample_info_t& info) {
+    if (info.valid_data) relayed.push_back(decode(message));
+  });
+  return relayed;
 }
 
 std::vector<ServicePort::Cancel> ServicePort::take_cancels() {
   std::vector<Cancel> cancels;
   if (!is_open()) return cancels;
   motion_cancels_->take_at_most(kAtOnce, [&](const fjr_msg_MotionCancel& message, const dds_sample_info_t& info) {
-    if (info.valid_data) cancels.push_back({decode(message.id), text_of(message.robot_id)});
+    if (!info.valid_data) return;
+    const Origin origin = senders_.origin(motion_cancels_->handle(), info.publication_handle);
+    cancels.push_back({decode(message.id), text_of(message.robot_id), origin});
   });
   plan_cancels_->take_at_most(kAtOnce, [&](const fjr_msg_PlanCancel& message, const dds_sample_info_t& info) {
-    if (info.valid_data) cancels.push_back({decode(message.id), std::nullopt});
+    if (!info.valid_data) return;
+    const Origin origin = senders_.origin(plan_cancels_->handle(), info.publication_handle);
+    cancels.push_back({decode(message.id), std::nullopt, origin});
   });
   return cancels;
 }

@@ -9,7 +9,9 @@
 #include "planner/service/dds/client_writers.h"
 #include "planner/service/dds/participant.h"
 #include "planner/service/dds/reader.h"
+#include "planner/service/dds/senders.h"
 #include "planner/service/dds/waitset.h"
+#include "planner/service/dds/wire_request.h"
 #include "planner/service/dds/writer.h"
 #include "planner/service/execution_messages.h"
 #include "planner/service/messages.h"
@@ -34,8 +36,18 @@ class ServicePort {
   struct Cancel {
     RequestId id;
     std::optional<std::string> robot_id;  // none: its sender could not say, being of an earlier version
+    Origin origin{};
   };
   std::vector<Cancel> take_cancels();
+
+  // Between instances.
+  std::vector<Relayed> take_relayed();
+  void relay(const Relayed& relayed) { (void)relayed_.write(encode(relayed)); }  // they may have it already
+  void flush_relayed(std::chrono::nanoseconds timeout) const { (void)relayed_.flush(timeout.count()); }
+
+  // Whether a writer of requests of that participant is here.
+  bool present(const Origin& origin) const { return senders_.present(origin); }
+  void look_for_senders();  // takes notice of who has left
 
   struct Peer {
     ServiceStatus status;  // of one that is gone only the instance
@@ -67,6 +79,9 @@ class ServicePort {
   std::optional<Reader<fjr_msg_MotionRequest>> motion_requests_;
   std::optional<Reader<fjr_msg_PlanRequest2>> plan_requests_2_;
   std::optional<Reader<fjr_msg_PlanRequest>> plan_requests_;
+  Senders senders_;
+  Reader<fjr_msg_RelayedRequest> relayed_by_others_;
+  Writer<fjr_msg_RelayedRequest> relayed_;
   Reader<fjr_msg_PlannerStatus> peers_;
   Reader<fjr_msg_PlanReply> replies_of_others_;
   Reader<fjr_msg_ExecutorState> executors_;

@@ -48,6 +48,13 @@ struct TopicOf<fjr_msg_MotionCancel> {
   static Qos qos() { return TopicOf<fjr_msg_PlanCancel>::qos(); }
 };
 
+template <>
+struct TopicOf<fjr_msg_RelayedRequest> {
+  static constexpr const char* kName = "fjr/relayed_request";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_RelayedRequest_desc; }
+  static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(0)).keep_last(256)); }
+};
+
 // One writer per client, in the client's own partition: with a shared one a stalled client costs the others replies.
 // Nothing is overwritten before the client has it, and nobody waits for a slow one: what finds no room is kept by the
 // service and tried again (outbox.h).

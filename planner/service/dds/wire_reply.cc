@@ -18,7 +18,7 @@ static_assert(kMaxRows == fjr_msg_MAX_ROWS);
 static_assert(static_cast<int>(ReplyState::kAccepted) == fjr_msg_STATE_ACCEPTED);
 static_assert(static_cast<int>(ReplyState::kExpired) == fjr_msg_STATE_EXPIRED);
 static_assert(static_cast<int>(Reason::kBadInput) == fjr_msg_REASON_BAD_INPUT);
-static_assert(static_cast<int>(Reason::kNoTrajectory) == fjr_msg_REASON_NO_TRAJECTORY);
+static_assert(static_cast<int>(Reason::kClientGone) == fjr_msg_REASON_CLIENT_GONE);
 
 // The wire's lists are not const, and only read when written.
 template <class List, class T>

@@ -36,4 +36,13 @@ Order decode(const fjr_msg_MotionRequest& message);
 Order decode(const fjr_msg_PlanRequest2& message);
 Order decode(const fjr_msg_PlanRequest& message);
 
+// What one service tells the others of a request that it has heard and that is theirs to answer.
+struct Relayed {
+  Order order;
+  double silence = 0;      // [s] since its client was heard
+  bool cancelled = false;  // meanwhile
+};
+fjr_msg_RelayedRequest encode(const Relayed& relayed);
+Relayed decode(const fjr_msg_RelayedRequest& message);
+
 }  // namespace fjr::dds

@@ -1,6 +1,8 @@
 // Writing samples of one type.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "planner/service/dds/entity.h"
@@ -31,6 +33,21 @@ class Writer {
     dds_publication_matched_status_t status;
     checked(dds_get_publication_matched_status(writer_.handle(), &status), "publication matched");
     return status.current_count;
+  }
+
+  // One that acknowledges what it has taken.
+  bool has_reliable_reader() const {
+    std::array<dds_instance_handle_t, 16> readers{};
+    const auto count = static_cast<std::size_t>(
+        checked(dds_get_matched_subscriptions(handle(), readers.data(), readers.size()), "matched subscriptions"));
+    return std::any_of(readers.begin(), readers.begin() + std::min(count, readers.size()), [&](auto reader) {
+      dds_builtintopic_endpoint_t* endpoint = dds_get_matched_subscription_data(handle(), reader);
+      if (endpoint == nullptr) return false;
+      dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
+      const bool known = dds_qget_reliability(endpoint->qos, &kind, nullptr);
+      dds_builtintopic_free_endpoint(endpoint);
+      return known && kind == DDS_RELIABILITY_RELIABLE;
+    });
   }
 
   // Waits until the readers have everything; false: not within the time.

@@ -1,0 +1,21 @@
+#include "planner/service/overheard.h"
+
+#include <nlohmann/json.hpp>
+
+namespace fjr {
+
+void complete_overheard(Reply& reply) {
+  if (reply.rows.empty()) return;
+  try {
+    const auto plan = nlohmann::json::parse(reply.plan_json);
+    const auto& request = plan.at("resolved_request");
+    const auto& certificate = plan.at("certificate");
+    const double tolerance = certificate.at("tolerance_rad").get<double>();
+    reply.errors = {{tolerance, tolerance}, certificate.at("tracking").at("link_error_rad").get<Pair<double>>()};
+    reply.rest_to_rest = request.at("start").at("at_rest").get<bool>() && request.at("goal").at("at_rest").get<bool>();
+  } catch (const nlohmann::json::exception&) {
+    reply.rest_to_rest = false;  // of another version, or not from a service
+  }
+}
+
+}  // namespace fjr

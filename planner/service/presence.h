@@ -1,0 +1,73 @@
+// Which clients are still there, by what they send and what they acknowledge: an arm must not start to move for a
+// client that is gone, and nobody waits for what it had asked for.
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "planner/service/admission.h"
+#include "planner/service/messages.h"
+
+namespace fjr {
+
+class Presence {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  void heard(const RequestId& id, Clock::time_point when) {
+    Client& client = clients_[id.client];
+    client.heard = std::max(client.heard, when);
+    if (client.asked && client.heard >= *client.asked) client.asked.reset();
+  }
+  Clock::time_point last_heard(const RequestId& id) const {
+    const auto found = clients_.find(id.client);
+    return found == clients_.end() ? Clock::time_point{} : found->second.heard;
+  }
+
+  // Whether the client is to be asked for a sign of life; asked() tells that it has been.
+  bool is_due(const Order& order, Clock::time_point now) const {
+    const auto found = clients_.find(order.id.client);
+    return found != clients_.end() && !found->second.asked && now - found->second.heard > patience(order) / 4;
+  }
+  void asked(const RequestId& id, Clock::time_point now) { clients_[id.client].asked = now; }
+
+  // Whether the request may make the arm start now.
+  bool may_start(const Order& order, Clock::time_point now) const {
+    return now - last_heard(order.id) <= patience(order);
+  }
+
+  // It was asked, has had time to answer, and has not been there for too long.
+  bool gone(const Order& order, Clock::time_point now) const {
+    const auto found = clients_.find(order.id.client);
+    return found != clients_.end() && found->second.asked && now - *found->second.asked > kToAnswer &&
+           now - found->second.heard > patience(order);
+  }
+
+  template <class Wanted>
+  void keep_if(Wanted&& wanted) {
+    std::erase_if(clients_, [&](const auto& client) { return !wanted(client.first); });
+  }
+
+ private:
+  static constexpr std::chrono::seconds kToAnswer{1};
+  static constexpr std::chrono::seconds kToStart{2};  // by default
+  static constexpr std::chrono::seconds kToPlan{5};   // nothing moves meanwhile
+
+  struct Client {
+    Clock::time_point heard{};
+    std::optional<Clock::time_point> asked;  // without an answer since
+  };
+
+  static Clock::duration patience(const Order& order) {
+    if (!executes(order)) return kToPlan;
+    if (order.start_within <= 0) return kToStart;
+    return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(order.start_within));
+  }
+
+  std::map<decltype(RequestId::client), Client> clients_;
+};
+
+}  // namespace fjr

@@ -20,11 +20,6 @@ constexpr std::chrono::milliseconds kPatience{5000};  // for the arm to come to 
 constexpr std::chrono::milliseconds kFarewell{200};   // for the last result to be taken
 constexpr std::size_t kRemembered = 1024;             // trajectories
 
-std::int64_t nanoseconds_now() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
 std::filesystem::path history_file(const ExecutorConfig& config) {
   const std::filesystem::path folder = config.state.empty() ? default_state_folder() : config.state;
   std::filesystem::create_directories(folder);
@@ -40,7 +35,7 @@ Executor::Executor(const ExecutorConfig& config, const Parameters& robot, Arm& a
       history_(history_file(config)),
       control_(robot, arm) {
   situation_.robot_hash = robot_hash(robot_);
-  situation_.started = nanoseconds_now();
+  situation_.started = clock_.now();
   situation_.oldest = config.oldest;
   situation_.epoch = history_.epoch();
   if (!config.logs.empty()) std::filesystem::create_directories(config.logs);
@@ -128,7 +123,7 @@ void Executor::consider(TrajectoryOrder order) {
   considered_.push_back(order.id);
   if (considered_.size() > kRemembered) considered_.pop_front();
   if (const History::Entry* entry = history_.find(order.id)) return report_again(*entry);
-  situation_.now = nanoseconds_now();
+  situation_.now = clock_.now();
   situation_.q = latest_.q;
   situation_.rest_theta = rest_at(robot_, latest_.q).theta;
   situation_.mode = latest_.mode;
@@ -222,7 +217,7 @@ void Executor::publish(const TickState& tick) {
   state.mode = tick.mode;
   state.trajectory_id = tick.trajectory_id;
   state.epoch = situation_.epoch;
-  state.stamp = nanoseconds_now();
+  state.stamp = clock_.now();
   state.time = tick.time;
   if (const auto id = about_to_begin(tick)) {
     state.mode = ExecutorMode::kPreparing;

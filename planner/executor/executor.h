@@ -15,6 +15,7 @@
 #include "planner/executor/executor_config.h"
 #include "planner/executor/history.h"
 #include "planner/executor/realtime.h"
+#include "planner/service/stamp_clock.h"
 
 namespace fjr {
 
@@ -51,6 +52,7 @@ class Executor {
   const Parameters robot_;
   dds::ExecutorPort port_;
   History history_;
+  const StampClock clock_;
   Control control_;
   Situation situation_;
   // A trajectory that was accepted so far, while a thread looks into it.

@@ -119,7 +119,9 @@ std::unique_ptr<CommandedMotion> prepare_without_stops(const Parameters& robot, 
   motion->trajectory = with_rest_after(robot, order.rows);
   motion->tolerances = resolved(order.tolerances, defaults);
   const double longest = motion->end + motion->tolerances.goal_time + kLongestAfter;
-  motion->log.reserve(static_cast<std::size_t>(longest / kTick));
+  // Touched here: a page that the tick is the first to touch has it wait for whoever changes the memory map.
+  motion->log.resize(static_cast<std::size_t>(longest / kTick));
+  motion->log.clear();
   motion->order = std::move(order);
   return motion;
 }

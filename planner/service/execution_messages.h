@@ -22,7 +22,7 @@ struct TrajectoryOrder {
   std::string robot_id;
   RequestId id;  // of the request; never run twice
   std::uint64_t epoch = 0;
-  std::int64_t published = 0;  // [ns] since 1970, UTC
+  std::int64_t published = 0;  // [ns] since 1970 by the executor's clock: its stamp when it was published
   std::string robot_hash, request_hash;
   bool certified = false, ends_at_rest = false;
   Pair<double> certified_error{},
@@ -47,7 +47,7 @@ struct ExecutorState {
   ExecutorMode mode = ExecutorMode::kResting;
   RequestId trajectory_id;
   std::uint64_t epoch = 0;
-  std::int64_t stamp = 0;                  // [ns] since 1970, UTC
+  std::int64_t stamp = 0;                  // [ns] since 1970 by a clock that is not stepped while the executor runs
   double time = 0;                         // [s] within the trajectory
   Pair<double> q{}, theta{}, planned_q{};  // [rad] by the encoders; planned
   Pair<double> dq{}, dtheta{};             // [rad/s] filtered differentiation

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -12,9 +13,8 @@ constexpr double kFresh = 0.5;             // [s] a state may be old; the execut
 constexpr double kSameAsHeld = 0.01;       // [rad] the executor's own tolerance between a start and where the arm is
 constexpr std::chrono::seconds kTaken{1};  // for the executor to show that it has taken up a trajectory
 
-double seconds_since(std::int64_t stamp) {
-  const auto now = std::chrono::system_clock::now().time_since_epoch();
-  return 1e-9 * static_cast<double>(std::chrono::duration_cast<std::chrono::nanoseconds>(now).count() - stamp);
+double seconds_since(ExecutorWatch::Clock::time_point then) {
+  return std::chrono::duration<double>(ExecutorWatch::Clock::now() - then).count();
 }
 
 const char* doing(ExecutorMode mode) {
@@ -51,12 +51,16 @@ Pair<double> held_position(const ExecutorState& state) {
 ExecutorWatch::ExecutorWatch(std::string robot_id, std::string robot_hash)
     : robot_id_(std::move(robot_id)), robot_hash_(std::move(robot_hash)) {}
 
-void ExecutorWatch::heard(const ExecutorState& state) {
-  if (state.robot_id == robot_id_) state_ = state;
+void ExecutorWatch::heard(const ExecutorState& state, std::uint64_t source, Clock::time_point now) {
+  if (state.robot_id != robot_id_) return;
+  std::erase_if(speakers_, [&](const Speaker& speaker) {
+    return speaker.source == source || seconds_since(speaker.heard) > kFresh;
+  });
+  speakers_.push_back({source, state, now});
 }
 
 void ExecutorWatch::lost(const std::string& robot_id) {
-  if (robot_id == robot_id_) state_.reset();
+  if (robot_id == robot_id_) speakers_.clear();
 }
 
 void ExecutorWatch::published(const RequestId& trajectory_id) {
@@ -64,8 +68,32 @@ void ExecutorWatch::published(const RequestId& trajectory_id) {
   published_at_ = Clock::now();
 }
 
+void ExecutorWatch::concluded(const RequestId& trajectory_id) {
+  if (published_ == trajectory_id) published_.reset();
+}
+
+std::uint64_t ExecutorWatch::epoch() const {
+  std::uint64_t largest = 0;
+  for (const Speaker& speaker : speakers_) largest = std::max(largest, speaker.state.epoch);
+  return largest;
+}
+
 bool ExecutorWatch::runs_or_ran(const RequestId& trajectory_id) const {
-  return state_ && state_->trajectory_id == trajectory_id;
+  return std::any_of(speakers_.begin(), speakers_.end(),
+                     [&](const Speaker& speaker) { return speaker.state.trajectory_id == trajectory_id; });
+}
+
+std::int64_t ExecutorWatch::stamp() const {
+  if (speakers_.empty()) return own_clock_.now();
+  const Speaker& last = speakers_.back();
+  return last.state.stamp + std::chrono::duration_cast<std::chrono::nanoseconds>(Clock::now() - last.heard).count();
+}
+
+std::optional<std::string> ExecutorWatch::twice() const {
+  const auto fresh = std::count_if(speakers_.begin(), speakers_.end(),
+                                   [](const Speaker& speaker) { return seconds_since(speaker.heard) <= kFresh; });
+  if (fresh < 2) return std::nullopt;
+  return fmt::format("{} executors report for robot {}: all but one have to be stopped", fresh, robot_id_);
 }
 
 // What was published a moment ago may not show in the executor's state yet.
@@ -74,18 +102,20 @@ bool ExecutorWatch::about_to_move() const {
 }
 
 std::variant<Pair<double>, std::string> ExecutorWatch::rest() const {
-  if (!state_) return fmt::format("no executor of robot {} says where the arm is", robot_id_);
-  if (state_->robot_hash != robot_hash_) {
-    return fmt::format("the executor's robot has hash {}, the service's {}", state_->robot_hash, robot_hash_);
+  if (speakers_.empty()) return fmt::format("no executor of robot {} says where the arm is", robot_id_);
+  if (auto why = twice()) return *std::move(why);
+  const auto& [source, state, heard] = speakers_.back();
+  if (state.robot_hash != robot_hash_) {
+    return fmt::format("the executor's robot has hash {}, the service's {}", state.robot_hash, robot_hash_);
   }
-  const double age = seconds_since(state_->stamp);
-  if (!(std::abs(age) <= kFresh)) return fmt::format("the executor's last word is {:.1f} s old", age);
-  if (!at_rest(state_->mode)) return fmt::format("the arm is {}", doing(state_->mode));
-  if (!std::isfinite(state_->q[0] + state_->q[1])) {
-    return fmt::format("the executor says that the arm is at {:.6g} and {:.6g} rad", state_->q[0], state_->q[1]);
+  const double age = seconds_since(heard);
+  if (age > kFresh) return fmt::format("the executor's last word is {:.1f} s old", age);
+  if (!at_rest(state.mode)) return fmt::format("the arm is {}", doing(state.mode));
+  if (!std::isfinite(state.q[0] + state.q[1])) {
+    return fmt::format("the executor says that the arm is at {:.6g} and {:.6g} rad", state.q[0], state.q[1]);
   }
   if (about_to_move()) return std::string("the arm is about to execute a trajectory");
-  return held_position(*state_);
+  return held_position(state);
 }
 
 }  // namespace fjr

@@ -2,11 +2,14 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <variant>
+#include <vector>
 
 #include "planner/service/execution_messages.h"
+#include "planner/service/stamp_clock.h"
 
 namespace fjr {
 
@@ -16,21 +19,37 @@ class ExecutorWatch {
 
   ExecutorWatch(std::string robot_id, std::string robot_hash);
 
-  void heard(const ExecutorState& state);          // of any robot
-  void lost(const std::string& robot_id);          // nobody speaks for it any more
-  void published(const RequestId& trajectory_id);  // to be executed: it will move the arm
+  // Of any robot. source: who says it; two may speak for one robot.
+  void heard(const ExecutorState& state, std::uint64_t source = 0, Clock::time_point now = Clock::now());
+  void lost(const std::string& robot_id);                                        // nobody speaks for it any more
+  void published(const RequestId& trajectory_id);                                // to be executed: it will move the arm
+  void concluded(const RequestId& trajectory_id);                                // executed, or refused
 
-  std::uint64_t epoch() const { return state_ ? state_->epoch : 0; }
+  std::uint64_t epoch() const;
   bool runs_or_ran(const RequestId& trajectory_id) const;  // last
+
+  // [ns] by the executor's clock, for what is published now; by the service's own while no executor is heard. The wall
+  // clocks of the two machines may differ, and be stepped.
+  std::int64_t stamp() const;
+
+  // One sentence when two executors speak for the robot: then nobody knows which arm would move.
+  std::optional<std::string> twice() const;
 
   // Link positions [rad] at rest, or one sentence on why there are none.
   std::variant<Pair<double>, std::string> rest() const;
 
  private:
+  struct Speaker {
+    std::uint64_t source;
+    ExecutorState state;
+    Clock::time_point heard;
+  };
+
   bool about_to_move() const;
 
   const std::string robot_id_, robot_hash_;
-  std::optional<ExecutorState> state_;
+  const StampClock own_clock_;
+  std::vector<Speaker> speakers_;  // of the robot; heard last at the end
   std::optional<RequestId> published_;
   Clock::time_point published_at_{};
 };

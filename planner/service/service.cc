@@ -423,8 +423,9 @@ void Service::listen_to_others() {
   for (Reply& reply : port_.take_replies_of_others()) hear(std::move(reply));
   for (dds::Relayed& relayed : port_.take_relayed()) hear(std::move(relayed));
   for (const auto& executor : port_.take_executors()) {
-    executor.alive ? executor_.heard(executor.state) : executor_.lost(executor.state.robot_id);
+    executor.alive ? executor_.heard(executor.state, executor.source) : executor_.lost(executor.state.robot_id);
   }
+  for (const RequestId& id : port_.take_concluded()) executor_.concluded(id);
   ownership_.heard_epoch(executor_.epoch());
   if (settled()) review_ownership();
 }
@@ -591,8 +592,7 @@ void Service::publish(const Reply& reply) {
   order.robot_id = config_.robot_id;
   order.id = reply.id;
   order.epoch = ownership_.epoch();
-  order.published =
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
+  order.published = executor_.stamp();
   order.robot_hash = reply.robot_hash;
   order.request_hash = reply.request_hash;
   order.certified = reply.state == ReplyState::kSolved;

@@ -186,8 +186,6 @@ ExecutorState resting() {
   ExecutorState state;
   state.robot_id = "arm";
   state.robot_hash = "mine";
-  state.stamp =
-      std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch()).count();
   state.q = {0.41983, 0.0814};
   state.planned_q = {0.42, 0.08};
   return state;
@@ -215,7 +213,6 @@ TEST(ExecutorWatch, SaysWhyThereIsNoRest) {
   using State = ExecutorState;
   EXPECT_EQ(why([](State& s, auto&) { s.robot_id = "other"; }), "no executor of robot arm says where the arm is");
   EXPECT_THAT(why([](State& s, auto&) { s.robot_hash = "other"; }), HasSubstr("has hash other, the service's mine"));
-  EXPECT_EQ(why([](State& s, auto&) { s.stamp -= 2'000'000'000; }), "the executor's last word is 2.0 s old");
   EXPECT_EQ(why([](State& s, auto&) { s.mode = ExecutorMode::kExecuting; }), "the arm is executing a trajectory");
   EXPECT_EQ(why([](State& s, auto&) { s.mode = ExecutorMode::kStopped; }),
             "the arm is stopped until it is started again");
@@ -229,6 +226,40 @@ TEST(ExecutorWatch, SaysWhyThereIsNoRest) {
               s.trajectory_id = id;
             }),
             "");
+  EXPECT_EQ(why([&](State&, auto& watch) {
+              watch.published(id);
+              watch.concluded(id);  // refused, for one
+            }),
+            "");
+  EXPECT_EQ(why([&](State& s, auto& watch) {
+              watch.heard(s, 1);
+            }),
+            "2 executors report for robot arm: all but one have to be stopped");
+}
+
+// By when it was heard, whatever its stamp says: the wall clocks of the two machines need not agree.
+TEST(ExecutorWatch, AStateGetsOldBySteadyTime) {
+  using namespace std::chrono_literals;
+  const auto now = ExecutorWatch::Clock::now();
+  ExecutorWatch watch("arm", "mine");
+  watch.heard(resting(), 0, now - 2s);
+  EXPECT_EQ(std::get<std::string>(watch.rest()), "the executor's last word is 2.0 s old");
+  watch.heard(resting(), 0, now);
+  EXPECT_TRUE(std::holds_alternative<Pair<double>>(watch.rest()));
+  // One that is not heard any more is not counted, for another one was started in its place.
+  watch.heard(resting(), 0, now - 1s);
+  watch.heard(resting(), 1, now);
+  EXPECT_FALSE(watch.twice());
+}
+
+// What is published is stamped by the executor's clock.
+TEST(ExecutorWatch, ContinuesTheExecutorsClock) {
+  ExecutorWatch watch("arm", "mine");
+  EXPECT_NEAR(static_cast<double>(watch.stamp()), static_cast<double>(StampClock().now()), 1e9);
+  ExecutorState state = resting();
+  state.stamp = 1'000'000'000'000;
+  watch.heard(state, 0, ExecutorWatch::Clock::now() - std::chrono::seconds(2));
+  EXPECT_NEAR(static_cast<double>(watch.stamp()), 1.002e12, 1e9);
 }
 
 }  // namespace

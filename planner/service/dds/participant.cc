@@ -9,6 +9,7 @@
 #include "model/input_error.h"
 #include "model/parameters.h"
 #include "planner/service/dds/reach.h"
+#include "planner/service/dds/steady_waits.h"
 
 namespace fjr::dds {
 namespace {
@@ -52,6 +53,7 @@ Entity created(unsigned domain, const fs::path& credentials) {
 
 Participant::Participant(unsigned domain, const fs::path& credentials)
     : secured_(!credentials.empty()), domain_(shared_domain(domain)), participant_(created(domain, credentials)) {
+  require_steady_waits();
   if (sends_only_over_loopback()) hear_only_loopback();
 }
 

@@ -37,6 +37,7 @@ ServicePort::ServicePort(Participant participant)
       peers_(participant_, participant_.handle(), of_others()),
       replies_of_others_(participant_, everywhere_.handle(), overheard()),
       executors_(participant_, participant_.handle()),
+      results_(participant_, participant_.handle()),
       status_(participant_, participant_.handle()),
       clients_(participant_) {
   waitset_.attach(peers_.arrived());
@@ -124,12 +125,20 @@ std::vector<Reply> ServicePort::take_replies_of_others() {
 std::vector<ServicePort::Executor> ServicePort::take_executors() {
   std::vector<Executor> executors;
   executors_.take_all([&](const fjr_msg_ExecutorState& message, const dds_sample_info_t& info) {
-    if (info.valid_data) executors.push_back({decode(message), alive(info)});
+    if (info.valid_data) executors.push_back({decode(message), alive(info), info.publication_handle});
     if (info.valid_data) return;
-    executors.push_back({{}, alive(info)});
+    executors.push_back({{}, alive(info), info.publication_handle});
     executors.back().state.robot_id = text_of(message.robot_id);
   });
   return executors;
+}
+
+std::vector<RequestId> ServicePort::take_concluded() {
+  std::vector<RequestId> ids;
+  results_.take_all([&](const fjr_msg_ExecutionResult& message, const dds_sample_info_t& info) {
+    if (info.valid_data) ids.push_back(decode(message.trajectory_id));
+  });
+  return ids;
 }
 
 void ServicePort::send(const ServiceStatus& status) { (void)status_.write(encode(status)); }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planner/service/dds/client_writers.h"
+#include "planner/service/dds/executor_states.h"
 #include "planner/service/dds/participant.h"
 #include "planner/service/dds/reader.h"
 #include "planner/service/dds/senders.h"
@@ -58,8 +59,10 @@ class ServicePort {
   struct Executor {
     ExecutorState state;  // of one that is gone only the robot
     bool alive = false;
+    ExecutorStates::Source source = 0;  // two may speak for one robot
   };
   std::vector<Executor> take_executors();
+  std::vector<RequestId> take_concluded();  // trajectories that were executed or refused
 
   const Participant& participant() const { return participant_; }
   ClientWriters& clients() { return clients_; }
@@ -85,6 +88,7 @@ class ServicePort {
   Reader<fjr_msg_PlannerStatus> peers_;
   Reader<fjr_msg_PlanReply> replies_of_others_;
   Reader<fjr_msg_ExecutorState> executors_;
+  Reader<fjr_msg_ExecutionResult> results_;
   Writer<fjr_msg_PlannerStatus> status_;
   std::optional<Writer<fjr_msg_Trajectory>> trajectories_;
   ClientWriters clients_;

@@ -110,13 +110,14 @@ struct TopicOf<fjr_msg_ExecutorCommand> {
   static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(100)).keep_last(16)); }
 };
 
-// Telemetry: the latest wins.
+// Telemetry: the latest wins. Two executors of one robot write the same instance by turns: so many are kept that both
+// are found there.
 template <>
 struct TopicOf<fjr_msg_ExecutorState> {
   static constexpr const char* kName = "fjr/executor_state";
   static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ExecutorState_desc; }
   static Qos qos() {
-    return std::move(Qos().best_effort().keep_last(1).deadline(DDS_MSECS(3)).automatic_liveliness(DDS_MSECS(300)));
+    return std::move(Qos().best_effort().keep_last(8).deadline(DDS_MSECS(3)).automatic_liveliness(DDS_MSECS(300)));
   }
 };
 

@@ -18,6 +18,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPatience{5000};  // for the arm to come to rest at the end
 constexpr std::chrono::milliseconds kFarewell{200};   // for the last result to be taken
+constexpr std::chrono::milliseconds kLooking{500};    // for others: discovery takes 13 ms, a lease is 300 ms
+constexpr std::chrono::milliseconds kBeside{500};     // since the last word of another one
 constexpr std::size_t kRemembered = 1024;             // trajectories
 
 std::filesystem::path history_file(const ExecutorConfig& config) {
@@ -31,7 +33,7 @@ std::filesystem::path history_file(const ExecutorConfig& config) {
 Executor::Executor(const ExecutorConfig& config, const Parameters& robot, Arm& arm)
     : config_(config),
       robot_(robot),
-      port_(dds::guarded_participant(config.network)),
+      port_(dds::guarded_participant(config.network), config.robot_id),
       history_(history_file(config)),
       control_(robot, arm) {
   situation_.robot_hash = robot_hash(robot_);
@@ -42,6 +44,7 @@ Executor::Executor(const ExecutorConfig& config, const Parameters& robot, Arm& a
 }
 
 void Executor::run() {
+  claim();
   std::exception_ptr failure, tick_failure;
   std::thread ticking([this, &tick_failure] {
     try {
@@ -52,7 +55,7 @@ void Executor::run() {
     }
   });
   try {
-    while (!stopping_ && !over_) serve();
+    while (!stopping_ && !over_ && !superseded_) serve();
     if (!over_) come_to_rest();
   } catch (...) {  // nobody hears it any more, but the arm still comes to rest
     failure = std::current_exception();
@@ -62,7 +65,45 @@ void Executor::run() {
   ticking.join();
   if (tick_failure) std::rethrow_exception(tick_failure);
   if (failure) std::rethrow_exception(failure);
+  if (superseded_) throw std::runtime_error(*superseded_);
   report_lateness();
+}
+
+// ---- other executors of the robot ----
+
+// Nothing is commanded or reported before it is known that nobody else does.
+void Executor::claim() {
+  self_ = port_.self();
+  const auto refuse_if = [this](const std::vector<Claimant>& others) {
+    for (const Claimant& other : others) {
+      if (!gives_way(self_, other)) continue;
+      throw std::runtime_error(
+          fmt::format("another executor of robot '{}' is {} on DDS domain {}: end it first, or give "
+                      "this one another --robot-id",
+                      config_.robot_id, other.established ? "running" : "starting", config_.network.domain));
+    }
+  };
+  for (const auto began = Clock::now(); Clock::now() - began < kLooking && !stopping_;) {
+    refuse_if(port_.take_reporting());
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  refuse_if(port_.announced());
+  self_.established = true;
+}
+
+// Discovery can be late, or have been interrupted.
+void Executor::look_for_others() {
+  self_.moved = self_.moved || latest_.trajectory_id != RequestId{};
+  for (const Claimant& other : port_.take_reporting()) {
+    if (Clock::now() - other_heard_ > kBeside) {
+      spdlog::error("another executor of robot={} reports, too", config_.robot_id);
+    }
+    other_heard_ = Clock::now();
+    if (!gives_way(self_, other)) continue;
+    superseded_ = fmt::format("another executor of robot '{}' is running on DDS domain {}, {}: this one gives way",
+                              config_.robot_id, config_.network.domain,
+                              other.moved && !self_.moved ? "and has moved the arm" : "and its GUID is smaller");
+  }
 }
 
 // ---- the control tick ----
@@ -100,6 +141,7 @@ void Executor::serve_without_orders() {
   publish_states();
   conclude_finished();
   conclude_preparation();
+  look_for_others();
   obey();
 }
 
@@ -123,6 +165,9 @@ void Executor::consider(TrajectoryOrder order) {
   considered_.push_back(order.id);
   if (considered_.size() > kRemembered) considered_.pop_front();
   if (const History::Entry* entry = history_.find(order.id)) return report_again(*entry);
+  if (Clock::now() - other_heard_ < kBeside) {
+    return refuse(order, {ResultCode::kInvalidGoal, "another executor reports for this robot: one has to be stopped"});
+  }
   situation_.now = clock_.now();
   situation_.q = latest_.q;
   situation_.rest_theta = rest_at(robot_, latest_.q).theta;

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <stop_token>
+#include <string>
 
 #include "planner/executor/acceptance.h"
 #include "planner/executor/control.h"
@@ -28,6 +29,8 @@ class Executor {
 
  private:
   void keep_ticking();
+  void claim();
+  void look_for_others();
   void serve();
   void serve_without_orders();
   void obey();
@@ -65,10 +68,13 @@ class Executor {
   };
   std::optional<Preparation> preparing_;
   TickState latest_;
-  bool ticking_ = false;                      // there is a latest one
-  std::unique_ptr<CommandedMotion> running_;  // lent to the control tick
-  std::deque<RequestId> considered_;          // the last ones: each trajectory has one result
-  Lateness lateness_;                         // of the tick; the tick's until it has ended
+  Claimant self_;
+  std::chrono::steady_clock::time_point other_heard_{};  // an executor of the same robot
+  std::optional<std::string> superseded_;                // by another executor: one sentence
+  bool ticking_ = false;                                 // there is a latest one
+  std::unique_ptr<CommandedMotion> running_;             // lent to the control tick
+  std::deque<RequestId> considered_;                     // the last ones: each trajectory has one result
+  Lateness lateness_;                                    // of the tick; the tick's until it has ended
   std::atomic<bool> stopping_ = false, over_ = false;
 };
 

@@ -21,9 +21,9 @@ class ExecutorWatch {
 
   // Of any robot. source: who says it; two may speak for one robot.
   void heard(const ExecutorState& state, std::uint64_t source = 0, Clock::time_point now = Clock::now());
-  void lost(const std::string& robot_id);                                        // nobody speaks for it any more
-  void published(const RequestId& trajectory_id);                                // to be executed: it will move the arm
-  void concluded(const RequestId& trajectory_id);                                // executed, or refused
+  void lost(const std::string& robot_id);          // nobody speaks for it any more
+  void published(const RequestId& trajectory_id);  // to be executed: it will move the arm
+  void concluded(const RequestId& trajectory_id);  // executed, or refused
 
   std::uint64_t epoch() const;
   bool runs_or_ran(const RequestId& trajectory_id) const;  // last

@@ -123,6 +123,9 @@ void Service::admit(Order order, Clock::time_point arrived, Clock::time_point he
   if (repeat(order)) return;
   tally_.received();
   if (auto refusal = refusal_of_terms(order, served())) return reject(order, std::move(*refusal), true);
+  if (const auto twice = executor_.twice(); twice && executes(order)) {
+    return reject(order, {Reason::kArmNotAtRest, "", *twice}, false);
+  }
   if (order.action == Action::kExecute) return execute_planned(order, arrived);
   // What may be different a moment later is not remembered: the same request may be sent again.
   if (queue_.full_for(order.origin)) {
@@ -552,6 +555,11 @@ Reply Service::reply_to(const Order& order, ReplyState state, Refusal why) const
 }
 
 void Service::finish(const Job& job, Reply reply) {
+  const bool would_move = executes(job.order) && reply.state == ReplyState::kSolved;
+  if (const auto twice = executor_.twice(); twice && would_move) {
+    reply =
+        reply_to(job.order, ReplyState::kFailed, {Reason::kArmNotAtRest, "", "planned, but not executed: " + *twice});
+  }
   const auto now = Clock::now();
   const bool started = job.started != Clock::time_point{};
   reply.request_hash = job.request_hash;

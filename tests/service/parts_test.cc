@@ -231,9 +231,7 @@ TEST(ExecutorWatch, SaysWhyThereIsNoRest) {
               watch.concluded(id);  // refused, for one
             }),
             "");
-  EXPECT_EQ(why([&](State& s, auto& watch) {
-              watch.heard(s, 1);
-            }),
+  EXPECT_EQ(why([&](State& s, auto& watch) { watch.heard(s, 1); }),
             "2 executors report for robot arm: all but one have to be stopped");
 }
 

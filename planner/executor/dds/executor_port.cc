@@ -6,12 +6,24 @@
 
 namespace fjr::dds {
 
-ExecutorPort::ExecutorPort(Participant participant)
-    : participant_(std::move(participant)),
+namespace {
+
+Qos of_others() { return std::move(TopicOf<fjr_msg_ExecutorState>::qos().ignore_own()); }
+
+Qos announcing(const std::string& robot_id) {
+  return std::move(TopicOf<fjr_msg_ExecutorState>::qos().user_data(robot_id));
+}
+
+}  // namespace
+
+ExecutorPort::ExecutorPort(Participant participant, const std::string& robot_id)
+    : robot_id_(robot_id),
+      participant_(std::move(participant)),
       waitset_(participant_),
       trajectories_(participant_, participant_.handle()),
       commands_(participant_, participant_.handle()),
-      state_(participant_, participant_.handle()),
+      others_(participant_, of_others()),
+      state_(participant_, participant_.handle(), announcing(robot_id)),
       results_(participant_, participant_.handle()) {
   waitset_.attach(trajectories_.arrived());
   waitset_.attach(commands_.arrived());
@@ -32,6 +44,29 @@ std::vector<ExecutorOrder> ExecutorPort::take_commands() {
     if (auto order = decode(message)) orders.push_back(std::move(*order));
   });
   return orders;
+}
+
+Claimant ExecutorPort::self() const {
+  dds_guid_t guid;
+  checked(dds_get_guid(participant_.handle(), &guid), "guid");
+  return {.guid = std::to_array(guid.v)};
+}
+
+std::vector<Claimant> ExecutorPort::announced() const {
+  std::vector<Claimant> others;
+  for (const Discovery::Key& participant : others_.announced(robot_id_)) others.push_back({.guid = participant});
+  return others;
+}
+
+std::vector<Claimant> ExecutorPort::take_reporting() {
+  std::vector<Claimant> others;
+  for (const auto& [source, state] : others_.take()) {
+    const auto participant = others_.peer(source);
+    if (!participant || state.robot_id != robot_id_) continue;
+    const bool moved = state.trajectory_id != RequestId{};
+    others.push_back({.moved = moved, .established = true, .guid = *participant});
+  }
+  return others;
 }
 
 void ExecutorPort::send(const ExecutorState& state) { (void)state_.write(encode(state)); }

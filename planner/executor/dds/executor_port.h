@@ -2,8 +2,11 @@
 #pragma once
 
 #include <chrono>
+#include <string>
 #include <vector>
 
+#include "planner/executor/claim.h"
+#include "planner/service/dds/executor_states.h"
 #include "planner/service/dds/participant.h"
 #include "planner/service/dds/reader.h"
 #include "planner/service/dds/waitset.h"
@@ -14,12 +17,19 @@ namespace fjr::dds {
 
 class ExecutorPort {
  public:
-  explicit ExecutorPort(Participant participant);
+  // The robot's name is announced with the writer of states, before the first of them.
+  ExecutorPort(Participant participant, const std::string& robot_id);
 
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
 
   std::vector<TrajectoryOrder> take_trajectories();
   std::vector<ExecutorOrder> take_commands();
+
+  // Executors of the same robot: who announces itself, and who reports its state.
+  Claimant self() const;
+  std::vector<Claimant> announced() const;
+  std::vector<Claimant> take_reporting();
+
   void send(const ExecutorState& state);
   void send(const ExecutionResult& result);
 
@@ -27,10 +37,12 @@ class ExecutorPort {
   void flush(std::chrono::nanoseconds timeout) const { (void)results_.flush(timeout.count()); }
 
  private:
+  const std::string robot_id_;
   Participant participant_;
   Waitset waitset_;
   Reader<fjr_msg_Trajectory> trajectories_;
   Reader<fjr_msg_ExecutorCommand> commands_;
+  ExecutorStates others_;
   Writer<fjr_msg_ExecutorState> state_;
   Writer<fjr_msg_ExecutionResult> results_;
 };

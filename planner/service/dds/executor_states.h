@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "planner/service/dds/discovery.h"
@@ -20,12 +21,15 @@ class ExecutorStates {
     ExecutorState state;
   };
 
-  explicit ExecutorStates(const Participant& participant);
+  explicit ExecutorStates(const Participant& participant, const Qos& qos = TopicOf<fjr_msg_ExecutorState>::qos());
 
   dds_entity_t arrived() const { return reader_.arrived(); }
   std::vector<Heard> take();
   bool there(Source source) const { return peer(source).has_value(); }
   std::optional<Discovery::Key> peer(Source source) const;  // nothing: it is gone
+
+  // Who has a writer for this robot's states, whether it has written or not.
+  std::vector<Discovery::Key> announced(const std::string& robot_id) const;
 
  private:
   Reader<fjr_msg_ExecutorState> reader_;

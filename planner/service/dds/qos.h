@@ -34,6 +34,7 @@ class Qos {
   }
   Qos& ignore_own() { return set(dds_qset_ignorelocal, DDS_IGNORELOCAL_PARTICIPANT); }  // of the same participant
   Qos& keep_instances() { return set(dds_qset_writer_data_lifecycle, false); }          // when their writer goes
+  Qos& user_data(const std::string& text) { return set(dds_qset_userdata, text.data(), text.size()); }
   Qos& partition(const std::string& name) { return set(dds_qset_partition1, name.c_str()); }
   Qos& property(const std::string& name, const std::string& value) {
     return set(dds_qset_prop, name.c_str(), value.c_str());

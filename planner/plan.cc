@@ -141,6 +141,7 @@ class Planner {
     for (double& objective : plan_.minima) objective *= scale_;
     if (plan_.status == PlanStatus::kCertified && deadline_passed_) {
       plan_.reason = "";  // what was certified in time is the plan, though other starts were not finished
+      plan_.cut_by_deadline = true;
     } else if (stopped() && !(deadline_passed_ && plan_.infeasibility)) {
       plan_.infeasibility.reset();
       plan_.status = deadline_passed_ ? PlanStatus::kDeadline : PlanStatus::kCancelled;
@@ -199,11 +200,20 @@ class Planner {
     const auto start = Clock::now();
     for (const Problem& problem : alternatives_) {
       Continuation c = continuation(problem, "from an earlier plan");
-      plan_.warm = c.resume(*options_.warm) && certify_and_refine(c);
+      const bool solved = c.resume(*options_.warm);
+      plan_.warm = solved && certify_and_refine(c);
+      plan_.warm_refusal = plan_.warm ? "" : why_not_warm(c, solved);
       book(c);
       if (plan_.warm || stopped()) break;
     }
     plan_.timing["warm"] = seconds_since(start) - plan_.timing["certificate"];
+  }
+
+  std::string why_not_warm(const Continuation& c, bool solved) const {
+    if (stopped()) return "it was stopped before anything came of it";
+    if (c.stages().empty()) return "it passes another number of via points";
+    if (!solved) return "the optimiser did not converge from it";
+    return "what came of it was not certified: " + (failure_.empty() ? plan_.reason : failure_);
   }
 
   // Why there is no plan; where that leads to a motion after all, from there.
@@ -248,6 +258,7 @@ class Planner {
     for (const Problem* problem : open) {
       starts.push_back(starts_of(*problem, count));
       most = std::max(most, starts.back().guesses.size());
+      plan_.starts_planned += static_cast<int>(starts.back().always);
     }
     std::vector<int> failed(open.size(), 0);
     for (std::size_t i = 0; i < most; ++i) {
@@ -372,6 +383,7 @@ class Planner {
       book(c, booked);
       ++finished;
     }
+    plan_.refined += finished;
     plan_.timing["finish"] = seconds_since(start) - plan_.timing["certificate"];
   }
 

@@ -99,8 +99,12 @@ struct Plan {
   int iterations = 0;                   // over all stages and starts
   SolveCost cost;                       // likewise
   std::vector<SolverStage> stages;
-  bool warm = false;  // it came from PlanOptions::warm, without any start
-  int starts = 0;
+  bool warm = false;             // it came from PlanOptions::warm, without any start
+  std::string warm_refusal;      // why PlanOptions::warm led to no plan, a clause; empty where it did or none was given
+  int starts = 0;                // that were solved, one after another
+  int starts_planned = 0;        // that the search would have solved in any case
+  int refined = 0;               // minima that were followed to the exact problem
+  bool cut_by_deadline = false;  // certified, but the deadline ended the search: more time may find a better motion
   std::vector<double> minima;  // objectives of the distinct minima that starts converged to, on their first meshes, as
                                // far as friction is smoothed there; best first
   Fallbacks fallbacks;

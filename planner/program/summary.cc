@@ -111,6 +111,22 @@ std::string effort(const Plan& plan) {
                      plan.warm ? "from the earlier plan" : count(plan.starts, "start"), mesh, time);
 }
 
+// What became of the plan to begin with, and of the time allowed.
+std::string search(const Plan& plan) {
+  std::string text;
+  if (!plan.warm_refusal.empty()) {
+    text +=
+        line("warm", fmt::format("planned from scratch, for the earlier plan was of no use: {}", plan.warm_refusal));
+  }
+  if (plan.cut_by_deadline) {
+    text += line("search", fmt::format("cut by the deadline after {} of {} starts, with {} of {} minima refined: more "
+                                       "time may find a better motion",
+                                       std::min(plan.starts, plan.starts_planned), plan.starts_planned, plan.refined,
+                                       plan.minima.size()));
+  }
+  return text;
+}
+
 }  // namespace
 
 std::string summary(const Certificate& certificate) {
@@ -153,6 +169,7 @@ std::string summary(const Problem& problem, const Plan& plan) {
   if (plan.certificate) text += summary(*plan.certificate);
   if (plan.analysis) text += what_limits(problem, plan);
   text += line("solver", effort(plan));
+  text += search(plan);
   return text;
 }
 

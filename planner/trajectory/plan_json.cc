@@ -108,6 +108,15 @@ Json solver_json(const Plan& plan) {
           {"fallbacks", std::move(fallbacks)}};
 }
 
+Json warm_json(const Plan& plan) { return {{"used", plan.warm}, {"reason", text_or_null(plan.warm_refusal)}}; }
+
+Json search_json(const Plan& plan) {
+  return {{"cut_by_deadline", plan.cut_by_deadline},
+          {"starts", plan.starts},
+          {"starts_planned", plan.starts_planned},
+          {"minima_refined", plan.refined}};
+}
+
 Json time_or_null(const std::optional<double>& time) { return time ? number(*time) : Json(nullptr); }
 Json joint_or_null(int joint) { return joint == 0 ? Json(nullptr) : Json(joint); }
 
@@ -260,6 +269,8 @@ Json plan_json(const Problem& problem, const Plan& plan) {
   json["via_times"] = plan.via_times;
   json["mesh"] = mesh_json(plan);
   json["solver"] = solver_json(plan);
+  json["warm"] = warm_json(plan);
+  json["search"] = search_json(plan);
   json["certificate"] = plan.certificate ? certificate_json(*plan.certificate) : Json(nullptr);
   json["sensitivity"] = plan.analysis ? sensitivity_json(plan.analysis->sensitivity) : Json(nullptr);
   json["optimality"] = plan.analysis ? optimality_json(plan.analysis->optimality) : Json(nullptr);

@@ -2,8 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
 #include "model/input_error.h"
 #include "planner/collocation/collocate.h"
@@ -42,7 +44,9 @@ TEST_F(Warm, ANeighbouringGoalNeedsFewerIterationsForTheSameMotion) {
   const Plan warm = from_first(neighbour), cold = plan(neighbour, {});
   ASSERT_EQ(warm.status, PlanStatus::kCertified) << warm.reason;
   EXPECT_TRUE(warm.warm);
+  EXPECT_EQ(warm.warm_refusal, "");
   EXPECT_FALSE(cold.warm);
+  EXPECT_EQ(cold.warm_refusal, "");                 // none was given
   EXPECT_LT(warm.iterations, cold.iterations / 2);  // measured: a third and less
   // Two meshes, two sets of margins: measured 2e-4 and less.
   EXPECT_NEAR(warm.duration, cold.duration, 1e-3 * cold.duration);
@@ -54,6 +58,33 @@ TEST_F(Warm, OtherConstraintsAreNoStartAndThePlanIsMadeFromScratch) {
   const Plan plan = from_first(slow);
   EXPECT_EQ(plan.status, PlanStatus::kCertified) << plan.reason;
   EXPECT_FALSE(plan.warm);
+  EXPECT_EQ(plan.warm_refusal, "the optimiser did not converge from it");
+  const Plan other = from_first(problem_of("start: {q: [0.3, 0.2]}\ngoal: {q: [0.5, 0]}\nvia: [{q: [0.4, 0.1]}]\n"));
+  EXPECT_EQ(other.status, PlanStatus::kCertified) << other.reason;
+  EXPECT_EQ(other.warm_refusal, "it passes another number of via points");
+}
+
+// The second minimum is held up until the deadline has passed: what was certified before is the plan, and says so.
+TEST(Deadline, ThatCutsTheSearchIsTold) {
+  using Clock = std::chrono::steady_clock;
+  const Problem problem =
+      problem_of("start: {q: [0, 0]}\ngoal: {q: [0.5, -0.3]}\nduration: 0.6\nobjective: efficient\n");
+  PlanOptions options;
+  options.starts = 3;
+  const Plan whole = plan(problem, options);
+  ASSERT_EQ(whole.status, PlanStatus::kCertified) << whole.reason;
+  ASSERT_GE(whole.refined, 2);
+  EXPECT_FALSE(whole.cut_by_deadline);
+
+  options.deadline = 3 * whole.timing.at("total") + 1;
+  const auto end = Clock::now() + std::chrono::duration<double>(options.deadline);
+  const int last = whole.stages.back().iterations;
+  options.on_progress = [&](const Progress& progress) {
+    if (progress.iteration > whole.iterations - last) std::this_thread::sleep_until(end);
+  };
+  const Plan cut = plan(problem, options);
+  EXPECT_EQ(cut.status, PlanStatus::kCertified) << cut.reason;
+  EXPECT_TRUE(cut.cut_by_deadline);
 }
 
 class SolutionFile : public Warm {

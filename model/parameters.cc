@@ -14,6 +14,7 @@
 
 #include "model/dynamics.h"
 #include "model/input_error.h"
+#include "model/plausibility.h"
 #include "model/sha256.h"
 #include "model/strict_yaml.h"
 
@@ -69,9 +70,13 @@ void check_standard_error(const YamlNode& entry, std::string_view unit) {
   }
 }
 
-// One `name: {value, unit, source, standard_error}`.
-Pair<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_view unit) {
-  entry.allow_keys({"value", "unit", "source", "standard_error"});
+bool names_points(std::string_view section, std::string_view name) { return section == "link" && name == "inertia"; }
+
+// One `name: {value, unit, source, standard_error}`; of the links' inertia also `about`.
+Pair<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_view unit, bool has_points) {
+  std::vector<std::string_view> keys{"value", "unit", "source", "standard_error"};
+  if (has_points) keys.emplace_back("about");
+  entry.allow_keys(keys);
   const YamlNode given_unit = entry.at("unit");
   if (given_unit.text() != unit) {
     given_unit.fail(fmt::format("{} must be \"{}\"", shown(given_unit.text()), unit));
@@ -171,6 +176,38 @@ void check_covariance(const YamlNode& covariance) {
   }
 }
 
+// Parallel axis theorem, from the points that `about` names to those of Parameters. Without `about` it is these.
+void move_inertias(const YamlNode& root, Parameters& p) {
+  const YamlNode entry = root.at("link").at("inertia");
+  const auto about = entry.find("about");
+  if (!about) return;
+  const std::vector<YamlNode> points = about->items();
+  if (points.size() != kJoints) about->fail("must be two points, [joint 1, joint 2]");
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const std::string point = points[j].text();
+    if (point != "joint" && point != "center_of_mass") {
+      points[j].fail(fmt::format("{} must be joint or center_of_mass", shown(point)));
+    }
+    const double r = p.link.com_fraction[j] * p.link.length[j], moved = p.link.mass[j] * r * r;
+    if (j == 0 && point == "center_of_mass") p.link.inertia[0] += moved;
+    if (j == 1 && point == "joint") {
+      if (!(p.link.inertia[1] > moved)) {
+        entry.at("value").fail_at(1, fmt::format("{} kg m^2 about the joint must be > {:.6g} kg m^2, which {} kg with "
+                                                 "the centre of mass {:.6g} m from the joint have at least",
+                                                 p.link.inertia[1], moved, p.link.mass[1], r));
+      }
+      p.link.inertia[1] -= moved;
+    }
+  }
+}
+
+void check_plausibility(const YamlNode& root, const Parameters& p) {
+  for (const Doubt& doubt : doubts_about(p)) {
+    if (doubt.impossible)
+      throw InputError(root.source(), fmt::format("{}.value[{}]", doubt.field, doubt.joint - 1), doubt.sentence);
+  }
+}
+
 // The determinant m11 m22 - m12^2 is quadratic in cos q2 with a negative leading coefficient: smallest at q2 = 0 or pi.
 void check_mass_matrix(const YamlNode& root, const Parameters& p) {
   for (const double q2 : {0.0, std::numbers::pi}) {
@@ -253,12 +290,14 @@ Parameters load_parameters(const fs::path& file) {
   Parameters p{};
   visit_parameters(p, [&](std::string_view section, std::string_view name, std::string_view unit, Pair<double>& value) {
     if (may_be_left_out(section, name) && !root.at(section).find(name)) return;
-    value = read_entry(root.at(section).at(name), rule_for(section, name), unit);
+    value = read_entry(root.at(section).at(name), rule_for(section, name), unit, names_points(section, name));
   });
+  move_inertias(root, p);
   if (const auto covariance = root.find("covariance")) check_covariance(*covariance);
   check_mass_matrix(root, p);
   check_springs_hold_gravity(root, p);
   check_drive(root, p);
+  check_plausibility(root, p);
   if (const auto payload = root.find("payload")) p.payload = read_payload(*payload);
   return p;
 }

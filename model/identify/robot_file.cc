@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -33,15 +34,15 @@ std::string error_text(const std::optional<double>& error) { return error ? fmt:
 
 struct Entry {
   Pair<double> value;
-  std::string unit, source;
+  std::string about, unit, source;
   Pair<std::optional<double>> error;
 };
 
 std::string format_entry(const std::string& name, const Entry& e) {
   const bool known = e.error[0] || e.error[1];
   const std::string errors = known ? fmt::format("[{}, {}]", error_text(e.error[0]), error_text(e.error[1])) : "null";
-  return fmt::format("  {}: {{value: [{}, {}], unit: \"{}\", source: {}, standard_error: {}}}\n", name, e.value[0],
-                     e.value[1], e.unit, quoted(e.source), errors);
+  return fmt::format("  {}: {{value: [{}, {}],{} unit: \"{}\", source: {}, standard_error: {}}}\n", name, e.value[0],
+                     e.value[1], e.about, e.unit, quoted(e.source), errors);
 }
 
 Pair<std::optional<double>> errors_in(const YamlNode& entry) {
@@ -59,7 +60,13 @@ Pair<std::optional<double>> errors_in(const YamlNode& entry) {
 class Writer {
  public:
   Writer(const Identified& identified, const std::filesystem::path& base, bool use_damping)
-      : identified_(identified), base_(YamlNode::load(base)), use_damping_(use_damping) {}
+      : identified_(identified), base_(YamlNode::load(base)), use_damping_(use_damping) {
+    // Inertias are about the points of Parameters here, whichever the base file has them about.
+    const Parameters before = load_parameters(base);
+    visit_parameters(before, [&](const std::string& section, const std::string& name, auto, const Pair<double>& value) {
+      values_before_[section + "." + name] = value;
+    });
+  }
 
   std::string write() {
     std::string section_before;
@@ -69,7 +76,8 @@ class Writer {
       if (section != section_before) text_ += "\n" + section + ":\n";
       section_before = section;
       if (may_be_left_out(section, name) && !base_.at(section).find(name)) return;
-      Entry entry{value, unit, "", {}};
+      Entry entry{value, "", unit, "", {}};
+      if (section == "link" && name == "inertia") entry.about = " about: [joint, center_of_mass],";
       const YamlNode old = base_.at(section).at(name);
       fill(section + "." + name, old, entry);
       if (section == "link" && name == "damping") fill_damping(old, entry);
@@ -95,7 +103,7 @@ class Writer {
       const auto row = row_of(name);
       if (!row) {
         entry.error[j] = old_errors[j];
-        const bool same = old.at("value").pair(entry.unit)[j] == entry.value[j];
+        const bool same = values_before_.at(path)[j] == entry.value[j];
         kept +=
             fmt::format("{}joint {} {}", kept.empty() ? "" : "; ", j + 1,
                         same ? "as before (" + old.at("source").text() + ")" : "only bounded by its log: the bound");
@@ -107,7 +115,7 @@ class Writer {
     if (!logs.empty()) {
       entry.source = "identified: " + joined(logs) + (kept.empty() ? "" : "; " + kept);
     } else {
-      const bool untouched = old.at("value").pair(entry.unit) == entry.value;
+      const bool untouched = values_before_.at(path) == entry.value;
       entry.source = untouched ? old.at("source").text() : kept;
     }
   }
@@ -148,6 +156,7 @@ class Writer {
 
   const Identified& identified_;
   YamlNode base_;
+  std::map<std::string, Pair<double>> values_before_;
   bool use_damping_;
   std::string text_;
 };

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "model/input_error.h"
+#include "model/plausibility.h"
 #include "model/sha256.h"
 #include "model/strict_yaml.h"
 
@@ -199,7 +200,7 @@ TEST(Parameters, WrongShapesOfTheFileAreRefused) {
             "unknown key \"engine\"; allowed: link, spring, motor, friction, encoder, limits, feedback, drive, "
             "covariance, payload");
   EXPECT_EQ(error_after("motor:\n  inertia", "# inertia"), "motor: missing");
-  EXPECT_EQ(error_after("{value: [6.17", "{value: [1, 2], value: [6.17"), "line 11: key \"value\" is given twice");
+  EXPECT_EQ(error_after("{value: [6.17", "{value: [1, 2], value: [6.17"), "line 13: key \"value\" is given twice");
   EXPECT_EQ(error_of(""), "empty");
   EXPECT_EQ(error_of("- 1\n"),
             "must be a map with the keys link, spring, motor, friction, encoder, limits, feedback, drive, covariance, "
@@ -216,6 +217,71 @@ TEST(Parameters, UnphysicalCombinationsAreRefused) {
             "spring at rest");
   EXPECT_EQ(error_after("[1.570, 0.660]", "[1.570, 1e300]"),
             "link: the mass matrix is not positive definite at q2 = 0 rad");
+}
+
+// The first "field: problem" of what is doubted in the shipped robot with a part of its text replaced.
+std::string doubt_after(const std::string& from, const std::string& to) {
+  const Folder folder;
+  const auto doubts = doubts_about(load_parameters(folder.write("robot.yaml", replaced(shipped_text(), from, to))));
+  return doubts.empty() ? "" : doubts.front().text();
+}
+
+TEST(Parameters, WhatNoArmCanHaveIsRefused) {
+  EXPECT_EQ(error_after("[0.0915, 7.1672e-3]", "[0.001, 7.1672e-3]"),
+            "link.inertia.value[0]: 0.001 kg m^2 about the joint is 0.00972 of the 0.1029 kg m^2 that 1.57 kg with the "
+            "centre of mass 0.256 m from the joint (com_fraction times length) have at least");
+  EXPECT_EQ(
+      error_after("[0.0915, 7.1672e-3]", "[0.0915, 71.672]"),
+      "link.inertia.value[1]: 71.67 kg m^2 about the centre of mass is 4e+03 times the most that 0.66 kg within a "
+      "link of 0.305 m can have, 0.01792 kg m^2");
+  EXPECT_EQ(
+      error_after("[6.17, 0.53]", "[6.17, 1.06]"),
+      "link.gravity_torque.value[1]: 1.06 N m does not go with joint 1's 6.17 N m: masses, lengths and centres of "
+      "mass then give 0.5301 N m");
+  EXPECT_EQ(
+      error_after("[1.570, 0.660]", "[0.9, 0.660]"),
+      "link.gravity_torque.value[0]: 6.17 N m is 1.37 times the 4.489 N m that masses, lengths and centres of mass "
+      "give");
+  EXPECT_THAT(error_after("[-0.7154, -0.1019]", "[-0.7154, 1.5]"),
+              HasSubstr("friction.amplitude.value[1]: this law drives the motor by "));
+}
+
+TEST(Parameters, WhatIsImprobableIsDoubtedByName) {
+  EXPECT_TRUE(doubts_about(load_parameters(kShipped)).empty());
+  EXPECT_THAT(doubt_after("[0.0915, 7.1672e-3]", "[0.08, 7.1672e-3]"), HasSubstr("link.inertia.value[0]: 0.08 kg m^2"));
+  EXPECT_THAT(doubt_after("[0.0915, 7.1672e-3]", "[0.0915, 1e-6]"), HasSubstr("link.inertia.value[1]: 1e-06 kg m^2"));
+  EXPECT_THAT(doubt_after("[6.17, 0.53]", "[3.085, 0.265]"), HasSubstr("inclined by 30 degrees"));
+  EXPECT_EQ(doubt_after("[6.17, 0.53]", "[0, 0]"), "");  // flat on a table
+  EXPECT_THAT(doubt_after("[6.17, 0.53]", "[6.17, 0.6]"), HasSubstr("link.gravity_torque.value[1]: 0.6 N m"));
+  EXPECT_THAT(doubt_after("[65536, 65536]", "[65536, 100]"),
+              HasSubstr("encoder.link_counts.value[1]: a count is 0.0628 rad"));
+  EXPECT_THAT(doubt_after("[0.03, 0.025]", "[0.3, 0.025]"), HasSubstr("link.radius.value[0]: 0.3 m"));
+  EXPECT_THAT(doubt_after("[20.48, 17.75]", "[20.48, 1e6]"), HasSubstr("spring.stiffness.value[1]: 1e+06 N m/rad"));
+}
+
+// Where an inertia is about is said, and changes nothing but the numbers that stand there.
+TEST(Parameters, InertiasMayBeAboutEitherPoint) {
+  const Parameters shipped = load_parameters(kShipped);
+  const Folder folder;
+  const auto with = [&](const std::string& inertia) {
+    const std::string text = replaced(shipped_text(), "[0.0915, 7.1672e-3], about: [joint, center_of_mass]", inertia);
+    return load_parameters(folder.write("robot.yaml", text));
+  };
+  EXPECT_EQ(robot_hash(with("[0.0915, 7.1672e-3]")), robot_hash(shipped));
+  // I2 of (16), and a link 1 with a centre of mass: parallel axes.
+  const Parameters other = with("[0.01, 0.0116], about: [center_of_mass, joint]");
+  const double r1 = 0.7420 * 0.345, r2 = 0.2687 * 0.305;
+  EXPECT_DOUBLE_EQ(other.link.inertia[0], 0.01 + 1.570 * r1 * r1);
+  EXPECT_DOUBLE_EQ(other.link.inertia[1], 0.0116 - 0.660 * r2 * r2);
+  EXPECT_EQ(error_after("center_of_mass]", "middle]"),
+            "link.inertia.about[1]: \"middle\" must be joint or center_of_mass");
+  EXPECT_EQ(error_after("[joint, center_of_mass]", "[joint]"),
+            "link.inertia.about: must be two points, [joint 1, joint 2]");
+  EXPECT_EQ(error_after("[0.0915, 7.1672e-3], about: [joint, center_of_mass]", "[0.0915, 4e-3], about: [joint, joint]"),
+            "link.inertia.value[1]: 0.004 kg m^2 about the joint must be > 0.00443281 kg m^2, which 0.66 kg with the "
+            "centre of mass 0.0819535 m from the joint have at least");
+  EXPECT_THAT(error_after("{value: [0.345, 0.305]", "{about: [joint, joint], value: [0.345, 0.305]"),
+              HasSubstr("link.length: unknown key \"about\""));
 }
 
 TEST(Parameters, BrokenCovariancesAreRefused) {

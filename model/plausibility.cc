@@ -1,0 +1,167 @@
+#include "model/plausibility.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+#include "model/dynamics.h"
+#include "model/friction.h"
+
+namespace fjr {
+namespace {
+
+// From which ratio on a value is improbable, and from which on impossible.
+struct Bounds {
+  double improbable, impossible;
+};
+
+constexpr Bounds kLeastInertia{0.85, 0.7};      // of the least that mass and centre of mass allow
+constexpr Bounds kMostInertia{2, 10};           // of the most that fits into the link; counterweights stand out of it
+constexpr Bounds kGravity{0.1, 0.3};            // relative difference from what masses and lengths give
+constexpr Bounds kDrivingFriction{0.01, 0.05};  // of its amplitude; joint 2 of the paper has 0.002 by its fit
+constexpr double kConcentrated = 0.01;          // of a rod's inertia: less is hardly a body
+constexpr double kUpright = 0.97;               // of gravity: less is an inclined plane of motion
+constexpr double kFewCounts = 1000;             // per revolution of a link encoder: a count is 6 mrad
+constexpr double kStiffest = 200;               // [Hz] of a link on its spring: beyond it no joint is called flexible
+
+class Examination {
+ public:
+  explicit Examination(const Parameters& p) : p_(p) {}
+
+  std::vector<Doubt> run() {
+    least_inertia();
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      most_inertia(j);
+      springs(j);
+      friction(j);
+      encoders(j);
+      shape(j);
+    }
+    gravity();
+    return std::move(doubts_);
+  }
+
+ private:
+  void doubt(std::string_view field, std::size_t j, bool impossible, std::string sentence) {
+    doubts_.push_back({std::string(field), static_cast<int>(j) + 1, std::move(sentence), impossible});
+  }
+
+  double to_com(std::size_t j) const { return p_.link.com_fraction[j] * p_.link.length[j]; }
+
+  // Parallel axis theorem: I = I_com + m r^2. Link 2's value is about its centre of mass, and positive.
+  void least_inertia() {
+    const double r = to_com(0), least = p_.link.mass[0] * r * r, inertia = p_.link.inertia[0];
+    if (inertia >= kLeastInertia.improbable * least) return;
+    doubt("link.inertia", 0, inertia < kLeastInertia.impossible * least,
+          fmt::format("{:.4g} kg m^2 about the joint is {:.3g} of the {:.4g} kg m^2 that {:.4g} kg with the centre of "
+                      "mass {:.4g} m from the joint (com_fraction times length) have at least",
+                      inertia, inertia / least, least, p_.link.mass[0], r));
+  }
+
+  // Of a body between the ends of its link, as wide as the link: with the given centre of mass it has most when its
+  // mass is at both ends. A body much smaller than a rod is one whose mass is in a point.
+  void most_inertia(std::size_t j) {
+    const double mass = p_.link.mass[j], length = p_.link.length[j], width = p_.link.radius[j], r = to_com(j);
+    const double at_ends = mass * ((r + width) * (length - r + width) + width * width);
+    const double most = j == 0 ? at_ends + mass * r * r : at_ends, inertia = p_.link.inertia[j];
+    const char* point = j == 0 ? "the joint" : "the centre of mass";
+    if (inertia > kMostInertia.improbable * most) {
+      doubt("link.inertia", j, inertia > kMostInertia.impossible * most,
+            fmt::format("{:.4g} kg m^2 about {} is {:.3g} times the most that {:.4g} kg within a link of {:.4g} m can "
+                        "have, {:.4g} kg m^2",
+                        inertia, point, inertia / most, mass, length, most));
+    }
+    const double rod = mass * length * length / 12;
+    if (j == 1 && inertia < kConcentrated * rod) {
+      doubt("link.inertia", j, false,
+            fmt::format("{:.4g} kg m^2 about {} is {:.2g} of that of a rod of this mass and length, {:.4g} kg m^2",
+                        inertia, point, inertia / rod, rod));
+    }
+  }
+
+  // (4): both coefficients follow from masses and lengths, but for one factor: the plane of motion may be inclined.
+  void gravity() {
+    const auto& link = p_.link;
+    const Pair<double> upright{(to_com(0) * link.mass[0] + link.length[0] * link.mass[1]) * kPaperGravity,
+                               to_com(1) * link.mass[1] * kPaperGravity};
+    const double factor = link.gravity_torque[0] / upright[0];
+    if (factor > 1 + kGravity.improbable) {
+      doubt("link.gravity_torque", 0, factor > 1 + kGravity.impossible,
+            fmt::format("{:.4g} N m is {:.3g} times the {:.4g} N m that masses, lengths and centres of mass give",
+                        link.gravity_torque[0], factor, upright[0]));
+    } else if (factor > 0 && factor < kUpright) {
+      doubt("link.gravity_torque", 0, false,
+            fmt::format("{:.4g} N m is {:.3g} of the {:.4g} N m that masses, lengths and centres of mass give: right "
+                        "for a plane of motion inclined by {:.2g} degrees from the horizontal alone",
+                        link.gravity_torque[0], factor, upright[0], std::asin(factor) * 180 / std::numbers::pi));
+    }
+    const double expected = factor * upright[1], torque = link.gravity_torque[1];
+    const double slack = 2e-3 * link.gravity_torque[0];  // a balanced link 2 has nearly none
+    const double off = (std::abs(torque - expected) - slack) / std::max(expected, slack);
+    if (!(off > kGravity.improbable)) return;
+    doubt("link.gravity_torque", 1, off > kGravity.impossible,
+          fmt::format("{:.4g} N m does not go with joint 1's {:.4g} N m: masses, lengths and centres of mass then give "
+                      "{:.4g} N m",
+                      torque, link.gravity_torque[0], expected));
+  }
+
+  void springs(std::size_t j) {
+    const MassMatrix<double> m = mass_matrix(p_, 0.0);
+    const double inertia = j == 0 ? m.m11 : m.m22;
+    const double frequency = std::sqrt(p_.spring.stiffness[j] / inertia) / (2 * std::numbers::pi);
+    if (frequency <= kStiffest) return;
+    doubt("spring.stiffness", j, false,
+          fmt::format("{:.4g} N m/rad makes the links swing at {:.3g} Hz with the other joint still: no flexible joint",
+                      p_.spring.stiffness[j], frequency));
+  }
+
+  // Friction takes power, at any speed.
+  void friction(std::size_t j) {
+    const FrictionLaw law = FrictionLaw::of(p_, static_cast<int>(j));
+    constexpr int kSpeeds = 400;
+    constexpr double kSlowest = 1e-6;  // [rad/s]
+    double driving = 0, at = 0;
+    for (int i = 0; i <= kSpeeds; ++i) {
+      const double speed = kSlowest * std::pow(p_.limits.motor_velocity[j] / kSlowest, i / double{kSpeeds});
+      if (-law.torque(speed) > driving) {
+        driving = -law.torque(speed);
+        at = speed;
+      }
+    }
+    if (driving <= kDrivingFriction.improbable * law.amplitude) return;
+    doubt("friction.amplitude", j, driving > kDrivingFriction.impossible * law.amplitude,
+          fmt::format("this law drives the motor by {:.3g} N m at {:.3g} rad/s: friction cannot (viscous, amplitude, "
+                      "width, second_weight, second_shape)",
+                      driving, at));
+  }
+
+  void encoders(std::size_t j) {
+    const double counts = p_.encoder.link_counts[j];
+    if (counts >= kFewCounts) return;
+    doubt("encoder.link_counts", j, false,
+          fmt::format("a count is {:.3g} rad, and certificates allow deviations of one count",
+                      2 * std::numbers::pi / counts));
+  }
+
+  void shape(std::size_t j) {
+    const double radius = p_.link.radius[j], length = p_.link.length[j];
+    if (radius <= length / 2) return;
+    doubt("link.radius", j, false, fmt::format("{:.4g} m makes a link of {:.4g} m thicker than long", radius, length));
+  }
+
+  const Parameters& p_;
+  std::vector<Doubt> doubts_;
+};
+
+}  // namespace
+
+std::string Doubt::text() const { return fmt::format("{}.value[{}]: {}", field, joint - 1, sentence); }
+
+std::vector<Doubt> doubts_about(const Parameters& p) { return Examination(p).run(); }
+
+}  // namespace fjr

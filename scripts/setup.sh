@@ -15,6 +15,7 @@ packages=(
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev  # tests and benchmarks
   libfastrtps-dev fastddsgen default-jre-headless               # another DDS, to test against
   python3 python3-venv python3-dev                              # bench/suite.py, a client in Python
+  python3-pandas octave                                         # programs that read our tables, in tests
   clang-format clang-tidy                                       # style
 )
 missing=()

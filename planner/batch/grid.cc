@@ -11,6 +11,8 @@
 #include <string_view>
 #include <utility>
 
+#include "model/input_error.h"
+
 namespace fjr {
 namespace {
 
@@ -82,6 +84,10 @@ void make_robot_absolute(Json& request, const fs::path& folder) {
 fs::path folder_of(const YamlNode& root) { return fs::path(root.source()).parent_path(); }
 
 Json read_template(const YamlNode& root) {
+  if (!root.find("request")) {
+    throw InputError(root.source(), "request",
+                     "missing: a grid has a request, or the name of a request's file, of which the axes change values");
+  }
   const YamlNode given = root.at("request");
   const YamlNode request = given.is_scalar() ? YamlNode::load(folder_of(root) / given.text()) : given;
   if (!request.is_map()) request.fail("must be a request, or the name of a request's file");
@@ -218,6 +224,11 @@ Axis read_axis(const YamlNode& axes, const std::string& path, const Json& reques
 }
 
 std::vector<Axis> read_axes(const YamlNode& root, const Json& request) {
+  if (!root.find("axes")) {
+    throw InputError(root.source(), "axes",
+                     "missing: a grid names what changes from request to request, such as goal.q[0]: [0.8, 1, 1.2]; "
+                     "a single request stands in a file by itself, without `request:`");
+  }
   const YamlNode node = root.at("axes");
   std::vector<Axis> axes;
   std::size_t points = 1;
@@ -254,7 +265,7 @@ GridPoint point(const YamlNode& root, Json request, const std::vector<Axis>& axe
 
 }  // namespace
 
-bool is_grid(const YamlNode& root) { return root.is_map() && root.find("axes").has_value(); }
+bool is_grid(const YamlNode& root) { return root.is_map() && (root.find("axes") || root.find("request")); }
 
 std::vector<double> equidistant(double from, double to, std::size_t count) {
   if (count == 1) return {from};

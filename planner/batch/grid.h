@@ -19,7 +19,8 @@ struct GridPoint {
   std::string yaml;             // the request; paths in it are absolute
 };
 
-// Whether a file that was read is a grid (it has `axes`) and not a request.
+// Whether a file that was read is a grid, perhaps with something missing, and not a request: it has `axes` or
+// `request`.
 bool is_grid(const YamlNode& root);
 
 // The points in order, the first axis changing slowest. Throws InputError naming file, field, value and what is allowed

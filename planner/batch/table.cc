@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 #include <utility>
+
+#include "planner/problem/objective_terms.h"
 
 namespace fjr {
 namespace {
@@ -26,7 +29,7 @@ std::vector<std::pair<std::string, Json>> cells(const Row& row) {
 }
 
 std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  if (text.find_first_of(",\"\r\n#") == std::string::npos) return text;  // '#' would begin a comment
   std::string result = "\"";
   for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
   return result + "\"";
@@ -80,7 +83,13 @@ std::string table_csv(const std::vector<Row>& rows) {
   const std::vector<std::string> columns = columns_of(rows);
   std::vector<std::string> header;
   for (const std::string& column : columns) header.push_back(quoted(column));
-  std::string text = csv_line(header);
+  std::string text;
+  const Json units = table_units();
+  for (const auto& [column, unit] : units.items()) {
+    const bool there = std::find(columns.begin(), columns.end(), column) != columns.end();
+    if (there) text += fmt::format("# unit.{}: {}\n", column, unit.get<std::string>());
+  }
+  text += csv_line(header);
   for (const Row& row : rows) {
     std::vector<std::string> fields(columns.size());
     for (const auto& [column, value] : cells(row)) {
@@ -90,6 +99,14 @@ std::string table_csv(const std::vector<Row>& rows) {
     text += csv_line(fields);
   }
   return text;
+}
+
+Json table_units() {
+  Json units{{"duration", "s"}};
+  for (const TermInfo& term : Terms::infos) units["terms." + std::string(term.name)] = term.unit;
+  for (const char* error : {"open_loop_error", "closed_loop_error"}) units[error] = "rad";
+  units["time"] = "s";
+  return units;
 }
 
 }  // namespace fjr

@@ -17,8 +17,12 @@ Row make_row(const BatchItem& item, const nlohmann::ordered_json& plan);
 // For a request without a plan.json.
 Row make_row(const BatchItem& item, const std::string& status, const std::string& reason);
 
-// Header and rows; values within `axes` and `terms` are columns of their own, "axes.goal.q[0]". RFC 4180; null is
-// empty.
+// The units of the columns as comment lines, as in trajectory.csv ("# unit.duration: s"), then header and rows; values
+// within `axes` and `terms` are columns of their own, "axes.goal.q[0]", and axes have the units of requests. RFC 4180;
+// null is empty.
 std::string table_csv(const std::vector<Row>& rows);
+
+// Column -> unit, of those that have one and are the same in every table.
+nlohmann::ordered_json table_units();
 
 }  // namespace fjr

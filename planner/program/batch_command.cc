@@ -20,11 +20,13 @@
 #include "planner/batch/items.h"
 #include "planner/batch/table.h"
 #include "planner/program/commands.h"
+#include "planner/program/doubts.h"
 #include "planner/program/ending.h"
 #include "planner/program/plan_process.h"
 #include "planner/program/plan_settings.h"
 #include "planner/program/progress_line.h"
 #include "planner/program/result_files.h"
+#include "planner/program/result_folder.h"
 #include "planner/trajectory/atomic_file.h"
 #include "planner/trajectory/plan_json.h"
 
@@ -64,16 +66,24 @@ void complain(const std::vector<std::string>& complaints) {
   fmt::print(stderr, "fjr: {} more bad requests are in the summary\n", complaints.size() - kMaxComplaints);
 }
 
-// The folder with nothing in it but, for a point of a grid, the request.
+// The folder, with the request of a point of a grid.
 void begin(const Batch& batch, const BatchItem& item) {
   prepare_folder(batch.folder(item));
   if (item.yaml) write_file(item.request, *item.yaml);
 }
 
+// Results of an earlier request are left as they are.
 Row refuse(const Batch& batch, const BatchItem& item, const InputError& error) {
-  begin(batch, item);
+  const fs::path folder = batch.folder(item);
   const Json plan = bad_input_json(item.name, error.what(), error.field());
-  write_file(batch.folder(item) / "plan.json", json_text(plan));
+  {
+    const FolderLock lock(folder);
+    if (worth_of(folder) != Worth::kNothing) return make_row(item, plan);
+  }
+  begin(batch, item);
+  NewResults results(folder);
+  write_file(results.stage() / "plan.json", json_text(plan));
+  results.publish();
   return make_row(item, plan);
 }
 
@@ -100,6 +110,8 @@ std::vector<std::size_t> sort_out(Batch& batch) {
         batch.rows[i] = refuse(batch, item, error);
         continue;
       }
+      tell_doubts(problem->robot);
+      const FolderLock lock(batch.folder(item));
       const auto plan = finished_earlier(*problem, batch.folder(item), batch.options.settings.keep_uncertified);
       if (plan) {
         complete_report(batch, item, *plan);
@@ -133,17 +145,19 @@ void start(Batch& batch, std::size_t index, std::vector<Running>& running) {
   }
 }
 
-Row row_at_end(const Batch& batch, const BatchItem& item, const std::string& ending, bool interrupted) {
-  if (const auto plan = read_plan_json(batch.folder(item))) return make_row(item, *plan);
+// By what the process said: its folder may hold earlier results.
+Row row_at_end(const BatchItem& item, const PlanEnding& ending, bool interrupted) {
+  const Json plan = Json::parse(ending.plan_json, nullptr, false);
+  if (plan.is_object() && plan.contains("status")) return make_row(item, plan);
   if (interrupted) return make_row(item, name(PlanStatus::kCancelled), "interrupted");
-  return make_row(item, kFailed, ending);
+  return make_row(item, kFailed, ending.words);
 }
 
 void reap(Batch& batch, std::vector<Running>& running, bool interrupted) {
   std::erase_if(running, [&](Running& run) {
     const auto ending = run.process.ending();
     if (ending) {
-      batch.rows[run.item] = row_at_end(batch, batch.items[run.item], *ending, interrupted);
+      batch.rows[run.item] = row_at_end(batch.items[run.item], *ending, interrupted);
       ++batch.planned;
     }
     return ending.has_value();
@@ -226,6 +240,7 @@ Json summary_json(const Batch& batch) {
           {"status", count_statuses(batch.rows)},
           {"planned", batch.planned},
           {"finished_earlier", batch.earlier},
+          {"units", table_units()},
           {"rows", batch.rows}};
 }
 

@@ -16,6 +16,7 @@
 #include "model/identify/robot_file.h"
 #include "model/input_error.h"
 #include "planner/program/commands.h"
+#include "planner/program/doubts.h"
 #include "planner/trajectory/atomic_file.h"
 #include "planner/trajectory/plan_json.h"
 
@@ -117,7 +118,7 @@ void write_robot(const IdentifyArguments& options, const fs::path& base, const s
   // What is unphysical is said now, not when somebody plans with it, and the file that may be there already stays.
   const fs::path trial = options.out + ".refused";
   write_file(trial, format_robot(combine(robot, estimates), base, options.link_damping));
-  load_parameters(trial);
+  tell_doubts(load_parameters(trial));
   fs::rename(trial, options.out);
 }
 

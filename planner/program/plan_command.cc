@@ -7,6 +7,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -18,10 +19,12 @@
 #include "model/input_error.h"
 #include "planner/plan.h"
 #include "planner/program/commands.h"
+#include "planner/program/doubts.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/plan_settings.h"
 #include "planner/program/progress_line.h"
 #include "planner/program/result_files.h"
+#include "planner/program/result_folder.h"
 #include "planner/program/summary.h"
 #include "planner/solver/solution_file.h"
 #include "planner/trajectory/atomic_file.h"
@@ -77,6 +80,7 @@ void load(PlanJob& job, const PlanArguments& options) {
   try {
     Problem problem = load_request(job.request);
     if (!options.warm.empty()) {
+      const FolderLock lock(options.warm);
       job.warm = std::make_shared<const Collocated>(
           read_solution(fs::path(options.warm) / kSolutionFile, robot_hash(problem.robot)));
     }
@@ -88,23 +92,35 @@ void load(PlanJob& job, const PlanArguments& options) {
 
 void complain(const std::string& problem) { fmt::print(stderr, "fjr: {}\n", problem); }
 
-// Returns what was written, for people.
-std::string write_trajectory(const PlanJob& job, const PlanArguments& options, Plan& plan) {
+// Returns the names of what was written.
+std::vector<std::string> write_trajectory(const PlanJob& job, const PlanArguments& options, const fs::path& folder,
+                                          Plan& plan, const nlohmann::ordered_json& json) {
   const bool certified = plan.status == PlanStatus::kCertified;
-  if (!plan.trajectory || (!certified && !options.settings.keep_uncertified)) return "";
-  const fs::path file = job.folder / (certified ? "trajectory.csv" : "trajectory.uncertified.csv");
-  const Problem& problem = *job.problem;
-  const std::string hash = robot_hash(problem.robot);
-  describe(*plan.trajectory, problem.name, problem.request_hash, hash, plan.status);
-  write_csv(*plan.trajectory, file);
-  if (plan.solution) write_solution(job.folder / kSolutionFile, *plan.solution, hash);
-  return file.string() + ", ";
+  if (!plan.trajectory || (!certified && !options.settings.keep_uncertified)) return {};
+  const std::string name = certified ? "trajectory.csv" : "trajectory.uncertified.csv";
+  describe(*plan.trajectory, json);
+  write_csv(*plan.trajectory, folder / name);
+  if (plan.solution) write_solution(folder / kSolutionFile, *plan.solution, robot_hash(job.problem->robot));
+  return {name};
 }
 
-PlanOutcome refuse(const PlanJob& job) {
-  PlanOutcome outcome{PlanStatus::kBadInput, bad_input_json(job.name(), job.refusal->what(), job.refusal->field()), ""};
-  write_file(job.folder / "plan.json", json_text(outcome.json));
+bool has_earlier_results(const PlanJob& job) {
+  const FolderLock lock(job.folder);
+  return worth_of(job.folder) != Worth::kNothing;
+}
+
+// A request that was refused has nothing that earlier results would have to make room for.
+PlanOutcome refuse(const PlanJob& job, nlohmann::ordered_json json) {
+  PlanOutcome outcome{PlanStatus::kBadInput, std::move(json), ""};
+  if (has_earlier_results(job)) return outcome;
+  NewResults results(job.folder);
+  write_file(results.stage() / "plan.json", json_text(outcome.json));
+  results.publish();
   return outcome;
+}
+
+PlanOutcome refuse_unread(const PlanJob& job) {
+  return refuse(job, bad_input_json(job.name(), job.refusal->what(), job.refusal->field()));
 }
 
 Plan solve(const PlanJob& job, const PlanArguments& options) {
@@ -116,24 +132,46 @@ Plan solve(const PlanJob& job, const PlanArguments& options) {
   return plan(*job.problem, plan_options);
 }
 
+PlanOutcome store(const PlanJob& job, const PlanArguments& options, Plan& result) {
+  NewResults results(job.folder);
+  PlanOutcome outcome{result.status, plan_json(*job.problem, result), summary(*job.problem, result)};
+  std::vector<std::string> written = write_trajectory(job, options, results.stage(), result, outcome.json);
+  write_file(results.stage() / "plan.json", json_text(outcome.json));
+  written.emplace_back("plan.json");
+  std::exception_ptr no_report;
+  try {
+    if (options.settings.report) written.push_back(write_report(results.stage()).filename().string());
+  } catch (...) {  // the plan is stored all the same
+    no_report = std::current_exception();
+  }
+  const bool kept = results.publish();
+  if (no_report) std::rethrow_exception(no_report);
+  for (std::string& name : written) name = (job.folder / name).string();
+  outcome.summary += fmt::format("  {:<11} {}\n", "files", fmt::join(written, ", "));
+  const std::string before = about_previous(job.folder, result.status, kept);
+  if (!before.empty()) outcome.summary += fmt::format("  {:<11} {}\n", "previous", before);
+  if (!before.empty() && options.json) complain(before);
+  return outcome;
+}
+
 // A contradiction found only while planning is told on stderr like the others.
 PlanOutcome make_plan(const PlanJob& job, const PlanArguments& options) {
   Plan result;
   if (interrupted()) {
     result.status = PlanStatus::kCancelled;
     result.reason = "interrupted before it was started";
+    if (has_earlier_results(job))
+      return {result.status, plan_json(*job.problem, result), summary(*job.problem, result)};
   } else {
     result = solve(job, options);
   }
-  if (result.status == PlanStatus::kBadInput) complain(job.request.string() + ": " + result.reason);
-  const std::string written = write_trajectory(job, options, result);
-  PlanOutcome outcome{result.status, plan_json(*job.problem, result), summary(*job.problem, result)};
-  write_file(job.folder / "plan.json", json_text(outcome.json));
-  std::string files = written + (job.folder / "plan.json").string();
-  if (options.settings.report && result.status != PlanStatus::kBadInput)
-    files += ", " + write_report(job.folder).string();
-  outcome.summary += fmt::format("  {:<11} {}\n", "files", files);
-  return outcome;
+  if (result.status == PlanStatus::kBadInput) {
+    complain(job.request.string() + ": " + result.reason);
+    PlanOutcome outcome = refuse(job, plan_json(*job.problem, result));
+    outcome.summary = summary(*job.problem, result);
+    return outcome;
+  }
+  return store(job, options, result);
 }
 
 void print_json(std::vector<PlanOutcome>& outcomes) {
@@ -156,12 +194,13 @@ int run(const PlanArguments& options) {
   for (PlanJob& job : jobs) {  // a mistake in the last request is told at once, not after the first is solved
     load(job, options);
     if (!job.problem) complain(job.refusal->what());
+    if (job.problem && options.parent == 0) tell_doubts(job.problem->robot);
   }
-  for (const PlanJob& job : jobs) prepare_folder(job.folder);  // after loading: --warm may name the same folder
+  for (const PlanJob& job : jobs) prepare_folder(job.folder);
   std::vector<PlanOutcome> outcomes;
   int code = 0;
   for (const PlanJob& job : jobs) {
-    outcomes.push_back(job.problem ? make_plan(job, options) : refuse(job));
+    outcomes.push_back(job.problem ? make_plan(job, options) : refuse_unread(job));
     code = std::max(code, exit_code(outcomes.back().status));
     if (!options.json) fmt::print("{}", outcomes.back().summary);
     std::fflush(stdout);

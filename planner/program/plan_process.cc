@@ -24,11 +24,19 @@ Descriptor checked(int number, const char* what) {
   return Descriptor(number);
 }
 
+std::string everything_in(int file) {
+  std::string text;
+  std::array<char, 65536> part{};
+  for (;;) {
+    const ssize_t read = ::pread(file, part.data(), part.size(), static_cast<off_t>(text.size()));
+    if (read <= 0) return text;
+    text.append(part.data(), static_cast<std::size_t>(read));
+  }
+}
+
 // What it wrote to stderr, without "fjr: " and the line's end.
 std::string first_line(int complaints) {
-  std::array<char, 1000> text{};
-  const ssize_t read = ::pread(complaints, text.data(), text.size(), 0);
-  std::string line(text.data(), read > 0 ? static_cast<std::size_t>(read) : 0);
+  std::string line = everything_in(complaints);
   line.resize(std::min(line.size(), line.find('\n')));
   return line.starts_with("fjr: ") ? line.substr(5) : line;
 }
@@ -46,11 +54,12 @@ std::string in_words(int status, int complaints) {
 }  // namespace
 
 PlanProcess::PlanProcess(std::vector<std::string> arguments)
-    : complaints_(checked(::memfd_create("fjr plan", MFD_CLOEXEC), "memfd_create")) {
+    : answer_(checked(::memfd_create("fjr plan, stdout", MFD_CLOEXEC), "memfd_create")),
+      complaints_(checked(::memfd_create("fjr plan, stderr", MFD_CLOEXEC), "memfd_create")) {
   const Descriptor nothing = checked(::open("/dev/null", O_RDWR | O_CLOEXEC), "/dev/null");
-  const std::vector<std::string> head = {"plan", "--parent", std::to_string(::getpid())};
+  const std::vector<std::string> head = {"plan", "--json", "--parent", std::to_string(::getpid())};
   arguments.insert(arguments.begin(), head.begin(), head.end());
-  pid_ = spawn_self(std::move(arguments), nothing.number(), nothing.number(), complaints_.number());
+  pid_ = spawn_self(std::move(arguments), nothing.number(), answer_.number(), complaints_.number());
 }
 
 PlanProcess::~PlanProcess() {
@@ -61,19 +70,22 @@ PlanProcess::~PlanProcess() {
 }
 
 PlanProcess::PlanProcess(PlanProcess&& other) noexcept
-    : pid_(std::exchange(other.pid_, -1)), complaints_(std::move(other.complaints_)) {}
+    : pid_(std::exchange(other.pid_, -1)),
+      answer_(std::move(other.answer_)),
+      complaints_(std::move(other.complaints_)) {}
 
 PlanProcess& PlanProcess::operator=(PlanProcess&& other) noexcept {
   std::swap(pid_, other.pid_);
+  std::swap(answer_, other.answer_);
   std::swap(complaints_, other.complaints_);
   return *this;
 }
 
-std::optional<std::string> PlanProcess::ending() {
+std::optional<PlanEnding> PlanProcess::ending() {
   int status = 0;
   if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
   pid_ = -1;
-  return in_words(status, complaints_.number());
+  return PlanEnding{in_words(status, complaints_.number()), everything_in(answer_.number())};
 }
 
 void PlanProcess::cancel() const { ::kill(pid_, SIGTERM); }

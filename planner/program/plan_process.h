@@ -12,6 +12,11 @@
 
 namespace fjr {
 
+struct PlanEnding {
+  std::string words;      // how it ended, for where it has no plan.json to show
+  std::string plan_json;  // what it wrote to stdout
+};
+
 class PlanProcess {
  public:
   // The words after `fjr plan`. It ends with this process, however that ends.
@@ -20,15 +25,14 @@ class PlanProcess {
   PlanProcess(PlanProcess&& other) noexcept;
   PlanProcess& operator=(PlanProcess&& other) noexcept;
 
-  // None while it runs; then how it ended, in words for where it left no plan.json.
-  std::optional<std::string> ending();
+  std::optional<PlanEnding> ending();  // none while it runs
 
   void cancel() const;  // it then ends soon, with a plan.json
   void kill() const;
 
  private:
   pid_t pid_ = -1;  // < 0: has ended
-  Descriptor complaints_;
+  Descriptor answer_, complaints_;
 };
 
 }  // namespace fjr

@@ -7,6 +7,7 @@
 
 #include "planner/program/commands.h"
 #include "planner/program/result_files.h"
+#include "planner/program/result_folder.h"
 
 namespace fjr {
 
@@ -17,6 +18,7 @@ void add_report(CLI::App& app, int& exit_code) {
       ->required()
       ->type_name("DIR");
   command->callback([folder, &exit_code] {
+    const FolderLock lock(*folder);
     fmt::print("{}\n", write_report(*folder).string());
     exit_code = 0;
   });

@@ -17,6 +17,7 @@
 #include "planner/program/network_arguments.h"
 #include "planner/program/progress_line.h"
 #include "planner/program/result_files.h"
+#include "planner/program/result_folder.h"
 #include "planner/service/client.h"
 #include "planner/trajectory/atomic_file.h"
 #include "planner/trajectory/plan_json.h"
@@ -70,6 +71,7 @@ Order load_earlier(const RequestArguments& options) {
   Order order = order_of(options);
   order.name = fs::path(options.request).lexically_normal().filename().string();
   order.action = Action::kExecute;
+  const FolderLock lock(options.request);
   order.trajectory_id = read_trajectory_id(options.request);
   return order;
 }
@@ -109,16 +111,25 @@ std::string json_of(const Order& order, const Reply& reply) {
   return json_text(json);
 }
 
-void store(const RequestArguments& options, const Order& order, const Reply& reply) {
-  if (options.out.empty()) return;
+// Returns one sentence on earlier results, where there are any.
+std::string store(const RequestArguments& options, const Order& order, const Reply& reply) {
+  if (options.out.empty()) return "";
   const fs::path folder = options.out;
+  const PlanStatus status = status_of(reply);
+  if (status == PlanStatus::kBadInput) {
+    const FolderLock lock(folder);
+    if (worth_of(folder) != Worth::kNothing) return "";  // a refusal is nothing to make room for
+  }
+  NewResults results(folder);
   if (!reply.rows.empty()) {
     Trajectory trajectory{reply.rows, {}};
-    describe(trajectory, fs::path(order.name).stem().string(), reply.request_hash, reply.robot_hash, status_of(reply));
-    write_csv(trajectory, folder / "trajectory.csv");
-    write_trajectory_id(order.id, folder);
+    describe(trajectory, nlohmann::ordered_json::parse(reply.plan_json));
+    write_csv(trajectory, results.stage() / "trajectory.csv");
+    write_trajectory_id(order.id, results.stage());
   }
-  write_file(folder / "plan.json", json_of(order, reply));
+  write_file(results.stage() / "plan.json", json_of(order, reply));
+  const bool kept = results.publish();
+  return about_previous(folder, status, kept);
 }
 
 std::string summary(const RequestArguments& options, const Reply& reply, double elapsed) {
@@ -171,17 +182,18 @@ Answer ask(const RequestArguments& options, const Order& order) {
 
 int run(const RequestArguments& options) {
   catch_interrupts();
-  if (!options.out.empty()) prepare_folder(options.out);
   const Order order = load_order(options);
+  if (!options.out.empty()) prepare_folder(options.out);
   const auto began = std::chrono::steady_clock::now();
   const Answer answer = ask(options, order);
   const Reply& reply = answer.reply;
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  store(options, order, reply);
+  const std::string before = store(options, order, reply);
   if (reply.state != ReplyState::kSolved) {
     fmt::print(stderr, "fjr: {}: {}: {}\n", options.request, name(reply.state), reason_of(reply));
   }
   fmt::print("{}", options.json ? json_of(order, reply) : summary(options, reply, elapsed));
+  if (!before.empty()) fmt::print(stderr, "fjr: {}\n", before);
   if (!answer.result) return exit_code_of(reply);
   if (!options.json) fmt::print("{}", summary(*answer.result));
   if (answer.result->code == ResultCode::kSuccessful) return 0;

@@ -1,14 +1,19 @@
 #include "planner/program/result_files.h"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "model/input_error.h"
 #include "model/strict_yaml.h"
+#include "planner/program/result_folder.h"
 #include "planner/report/plan_page.h"
 #include "planner/trajectory/atomic_file.h"
+#include "planner/trajectory/planned_with.h"
 
 namespace fjr {
 
@@ -25,19 +30,23 @@ void prepare_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", folder.string(), error.message()));
-  for (const char* file :
-       {"plan.json", "trajectory.csv", "trajectory.uncertified.csv", "solution.cbor", kReport, kTrajectoryId}) {
-    fs::remove(folder / file, error);
-    if (error) {
-      throw InputError("--out", "", fmt::format("cannot remove {}: {}", (folder / file).string(), error.message()));
-    }
-  }
+  if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
+  const std::string reason = std::generic_category().message(errno);
+  throw InputError("--out", "", fmt::format("cannot write to folder {}: {}", folder.string(), reason));
 }
 
 fs::path write_report(const fs::path& folder) {
   const fs::path file = folder / kReport;
   write_file(file, plan_page(read_plan(folder)));
   return file;
+}
+
+std::string about_previous(const fs::path& folder, PlanStatus status, bool kept) {
+  const fs::path previous = folder / kPrevious;
+  if (status != PlanStatus::kCertified && worth_of(previous) == Worth::kPlan) {
+    return fmt::format("the earlier certified plan is in {}", previous.string());
+  }
+  return kept ? fmt::format("the earlier results are in {}", previous.string()) : "";
 }
 
 bool has_report(const fs::path& folder) { return fs::exists(folder / kReport); }
@@ -50,9 +59,12 @@ RequestId read_trajectory_id(const fs::path& folder) {
   const fs::path file = folder / kTrajectoryId;
   std::ifstream in(file);
   if (!in) {
+    const fs::path previous = folder / kPrevious;
+    const bool earlier = fs::exists(previous / kTrajectoryId);
     throw InputError(
         folder.string(), "",
-        "has no trajectory.id: it holds no trajectory planned by the service (fjr request REQUEST --out DIR)");
+        "has no trajectory.id: it holds no trajectory planned by the service (fjr request REQUEST --out DIR)" +
+            (earlier ? "; that of the earlier plan is in " + previous.string() : ""));
   }
   std::string line;
   std::getline(in, line);
@@ -60,14 +72,12 @@ RequestId read_trajectory_id(const fs::path& folder) {
   throw InputError(file.string(), "", shown(line) + " is not 32 hexadecimal digits, a minus and a number");
 }
 
-void describe(Trajectory& trajectory, const std::string& request, const std::string& request_hash,
-              const std::string& robot_hash, PlanStatus status) {
-  trajectory.metadata["request"] = request;
-  trajectory.metadata["request_hash"] = request_hash;
-  trajectory.metadata["robot_hash"] = robot_hash;
+void describe(Trajectory& trajectory, const nlohmann::ordered_json& plan) {
+  for (const char* key : {"request", "request_hash", "robot_hash", "status", "version"}) {
+    trajectory.metadata[key] = plan.at(key).get<std::string>();
+  }
   trajectory.metadata["rows"] = std::to_string(trajectory.samples.size());  // a file that was cut short shows it
-  trajectory.metadata["status"] = name(status);
-  trajectory.metadata["version"] = FJR_VERSION;
+  tell_planned_with(plan, trajectory.metadata);
 }
 
 }  // namespace fjr

@@ -93,7 +93,8 @@ struct BadGrid {
 TEST(Grid, WhatMakesNoSenseIsRefusedByName) {
   const std::string axes = kRequest + "axes: ";
   const BadGrid grids[] = {
-      {"axes: {seed: [1]}\n", "folder/g.yaml: request: missing"},
+      {"axes: {seed: [1]}\n", "folder/g.yaml: request: missing: a grid has a request"},
+      {kRequest, "folder/g.yaml: axes: missing: a grid names what changes from request to request, such as goal.q[0]"},
       {kRequest + "axes: {seed: [1]}\nname: x\n", "folder/g.yaml: unknown key \"name\"; allowed: request, axes"},
       {"request: none.yaml\naxes: {seed: [1]}\n", "folder/none.yaml: no such file"},
       {"request: [1]\naxes: {seed: [1]}\n", "request: must be a request, or the name of a request's file"},
@@ -335,6 +336,8 @@ TEST(Table, HasAColumnForEveryAxisAndTerm) {
       "objective": {"total": 2, "terms": {"effort": 1.5, "time": null}}, "solver": {"iterations": 7},
       "certificate": null, "timing": {"total": 0.25}})");
   EXPECT_EQ(table_csv({make_row(plain, "failed", "two\nlines"), make_row(point, plan)}),
+            "# unit.duration: s\n# unit.terms.time: s\n# unit.terms.effort: N^2 m^2 s\n# unit.open_loop_error: rad\n"
+            "# unit.closed_loop_error: rad\n# unit.time: s\n"
             "name,axes.goal.q[0],axes.objective,status,reason,duration,objective,terms.effort,terms.time,iterations,"
             "intervals,starts,distinct_minima,open_loop_error,closed_loop_error,time\n"
             "a,,,failed,\"two\nlines\",,,,,,,,,,,\n"

@@ -98,7 +98,9 @@ TEST_F(Batch, AGridIsPlannedOnce) {
   EXPECT_EQ(row["axes"], (Json{{"goal.q[1]", 0.23}}));
 
   const std::string table = contents(path("out/summary.csv"));
-  EXPECT_THAT(table, StartsWith("name,axes.goal.q[1],status,reason,duration,objective,terms."));
+  EXPECT_THAT(table, StartsWith("# unit.duration: s\n# unit.terms.time: s\n# unit.terms.effort: N^2 m^2 s\n"));
+  EXPECT_THAT(table, HasSubstr("\nname,axes.goal.q[1],status,reason,duration,objective,terms."));
+  EXPECT_EQ(summary()["units"]["terms.energy"], "J");
   const auto written = fs::last_write_time(plan_file("g_0.21"));
   fs::remove(path("out/g_0.22/trajectory.csv"));
   EXPECT_EQ(run({"batch", "g.yaml", "--out", "out", "--report"}).exit_code, 0);
@@ -200,6 +202,40 @@ TEST_F(Batch, BadRequestsAreRowsAndDoNotStopTheOthers) {
   EXPECT_EQ(plan_json("out/bad")["field"], "goal.q[0]");
   EXPECT_TRUE(plan_json("out/none")["field"].is_null());
   EXPECT_EQ(run({"batch", "requests/bad.yaml", "--out", "only"}).exit_code, 2);
+}
+
+TEST_F(Batch, EarlierResultsOutliveWhatIsRefusedOrCrashes) {
+  write("a.yaml", kShort);
+  ASSERT_EQ(run({"batch", "a.yaml", "--out", "out"}).exit_code, 0);
+  const std::string earlier = contents(path("out/a/trajectory.csv"));
+  write("a.yaml", kShort + "gaol: 1\n");
+  EXPECT_EQ(run({"batch", "a.yaml", "--out", "out"}).exit_code, 2);
+  EXPECT_EQ(summary()["rows"][0]["status"], "bad_input");
+  EXPECT_EQ(contents(path("out/a/trajectory.csv")), earlier);
+  EXPECT_EQ(plan_json("out/a")["status"], "certified");
+
+  write("a.yaml", kLong);
+  const pid_t batch = start({"batch", "a.yaml", "--out", "out"});
+  for (const pid_t worker : workers_of(batch, 1)) kill(worker, SIGKILL);
+  EXPECT_EQ(finish(batch).exit_code, 1);
+  EXPECT_EQ(summary()["rows"][0]["status"], "failed");  // not what the earlier plan.json says
+  EXPECT_EQ(contents(path("out/a/trajectory.csv")), earlier);
+
+  EXPECT_EQ(run({"batch", "a.yaml", "--out", "out", "--deadline", "1e-9"}).exit_code, 5);
+  EXPECT_EQ(contents(path("out/a/previous/trajectory.csv")), earlier);
+  write("a.yaml", kShort);
+  EXPECT_EQ(run({"batch", "a.yaml", "--out", "out"}).exit_code, 0);
+  EXPECT_EQ(summary()["planned"], 1);
+  EXPECT_EQ(contents(path("out/a/trajectory.csv")), earlier);
+}
+
+TEST_F(Batch, AGridWithoutAxesSaysWhatIsMissing) {
+  write("short.yaml", kShort);
+  write("g.yaml", "request: short.yaml\n");
+  const Result result = run({"batch", "g.yaml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, StartsWith("fjr: g.yaml: axes: missing: a grid names what changes"));
+  EXPECT_FALSE(fs::exists(path("out")));
 }
 
 // Requests that name a robot need none of ours; one that does not is enough to stop all of them.

@@ -97,7 +97,7 @@ const BadRequest kBadRequests[] = {
 
 class CliBadRequest : public Cli, public testing::WithParamInterface<BadRequest> {};
 
-TEST_P(CliBadRequest, IsRefusedAndLeavesNoTrajectory) {
+TEST_P(CliBadRequest, IsRefusedAndTouchesNothing) {
   write("request.yaml", GetParam().text);
   write("out/trajectory.csv", "of an earlier run");
   const Result result = run({"plan", "request.yaml", "--out", "out"});
@@ -106,9 +106,12 @@ TEST_P(CliBadRequest, IsRefusedAndLeavesNoTrajectory) {
   EXPECT_THAT(result.err, HasSubstr(GetParam().message));
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   EXPECT_EQ(result.out, "");
-  EXPECT_EQ(plan_json()["status"], "bad_input");
-  EXPECT_EQ("fjr: " + plan_json()["reason"].get<std::string>() + "\n", result.err);
-  EXPECT_FALSE(fs::exists(path("out/trajectory.csv")));
+  EXPECT_EQ(contents(path("out/trajectory.csv")), "of an earlier run");
+  EXPECT_FALSE(fs::exists(path("out/plan.json")));
+
+  EXPECT_EQ(run({"plan", "request.yaml", "--out", "fresh"}).exit_code, 2);  // where it is no other plan's
+  EXPECT_EQ(plan_json("fresh")["status"], "bad_input");
+  EXPECT_EQ("fjr: " + plan_json("fresh")["reason"].get<std::string>() + "\n", result.err);
 }
 INSTANTIATE_TEST_SUITE_P(Requests, CliBadRequest, testing::ValuesIn(kBadRequests),
                          [](const auto& p) { return p.param.name; });
@@ -227,6 +230,58 @@ TEST_F(Cli, SigtermCancels) {
   EXPECT_FALSE(fs::exists(path("out/trajectory.csv")));
 }
 
+// Whatever ends a run, the certified plan that was there before is still there.
+TEST_F(Cli, AnEarlierPlanOutlivesWhateverComesAfterIt) {
+  write("good.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.3, 0.21]}\nsample_period: 0.005\n");
+  ASSERT_EQ(run({"plan", "good.yaml", "--out", "out", "--report"}).exit_code, 0);
+  const std::string earlier = contents(path("out/trajectory.csv")), earlier_plan = contents(path("out/plan.json"));
+  const auto untouched = [&] {
+    return contents(path("out/trajectory.csv")) == earlier && contents(path("out/plan.json")) == earlier_plan &&
+           fs::exists(path("out/report.html")) && fs::exists(path("out/solution.cbor"));
+  };
+  write("typo.yaml", kGood + "gaol: {q: [0, 0]}\n");
+  write("contradiction.yaml", "start: {q: [0, 0]}\ngoal: {q: [1.2, 0]}\nlimits: {torque: [5, 5]}\n");
+  for (const char* request : {"typo.yaml", "missing.yaml", "contradiction.yaml"}) {
+    const Result result = run({"plan", request, "--out", "out"});
+    EXPECT_EQ(result.exit_code, 2) << request;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_TRUE(untouched()) << request;
+  }
+  EXPECT_EQ(run({"request", "typo.yaml", "--out", "out", "--find", "0.1"}).exit_code, 1);  // nobody serves
+  EXPECT_EQ(run({"request", "missing.yaml", "--out", "out"}).exit_code, 2);
+  EXPECT_TRUE(untouched());
+
+  write("long.yaml", kGood);
+  const pid_t killed = start({"plan", "long.yaml", "--out", "out"});
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  kill(killed, SIGKILL);
+  (void)finish(killed);
+  EXPECT_TRUE(untouched());
+
+  const Result late = run({"plan", "long.yaml", "--out", "out", "--deadline", "1e-6"});
+  EXPECT_EQ(late.exit_code, 5);
+  EXPECT_THAT(late.out, HasSubstr("  previous    the earlier certified plan is in out/previous\n"));
+  EXPECT_EQ(plan_json()["status"], "deadline");
+  EXPECT_FALSE(fs::exists(path("out/trajectory.csv")));
+  EXPECT_FALSE(fs::exists(path("out/report.html")));
+  EXPECT_EQ(contents(path("out/previous/trajectory.csv")), earlier);
+  EXPECT_EQ(run({"report", "out/previous"}).exit_code, 0);
+  const Result again = run({"plan", "long.yaml", "--out", "out", "--deadline", "1e-6", "--json"});
+  EXPECT_EQ(again.err, "fjr: the earlier certified plan is in out/previous\n");
+  EXPECT_EQ(contents(path("out/previous/plan.json")), earlier_plan);
+
+  const Result warm = run({"plan", "good.yaml", "--out", "out", "--warm", "out/previous"});
+  EXPECT_EQ(warm.exit_code, 0) << warm.err;
+  EXPECT_EQ(plan_json()["warm"], (Json{{"used", true}, {"reason", nullptr}}));
+}
+
+TEST_F(Cli, AFolderThatCannotBeWrittenIsToldBeforeAnythingIsPlanned) {
+  write("good.yaml", kGood);
+  const Result result = run({"plan", "good.yaml", "--out", "/proc/self"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--out: cannot write to folder /proc/self: "));
+}
+
 // The arm hangs still: any robot follows that.
 Trajectory at_rest() {
   Trajectory trajectory;
@@ -282,8 +337,58 @@ TEST_F(Cli, VerifyWarnsOfAnotherRobot) {
   write_csv(trajectory, path("t.csv"));
   const Result result = run({"verify", "t.csv", "--json"});
   EXPECT_EQ(result.exit_code, 0);
-  EXPECT_THAT(result.err, HasSubstr("t.csv was planned for another robot (robot_hash 0123"));
+  EXPECT_THAT(result.err, HasSubstr("t.csv: it was planned for another robot (robot_hash 0123"));
   EXPECT_EQ(Json::parse(result.out)["verdict"], "certified");
+}
+
+// A move of a few degrees, which takes some 0.3 s to plan.
+const std::string kShort = "start: {q: [0.3, 0.2]}\ngoal: {q: [0.3, 0.21]}\nsample_period: 0.005\n";
+
+TEST_F(Cli, VerifyTakesPayloadAndLimitsFromTheFileAndNeverLooserOnes) {
+  write("r.yaml", kShort + "payload: 0.1\nlimits: {torque: [8, 5], tip_speed: 0.5}\n");
+  ASSERT_EQ(run({"plan", "r.yaml", "--out", "out"}).exit_code, 0);
+  const std::string file = contents(path("out/trajectory.csv"));
+  EXPECT_THAT(file, HasSubstr("# limits.tip_speed: 0.5 m/s\n# limits.torque[0]: 8 N m\n# payload: 0.1 kg\n"));
+  EXPECT_EQ(file.find("limits.torque[1]"), std::string::npos);  // the robot's own
+
+  const Result own = run({"verify", "out/trajectory.csv"});
+  EXPECT_EQ(own.exit_code, 0) << own.out;
+  EXPECT_EQ(own.err, "");
+  EXPECT_THAT(own.out, AllOf(HasSubstr("certified against the robot's limits and the request's"),
+                             HasSubstr("payload 0.1 kg, limits.torque[0] 8 N m, limits.tip_speed 0.5 m/s\n")));
+
+  const Result other = run({"verify", "out/trajectory.csv", "--payload", "0.3"});
+  EXPECT_EQ(other.exit_code, 4);
+  EXPECT_THAT(other.err, HasSubstr("payload: it was planned with 0.1 kg, but --payload says 0.3 kg\n"));
+  EXPECT_THAT(other.out, HasSubstr("failed      payload: it was planned with 0.1 kg"));  // before what follows from it
+  EXPECT_EQ(other.err.find("another robot"), std::string::npos);
+
+  const auto with = [&](const std::string& line, const std::string& instead) {
+    std::string text = file;
+    write("t.csv", text.replace(text.find(line), line.size(), instead));
+    return run({"verify", "t.csv"});
+  };
+  const Result tighter = with("limits.torque[0]: 8 N m", "limits.torque[0]: 0.5 N m");
+  EXPECT_EQ(tighter.exit_code, 4);
+  EXPECT_THAT(tighter.out, HasSubstr("of 0.5 N m"));
+  const Result looser = with("limits.torque[0]: 8 N m", "limits.torque[0]: 100 N m");
+  EXPECT_THAT(looser.err, HasSubstr("limits.torque[0]: the file says 100 N m, but the robot's 12 N m hold\n"));
+  const Result wrong = with("payload: 0.1 kg", "payload: a cup");
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_EQ(wrong.err, "fjr: t.csv: payload: 'a cup' must be a number >= 0 and its unit, such as '0.5 kg'\n");
+  EXPECT_EQ(with("limits.torque[0]: 8 N m", "limits.torque[0]: -8 N m").exit_code, 2);
+  EXPECT_EQ(with("limits.torque[0]", "limits.torqe[0]").exit_code, 2);
+}
+
+TEST_F(Cli, VerifyOfARobotWithAnotherPayloadSaysSo) {
+  write("robot.yaml", contents(FJR_SOURCE_DIR "/config/robot.yaml") + "payload: 0.2\n");
+  Trajectory trajectory = at_rest();
+  trajectory.metadata["payload"] = "0.1 kg";
+  write_csv(trajectory, path("t.csv"));
+  const Result result = run({"verify", "t.csv", "--robot", "robot.yaml", "--json"});
+  EXPECT_THAT(result.err, HasSubstr("t.csv: payload: it was planned with 0.1 kg, but the robot has 0.2 kg\n"));
+  EXPECT_EQ(Json::parse(result.out)["payload"]["mass"], 0.2);
+  EXPECT_EQ(Json::parse(result.out)["contradictions"].size(), 1u);
 }
 
 TEST_F(Cli, VerifyOfBadFilesIsBadInput) {

@@ -101,7 +101,14 @@ TEST_F(ExecuteTest, TheFolderOfAnEarlierRequestIsExecuted) {
   write("fast.yaml", kFast);
   Process plan = fjr({"request", path("fast.yaml"), "--out", path("a"), "--domain", domain()}, "plan");
   EXPECT_EQ(plan.wait(), 0) << plan.output();
-  Process execute = fjr({"request", path("a"), "--execute", "--domain", domain()}, "execute");
+  Process late =
+      fjr({"request", path("fast.yaml"), "--out", path("a"), "--budget", "1e-6", "--domain", domain()}, "late");
+  EXPECT_EQ(late.wait(), 5);
+  EXPECT_THAT(late.output(), HasSubstr("the earlier certified plan is in " + path("a/previous").string()));
+  Process failed = fjr({"request", path("a"), "--execute", "--domain", domain()}, "failed");
+  EXPECT_EQ(failed.wait(), 2);  // what failed is not executed, nor what it has replaced by mistake
+  EXPECT_THAT(failed.output(), HasSubstr("that of the earlier plan is in " + path("a/previous").string()));
+  Process execute = fjr({"request", path("a/previous"), "--execute", "--domain", domain()}, "execute");
   EXPECT_EQ(execute.wait(), 0) << execute.output();
   EXPECT_THAT(execute.output(), HasSubstr("code 0 SUCCESSFUL"));
   Process plain = fjr({"request", path("a"), "--domain", domain()}, "plain");

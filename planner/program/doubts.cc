@@ -1,0 +1,20 @@
+#include "planner/program/doubts.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <set>
+#include <string>
+
+#include "model/plausibility.h"
+
+namespace fjr {
+
+void tell_doubts(const Parameters& robot) {
+  static std::set<std::string> told;
+  for (const Doubt& doubt : doubts_about(robot)) {
+    if (told.insert(doubt.text()).second) fmt::print(stderr, "fjr: warning: robot: {}\n", doubt.text());
+  }
+}
+
+}  // namespace fjr

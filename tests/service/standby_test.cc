@@ -1,12 +1,8 @@
 // Two services for one robot: one answers, the other takes over; whatever happens to the first, nothing runs twice.
-#include <atomic>
 #include <cstdlib>
 #include <map>
 #include <thread>
 
-#include "planner/service/dds/reader.h"
-#include "planner/service/dds/wire_request.h"
-#include "planner/service/dds/writer.h"
 #include "tests/service/service_fixture.h"
 
 namespace fjr {
@@ -126,80 +122,34 @@ TEST_F(StandbyTest, AResumedOwnerDoesNotFinishWhatTheStandbyDid) {
   EXPECT_EQ(count(a_->output(), "finished id="), 0u) << a_->output();
 }
 
-// Asks as little as a client can: writes one request, once, as soon as anybody takes it.
-class FirstRequest {
- public:
-  explicit FirstRequest(unsigned domain) : participant_(domain) {}
-
-  // Whether it was written within `limit` seconds.
-  bool ask(double limit) {
-    const bool met = comes_true(limit, [&] { return requests_.has_reader(); });
-    return met && requests_.write(dds::encode_plan_request(order_).message.request);
-  }
-  bool answered(double limit) {
-    return comes_true(limit, [&] {
-      bool heard = false;
-      replies_.take_all([&](const auto&, const dds_sample_info_t& info) { heard = heard || info.valid_data; });
-      return heard;
-    });
-  }
-
- private:
-  template <class Holds>
-  static bool comes_true(double limit, Holds holds) {
-    for (const auto began = Clock::now(); seconds_since(began) < limit;) {
-      if (holds()) return true;
-      std::this_thread::sleep_for(milliseconds(1));
-    }
-    return false;
-  }
-  static Order bad_order() {
-    Order order;
-    order.id = new_client();
-    order.name = "bad.yaml";
-    order.yaml = "start: {q: [0, 0]}\ngoal: {q: [1.2, 3.4]}\n";
-    return order;
-  }
-
-  const Order order_ = bad_order();
-  dds::Participant participant_;
-  dds::Entity subscriber_ = participant_.subscriber(client_name(order_.id));
-  dds::Reader<fjr_msg_PlanReply> replies_{participant_, subscriber_.handle()};
-  dds::Writer<fjr_msg_PlanRequest> requests_{participant_, participant_.handle()};
-};
-
 // The owner is stopped, for less than the lease, while a client finds the standby.
 TEST_F(StandbyTest, PassesOnWhatTheOwnerCannotHaveHeard) {
   start_both();
   for (int i = 0; i < 5; ++i) {
     a_->send(SIGSTOP);
-    FirstRequest client(domain_);
-    EXPECT_TRUE(client.ask(0.25));
-    std::this_thread::sleep_for(milliseconds(50));
+    Process client({FJR_FIRST_REQUESTS, domain(), "1"}, path("client"));
+    std::this_thread::sleep_for(milliseconds(250));
     a_->send(SIGCONT);
-    EXPECT_TRUE(client.answered(5)) << i;
+    (void)client.wait();
+    EXPECT_EQ(client.output(), "answered=1\n");
     settle();
   }
-  EXPECT_EQ(heard_["a"].rejected + heard_["b"].rejected, 5u);
 }
 
-// FJR_FIRST_REQUESTS: how many.
+// FJR_COUNT_FIRST_REQUESTS: how many of each of four processes.
 TEST_F(StandbyTest, NoFirstRequestIsLost) {
   start_both();
-  const char* text = std::getenv("FJR_FIRST_REQUESTS");
-  const int wanted = text == nullptr ? 200 : std::atoi(text);
-  std::atomic<int> begun = 0, answered = 0;
-  std::vector<std::jthread> threads;
-  for (int i = 0; i < 8; ++i) {
-    threads.emplace_back([&] {
-      while (begun++ < wanted) {
-        FirstRequest client(domain_);
-        if (client.ask(10) && client.answered(10)) ++answered;
-      }
-    });
+  const char* text = std::getenv("FJR_COUNT_FIRST_REQUESTS");
+  const std::string each = text == nullptr ? "25" : text;
+  std::vector<Instance> clients;
+  for (int i = 0; i < 4; ++i) {
+    const std::vector<std::string> words{FJR_FIRST_REQUESTS, domain(), each};
+    clients.push_back(std::make_unique<Process>(words, path("client" + std::to_string(i))));
   }
-  threads.clear();
-  EXPECT_EQ(answered, wanted);
+  for (const Instance& client : clients) {
+    (void)client->wait();
+    EXPECT_EQ(client->output(), "answered=" + each + "\n");
+  }
 }
 
 TEST_F(StandbyTest, WhatTheKilledOwnerPlannedIsExecutedByItsId) {

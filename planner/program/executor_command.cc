@@ -53,7 +53,7 @@ void check_start(const ExecutorConfig& config, const Parameters& robot) {
 
 int execute(const ExecutorArguments& options) {
   catch_ending_signals();  // before any other thread is started
-  log_to_stderr();
+  const auto log = log_to_stderr();
   const ExecutorConfig config = config_of(options);
   const Parameters robot = load_parameters(config.robot);
   check_start(config, robot);

@@ -27,7 +27,7 @@ struct ServeArguments {
 int serve(const ServeArguments& options) {
   catch_ending_signals();  // before any other thread is started
   ::signal(SIGPIPE, SIG_IGN);
-  log_to_stderr();
+  const auto log = log_to_stderr();
   ServiceConfig config = options.config.empty() ? default_service_config() : load_service_config(options.config);
   options.network.apply_to(config.network);
   if (options.workers > 0) config.workers = static_cast<std::size_t>(options.workers);

@@ -4,14 +4,17 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include <memory>
+
 #include "planner/service/dds/log.h"
 
 namespace fjr {
 
-inline void log_to_stderr() {
+// To be called before DDS is used; what it returns is to live as long as DDS is.
+[[nodiscard]] inline std::unique_ptr<dds::LogSink> log_to_stderr() {
   spdlog::set_default_logger(spdlog::stderr_color_mt("fjr"));
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");
-  dds::log_as_the_program_does();
+  return std::make_unique<dds::LogSink>();
 }
 
 }  // namespace fjr

@@ -322,7 +322,7 @@ Order decode(const fjr_msg_MotionRequest& message) {
   Order order = decode_terms(message);
   order.start_within = message.start_within;
   if (!order.refusal) order.refusal = refusal_of_time("start_within", message.start_within);
-  order.yaml = text_of(message.document);
+  order.yaml = raw_text_of(message.document);
   return order;
 }
 

@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "planner/service/printable.h"
+
 namespace fjr::dds {
 namespace {
 
@@ -82,7 +84,7 @@ std::optional<std::string> incompatibility(const Participant& participant, Side 
   if (types.empty()) return std::nullopt;
   const auto other = std::find_if(types.begin(), types.end(), [&](const std::string& t) { return t != type; });
   if (other != types.end()) {
-    return fmt::format("a {} of {} is there, but its type is {} and not {}", who, topic, *other, type);
+    return fmt::format("a {} of {} is there, but its type is {} and not {}", who, topic, printable(*other), type);
   }
   if (const char* policy = policy_in_the_way(ours, side)) {
     return fmt::format("a {} of {} is there, but its quality of service does not go with ours ({})", who, topic,

@@ -1,4 +1,4 @@
-// Bounded strings of the wire, which nothing obliges to end with a zero.
+// Bounded strings of the wire, which nothing obliges to end with a zero, nor to hold what can be shown.
 #pragma once
 
 #include <algorithm>
@@ -6,11 +6,20 @@
 #include <string>
 #include <string_view>
 
+#include "planner/service/printable.h"
+
 namespace fjr::dds {
 
+// As it was sent; for what is read by programs.
+template <std::size_t N>
+std::string raw_text_of(const char (&bounded)[N]) {
+  return std::string(bounded, ::strnlen(bounded, N));
+}
+
+// Fit for logs and terminals: whatever comes from others is so from here on.
 template <std::size_t N>
 std::string text_of(const char (&bounded)[N]) {
-  return std::string(bounded, ::strnlen(bounded, N));
+  return printable(raw_text_of(bounded));
 }
 
 // Cut to what fits, never within a UTF-8 character.

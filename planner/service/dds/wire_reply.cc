@@ -59,7 +59,8 @@ Reply decode(const fjr_msg_PlanReply& message) {
   reply.version = text_of(message.version);
   reply.solve_time = message.solve_time;
   reply.wait_time = message.wait_time;
-  reply.plan_json.assign(reinterpret_cast<const char*>(message.plan_json._buffer), message.plan_json._length);
+  reply.plan_json =
+      printable_lines({reinterpret_cast<const char*>(message.plan_json._buffer), message.plan_json._length});
   reply.rows.resize(message.rows._length);
   if (!reply.rows.empty()) {
     std::memcpy(static_cast<void*>(reply.rows.data()), message.rows._buffer, reply.rows.size() * sizeof(Sample));

@@ -14,13 +14,27 @@ install(TARGETS fjr_model fjr_planner
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fjr)
 install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fjr/config USE_SOURCE_PERMISSIONS)
 install(DIRECTORY idl/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fjr/idl FILES_MATCHING PATTERN "*.idl")
-# The unit names the program by its full path, which is known when it is installed (--prefix). systemd looks in
-# /usr/lib and /usr/local/lib; from elsewhere: `systemctl link`.
+# The units name the program and its configuration by their full paths, which are known when they are installed (--prefix).
+# systemd looks in /usr/lib and /usr/local/lib; from elsewhere: `systemctl link`. The machine's own configuration is
+# /etc/fjr (below the prefix where that is no system folder), and never overwritten.
 install(CODE "
   set(FJR_BIN \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_BINDIR}\")
   set(FJR_DATA \"\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_DATADIR}\")
-  configure_file(\"${PROJECT_SOURCE_DIR}/cmake/fjr.service.in\" \"${PROJECT_BINARY_DIR}/cmake/fjr.service\" @ONLY)
-  file(INSTALL \"${PROJECT_BINARY_DIR}/cmake/fjr.service\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/lib/systemd/system\")")
+  set(FJR_ETC \"\${CMAKE_INSTALL_PREFIX}/etc\")
+  if(CMAKE_INSTALL_PREFIX MATCHES \"^/(usr|usr/local|opt/.*)$\")
+    set(FJR_ETC /etc)
+  endif()
+  file(READ \"${PROJECT_SOURCE_DIR}/cmake/confined.service.in\" FJR_CONFINED)
+  string(STRIP \"\${FJR_CONFINED}\" FJR_CONFINED)
+  foreach(unit fjr.service fjr-executor.service)
+    configure_file(\"${PROJECT_SOURCE_DIR}/cmake/\${unit}.in\" \"${PROJECT_BINARY_DIR}/cmake/\${unit}\" @ONLY)
+    file(INSTALL \"${PROJECT_BINARY_DIR}/cmake/\${unit}\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/lib/systemd/system\")
+  endforeach()
+  foreach(file service.yaml executor.yaml robot.yaml)
+    if(NOT EXISTS \"\$ENV{DESTDIR}\${FJR_ETC}/fjr/\${file}\")
+      file(INSTALL \"${PROJECT_SOURCE_DIR}/config/\${file}\" DESTINATION \"\${FJR_ETC}/fjr\")
+    endif()
+  endforeach()")
 install(DIRECTORY model planner
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fjr
   FILES_MATCHING PATTERN "*.h"

@@ -12,6 +12,7 @@ packages=(
   coinor-libipopt-dev libmumps-seq-dev libopenblas0-serial      # optimisation; BLAS with one thread
   cyclonedds-dev cyclonedds-tools libspdlog-dev libsystemd-dev  # the planning service, its log and its watchdog
   openssl iproute2 nftables                                     # credentials; networks that lose packets, in tests
+  systemd                                                       # systemd-analyze: the units are verified, in tests
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev  # tests and benchmarks
   libfastrtps-dev fastddsgen default-jre-headless               # another DDS, to test against
   python3 python3-venv python3-dev                              # bench/suite.py, a client in Python

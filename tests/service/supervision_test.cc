@@ -75,7 +75,8 @@ class OtherReader {
 TEST_F(SupervisionTest, ClientSaysWhatIsIncompatible) {
   write("fast.yaml", kFast);
   const auto said = [&] {
-    Process request = fjr({"request", path("fast.yaml"), "--domain", domain(), "--find", "0.5"}, "request");
+    Process request =
+        fjr({"request", path("fast.yaml"), "--domain", domain(), "--find", "0.5", "--silence", "1"}, "request");
     EXPECT_EQ(request.wait(), 1);
     return request.output();
   };
@@ -90,7 +91,7 @@ TEST_F(SupervisionTest, ClientSaysWhatIsIncompatible) {
     dds_topic_descriptor_t changed = fjr_msg_PlanCancel_desc;
     changed.m_typename = "fjr::msg::PlanRequest";
     const OtherReader reader(domain_, changed, reliable);
-    EXPECT_THAT(said(), HasSubstr("fjr::msg::PlanRequest is defined differently: it is of another version"));
+    EXPECT_THAT(said(), HasSubstr("its version has other types"));  // DDS compares names only
   }
   {
     const OtherReader reader(domain_, fjr_msg_PlanRequest_desc, demanding);

@@ -49,7 +49,7 @@ permissions() {
 <dds xmlns:xsi="http://www.w3.org/2001/XMLSchema-instance"
      xsi:noNamespaceSchemaLocation="https://www.omg.org/spec/DDS-SECURITY/20170901/omg_shared_ca_permissions.xsd">
 <permissions><grant name="$2">
-<subject_name>O=fjr,CN=$1</subject_name>
+<subject_name>O=fjr,OU=$2,CN=$1</subject_name>
 <validity><not_before>$valid_from</not_before><not_after>$valid_to</not_after></validity>
 $(rules "$2")
 <default>DENY</default>
@@ -66,7 +66,7 @@ participant() {
   rm -rf "$made"
   mkdir "$made"
   key "$made/key.pem"
-  openssl req -new -sha256 -key "$made/key.pem" -subj "/O=fjr/CN=$1" |
+  openssl req -new -sha256 -key "$made/key.pem" -subj "/O=fjr/OU=$2/CN=$1" |
     openssl x509 -req -sha256 -days "$days" -CA "$dir/authority/identity_ca.cert.pem" \
       -CAkey "$dir/authority/identity_ca.key.pem" -set_serial "0x$(openssl rand -hex 16)" -out "$made/cert.pem" 2>/dev/null
   permissions "$1" "$2" > "$made/permissions.xml"

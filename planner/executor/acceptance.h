@@ -22,8 +22,9 @@ struct Situation {
 
 inline constexpr double kStartTolerance = 0.01;  // [rad] between the first row and where the links are
 inline constexpr double kLongestMotion = 20;     // [s] as long as any that the planner makes
-// Between rows: half of what lies between the two of a jump, and the longest sample period that may be asked for. [s]
-inline constexpr double kShortestSpacing = 0.5 * kJumpSpacing, kLongestSpacing = 5e-3;
+// Between rows: a tenth of what lies between the two of a jump, and the longest sample period that may be asked for.
+// [s]
+inline constexpr double kShortestSpacing = 0.1 * kJumpSpacing, kLongestSpacing = 5e-3;
 inline constexpr double kWidestTolerance = 0.5;  // [rad], [rad/s]
 inline constexpr double kLongestGoalTime = 60;   // [s]
 inline constexpr double kClockDifference = 0.1;  // [s] between the planner's and the executor's machine

@@ -36,6 +36,7 @@ Executor::Executor(const ExecutorConfig& config, const Parameters& robot, Arm& a
       port_(dds::guarded_participant(config.network), config.robot_id),
       history_(history_file(config)),
       control_(robot, arm) {
+  if (!config.network.security.empty()) signatures_.emplace(config.network.security);
   situation_.robot_hash = robot_hash(robot_);
   situation_.started = clock_.now();
   situation_.oldest = config.oldest;
@@ -161,6 +162,10 @@ void Executor::take_orders() {
 }
 
 void Executor::consider(TrajectoryOrder order) {
+  if (signatures_) {  // before anything is believed, its id not excepted
+    const std::string fault = signatures_->fault_of(signed_bytes(order), order.signature, kPublisherRole);
+    if (!fault.empty()) return refuse(order, {ResultCode::kInvalidGoal, fault});
+  }
   if (std::find(considered_.begin(), considered_.end(), order.id) != considered_.end()) return;
   considered_.push_back(order.id);
   if (considered_.size() > kRemembered) considered_.pop_front();
@@ -206,6 +211,7 @@ void Executor::begin_to_prepare(TrajectoryOrder order) {
   preparation.header.robot_id = order.robot_id;
   preparation.header.id = order.id;
   preparation.header.epoch = order.epoch;
+  preparation.brings_stops = !order.stops.empty();
   const double lead = config_.fast ? kLongestMotion : kLead;  // without a clock nothing can run ahead
   preparation.motion = std::async(
       std::launch::async, [this, lead, unwanted = preparation.unwanted.get_token(), all = std::move(order)]() mutable {
@@ -231,8 +237,8 @@ void Executor::run(std::unique_ptr<CommandedMotion> motion) {
   history_.begin(order.id, order.epoch);
   situation_.epoch = order.epoch;
   running_ = std::move(motion);
-  spdlog::info("executing id={} rows={} duration={:.3f} stops={} prepared={:.3f}", text(order.id), order.rows.size(),
-               running_->end, running_->stops->size(),
+  spdlog::info("executing id={} rows={} duration={:.3f} stops={} stops_came={:d} prepared={:.3f}", text(order.id),
+               order.rows.size(), running_->end, running_->stops->size(), preparing_->brings_stops,
                std::chrono::duration<double>(Preparation::Clock::now() - preparing_->began).count());
   control_.begin(running_.get());
 }

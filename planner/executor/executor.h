@@ -16,6 +16,7 @@
 #include "planner/executor/executor_config.h"
 #include "planner/executor/history.h"
 #include "planner/executor/realtime.h"
+#include "planner/service/signature.h"
 #include "planner/service/stamp_clock.h"
 
 namespace fjr {
@@ -54,6 +55,7 @@ class Executor {
   const ExecutorConfig config_;
   const Parameters robot_;
   dds::ExecutorPort port_;
+  std::optional<SignatureCheck> signatures_;  // none: a domain without DDS Security
   History history_;
   const StampClock clock_;
   Control control_;
@@ -62,6 +64,7 @@ class Executor {
   struct Preparation {
     using Clock = std::chrono::steady_clock;
     TrajectoryOrder header;  // without rows and stops
+    bool brings_stops = false;
     Clock::time_point began;
     std::stop_source unwanted;
     std::future<std::unique_ptr<CommandedMotion>> motion;  // last: waits for the thread

@@ -18,6 +18,12 @@ struct Tolerances {
   Pair<double> stopped_velocity{};  // [rad/s]
 };
 
+// Who vouches for it; planner/service/signature.h.
+struct Signature {
+  std::string value;   // empty: nobody
+  std::string signer;  // certificate, DER
+};
+
 struct TrajectoryOrder {
   std::string robot_id;
   RequestId id;  // of the request; never run twice
@@ -30,6 +36,7 @@ struct TrajectoryOrder {
   Tolerances tolerances;
   std::vector<Sample> rows;
   std::vector<StopMotion> stops;  // one per kStopSpacing; empty: the executor finds them itself
+  Signature signature;
 };
 
 enum class ExecutorCommand : std::uint8_t { kHold = 1, kStop };

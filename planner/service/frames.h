@@ -3,26 +3,45 @@
 #pragma once
 
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
+#include <vector>
 
 namespace fjr {
 
 enum class FrameKind : std::uint32_t {
-  kName = 1,  // to the worker: of the request
-  kSolve,     // to the worker: the request document; it starts
-  kProgress,  // from the worker: stage, in front of it iteration, objective and violation
-  kPlanJson,  // from the worker
-  kRows,      // from the worker: samples, of a certified trajectory only
-  kErrors,    // from the worker: LinkErrors of these samples
-  kDone,      // from the worker: the PlanStatus and the reason; it is idle again
+  kName = 1,   // to the worker: of the request
+  kSolve,      // to the worker: the request document; it starts
+  kProgress,   // from the worker: stage, in front of it iteration, objective and violation
+  kPlanJson,   // from the worker
+  kRows,       // from the worker: samples, of a certified trajectory only
+  kErrors,     // from the worker: LinkErrors of these samples
+  kDone,       // from the worker: the PlanStatus and the reason; it is idle again
+  kFindStops,  // to the worker: samples of a certified trajectory; it starts
+  kStops,      // from the worker: their StopMotions; none where there is an instant without
 };
 
 struct Frame {
   FrameKind kind;
   std::string payload;
 };
+
+// Numbers as they lie in memory.
+template <class T>
+std::string_view as_payload(const std::vector<T>& items) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  return {reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T)};
+}
+template <class T>
+std::vector<T> from_payload(std::string_view payload) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::vector<T> items(payload.size() / sizeof(T));
+  if (!items.empty()) std::memcpy(static_cast<void*>(items.data()), payload.data(), items.size() * sizeof(T));
+  return items;
+}
 
 // Blocks; nothing at the end of the stream, and when what comes is not a frame.
 std::optional<Frame> read_frame(int descriptor);

@@ -22,7 +22,8 @@ struct Job {
   std::string robot_hash;  // of the robot it is planned for: the served one, or that with the request's payload
   bool rest_to_rest = false;
   Clock::time_point arrived, deadline, started;
-  int lost = 0;  // how many workers have died of it, or with it
+  int lost = 0;                   // how many workers have died of it, or with it
+  SharedReply planned = nullptr;  // what is to be executed: only its stop motions are to be found
 };
 
 class JobQueue {

@@ -38,7 +38,8 @@ std::optional<RequestId> request_id_from(std::string_view text) {
 }
 
 std::size_t size_of(const Reply& reply) {
-  return sizeof(Reply) + reply.plan_json.capacity() + reply.rows.capacity() * sizeof(Sample);
+  return sizeof(Reply) + reply.plan_json.capacity() + reply.rows.capacity() * sizeof(Sample) +
+         reply.stops.capacity() * sizeof(StopMotion);
 }
 
 const char* name(ReplyState state) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planner/plan.h"
+#include "planner/stop/stop_motion.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -104,6 +105,7 @@ struct Reply {
   std::string plan_json;                 // empty when nothing was planned
   LinkErrors errors;                     // of the rows
   std::vector<Sample> rows;              // of a certified trajectory, otherwise empty
+  std::vector<StopMotion> stops;         // of one that is executed; known to the service that planned it only
   bool rest_to_rest = false;             // known to services only, as the errors are
   Origin origin{};                       // of the request; known to the service that answers only
 

@@ -67,6 +67,7 @@ Service::Service(const ServiceConfig& config)
       unclaimed_(kUnclaimedOfOne, kUnclaimedBytes),
       outbox_([this](const SharedReply& reply) { return send(reply); }, kOutboxBytes),
       solvers_(config.workers, {config.robot, config.warm_plans}, [this] { port_.wake(); }) {
+  if (!config.network.security.empty()) signer_.emplace(config.network.security);
   if (config.joint_trajectory) ros_.emplace(port_.participant(), robot_, config.joint_names);
 }
 
@@ -126,25 +127,16 @@ void Service::admit(Order order, Clock::time_point arrived, Clock::time_point he
   if (const auto twice = executor_.twice(); twice && executes(order)) {
     return reject(order, {Reason::kArmNotAtRest, "", *twice}, false);
   }
-  if (order.action == Action::kExecute) return execute_planned(order, arrived);
   // What may be different a moment later is not remembered: the same request may be sent again.
   if (queue_.full_for(order.origin)) {
     return reject(order, {Reason::kQueueFull, "", fmt::format("{} requests wait already", queue_.size())}, false);
   }
+  if (order.action == Action::kExecute) return execute_planned(order, arrived);
   if (auto refusal = resolve_start(order)) return reject(order, std::move(*refusal), false);
   Job job;
   job.order = std::move(order);
   if (auto refusal = refusal_of_motion(job, robot_)) return reject(job.order, std::move(*refusal), true);
-  job.arrived = arrived;
-  job.deadline = arrived + duration_of(job.order.budget > 0 ? job.order.budget : config_.budget);
-  const Order accepted = job.order;
-  queue_.push(std::move(job));
-  give_work();  // first: telling costs time that solving can use
-  post(std::make_shared<const Reply>(reply_to(accepted, ReplyState::kAccepted)));
-  if (log_requests_.allows()) {
-    spdlog::info("accepted id={} name={} priority={} queued={}", text(accepted.id), accepted.name, accepted.priority,
-                 queue_.size());
-  }
+  enqueue(std::move(job), arrived);
 }
 
 Served Service::served() const { return {config_.robot_id, ownership_.robots(), robot_hash_, config_.longest_budget}; }
@@ -170,17 +162,25 @@ void Service::execute_planned(const Order& order, Clock::time_point arrived) {
     return reject(order, std::move(*refusal), false);
   }
   if (!may_start(order)) return reject(order, client_gone(), false);
-  post(std::make_shared<const Reply>(reply_to(order, ReplyState::kAccepted)));
   Job job;
   job.order = order;
   job.request_hash = planned->request_hash;
   job.rest_to_rest = true;
+  job.planned = planned;
+  enqueue(std::move(job), arrived);
+}
+
+void Service::enqueue(Job job, Clock::time_point arrived) {
   job.arrived = arrived;
-  Reply reply = reply_to(order, ReplyState::kSolved);
-  reply.plan_json = planned->plan_json;
-  reply.errors = planned->errors;
-  reply.rows = planned->rows;
-  finish(job, std::move(reply));
+  job.deadline = arrived + duration_of(job.order.budget > 0 ? job.order.budget : config_.budget);
+  const Order accepted = job.order;
+  queue_.push(std::move(job));
+  give_work();  // first: telling costs time that solving can use
+  post(std::make_shared<const Reply>(reply_to(accepted, ReplyState::kAccepted)));
+  if (log_requests_.allows()) {
+    spdlog::info("accepted id={} name={} priority={} queued={}", text(accepted.id), accepted.name, accepted.priority,
+                 queue_.size());
+  }
 }
 
 // A client that hears nothing asks again: it gets the reply it missed, or hears that its request is in hand.
@@ -300,6 +300,7 @@ void Service::work() {
     reply.plan_json = std::move(outcome.plan_json);
     reply.errors = outcome.errors;
     reply.rows = std::move(outcome.rows);
+    reply.stops = std::move(outcome.stops);
     finish(outcome.job, std::move(reply));
   }
   expire();
@@ -608,6 +609,8 @@ void Service::publish(const Reply& reply) {
   order.certified_error = reply.errors.certified;
   order.predicted_error = reply.errors.predicted;
   order.rows = reply.rows;
+  order.stops = reply.stops;
+  if (signer_) order.signature = signer_->sign(signed_bytes(order));
   executor_.published(reply.id);
   if (!port_.send(order) && log_requests_.allows()) {
     spdlog::error("not published id={}: the executor is too slow", text(reply.id));

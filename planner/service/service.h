@@ -23,6 +23,7 @@
 #include "planner/service/presence.h"
 #include "planner/service/reply_cache.h"
 #include "planner/service/service_config.h"
+#include "planner/service/signature.h"
 #include "planner/service/solvers.h"
 #include "planner/service/tally.h"
 #include "planner/service/unclaimed.h"
@@ -46,6 +47,7 @@ class Service {
   void admit(Order order, Clock::time_point arrived, Clock::time_point heard);
   Served served() const;
   std::optional<Refusal> resolve_start(Order& order) const;
+  void enqueue(Job job, Clock::time_point arrived);
   void execute_planned(const Order& order, Clock::time_point arrived);
   bool repeat(const Order& order);
   bool in_hand(const RequestId& id) const;
@@ -102,6 +104,7 @@ class Service {
   const Clock::time_point began_ = Clock::now();
   dds::ServicePort port_;
   std::optional<dds::JointTrajectoryWriter> ros_;
+  std::optional<Signer> signer_;  // none: a domain without DDS Security
   std::atomic<bool> stopping_ = false;
 
   Ownership ownership_;

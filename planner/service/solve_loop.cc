@@ -11,6 +11,7 @@
 #include "planner/service/messages.h"
 #include "planner/service/progress_frame.h"
 #include "planner/service/warm_plans.h"
+#include "planner/stop/stop_motion.h"
 #include "planner/trajectory/plan_json.h"
 
 namespace fjr {
@@ -24,8 +25,7 @@ void send_done(int out, PlanStatus status, const std::string& reason) {
 }
 
 void send_rows(int out, const Trajectory& trajectory, const Certificate& certificate) {
-  const auto& rows = trajectory.samples;
-  write_frame(out, FrameKind::kRows, {reinterpret_cast<const char*>(rows.data()), rows.size() * sizeof(Sample)});
+  write_frame(out, FrameKind::kRows, as_payload(trajectory.samples));
   const LinkErrors errors{{certificate.tolerance, certificate.tolerance}, certificate.tracking.link_error};
   write_frame(out, FrameKind::kErrors, {reinterpret_cast<const char*>(&errors), sizeof errors});
 }
@@ -50,6 +50,15 @@ void solve(int out, const Problem& problem, WarmPlans& earlier) {
   send_done(out, result.status, result.reason);
 }
 
+// Where there is none for some instant, the executor, who looks for them itself, says so.
+void find_stops(int out, const Parameters& robot, const Trajectory& plan) {
+  try {
+    write_frame(out, FrameKind::kStops, as_payload(stop_motions(robot, plan, {})));
+  } catch (const NoStop&) {
+  }
+  send_done(out, PlanStatus::kCertified, "");
+}
+
 }  // namespace
 
 void solve_requests(int in, int out, const WorkerSettings& settings) {
@@ -58,6 +67,7 @@ void solve_requests(int in, int out, const WorkerSettings& settings) {
   std::string name;
   while (const auto frame = read_frame(in)) {
     if (frame->kind == FrameKind::kName) name = frame->payload;
+    if (frame->kind == FrameKind::kFindStops) find_stops(out, parameters, {from_payload<Sample>(frame->payload), {}});
     if (frame->kind != FrameKind::kSolve) continue;
     try {
       solve(out, parse_request(frame->payload, name, parameters), earlier);

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <utility>
 
+#include "planner/service/admission.h"
 #include "planner/service/memory.h"
 #include "planner/service/progress_frame.h"
 
@@ -54,7 +55,19 @@ void Solvers::solve(Job job) {
   job.started = Job::Clock::now();
   solver->job = std::move(job);
   solver->result = {};
+  solver->planned = false;
+  if (const SharedReply& planned = solver->job->planned) {
+    solver->result.plan_json = planned->plan_json;
+    solver->result.errors = planned->errors;
+    solver->result.rows = planned->rows;
+    return find_stops(*solver);
+  }
   (void)solver->worker->solve(solver->job->order.name, solver->job->order.yaml);
+}
+
+void Solvers::find_stops(Solver& solver) {
+  solver.planned = true;
+  solver.worker->find_stops(solver.result.rows);
 }
 
 // What it was doing is over; its later words are of a serial nobody knows.
@@ -89,9 +102,10 @@ void Solvers::take_frame(Solver& solver, Frame frame, News& news) {
       solver.result.plan_json = std::move(frame.payload);
       return;
     case FrameKind::kRows:
-      solver.result.rows.resize(frame.payload.size() / sizeof(Sample));
-      std::memcpy(static_cast<void*>(solver.result.rows.data()), frame.payload.data(),
-                  solver.result.rows.size() * sizeof(Sample));
+      solver.result.rows = from_payload<Sample>(frame.payload);
+      return;
+    case FrameKind::kStops:
+      solver.result.stops = from_payload<StopMotion>(frame.payload);
       return;
     case FrameKind::kErrors:
       if (frame.payload.size() == sizeof(LinkErrors)) {
@@ -102,6 +116,7 @@ void Solvers::take_frame(Solver& solver, Frame frame, News& news) {
       return conclude(solver, frame.payload, news);
     case FrameKind::kName:
     case FrameKind::kSolve:
+    case FrameKind::kFindStops:
       return;
   }
 }
@@ -115,6 +130,7 @@ void Solvers::report_progress(const Job& job, const std::string& payload, News& 
 void Solvers::conclude(Solver& solver, const std::string& payload, News& news) {
   if (payload.empty()) return;
   const auto status = static_cast<PlanStatus>(payload.front());
+  if (status == PlanStatus::kCertified && executes(solver.job->order) && !solver.planned) return find_stops(solver);
   SolveOutcome outcome = std::exchange(solver.result, {});
   outcome.job = std::move(*std::exchange(solver.job, std::nullopt));
   outcome.state = state_of(status);

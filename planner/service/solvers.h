@@ -19,8 +19,9 @@ struct SolveOutcome {
   ReplyState state = ReplyState::kFailed;
   Refusal why;
   std::string plan_json;
-  LinkErrors errors;         // of the rows
-  std::vector<Sample> rows;  // of a certified trajectory only
+  LinkErrors errors;              // of the rows
+  std::vector<Sample> rows;       // of a certified trajectory only
+  std::vector<StopMotion> stops;  // of one that is to be executed
 };
 
 class Solvers {
@@ -62,10 +63,12 @@ class Solvers {
     std::uint64_t serial = 0;
     std::unique_ptr<Worker> worker;  // none: to be started again
     std::optional<Job> job;
-    SolveOutcome result;  // as far as it has come
+    SolveOutcome result;   // as far as it has come
+    bool planned = false;  // what is left are the stop motions
   };
 
   void start(Solver& solver);
+  void find_stops(Solver& solver);
   Job stop(Solver& solver);
   void lose(Solver& solver, News& news);
   void take_frame(Solver& solver, Frame frame, News& news);

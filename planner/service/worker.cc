@@ -52,4 +52,10 @@ bool Worker::solve(const std::string& name, const std::string& yaml) {
          write_frame(to_worker_.number(), FrameKind::kSolve, yaml);
 }
 
+void Worker::find_stops(std::vector<Sample> rows) {
+  sending_ = std::jthread([to = to_worker_.number(), sent = std::move(rows)] {
+    (void)write_frame(to, FrameKind::kFindStops, as_payload(sent));
+  });
+}
+
 }  // namespace fjr

@@ -7,10 +7,12 @@
 #include <functional>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "planner/service/descriptor.h"
 #include "planner/service/frames.h"
 #include "planner/service/solve_loop.h"
+#include "planner/trajectory/trajectory.h"
 
 namespace fjr {
 
@@ -27,12 +29,16 @@ class Worker {
   // False: it is gone.
   bool solve(const std::string& name, const std::string& yaml);
 
+  // Stop motions for these rows, which are too many for a pipe to take them at once: a thread waits for that.
+  void find_stops(std::vector<Sample> rows);
+
   pid_t pid() const { return pid_; }
 
  private:
   pid_t pid_ = -1;
   Descriptor to_worker_, from_worker_;
   std::thread listening_;
+  std::jthread sending_;
 };
 
 }  // namespace fjr

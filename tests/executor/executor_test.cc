@@ -20,6 +20,7 @@
 #include "planner/service/dds/waitset.h"
 #include "planner/service/dds/wire_execution.h"
 #include "planner/service/dds/writer.h"
+#include "planner/stop/stop_motion.h"
 #include "tests/executor/flat_motion.h"
 #include "tests/support/domain.h"
 #include "tests/support/process.h"
@@ -33,6 +34,7 @@ using testing::HasSubstr;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
 const Pair<double> kFrom{0.3, 0.2}, kTo{0.9, -0.3};
+const Pair<double> kBeyond{0.9, -0.9};  // from kFrom in 3 and 5 s, motor 2 rests nowhere for long: certified
 
 const Parameters& robot() {
   static const Parameters p = load_parameters(default_robot_file());
@@ -96,9 +98,9 @@ TEST(Acceptance, RefusesWithTheReason) {
   refused([](Order& o, Situation&) { o.rows[0].state.theta[1] += 0.02; }, ResultCode::kInvalidGoal,
           "starts with theta2 = 0.02 rad, at rest there it is -0.005 rad");
   refused([](Order& o, Situation&) { o.rows[2].time = 1; }, ResultCode::kInvalidGoal,
-          "row 2 is 0.999 s after the row before, 5e-07 to 0.005 s are allowed");
-  refused([](Order& o, Situation&) { o.rows[2].time = o.rows[1].time + 1e-7; }, ResultCode::kInvalidGoal,
-          "row 2 is 1e-07 s after the row before");
+          "row 2 is 0.999 s after the row before, 1e-07 to 0.005 s are allowed");
+  refused([](Order& o, Situation&) { o.rows[2].time = o.rows[1].time + 1e-8; }, ResultCode::kInvalidGoal,
+          "row 2 is 1e-08 s after the row before");
   refused(
       [](Order& o, Situation&) {
         o.rows.resize(5001);
@@ -146,6 +148,16 @@ class Cell {
   }
   RequestId publish(const TrajectoryOrder& order) {
     EXPECT_TRUE(trajectories_.write(dds::encode(order)));
+    return order.id;
+  }
+  // On both topics, as services do, the older one first.
+  RequestId publish_with_stops(const TrajectoryOrder& order) {
+    if (!trajectories_2_) {
+      trajectories_2_.emplace(participant_, participant_.handle());
+      EXPECT_TRUE(wait([this](const ExecutorState&) { return trajectories_2_->has_reader(); }));
+    }
+    EXPECT_TRUE(trajectories_.write(dds::encode(order)));
+    EXPECT_TRUE(trajectories_2_->write(dds::encode_2(order)));
     return order.id;
   }
   RequestId publish(const Pair<double>& from, const Pair<double>& to, double duration) {
@@ -205,6 +217,7 @@ class Cell {
   dds::Reader<fjr_msg_ExecutorState> states_;
   dds::Reader<fjr_msg_ExecutionResult> results_;
   dds::Writer<fjr_msg_Trajectory> trajectories_;
+  std::optional<dds::Writer<fjr_msg_Trajectory2>> trajectories_2_;
   RequestId me_ = new_client();
   std::uint64_t last_ = 0;
 };
@@ -310,7 +323,7 @@ TEST_F(ExecutorTest, BelievesNobody) {
         rows = {rows.front(), rows.back()};
         rows.back().time = 0.05;
       },
-      kTo, "row 1 is 0.05 s after the row before, 5e-07 to 0.005 s are allowed");
+      kTo, "row 1 is 0.05 s after the row before, 1e-07 to 0.005 s are allowed");
   refused([](Rows& rows) { rows[600].state.q[1] += 1e-3; }, kTo,
           "dq2 disagrees with its position column by 1.00e+00 rad/s between 0.599000 s and 0.600000 s");
   // Nothing is wrong with any row, but the torque does not move the arm like that.
@@ -322,6 +335,55 @@ TEST_F(ExecutorTest, BelievesNobody) {
   refused([](Rows& rows) { rows.resize(600); }, kTo, "does not end at rest");
   const RequestId good = cell().publish(kFrom, kTo, 1.2);
   EXPECT_EQ(cell().result(good).code, ResultCode::kSuccessful) << cell().result(good).sentence;
+}
+
+TEST_F(ExecutorTest, BeginsAtOnceWhenTheStopMotionsComeWithIt) {
+  const auto arm = executor();
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  TrajectoryOrder order = cell().order(kFrom, kBeyond, 5);
+  const auto before = std::chrono::steady_clock::now();
+  order.stops = stop_motions(robot(), {order.rows, {}}, {});
+  const auto after = std::chrono::steady_clock::now();
+  order.published = cell().order(kFrom, kTo, 1).published;
+  const RequestId id = cell().publish_with_stops(order);
+  ASSERT_TRUE(cell().wait([](const ExecutorState& s) { return s.mode == ExecutorMode::kExecuting; }));
+  const auto begun = std::chrono::steady_clock::now();
+  RecordProperty("start_ms", std::to_string(std::chrono::duration<double, std::milli>(begun - after).count()));
+  EXPECT_LT(begun - after, (after - before) / 4);  // what the executor would have needed to find them
+  ASSERT_TRUE(cell().wait_for_time(0.3));
+  Process hold = fjr({"hold"}, "hold.log");
+  EXPECT_EQ(hold.wait(), 0);
+  EXPECT_THAT(cell().result(id).sentence, HasSubstr("hold was commanded"));
+  cell().listen_for(0.3);
+  EXPECT_EQ(cell().results[id].size(), 1U);  // of the two it was published on
+}
+
+TEST_F(ExecutorTest, ReliesOnNoStopMotionThatItHasNotChecked) {
+  const auto arm = executor();
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const auto stops = stop_motions(robot(), {cell().order(kFrom, kBeyond, 3).rows, {}}, {});
+  const auto with = [&](auto change) {
+    TrajectoryOrder order = cell().order(kFrom, kBeyond, 3);
+    order.stops = stops;
+    change(order.stops);
+    return cell().result(cell().publish_with_stops(order));
+  };
+  // Refused at once where they are needed soon.
+  EXPECT_THAT(with([](auto& s) { s.resize(3); }).sentence,
+              HasSubstr("brings 3 stop motions; one every 0.02 s are 150"));
+  EXPECT_THAT(with([](auto& s) { s[2].time = 0.06; }).sentence,
+              HasSubstr("the stop motion at 0.040 s cannot be used: it begins at 0.06 s"));
+  EXPECT_THAT(with([](auto& s) { s[2].duration = 0; }).sentence, HasSubstr("it takes 0 s, 0.05 to 1.5 s are allowed"));
+  EXPECT_THAT(with([](auto& s) { s[2].free[0][0] = 1e9; }).sentence,
+              HasSubstr("the stop motion at 0.040 s cannot be used: torque of joint 1 reaches"));
+  EXPECT_LT(cell().farthest[0], 1e-3);
+  // Later the motion ends by the last that is good.
+  const ExecutionResult later = with([](auto& s) { s[75].free[0][0] += 1; });
+  EXPECT_EQ(later.code, ResultCode::kPathToleranceViolated);
+  EXPECT_THAT(later.sentence, HasSubstr("its stop motions could not be relied upon any further at 1.46"));
+  EXPECT_THAT(later.sentence, HasSubstr("the stop motion at 1.500 s cannot be used"));
+  EXPECT_LT(later.residual_vibration[0], 2e-3);
+  EXPECT_TRUE(cell().wait_for(ExecutorMode::kHolding));
 }
 
 // Replayed, or of an owner that another has taken the robot from: over restarts too.

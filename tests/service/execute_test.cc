@@ -56,6 +56,7 @@ TEST_F(ExecuteTest, WhatWasPlannedBeforeIsExecutedByItsId) {
   EXPECT_EQ(reply.state, ReplyState::kSolved);
   EXPECT_EQ(reply.rows.size(), planned.rows.size());
   wait_for("finished id=" + text(execute.id) + " code=0");
+  EXPECT_THAT(executor().output(), HasSubstr("stops_came=1"));
   // The same id again is the same execution, which is over.
   EXPECT_EQ(answer_to(execute).state, ReplyState::kSolved);
   EXPECT_THAT(executor().output(), testing::Not(HasSubstr("refused")));

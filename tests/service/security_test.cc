@@ -2,7 +2,10 @@
 #include <gmock/gmock.h>
 
 #include "planner/service/dds/reader.h"
+#include "planner/service/dds/wire_execution.h"
 #include "planner/service/dds/writer.h"
+#include "planner/service/signature.h"
+#include "tests/executor/flat_motion.h"
 #include "tests/support/service_processes.h"
 
 namespace fjr {
@@ -47,7 +50,7 @@ TEST_F(SecurityTest, IgnoresEverybodyElse) {
   make_credentials("theirs");
   fs::copy(credentials("executor"), path("impostor"));
   Process forge({"/bin/sh", "-ec",
-                 "sed s/CN=client/CN=executor/ ours/client/permissions.xml > forged.xml;"
+                 "sed s/OU=client,CN=client/OU=executor,CN=executor/ ours/client/permissions.xml > forged.xml;"
                  "openssl smime -sign -text -in forged.xml -out impostor/permissions.p7s"
                  " -signer theirs/authority/permissions_ca.cert.pem -inkey theirs/authority/permissions_ca.key.pem;"
                  "cp theirs/authority/governance.p7s theirs/authority/permissions_ca.cert.pem impostor"},
@@ -139,6 +142,61 @@ TEST_F(SecurityTest, NamesCredentialsThatAreNoGood) {
   const auto unsigned_permissions = fjr({"status"}, "unsigned.log", as("client"));
   EXPECT_EQ(unsigned_permissions->wait(), 2);
   EXPECT_THAT(unsigned_permissions->output(), HasSubstr("ours/client: not accepted by DDS Security"));
+}
+
+// Whatever DDS lets through, the executor runs what the service has signed, as it has signed it.
+TEST_F(SecurityTest, RunsOnlyWhatTheServiceHasSigned) {
+  make_credentials("theirs");
+  const auto executor = fjr({"executor", "--start", "0,0"}, "executor.log", as("executor"));
+  const Parameters robot = load_parameters(default_robot_file());
+  const dds::Participant participant(domain_, credentials("service"));
+  dds::Reader<fjr_msg_ExecutionResult> results(participant, participant.handle());
+  std::optional<dds::Writer<fjr_msg_Trajectory2>> trajectories_2;
+  dds::Writer<fjr_msg_Trajectory> trajectories(participant, participant.handle());
+  TrajectoryOrder order;
+  order.robot_id = "arm";
+  order.id = new_client();
+  order.epoch = 3;
+  order.robot_hash = robot_hash(robot);
+  order.certified = order.ends_at_rest = true;
+  order.rows = flat_motion(robot, {0, 0}, {0.2, 0}, 0.5).samples;
+  const auto result_of = [&](auto change, const fs::path& signer) {
+    ++order.id.number;
+    const auto now = std::chrono::system_clock::now().time_since_epoch();
+    order.published = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+    TrajectoryOrder sent = order;
+    if (!signer.empty()) sent.signature = Signer(signer).sign(signed_bytes(sent));
+    change(sent);
+    EXPECT_TRUE(trajectories_2 ? trajectories_2->write(dds::encode_2(sent)) : trajectories.write(dds::encode(sent)));
+    std::optional<ExecutionResult> result;
+    EXPECT_TRUE(comes_true([&] {
+      results.take_all([&](const fjr_msg_ExecutionResult& message, const dds_sample_info_t& info) {
+        if (info.valid_data && dds::decode(message).trajectory_id == sent.id) result = dds::decode(message);
+      });
+      return result.has_value();
+    }));
+    return result.value_or(ExecutionResult{}).sentence;
+  };
+  const fs::path service = credentials("service");
+  const auto as_it_is = [](TrajectoryOrder&) {};
+  ASSERT_TRUE(comes_true([&] { return trajectories.has_reader(); }));
+  EXPECT_THAT(result_of(as_it_is, service), HasSubstr("not signed"));  // where there is no place for it
+  trajectories_2.emplace(participant, participant.handle());
+  ASSERT_TRUE(comes_true([&] { return trajectories_2->has_reader(); }));
+  EXPECT_THAT(result_of(as_it_is, {}), HasSubstr("not signed"));
+  EXPECT_THAT(result_of(as_it_is, credentials("client")),
+              HasSubstr("signed by \"client\", whose role is \"client\" and not \"service\""));
+  EXPECT_THAT(result_of(as_it_is, path("theirs") / "service"), HasSubstr("the identity authority does not vouch"));
+  const std::string altered = "altered after \"service\" signed it";
+  EXPECT_THAT(result_of([](TrajectoryOrder& o) { o.rows[250].torque[0] += 1e-9; }, service), HasSubstr(altered));
+  EXPECT_THAT(result_of([](TrajectoryOrder& o) { o.rows.resize(250); }, service), HasSubstr(altered));
+  EXPECT_THAT(result_of([](TrajectoryOrder& o) { ++o.epoch; }, service), HasSubstr(altered));
+  EXPECT_THAT(result_of([](TrajectoryOrder& o) { ++o.id.number; }, service), HasSubstr(altered));
+  ++order.id.number;  // which that one had
+  EXPECT_THAT(result_of([](TrajectoryOrder& o) { o.tolerances.path = {0.5, 0.5}; }, service), HasSubstr(altered));
+  EXPECT_THAT(result_of([](TrajectoryOrder& o) { o.published += 1; }, service), HasSubstr(altered));
+  EXPECT_EQ(result_of(as_it_is, service), "");
+  EXPECT_THAT(executor->output(), HasSubstr("code=0"));
 }
 
 // In a namespace with an interface that is not the loopback one.

@@ -1,5 +1,6 @@
 #include "planner/executor/dds/executor_port.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "planner/service/dds/wire_execution.h"
@@ -20,21 +21,36 @@ ExecutorPort::ExecutorPort(Participant participant, const std::string& robot_id)
     : robot_id_(robot_id),
       participant_(std::move(participant)),
       waitset_(participant_),
+      trajectories_2_(participant_, participant_.handle()),
       trajectories_(participant_, participant_.handle()),
       commands_(participant_, participant_.handle()),
       others_(participant_, of_others()),
       state_(participant_, participant_.handle(), announcing(robot_id)),
       results_(participant_, participant_.handle()) {
+  waitset_.attach(trajectories_2_.arrived());
   waitset_.attach(trajectories_.arrived());
   waitset_.attach(commands_.arrived());
 }
 
 std::vector<TrajectoryOrder> ExecutorPort::take_trajectories() {
   std::vector<TrajectoryOrder> orders;
-  trajectories_.take_all([&](const fjr_msg_Trajectory& message, const dds_sample_info_t& info) {
+  trajectories_2_.take_all([&](const fjr_msg_Trajectory2& message, const dds_sample_info_t& info) {
     if (info.valid_data) orders.push_back(decode(message));
   });
+  trajectories_.take_all([&](const fjr_msg_Trajectory& message, const dds_sample_info_t& info) {
+    if (info.valid_data && !also_writes_2(info.publication_handle)) orders.push_back(decode(message));
+  });
   return orders;
+}
+
+// Whoever does says there all that it says here, and more.
+bool ExecutorPort::also_writes_2(dds_instance_handle_t publication) const {
+  const auto participant = trajectories_.participant_of(publication);
+  if (!participant) return false;
+  const std::vector<dds_instance_handle_t> writers = trajectories_2_.writers();
+  return std::any_of(writers.begin(), writers.end(), [&](dds_instance_handle_t writer) {
+    return trajectories_2_.participant_of(writer) == participant;
+  });
 }
 
 std::vector<ExecutorOrder> ExecutorPort::take_commands() {

@@ -37,9 +37,12 @@ class ExecutorPort {
   void flush(std::chrono::nanoseconds timeout) const { (void)results_.flush(timeout.count()); }
 
  private:
+  bool also_writes_2(dds_instance_handle_t publication) const;
+
   const std::string robot_id_;
   Participant participant_;
   Waitset waitset_;
+  Reader<fjr_msg_Trajectory2> trajectories_2_;
   Reader<fjr_msg_Trajectory> trajectories_;
   Reader<fjr_msg_ExecutorCommand> commands_;
   ExecutorStates others_;

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cstddef>
+#include <optional>
+#include <vector>
 
 #include "planner/service/dds/entity.h"
 #include "planner/service/dds/participant.h"
@@ -36,6 +38,27 @@ class Reader {
       taken += some;
       if (some < kMost) return;
     }
+  }
+
+  // The publications that are matched, as in dds_sample_info_t.
+  std::vector<dds_instance_handle_t> writers() const {
+    std::vector<dds_instance_handle_t> handles(16);
+    for (;;) {
+      const auto count = static_cast<std::size_t>(
+          checked(dds_get_matched_publications(reader_.handle(), handles.data(), handles.size()), "publications"));
+      const bool all = count <= handles.size();
+      handles.resize(count);
+      if (all) return handles;
+    }
+  }
+
+  // Whose publication it is; nothing: it is gone.
+  std::optional<dds_instance_handle_t> participant_of(dds_instance_handle_t publication) const {
+    dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader_.handle(), publication);
+    if (endpoint == nullptr) return std::nullopt;
+    const dds_instance_handle_t participant = endpoint->participant_instance_handle;
+    dds_builtintopic_free_endpoint(endpoint);
+    return participant;
   }
 
   bool has_writer() const {

@@ -143,11 +143,22 @@ std::vector<RequestId> ServicePort::take_concluded() {
 
 void ServicePort::send(const ServiceStatus& status) { (void)status_.write(encode(status)); }
 
+// Executors meet them in this order, and take the second only from those who have not the first.
 void ServicePort::own(std::uint64_t epoch) {
-  trajectories_.reset();
+  disown();
+  trajectories_2_.emplace(participant_, participant_.handle(), of_owner(epoch));
   trajectories_.emplace(participant_, participant_.handle(), of_owner(epoch));
 }
 
-bool ServicePort::send(const TrajectoryOrder& order) { return trajectories_ && trajectories_->write(encode(order)); }
+void ServicePort::disown() {
+  trajectories_.reset();
+  trajectories_2_.reset();
+}
+
+bool ServicePort::send(const TrajectoryOrder& order) {
+  if (!trajectories_) return false;
+  const bool sent = trajectories_2_->write(encode_2(order));
+  return trajectories_->write(encode(order)) && sent;
+}
 
 }  // namespace fjr::dds

@@ -70,7 +70,7 @@ class ServicePort {
 
   // Trajectories are published by their robot's owner only.
   void own(std::uint64_t epoch);
-  void disown() { trajectories_.reset(); }
+  void disown();
   bool send(const TrajectoryOrder& order);  // to the executor; false: it is too slow
 
  private:
@@ -90,6 +90,7 @@ class ServicePort {
   Reader<fjr_msg_ExecutorState> executors_;
   Reader<fjr_msg_ExecutionResult> results_;
   Writer<fjr_msg_PlannerStatus> status_;
+  std::optional<Writer<fjr_msg_Trajectory2>> trajectories_2_;
   std::optional<Writer<fjr_msg_Trajectory>> trajectories_;
   ClientWriters clients_;
 };

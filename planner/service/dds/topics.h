@@ -104,6 +104,13 @@ struct TopicOf<fjr_msg_Trajectory> {
 };
 
 template <>
+struct TopicOf<fjr_msg_Trajectory2> {
+  static constexpr const char* kName = "fjr/trajectory_2";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_Trajectory2_desc; }
+  static Qos qos() { return TopicOf<fjr_msg_Trajectory>::qos(); }
+};
+
+template <>
 struct TopicOf<fjr_msg_ExecutorCommand> {
   static constexpr const char* kName = "fjr/executor_command";
   static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ExecutorCommand_desc; }

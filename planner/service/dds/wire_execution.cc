@@ -1,9 +1,11 @@
 #include "planner/service/dds/wire_execution.h"
 
 #include <algorithm>
+#include <cstddef>
 #include <cstring>
-#include <stdexcept>
+#include <type_traits>
 
+#include "planner/service/dds/list.h"
 #include "planner/service/dds/text.h"
 #include "planner/service/dds/wire_request.h"
 
@@ -13,11 +15,19 @@ namespace {
 void set_pair(double (&to)[2], const Pair<double>& from) { std::copy(from.begin(), from.end(), to); }
 Pair<double> pair_of(const double (&from)[2]) { return {from[0], from[1]}; }
 
-}  // namespace
+// A stop of the wire and a StopMotion are the same fourteen doubles in the same order.
+static_assert(sizeof(fjr_msg_StopMotion) == sizeof(StopMotion) && std::is_trivially_copyable_v<StopMotion>);
+static_assert(offsetof(fjr_msg_StopMotion, free) == offsetof(StopMotion, free));
 
-fjr_msg_Trajectory encode(const TrajectoryOrder& order) {
-  if (order.rows.size() > fjr_msg_MAX_ROWS) throw std::length_error("more rows than the wire type allows");
-  fjr_msg_Trajectory message{};
+template <class List, class Items>
+void copy(const List& from, Items& to) {
+  to.resize(from._length);
+  if (!to.empty()) std::memcpy(static_cast<void*>(to.data()), from._buffer, to.size() * sizeof(to[0]));
+}
+
+// What both types have.
+template <class Message>
+void set_members(Message& message, const TrajectoryOrder& order) {
   set_text(message.robot_id, order.robot_id);
   message.id = encode(order.id);
   message.epoch = order.epoch;
@@ -32,13 +42,11 @@ fjr_msg_Trajectory encode(const TrajectoryOrder& order) {
   set_pair(message.tolerances.goal, order.tolerances.goal);
   message.tolerances.goal_time = order.tolerances.goal_time;
   set_pair(message.tolerances.stopped_velocity, order.tolerances.stopped_velocity);
-  message.rows._length = message.rows._maximum = static_cast<std::uint32_t>(order.rows.size());
-  // Only read when written.
-  message.rows._buffer = reinterpret_cast<fjr_msg_Row*>(const_cast<Sample*>(order.rows.data()));
-  return message;
+  point_to(message.rows, order.rows.data(), order.rows.size(), fjr_msg_MAX_ROWS);
 }
 
-TrajectoryOrder decode(const fjr_msg_Trajectory& message) {
+template <class Message>
+TrajectoryOrder order_of(const Message& message) {
   TrajectoryOrder order;
   order.robot_id = text_of(message.robot_id);
   order.id = decode(message.id);
@@ -54,10 +62,34 @@ TrajectoryOrder decode(const fjr_msg_Trajectory& message) {
   order.tolerances.goal = pair_of(message.tolerances.goal);
   order.tolerances.goal_time = message.tolerances.goal_time;
   order.tolerances.stopped_velocity = pair_of(message.tolerances.stopped_velocity);
-  order.rows.resize(message.rows._length);
-  if (!order.rows.empty()) {
-    std::memcpy(static_cast<void*>(order.rows.data()), message.rows._buffer, order.rows.size() * sizeof(Sample));
-  }
+  copy(message.rows, order.rows);
+  return order;
+}
+
+}  // namespace
+
+fjr_msg_Trajectory encode(const TrajectoryOrder& order) {
+  fjr_msg_Trajectory message{};
+  set_members(message, order);
+  return message;
+}
+
+TrajectoryOrder decode(const fjr_msg_Trajectory& message) { return order_of(message); }
+
+fjr_msg_Trajectory2 encode_2(const TrajectoryOrder& order) {
+  fjr_msg_Trajectory2 message{};
+  set_members(message, order);
+  point_to(message.stops, order.stops.data(), order.stops.size(), fjr_msg_MAX_STOPS);
+  point_to(message.signature, order.signature.value.data(), order.signature.value.size(), fjr_msg_MAX_SIGNATURE);
+  point_to(message.signer, order.signature.signer.data(), order.signature.signer.size(), fjr_msg_MAX_CERTIFICATE);
+  return message;
+}
+
+TrajectoryOrder decode(const fjr_msg_Trajectory2& message) {
+  TrajectoryOrder order = order_of(message);
+  copy(message.stops, order.stops);
+  copy(message.signature, order.signature.value);
+  copy(message.signer, order.signature.signer);
   return order;
 }
 

@@ -13,6 +13,8 @@ namespace fjr::dds {
 // Points into `order`, which must outlive the message; nothing is copied.
 fjr_msg_Trajectory encode(const TrajectoryOrder& order);
 TrajectoryOrder decode(const fjr_msg_Trajectory& message);
+fjr_msg_Trajectory2 encode_2(const TrajectoryOrder& order);
+TrajectoryOrder decode(const fjr_msg_Trajectory2& message);
 
 fjr_msg_ExecutorState encode(const ExecutorState& state);
 ExecutorState decode(const fjr_msg_ExecutorState& message);

@@ -1,9 +1,9 @@
 #include "planner/service/dds/wire_reply.h"
 
 #include <cstring>
-#include <stdexcept>
 #include <type_traits>
 
+#include "planner/service/dds/list.h"
 #include "planner/service/dds/text.h"
 #include "planner/service/dds/wire_request.h"
 
@@ -19,14 +19,6 @@ static_assert(static_cast<int>(ReplyState::kAccepted) == fjr_msg_STATE_ACCEPTED)
 static_assert(static_cast<int>(ReplyState::kExpired) == fjr_msg_STATE_EXPIRED);
 static_assert(static_cast<int>(Reason::kBadInput) == fjr_msg_REASON_BAD_INPUT);
 static_assert(static_cast<int>(Reason::kClientGone) == fjr_msg_REASON_CLIENT_GONE);
-
-// The wire's lists are not const, and only read when written.
-template <class List, class T>
-void point_to(List& list, const T* data, std::size_t size, std::size_t most) {
-  if (size > most) throw std::length_error("more than the wire type allows");
-  list._length = list._maximum = static_cast<std::uint32_t>(size);
-  list._buffer = reinterpret_cast<decltype(list._buffer)>(const_cast<T*>(data));
-}
 
 }  // namespace
 

@@ -222,6 +222,31 @@ TEST(JobQueue, GoesByPriorityThenArrival) {
   for (const std::uint64_t expected : {2, 4, 1, 3}) EXPECT_EQ(queue.pop().order.id.number, expected);
 }
 
+TEST(JobQueue, GivesEachParticipantItsTurn) {
+  JobQueue queue(3);
+  for (std::uint64_t i = 1; i <= 3; ++i) queue.push(job_of(i, 0));
+  Job other = job_of(9, 0);
+  other.order.origin[0] = 1;
+  EXPECT_TRUE(queue.full_for({}));
+  EXPECT_FALSE(queue.full_for(other.order.origin));
+  queue.push(other);
+  for (const std::uint64_t expected : {1, 9, 2, 3}) EXPECT_EQ(queue.pop().order.id.number, expected);
+}
+
+TEST(ReplyCache, RefusalsCostNoTrajectory) {
+  ReplyCache cache(2, 1 << 20);
+  Reply reply;
+  reply.state = ReplyState::kSolved;
+  cache.add(std::make_shared<const Reply>(reply));
+  reply.state = ReplyState::kRejected;
+  for (std::uint64_t i = 1; i <= 5; ++i) {
+    reply.id.number = i;
+    cache.add(std::make_shared<const Reply>(reply));
+  }
+  EXPECT_NE(cache.find({}), nullptr);
+  EXPECT_EQ(cache.size(), 3u);
+}
+
 TEST(ReplyCache, ForgetsTheOldestBeyondItsBounds) {
   ReplyCache cache(2, 1 << 20);
   std::vector<RequestId> ids(3);

@@ -33,11 +33,43 @@ void add_section(const Estimate& e, ChartPage& page) {
       "note");
 }
 
+void add_agreement(const std::vector<Agreement>& agreements, ChartPage& page) {
+  if (agreements.empty()) return;
+  page.add_heading("What two experiments say");
+  std::vector<std::vector<std::string>> rows = {
+      {"parameter", "by", "value", "by", "value", "unit", "standard errors apart"}};
+  for (const Agreement& a : agreements) {
+    rows.push_back({a.parameter, a.first, fmt::format("{:.6g} \u00b1 {:.2g}", a.first_value, a.first_error), a.second,
+                    fmt::format("{:.6g} \u00b1 {:.2g}", a.second_value, a.second_error), a.unit,
+                    fmt::format("{:.1f}", a.standard_errors_apart())});
+  }
+  page.add_table(rows);
+  for (const Agreement& a : agreements) {
+    if (a.standard_errors_apart() >= kDoubtfulApart) page.add_paragraph(a.sentence(), "warning");
+  }
+}
+
+void add_changes(const std::vector<Change>& changes, ChartPage& page) {
+  if (changes.empty()) return;
+  page.add_heading("Against the robot known before");
+  std::vector<std::vector<std::string>> rows = {{"parameter", "known", "identified", "standard error", "times"}};
+  for (const Change& c : changes) {
+    rows.push_back({c.name, fmt::format("{:.6g}", c.known), fmt::format("{:.6g}", c.found),
+                    fmt::format("{:.2g}", c.error), c.known == 0 ? "" : fmt::format("{:.4g}", c.found / c.known)});
+  }
+  page.add_table(rows);
+  for (const Change& c : changes) {
+    if (c.is_large()) page.add_paragraph(c.sentence(), "warning");
+  }
+}
+
 }  // namespace
 
-std::string format_identification_report(const std::vector<Estimate>& estimates) {
+std::string format_identification_report(const std::vector<Estimate>& estimates, const std::vector<Change>& changes) {
   ChartPage page("Identification");
   page.add_paragraph("The figures of section IV of the paper, redrawn from the logs, each with its fit and residuals.");
+  add_agreement(agreements(estimates), page);
+  add_changes(changes, page);
   for (const Estimate& e : estimates) add_section(e, page);
   return page.html();
 }

@@ -104,9 +104,9 @@ class Writer {
       if (!row) {
         entry.error[j] = old_errors[j];
         const bool same = values_before_.at(path)[j] == entry.value[j];
-        kept +=
-            fmt::format("{}joint {} {}", kept.empty() ? "" : "; ", j + 1,
-                        same ? "as before (" + old.at("source").text() + ")" : "only bounded by its log: the bound");
+        kept += fmt::format(
+            "{}joint {} {}", kept.empty() ? "" : "; ", j + 1,
+            same ? "assumed as before (" + old.at("source").text() + ")" : "only bounded by its log: the bound");
         continue;
       }
       entry.error[j] = std::sqrt(identified_.covariance(*row, *row));

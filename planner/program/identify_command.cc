@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "model/identify/agreement.h"
 #include "model/identify/arm.h"
 #include "model/identify/procedures.h"
 #include "model/identify/report.h"
@@ -32,7 +33,7 @@ struct IdentifyArguments {
   std::string name, out, report, robot;
   std::vector<std::string> logs, columns;
   int joint = 0;  // 1 or 2; 0: as the log says
-  bool json = false, link_damping = false;
+  bool json = false, link_damping = false, accept_inconsistent = false;
 };
 
 ColumnNames renamed_columns(const std::vector<std::string>& pairs) {
@@ -122,6 +123,33 @@ void write_robot(const IdentifyArguments& options, const fs::path& base, const s
   fs::rename(trial, options.out);
 }
 
+std::string consistency_table(const std::vector<Agreement>& all) {
+  std::string text = all.empty() ? "" : "consistency\n";
+  for (const Agreement& a : all) text += "  " + a.sentence() + "\n";
+  return text;
+}
+
+void tell_doubts(const std::vector<Agreement>& all, const std::vector<Change>& changes) {
+  for (const Agreement& a : all) {
+    if (a.standard_errors_apart() >= kDoubtfulApart) fmt::print(stderr, "fjr: warning: {}\n", a.sentence());
+  }
+  for (const Change& change : changes) {
+    if (change.is_large()) fmt::print(stderr, "fjr: warning: {}\n", change.sentence());
+  }
+}
+
+// One of the two experiments is wrong, and nobody knows which: a column doubled, another unit, the wrong file.
+void refuse_contradictions(const IdentifyArguments& options, const std::vector<Agreement>& all) {
+  if (options.accept_inconsistent) return;
+  for (const Agreement& a : all) {
+    if (a.standard_errors_apart() < kContradictoryApart) continue;
+    throw InputError(options.logs.front(), "",
+                     fmt::format("the experiments contradict each other: {}; below {:g} is allowed, and more with "
+                                 "--accept-inconsistent",
+                                 a.sentence(), kContradictoryApart));
+  }
+}
+
 // Of a whole identification the report stands beside robot.yaml; otherwise it is written where asked.
 fs::path report_file(const IdentifyArguments& options) {
   if (!options.report.empty() || options.name != "all" || options.out.empty()) return options.report;
@@ -142,8 +170,13 @@ int run(const IdentifyArguments& options) {
     }
   }
   if (options.json) fmt::print("{}", json_text(json));
+  const std::vector<Agreement> agreeing = agreements(estimates);
+  const std::vector<Change> changed = changes(robot, combine(robot, estimates));
+  if (!options.json) fmt::print("{}", consistency_table(agreeing));
+  tell_doubts(agreeing, changed);
   const fs::path report = report_file(options);
-  if (!report.empty()) write_file(report, format_identification_report(estimates));
+  if (!report.empty()) write_file(report, format_identification_report(estimates, changed));
+  refuse_contradictions(options, agreeing);
   write_robot(options, base, estimates);
   if (!options.json) fmt::print("{}{}{}\n", options.out, options.out.empty() ? "" : " ", report.string());
   return 0;
@@ -174,6 +207,8 @@ void add_identify(CLI::App& app, int& exit_code) {
       ->expected(1)
       ->take_all();
   command->add_flag("--link-damping", options->link_damping, "Write the identified link damping as the model's");
+  command->add_flag("--accept-inconsistent", options->accept_inconsistent,
+                    "Write robot.yaml even where two experiments contradict each other");
   command->add_flag("--json", options->json, "Only JSON on stdout");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -10,6 +10,7 @@
 
 #include "model/encoder.h"
 #include "model/friction.h"
+#include "model/identify/agreement.h"
 #include "model/identify/fit.h"
 #include "model/identify/report.h"
 #include "model/identify/robot_file.h"
@@ -403,6 +404,60 @@ TEST_F(RobotFile, TakesTheBoundWhereTheKnownShapeContradictsTheLog) {
   EXPECT_THAT(text, HasSubstr("joint 1 only bounded by its log: the bound"));
 }
 
+// ---- what experiments say of each other ----
+
+std::vector<Estimate> motor_estimates(const Log& friction, const Log& inertia) {
+  return {identify_quietly("motor_friction", friction, 0), identify_quietly("motor_inertia", inertia, 0)};
+}
+
+TEST(Agreement, TwoExperimentsTellTheSameViscousFriction) {
+  const std::vector<Estimate> estimates =
+      motor_estimates(noisy_log("motor_friction", 0), noisy_log("motor_inertia", 0));
+  const std::vector<Agreement> found = agreements(estimates);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_EQ(found[0].parameter, "viscous, joint 1");
+  EXPECT_LT(found[0].standard_errors_apart(), kDoubtfulApart);
+  for (const Change& change : changes(load_parameters(kRobot), combine(load_parameters(kRobot), estimates))) {
+    EXPECT_FALSE(change.is_large()) << change.sentence();
+  }
+}
+
+TEST(Agreement, ADoubledTorqueContradictsTheOtherExperiment) {
+  const std::vector<Estimate> estimates =
+      motor_estimates(noisy_log("motor_friction", 0), scaled(noisy_log("motor_inertia", 0), "u1_plan", 2));
+  const std::vector<Agreement> found = agreements(estimates);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_GT(found[0].standard_errors_apart(), 10 * kContradictoryApart);
+  EXPECT_THAT(found[0].sentence(), HasSubstr("viscous, joint 1: motor_friction says 0.4"));
+  EXPECT_THAT(found[0].sentence(), HasSubstr("motor_inertia says 0.99"));
+}
+
+// What no other experiment contradicts is told by the robot known before.
+TEST(Agreement, AColumnInErrorIsALargeChange) {
+  const auto large_changes = [](const std::string& name, const Log& log) {
+    const Parameters known = load_parameters(kRobot);
+    const std::vector<Estimate> one = {identify_quietly(name, log, 0)};
+    std::string all;
+    for (const Change& change : changes(known, combine(known, one))) {
+      if (change.is_large()) all += change.sentence() + "\n";
+    }
+    return all;
+  };
+  EXPECT_EQ(large_changes("stiffness", noisy_log("stiffness", 0)), "");
+  EXPECT_THAT(large_changes("stiffness", scaled(noisy_log("stiffness", 0), "tau1", 5)),
+              HasSubstr("spring.stiffness[0] is 10"));
+  EXPECT_THAT(large_changes("stiffness", scaled(noisy_log("stiffness", 0), "theta1", 0.5)),
+              HasSubstr("spring.stiffness[0] is 4"));
+  EXPECT_THAT(large_changes("gravity", scaled(noisy_log("gravity", 0), "tau1", 5)),
+              HasSubstr("link.gravity_torque[0]"));
+  EXPECT_THAT(large_changes("motor_friction", scaled(noisy_log("motor_friction", 0), "tau1", 5)),
+              HasSubstr("friction.amplitude[0]"));
+  EXPECT_THAT(large_changes("link_inertia", scaled(noisy_log("link_inertia", 0), "time", 1.5)),
+              HasSubstr("link.inertia[0]"));
+  EXPECT_THAT(large_changes("motor_inertia", scaled(noisy_log("motor_inertia", 0), "u1_plan", 1.5)),
+              HasSubstr("motor.inertia[0]"));
+}
+
 std::size_t count_of(const std::string& part, const std::string& text) {
   std::size_t count = 0;
   for (std::size_t at = 0; (at = text.find(part, at)) != std::string::npos; ++at) ++count;
@@ -416,7 +471,8 @@ std::string full_report() {
       estimates.push_back(identify_quietly(name, noisy_log(name, joint), joint));
     }
   }
-  return format_identification_report(estimates);
+  const Parameters known = load_parameters(kRobot);
+  return format_identification_report(estimates, changes(known, combine(known, estimates)));
 }
 
 TEST(Report, RedrawsThePapersFiguresWithResiduals) {
@@ -427,7 +483,8 @@ TEST(Report, RedrawsThePapersFiguresWithResiduals) {
   EXPECT_EQ(count_of("<figcaption>Residuals of Fig", html), 10U);
   EXPECT_EQ(count_of("<canvas id='chart", html), count_of("\"x_label\":", html));  // each has its data
   for (const char* part : {"#e377c2", "#2ca02c", "#d62728", "#111111",             // the paper's branches
-                           "\"logarithmic_x\":true", "ln q peak", "envelope", "h is not determined", "h &lt; -"}) {
+                           "\"logarithmic_x\":true", "ln q peak", "envelope", "h is not determined", "h &lt; -",
+                           "What two experiments say", "viscous, joint 1", "Against the robot known before"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
 }

@@ -1,0 +1,44 @@
+// Whether experiments agree with each other, and with the robot as it was known.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/identify/arm.h"
+#include "model/identify/estimate.h"
+
+namespace fjr {
+
+// In standard errors of their difference: two experiments that are further apart are worth a warning; one of them is
+// wrong.
+inline constexpr double kDoubtfulApart = 3, kContradictoryApart = 10;
+// Times what was known: a factor of 1.5, less the noise of a log in which a column is in error by just that.
+inline constexpr double kLargeChange = 1.45;
+
+// One parameter that two experiments on the same joint tell, such as B: the slope of friction over speed (IV-E), and
+// the final speed of a push (IV-F).
+struct Agreement {
+  std::string parameter;  // "viscous, joint 1"
+  std::string unit;
+  std::string first, second;  // the procedures
+  double first_value = 0, first_error = 0, second_value = 0, second_error = 0;
+
+  double standard_errors_apart() const;
+  std::string sentence() const;
+};
+
+std::vector<Agreement> agreements(const std::vector<Estimate>& estimates);
+
+// A parameter that was known otherwise.
+struct Change {
+  std::string name;  // "motor.inertia[0]"
+  double known = 0, found = 0, error = 0;
+
+  bool is_large() const;  // beyond its error: kLargeChange or more either way, or of another sign
+  std::string sentence() const;
+};
+
+// Of all that was identified; `known`: the robot before.
+std::vector<Change> changes(const Parameters& known, const Identified& identified);
+
+}  // namespace fjr

@@ -9,14 +9,28 @@
 namespace fjr {
 namespace {
 
+// Integral of tau^2 over both joints: exact for torques that are linear between rows. [N^2 m^2 s]
+double effort_of_rows(const Trajectory& trajectory) {
+  double effort = 0;
+  for (std::size_t k = 0; k + 1 < trajectory.samples.size(); ++k) {
+    const Sample &a = trajectory.samples[k], &b = trajectory.samples[k + 1];
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double x = a.torque[j], y = b.torque[j];
+      effort += (b.time - a.time) * (x * x + x * y + y * y) / 3;
+    }
+  }
+  return effort;
+}
+
 TEST(Plan, MinimumEffortMeetsTheBestKnownReference) {
   const Problem problem =
       load_request(FJR_SOURCE_DIR "/config/requests/efficient_reach.yaml", FJR_SOURCE_DIR "/config/robot.yaml");
   const Plan result = plan(problem, {});
   ASSERT_EQ(result.status, PlanStatus::kCertified) << result.reason;
-  // Best known of many starts on fine meshes: 22.98 N^2 m^2 s. Half a per cent is what is promised.
+  // Best known of many starts on fine meshes: 22.98 N^2 m^2 s. Half a per cent is what is promised; a better optimum is
+  // welcome as long as the rows are what was optimised: their own integral of tau^2 says the same.
   EXPECT_LT(result.objective, 22.98 * 1.005);
-  EXPECT_GT(result.objective, 22.98 * 0.995);
+  EXPECT_NEAR(result.objective, effort_of_rows(*result.trajectory), 1e-4 * result.objective);
   EXPECT_GE(result.minima.size(), 2U);
   EXPECT_TRUE(result.certificate->open_loop.stretches.empty());
 

@@ -29,8 +29,9 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-constexpr int kCertificateRounds = 6;  // refinements of one solution for the sake of its certificate
-constexpr double kFinerRows = 0.25;    // of what linear interpolation between rows may miss, each time
+constexpr int kCertificateRounds = 6;   // refinements of one solution for the sake of its certificate
+constexpr double kSameDuration = 1e-9;  // share by which a duration may differ from its bound, for rounding
+constexpr double kFinerRows = 0.25;     // of what linear interpolation between rows may miss, each time
 
 // Which solutions are refined to the end.
 struct Finishing {
@@ -39,8 +40,18 @@ struct Finishing {
 };
 
 // Where friction weighs, what it does while it is smooth tells little: of seven first, the fourth has come to 3 % less
-// effort than the first.
-Finishing finishing(const Weights& weights) { return sees_friction(weights) ? Finishing{0.05, 5} : Finishing{0.02, 3}; }
+// effort than the first. `starts` more than the usual ones add as many: whatever would be refined without them is
+// refined with them too, so that more starts never come to less.
+Finishing finishing(const Weights& weights, int starts) {
+  const int more = std::max(0, starts - starts_worth_trying(weights));
+  return sees_friction(weights) ? Finishing{0.05, 5 + more} : Finishing{0.02, 3 + more};
+}
+
+// What a request may take where no deadline says more, in the optimiser's work (SolveReport::work) and not in time, so
+// that the same request comes to the same plan on a busy machine too. [s]
+constexpr double kMostWork = 60;
+// Of it, for finding motions and for refining them; the rest is for saying why there is none.
+constexpr double kFinding = 0.5, kRefining = 0.8;
 
 // One way per segment: round what is in the way, both ways round where there are two; along the tip's line or arc. None
 // when nothing asks for it.
@@ -102,8 +113,12 @@ Starts starts_of(const Problem& problem, int count) {
 
 // What is optimised: the objective divided by `scale`, for the optimiser's tolerances and regularisation are meant for
 // objectives of order 1 to 100 while weights may be of any size; one problem for each of the goals that are as good.
+//
+// The fastest motion is looked for whatever it takes, and what it takes is then compared with what is allowed: right
+// above the minimum a smoothed problem, whose minimum is some per cent longer, has no motion at all.
 std::vector<Problem> alternatives(const Problem& problem, double scale) {
   Problem scaled = problem;
+  if (only_time(problem.weights)) scaled.duration.max = kLongestDuration;
   for (const TermInfo& term : Terms::infos) scaled.weights.*term.weight /= scale;
   std::vector<Problem> all{scaled};
   for (const Goal& goal : problem.other_goals) {
@@ -122,9 +137,11 @@ class Planner {
         alternatives_(alternatives(problem, scale_)),
         options_(options) {
     settings_.linear_solver = options.linear_solver;
+    most_work_ = std::max(kMostWork, options.deadline);
   }
 
   Plan run() {
+    allow(kFinding);
     if (options_.warm) resume();
     if (!plan_.warm && !stopped()) find_starts();
     if (!plan_.warm && !stopped()) finish_best();
@@ -151,6 +168,8 @@ class Planner {
       plan_.certificate.reset();
     } else if (!plan_.certificate || plan_.infeasibility) {
       explain_failure();
+    } else if (plan_.status != PlanStatus::kCertified) {
+      plan_.reason += how_far();
     }
     if (plan_.certificate) predict_execution();
     if (plan_.solution && plan_.trajectory) plan_.analysis = analyse(*solved_, *plan_.solution, scale_);
@@ -163,17 +182,27 @@ class Planner {
   }
 
  private:
-  bool interrupted() {
+  // work: done since the last time. [s]
+  bool interrupted(double work = 0) {
+    work_ += work;
     if (stopped_) return true;
     deadline_passed_ = options_.deadline > 0 && seconds_since(began_) > options_.deadline;
     stopped_ = deadline_passed_ || (options_.cancelled && options_.cancelled());
-    return stopped_;
+    return stopped_ || spent();
   }
+  // Nothing more is to be done at all.
   bool stopped() const { return stopped_; }
+  // The present phase has done what it may.
+  bool spent() {
+    if (work_ >= allowed_) plan_.cut_by_work = true;
+    return work_ >= allowed_;
+  }
+  // From here, work may come to this share of all.
+  void allow(double share) { allowed_ = share * most_work_; }
 
   Continuation continuation(const Problem& problem, const std::string& label) {
     Continuation c(
-        problem, settings_, [this] { return interrupted(); },
+        problem, settings_, [this](double work) { return interrupted(work); },
         [this](const Progress& p) {
           if (!options_.on_progress) return;
           Progress overall = p;
@@ -218,7 +247,9 @@ class Planner {
 
   // Why there is no plan; where that leads to a motion after all, from there.
   void find_out_why() {
-    const Problem& problem = fastest_of_ ? *fastest_of_ : alternatives_.front();
+    allow(1);
+    Problem& problem = asked_.emplace(fastest_of_ ? *fastest_of_ : alternatives_.front());
+    problem.duration = problem_.duration;
     const WhyNot why = explain(problem, fastest_ ? &*fastest_ : nullptr, tools());
     plan_.infeasibility = why.infeasibility;
     if (!why.start || stopped()) return;
@@ -236,9 +267,6 @@ class Planner {
     }
     try_starts(open);
     for (const Problem* problem : open) {
-      if (candidates_.empty() && !interrupted()) try_from_fastest(*problem);
-    }
-    for (const Problem* problem : open) {
       if (!candidates_.empty() || interrupted() || too_short()) break;
       if (auto found = climb(*problem, tools(), plan_.fallbacks)) candidates_.push_back(std::move(*found));
     }
@@ -252,6 +280,7 @@ class Planner {
   void try_starts(const std::vector<const Problem*>& open) {
     constexpr int kGivenUp = 2;  // failures of an alternative's first starts, while another led somewhere
     constexpr int kNeverGivenUp = -1;
+    constexpr std::size_t kBeforeHurrying = 2;  // starts that led nowhere before it is asked whether there is time
     const int count = options_.starts > 0 ? options_.starts : starts_worth_trying(problem_.weights);
     std::vector<Starts> starts;
     std::size_t most = 0;
@@ -262,12 +291,19 @@ class Planner {
     }
     std::vector<int> failed(open.size(), 0);
     for (std::size_t i = 0; i < most; ++i) {
+      if (i == kBeforeHurrying && candidates_.empty()) {
+        for (const Problem* problem : open) try_from_fastest(*problem);
+        if (too_short()) return;
+      }
       for (std::size_t a = 0; a < open.size() && !interrupted(); ++a) {
         if (i >= starts[a].guesses.size()) continue;
         if (!candidates_.empty() && (i >= starts[a].always || failed[a] >= kGivenUp)) continue;
         if (i >= starts[a].always) ++plan_.fallbacks.displaced_start;
         const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, starts[a].always));
         const bool met = try_start(*open[a], starts[a].guesses[i], label);
+        if (met && i < static_cast<std::size_t>(starts_worth_trying(problem_.weights)) && !candidates_.empty()) {
+          best_usual_ = std::min(best_usual_, candidates_.back().solution().report.objective);
+        }
         if (failed[a] >= 0) failed[a] = met ? kNeverGivenUp : failed[a] + 1;
       }
     }
@@ -303,26 +339,12 @@ class Planner {
   // The fastest motion of the same request is a feasible start for it, stretched to the time it has; and when even that
   // takes longer than allowed, that is the reason.
   void try_from_fastest(const Problem& problem) {
-    const Problem& fastest = fastest_problems_.emplace_back(fastest_of(problem));
     const double allowed = problem.duration.max;
-    if (only_fastest(problem) && allowed >= kLongestDuration) return;  // that was tried
+    if (!candidates_.empty() || interrupted()) return;
+    if (only_time(problem.weights) && problem.duration.min <= kShortestDuration) return;  // that was tried
     ++plan_.fallbacks.from_fastest;
-    std::optional<Continuation> shortest;
-    for (const Guess& guess : starts_of(fastest, 4).guesses) {
-      Continuation c = continuation(fastest, "fastest");
-      const bool found = !interrupted() && c.begin(guess, patience_);
-      if (stopped()) return;
-      book(c);
-      if (found && (!shortest || duration_of(c) < duration_of(*shortest))) shortest = std::move(c);
-      if (shortest && duration_of(*shortest) <= allowed) break;
-    }
+    std::optional<Continuation> shortest = find_fastest(fastest_problems_.emplace_back(fastest_of(problem)), allowed);
     if (!shortest) return;
-    if (duration_of(*shortest) > allowed) {  // to within its smoothing, so far
-      const std::size_t booked = shortest->stages().size();
-      const bool finished = shortest->finish();
-      book(*shortest, booked);
-      if (!finished) return;
-    }
     if (!fastest_ || duration_of(*shortest) < duration_of(*fastest_)) {
       fastest_ = shortest;
       fastest_of_ = &problem;
@@ -333,6 +355,24 @@ class Planner {
     try_start(problem, guess_from(solution.motion, solution.durations, duration), "from the fastest");
     if (!candidates_.empty() || interrupted()) return;
     adopt_fastest();
+  }
+
+  // With the exact law, for a smoothed motion may take some per cent longer; where it takes longer than allowed, one
+  // that can be published, for how long it takes is told.
+  std::optional<Continuation> find_fastest(const Problem& fastest, double allowed) {
+    std::optional<Continuation> shortest;
+    std::vector<double> known;
+    for (const Guess& guess : starts_of(fastest, 4).guesses) {
+      if (interrupted() || (shortest && duration_of(*shortest) <= allowed)) break;
+      Continuation c = continuation(fastest, "fastest");
+      const bool begun = c.begin(guess, patience_, known);
+      if (begun) known.push_back(c.stages().front().objective);
+      const bool found = begun && c.finish();
+      if (found && duration_of(c) > allowed) certify_and_refine(c, false);
+      book(c);
+      if (found && (!shortest || duration_of(c) < duration_of(*shortest))) shortest = std::move(c);
+    }
+    return shortest;
   }
 
   // With hardly any time to spare only its own mesh and the exact law have a motion.
@@ -351,23 +391,23 @@ class Planner {
 
   // There is a fastest motion, and hardly more time than it takes.
   bool hurries() const {
-    return fastest_ && !any_timed(problem_) && problem_.duration.max < 1.05 * duration_of(*fastest_);
+    return fastest_ && !any_timed(problem_) && !only_time(problem_.weights) &&
+           problem_.duration.max < 1.05 * duration_of(*fastest_);
   }
 
   static double duration_of(const Continuation& c) { return c.solution().motion.duration(); }
-  static bool only_fastest(const Problem& problem) {
-    const Weights& w = problem.weights;
-    return w.effort == 0 && w.torque_rate == 0 && w.link_acceleration == 0 && problem.duration.min <= kShortestDuration;
-  }
   bool too_short() const { return fastest_ && duration_of(*fastest_) > problem_.duration.max; }
 
   // Distinct minima are finished in the order of their coarse objectives; the best certified one is the plan. Those
   // that are far behind, or too many, are only looked at when nothing before was certified.
   void finish_best() {
+    allow(kRefining);
     const auto start = Clock::now();
     std::vector<double> certified;  // first objectives of the minima that came to a plan
-    const double best = candidates_.empty() ? 0 : candidates_.front().solution().report.objective;
-    const Finishing worth = finishing(problem_.weights);
+    // Of the usual starts, for what is near that best is refined with more starts too.
+    double best = candidates_.empty() ? 0 : candidates_.front().solution().report.objective;
+    if (std::isfinite(best_usual_)) best = best_usual_;
+    const Finishing worth = finishing(problem_.weights, options_.starts);
     int finished = 0;
     for (std::size_t i = 0; i < candidates_.size() && !interrupted(); ++i) {
       const double first = candidates_[i].stages().front().objective;  // on the mesh that all starts share
@@ -387,12 +427,15 @@ class Planner {
     plan_.timing["finish"] = seconds_since(start) - plan_.timing["certificate"];
   }
 
-  // True when a certified trajectory came of it.
-  bool certify_and_refine(Continuation& c) {
+  // True when a certified trajectory came of it; kept as the plan unless it is only to tell what is possible.
+  bool certify_and_refine(Continuation& c, bool keep = true) {
     double row_error = kRowVelocityError;
+    std::size_t rows = 0;
     for (int round = 0; round < kCertificateRounds && !interrupted(); ++round) {
       const auto start = Clock::now();
       Trajectory trajectory = sample(problem_, c.solution().motion, row_error);
+      const bool too_long = trajectory.end_time() > problem_.duration.max * (1 + kSameDuration);
+      if (keep && too_long) note_fastest(c);
       if (trajectory.samples.size() > kMaxRows) {
         failure_ =
             fmt::format("the trajectory needs {} rows, more than the {} allowed: a longer sample_period would do",
@@ -401,9 +444,10 @@ class Planner {
       }
       Certificate certificate = judge(problem_.robot, problem_.limits, trajectory);
       check_against_request(c.problem(), segment_ends(c), trajectory, certificate);
-      record(c, trajectory, certificate);
+      if (keep && !too_long) record(c, trajectory, certificate);
       plan_.timing["certificate"] += seconds_since(start);
-      if (certificate.certified) return true;
+      if (certificate.certified) return !keep || !too_long;
+      const int solutions = c.solutions();
       // A limit that only the rows exceed wants a margin; a rest where the arm cannot rest, motion; the rest, accuracy,
       // of the solution and of the rows.
       if (!c.keep_margins(certificate.limits) && !c.creep()) {
@@ -411,8 +455,19 @@ class Planner {
         row_error *= kFinerRows;
       }
       c.polish();
+      // Neither another motion nor finer rows of this one: the next verdict would be the same.
+      if (c.solutions() == solutions && trajectory.samples.size() == rows) return false;
+      rows = trajectory.samples.size();
     }
     return false;
+  }
+
+  // A motion that is as fast as can be, and takes longer than it may.
+  void note_fastest(const Continuation& c) {
+    const bool refined = fastest_ && fastest_of_ == &c.problem() && fastest_->label == c.label;
+    if (fastest_ && !refined && duration_of(*fastest_) <= duration_of(c)) return;
+    fastest_ = c;
+    fastest_of_ = &c.problem();
   }
 
   // Moments [s] at which the segments end.
@@ -468,7 +523,28 @@ class Planner {
     plan_.certificate = std::move(certificate);
   }
 
+  // What is known to be impossible is that; where only smoothed motions tell what would have to change, and a motion
+  // was found that is not exact enough, that is what there is, with the advice.
+  bool only_advice() const {
+    const auto& relaxations = plan_.infeasibility->relaxations;
+    return plan_.status == PlanStatus::kUncertified && plan_.certificate && !relaxations.empty() &&
+           relaxations.front().rough;
+  }
+
+  // How far the search came, for whoever wants to go on.
+  std::string how_far() const {
+    if (!plan_.cut_by_work) return "";
+    return fmt::format(
+        "; the search ended where a request may take no more (about {:.0f} s of one core), after {} starts and {} "
+        "minima: --deadline allows for more",
+        most_work_, plan_.starts, plan_.minima.size());
+  }
+
   void explain_failure() {
+    if (plan_.infeasibility && only_advice()) {
+      plan_.reason += "; " + plan_.infeasibility->sentence + how_far();
+      return;
+    }
     const bool infeasible = std::find(failures_.begin(), failures_.end(), SolveStatus::kInfeasible) != failures_.end();
     if (plan_.infeasibility) {
       plan_.status = PlanStatus::kInfeasible;
@@ -484,15 +560,18 @@ class Planner {
                      : candidates_.empty() ? "the optimiser converged from no start" + obstacle_
                                            : "the optimiser converged on a coarse mesh, but not on a finer one";
     }
+    plan_.reason += how_far();
   }
 
   const Problem& problem_;
   const double scale_;                       // of the objective
   const std::vector<Problem> alternatives_;  // what is optimised
+  double best_usual_ = kNoLimit;             // objective that the starts by default came to on coarse meshes
   int patience_ = 400;                       // iterations a start may take
   const Problem* solved_ = nullptr;          // the one of them that the plan is for
   const PlanOptions& options_;
   ContinuationSettings settings_;
+  double work_ = 0, allowed_ = 0, most_work_ = 0;  // [s] see kMostWork; of the present phase; of all
   const Clock::time_point began_ = Clock::now();
   const std::clock_t began_cpu_ = std::clock();
   bool stopped_ = false, deadline_passed_ = false;
@@ -501,6 +580,7 @@ class Planner {
   std::deque<Problem> fastest_problems_;  // of the fastest motions
   std::optional<Continuation> fastest_;   // once it was looked for, the shortest that there is
   const Problem* fastest_of_ = nullptr;   // what it is the fastest motion of
+  std::optional<Problem> asked_;          // that one, with the duration that was asked for
   std::vector<SolveStatus> failures_;
   std::string obstacle_;  // what a start without solution failed at
   std::string failure_;   // why a solution could not be published

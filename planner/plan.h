@@ -59,6 +59,7 @@ struct SolverStage {
   double objective = 0;
   std::string status;
   SolveCost cost{};
+  double work = 0;         // SolveReport::work
   bool forgetful = false;  // a warm start that failed, tried again without multipliers and with an adaptive barrier
 };
 
@@ -107,6 +108,7 @@ struct Plan {
   bool cut_by_deadline = false;  // certified, but the deadline ended the search: more time may find a better motion
   std::vector<double> minima;  // objectives of the distinct minima that starts converged to, on their first meshes, as
                                // far as friction is smoothed there; best first
+  bool cut_by_work = false;    // the search ended where a request may take no more: with a deadline it may
   Fallbacks fallbacks;
   double back_off = 0;  // share of each limit kept free
   std::optional<Trajectory> trajectory;

@@ -70,6 +70,7 @@ Json sensitivity_json(const Sensitivity& sensitivity) {
                       {"limit", limit.limit},
                       {"unit", limit.unit},
                       {"worth", number(limit.worth)},
+                      {"saved_by_1_percent", number(0.01 * limit.limit * limit.worth)},
                       {"active_share", number(limit.share)},
                       {"active", stretches(limit.active)}});
   }

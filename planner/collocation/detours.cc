@@ -10,6 +10,9 @@
 #include <queue>
 #include <set>
 
+#include "planner/problem/elbow_side.h"
+#include "planner/problem/tip_path.h"
+
 namespace fjr {
 namespace {
 
@@ -241,17 +244,12 @@ std::string beyond_reach(const Problem& problem) {
   const double bend = std::min(problem.limits.link_position[1], std::numbers::pi);
   const double nearest = std::sqrt(l1 * l1 + l2 * l2 + 2 * l1 * l2 * std::cos(bend)), furthest = l1 + l2;
   const double tolerance = task.line ? task.line->tolerance : task.arc->tolerance;
-  const Point<double> from = tip_position(problem.robot, problem.start.q),
-                      to = tip_position(problem.robot, problem.goal.q);
+  const Point<double> begin = tip_position(problem.robot, problem.start.q),
+                      end = tip_position(problem.robot, problem.goal.q);
+  const Pair<double> from{begin.x, begin.y}, to{end.x, end.y};
   for (int i = 0; i <= kPieces; ++i) {
     const double s = static_cast<double>(i) / kPieces;
-    Pair<double> tip{from.x + s * (to.x - from.x), from.y + s * (to.y - from.y)};
-    if (task.arc) {
-      const double x = tip[0] - task.arc->center[0], y = tip[1] - task.arc->center[1], away = std::hypot(x, y);
-      const double radius =
-          std::hypot(task.arc->from[0] - task.arc->center[0], task.arc->from[1] - task.arc->center[1]);
-      tip = {task.arc->center[0] + x * radius / away, task.arc->center[1] + y * radius / away};
-    }
+    const Pair<double> tip = task.line ? along(*task.line, from, to, s) : along(*task.arc, from, to, s);
     const double away = std::hypot(tip[0], tip[1]);
     if (away > nearest - tolerance && away < furthest + tolerance) continue;
     return fmt::format(
@@ -267,6 +265,9 @@ std::string beyond_reach(const Problem& problem) {
 NoWay no_way(const Problem& problem) {
   if (std::string sentence = beyond_reach(problem); !sentence.empty()) {
     return {sentence, {problem.task.line ? "tip_line" : "tip_arc"}, 0};
+  }
+  if (std::string sentence = barred_elbow(problem); !sentence.empty()) {
+    return {sentence, {problem.task.box ? "tip_box" : problem.task.line ? "tip_line" : "tip_arc"}, 0};
   }
   // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
   const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);

@@ -9,6 +9,7 @@
 #include "model/flatness.h"
 #include "planner/collocation/segments.h"
 #include "planner/problem/inverse_kinematics.h"
+#include "planner/problem/tip_path.h"
 
 namespace fjr {
 namespace {
@@ -97,12 +98,6 @@ Way averaged(const Way& way) {
   return result;
 }
 
-Pair<double> on_circle(const Pair<double>& point, const TipArc& arc) {
-  const double radius = std::hypot(arc.from[0] - arc.center[0], arc.from[1] - arc.center[1]);
-  const double x = point[0] - arc.center[0], y = point[1] - arc.center[1], away = std::hypot(x, y);
-  return {arc.center[0] + x * radius / away, arc.center[1] + y * radius / away};
-}
-
 }  // namespace
 
 Guess straight_guess(const Problem& problem, double duration) {
@@ -168,13 +163,14 @@ std::vector<Way> ways_along_tip_path(const Problem& problem) {
   const auto points = points_of(problem);
   std::vector<Way> ways;
   for (std::size_t leg = 0; leg + 1 < points.size(); ++leg) {
-    const Point<double> from = tip_position(problem.robot, points[leg]),
-                        to = tip_position(problem.robot, points[leg + 1]);
+    const Point<double> begin = tip_position(problem.robot, points[leg]),
+                        end = tip_position(problem.robot, points[leg + 1]);
+    const Pair<double> from{begin.x, begin.y}, to{end.x, end.y};
     Way way{points[leg]};
     for (int i = 1; i < kPieces; ++i) {
       const double s = static_cast<double>(i) / kPieces;
-      Pair<double> tip{from.x + s * (to.x - from.x), from.y + s * (to.y - from.y)};
-      if (problem.task.arc) tip = on_circle(tip, *problem.task.arc);
+      const Pair<double> tip =
+          problem.task.arc ? along(*problem.task.arc, from, to, s) : along(*problem.task.line, from, to, s);
       const auto postures =
           inverse_kinematics(problem.robot, tip, Elbow::kAny, problem.limits.link_position, way.back());
       if (!postures.empty()) way.push_back(postures.front());

@@ -12,16 +12,20 @@
 #include "planner/explain/statics.h"
 #include "planner/explain/via_times.h"
 #include "planner/problem/relaxable.h"
+#include "planner/trajectory/trajectory.h"
 
 namespace fjr {
 namespace {
 
-constexpr double kRoom = 0.01;      // share of a change added to it: right at the edge there is one motion, and no plan
-constexpr double kGridRoom = 1.1;   // times the room that a grid found missing
-constexpr double kClose = 0.05;     // slack of a sketch that a more exact one may do without
-constexpr double kPossible = 2e-3;  // slack below which the request is possible, as far as can be told
-constexpr double kLoose = 3;        // share by which limits are relaxed for a duration to start from
-constexpr double kLonger = 2;       // times the duration of a hurried motion that the least change may take
+constexpr double kRoom = 0.01;   // share of a change added to it: right at the edge there is one motion, and no plan
+constexpr double kSpare = 2e-4;  // share of a shortest duration
+constexpr std::size_t kSpareRows = 1000;  // for what comes between the regular ones
+constexpr double kRoughRoom = 0.1;        // the same where friction stayed smooth
+constexpr double kGridRoom = 1.1;         // times the room that a grid found missing
+constexpr double kClose = 0.05;           // slack of a sketch that a more exact one may do without
+constexpr double kPossible = 2e-3;        // slack below which the request is possible, as far as can be told
+constexpr double kLoose = 3;              // share by which limits are relaxed for a duration to start from
+constexpr double kLonger = 2;             // times the duration of a hurried motion that the least change may take
 
 std::string name_of(const std::string& name, int joint) {
   return joint == 0 ? name : fmt::format("{} of joint {}", name, joint);
@@ -38,7 +42,7 @@ class Explanation {
     } else if (fastest_ != nullptr && shortest() > problem_.duration.max) {
       explain_duration();
     } else {
-      if (fastest_ != nullptr) result_.shortest_duration = shortest();
+      if (fastest_ != nullptr) result_.shortest_duration = with_room(shortest());
       explain_via_times();
       if (result_.sentence.empty() && (fastest_ == nullptr || any_timed(problem_))) explain_limits();
     }
@@ -51,18 +55,24 @@ class Explanation {
  private:
   double shortest() const { return fastest_->solution().motion.duration(); }
 
+  // What is told of a shortest duration: rounded up, and with a little to spare, so that a request for it has room.
+  static double with_room(double duration) { return std::ceil(1e4 * (1 + kSpare) * duration) / 1e4; }
+
   // The least change of this one thing that makes the problem possible, from these guesses.
   bool relax(const Problem& problem, const Candidate& candidate, const std::vector<Guess>& guesses) {
     const Problem elastic = with_slack(problem, candidate.what);
-    const auto solution = least(elastic, name_of(candidate.what.name, candidate.what.joint), guesses);
-    if (!solution || (fastest_ == nullptr && is_possible(*solution))) return false;
-    const double slack = (1 + kRoom) * solution->solution().slack;
+    auto solution = least(elastic, name_of(candidate.what.name, candidate.what.joint), guesses);
+    const bool rough = !solution;
+    if (rough) solution = search_.last_sketch();
+    if (!solution || (rough && solution->solution().slack < kPossible)) return false;
+    if (!rough && fastest_ == nullptr && is_possible(*solution)) return false;
+    const double slack = (1 + (rough ? kRoughRoom : kRoom)) * solution->solution().slack;
     if (slack > elastic.elastic->most) return false;
     const Relaxable& what = candidate.what;
     const double to = value_with(problem, what, slack);
     const auto time = candidate.time ? candidate.time : worst_moment(problem, what, solution->solution());
     result_.relaxations.push_back(
-        {what.name, what.joint, what.unit, what.from, to, std::abs(to - what.from) <= what.allowed, time});
+        {what.name, what.joint, what.unit, what.from, to, rough, std::abs(to - what.from) <= what.allowed, time});
     return true;
   }
 
@@ -108,7 +118,7 @@ class Explanation {
       const Problem roomier = what.relaxed(problem_, amount);
       if (!no_way(roomier).sentence.empty()) continue;
       if (!search_.solve(roomier, what.name, search_.guesses(roomier))) continue;
-      result_.relaxations.push_back({what.name, what.joint, what.unit, what.from, what.value(amount), true, {}});
+      result_.relaxations.push_back({what.name, what.joint, what.unit, what.from, what.value(amount), false, true, {}});
       return;
     }
   }
@@ -116,19 +126,53 @@ class Explanation {
   // ---- a duration that is too short ----
 
   void explain_duration() {
-    const double allowed = problem_.duration.max;
-    result_.shortest_duration = shortest();
-    result_.sentence =
-        fmt::format("duration: at most {:.6g} s is allowed; the shortest motion found within the limits takes {:.4f} s",
-                    allowed, std::ceil(1e4 * shortest()) / 1e4);
+    const double allowed = problem_.duration.max, needed = with_room(shortest());
+    result_.shortest_duration = needed;
+    const std::string where = allowed == kLongestByDefault ? " where nothing else is said" : "";
+    result_.sentence = fmt::format(
+        "duration: at most {:.6g} s is allowed{}; the shortest motion found within the limits takes {:.4f} s", allowed,
+        where, needed);
+    const double rows = needed / problem_.sample_period;
+    if (rows > static_cast<double>(kMaxRows)) {
+      result_.sentence += fmt::format(" (with a sample_period of {:.4f} s or more)",
+                                      std::ceil(1e4 * needed / static_cast<double>(kMaxRows - kSpareRows)) / 1e4);
+    }
     result_.limit = "duration";
     result_.time = allowed;
-    result_.relaxations.push_back({"duration", 0, "s", allowed, shortest(), true, allowed});
+    if (!any_timed(problem_)) {
+      result_.relaxations.push_back({"duration", 0, "s", allowed, needed, false, true, allowed});
+    } else {
+      explain_times_as_well();
+    }
     const Collocated& fastest = fastest_->solution();
     const std::vector<Guess> hurried{guess_from(fastest.motion, fastest.durations, allowed)};
     bool any = false;
     for (const Candidate& candidate : active_in(*fastest_)) any = relax(problem_, candidate, hurried) || any;
     if (!any) relax(problem_, {all_limits(problem_), {}, 0}, hurried);
+  }
+
+  // The shortest motion passes its via points when it likes: what it takes at the times that were asked for, or which
+  // of those would have to change as well.
+  void explain_times_as_well() {
+    Problem timed = fastest_of(problem_);
+    timed.via = problem_.via;
+    for (const Via& via : timed.via) timed.duration.min = via.time.value_or(timed.duration.min) + kShortestDuration;
+    if (const auto kept = search_.solve(timed, "duration", search_.guesses(timed))) {
+      const double needed = with_room(kept->solution().motion.duration());
+      result_.sentence += fmt::format(", and {:.4f} s with the via points at their times", needed);
+      result_.relaxations.push_back(
+          {"duration", 0, "s", problem_.duration.max, needed, false, true, problem_.duration.max});
+      return;
+    }
+    for (std::size_t i = 0; i < problem_.via.size() && !search_.over(); ++i) {
+      const auto asked = problem_.via[i].time;
+      const auto earliest = asked ? earliest_at(problem_, i, search_) : std::nullopt;
+      if (!earliest || *earliest <= *asked) continue;
+      result_.sentence += fmt::format(
+          "; via[{}] is to be passed at {:.6g} s, and within the limits it cannot be passed before {:.4f} s", i, *asked,
+          with_room(*earliest));
+      return;
+    }
   }
 
   // ---- via points whose times cannot be kept ----
@@ -162,7 +206,7 @@ class Explanation {
 
   void move_via(std::size_t i, double time) {
     const double asked = *problem_.via[i].time;
-    result_.relaxations.push_back({fmt::format("via[{}].time", i), 0, "s", asked, time, true, asked});
+    result_.relaxations.push_back({fmt::format("via[{}].time", i), 0, "s", asked, time, false, true, asked});
   }
 
   // ---- limits that no motion keeps ----
@@ -189,6 +233,7 @@ class Explanation {
 
   static bool easier(const Relaxation& a, const Relaxation& b) {
     const auto change = [](const Relaxation& r) { return std::abs(r.to - r.from) / std::max(std::abs(r.from), 0.1); };
+    if (a.rough != b.rough) return b.rough;
     return a.within_robot != b.within_robot ? a.within_robot : change(a) < change(b);
   }
 
@@ -273,8 +318,8 @@ class Explanation {
       } else if (r.name == "tip_box") {
         text += fmt::format("; tip_box alone would have to be {} m larger on every side", enough(r.from, r.to));
       } else {
-        text += fmt::format("; {} alone would have to be {}{} (now {:.4g}{})", name_of(r.name, r.joint),
-                            enough(r.from, r.to), unit, r.from, beyond);
+        text += fmt::format("; {} alone would have to be {}{}{} (now {:.4g}{})", name_of(r.name, r.joint),
+                            r.rough ? "about " : "", enough(r.from, r.to), unit, r.from, beyond);
       }
     }
     if (!any && !search_.over()) text += "; no other change of a single limit was found to do";

@@ -24,19 +24,21 @@ std::vector<Guess> Search::guesses(const Problem& problem) const {
 
 void Search::book(const Continuation& c) {
   tools_.book(c);
-  for (const SolverStage& stage : c.stages()) spent_ += static_cast<double>(stage.iterations) * stage.intervals;
+  for (const SolverStage& stage : c.stages()) spent_ += stage.work;
 }
 
 std::optional<Continuation> Search::solve(const Problem& problem, const std::string& what,
                                           const std::vector<Guess>& guesses, bool exact) {
   const Problem& kept = problems_.emplace_back(problem);
+  last_sketch_.reset();
   for (const Guess& guess : guesses) {
     if (over()) break;
     Continuation c = tools_.continuation(kept, "why not: " + what);
     if (kept.task.obstacles.empty()) c.mesh_factor = std::min(1.0, kUsual / guess.duration());
-    const bool solved = c.begin(guess, kPatience) && (!exact || c.follow_levels());
+    const bool sketched = c.begin(guess, kPatience), solved = sketched && (!exact || c.follow_levels());
     book(c);
     if (solved) return c;
+    if (sketched) last_sketch_ = std::move(c);
   }
   return std::nullopt;
 }

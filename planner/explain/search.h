@@ -28,11 +28,14 @@ class Search {
   std::optional<Continuation> sketch(const Problem& problem, const std::string& what,
                                      const std::vector<Guess>& guesses);
 
+  // What the last solve() came to with friction smoothed, where it did not get to the exact law; none otherwise.
+  std::optional<Continuation> last_sketch() const { return last_sketch_; }
+
   // Where there is nothing better to start from.
   std::vector<Guess> guesses(const Problem& problem) const;
 
  private:
-  static constexpr double kBudget = 3e5;  // iterations times intervals: about 10 s of one core
+  static constexpr double kBudget = 10;  // [s] of work (SolveReport::work)
 
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
                                     bool exact);
@@ -40,6 +43,7 @@ class Search {
 
   const SolveTools& tools_;
   std::deque<Problem> problems_;
+  std::optional<Continuation> last_sketch_;
   double spent_ = 0;
 };
 

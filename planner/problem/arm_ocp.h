@@ -192,12 +192,16 @@ typename ArmOcp<F>::Bounds path_bounds(const Limits& limits) {
   return b;
 }
 
-// The states that bound |tau_m|; without a price on them they bound nothing, and only have to stay somewhere.
+// The states that bound |tau_m|; without a price on them they bound nothing, and only have to stay somewhere. Holding
+// the goal afterwards needs its gravity torque, so a peak below that would be of no use. (A joint that may end anywhere
+// is counted in the published value alone.)
 template <Features F>
 void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem) {
   using Ocp = ArmOcp<F>;
+  constexpr double kRoomAbovePeak = 1e-6;  // share of the limit: a state whose bounds meet would be no variable
+  const Pair<double> holding = held_at_goal(problem);
   for (std::size_t j = 0; j < kJoints; ++j) {
-    b.x_lower[Ocp::kPeak + j] = 0;
+    b.x_lower[Ocp::kPeak + j] = std::min(holding[j], problem.limits.torque[j] * (1 - kRoomAbovePeak));
     b.x_upper[Ocp::kPeak + j] = problem.limits.torque[j];
   }
   for (std::size_t r = Ocp::kPeakRow; r < Ocp::kTask && problem.weights.peak_torque > 0; ++r) b.row_lower[r] = 0;

@@ -39,6 +39,11 @@ double PeakTorque::published(const Published& p) {
   for (const Sample& row : p.rows.samples) {
     for (std::size_t j = 0; j < kJoints; ++j) peak[j] = std::max(peak[j], std::abs(row.torque[j]));
   }
+  // Where the motion ends at rest the motors go on holding the arm there.
+  const State<double>& last = p.rows.samples.back().state;
+  const bool rests = sum_of_squares(last.dq) == 0 && sum_of_squares(last.dtheta) == 0;
+  const Pair<double> held = gravity_torque(p.robot, last.q);
+  for (std::size_t j = 0; j < kJoints && rests; ++j) peak[j] = std::max(peak[j], std::abs(held[j]));
   return peak[0] + peak[1];
 }
 

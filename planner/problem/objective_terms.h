@@ -158,7 +158,8 @@ struct Copper {
   }
 };
 
-// max |tau_m|, summed over the joints. A bound on it is then a state of its own (Features::peak in arm_ocp.h).
+// max |tau_m|, summed over the joints, with what holding a goal at rest takes afterwards. A bound on it is then a state
+// of its own (Features::peak in arm_ocp.h).
 struct PeakTorque {
   static constexpr TermInfo info{
       .name = "peak_torque", .unit = "N m", .weight = &Weights::peak_torque, .size = 10, .starts = 4};

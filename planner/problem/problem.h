@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <limits>
@@ -69,7 +70,8 @@ struct Via {
   double tolerance = 0;            // [rad] of each angle
 };
 
-inline constexpr double kShortestDuration = 0.02, kLongestDuration = 20;  // [s] that may be asked for
+inline constexpr double kShortestDuration = 0.02, kLongestDuration = 120;  // [s] that may be asked for
+inline constexpr double kLongestByDefault = 20;  // [s] that a free duration may come to where nothing else is said
 
 struct Duration {
   double min = 0, max = 0;  // [s]; equal when fixed
@@ -103,6 +105,14 @@ struct Problem {
   std::string name;          // of the request file, without extension
   std::string request_hash;  // SHA-256 over the resolved values, not over the file's bytes
 };
+
+// What holding the goal takes of each motor once the arm is there, |G(q)| [N m]; 0 where the goal moves or leaves a
+// joint free.
+inline Pair<double> held_at_goal(const Problem& problem) {
+  if (!problem.goal.at_rest || problem.goal.any_free()) return {0, 0};
+  const Pair<double> gravity = gravity_torque(problem.robot, problem.goal.q);
+  return {std::abs(gravity[0]), std::abs(gravity[1])};
+}
 
 // Whether a via point has a time to be passed at.
 inline bool any_timed(const Problem& problem) {

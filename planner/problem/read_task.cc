@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "planner/problem/tip_path.h"
 
 namespace fjr {
 namespace {
@@ -13,6 +16,8 @@ constexpr double kLeastTolerance = 1e-4, kMostTolerance = 1;  // [m] or [rad]; t
 constexpr double kShortest = 1e-3;                            // [m] or [rad] of lines, arcs and radii
 constexpr std::size_t kMostCorners = 32;                      // as many as via points
 constexpr double kMostTurn = 3.0;                             // [rad] of an arc: half a turn has no short way
+constexpr double kMostLongTurn = 5.5;                         // [rad] the long way: a gap has to be left
+constexpr double kGapTolerances = 4;                          // that the gap left by a long arc is wide at least
 constexpr double kCornerShare = 0.1;                          // of the tolerance, in which a corner is passed
 constexpr double kOnBound = 1e-6;                             // share of a constraint's scale: as good as kept
 
@@ -75,10 +80,16 @@ TipLine read_line(const YamlNode& node) {
   return line;
 }
 
+bool read_long_way(const YamlNode& node) {
+  const auto way = node.find("way");
+  if (way && !way->says("short") && !way->says("long")) way->fail(shown(way->text()) + " is not one of short, long");
+  return way && way->says("long");
+}
+
 TipArc read_arc(const YamlNode& node) {
-  node.allow_keys({"center", "from", "to", "tolerance"});
+  node.allow_keys({"center", "from", "to", "tolerance", "way"});
   const TipArc arc{read_point(node.at("center")), read_point(node.at("from")), read_point(node.at("to")),
-                   read_tolerance(node, "m")};
+                   read_tolerance(node, "m"), read_long_way(node)};
   const double radius = distance(arc.from, arc.center), other = distance(arc.to, arc.center);
   if (radius < kShortest) node.at("from").fail("is the center");
   if (std::abs(other - radius) > arc.tolerance) {
@@ -89,10 +100,18 @@ TipArc read_arc(const YamlNode& node) {
   }
   if (distance(arc.from, arc.to) < kShortest)
     node.at("to").fail("is the same point as from; a full circle has no short way");
-  const Pair<double> a{arc.from[0] - arc.center[0], arc.from[1] - arc.center[1]},
-      b{arc.to[0] - arc.center[0], arc.to[1] - arc.center[1]};
-  const double turn = std::abs(std::atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1]));
-  if (turn > kMostTurn) node.fail(fmt::format("turns by {:.4g} rad, above the {} rad allowed", turn, kMostTurn));
+  const double turn = std::abs(turn_of(arc)), most = arc.long_way ? kMostLongTurn : kMostTurn;
+  if (turn > most) {
+    node.fail(fmt::format("turns by {:.4g} rad, above the {} rad allowed{}", turn, most,
+                          arc.long_way ? "" : "; way: long is the other way round"));
+  }
+  if (arc.long_way) {
+    const double gap = (2 * std::numbers::pi - turn) * radius;
+    if (gap < kGapTolerances * arc.tolerance || arc.tolerance > radius / 2) {
+      node.at("tolerance")
+          .fail(fmt::format("{} m is too wide for an arc that leaves {:.4g} m of its circle", arc.tolerance, gap));
+    }
+  }
   return arc;
 }
 

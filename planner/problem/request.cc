@@ -104,7 +104,7 @@ double read_seconds(const YamlNode& node) {
 }
 
 Duration read_duration(const YamlNode& root) {
-  Duration duration{kShortestDuration, kLongestDuration};
+  Duration duration{kShortestDuration, kLongestByDefault};
   const auto given = root.find("duration");
   if (!given || given->says("free")) return duration;
   if (given->is_scalar()) {
@@ -114,7 +114,11 @@ Duration read_duration(const YamlNode& root) {
   if (!given->is_map()) given->fail("must be a number of seconds, free, or {min, max}");
   given->allow_keys({"min", "max"});
   if (const auto min = given->find("min")) duration.min = read_seconds(*min);
-  if (const auto max = given->find("max")) duration.max = read_seconds(*max);
+  if (const auto max = given->find("max")) {
+    duration.max = read_seconds(*max);
+  } else if (duration.min > duration.max) {
+    duration.max = kLongestDuration;
+  }
   if (duration.min > duration.max) {
     given->fail(fmt::format("min {} s is above max {} s", duration.min, duration.max));
   }

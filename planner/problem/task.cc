@@ -48,6 +48,18 @@ void add_box(std::vector<TaskRow>& rows, const TipBox& box) {
   }
 }
 
+// Beyond half a turn both lines across would cut the arc itself. What it leaves of the circle, less than half a turn,
+// is then barred by a disc about its middle that reaches nearly to both ends.
+void add_gap(std::vector<TaskRow>& rows, const TipArc& arc, double radius) {
+  const Pair<double> chord{(arc.from[0] + arc.to[0]) / 2 - arc.center[0],
+                           (arc.from[1] + arc.to[1]) / 2 - arc.center[1]};
+  const Pair<double> middle{arc.center[0] + chord[0] * radius / length(chord),
+                            arc.center[1] + chord[1] * radius / length(chord)};
+  const double apart =
+      std::min(length(difference(arc.from, middle)), length(difference(arc.to, middle))) - kBeyond * arc.tolerance;
+  rows.push_back({Kind::kTipRadius, middle, apart, 0, kNone, arc.tolerance, "tip_arc"});
+}
+
 // Near the circle, after the line across it at one end and before the one at the other.
 void add_arc(std::vector<TaskRow>& rows, const TipArc& arc) {
   const Pair<double> first = difference(arc.from, arc.center), last = difference(arc.to, arc.center);
@@ -55,6 +67,7 @@ void add_arc(std::vector<TaskRow>& rows, const TipArc& arc) {
   const auto from_circle = [radius](double r) { return (r * r - radius * radius) / (2 * radius); };
   rows.push_back({Kind::kTipRadius, arc.center, radius, radius > band ? from_circle(radius - band) : -kNone,
                   from_circle(radius + band), arc.tolerance, "tip_arc"});
+  if (arc.long_way) return add_gap(rows, arc, radius);
   const double turn = first[0] * last[1] - first[1] * last[0] > 0 ? 1 : -1;
   const auto onward = [turn](const Pair<double>& r) {
     return Pair<double>{-turn * r[1] / length(r), turn * r[0] / length(r)};
@@ -81,7 +94,9 @@ std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::s
 
 std::size_t count_of_rows(const Task& task) {
   return (task.path ? 2 : 0) + kJoints * task.obstacles.size() + (task.box ? 2 : 0) + (task.line ? 2 : 0) +
-         (task.arc ? 3 : 0);
+         (!task.arc            ? 0
+          : task.arc->long_way ? 2
+                               : 3);
 }
 
 }  // namespace fjr

@@ -14,6 +14,7 @@ namespace fjr {
 namespace {
 
 constexpr std::size_t kTightest = 3;     // limits shown
+constexpr double kOnePercent = 0.01;     // of a limit: as far as its worth, of first order, holds to a tenth
 constexpr double kWorthTelling = 0.005;  // of the objective, by the limit itself times its worth
 
 std::string line(std::string_view label, const std::string& text) { return fmt::format("  {:<11} {}\n", label, text); }
@@ -63,13 +64,6 @@ std::string terms(const Problem& problem, const Plan& plan, bool that_count) {
   return text;
 }
 
-// How much more of a limit makes a sentence.
-double helping(std::string_view unit) {
-  if (unit == "rad" || unit == "m") return 0.01;
-  if (unit == "m/s") return 0.1;
-  return unit == "N m/s" ? 100 : 1;
-}
-
 std::string gain(const Problem& problem, const Plan& plan, double objective) {
   if (only_time(problem.weights)) return fmt::format("{:.3g} ms", 1e3 * objective / problem.weights.time);
   return fmt::format("{:.3g} ({:.2g} %)", objective, 100 * objective / std::abs(plan.objective));
@@ -90,16 +84,23 @@ std::string what_limits(const Problem& problem, const Plan& plan) {
   for (const LimitWorth& l : limits) {
     const bool of_task = limit_of(of_request, l.name, l.joint) == nullptr;
     const std::string joint = l.joint == 0 ? "" : fmt::format("{} {}", of_task ? " link" : "", l.joint);
-    add(fmt::format("{}{} {:.0f} % of the time: {:g} {} more{} would save {}", l.name, joint, 100 * l.share,
-                    helping(l.unit), l.unit, of_task ? " room" : "", gain(problem, plan, helping(l.unit) * l.worth)));
+    add(fmt::format("{}{} {:.0f} % of the time: 1 % more{}, {:.3g} {}, would save {}", l.name, joint, 100 * l.share,
+                    of_task ? " room" : "", kOnePercent * l.limit, l.unit,
+                    gain(problem, plan, kOnePercent * l.limit * l.worth)));
   }
   if (sensitivity.duration) {
-    constexpr double kStep = 0.01;  // [s]
-    const double slope = *sensitivity.duration;
-    add(fmt::format("duration: {:g} ms {} would save {}", 1e3 * kStep, slope < 0 ? "more" : "less",
-                    gain(problem, plan, kStep * std::abs(slope))));
+    const double slope = *sensitivity.duration, step = kOnePercent * plan.duration;
+    add(fmt::format("duration: 1 % {}, {:.3g} ms, would save {}", slope < 0 ? "more" : "less", 1e3 * step,
+                    gain(problem, plan, step * std::abs(slope))));
   }
   return text;
+}
+
+// As the starts met them, before the best were refined.
+std::string minima(const Plan& plan) {
+  const double best = plan.minima.front(), spread = plan.minima.back() - best;
+  return fmt::format("{} met, from {:.6g} to {:.6g} ({:.2g} % apart) on their first meshes", plan.minima.size(), best,
+                     plan.minima.back(), 100 * spread / std::max(std::abs(best), 1e-300));
 }
 
 std::string effort(const Plan& plan) {
@@ -168,6 +169,7 @@ std::string summary(const Problem& problem, const Plan& plan) {
   }
   if (plan.certificate) text += summary(*plan.certificate);
   if (plan.analysis) text += what_limits(problem, plan);
+  if (plan.minima.size() > 1) text += line("minima", minima(plan));
   text += line("solver", effort(plan));
   text += search(plan);
   return text;

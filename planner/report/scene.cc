@@ -45,11 +45,12 @@ void add_obstacles(const JsonField& obstacles, Json& scene) {
   }
 }
 
-// The short way round from one point to the other.
+// The short way round from one point to the other, or the long way.
 Json arc_json(const JsonField& arc) {
   const Pair<double> center = arc.at("center").pair(), from = arc.at("from").pair(), to = arc.at("to").pair();
   const double begin = std::atan2(from[1] - center[1], from[0] - center[0]);
-  const double turn = std::remainder(std::atan2(to[1] - center[1], to[0] - center[0]) - begin, 2 * std::numbers::pi);
+  const double least = std::remainder(std::atan2(to[1] - center[1], to[0] - center[0]) - begin, 2 * std::numbers::pi);
+  const double turn = arc.find("way") ? least - std::copysign(2 * std::numbers::pi, least) : least;
   return {{"kind", "arc"},     {"center", center},   {"radius", std::hypot(from[0] - center[0], from[1] - center[1])},
           {"from", begin},     {"to", begin + turn}, {"tolerance", arc.at("tolerance").number()},
           {"label", "tip arc"}};

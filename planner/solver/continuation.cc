@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "planner/collocation/creep.h"
 #include "planner/collocation/margins.h"
@@ -105,18 +106,41 @@ SolveOptions Continuation::options(const std::string& what) {
   SolveOptions o;
   o.linear_solver = settings_.linear_solver;
   o.max_iterations = settings_.warm_iterations;
-  o.monitor = [this, what](const IterationInfo& info) {
+  o.monitor = [this, what, told = 0.0](const IterationInfo& info) mutable {
     if (on_progress_) on_progress_({what, iterations_ + info.iteration, info.objective, info.violation});
-    return !interrupted_();
+    const double more = info.work - std::exchange(told, info.work);
+    return !interrupted_(more);
   };
   return o;
 }
 
-// A warm start (no guess) begins from the present solution and its multipliers, on the same mesh.
+// Margins of nothing are no margins.
+bool Continuation::Attempt::same_as(const Attempt& other) const {
+  const auto none = [](const PerLimit& margins) {
+    return std::all_of(margins.begin(), margins.end(), [](double margin) { return margin == 0; });
+  };
+  const auto margins = [&](const CollocationSetup& s) {
+    return std::all_of(s.margins.begin(), s.margins.end(), none) ? std::vector<PerLimit>{} : s.margins;
+  };
+  const Smoothing &a = setup.smoothing, &b = other.setup.smoothing;
+  return warm == other.warm && most_iterations == other.most_iterations && barrier == other.barrier &&
+         setup.mesh == other.setup.mesh && a.friction_width == b.friction_width &&
+         a.regularisation == b.regularisation && setup.creep == other.setup.creep &&
+         margins(setup) == margins(other.setup);
+}
+
+// A warm start (no guess) begins from the present solution and its multipliers, on the same mesh. What failed from the
+// present solution fails again and is not tried again.
 bool Continuation::attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess,
                            const SolveOptions& solve_options) {
-  if (interrupted_()) {
+  if (interrupted_(0)) {
     status_ = SolveStatus::kStopped;
+    return false;
+  }
+  const Attempt attempt{setup, guess == nullptr, solve_options.max_iterations, solve_options.initial_barrier};
+  for (const Attempt& before : failed_) {
+    if (!before.same_as(attempt)) continue;
+    status_ = before.status;
     return false;
   }
   Collocated next = guess != nullptr ? collocate(*problem_, setup, *guess, solve_options)
@@ -124,12 +148,16 @@ bool Continuation::attempt(const std::string& what, const CollocationSetup& setu
   iterations_ += next.report.iterations;
   status_ = next.report.status;
   stages_.push_back({what, static_cast<int>(setup.mesh.size()), next.report.iterations, next.report.objective,
-                     name(next.report.status), next.report.cost});
+                     name(next.report.status), next.report.cost, next.report.work});
   if (!next.report.solved()) {
+    failed_.push_back(attempt);
+    failed_.back().status = status_;
     if (!next.motion.intervals.empty()) obstacle_ = worst_excess(*problem_, setup.mesh, next.motion);
     return false;
   }
   solution_ = std::move(next);
+  failed_.clear();
+  ++solutions_;
   return true;
 }
 
@@ -181,6 +209,7 @@ bool Continuation::reach_level(const Smoothing& level, int halvings) {
 // or fails.
 bool Continuation::follow_levels() {
   Collocated best = solution_;
+  int best_at = solutions_;
   double least = published_objective(*problem_, best);
   const double width = solution_.setup.smoothing.friction_width;
   for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
@@ -191,8 +220,10 @@ bool Continuation::follow_levels() {
     if (objective < least || !sees_friction(problem_->weights)) {
       least = objective;
       best = solution_;
+      best_at = solutions_;
     }
   }
+  if (best_at != solutions_) failed_.clear();
   solution_ = std::move(best);
   return status_ != SolveStatus::kStopped && fade_trace();
 }
@@ -261,6 +292,9 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   }
   std::vector<int> pieces =
       pieces_wanted(solution_.motion, errors, tolerance, settings_.scheme.order, settings_.shortest_interval);
+  if (static_cast<std::size_t>(std::accumulate(pieces.begin(), pieces.end(), 0)) > settings_.most_intervals) {
+    return setup;
+  }
   Cuts cuts = equal_cuts(pieces);
   for (std::size_t k = 0; k < cuts.size(); ++k) {
     const double shortest = settings_.shortest_interval / solution_.motion.intervals[k].duration;
@@ -292,8 +326,9 @@ bool Continuation::attempt_or_forget(const std::string& what, const CollocationS
 // Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
 bool Continuation::attempt_anew(const std::string& what, const CollocationSetup& setup) {
   const Guess guess = guess_from(solution_.motion, solution_.durations, solution_.motion.duration());
+  const std::size_t solves = stages_.size();
   const bool solved = attempt(what + ", again", setup, &guess, options(what + ", again"));
-  stages_.back().forgetful = true;
+  if (stages_.size() > solves) stages_.back().forgetful = true;
   return solved;
 }
 

@@ -18,11 +18,15 @@ struct ContinuationSettings {
   double mesh_tolerance = 3e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
   double shortest_interval = 2.5e-4;  // [s] refinement stops there: a switch inside costs less than the tolerance
   int warm_iterations = 150;
+  // Beyond that a mesh is not refined. Memory grows with it, at 30 to 60 kB an interval; what is certified at all took
+  // up to 900.
+  std::size_t most_intervals = 2500;
   std::string linear_solver = "stage";
 };
 
-// What stops everything: asked before every solve and in every iteration.
-using Interrupted = std::function<bool()>;
+// What stops everything: asked before every solve and in every iteration, and told the work [s] since it was asked last
+// (SolveReport::work).
+using Interrupted = std::function<bool(double work)>;
 
 // Whether one of these minima is this one, by their objectives on the same mesh.
 bool any_same(const std::vector<double>& minima, double objective);
@@ -74,6 +78,7 @@ class Continuation {
   // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.
   const std::string& obstacle() const { return obstacle_; }
   const std::vector<SolverStage>& stages() const { return stages_; }
+  int solutions() const { return solutions_; }  // that were found so far, each in place of the one before
   int iterations() const { return iterations_; }
 
   std::string label;        // of this start, for progress and stages
@@ -81,6 +86,17 @@ class Continuation {
   double trace_factor = 1;  // on the trace of effort of the first solution: more of it is easier to solve
 
  private:
+  // What an attempt from the present solution depends on beside that.
+  struct Attempt {
+    CollocationSetup setup;
+    bool warm = false;
+    int most_iterations = 0;
+    double barrier = 0;
+    SolveStatus status = SolveStatus::kFailed;  // it ended with
+
+    bool same_as(const Attempt& other) const;
+  };
+
   bool cold(const Guess& guess, int most_iterations);
   bool fade_trace();
   bool came_down() const;
@@ -99,7 +115,9 @@ class Continuation {
   Collocated solution_;
   SolveStatus status_ = SolveStatus::kFailed;
   std::string obstacle_;
+  std::vector<Attempt> failed_;  // from the present solution
   std::vector<SolverStage> stages_;
+  int solutions_ = 0;
   int iterations_ = 0;
   int failures_to_polish_ = 0;
 };

@@ -29,6 +29,7 @@ struct Iterate {
 struct IterationInfo {
   int iteration;
   double objective, violation;
+  double work;  // SolveReport::work so far
 };
 
 struct SolveOptions {
@@ -53,6 +54,9 @@ struct SolveReport {
   double objective = 0;
   double violation = 0;  // largest unscaled constraint violation
   int iterations = 0;
+  // What the solve took, counted in the optimiser's steps and not in time, so that it is the same every time: about
+  // seconds of one core of the machine that the weights were measured on (bench/README.md).
+  double work = 0;
   SolveCost cost{};
 
   bool solved() const { return status == SolveStatus::kOptimal || status == SolveStatus::kAcceptable; }

@@ -103,6 +103,7 @@ Json solver_json(const Plan& plan) {
           {"stages", std::move(stages)},
           {"starts", plan.starts},
           {"warm", plan.warm},
+          {"cut_by_work", plan.cut_by_work},
           {"distinct_minima", plan.minima.size()},
           {"minima", std::move(minima)},
           {"fallbacks", std::move(fallbacks)}};
@@ -128,6 +129,7 @@ Json infeasibility_json(const Infeasibility& why) {
                            {"unit", r.unit},
                            {"from", number(r.from)},
                            {"to", number(r.to)},
+                           {"rough", r.rough},
                            {"within_robot", r.within_robot},
                            {"time", time_or_null(r.time)}});
   }
@@ -203,6 +205,7 @@ Json task_json(const Task& task) {
     json["arc"] = {
         {"center", numbers(task.arc->center)}, {"from", numbers(task.arc->from)}, {"to", numbers(task.arc->to)}};
     json["arc"]["tolerance"] = task.arc->tolerance;
+    if (task.arc->long_way) json["arc"]["way"] = "long";
   }
   if (task.path) {
     for (const Pair<double>& corner : task.path->corners) json["path"]["corners"].push_back(numbers(corner));

@@ -103,7 +103,7 @@ TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
   EXPECT_THAT(keys(json["resolved_request"]), ElementsAre("start", "goal", "other_goals", "duration", "objective",
                                                           "via", "task", "limits", "sample_period", "seed"));
   EXPECT_THAT(keys(json["solver"]), ElementsAre("iterations", "factorisations", "stages", "starts", "warm",
-                                                "distinct_minima", "minima", "fallbacks"));
+                                                "cut_by_work", "distinct_minima", "minima", "fallbacks"));
   EXPECT_THAT(keys(json["certificate"]), ElementsAre("verdict", "failures", "tolerance_rad", "open_loop", "closed_loop",
                                                      "limits", "task", "residual", "tracking"));
   EXPECT_THAT(keys(json["certificate"]["limits"][0]),
@@ -127,9 +127,10 @@ TEST(PlanJson, SaysWhatThePlanSays) {
 TEST(PlanJson, SaysWhatLimitsWhatAndHowOptimalItIs) {
   const Json json = plan_json(some_problem(), some_plan());
   const Json& sensitivity = json["sensitivity"];
-  EXPECT_EQ(sensitivity["limits"][0].dump(),
-            R"({"name":"torque","joint":1,"limit":12.0,"unit":"N m","worth":0.00486045,"active_share":0.48,)"
-            R"("active":[[0.0,0.1],[0.2,0.31]]})");
+  EXPECT_EQ(
+      sensitivity["limits"][0].dump(),
+      R"({"name":"torque","joint":1,"limit":12.0,"unit":"N m","worth":0.00486045,"saved_by_1_percent":0.000583254,"active_share":0.48,)"
+      R"("active":[[0.0,0.1],[0.2,0.31]]})");
   EXPECT_TRUE(sensitivity["limits"][1]["joint"].is_null());
   EXPECT_TRUE(sensitivity["duration"].is_null());  // free
   EXPECT_EQ(sensitivity["via"].dump(), R"([{"time":0.2,"q":[1.0,2.0],"dq":null,"later":-3.0}])");

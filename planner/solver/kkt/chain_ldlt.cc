@@ -387,13 +387,22 @@ bool ChainLdlt::reduce(Front& front, bool last) {
   return true;
 }
 
+void ChainLdlt::count_work(const Front& front) {
+  const double rows = front.tableau.rows(), width = front.tableau.width(), rest = front.rest.order(),
+               basics = static_cast<double>(front.basic_rows.size());
+  factorisation_work_ += rows * rows * width + basics * rest * (basics + rest) + rest * rest * rest / 3;
+  solve_work_ += 4 * (rows + basics) * width + 2 * rest * rest;
+}
+
 bool ChainLdlt::factorise(std::span<const double> values, double threshold) {
   negative_ = 0;
+  factorisation_work_ = solve_work_ = 0;
   prepare_leaves(values);
   for (std::size_t k = 0; k < fronts_.size(); ++k) {
     Front& front = fronts_[k];
     assemble(k, values);
     if (!reduce(front, k + 1 == fronts_.size())) return false;
+    count_work(front);
     negative_ += front.rest.eliminate(front.rest_summed, threshold);
     // Pivots that pile up along the chain mean that no stage has the curvature to place them: the fronts would grow
     // with the chain's length, and what comes out at its end would be noise. The caller's perturbation is the cure.

@@ -16,12 +16,14 @@ thread_local ChainStructure described;
 thread_local ChainLdlt factor;
 thread_local std::vector<int> rows, cols;
 thread_local int factorised = 0;
+thread_local double multiplied = 0;
 
 }  // namespace
 
 void describe_chain(ChainStructure structure) { described = std::move(structure); }
 
 int factorisations() { return factorised; }
+double multiplications() { return multiplied; }
 
 std::string chain_library() {
   static const char here = 0;
@@ -76,6 +78,7 @@ void ma27bd_(const int* /*n*/, const int* nz, const int* /*irn*/, const int* /*i
   ++fjr::factorised;
   const double threshold = std::clamp(cntl[0], 1e-10, 0.5);
   if (!fjr::factor.factorise(std::span(a, static_cast<std::size_t>(*nz)), threshold)) info[0] = -5;  // singular
+  fjr::multiplied += fjr::factor.factorisation_work();
   info[14] = fjr::factor.negative_eigenvalues();
 }
 
@@ -83,6 +86,7 @@ void ma27cd_(const int* n, const double* /*a*/, const int* /*la*/, const int* /*
              const int* /*maxfrt*/, double* rhs, int* /*iw1*/, const int* /*nsteps*/, const int* /*icntl*/,
              const double* /*cntl*/) {
   fjr::factor.solve(std::span(rhs, static_cast<std::size_t>(*n)));
+  fjr::multiplied += fjr::factor.solve_work();
 }
 
 }  // extern "C"

@@ -18,6 +18,9 @@ void describe_chain(ChainStructure structure);
 // How many factorisations this thread has done.
 int factorisations();
 
+// How many multiplications they and the solves with them took, as ChainLdlt counts them.
+double multiplications();
+
 // File name of the library that this is in.
 std::string chain_library();
 

@@ -1,0 +1,143 @@
+// What a search spends, and what it says when it found nothing: work is bounded and not repeated, reasons are the true
+// ones.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <string>
+#include <tuple>
+
+#include "planner/plan.h"
+#include "planner/problem/elbow_side.h"
+#include "planner/problem/tip_path.h"
+
+namespace fjr {
+namespace {
+
+using testing::HasSubstr;
+
+Problem request(const std::string& yaml) {
+  return parse_request(yaml, "request.yaml", FJR_SOURCE_DIR "/config", FJR_SOURCE_DIR "/config/robot.yaml");
+}
+
+double work_of(const Plan& plan) {
+  double work = 0;
+  for (const SolverStage& stage : plan.stages) work += stage.work;
+  return work;
+}
+
+// ---- an elbow that cannot change sides ----
+
+const std::string kOnALine =
+    "{start: {q: [0.5, 0.5]}, tip: {line: {from: [0.42206, -0.46756], to: [0.45, -0.1], tolerance: 0.002}}, goal: "
+    "{tip: "
+    "[0.45, -0.1], elbow: ";
+
+TEST(Elbow, ThatWouldHaveToChangeOnTheLineIsRefusedBeforeSolving) {
+  const Plan result = plan(request(kOnALine + "left}}"), {});
+  EXPECT_EQ(result.status, PlanStatus::kInfeasible);
+  EXPECT_EQ(result.iterations, 0);
+  EXPECT_THAT(result.reason, HasSubstr("tip_line keeps the tip between"));
+  EXPECT_THAT(result.reason, HasSubstr("never stretched (0.65 m)"));
+  EXPECT_THAT(result.reason, HasSubstr("stays on the right"));
+}
+
+TEST(Elbow, MayChangeWhereTheRegionReachesTheStretchedArm) {
+  EXPECT_EQ(barred_elbow(request(kOnALine + "right}}")), "");
+  const std::string turning = "{start: {q: [0.5, 0.5]}, goal: {q: [1.0, -0.5]}";
+  EXPECT_EQ(barred_elbow(request(turning + "}")), "");
+  EXPECT_EQ(barred_elbow(request(turning + ", tip: {box: [[0.2, -0.6], [0.7, 0.2]]}}")), "");
+  // By a via point on the other side, too.
+  EXPECT_THAT(barred_elbow(request("{start: {q: [0.5, 1.5]}, via: [{q: [1.4, -1.5]}], goal: {q: [0.5, 1.5]}, "
+                                   "tip: {box: [[0.1, -0.45], [0.45, 0.05]]}}")),
+              HasSubstr("via[0] has it on the left"));
+}
+
+// ---- arcs beyond half a turn ----
+
+TEST(Arc, LeadsTheLongWayRoundWhereThatIsAskedFor) {
+  // About [0.32, -0.2] m with a radius of 0.1 m, from the top to the right the long way: three quarters of a turn.
+  const Problem problem =
+      request("{start: {q: [0.0, 1.9]}, goal: {q: [0.0, 1.5]}, tip: {box: [[-0.65, -0.65], [0.65, 0.65]]}}");
+  const TipArc arc{{0.32, -0.2}, {0.32, -0.1}, {0.42, -0.2}, 0.01, true};
+  EXPECT_NEAR(std::abs(turn_of(arc)), 1.5 * M_PI, 1e-12);
+  Task task;
+  task.arc = arc;
+  const std::vector<TaskRow> rows = task_rows(problem.robot, task, 0);
+  ASSERT_EQ(rows.size(), count_of_rows(task));
+  const auto room = [&](double angle) {
+    double least = kNoLimit;
+    Posture<double> at{};
+    at.tip = {arc.center[0] + 0.1 * std::cos(angle), arc.center[1] + 0.1 * std::sin(angle)};
+    for (const TaskRow& row : rows) least = std::min(least, row.room(row.value(problem.robot, at)));
+    return least;
+  };
+  for (const Pair<double>& point : points_along(arc)) {
+    EXPECT_GE(room(std::atan2(point[1] - arc.center[1], point[0] - arc.center[0])), 0);
+  }
+  for (const double gap : {0.1, 0.4, 0.8, 1.2, 1.47}) EXPECT_LT(room(gap), 0) << gap;
+}
+
+// ---- shortest durations ----
+
+// It took 33 s and 1713 iterations: the smoothed problem that comes first has no motion within this bound.
+TEST(Search, ABoundRightAboveTheMinimumTimeCostsNothing) {
+  const std::string reach = "start: {q: [0.0, 0.0]}, goal: {q: [1.2, -0.8]}, objective: fastest";
+  const Plan free = plan(request("{" + reach + "}"), {});
+  const Plan bounded = plan(request("{" + reach + ", duration: {max: 0.430036}}"), {});
+  ASSERT_EQ(bounded.status, PlanStatus::kCertified) << bounded.reason;
+  EXPECT_EQ(bounded.iterations, free.iterations);
+  EXPECT_EQ(bounded.duration, free.duration);
+}
+
+TEST(Search, AShortestDurationThatIsToldCanBeHad) {
+  const std::string reach = "start: {q: [0.0, 0.0]}, goal: {q: [0.7, -0.4]}";
+  const Plan fastest = plan(request("{" + reach + ", objective: fastest, duration: {max: 0.2}}"), {});
+  ASSERT_TRUE(fastest.infeasibility && fastest.infeasibility->shortest_duration) << fastest.reason;
+  const std::string told = std::to_string(*fastest.infeasibility->shortest_duration);
+  EXPECT_THAT(fastest.reason, HasSubstr(told.substr(0, 6)));
+  EXPECT_EQ(plan(request("{" + reach + ", objective: fastest, duration: {max: " + told + "}}"), {}).status,
+            PlanStatus::kCertified);
+  const Plan exact = plan(request("{" + reach + ", objective: {effort: 1}, duration: " + told + "}"), {});
+  EXPECT_EQ(exact.status, PlanStatus::kCertified) << exact.reason;
+}
+
+// From rest to rest no motor is faster than at its limit all the way.
+TEST(Search, AFreeDurationThatIsTooShortIsNamed) {
+  const Problem problem =
+      request("{start: {q: [0.0, 0.0]}, goal: {q: [0.6, 0.3]}, limits: {motor_velocity: [0.02, 0.02]}}");
+  const Plan result = plan(problem, {});
+  ASSERT_TRUE(result.infeasibility);
+  EXPECT_EQ(result.infeasibility->limit, "duration") << result.reason;
+  EXPECT_THAT(result.reason, HasSubstr("at most 20 s is allowed where nothing else is said"));
+  ASSERT_TRUE(result.infeasibility->shortest_duration);
+  EXPECT_GT(*result.infeasibility->shortest_duration, (*problem.goal.theta)[0] / 0.02);
+}
+
+TEST(Search, AViaTimeIsNamedBesideADurationThatIsTooShort) {
+  const Plan result =
+      plan(request("{start: {q: [0, 0]}, via: [{q: [1, 1], time: 0.3}], goal: {q: [0, 0]}, duration: 0.6}"), {});
+  ASSERT_TRUE(result.infeasibility);
+  EXPECT_THAT(result.reason, HasSubstr("via[0] is to be passed at 0.3 s"));
+  for (const Relaxation& r : result.infeasibility->relaxations) EXPECT_NE(r.name, "duration") << "would not do alone";
+}
+
+// ---- bounded work ----
+
+// Swinging up with so little torque and room was not found in 11 minutes and 1.2 GB.
+TEST(Search, EndsByItselfAndRepeatsNothing) {
+  const Plan result = plan(request("{start: {q: [0, 0]}, goal: {q: [2.4, 0]}, objective: fastest, limits: {torque: "
+                                   "[6.3, 5], link_position: [2.45, 0.3]}}"),
+                           {});
+  EXPECT_LT(work_of(result), 66);  // what a request may take, and a solve beyond that
+  EXPECT_NE(result.reason, "");
+  std::set<std::tuple<int, int, double>> failures;
+  for (const SolverStage& stage : result.stages) {
+    if (stage.status == "optimal" || stage.status == "acceptable" || stage.iterations == 0) continue;
+    EXPECT_TRUE(failures.insert({stage.intervals, stage.iterations, stage.objective}).second) << stage.name;
+  }
+}
+
+}  // namespace
+}  // namespace fjr

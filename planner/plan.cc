@@ -197,8 +197,8 @@ class Planner {
     if (work_ >= allowed_) plan_.cut_by_work = true;
     return work_ >= allowed_;
   }
-  // From here, work may come to this share of all.
-  void allow(double share) { allowed_ = share * most_work_; }
+  // From here, work may come to this share of all; never to less than before.
+  void allow(double share) { allowed_ = std::max(allowed_, share * most_work_); }
 
   Continuation continuation(const Problem& problem, const std::string& label) {
     Continuation c(

@@ -20,7 +20,22 @@ struct Waypoint {
   Pair<double> q;
 };
 
-// How long one leg takes by itself [s]: what the drives' torque and velocity limits allow a rigid arm, roughly.
+// What the tip goes when both joints turn evenly. [m]
+double tip_way(const Problem& problem, const Pair<double>& from, const Pair<double>& to) {
+  constexpr int kPieces = 32;
+  double way = 0;
+  Point<double> last = tip_position(problem.robot, from);
+  for (int i = 1; i <= kPieces; ++i) {
+    const double share = static_cast<double>(i) / kPieces;
+    const Point<double> tip =
+        tip_position(problem.robot, Pair<double>{std::lerp(from[0], to[0], share), std::lerp(from[1], to[1], share)});
+    way += std::hypot(tip.x - last.x, tip.y - last.y);
+    last = tip;
+  }
+  return way;
+}
+
+// How long one leg takes by itself [s]: what the limits of torque and speed allow a rigid arm, roughly.
 double leg_time(const Problem& problem, const Pair<double>& from, const Pair<double>& to) {
   double time = 0.02;
   const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
@@ -29,6 +44,9 @@ double leg_time(const Problem& problem, const Pair<double>& from, const Pair<dou
     const double distance = std::abs(to[j] - from[j]);
     const double acceleration = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
     time = std::max({time, 2 * std::sqrt(distance / acceleration), distance / problem.limits.motor_velocity[j]});
+  }
+  if (std::isfinite(problem.limits.tip_speed)) {
+    time = std::max(time, tip_way(problem, from, to) / problem.limits.tip_speed);
   }
   return time;
 }

@@ -292,9 +292,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   }
   std::vector<int> pieces =
       pieces_wanted(solution_.motion, errors, tolerance, settings_.scheme.order, settings_.shortest_interval);
-  if (static_cast<std::size_t>(std::accumulate(pieces.begin(), pieces.end(), 0)) > settings_.most_intervals) {
-    return setup;
-  }
+  if (static_cast<std::size_t>(std::accumulate(pieces.begin(), pieces.end(), 0)) > most_intervals()) return setup;
   Cuts cuts = equal_cuts(pieces);
   for (std::size_t k = 0; k < cuts.size(); ++k) {
     const double shortest = settings_.shortest_interval / solution_.motion.intervals[k].duration;
@@ -316,6 +314,13 @@ SolveOptions Continuation::warm(const std::string& what) {
   o.barrier_strategy = "monotone";
   o.initial_barrier = o.final_barrier = kWarmBarrier;
   return o;
+}
+
+// The more rows an interval has, the more memory it takes.
+std::size_t Continuation::most_intervals() const {
+  constexpr double kRowsAnyway = 20;
+  const double rows = static_cast<double>(count_of_rows(problem_->task));
+  return static_cast<std::size_t>(static_cast<double>(settings_.most_intervals) * kRowsAnyway / (kRowsAnyway + rows));
 }
 
 bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup) {

@@ -18,8 +18,8 @@ struct ContinuationSettings {
   double mesh_tolerance = 3e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
   double shortest_interval = 2.5e-4;  // [s] refinement stops there: a switch inside costs less than the tolerance
   int warm_iterations = 150;
-  // Beyond that a mesh is not refined. Memory grows with it, at 30 to 60 kB an interval; what is certified at all took
-  // up to 900.
+  // Beyond that a mesh is not refined, beyond fewer where a task adds rows: memory grows with it, by 70 kB an interval
+  // without a task.
   std::size_t most_intervals = 2500;
   std::string linear_solver = "stage";
 };
@@ -101,6 +101,7 @@ class Continuation {
   bool fade_trace();
   bool came_down() const;
   bool reach_level(const Smoothing& level, int halvings);
+  std::size_t most_intervals() const;
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
   bool attempt_or_forget(const std::string& what, const CollocationSetup& setup);
   bool attempt_anew(const std::string& what, const CollocationSetup& setup);

@@ -14,7 +14,7 @@ namespace fjr {
 namespace {
 
 constexpr std::size_t kTightest = 3;     // limits shown
-constexpr double kOnePercent = 0.01;     // of a limit: as far as its worth, of first order, holds to a tenth
+constexpr double kOnePercent = 0.01;     // of a limit: its worth is of first order
 constexpr double kWorthTelling = 0.005;  // of the objective, by the limit itself times its worth
 
 std::string line(std::string_view label, const std::string& text) { return fmt::format("  {:<11} {}\n", label, text); }

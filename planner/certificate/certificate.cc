@@ -9,6 +9,7 @@
 #include "planner/certificate/comparison.h"
 #include "planner/certificate/consistency.h"
 #include "planner/certificate/limits.h"
+#include "planner/certificate/perturbed.h"
 #include "planner/certificate/residual.h"
 #include "planner/certificate/thresholds.h"
 #include "planner/certificate/tracking.h"
@@ -53,6 +54,19 @@ class Verdict {
           "torque limit)",
           j + 1, closed.feedback_torque[j], closed.time_of_feedback[j], allowed));
     }
+  }
+
+  void judge_perturbed(const Perturbed& perturbed) {
+    if (!perturbed.completed) return refuse("closed loop from half a count off the start: the integration broke down");
+    const auto judge = [&](const Pair<double>& link, double allowed, const std::string& when) {
+      if (larger(link) <= allowed) return;
+      refuse(
+          fmt::format("closed loop from half a count off the start: link {} is up to {:.2e} rad off the plan {}, "
+                      "allowed {:.2e} rad",
+                      link[0] >= link[1] ? 1 : 2, larger(link), when, allowed));
+    };
+    judge(perturbed.link, certificate_.tolerance, fmt::format("({:.6f} s)", perturbed.time_of_max_link));
+    judge(perturbed.after, kRestError, "in the second after the end: the robot's feedback holds it no better");
   }
 
   void judge_limits() {
@@ -126,6 +140,8 @@ double RolloutErrors::max_link() const { return larger(link); }
 double RolloutErrors::max_motor() const { return larger(motor); }
 double RolloutErrors::max_final_link() const { return larger(final_link); }
 
+double Perturbed::max_link() const { return larger(link); }
+
 std::string OpenLoop::why_not_in_one_run() const {
   std::string text;
   for (const Stretch& stretch : stretches) text += (text.empty() ? "" : "; ") + stretch.why;
@@ -147,6 +163,10 @@ Certificate judge(const Parameters& robot, const Limits& limits, const Trajector
   verdict.refuse(inconsistent_velocity(robot, trajectory));
   verdict.judge_exactness("open loop", c.open_loop);
   verdict.judge_closed_loop(closed);
+  if (c.failures.empty()) {
+    c.closed_loop.perturbed = roll_out_perturbed(robot, trajectory);
+    verdict.judge_perturbed(c.closed_loop.perturbed);
+  }
   c.certified = c.failures.empty();
   return c;
 }

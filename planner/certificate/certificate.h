@@ -42,8 +42,20 @@ struct OpenLoop : RolloutErrors {
   std::string why_not_in_one_run() const;  // the reasons of all stretches; empty when there are none
 };
 
+// The closed loop from where the link encoders still read the start: half a count off it (perturbed.h).
+struct Perturbed {
+  bool evaluated = false;  // only for what is exact from the start itself
+  bool completed = false;
+  Pair<double> link{};          // [rad] rollout minus plan, largest magnitude per joint
+  double time_of_max_link = 0;  // [s]
+  Pair<double> after{};         // [rad] |q - q_goal|, largest in the second after an end at rest; 0 after another
+
+  double max_link() const;
+};
+
 struct ClosedLoop : RolloutErrors {
   Pair<double> feedback_torque{};  // [N m] largest magnitude per joint
+  Perturbed perturbed;
 };
 
 // One limit against what the published rows with their interpolation, and the closed-loop rollout, reach.
@@ -69,7 +81,7 @@ struct TaskCheck {
   bool passed = false;
 };
 
-// After the end, in closed loop with torque G(q_goal), over a fixed window.
+// After the end, from where the rollouts from the exact start ended, with torque G(q_goal), over a fixed window.
 struct Residual {
   bool evaluated = false;          // only for a trajectory that ends at rest
   double window = 0;               // [s]
@@ -102,10 +114,10 @@ struct Certificate {
 // The verdict on one trajectory on one robot, without residual and tracking; `limits` are the robot's or tighter.
 Certificate judge(const Parameters& robot, const Limits& limits, const Trajectory& trajectory);
 
-// The closed-loop half of it, for those who receive a trajectory and believe nobody: the open loop is not rolled out.
-// Rows that break a limit, or whose columns do not belong together, are not rolled out at all. The rollout has the
-// accuracy of a prediction, 1e-7 rad, which takes half of the time, and what fails in it is judged by one with the
-// accuracy of a certificate: what judge() certifies never fails.
+// The closed-loop half of it, for those who receive a trajectory and believe nobody: neither the open loop is rolled
+// out, nor what begins beside the start. Rows that break a limit, or whose columns do not belong together, are not
+// rolled out at all. The rollout has the accuracy of a prediction, 1e-7 rad, which takes half of the time, and what
+// fails in it is judged by one with the accuracy of a certificate: what judge() certifies never fails.
 Certificate judge_closed_loop(const Parameters& robot, const Limits& limits, const Trajectory& trajectory);
 
 // Adds residual and tracking, on which no verdict depends: half of the cost of a certificate, and for the trajectory

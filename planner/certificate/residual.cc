@@ -15,8 +15,12 @@ constexpr double kObserve = 1e-3;  // [s]
 // (its pole is at 2.3), and it errs towards more.
 constexpr double kStep = 4e-3;         // [s]
 constexpr double kEquilibrium = 1e-5;  // [rad], [rad/s]
+// A hundredth of a count of the link encoder, and of the 1e-3 rad/s with which motor 2 wanders.
+constexpr Accuracy kAccuracyAtRest{1e-4, 1e-6, 1e-5, 1e-5};
 
-Pair<double> largest_deviation(Rollout& arm, const State<double>& from, const Drive& drive) {
+Pair<double> largest_deviation(const Parameters& p, const State<double>& from, const Drive& drive) {
+  Rollout arm(p, Limits{}, kAccuracyAtRest);
+  arm.limit_step(kStep);
   Pair<double> largest{};
   const auto observe = [&](double, const State<double>& x) {
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -31,6 +35,10 @@ Pair<double> largest_deviation(Rollout& arm, const State<double>& from, const Dr
   return largest;
 }
 
+Sample rest_of(const Parameters& p, const Sample& goal) {
+  return {goal.time, rest_at(p, goal.state.q), gravity_torque(p, goal.state.q)};
+}
+
 }  // namespace
 
 bool is_at_rest(const Parameters& p, const Sample& row) {
@@ -41,16 +49,17 @@ bool is_at_rest(const Parameters& p, const Sample& row) {
   return true;
 }
 
+Pair<double> deviation_at_rest(const Parameters& p, const Sample& goal, const State<double>& from) {
+  return largest_deviation(p, from, Drive::regulating(rest_of(p, goal), p));
+}
+
 Residual roll_out_residual(const Parameters& p, const Sample& goal, const State<double>& closed_loop_end,
                            const State<double>& open_loop_end) {
-  const Sample rest{goal.time, rest_at(p, goal.state.q), gravity_torque(p, goal.state.q)};
-  Rollout arm(p, Limits{}, Accuracy::of_predictions());
-  arm.limit_step(kStep);
   Residual residual;
   residual.evaluated = true;
   residual.window = kWindow;
-  residual.link_vibration = largest_deviation(arm, closed_loop_end, Drive::regulating(rest, p));
-  residual.open_loop_drift = largest_deviation(arm, open_loop_end, Drive::holding(rest));
+  residual.link_vibration = deviation_at_rest(p, goal, closed_loop_end);
+  residual.open_loop_drift = largest_deviation(p, open_loop_end, Drive::holding(rest_of(p, goal)));
   return residual;
 }
 

@@ -32,6 +32,11 @@ std::string open_loop(const OpenLoop& errors, double tolerance) {
   return reason.empty() ? text : fmt::format("{} (not in one run: {})", text, reason);
 }
 
+std::string after_perturbed(const Perturbed& perturbed, double tolerance) {
+  const double after = std::max(perturbed.after[0], perturbed.after[1]);
+  return after == 0 ? "" : fmt::format(", in the second after the end {:.3f} counts", after / tolerance);
+}
+
 std::string limit_text(const LimitCheck& check) {
   const std::string joint = check.joint == 0 ? "" : fmt::format(" {}", check.joint);
   return fmt::format("{}{} {:.6g} of {:.6g} {} at {:.4f} s", check.name, joint, check.reached, check.limit,
@@ -136,6 +141,11 @@ std::string summary(const Certificate& certificate) {
       line("exactness", fmt::format("allowed: 1 count of the link encoder = {:.3e} rad", certificate.tolerance));
   text += line("open loop", open_loop(certificate.open_loop, certificate.tolerance));
   text += line("closed loop", exactness(certificate.closed_loop, certificate.tolerance));
+  if (const Perturbed& perturbed = certificate.closed_loop.perturbed; perturbed.evaluated) {
+    text += line("perturbed", fmt::format("from half a count off the start: link {:.3f} counts at {:.4f} s{}",
+                                          perturbed.max_link() / certificate.tolerance, perturbed.time_of_max_link,
+                                          after_perturbed(perturbed, certificate.tolerance)));
+  }
   text += line("feedback", fmt::format("at most {:.2e} and {:.2e} N m", feedback[0], feedback[1]));
   text += tightest_limits(certificate);
   for (const TaskCheck& check : certificate.task) {

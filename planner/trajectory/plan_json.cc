@@ -50,6 +50,11 @@ Json open_loop_json(const OpenLoop& open_loop) {
 Json closed_loop_json(const ClosedLoop& closed_loop) {
   Json json = rollout_json(closed_loop, "");
   json["max_feedback_torque"] = numbers(closed_loop.feedback_torque);
+  const Perturbed& perturbed = closed_loop.perturbed;
+  json["perturbed"] = perturbed.evaluated ? Json{{"link_error_rad", numbers(perturbed.link)},
+                                                 {"time_of_max_link_error", number(perturbed.time_of_max_link)},
+                                                 {"link_error_after_rad", numbers(perturbed.after)}}
+                                          : Json(nullptr);
   return json;
 }
 

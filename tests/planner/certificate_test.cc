@@ -5,16 +5,19 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
 #include <numbers>
+#include <unsupported/Eigen/MatrixFunctions>
 
 #include "planner/certificate/amplification.h"
 #include "planner/certificate/comparison.h"
 #include "planner/certificate/limits.h"
+#include "planner/certificate/residual.h"
 #include "planner/certificate/rollout.h"
 #include "planner/certificate/tracking.h"
 
@@ -198,7 +201,7 @@ INSTANTIATE_TEST_SUITE_P(Certificate, Forgeries, testing::ValuesIn(kForgeries),
 
 // A plan that bulges smoothly by `height` in the middle, positions and velocities alike, is off by exactly that.
 TEST(Certificate, OneCountIsTheBoundary) {
-  for (const double height : {0.9, 1.1}) {
+  for (const double height : {0.3, 0.9, 1.1}) {
     Trajectory trajectory = reference_trajectory();
     const double bulge = height * 9.587e-5, w = 2 * pi / trajectory.end_time();
     for (Sample& row : trajectory.samples) {
@@ -206,7 +209,12 @@ TEST(Certificate, OneCountIsTheBoundary) {
       row.state.dq[0] += 0.5 * bulge * w * std::sin(w * row.time);
     }
     const Certificate c = certificate_of(trajectory);
-    EXPECT_EQ(c.certified, height < 1);
+    EXPECT_EQ(c.certified, height < 0.5);
+    if (height == 0.9) {
+      EXPECT_THAT(c.failures, ElementsAre(HasSubstr("from half a count off the start: link 1")));
+    } else if (height > 1) {
+      EXPECT_THAT(c.failures, testing::Contains(HasSubstr("open loop: link 1")));
+    }
     EXPECT_NEAR(c.open_loop.link[0], bulge, 1e-6);
     EXPECT_NEAR(c.open_loop.time_of_max_link, 0.215, 0.01);
   }
@@ -280,7 +288,7 @@ TEST(Certificate, FeedbackPeaksBetweenTheInstantsAreTold) {
   const Trajectory& trajectory = reference_trajectory();
   const Pair<double> told = certificate_of(trajectory).closed_loop.feedback_torque;
   const Pair<double> expected = largest_feedback(trajectory);
-  for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(told[j], expected[j], 0.02 * expected[j]);
+  for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(told[j], expected[j], 0.05 * expected[j]);
 }
 
 // std::max drops a NaN. The first of these rows cannot be interpolated to the next: their difference overflows.
@@ -532,6 +540,122 @@ TEST(Certificate, RestOfMotorTwoIsCertifiedInClosedLoop) {
   // Feedback bounds what open loop lets run away: friction pushes at most 1.77e-3 N m around rest.
   EXPECT_LT(c.residual.link_vibration[1], 2e-4);
   EXPECT_GT(c.residual.open_loop_drift[1], 5e-4);
+}
+
+// ---- from elsewhere than exactly the start ----
+
+// Friction of motor 2 pushes with up to 1.77e-3 N m while it falls with speed, against 20 N m/rad: 8.9e-5 rad, and the
+// link swings with it.
+TEST(Feedback, KeepsMotorTwoInALimitCycleOfAboutALinkCount) {
+  for (const Pair<double> q : {Pair<double>{0, 0}, {0.5, 0.3}, {1.2, -0.8}, {-2.0, 1.5}, {pi, 0}}) {
+    const Sample goal{0, rest_at(robot(), q), gravity_torque(robot(), q)};
+    for (const double sign : {-1.0, 1.0}) {
+      State<double> beside = goal.state;
+      beside.theta[1] += sign * 1e-9;  // the seed of the instability
+      const Pair<double> deviation = deviation_at_rest(robot(), goal, beside);
+      EXPECT_LT(deviation[0], 0.5 * exactness_tolerance(robot()));
+      EXPECT_LT(deviation[1], 1.5 * exactness_tolerance(robot())) << q[0] << ", " << q[1];
+      EXPECT_GT(deviation[1], 0.5 * exactness_tolerance(robot()));
+    }
+  }
+}
+
+// The map over one tick of the linearised arm, of the filters, and of torques that come one tick late; friction is that
+// of motors in motion, B. Spectral radius below 1: stable.
+double spectral_radius_of_a_tick(const Parameters& p, const Pair<double>& q) {
+  constexpr int kLast = kStates, kVelocity = kLast + 2, kTorque = kVelocity + 2, kSize = kTorque + 2;
+  Eigen::MatrixXd continuous = Eigen::MatrixXd::Zero(kStates + 2, kStates + 2);
+  continuous.topLeftCorner(kStates, kStates) = linearised_arm(q);
+  for (int j = 0; j < kJoints; ++j) continuous(6 + j, kStates + j) = 1 / p.motor.inertia[static_cast<std::size_t>(j)];
+  const Eigen::MatrixXd over_a_tick = (continuous * kTick).exp();
+  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(kSize, kSize);
+  map.topLeftCorner(kStates, kStates) = over_a_tick.topLeftCorner(kStates, kStates);
+  map.block(0, kTorque, kStates, 2) = over_a_tick.topRightCorner(kStates, 2);
+  for (int j = 0; j < kJoints; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    const double keep = std::exp(-2 * pi * p.feedback.velocity_filter[i] * kTick);
+    map(kLast + j, 4 + j) = 1;
+    map(kVelocity + j, kVelocity + j) = keep;
+    map(kVelocity + j, 4 + j) = (1 - keep) / kTick;
+    map(kVelocity + j, kLast + j) = -(1 - keep) / kTick;
+    map.row(kTorque + j) = -p.feedback.velocity_gain[i] * map.row(kVelocity + j);
+    map(kTorque + j, 4 + j) -= p.feedback.position_gain[i];
+  }
+  return map.eigenvalues().cwiseAbs().maxCoeff();
+}
+
+TEST(Feedback, OfMotorTwoIsStableUpToTenTimesItsGainsAndATickLate) {
+  const auto radius = [](double factor) {
+    Parameters p = robot();
+    p.feedback.position_gain[1] *= factor;
+    p.feedback.velocity_gain[1] *= factor;
+    double largest = 0;
+    for (const Pair<double> q : {Pair<double>{0, 0}, {1.2, -0.8}, {0.3, 1.57}, {0, 2.6}}) {
+      largest = std::max(largest, spectral_radius_of_a_tick(p, q));
+    }
+    return largest;
+  };
+  EXPECT_LT(radius(1), 0.9996);  // the slowest is link 1's swing
+  EXPECT_LT(radius(10), 1);
+  EXPECT_GT(radius(40), 1);
+}
+
+// Rows that are exact at rest hide that the arm wanders by 1.03 counts within a second of it.
+TEST(Certificate, ARestIsJudgedTheSameHoweverExactItsRowsAre) {
+  for (const double off : {0.0, 1e-12}) {
+    for (const double duration : {0.2, 1.0}) {
+      Trajectory trajectory = resting({0, 0}, duration);
+      trajectory.samples.front().state.theta[0] += off;
+      const Certificate c = certificate_of(trajectory);
+      EXPECT_EQ(c.certified, duration < 1) << testing::PrintToString(c.failures);
+      if (c.certified) {
+        EXPECT_GT(c.closed_loop.perturbed.link[0], 0.49 * c.tolerance);
+      } else {
+        EXPECT_THAT(c.failures, testing::Contains(HasSubstr("link 2 is up to 9.90e-05 rad off the plan")));
+      }
+    }
+  }
+}
+
+// Under a tenth of the gains the limit cycle of motor 2 is ten times as wide: no next motion could start from there.
+TEST(Certificate, FeedbackThatLetsTheArmWanderAfterTheEndIsRefused) {
+  Parameters weak = robot();
+  weak.feedback.position_gain[1] /= 10;
+  weak.feedback.velocity_gain[1] /= 10;
+  const Certificate c = certify(weak, robot_limits(), resting({0, 0}, 0.05));
+  EXPECT_FALSE(c.certified);
+  EXPECT_THAT(c.failures, ElementsAre(HasSubstr("link 2")));
+  EXPECT_THAT(c.failures,
+              ElementsAre(HasSubstr("in the second after the end: the robot's feedback holds it no better")));
+}
+
+TEST(Certificate, FromHalfACountOffAgreesWithFixedSteps) {
+  const Trajectory& trajectory = reference_trajectory();
+  const Drive closed = Drive::closed_loop(trajectory, robot());
+  Pair<double> worst{};
+  for (const Pair<double> signs : {Pair<double>{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
+    Interpolator plan(trajectory);
+    const Torque tau = [&](double t, const State<double>& x) {
+      const Sample planned = plan.at(t);
+      const Pair<double> f = closed.feedback(planned.state, x);
+      return Pair<double>{planned.torque[0] + f[0], planned.torque[1] + f[1]};
+    };
+    State<double> x = trajectory.samples.front().state;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      x.q[j] += signs[j] * pi / 65536;
+      x.theta[j] += signs[j] * pi / 65536;
+    }
+    constexpr double kStep = 1e-6;  // [s]
+    for (int k = 0; k < 430'000; ++k) {
+      x = runge_kutta_step(tau, k * kStep, x, kStep);
+      if (k % 1000 != 999) continue;
+      const State<double> planned = trajectory.samples[static_cast<std::size_t>(k / 1000 + 1)].state;
+      for (std::size_t j = 0; j < kJoints; ++j) worst[j] = std::max(worst[j], std::abs(x.q[j] - planned.q[j]));
+    }
+  }
+  const Perturbed told = certificate_of(trajectory).closed_loop.perturbed;
+  // A hundredth of what is judged.
+  for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(told.link[j], std::max(worst[j], pi / 65536), 1e-6);
 }
 
 // BDF with long steps would damp the instability away and certify a rest that cannot be held.

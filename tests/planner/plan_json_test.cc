@@ -177,6 +177,7 @@ TEST(PlanJson, CertificateTakesTheLargestErrorOfTheJoints) {
   EXPECT_EQ(open_loop["stretches"][0], Json({{"from", 0.1}, {"to", 0.4}, {"joint", 2}, {"reason", "motor 2 rests"}}));
   EXPECT_TRUE(open_loop["stretches"][1]["joint"].is_null());
   EXPECT_EQ(json["closed_loop"]["required"], true);
+  EXPECT_TRUE(json["closed_loop"]["perturbed"].is_null());
   EXPECT_THAT(json["closed_loop"]["max_feedback_torque"], ElementsAre(0.01, 0.002));
   EXPECT_EQ(json["limits"][0]["margin"], 0.5);
 }

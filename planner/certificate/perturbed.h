@@ -1,0 +1,15 @@
+// The closed loop from elsewhere than exactly the start.
+#pragma once
+
+#include "planner/certificate/certificate.h"
+
+namespace fjr {
+
+// Half a count of the link encoder: that far the arm may be off the start while the encoder reads the start. [rad]
+double start_offset(const Parameters& p, std::size_t joint);
+
+// Rolls the trajectory out from its first row in closed loop with the whole arm, links and motors, start_offset() off
+// in either joint, all four combinations of signs, and a thousandth of that off in both. The largest errors are kept.
+Perturbed roll_out_perturbed(const Parameters& p, const Trajectory& trajectory);
+
+}  // namespace fjr

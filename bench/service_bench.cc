@@ -76,7 +76,8 @@ std::unique_ptr<Process> start(std::vector<std::string> words, const fs::path& l
 class Rig {
  public:
   Rig(int workers, const fs::path& log)
-      : service_(start({"serve", "--workers", std::to_string(workers)}, log)), port_(dds::Participant(own_domain()), me_) {
+      : service_(start({"serve", "--workers", std::to_string(workers)}, log)),
+        port_(dds::Participant(own_domain()), me_) {
     const auto began = Clock::now();
     while (!port_.served() || status_.instance.empty()) {
       if (seconds_since(began) > 20) throw std::runtime_error("the service does not start:\n" + service_->output());

@@ -46,6 +46,7 @@ class FuzzTest : public ServiceProcesses {
     order.yaml = yaml;
     ClientOptions options;
     options.network.domain = domain_;
+    options.network.allow_insecure_network = true;  // this process listens to packets, by a socket that is not DDS's
     options.find = 10;
     return request_plan(order, options).reply;
   }
@@ -103,7 +104,7 @@ class FuzzTest : public ServiceProcesses {
 class Eavesdropper {
  public:
   explicit Eavesdropper(unsigned domain)
-      : first_port_(7400 + 250 * domain), socket_(::socket(AF_PACKET, SOCK_DGRAM, htons(ETH_P_IP))) {}
+      : first_port_(7400 + 250 * domain), socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC, htons(ETH_P_IP))) {}
 
   bool allowed() const { return socket_.number() >= 0; }
 

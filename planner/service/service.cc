@@ -29,7 +29,7 @@ constexpr std::chrono::milliseconds kAnswerSoon{5};  // how often it looks wheth
 constexpr std::chrono::seconds kUnclaimedFor{60};    // replies wait for clients that do not listen yet
 constexpr std::size_t kRemembered = 256;             // replies of each kind kept for repeated requests
 constexpr std::size_t kRememberedBytes = 32 << 20;
-constexpr std::size_t kUnclaimedOfOne = 128, kUnclaimedBytes = 16 << 20;
+constexpr std::size_t kUnclaimedOfOne = 128, kUnclaimedBytes = 16 << 20;  // clients of one participant; of all
 constexpr std::size_t kInboxBytes = 64 << 20;
 constexpr std::size_t kOutboxBytes = 32 << 20;
 constexpr std::size_t kBacklog = 1024;  // requests a standby remembers

@@ -1,5 +1,6 @@
-// Replies to clients that do not listen yet: they come late, or never. Bounded for each participant, whatever ids it
-// uses, and in all; the oldest go first, and those of whoever has most.
+// Replies to clients that do not listen yet: they come late, or never. Bounded by the ids that one participant uses,
+// and in bytes; the oldest go first, and those of whoever has most. One client may have as many replies as there are
+// bytes: requests can arrive well before its reader of replies is known.
 #pragma once
 
 #include <algorithm>
@@ -18,13 +19,17 @@ class Unclaimed {
  public:
   using Clock = std::chrono::steady_clock;
 
-  Unclaimed(std::size_t most_of_one, std::size_t most_bytes) : most_of_one_(most_of_one), most_bytes_(most_bytes) {}
+  // Of one participant at most so many clients' replies, of all together at most so many bytes.
+  Unclaimed(std::size_t most_clients_of_one, std::size_t most_bytes)
+      : most_clients_of_one_(most_clients_of_one), most_bytes_(most_bytes) {}
 
   void keep(SharedReply reply) {
-    std::deque<Kept>& of_one = kept_[reply->origin];
+    OfOne& of_one = kept_[reply->origin];
+    of_one.bytes += size_of(*reply);
     bytes_ += size_of(*reply);
-    of_one.push_back({std::move(reply), Clock::now()});
-    if (of_one.size() > most_of_one_) drop_oldest(of_one);
+    ++of_one.clients[reply->id.client];
+    of_one.replies.push_back({std::move(reply), Clock::now()});
+    while (of_one.clients.size() > most_clients_of_one_) drop_oldest(of_one);
     while (bytes_ > most_bytes_) drop_oldest(furthest());
   }
 
@@ -33,9 +38,9 @@ class Unclaimed {
   std::vector<SharedReply> claim(Listens&& listens) {
     std::vector<SharedReply> claimed;
     for (auto& [origin, of_one] : kept_) {
-      std::erase_if(of_one, [&](Kept& kept) {
+      std::erase_if(of_one.replies, [&, &from = of_one](Kept& kept) {
         if (!listens(kept.reply->id)) return false;
-        bytes_ -= size_of(*kept.reply);
+        forget(from, *kept.reply);
         claimed.push_back(std::move(kept.reply));
         return true;
       });
@@ -46,8 +51,9 @@ class Unclaimed {
   void forget_older_than(Clock::duration age) {
     const auto now = Clock::now();
     for (auto of_one = kept_.begin(); of_one != kept_.end();) {
-      while (!of_one->second.empty() && now - of_one->second.front().since > age) drop_oldest(of_one->second);
-      of_one = of_one->second.empty() ? kept_.erase(of_one) : std::next(of_one);
+      std::deque<Kept>& replies = of_one->second.replies;
+      while (!replies.empty() && now - replies.front().since > age) drop_oldest(of_one->second);
+      of_one = replies.empty() ? kept_.erase(of_one) : std::next(of_one);
     }
   }
 
@@ -59,19 +65,31 @@ class Unclaimed {
     Clock::time_point since;
   };
 
-  void drop_oldest(std::deque<Kept>& of_one) {
-    bytes_ -= size_of(*of_one.front().reply);
-    of_one.pop_front();
+  struct OfOne {  // participant
+    std::deque<Kept> replies;
+    std::map<decltype(RequestId::client), std::size_t> clients;  // how many of the replies are for whom
+    std::size_t bytes = 0;
+  };
+
+  void forget(OfOne& of_one, const Reply& reply) {
+    bytes_ -= size_of(reply);
+    of_one.bytes -= size_of(reply);
+    const auto client = of_one.clients.find(reply.id.client);
+    if (--client->second == 0) of_one.clients.erase(client);
   }
-  std::deque<Kept>& furthest() {
+  void drop_oldest(OfOne& of_one) {
+    forget(of_one, *of_one.replies.front().reply);
+    of_one.replies.pop_front();
+  }
+  OfOne& furthest() {
     return std::max_element(kept_.begin(), kept_.end(),
-                            [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); })
+                            [](const auto& a, const auto& b) { return a.second.bytes < b.second.bytes; })
         ->second;
   }
 
-  const std::size_t most_of_one_, most_bytes_;
+  const std::size_t most_clients_of_one_, most_bytes_;
   std::size_t bytes_ = 0;
-  std::map<Origin, std::deque<Kept>> kept_;
+  std::map<Origin, OfOne> kept_;
 };
 
 }  // namespace fjr

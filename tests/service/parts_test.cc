@@ -8,6 +8,7 @@
 #include "planner/service/executor_watch.h"
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"
+#include "planner/service/unclaimed.h"
 
 namespace fjr {
 namespace {
@@ -258,6 +259,46 @@ TEST(ExecutorWatch, ContinuesTheExecutorsClock) {
   state.stamp = 1'000'000'000'000;
   watch.heard(state, 0, ExecutorWatch::Clock::now() - std::chrono::seconds(2));
   EXPECT_NEAR(static_cast<double>(watch.stamp()), 1.002e12, 1e9);
+}
+
+SharedReply reply_of(const RequestId& id, const Origin& participant) {
+  Reply reply;
+  reply.id = id;
+  reply.origin = participant;
+  return std::make_shared<const Reply>(reply);
+}
+
+// One client may ask ten thousand times before DDS has told where it listens.
+TEST(Unclaimed, KeepsWhateverOneClientAskedInOrder) {
+  Unclaimed unclaimed(128, 64U << 20U);
+  RequestId id = new_client();
+  for (id.number = 0; id.number < 10000; ++id.number) unclaimed.keep(reply_of(id, Origin{1}));
+  const auto claimed = unclaimed.claim([](const RequestId&) { return true; });
+  ASSERT_EQ(claimed.size(), 10000U);
+  for (std::size_t i = 0; i < claimed.size(); ++i) ASSERT_EQ(claimed[i]->id.number, i);
+  EXPECT_EQ(unclaimed.bytes(), 0U);
+}
+
+// Ids cost nothing to invent: of one participant only so many are kept, and nobody else's.
+TEST(Unclaimed, KeepsFewOfTheClientsThatOneParticipantInvents) {
+  Unclaimed unclaimed(128, 64U << 20U);
+  const RequestId other = new_client();
+  unclaimed.keep(reply_of(other, Origin{2}));
+  for (int i = 0; i < 10000; ++i) unclaimed.keep(reply_of(new_client(), Origin{1}));
+  EXPECT_EQ(unclaimed.claim([&](const RequestId& id) { return id == other; }).size(), 1U);
+  EXPECT_EQ(unclaimed.claim([](const RequestId&) { return true; }).size(), 128U);
+}
+
+TEST(Unclaimed, IsBoundedInBytesAtTheCostOfWhoHasMost) {
+  const std::size_t one = size_of(*reply_of(new_client(), Origin{1}));
+  Unclaimed unclaimed(128, 20 * one);
+  const RequestId many = new_client(), few = new_client();
+  unclaimed.keep(reply_of(few, Origin{2}));
+  for (int i = 0; i < 100; ++i) unclaimed.keep(reply_of(many, Origin{1}));
+  EXPECT_LE(unclaimed.bytes(), 20 * one);
+  EXPECT_EQ(unclaimed.claim([&](const RequestId& id) { return id.client == few.client; }).size(), 1U);
+  unclaimed.forget_older_than({});
+  EXPECT_EQ(unclaimed.bytes(), 0U);
 }
 
 }  // namespace

@@ -21,7 +21,6 @@ struct Situation {
 };
 
 inline constexpr double kStartTolerance = 0.01;  // [rad] between the first row and where the links are
-inline constexpr double kLongestMotion = 20;     // [s] as long as any that the planner makes
 // Between rows: a tenth of what lies between the two of a jump, and the longest sample period that may be asked for.
 // [s]
 inline constexpr double kShortestSpacing = 0.1 * kJumpSpacing, kLongestSpacing = 5e-3;

@@ -20,7 +20,7 @@ constexpr std::chrono::milliseconds kPatience{5000};  // for the arm to come to 
 constexpr std::chrono::milliseconds kFarewell{200};   // for the last result to be taken
 constexpr std::chrono::milliseconds kLooking{500};    // for others: discovery takes 13 ms, a lease is 300 ms
 constexpr std::chrono::milliseconds kBeside{500};     // since the last word of another one
-constexpr std::size_t kRemembered = 1024;             // trajectories
+constexpr std::size_t kConsidered = 1024;             // trajectories
 
 std::filesystem::path history_file(const ExecutorConfig& config) {
   const std::filesystem::path folder = config.state.empty() ? default_state_folder() : config.state;
@@ -162,13 +162,17 @@ void Executor::take_orders() {
 }
 
 void Executor::consider(TrajectoryOrder order) {
+  const bool known = std::find(considered_.begin(), considered_.end(), order.id) != considered_.end();
   if (signatures_) {  // before anything is believed, its id not excepted
     const std::string fault = signatures_->fault_of(signed_bytes(order), order.signature, kPublisherRole);
+    if (!fault.empty() && known) {  // the one that came before it has the result
+      return spdlog::warn("left out a copy of id={}: {}", text(order.id), fault);
+    }
     if (!fault.empty()) return refuse(order, {ResultCode::kInvalidGoal, fault});
   }
-  if (std::find(considered_.begin(), considered_.end(), order.id) != considered_.end()) return;
+  if (known) return;
   considered_.push_back(order.id);
-  if (considered_.size() > kRemembered) considered_.pop_front();
+  if (considered_.size() > kConsidered) considered_.pop_front();
   if (const History::Entry* entry = history_.find(order.id)) return report_again(*entry);
   if (Clock::now() - other_heard_ < kBeside) {
     return refuse(order, {ResultCode::kInvalidGoal, "another executor reports for this robot: one has to be stopped"});

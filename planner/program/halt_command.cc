@@ -23,7 +23,7 @@ struct HaltArguments {
 
 bool stopped(const ExecutorState& state) { return state.mode == ExecutorMode::kStopped; }
 
-nlohmann::ordered_json json_of(const ExecutorState& state) {
+nlohmann::ordered_json halted_json(const ExecutorState& state) {
   return {{"robot_id", state.robot_id}, {"mode", stopped(state) ? "stopped" : "holding"}, {"q", state.q}};
 }
 
@@ -32,8 +32,8 @@ int run(ExecutorCommand command, const HaltArguments& options) {
   options.network.apply_to(how.network);
   const std::vector<ExecutorState> executors = halt(command, how);
   if (options.json) {
-    nlohmann::ordered_json json = json_of(executors.front());
-    for (const ExecutorState& state : executors) json["executors"].push_back(json_of(state));
+    nlohmann::ordered_json json = halted_json(executors.front());
+    for (const ExecutorState& state : executors) json["executors"].push_back(halted_json(state));
     fmt::print("{}", json_text(json));
     return 0;
   }

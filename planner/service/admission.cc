@@ -47,6 +47,11 @@ std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot) {
     job.robot_hash = robot_hash(problem.robot);
     job.rest_to_rest = problem.start_at_rest && problem.goal.at_rest;
     if (!executes(job.order)) return std::nullopt;
+    if (problem.duration.min > kLongestMotion) {
+      return Refusal{
+          Reason::kBadInput, "duration",
+          fmt::format("{:g} s is longer than the {:g} s that an executor runs", problem.duration.min, kLongestMotion)};
+    }
     if (problem.robot.payload != robot.payload) return Refusal{Reason::kBadInput, "payload", kOtherPayload};
     if (job.rest_to_rest) return std::nullopt;
     return Refusal{Reason::kBadInput, problem.start_at_rest ? "goal" : "start", "must be at rest to be executed"};
@@ -65,6 +70,10 @@ std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedRep
   if (planned->state != ReplyState::kSolved) return refused(fmt::format("ended as {}", name(planned->state)));
   if (planned->robot_hash != robot_hash) return refused(fmt::format("was planned for a payload; {}", kOtherPayload));
   if (!planned->rest_to_rest) return refused("does not go from rest to rest");
+  if (planned->rows.back().time > kLongestMotion) {
+    return refused(
+        fmt::format("takes {:.6g} s, and an executor runs at most {:g} s", planned->rows.back().time, kLongestMotion));
+  }
   return std::nullopt;
 }
 

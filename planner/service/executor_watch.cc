@@ -13,7 +13,7 @@ constexpr double kFresh = 0.5;             // [s] a state may be old; the execut
 constexpr double kSameAsHeld = 0.01;       // [rad] the executor's own tolerance between a start and where the arm is
 constexpr std::chrono::seconds kTaken{1};  // for the executor to show that it has taken up a trajectory
 
-double seconds_since(ExecutorWatch::Clock::time_point then) {
+double age_of(ExecutorWatch::Clock::time_point then) {
   return std::chrono::duration<double>(ExecutorWatch::Clock::now() - then).count();
 }
 
@@ -53,9 +53,8 @@ ExecutorWatch::ExecutorWatch(std::string robot_id, std::string robot_hash)
 
 void ExecutorWatch::heard(const ExecutorState& state, std::uint64_t source, Clock::time_point now) {
   if (state.robot_id != robot_id_) return;
-  std::erase_if(speakers_, [&](const Speaker& speaker) {
-    return speaker.source == source || seconds_since(speaker.heard) > kFresh;
-  });
+  std::erase_if(speakers_,
+                [&](const Speaker& speaker) { return speaker.source == source || age_of(speaker.heard) > kFresh; });
   speakers_.push_back({source, state, now});
 }
 
@@ -91,7 +90,7 @@ std::int64_t ExecutorWatch::stamp() const {
 
 std::optional<std::string> ExecutorWatch::twice() const {
   const auto fresh = std::count_if(speakers_.begin(), speakers_.end(),
-                                   [](const Speaker& speaker) { return seconds_since(speaker.heard) <= kFresh; });
+                                   [](const Speaker& speaker) { return age_of(speaker.heard) <= kFresh; });
   if (fresh < 2) return std::nullopt;
   return fmt::format("{} executors report for robot {}: all but one have to be stopped", fresh, robot_id_);
 }
@@ -108,7 +107,7 @@ std::variant<Pair<double>, std::string> ExecutorWatch::rest() const {
   if (state.robot_hash != robot_hash_) {
     return fmt::format("the executor's robot has hash {}, the service's {}", state.robot_hash, robot_hash_);
   }
-  const double age = seconds_since(heard);
+  const double age = age_of(heard);
   if (age > kFresh) return fmt::format("the executor's last word is {:.1f} s old", age);
   if (!at_rest(state.mode)) return fmt::format("the arm is {}", doing(state.mode));
   if (!std::isfinite(state.q[0] + state.q[1])) {

@@ -29,6 +29,8 @@ constexpr std::chrono::milliseconds kAnswerSoon{5};  // how often it looks wheth
 constexpr std::chrono::seconds kUnclaimedFor{60};    // replies wait for clients that do not listen yet
 constexpr std::size_t kRemembered = 256;             // replies of each kind kept for repeated requests
 constexpr std::size_t kRememberedBytes = 32 << 20;
+constexpr std::size_t kRefusedLately = 4096;                              // ids
+constexpr std::chrono::seconds kRelaysEnd{5};                             // a standby passes a request on for about 2 s
 constexpr std::size_t kUnclaimedOfOne = 128, kUnclaimedBytes = 16 << 20;  // clients of one participant; of all
 constexpr std::size_t kInboxBytes = 64 << 20;
 constexpr std::size_t kOutboxBytes = 32 << 20;
@@ -64,6 +66,7 @@ Service::Service(const ServiceConfig& config)
       settled_at_(Clock::now() + kSettle),
       queue_(config.queue),
       cache_(kRemembered, kRememberedBytes),
+      refused_lately_(kRefusedLately, kRelaysEnd),
       unclaimed_(kUnclaimedOfOne, kUnclaimedBytes),
       outbox_([this](const SharedReply& reply) { return send(reply); }, kOutboxBytes),
       solvers_(config.workers, {config.robot, config.warm_plans}, [this] { port_.wake(); }) {
@@ -108,15 +111,19 @@ void Service::take_in() {
   const auto end = Clock::now() + kSlice;
   while (Clock::now() < end) {
     auto order = inbox_.next();
-    if (!order) return;
+    if (!order) {
+      waited_ = false;
+      return;
+    }
     receive(std::move(*order));
   }
 }
 
 void Service::receive(Order order) {
   const auto now = Clock::now();
-  if (ownership_.answers_for(order.robot_id)) return admit(std::move(order), now, now);
-  backlog_.add(std::move(order), now, now, true);
+  const auto heard = waited_ ? Clock::time_point{} : now;
+  if (ownership_.answers_for(order.robot_id)) return admit(std::move(order), now, heard);
+  backlog_.add(std::move(order), now, heard, true);
 }
 
 void Service::admit(Order order, Clock::time_point arrived, Clock::time_point heard) {
@@ -345,6 +352,7 @@ void Service::heartbeat() {
     // The others have taken this instance for gone: it does nothing before it knows what became of its robot.
     spdlog::warn("absent for {:.2f} s", seconds(now - last_heartbeat_));
     settled_at_ = now + kSettle;
+    waited_ = true;
   }
   last_heartbeat_ = now;
   next_heartbeat_ = now + kHeartbeat;
@@ -378,7 +386,8 @@ ServiceStatus Service::status() const {
 
 std::vector<Order> Service::last_requests() {
   std::vector<Order> last;
-  for (auto orders = port_.take_requests(); !orders.empty(); orders = port_.take_requests()) {
+  const auto over = Clock::now() + kFarewell;  // however many more keep coming
+  for (auto orders = port_.take_requests(); !orders.empty() && Clock::now() < over; orders = port_.take_requests()) {
     for (Order& order : orders) inbox_.add(std::move(order));
   }
   while (auto order = inbox_.next()) last.push_back(std::move(*order));
@@ -469,6 +478,7 @@ void Service::hear(dds::Relayed relayed) {
     return;
   }
   const dds::ServicePort::Cancel wanted{id, relayed.order.robot_id, relayed.order.origin};
+  if (refused_lately_.contains(id, now)) return;  // its client has been told; to ask again is the client's to decide
   admit(std::move(relayed.order), now, heard);
   if (relayed.cancelled) cancel(wanted);
 }
@@ -556,10 +566,16 @@ Reply Service::reply_to(const Order& order, ReplyState state, Refusal why) const
 }
 
 void Service::finish(const Job& job, Reply reply) {
-  const bool would_move = executes(job.order) && reply.state == ReplyState::kSolved;
+  const bool would_move = executes(job.order) && reply.state == ReplyState::kSolved && !reply.rows.empty();
   if (const auto twice = executor_.twice(); twice && would_move) {
     reply =
         reply_to(job.order, ReplyState::kFailed, {Reason::kArmNotAtRest, "", "planned, but not executed: " + *twice});
+  }
+  if (would_move && reply.rows.back().time > kLongestMotion) {
+    reply = reply_to(job.order, ReplyState::kFailed,
+                     {Reason::kUnsupported, "duration",
+                      fmt::format("planned, but not executed: it takes {:.6g} s, and an executor runs at most {:g} s",
+                                  reply.rows.back().time, kLongestMotion)});
   }
   const auto now = Clock::now();
   const bool started = job.started != Clock::time_point{};
@@ -569,7 +585,7 @@ void Service::finish(const Job& job, Reply reply) {
   reply.solve_time = started ? seconds(now - job.started) : 0;
   reply.wait_time = seconds((started ? job.started : now) - job.arrived);
   const auto shared = std::make_shared<const Reply>(std::move(reply));
-  if (lasting(shared->why.reason)) cache_.add(shared);
+  remember(shared);
   tally_.count(*shared, seconds(now - job.arrived));
   if (executes(job.order) && shared->state == ReplyState::kSolved) publish(*shared);
   post(shared);
@@ -583,9 +599,20 @@ void Service::give_up(const Job& job, ReplyState state, Reason reason, const std
   finish(job, reply_to(job.order, state, {reason, "", sentence}));
 }
 
-void Service::reject(const Order& order, Refusal why, bool remember) {
+// What was refused for the moment only is not repeated from memory: the client may ask again. A standby's copy of the
+// same request must not count as that.
+void Service::remember(const SharedReply& reply) {
+  if (lasting(reply->why.reason)) return cache_.add(reply);
+  refused_lately_.add(reply->id, Clock::now());
+}
+
+void Service::reject(const Order& order, Refusal why, bool lasts) {
   const auto reply = std::make_shared<const Reply>(reply_to(order, ReplyState::kRejected, std::move(why)));
-  if (remember) cache_.add(reply);
+  if (lasts) {
+    cache_.add(reply);
+  } else {
+    refused_lately_.add(reply->id, Clock::now());
+  }
   tally_.count(*reply, 0);
   post(reply);
   if (log_refusals_.allows()) {

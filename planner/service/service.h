@@ -21,6 +21,7 @@
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"
 #include "planner/service/presence.h"
+#include "planner/service/recent_ids.h"
 #include "planner/service/reply_cache.h"
 #include "planner/service/service_config.h"
 #include "planner/service/signature.h"
@@ -93,7 +94,8 @@ class Service {
   Reply reply_to(const Order& order, ReplyState state, Refusal why = {}) const;
   void finish(const Job& job, Reply reply);
   void give_up(const Job& job, ReplyState state, Reason reason, const std::string& sentence);
-  void reject(const Order& order, Refusal why, bool remember);
+  void remember(const SharedReply& reply);
+  void reject(const Order& order, Refusal why, bool lasts);
   void publish(const Reply& reply);
   bool send(const SharedReply& reply);
   void post(SharedReply reply);
@@ -112,11 +114,13 @@ class Service {
   Backlog backlog_;
   Inbox inbox_;
   Presence presence_;
+  bool waited_ = false;  // what comes now may have waited while this instance was absent, longer than its client
   Clock::time_point settled_at_;  // from then on the others are known
   Clock::time_point next_heartbeat_{}, last_heartbeat_ = Clock::now();
 
   JobQueue queue_;
   ReplyCache cache_;
+  RecentIds refused_lately_;  // for the moment only
   Unclaimed unclaimed_;
   Outbox outbox_;
   Tally tally_;

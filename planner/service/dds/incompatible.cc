@@ -12,7 +12,7 @@
 namespace fjr::dds {
 namespace {
 
-constexpr std::uint32_t kMost = 64;
+constexpr std::uint32_t kTakenAtOnce = 64;
 
 // Null: it is the type, which is counted among the policies.
 const char* policy_name(std::uint32_t id) {
@@ -62,10 +62,11 @@ std::vector<std::string> types_of(const Participant& participant, Side side, con
       side == Side::kReaders ? DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION : DDS_BUILTIN_TOPIC_DCPSPUBLICATION;
   const Entity reader(dds_create_reader(participant.handle(), all, nullptr, nullptr), "built-in topic");
   std::vector<std::string> types;
-  for (dds_return_t count = kMost; count == static_cast<dds_return_t>(kMost);) {
-    std::array<void*, kMost> samples{};
-    std::array<dds_sample_info_t, kMost> infos{};
-    count = checked(dds_take(reader.handle(), samples.data(), infos.data(), kMost, kMost), "built-in topic");
+  for (dds_return_t count = kTakenAtOnce; count == static_cast<dds_return_t>(kTakenAtOnce);) {
+    std::array<void*, kTakenAtOnce> samples{};
+    std::array<dds_sample_info_t, kTakenAtOnce> infos{};
+    count =
+        checked(dds_take(reader.handle(), samples.data(), infos.data(), kTakenAtOnce, kTakenAtOnce), "built-in topic");
     for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
       const auto* endpoint = static_cast<const dds_builtintopic_endpoint_t*>(samples[i]);
       if (infos[i].valid_data && topic == endpoint->topic_name) types.emplace_back(endpoint->type_name);

@@ -26,7 +26,8 @@ TEST_F(OlderTypesTest, AreTodaysOnEveryTopicInBothDirections) {
 
 TEST_F(OlderTypesTest, AreServed) {
   const auto service = serve();
-  const auto executor = fjr({"executor"}, "executor.log");
+  const auto executor = fjr({"executor", "--state", path("state")}, "executor.log");
+  ASSERT_TRUE(comes_true([&] { return executor->output().find("executing for") != std::string::npos; }));
   const auto client = with_dds(FJR_OLDER_CLIENT, "client.log");
   EXPECT_EQ(client->wait(), 0);
   EXPECT_EQ(client->output(),

@@ -4,10 +4,12 @@
 
 #include <thread>
 
+#include "planner/service/admission.h"
 #include "planner/service/backlog.h"
 #include "planner/service/executor_watch.h"
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"
+#include "planner/service/recent_ids.h"
 #include "planner/service/unclaimed.h"
 
 namespace fjr {
@@ -299,6 +301,35 @@ TEST(Unclaimed, IsBoundedInBytesAtTheCostOfWhoHasMost) {
   EXPECT_EQ(unclaimed.claim([&](const RequestId& id) { return id.client == few.client; }).size(), 1U);
   unclaimed.forget_older_than({});
   EXPECT_EQ(unclaimed.bytes(), 0U);
+}
+
+// An executor runs 20 s at most, and no message holds the stop motions of more.
+TEST(Admission, WhatIsTooLongToBeExecutedIsRefusedAndMayBePlanned) {
+  const Parameters robot = load_parameters(default_robot_file());
+  Job job;
+  job.order.name = "request";
+  job.order.yaml = "{start: {q: [0, 0]}, goal: {q: [0.5, 0]}, duration: 25}";
+  EXPECT_FALSE(refusal_of_motion(job, robot));
+  job.order.action = Action::kPlanAndExecute;
+  const auto refusal = refusal_of_motion(job, robot);
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->field, "duration");
+  EXPECT_EQ(refusal->sentence, "25 s is longer than the 20 s that an executor runs");
+}
+
+TEST(RecentIds, AreForgottenByAgeAndByNumber) {
+  using namespace std::chrono_literals;
+  const auto now = RecentIds::Clock::now();
+  RecentIds ids(2, 5s);
+  const RequestId first = new_client(), second = new_client(), third = new_client();
+  ids.add(first, now);
+  ids.add(second, now + 1s);
+  EXPECT_TRUE(ids.contains(first, now + 5s));
+  EXPECT_FALSE(ids.contains(first, now + 6s));
+  EXPECT_FALSE(ids.contains(third, now));
+  ids.add(third, now + 2s);
+  EXPECT_FALSE(ids.contains(first, now + 2s));
+  EXPECT_TRUE(ids.contains(second, now + 2s));
 }
 
 }  // namespace

@@ -130,19 +130,18 @@ void Service::admit(Order order, Clock::time_point arrived, Clock::time_point he
   presence_.heard(order.id, heard);
   if (repeat(order)) return;
   tally_.received();
-  if (auto refusal = refusal_of_terms(order, served())) return reject(order, std::move(*refusal), true);
+  if (auto refusal = refusal_of_terms(order, served())) return reject(order, std::move(*refusal));
   if (const auto twice = executor_.twice(); twice && executes(order)) {
-    return reject(order, {Reason::kArmNotAtRest, "", *twice}, false);
+    return reject(order, {Reason::kArmNotAtRest, "", *twice});
   }
-  // What may be different a moment later is not remembered: the same request may be sent again.
   if (queue_.full_for(order.origin)) {
-    return reject(order, {Reason::kQueueFull, "", fmt::format("{} requests wait already", queue_.size())}, false);
+    return reject(order, {Reason::kQueueFull, "", fmt::format("{} requests wait already", queue_.size())});
   }
   if (order.action == Action::kExecute) return execute_planned(order, arrived);
-  if (auto refusal = resolve_start(order)) return reject(order, std::move(*refusal), false);
+  if (auto refusal = resolve_start(order)) return reject(order, std::move(*refusal));
   Job job;
   job.order = std::move(order);
-  if (auto refusal = refusal_of_motion(job, robot_)) return reject(job.order, std::move(*refusal), true);
+  if (auto refusal = refusal_of_motion(job, robot_)) return reject(job.order, std::move(*refusal));
   enqueue(std::move(job), arrived);
 }
 
@@ -166,9 +165,9 @@ std::optional<Refusal> Service::resolve_start(Order& order) const try {
 void Service::execute_planned(const Order& order, Clock::time_point arrived) {
   const SharedReply planned = cache_.find(order.trajectory_id);
   if (auto refusal = refusal_of_execution(order.trajectory_id, planned, in_hand(order.trajectory_id), robot_hash_)) {
-    return reject(order, std::move(*refusal), false);
+    return reject(order, std::move(*refusal));
   }
-  if (!may_start(order)) return reject(order, client_gone(), false);
+  if (!may_start(order)) return reject(order, client_gone());
   Job job;
   job.order = order;
   job.request_hash = planned->request_hash;
@@ -418,7 +417,7 @@ void Service::end() {
     while (!queue_.empty()) farewell(queue_.pop());
     for (const Order& order : last_requests()) {
       if (!ownership_.answers_for(order.robot_id)) continue;
-      reject(order, {Reason::kShuttingDown, "", "the service is shutting down; send the request again"}, false);
+      reject(order, {Reason::kShuttingDown, "", "the service is shutting down; send the request again"});
     }
   }
   const auto over = Clock::now() + kFarewell;
@@ -565,17 +564,22 @@ Reply Service::reply_to(const Order& order, ReplyState state, Refusal why) const
   return reply;
 }
 
-void Service::finish(const Job& job, Reply reply) {
-  const bool would_move = executes(job.order) && reply.state == ReplyState::kSolved && !reply.rows.empty();
-  if (const auto twice = executor_.twice(); twice && would_move) {
-    reply =
-        reply_to(job.order, ReplyState::kFailed, {Reason::kArmNotAtRest, "", "planned, but not executed: " + *twice});
+// Why certified rows must not move the arm after all; nothing: they may. They are never empty.
+std::optional<Refusal> Service::refusal_to_publish(const std::vector<Sample>& rows) const {
+  if (const auto twice = executor_.twice()) {
+    return Refusal{Reason::kArmNotAtRest, "", "planned, but not executed: " + *twice};
   }
-  if (would_move && reply.rows.back().time > kLongestMotion) {
-    reply = reply_to(job.order, ReplyState::kFailed,
-                     {Reason::kUnsupported, "duration",
-                      fmt::format("planned, but not executed: it takes {:.6g} s, and an executor runs at most {:g} s",
-                                  reply.rows.back().time, kLongestMotion)});
+  if (rows.back().time <= kLongestMotion) return std::nullopt;
+  return Refusal{Reason::kUnsupported, "duration",
+                 fmt::format("planned, but not executed: it takes {:.6g} s, and an executor runs at most {:g} s",
+                             rows.back().time, kLongestMotion)};
+}
+
+void Service::finish(const Job& job, Reply reply) {
+  if (executes(job.order) && reply.state == ReplyState::kSolved) {
+    if (auto refusal = refusal_to_publish(reply.rows)) {
+      reply = reply_to(job.order, ReplyState::kFailed, std::move(*refusal));
+    }
   }
   const auto now = Clock::now();
   const bool started = job.started != Clock::time_point{};
@@ -606,13 +610,9 @@ void Service::remember(const SharedReply& reply) {
   refused_lately_.add(reply->id, Clock::now());
 }
 
-void Service::reject(const Order& order, Refusal why, bool lasts) {
+void Service::reject(const Order& order, Refusal why) {
   const auto reply = std::make_shared<const Reply>(reply_to(order, ReplyState::kRejected, std::move(why)));
-  if (lasts) {
-    cache_.add(reply);
-  } else {
-    refused_lately_.add(reply->id, Clock::now());
-  }
+  remember(reply);
   tally_.count(*reply, 0);
   post(reply);
   if (log_refusals_.allows()) {

@@ -95,7 +95,8 @@ class Service {
   void finish(const Job& job, Reply reply);
   void give_up(const Job& job, ReplyState state, Reason reason, const std::string& sentence);
   void remember(const SharedReply& reply);
-  void reject(const Order& order, Refusal why, bool lasts);
+  void reject(const Order& order, Refusal why);
+  std::optional<Refusal> refusal_to_publish(const std::vector<Sample>& rows) const;
   void publish(const Reply& reply);
   bool send(const SharedReply& reply);
   void post(SharedReply reply);

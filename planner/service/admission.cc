@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "planner/problem/problem.h"
+#include "planner/service/document.h"
 
 namespace fjr {
 namespace {
@@ -12,6 +13,12 @@ constexpr const char* kOtherPayload =
     "the executor does not know of it: to be executed it has to be in the robot.yaml of service and executor";
 
 }  // namespace
+
+bool leaves_start_out(const Order& order) try {
+  return !order.refusal && order.action != Action::kExecute && !gives_start(order.yaml, order.name);
+} catch (const InputError&) {
+  return false;  // what is no document has nothing to be filled in
+}
 
 Refusal refusal_of(const InputError& error) {
   return {Reason::kBadInput, error.field().empty() ? "document" : error.field(), error.problem()};

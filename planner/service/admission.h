@@ -21,6 +21,8 @@ struct Served {
 
 inline bool executes(const Order& order) { return order.action != Action::kPlan; }
 
+bool leaves_start_out(const Order& order);  // the motion begins wherever the arm rests
+
 Refusal refusal_of(const InputError& error);  // in a request document
 
 // Of whatever kind it is, before its motion is looked at.

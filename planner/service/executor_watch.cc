@@ -56,6 +56,7 @@ void ExecutorWatch::heard(const ExecutorState& state, std::uint64_t source, Cloc
   std::erase_if(speakers_,
                 [&](const Speaker& speaker) { return speaker.source == source || age_of(speaker.heard) > kFresh; });
   speakers_.push_back({source, state, now});
+  met_ = true;
 }
 
 void ExecutorWatch::lost(const std::string& robot_id) {

@@ -25,6 +25,7 @@ class ExecutorWatch {
   void published(const RequestId& trajectory_id);  // to be executed: it will move the arm
   void concluded(const RequestId& trajectory_id);  // executed, or refused
 
+  bool met() const { return met_; }  // whether one was ever heard
   std::uint64_t epoch() const;
   bool runs_or_ran(const RequestId& trajectory_id) const;  // last
 
@@ -50,6 +51,7 @@ class ExecutorWatch {
   const std::string robot_id_, robot_hash_;
   const StampClock own_clock_;
   std::vector<Speaker> speakers_;  // of the robot; heard last at the end
+  bool met_ = false;
   std::optional<RequestId> published_;
   Clock::time_point published_at_{};
 };

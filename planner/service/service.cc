@@ -23,6 +23,7 @@ constexpr std::chrono::milliseconds kHeartbeat{150};
 constexpr std::chrono::milliseconds kLease{500};     // topics.h: silent for longer, an instance counts as gone
 constexpr std::chrono::milliseconds kSettle{250};    // to hear of other instances, which takes 13 ms on an idle machine
 constexpr std::chrono::milliseconds kGlance{5};      // how often it looks at them meanwhile
+constexpr std::chrono::seconds kMeetExecutor{2};     // who was not heard by then is taken for absent
 constexpr std::chrono::milliseconds kFarewell{400};  // for clients to take their last replies
 constexpr std::chrono::milliseconds kSlice{5};       // for new requests, before the service looks at anything else
 constexpr std::chrono::milliseconds kAnswerSoon{5};  // how often it looks whether a client that was asked is there
@@ -122,8 +123,16 @@ void Service::take_in() {
 void Service::receive(Order order) {
   const auto now = Clock::now();
   const auto heard = waited_ ? Clock::time_point{} : now;
-  if (ownership_.answers_for(order.robot_id)) return admit(std::move(order), now, heard);
+  if (answers(order)) return admit(std::move(order), now, heard);
   backlog_.add(std::move(order), now, heard, true);
+}
+
+// Whether it is for this instance to answer, and this instance knows enough to do so. A service that has just begun may
+// not have met the executor yet: it does not know where the arm rests, nor which epochs the executor has seen.
+bool Service::answers(const Order& order) const {
+  if (!ownership_.answers_for(order.robot_id)) return false;
+  if (executor_.met() || Clock::now() - began_ > kMeetExecutor) return true;
+  return !executes(order) && !leaves_start_out(order);
 }
 
 void Service::admit(Order order, Clock::time_point arrived, Clock::time_point heard) {
@@ -148,7 +157,7 @@ void Service::admit(Order order, Clock::time_point arrived, Clock::time_point he
 Served Service::served() const { return {config_.robot_id, ownership_.robots(), robot_hash_, config_.longest_budget}; }
 
 std::optional<Refusal> Service::resolve_start(Order& order) const try {
-  if (gives_start(order.yaml, order.name)) return std::nullopt;
+  if (!leaves_start_out(order)) return std::nullopt;
   const auto refused = [](const std::string& why) {
     return Refusal{Reason::kArmNotAtRest, "start", "left out, but " + why};
   };
@@ -471,7 +480,7 @@ void Service::hear(dds::Relayed relayed) {
   const auto now = Clock::now();
   const auto heard = now - duration_of(relayed.silence);
   const RequestId id = relayed.order.id;
-  if (!ownership_.answers_for(relayed.order.robot_id)) {
+  if (!answers(relayed.order)) {
     backlog_.add(std::move(relayed.order), now, heard, false);
     if (relayed.cancelled) backlog_.cancel(id, false);
     return;
@@ -528,9 +537,9 @@ void Service::take_over() {
   port_.own(ownership_.epoch());
 }
 
-// What was heard while another instance, or nobody, was the owner.
+// What was heard while another instance, or nobody, was the owner, or before the executor was met.
 void Service::answer_backlog() {
-  const auto ours = [this](const Backlog::Entry& entry) { return ownership_.answers_for(entry.order.robot_id); };
+  const auto ours = [this](const Backlog::Entry& entry) { return answers(entry.order); };
   for (Backlog::Entry& entry : backlog_.take_if(ours)) {
     const dds::ServicePort::Cancel wanted{entry.order.id, entry.order.robot_id, entry.order.origin};
     admit(std::move(entry.order), entry.arrived, entry.heard);

@@ -44,6 +44,7 @@ class Service {
   // What comes in.
   void take_in();
   void receive(Order order);
+  bool answers(const Order& order) const;
   // heard: the last sign of life of its client.
   void admit(Order order, Clock::time_point arrived, Clock::time_point heard);
   Served served() const;

@@ -159,6 +159,21 @@ TEST_F(ExecuteTest, WithoutAnExecutorTheStartIsAskedFor) {
   EXPECT_EQ(stale.why.reason, Reason::kArmNotAtRest);
 }
 
+// Who starts service, executor and client at the same time is not told that there is no executor.
+TEST_F(ExecuteTest, WhoAsksBeforeTheExecutorIsThereIsAnsweredOnceItIs) {
+  serve();
+  const Order plan = order("goal: {q: [0.42, 0.08]}\nobjective: fastest\n");
+  const Order cancelled = order(plan.yaml);
+  send(plan);
+  send(cancelled);
+  std::this_thread::sleep_for(milliseconds(300));
+  cancel(cancelled.id);
+  start_executor();
+  const Reply reply = final_reply(plan.id);
+  EXPECT_EQ(reply.state, ReplyState::kSolved) << reply.why.sentence;
+  EXPECT_EQ(final_reply(cancelled.id).state, ReplyState::kCancelled);
+}
+
 TEST_F(ExecuteTest, PlanningAloneNeedsAStart) {
   write("nowhere.yaml", kToBack);
   Process plan = fjr({"plan", path("nowhere.yaml"), "--out", path("a")}, "plan");

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/service/epoch.h"
+
 namespace fjr {
 namespace {
 
@@ -82,6 +84,10 @@ std::optional<ExecutionRefusal> refusal_of(const TrajectoryOrder& order, const S
   if (const auto fault = fault_of(order.tolerances)) return invalid(*fault);
   if (order.epoch < situation.epoch) {
     return invalid(fmt::format("from an earlier owner: epoch {}, {} was seen", order.epoch, situation.epoch));
+  }
+  if (order.epoch > largest_believed(situation.epoch)) {
+    return invalid(fmt::format("epoch {} is not that of an owner: the largest seen is {}, and each owner adds one",
+                               order.epoch, situation.epoch));
   }
   if (order.published < situation.started) {
     return ExecutionRefusal{ResultCode::kOldHeaderTimestamp, "published before the executor was started"};

@@ -72,10 +72,11 @@ void ExecutorWatch::concluded(const RequestId& trajectory_id) {
   if (published_ == trajectory_id) published_.reset();
 }
 
-std::uint64_t ExecutorWatch::epoch() const {
-  std::uint64_t largest = 0;
-  for (const Speaker& speaker : speakers_) largest = std::max(largest, speaker.state.epoch);
-  return largest;
+std::optional<std::uint64_t> ExecutorWatch::epoch() const {
+  if (speakers_.empty()) return std::nullopt;
+  return std::min_element(speakers_.begin(), speakers_.end(),
+                          [](const Speaker& a, const Speaker& b) { return a.state.epoch < b.state.epoch; })
+      ->state.epoch;
 }
 
 bool ExecutorWatch::runs_or_ran(const RequestId& trajectory_id) const {

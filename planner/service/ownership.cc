@@ -5,6 +5,8 @@
 #include <tuple>
 #include <utility>
 
+#include "planner/service/epoch.h"
+
 namespace fjr {
 namespace {
 
@@ -25,13 +27,27 @@ Ownership::Ownership(std::string instance, std::string robot_id)
     : instance_(std::move(instance)), robot_id_(std::move(robot_id)) {}
 
 void Ownership::heard(const std::string& instance, const std::string& robot_id, std::uint64_t epoch) {
+  if (robot_id == robot_id_ && !believes(epoch)) return;
   peers_[instance] = {robot_id, epoch};
-  if (robot_id == robot_id_) heard_epoch(epoch);
+  if (robot_id == robot_id_) largest_ = std::max(largest_, epoch);
 }
 
 void Ownership::lost(const std::string& instance) { peers_.erase(instance); }
 
-void Ownership::heard_epoch(std::uint64_t epoch) { largest_ = std::max(largest_, epoch); }
+void Ownership::heard_executor(std::uint64_t epoch) {
+  executor_ = epoch;
+  largest_ = std::max(largest_, epoch);
+}
+
+bool Ownership::believes(std::uint64_t epoch) const { return epoch <= largest_believed(executor_); }
+
+// Somebody spoke for the executor before it could: what followed from that would be refused by it.
+void Ownership::forget_what_is_not_believed() {
+  if (believes(largest_)) return;
+  if (!believes(epoch_)) epoch_ = 0;
+  largest_ = std::max(executor_, epoch_);
+  std::erase_if(peers_, [&](const auto& entry) { return !believes(entry.second.epoch); });
+}
 
 bool Ownership::outranked() const {
   const auto mine = std::tuple(epoch_, rank(robot_id_, instance_));
@@ -57,10 +73,11 @@ bool Ownership::first_in_line() const {
 
 bool Ownership::review() {
   const std::uint64_t before = epoch_;
+  forget_what_is_not_believed();
   if (owner() && outranked()) epoch_ = 0;
   // An owner that is behind what the executor has seen would be refused: it goes ahead of it again.
   const bool entitled = owner() ? epoch_ < largest_ : !somebody_owns() && first_in_line();
-  if (entitled) epoch_ = largest_ = largest_ + 1;
+  if (entitled) epoch_ = largest_ = std::min(largest_, largest_believed(executor_) - 1) + 1;
   return epoch_ != before;
 }
 

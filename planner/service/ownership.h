@@ -19,10 +19,11 @@ class Ownership {
  public:
   Ownership(std::string instance, std::string robot_id);
 
-  // What is known of the others. Epoch 0: owns nothing.
+  // What is known of the others. Epoch 0: owns nothing. Of those who name an epoch that is not believed nothing is.
   void heard(const std::string& instance, const std::string& robot_id, std::uint64_t epoch);
   void lost(const std::string& instance);
-  void heard_epoch(std::uint64_t epoch);  // the largest an executor of this robot has seen
+  void heard_executor(std::uint64_t epoch);  // the largest that the executor of this robot ran
+  bool believes(std::uint64_t epoch) const;  // epoch.h; by the executor's last word, 0 before the first
 
   // Draws the consequences; true: epoch() has changed.
   bool review();
@@ -44,13 +45,14 @@ class Ownership {
     std::uint64_t epoch = 0;
   };
 
+  void forget_what_is_not_believed();
   bool outranked() const;
   bool somebody_owns() const;
   bool first_in_line() const;
 
   const std::string instance_, robot_id_;
   std::map<std::string, Peer> peers_;
-  std::uint64_t epoch_ = 0, largest_ = 0;
+  std::uint64_t epoch_ = 0, largest_ = 0, executor_ = 0;  // largest_: of all that are believed
 };
 
 }  // namespace fjr

@@ -447,7 +447,7 @@ void Service::listen_to_others() {
     executor.alive ? executor_.heard(executor.state, executor.source) : executor_.lost(executor.state.robot_id);
   }
   for (const RequestId& id : port_.take_concluded()) executor_.concluded(id);
-  ownership_.heard_epoch(executor_.epoch());
+  if (const auto epoch = executor_.epoch()) ownership_.heard_executor(*epoch);
   if (settled()) review_ownership();
 }
 
@@ -461,6 +461,11 @@ void Service::hear(const dds::ServicePort::Peer& peer) {
   } else if (!peer.alive) {
     if (log_others_.allows()) spdlog::info("instance gone name={}", status.instance);
     ownership_.lost(status.instance);
+  } else if (status.robot_id == config_.robot_id && !ownership_.believes(status.epoch)) {
+    if (log_others_.allows()) {
+      spdlog::warn("instance not believed name={} epoch={}: far above what the executor has seen", status.instance,
+                   status.epoch);
+    }
   } else if (!status.robot_id.empty() && takes_part(status)) {
     ownership_.heard(status.instance, status.robot_id, status.epoch);
   }

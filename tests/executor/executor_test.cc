@@ -91,6 +91,9 @@ TEST(Acceptance, RefusesWithTheReason) {
   refused([](Order& o, Situation&) { o.rows[2].time = 0; }, ResultCode::kInvalidGoal,
           "time does not increase at row 2");
   refused([](Order& o, Situation&) { o.epoch = 2; }, ResultCode::kInvalidGoal, "from an earlier owner");
+  refused([](Order& o, Situation&) { o.epoch = 4 + (1u << 24); }, ResultCode::kInvalidGoal,
+          "epoch 16777220 is not that of an owner: the largest seen is 3");
+  refused([=](Order& o, Situation&) { o.epoch = ~std::uint64_t{0}; }, ResultCode::kInvalidGoal, "not that of an owner");
   refused([](Order& o, Situation&) { o.rows[0].state.dq[0] = 1; }, ResultCode::kInvalidGoal, "does not begin at rest");
   refused([=](Order& o, Situation&) { o.tolerances.path[1] = nan; }, ResultCode::kInvalidGoal,
           "tolerances.path: nan is outside [0, 0.5]");

@@ -2,10 +2,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <thread>
 
 #include "planner/service/admission.h"
 #include "planner/service/backlog.h"
+#include "planner/service/epoch.h"
 #include "planner/service/executor_watch.h"
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"
@@ -72,14 +74,43 @@ TEST(Ownership, ATieIsBroken) {
 
 TEST(Ownership, AnEpochIsAboveWhatTheExecutorHasSeen) {
   Ownership a("a", "arm");
-  a.heard_epoch(7);
+  a.heard_executor(7);
   EXPECT_TRUE(a.review());
   EXPECT_EQ(a.epoch(), 8u);
-  a.heard_epoch(8);
+  a.heard_executor(8);
   EXPECT_FALSE(a.review());
-  a.heard_epoch(12);  // somebody else was here, and is gone
+  a.heard_executor(12);  // somebody else was here, and is gone
   EXPECT_TRUE(a.review());
   EXPECT_EQ(a.epoch(), 13u);
+}
+
+// The executor refuses what is far above the epochs it has seen: nobody can push an owner up there.
+TEST(Ownership, BelievesNoEpochThatTheExecutorWouldRefuse) {
+  constexpr auto kMost = std::numeric_limits<std::uint64_t>::max();
+  Ownership a("a", "arm");
+  a.review();
+  for (const std::uint64_t epoch : {kMost, kMost - 1, kEpochJump + 1}) {
+    a.heard("liar", "arm", epoch);
+    EXPECT_FALSE(a.review());
+    EXPECT_EQ(a.epoch(), 1u);
+    EXPECT_TRUE(a.alone());
+  }
+  // As far as is allowed, and then as its heir.
+  a.heard("liar", "arm", kEpochJump);
+  EXPECT_TRUE(a.review());
+  EXPECT_FALSE(a.owner());
+  a.lost("liar");
+  EXPECT_TRUE(a.review());
+  EXPECT_EQ(a.epoch(), kEpochJump);
+  // Who speaks for the executor is believed until the executor itself speaks.
+  for (const std::uint64_t epoch : {kMost - 1, kMost}) {
+    a.heard_executor(epoch);
+    a.review();
+    EXPECT_EQ(a.epoch(), kMost);
+  }
+  a.heard_executor(7);
+  EXPECT_TRUE(a.review());
+  EXPECT_EQ(a.epoch(), 8u);
 }
 
 TEST(Ownership, ARequestIsAnsweredByExactlyOne) {

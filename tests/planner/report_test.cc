@@ -328,10 +328,10 @@ TEST(PlanPage, SaysWhatMoreOfEachActiveLimitWouldSave) {
   cheap["active"] = dear["active"] = {{0.1, 0.2}, {0.25, 0.3}};
   record.plan["sensitivity"]["limits"] = {idle, cheap, dear};
   const std::string html = plan_page(record);
-  EXPECT_THAT(html, HasSubstr("<td>tip box</td><td>0.1</td><td>m</td><td>0.0523 per mm</td><td>25 %</td>"
+  EXPECT_THAT(html, HasSubstr("<td>tip box</td><td>0.1 m</td><td>0.001 m</td><td>0.0523</td><td>25 %</td>"
                               "<td class='long'>0.1000 to 0.2000, 0.2500 to 0.3000</td></tr>\n<tr><td>torque 2</td>"
-                              "<td>5</td><td>N m</td><td>1 per N m</td>"));
-  EXPECT_THAT(html, HasSubstr("more saves (ms)"));
+                              "<td>5 N m</td><td>0.05 N m</td><td>0.05</td>"));
+  EXPECT_THAT(html, HasSubstr("<th>1 % more</th><th>would save (ms)</th>"));
 }
 
 TEST(PlanPage, ShowsSectionsItDoesNotKnow) {

@@ -5,6 +5,8 @@
 namespace fjr {
 namespace {
 
+constexpr double kStill = 1e-9;  // [rad/s, m/s] what roundings leave of a rest
+
 template <class Property>
 bool any_with(const Weights& weights, Property property) {
   return std::any_of(Terms::infos.begin(), Terms::infos.end(),
@@ -41,14 +43,13 @@ double PeakTorque::published(const Published& p) {
   }
   // Where the motion ends at rest the motors go on holding the arm there.
   const State<double>& last = p.rows.samples.back().state;
-  const bool rests = sum_of_squares(last.dq) == 0 && sum_of_squares(last.dtheta) == 0;
+  const bool rests = sum_of_squares(last.dq) + sum_of_squares(last.dtheta) < kStill * kStill;
   const Pair<double> held = gravity_torque(p.robot, last.q);
   for (std::size_t j = 0; j < kJoints && rests; ++j) peak[j] = std::max(peak[j], std::abs(held[j]));
   return peak[0] + peak[1];
 }
 
 double TipSpeed::published(const Published& p) {
-  constexpr double kStill = 1e-9;  // [m/s] what roundings leave of a rest
   const State<double> x = Interpolator(p.rows).at(p.release).state;
   const double speed = std::sqrt(std::max(0.0, tip_speed_squared(p.robot, x.q[1], x.dq)));
   return speed < kStill ? 0 : speed;

@@ -56,6 +56,38 @@ double jerk_by_differences(const Trajectory& rows) {
   return sum;
 }
 
+// Friction lets the rows end with less torque than gravity asks for; the arm that is then held has none of its help.
+TEST(Objective, PeakTorqueCountsWhatHoldingTheGoalTakes) {
+  const Problem problem = request(
+      "{start: {q: [0.2, 0.0]}, goal: {q: [1.0, 0.1]}, duration: 1.5, "
+      "objective: {peak_torque: 1, effort: 0.01}}");
+  PlanOptions options;
+  options.starts = 1;
+  const Plan result = plan(problem, options);
+  ASSERT_EQ(result.status, PlanStatus::kCertified) << result.reason;
+  const Pair<double> held = gravity_torque(problem.robot, problem.goal.q);
+  double needed = 0;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    double peak = std::abs(held[j]);
+    for (const Sample& row : result.trajectory->samples) peak = std::max(peak, std::abs(row.torque[j]));
+    needed += peak;
+  }
+  EXPECT_NEAR(result.terms.at("peak_torque"), needed, 1e-9);
+}
+
+TEST(Objective, WhatHoldingTakesCountsForRowsThatEndAtRestAlone) {
+  const Problem problem = request("{start: {q: [0.0, 0.0]}, goal: {q: [1.0, 0.2]}, objective: {time: 1}}");
+  const Pair<double> held = gravity_torque(problem.robot, problem.goal.q);
+  Trajectory rows;
+  rows.samples = {{0, problem.start, {0.5, 0.1}}, {1, rest_at(problem.robot, problem.goal.q), {0.2, 0.1}}};
+  const auto peak = [&](double speed) {
+    rows.samples.back().state.dq[0] = speed;
+    return PeakTorque::published({{}, rows, problem.robot, 0});
+  };
+  EXPECT_DOUBLE_EQ(peak(1e-17), std::abs(held[0]) + std::max(0.1, std::abs(held[1])));  // what roundings leave of rest
+  EXPECT_DOUBLE_EQ(peak(0.1), 0.5 + 0.1);
+}
+
 TEST(Objective, TermsAreTheIntegralsOfThePublishedRows) {
   const Problem problem = request(std::string(kMove) + "duration: 0.8\nobjective: {effort: 1, link_jerk: 1e-6}\n");
   const Plan result = plan(problem, {});

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -63,6 +64,7 @@ void Executor::run() {
     if (!over_) stop_silently();
   }
   over_ = true;
+  if (preparing_) preparing_->unwanted.request_stop();  // its thread is waited for
   ticking.join();
   if (tick_failure) std::rethrow_exception(tick_failure);
   if (failure) std::rethrow_exception(failure);
@@ -174,18 +176,25 @@ void Executor::consider(TrajectoryOrder order) {
   considered_.push_back(order.id);
   if (considered_.size() > kConsidered) considered_.pop_front();
   if (const History::Entry* entry = history_.find(order.id)) return report_again(*entry);
-  if (Clock::now() - other_heard_ < kBeside) {
-    return refuse(order, {ResultCode::kInvalidGoal, "another executor reports for this robot: one has to be stopped"});
-  }
+  look_at_arm();
   situation_.now = clock_.now();
+  if (preparing_) situation_.mode = ExecutorMode::kPreparing;
+  if (const auto refusal = refusal_now(order)) return refuse(order, *refusal);
+  begin_to_prepare(std::move(order));
+}
+
+void Executor::look_at_arm() {
   situation_.q = latest_.q;
   situation_.rest_theta = rest_at(robot_, latest_.q).theta;
-  situation_.mode = latest_.mode;
+  situation_.mode = running_ ? ExecutorMode::kExecuting : latest_.mode;
   situation_.lost = latest_.lost == nullptr ? "" : latest_.lost;
-  if (running_) situation_.mode = ExecutorMode::kExecuting;
-  if (preparing_) situation_.mode = ExecutorMode::kPreparing;
-  if (const auto refusal = refusal_of(order, situation_)) return refuse(order, *refusal);
-  begin_to_prepare(std::move(order));
+}
+
+std::optional<ExecutionRefusal> Executor::refusal_now(const TrajectoryOrder& order) const {
+  if (Clock::now() - other_heard_ < kBeside) {
+    return ExecutionRefusal{ResultCode::kInvalidGoal, "another executor reports for this robot: one has to be stopped"};
+  }
+  return refusal_of(order, situation_);
 }
 
 // What ran before this start is reported once more, for those who were not there then.
@@ -210,33 +219,53 @@ void Executor::refuse(const TrajectoryOrder& order, const ExecutionRefusal& refu
 }
 
 void Executor::begin_to_prepare(TrajectoryOrder order) {
-  Preparation& preparation = preparing_.emplace();
+  Preparation preparation;
   preparation.began = Preparation::Clock::now();
   preparation.header.robot_id = order.robot_id;
   preparation.header.id = order.id;
   preparation.header.epoch = order.epoch;
   preparation.brings_stops = !order.stops.empty();
   const double lead = config_.fast ? kLongestMotion : kLead;  // without a clock nothing can run ahead
-  preparation.motion = std::async(
-      std::launch::async, [this, lead, unwanted = preparation.unwanted.get_token(), all = std::move(order)]() mutable {
-        return prepare(robot_, std::move(all), config_.tolerances, lead, unwanted);
-      });
+  try {
+    preparation.motion = std::async(std::launch::async, [this, lead, unwanted = preparation.unwanted.get_token(),
+                                                         all = std::move(order)]() mutable {
+      return prepare(robot_, std::move(all), config_.tolerances, lead, unwanted);
+    });
+  } catch (const std::system_error& error) {  // no thread
+    return refuse(preparation.header, {ResultCode::kInvalidGoal, fmt::format("cannot be prepared: {}", error.what())});
+  }
+  preparing_ = std::move(preparation);
 }
 
 void Executor::conclude_preparation() {
   if (!preparing_ || preparing_->motion.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   const TrajectoryOrder header = preparing_->header;
   try {
-    run(preparing_->motion.get());
+    auto motion = preparing_->motion.get();
+    if (preparing_->unwanted.stop_requested()) throw std::runtime_error("held or stopped before it could begin");
+    if (auto refusal = refusal_after_preparation(motion->order)) {
+      refuse(header, *refusal);
+    } else {
+      run(std::move(motion));
+    }
   } catch (const std::exception& error) {
     refuse(header, {ResultCode::kInvalidGoal, error.what()});
   }
   preparing_.reset();
 }
 
+// The arm may have been moved meanwhile, an encoder lost, another executor started. What preparing took does not count
+// as age.
+std::optional<ExecutionRefusal> Executor::refusal_after_preparation(const TrajectoryOrder& order) {
+  look_at_arm();
+  situation_.now = order.published;
+  auto refusal = refusal_now(order);
+  if (refusal) refusal->sentence.insert(0, "when it could have begun: ");
+  return refusal;
+}
+
 // Remembered before anything moves: whatever happens then, it does not run twice.
 void Executor::run(std::unique_ptr<CommandedMotion> motion) {
-  if (preparing_->unwanted.stop_requested()) throw std::runtime_error("held or stopped before it could begin");
   const TrajectoryOrder& order = motion->order;
   history_.begin(order.id, order.epoch);
   situation_.epoch = order.epoch;

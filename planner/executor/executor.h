@@ -37,6 +37,9 @@ class Executor {
   void obey();
   void take_orders();
   void consider(TrajectoryOrder order);
+  void look_at_arm();
+  std::optional<ExecutionRefusal> refusal_now(const TrajectoryOrder& order) const;
+  std::optional<ExecutionRefusal> refusal_after_preparation(const TrajectoryOrder& order);
   void refuse(const TrajectoryOrder& order, const ExecutionRefusal& refusal);
   void begin_to_prepare(TrajectoryOrder order);
   void conclude_preparation();

@@ -1,8 +1,13 @@
 // The executor: what it refuses, and a motion from the request to the simulated arm through real processes.
+#include "planner/executor/executor.h"
+
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -10,6 +15,8 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
+#include <thread>
 
 #include "model/input_error.h"
 #include "model/log.h"
@@ -17,6 +24,7 @@
 #include "planner/executor/acceptance.h"
 #include "planner/executor/executor_config.h"
 #include "planner/executor/history.h"
+#include "planner/executor/virtual_arm.h"
 #include "planner/service/dds/reader.h"
 #include "planner/service/dds/waitset.h"
 #include "planner/service/dds/wire_execution.h"
@@ -605,16 +613,84 @@ TEST_F(ExecutorTest, ComesToRestBeforeItEnds) {
   EXPECT_EQ(arm->wait(), 0);
 }
 
+// With a payload that nobody told it of, which pulls at it as soon as it does not hang straight down.
 TEST_F(ExecutorTest, HoldsWhenTheArmIsNotTheOneThatWasPlannedFor) {
-  const auto arm = executor({"--fast", "--payload", "0.5"});
+  write("executor.yaml", "virtual_arm: {start: [0, 0], payload: 0.5}\n");
+  const auto arm = executor({"--fast", "--config", path("executor.yaml")});
   ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
-  std::this_thread::sleep_for(
-      std::chrono::seconds(1));  // the payload, which nobody told the executor of, pulls it down
-  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
-  const ExecutionResult result = cell().result(cell().publish(cell().state.q, kTo, 0.55));
+  const ExecutionResult result = cell().result(cell().publish({0, 0}, {0.6, -0.5}, 0.55));
   EXPECT_EQ(result.code, ResultCode::kPathToleranceViolated) << result.sentence;
   EXPECT_THAT(result.sentence, HasSubstr("rad off the plan at"));
   EXPECT_TRUE(cell().wait_for(ExecutorMode::kHolding));
+}
+
+// A load that nobody told it of pulls the arm down while the motion is prepared.
+TEST_F(ExecutorTest, DoesNotBeginElsewhereThanItWouldHaveWhenItWasAsked) {
+  const auto arm = executor({"--payload", "0.5"});
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  const Pair<double> from = cell().state.q;
+  const ExecutionResult result = cell().result(cell().publish(from, kBeyond, 5));  // over a second to prepare
+  const Pair<double> then = cell().state.q;
+  EXPECT_EQ(result.code, ResultCode::kInvalidGoal)
+      << from[0] << " " << from[1] << " then " << then[0] << " " << then[1];
+  EXPECT_THAT(result.sentence, HasSubstr("when it could have begun: starts at q"));
+}
+
+// No thread can be started, as where a limit of the system is reached: memory for its stack is refused here.
+TEST_F(ExecutorTest, RefusesWhatItHasNoThreadToPrepareWith) {
+  const auto arm = executor();
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  std::istringstream size(contents("/proc/" + std::to_string(arm->pid()) + "/statm"));
+  rlim_t pages = 0;
+  size >> pages;
+  const rlim_t room = pages * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) + (4 << 20);  // a stack takes 8 MB
+  const rlimit narrow{room, RLIM_INFINITY}, wide{RLIM_INFINITY, RLIM_INFINITY};
+  ASSERT_EQ(::prlimit(arm->pid(), RLIMIT_AS, &narrow, nullptr), 0);
+  const ExecutionResult refused = cell().result(cell().publish(kFrom, kTo, 0.6));
+  EXPECT_EQ(refused.code, ResultCode::kInvalidGoal);
+  EXPECT_THAT(refused.sentence, HasSubstr("cannot be prepared"));
+  ASSERT_EQ(::prlimit(arm->pid(), RLIMIT_AS, &wide, nullptr), 0);
+  const ExecutionResult result = cell().result(cell().publish(kFrom, kTo, 0.6));
+  EXPECT_EQ(result.code, ResultCode::kSuccessful) << result.sentence;
+}
+
+// Its field bus fails while a motion is prepared.
+TEST_F(ExecutorTest, EndsAtOnceWhenTheArmFails) {
+  struct FailingArm : VirtualArm {
+    using VirtualArm::VirtualArm;
+    Reading read(int ticks) override {
+      if (fails) throw std::runtime_error("the field bus is gone");
+      return VirtualArm::read(ticks);
+    }
+    std::atomic<bool> fails = false;
+  };
+  ExecutorConfig config = default_executor_config();
+  config.network.domain = domain();
+  config.state = path("state");
+  config.priority = 0;  // of the test's own process
+  VirtualArmOptions options = config.arm;
+  options.truth = robot();
+  FailingArm arm(options, kFrom);
+  std::chrono::steady_clock::time_point failed;
+  std::string sentence;
+  std::thread running([&] {
+    try {
+      Executor(config, robot(), arm).run();
+    } catch (const std::exception& error) {
+      sentence = error.what();
+    }
+  });
+  EXPECT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  (void)cell().publish(kFrom, kBeyond, 5);
+  EXPECT_TRUE(cell().wait_for(ExecutorMode::kPreparing));
+  failed = std::chrono::steady_clock::now();
+  arm.fails = true;
+  running.join();
+  EXPECT_EQ(sentence, "the field bus is gone");
+  const auto found = std::chrono::steady_clock::now();
+  (void)stop_motions(robot(), {cell().order(kFrom, kBeyond, 5).rows, {}}, {});
+  const auto all_found = std::chrono::steady_clock::now();
+  EXPECT_LT(found - failed, (all_found - found) / 2);  // the half of what preparing takes beside the judgement
 }
 
 TEST_F(ExecutorTest, HoldsWhenAnEncoderFallsSilent) {

@@ -8,6 +8,7 @@
 #include "planner/executor/claim.h"
 #include "planner/service/dds/wire_execution.h"
 #include "planner/service/dds/writer.h"
+#include "tests/executor/flat_motion.h"
 #include "tests/support/service_processes.h"
 
 namespace fjr {
@@ -109,6 +110,38 @@ TEST_F(SeveralExecutors, OfTwoThatMeetLateOneGivesWay) {
   const bool a_goes_on = says(*b, "this one gives way");
   EXPECT_EQ((a_goes_on ? b : a)->wait(), 1);
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_FALSE(says(a_goes_on ? *a : *b, "this one gives way"));
+}
+
+// To be about to move is not to have moved: otherwise each would give way to the other.
+TEST_F(SeveralExecutors, OfTwoThatMeetWhilePreparingTheSameOneGivesWay) {
+  const Parameters robot = load_parameters(default_robot_file());
+  const dds::Participant participant(domain_);
+  dds::Writer<fjr_msg_Trajectory> trajectories(participant, participant.handle());
+  const auto a = executor("a");
+  ASSERT_TRUE(runs(*a));
+  ASSERT_TRUE(comes_true([&] { return trajectories.readers() == 1; }));
+  a->send(SIGSTOP);
+  std::this_thread::sleep_for(std::chrono::milliseconds(500));
+  const auto b = executor("b");
+  ASSERT_TRUE(runs(*b)) << b->output();
+  ASSERT_TRUE(comes_true([&] { return trajectories.readers() == 2; }));
+  TrajectoryOrder order;
+  order.robot_id = "arm";
+  order.id = new_client();
+  const auto now = std::chrono::system_clock::now().time_since_epoch();
+  order.published = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
+  order.robot_hash = robot_hash(robot);
+  order.certified = order.ends_at_rest = true;
+  order.rows =
+      flat_motion(robot, {0.3, 0.2}, {0.9, -0.9}, 5).samples;  // without stop motions: over a second to prepare
+  ASSERT_TRUE(trajectories.write(dds::encode(order)));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  a->send(SIGCONT);
+  ASSERT_TRUE(comes_true([&] { return says(*a, "this one gives way") || says(*b, "this one gives way"); }));
+  const bool a_goes_on = says(*b, "this one gives way");
+  EXPECT_EQ((a_goes_on ? b : a)->wait(), 1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
   EXPECT_FALSE(says(a_goes_on ? *a : *b, "this one gives way"));
 }
 

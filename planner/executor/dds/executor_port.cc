@@ -79,7 +79,8 @@ std::vector<Claimant> ExecutorPort::take_reporting() {
   for (const auto& [source, state] : others_.take()) {
     const auto participant = others_.peer(source);
     if (!participant || state.robot_id != robot_id_) continue;
-    const bool moved = state.trajectory_id != RequestId{};
+    // What is only prepared may be prepared by both; who says later that it runs has moved.
+    const bool moved = state.trajectory_id != RequestId{} && state.mode != ExecutorMode::kPreparing;
     others.push_back({.moved = moved, .established = true, .guid = *participant});
   }
   return others;

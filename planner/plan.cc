@@ -53,13 +53,14 @@ constexpr double kMostWork = 60;
 // Of it, for finding motions and for refining them; the rest is for saying why there is none.
 constexpr double kFinding = 0.5, kRefining = 0.8;
 
-// One way per segment: round what is in the way, both ways round where there are two; along the tip's line or arc. None
-// when nothing asks for it.
+// One way per segment: round what is in the way, both ways round where there are two; along the tip's line or arc, and
+// where that is wide through its region too. None when nothing asks for it.
 std::vector<std::vector<Way>> task_ways(const Problem& problem) {
   constexpr std::size_t kMostWays = 3;
   const Task& task = problem.task;
-  if (task.line || task.arc) return {ways_along_tip_path(problem)};
-  if (task.path || (task.obstacles.empty() && !task.box)) return {};
+  const double tolerance = task.line ? task.line->tolerance : task.arc ? task.arc->tolerance : 0;
+  if ((task.line || task.arc) && tolerance < kWideTipPath) return {ways_along_tip_path(problem)};
+  if (task.path || (task.obstacles.empty() && !task.box && tolerance == 0)) return {};
   std::vector<Pair<double>> points{problem.start.q};
   for (const Via& via : problem.via) points.push_back(via.q);
   points.push_back(problem.goal.q);
@@ -77,6 +78,7 @@ std::vector<std::vector<Way>> task_ways(const Problem& problem) {
       all.back()[s] = other;
     }
   }
+  if (tolerance > 0) all.push_back(ways_along_tip_path(problem));
   return all;
 }
 

@@ -27,6 +27,9 @@ struct Cell {
   int i, j;
 };
 
+// Of the tip's line or arc: cells of a coarse grid lie within it.
+bool is_wide(const TaskRow& row) { return row.kind != TaskRow::Kind::kAngles && row.scale >= kWideTipPath; }
+
 class Grid {
  public:
   Grid(const Problem& problem, std::size_t segment, double spacing)
@@ -35,7 +38,7 @@ class Grid {
       size_[axis] = std::max(3, static_cast<int>(std::ceil(2 * limit_[axis] / spacing)) + 1);
     }
     std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
-    std::erase_if(rows, [](const TaskRow& row) { return row.link == 0 && row.name != "tip_box"; });
+    std::erase_if(rows, [](const TaskRow& row) { return row.link == 0 && row.name != "tip_box" && !is_wide(row); });
     room_.resize(static_cast<std::size_t>(size_[0] * size_[1]));
     for (std::size_t c = 0; c < room_.size(); ++c) room_[c] = room_at(problem.robot, rows, q_of(c));
     cost_.assign(room_.size(), 1);

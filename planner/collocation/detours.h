@@ -23,8 +23,11 @@ struct Detours {
 
 inline constexpr double kCoarseGrid = 0.06, kFineGrid = 0.02;  // [rad]: 4 cm and 1 cm at the stretched tip
 
-// Between two postures of the motion's segment; at most `most` ways. Only obstacles and boxes are looked at: lines,
-// arcs and paths are narrower than a grid.
+// [m] A line or an arc of the tip with this tolerance or more is a region that there may be several ways through.
+inline constexpr double kWideTipPath = 0.08;
+
+// Between two postures of the motion's segment; at most `most` ways. Only obstacles, boxes and wide lines and arcs are
+// looked at: others, and paths, are narrower than a grid.
 Detours find_detours(const Problem& problem, std::size_t segment, const Pair<double>& from, const Pair<double>& to,
                      std::size_t most, double spacing = kCoarseGrid);
 

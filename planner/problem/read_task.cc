@@ -191,6 +191,25 @@ std::string leaves(const Problem& problem, std::size_t segment, const Pair<doubl
   return "";
 }
 
+// A joint that may end anywhere is guessed where it was last, or as near to that as the task allows.
+void place_free_joint(Problem& problem) {
+  constexpr int kAngles = 400;
+  const std::size_t last = problem.via.size();
+  if (broken(problem, last, problem.goal.q).empty()) return;
+  const Pair<double> before = problem.via.empty() ? problem.start.q : problem.via.back().q;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!problem.goal.free[j]) continue;
+    double nearest = kNoLimit;
+    for (int i = -kAngles; i <= kAngles; ++i) {
+      Pair<double> q = problem.goal.q;
+      q[j] = problem.limits.link_position[j] * i / kAngles;
+      if (std::abs(q[j] - before[j]) >= nearest || !broken(problem, last, q).empty()) continue;
+      nearest = std::abs(q[j] - before[j]);
+      problem.goal.q[j] = q[j];
+    }
+  }
+}
+
 }  // namespace
 
 void read_task(const YamlNode& root, Problem& problem) {
@@ -212,7 +231,7 @@ void check_task(const YamlNode& root, Problem& problem) {
       throw InputError(root.source(), problem.task.path ? fmt::format("path.points[{}]", i) : fmt::format("via[{}]", i),
                        wrong);
   }
-  if (problem.goal.any_free()) return;
+  if (problem.goal.any_free()) return place_free_joint(problem);
   const std::size_t last = problem.via.size();
   const auto wrong_with = [&](const Goal& goal) {  // before the goal the motion comes from where it goes to after it
     const std::string there = broken(problem, last, goal.q);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "planner/plan.h"
 #include "planner/trajectory/trajectory.h"
@@ -80,6 +81,27 @@ TEST(TaskPlan, TipKeepsToALine) {
              [&](double, const Pair<double>& q) { furthest = std::max(furthest, from_segment(tip(q), from, to)); });
   EXPECT_LT(furthest, 0.002 + kMissed);
   EXPECT_GT(furthest, 0.0018);  // a faster motion uses what it is given
+}
+
+// 241 degrees about [0.32, -0.2] m, to the left: the short way would be to the right.
+TEST(TaskPlan, TipKeepsToAnArcBeyondHalfATurn) {
+  const Point2 center{0.32, -0.2};
+  const double radius = 0.1, tolerance = 0.02;
+  const Plan result = certified(
+      "{start: {q: [0.33846686702355033, 2.0640669532382474]}, goal: {q: [0.33094525650277518, 1.4959281989151574]}, "
+      "tip: {arc: {center: [0.32, -0.2], from: [0.32, -0.1], to: [0.40715757724135881, -0.24902608213406996], "
+      "tolerance: 0.02, way: long}}}");
+  double furthest = 0, turned = 0;
+  std::optional<double> before;
+  look_along(result, [&](double, const Pair<double>& q) {
+    const Point2 at = tip(q);
+    furthest = std::max(furthest, std::abs(std::hypot(at[0] - center[0], at[1] - center[1]) - radius));
+    const double angle = std::atan2(at[1] - center[1], at[0] - center[0]);
+    if (before) turned += std::remainder(angle - *before, 2 * M_PI);
+    before = angle;
+  });
+  EXPECT_LT(furthest, tolerance + kMissed);
+  EXPECT_NEAR(turned, 4.2, 0.01);
 }
 
 TEST(TaskPlan, AnglesFollowAPathCornerByCorner) {

@@ -23,6 +23,24 @@ TEST_F(ServiceTest, GivesTheSameFilesAsPlanningByOneself) {
   EXPECT_THAT(contents(path("a/plan.json")), HasSubstr("\"verdict\": \"certified\""));
 }
 
+// What only a document can say: an arc beyond half a turn, here 206 degrees about [0.32, -0.2] m.
+TEST_F(ServiceTest, PlansAnArcTheLongWayRound) {
+  serve();
+  const Order arc = order(
+      "start: {q: [0.33846686702355033, 2.0640669532382474]}\ngoal: {q: [0.18449583, 1.549214]}\ntip: {arc: {center: "
+      "[0.32, "
+      "-0.2], from: [0.32, -0.1], to: [0.36425204, -0.28967584], tolerance: 0.03, way: long}}\n");
+  send(arc);
+  const Reply reply = final_reply(arc.id, 60);
+  ASSERT_EQ(reply.state, ReplyState::kSolved) << reply.why.sentence;
+  double leftmost = 1;  // the short way round passes on the right
+  for (const Sample& row : reply.rows) {
+    const Pair<double>& q = row.state.q;
+    leftmost = std::min(leftmost, 0.345 * std::sin(q[0]) + 0.305 * std::sin(q[0] + q[1]));
+  }
+  EXPECT_NEAR(leftmost, 0.32 - 0.1, 0.03);
+}
+
 TEST_F(ServiceTest, SolvesTheSameIdOnce) {
   serve();
   const Order one = order(kFast);

@@ -84,6 +84,26 @@ TEST(Wire, TasksAndSetsArriveAsTheyWere) {
   }
 }
 
+TEST(Wire, ArcsBeyondHalfATurnArriveAndServicesFromBeforeAreNotAsked) {
+  const auto arc = [](const char* way) {
+    return "start: {q: [0.33846686702355033, 2.0640669532382474]}\ngoal: {q: [0.33094525650277518, "
+           "1.4959281989151574]}\n"
+           "tip: {arc: {center: [0.32, -0.2], from: [0.32, -0.1], to: [0.407158, -0.249026], tolerance: 0.03" +
+           std::string(way) + "}}\n";
+  };
+  const std::string longer = arc(", way: long");
+  EXPECT_EQ(resolved(as_motion_request(longer)).request_hash, resolved(longer).request_hash);
+  EXPECT_NE(resolved(longer).request_hash, resolved(arc("")).request_hash);
+  EXPECT_EQ(hashes_by_wire(arc(", way: short")), twice(resolved(arc("")).request_hash));
+  try {
+    (void)dds::encode_plan_request(order_of(longer));
+    ADD_FAILURE() << "would have come as the short way";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("tip.arc.way"));
+    EXPECT_THAT(error.what(), HasSubstr("older version"));
+  }
+}
+
 TEST(Wire, PayloadsAndTermsArriveAsTheyWere) {
   for (const char* more : {"payload: 0.1\n", "payload: {mass: {value: 0.1, unit: kg}, inertia: 0.001}\n",
                            "objective: {time: 1, link_jerk: 1e-6, energy: 0.5}\n"}) {

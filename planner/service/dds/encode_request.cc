@@ -213,7 +213,10 @@ void encode_tip(const YamlNode& root, fjr_msg_TipPath& tip) {
     encode_tip_segment(*line, tip);
   } else {
     const YamlNode arc = node->at("arc");
-    arc.allow_keys({"center", "from", "to", "tolerance"});
+    arc.allow_keys({"center", "from", "to", "tolerance", "way"});
+    if (const auto way = arc.find("way"); way && !way->says("short")) {
+      way->fail("only short can be said to the service, which is of an older version; `fjr plan` plans it");
+    }
     tip.kind = fjr_msg_TIP_ARC;
     set_pair(arc.at("center"), "m", tip.center);
     encode_tip_segment(arc, tip);

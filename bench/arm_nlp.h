@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "planner/collocation/transcription.h"
-#include "planner/problem/arm_ocp.h"
-#include "planner/solver/kkt/chain_ldlt.h"
+#include "planner/nlp/chain/chain_ldlt.h"
+#include "planner/ocp/arm_ocp.h"
 
 namespace fjr::bench {
 

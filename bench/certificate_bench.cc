@@ -10,6 +10,7 @@
 #include "planner/certificate/residual.h"
 #include "planner/certificate/tracking.h"
 #include "planner/plan.h"
+#include "planner/request/request.h"
 
 namespace fjr::bench {
 namespace {

@@ -2,7 +2,7 @@
 // point. Two states take turns.
 #include <benchmark/benchmark.h>
 
-#include "model/dual.h"
+#include "common/dual.h"
 #include "model/dynamics.h"
 #include "model/parameters.h"
 

@@ -3,8 +3,9 @@
 #include <benchmark/benchmark.h>
 
 #include "model/parameters.h"
-#include "planner/collocation/collocate.h"
-#include "planner/collocation/guess.h"
+#include "planner/ocp/collocate.h"
+#include "planner/request/request.h"
+#include "planner/search/guesses.h"
 
 namespace fjr::bench {
 namespace {

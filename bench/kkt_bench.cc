@@ -5,7 +5,7 @@
 #include "bench/arm_nlp.h"
 #include "bench/mumps.h"
 #include "model/parameters.h"
-#include "planner/solver/kkt/chain_ldlt.h"
+#include "planner/nlp/chain/chain_ldlt.h"
 
 namespace fjr::bench {
 namespace {

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/solver/solve_cost.h"
+#include "planner/nlp/solve_cost.h"
 
 namespace fjr::bench {
 

@@ -9,8 +9,9 @@
 
 #include "bench/measure.h"
 #include "model/parameters.h"
-#include "planner/collocation/collocate.h"
-#include "planner/collocation/guess.h"
+#include "planner/ocp/collocate.h"
+#include "planner/request/request.h"
+#include "planner/search/guesses.h"
 
 namespace fjr::bench {
 namespace {
@@ -24,7 +25,7 @@ struct Options {
   std::string json;
 };
 
-// The friction law of a cold start: see levels() in planner/solver/continuation.cc.
+// The friction law of a cold start: see levels() in planner/search/continuation.cc.
 SolveReport solve_once(const Problem& problem, int intervals, const std::string& linear_solver, int iterations) {
   SolveOptions options;
   options.linear_solver = linear_solver;

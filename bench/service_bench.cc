@@ -12,8 +12,8 @@
 #include <optional>
 #include <stdexcept>
 
-#include "planner/service/dds/client_port.h"
-#include "planner/service/dds/wire_execution.h"
+#include "planner/dds/client_port.h"
+#include "planner/dds/wire_execution.h"
 #include "tests/support/domain.h"
 #include "tests/support/process.h"
 

@@ -3,11 +3,11 @@ include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
 install(TARGETS fjr EXPORT fjrTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-# The chain factorisation has the symbols of another library (planner/solver/kkt/ma27.h): a folder of its own keeps it
+# The chain factorisation has the symbols of another library (planner/nlp/chain/ma27.h): a folder of its own keeps it
 # from being linked by anybody else.
 install(TARGETS fjr_kkt EXPORT fjrTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/fjr)
 set_target_properties(fjr PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/fjr")
-install(TARGETS fjr_model fjr_planner
+install(TARGETS fjr_common fjr_model fjr_planner
   EXPORT fjrTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
@@ -35,7 +35,7 @@ install(CODE "
       file(INSTALL \"${PROJECT_SOURCE_DIR}/config/\${file}\" DESTINATION \"\${FJR_ETC}/fjr\")
     endif()
   endforeach()")
-install(DIRECTORY model planner
+install(DIRECTORY common model planner
   DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fjr
   FILES_MATCHING PATTERN "*.h"
   PATTERN planner/program EXCLUDE)

@@ -1,6 +1,6 @@
 #include "model/flatness.h"
 
-#include "model/taylor.h"
+#include "common/taylor.h"
 
 namespace fjr {
 namespace {

@@ -12,9 +12,9 @@
 #include <system_error>
 #include <utility>
 
-#include "model/input_error.h"
-#include "model/sha256.h"
-#include "model/strict_yaml.h"
+#include "common/input_error.h"
+#include "common/sha256.h"
+#include "common/strict_yaml.h"
 
 namespace fjr {
 namespace {

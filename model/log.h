@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "model/csv.h"
+#include "common/csv.h"
 
 namespace fjr {
 

@@ -12,11 +12,11 @@
 #include <system_error>
 #include <vector>
 
+#include "common/input_error.h"
+#include "common/sha256.h"
+#include "common/strict_yaml.h"
 #include "model/dynamics.h"
-#include "model/input_error.h"
 #include "model/plausibility.h"
-#include "model/sha256.h"
-#include "model/strict_yaml.h"
 
 namespace fjr {
 namespace {

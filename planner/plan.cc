@@ -12,15 +12,15 @@
 
 #include "planner/analysis/analysis.h"
 #include "planner/certificate/request_check.h"
-#include "planner/collocation/collocate.h"
-#include "planner/collocation/detours.h"
-#include "planner/collocation/guess.h"
-#include "planner/collocation/margins.h"
-#include "planner/collocation/refinement.h"
-#include "planner/solver/continuation.h"
-#include "planner/solver/ladder.h"
-#include "planner/trajectory/objective.h"
-#include "planner/trajectory/sampling.h"
+#include "planner/ocp/collocate.h"
+#include "planner/ocp/margins.h"
+#include "planner/ocp/objective.h"
+#include "planner/ocp/sampling.h"
+#include "planner/search/continuation.h"
+#include "planner/search/detours.h"
+#include "planner/search/guesses.h"
+#include "planner/search/ladder.h"
+#include "planner/search/refinement.h"
 
 namespace fjr {
 namespace {

@@ -10,9 +10,10 @@
 
 #include "planner/analysis/analysis.h"
 #include "planner/certificate/certificate.h"
-#include "planner/explain/explain.h"
+#include "planner/nlp/solve_cost.h"
 #include "planner/problem/problem.h"
-#include "planner/solver/solve_cost.h"
+#include "planner/search/explain/explain.h"
+#include "planner/search/record.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -30,16 +31,7 @@ enum class PlanStatus {
 const char* name(PlanStatus status);  // as in plan.json: "certified", "bad_input", ...
 int exit_code(PlanStatus status);     // as in the README
 
-// Asked and told between iterations of the optimiser.
-struct Progress {
-  std::string stage;  // "start 2 of 4, friction 0.01 rad/s, 80 intervals"
-  int iteration = 0;  // over the whole plan
-  double objective = 0;
-  double violation = 0;  // of the constraints, scaled
-};
-
-struct Collocated;  // planner/collocation/collocate.h: a solution, with what a neighbouring problem needs to start from
-                    // it
+struct Collocated;  // planner/ocp/collocate.h: a solution, with what a neighbouring problem needs to start from
 
 struct PlanOptions {
   double deadline = 0;  // [s] of wall time; 0: none
@@ -51,38 +43,6 @@ struct PlanOptions {
   std::function<void(const Progress&)> on_progress;
   std::function<bool()> cancelled;  // polled between iterations
 };
-
-struct SolverStage {
-  std::string name;  // what was solved
-  int intervals = 0;
-  int iterations = 0;
-  double objective = 0;
-  std::string status;
-  SolveCost cost{};
-  double work = 0;         // SolveReport::work
-  bool forgetful = false;  // a warm start that failed, tried again without multipliers and with an adaptive barrier
-};
-
-// How often what usually works did not, and what was tried then (planner/solver/ladder.h has the order).
-struct Fallbacks {
-  int adaptive_barrier = 0;  // a warm start failed; tried again with multipliers forgotten and an adaptive barrier
-  int displaced_start = 0;   // starts beyond those that are always tried
-  int patience = 0;          // a start with many more iterations, and more than a trace of effort at first
-  int coarser_mesh = 0, finer_mesh = 0;
-  int elastic = 0;       // limits relaxed, then tightened step by step
-  int from_fastest = 0;  // from the fastest motion, stretched to the time there is
-};
-
-template <class F, class Visit>
-void visit_fallbacks(F& f, Visit&& visit) {
-  visit("adaptive_barrier", f.adaptive_barrier);
-  visit("displaced_start", f.displaced_start);
-  visit("patience", f.patience);
-  visit("coarser_mesh", f.coarser_mesh);
-  visit("finer_mesh", f.finer_mesh);
-  visit("elastic", f.elastic);
-  visit("from_fastest", f.from_fastest);
-}
 
 struct Plan {
   PlanStatus status = PlanStatus::kNotConverged;

@@ -1,13 +1,61 @@
-# Who may include what (one adapter per foreign library, and one direction between the parts).
+# Who may include what: folders are layers, and one adapter stands before each foreign library.
 #   cmake -D SOURCE=<repository> -P tests/include_rules.cmake
 cmake_minimum_required(VERSION 3.25)
 
-file(GLOB_RECURSE sources RELATIVE ${SOURCE} ${SOURCE}/model/*.h ${SOURCE}/model/*.cc ${SOURCE}/planner/*.h
-  ${SOURCE}/planner/*.cc)
+# From the bottom to the top. A file includes headers of its own folder and of folders before it; of a folder's
+# subfolders each is a layer of its own. What stands side by side, and is not to know each other, is ruled below.
+set(layers
+  common
+  model
+  model/rig
+  model/identify
+  planner/nlp/chain
+  planner/nlp
+  planner/collocation
+  planner/trajectory
+  planner/problem
+  planner/request
+  planner/control
+  planner/certificate
+  planner/stop
+  planner/ocp
+  planner/analysis
+  planner/search
+  planner/search/explain
+  planner  # plan.h, the story of one request
+  planner/results
+  planner/results/report
+  planner/batch
+  planner/protocol
+  planner/dds
+  planner/client
+  planner/service
+  planner/executor
+  planner/program)
+
+file(GLOB_RECURSE sources RELATIVE ${SOURCE} ${SOURCE}/common/*.h ${SOURCE}/common/*.cc ${SOURCE}/model/*.h
+  ${SOURCE}/model/*.cc ${SOURCE}/planner/*.h ${SOURCE}/planner/*.cc)
 if(NOT sources)
   message(FATAL_ERROR "no sources in ${SOURCE}")
 endif()
 set(broken "")
+
+foreach(source ${sources})
+  get_filename_component(folder ${source} DIRECTORY)
+  list(FIND layers ${folder} own)
+  if(own EQUAL -1)
+    string(APPEND broken "  ${source}: its folder is no layer\n")
+    continue()
+  endif()
+  file(STRINGS ${SOURCE}/${source} lines REGEX "^[ \t]*#[ \t]*include[ \t]*\"(common|model|planner)/")
+  foreach(line ${lines})
+    string(REGEX REPLACE ".*\"(.*)/[^/]*\".*" "\\1" included "${line}")
+    list(FIND layers ${included} other)
+    if(other EQUAL -1 OR other GREATER own)
+      string(APPEND broken "  ${source}: ${line}: ${folder} stands below ${included}\n")
+    endif()
+  endforeach()
+endforeach()
 
 # rule(what allowed forbidden): outside the files matching `allowed` nobody includes headers matching `forbidden`.
 function(rule what allowed forbidden)
@@ -23,19 +71,20 @@ function(rule what allowed forbidden)
   set(broken "${broken}" PARENT_SCOPE)
 endfunction()
 
-rule("only planner/solver/ipopt* knows Ipopt" "^planner/solver/ipopt" "Ip[A-Z][A-Za-z]*\\.hpp|coin(-or)?/")
-rule("only planner/certificate and model/rig know SUNDIALS" "^(planner/certificate|model/rig)/"
+rule("only planner/nlp/ipopt* knows Ipopt" "^planner/nlp/ipopt" "Ip[A-Z][A-Za-z]*\\.hpp|coin(-or)?/")
+rule("only planner/certificate and model/rig know SUNDIALS" "^(planner/certificate|model/rig|common/sundials_handles)"
   "sundials/|arkode/|cvodes?/|nvector/|sunmatrix/|sunlinsol/|sunnonlinsol/")
 rule("only model/identify/curve_fit.cc knows Ceres" "^model/identify/curve_fit\\.cc$" "ceres/|glog/")
-rule("model stands below planner" "^planner/" "planner/")
-rule("only planner/service/dds and planner/executor/dds know DDS and the wire types" "^planner/(service|executor)/dds/"
+rule("only planner/dds knows DDS and the wire types" "^planner/dds/"
   "dds/|ddsc/|fjr_(msgs|plan_request)\\.h|trajectory_msgs\\.h")
-rule("only service, executor and program know planner/service" "^planner/(service|executor|program)/" "planner/service/")
-rule("only service, executor and program log" "^planner/(service|executor|program)/" "spdlog/")
+rule("only what serves, executes or talks to them knows their protocol"
+  "^planner/(protocol|dds|client|service|executor|program)/" "planner/(protocol|dds|client)/")
+rule("only what serves or executes logs" "^planner/(protocol|dds|client|service|executor|program)/" "spdlog/")
 rule("only planner/program knows CLI11" "^planner/program/" "CLI/|CLI11")
-rule("the rig and identification stand side by side" "^(model/rig|planner)/" "model/rig/(rig|experiments|record|simulated_arm|normal|rig_file)")
+rule("the rig and identification stand side by side" "^(model/rig|planner/(executor|program))/" "model/rig/")
 rule("the rig and identification stand side by side" "^(model/identify|planner/program)/" "model/identify/")
-rule("nothing stands above planner/program" "^planner/program/" "planner/program/")
+rule("service and executor stand side by side" "^planner/(service|program)/" "planner/service/")
+rule("service and batches stand side by side" "^planner/(batch|program)/" "planner/batch/")
 
 if(broken)
   message(FATAL_ERROR "include rules broken:\n${broken}")

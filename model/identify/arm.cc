@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "model/dual.h"
+#include "common/dual.h"
 #include "model/dynamics.h"
 
 namespace fjr {

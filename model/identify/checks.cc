@@ -6,8 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/input_error.h"
 #include "model/identify/fit.h"
-#include "model/input_error.h"
 
 namespace fjr {
 namespace {

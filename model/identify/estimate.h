@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "model/chart_page.h"
+#include "common/chart_page.h"
 
 namespace fjr {
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
 
 namespace fjr {
 namespace {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/input_error.h"
 #include "model/dynamics.h"
 #include "model/encoder.h"
 #include "model/identify/checks.h"
@@ -12,7 +13,6 @@
 #include "model/identify/figures.h"
 #include "model/identify/procedures.h"
 #include "model/identify/swing.h"
-#include "model/input_error.h"
 
 namespace fjr {
 namespace {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/input_error.h"
 #include "model/friction.h"
 #include "model/identify/checks.h"
 #include "model/identify/figures.h"
@@ -12,7 +13,6 @@
 #include "model/identify/procedures.h"
 #include "model/identify/stretches.h"
 #include "model/identify/velocity.h"
-#include "model/input_error.h"
 
 namespace fjr {
 namespace {

@@ -10,13 +10,13 @@
 #include <cmath>
 #include <iterator>
 
+#include "common/input_error.h"
 #include "model/identify/checks.h"
 #include "model/identify/figures.h"
 #include "model/identify/fit.h"
 #include "model/identify/procedures.h"
 #include "model/identify/pushes.h"
 #include "model/identify/velocity.h"
-#include "model/input_error.h"
 
 namespace fjr {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "model/chart_page.h"
+#include "common/chart_page.h"
 
 namespace fjr {
 namespace {

@@ -8,7 +8,7 @@
 #include <optional>
 #include <set>
 
-#include "model/strict_yaml.h"
+#include "common/strict_yaml.h"
 
 namespace fjr {
 namespace {

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <utility>
 
+#include "common/input_error.h"
 #include "model/identify/checks.h"
 #include "model/identify/figures.h"
 #include "model/identify/fit.h"
 #include "model/identify/schedule.h"
-#include "model/input_error.h"
 
 namespace fjr {
 namespace {

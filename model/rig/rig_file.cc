@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string_view>
 
-#include "model/strict_yaml.h"
+#include "common/strict_yaml.h"
 
 namespace fjr {
 namespace {

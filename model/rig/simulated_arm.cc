@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "model/rig/sundials_handles.h"
+#include "common/sundials_handles.h"
 
 namespace fjr {
 namespace {

@@ -1,29 +1,16 @@
-// The analysis for what an instance has room for: what analyse() chooses from. Each choice is compiled with its
-// collocation, in collocation/arm_collocation_*.cc.
+// The analysis for what an instance has room for: what analyse() chooses from.
 #pragma once
 
 #include <vector>
 
-#include "model/dual.h"
-#include "planner/analysis/adjoint.h"
+#include "common/dual.h"
 #include "planner/analysis/analysis.h"
 #include "planner/analysis/limit_worth.h"
 #include "planner/analysis/optimality.h"
-#include "planner/collocation/arm_collocation.h"
+#include "planner/collocation/adjoint.h"
+#include "planner/ocp/arm_collocation.h"
 
 namespace fjr {
-
-template <Features F>
-Analysis analyse_with(const Problem& problem, const Collocated& solution, double scale);
-
-extern template Analysis analyse_with<kPlain>(const Problem&, const Collocated&, double);
-extern template Analysis analyse_with<kRateControlled>(const Problem&, const Collocated&, double);
-extern template Analysis analyse_with<kWithTask>(const Problem&, const Collocated&, double);
-extern template Analysis analyse_with<kRateWithTask>(const Problem&, const Collocated&, double);
-extern template Analysis analyse_with<kWithPeak>(const Problem&, const Collocated&, double);
-extern template Analysis analyse_with<kEverything>(const Problem&, const Collocated&, double);
-
-// ---- the template's parts ----
 
 namespace arm_analysis {
 

@@ -12,10 +12,10 @@
 
 #include "planner/analysis/analysis.h"
 #include "planner/analysis/optimality.h"
-#include "planner/collocation/collocate.h"
-#include "planner/collocation/margins.h"
 #include "planner/collocation/transcription.h"
-#include "planner/problem/arm_ocp.h"
+#include "planner/ocp/arm_ocp.h"
+#include "planner/ocp/collocate.h"
+#include "planner/ocp/margins.h"
 
 namespace fjr {
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <vector>
 
-#include "planner/analysis/adjoint.h"
 #include "planner/analysis/analysis.h"
+#include "planner/collocation/adjoint.h"
 
 namespace fjr {
 

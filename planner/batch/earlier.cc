@@ -3,7 +3,7 @@
 #include <fstream>
 #include <string>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
 #include "planner/plan.h"
 #include "planner/trajectory/trajectory.h"
 

@@ -11,7 +11,7 @@
 #include <string_view>
 #include <utility>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
 
 namespace fjr {
 namespace {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "model/strict_yaml.h"
+#include "common/strict_yaml.h"
 
 namespace fjr {
 

@@ -6,9 +6,10 @@
 #include <charconv>
 #include <iterator>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
 #include "planner/batch/grid.h"
 #include "planner/batch/name_order.h"
+#include "planner/request/request.h"
 
 namespace fjr {
 namespace {

@@ -13,6 +13,7 @@
 #include "planner/certificate/residual.h"
 #include "planner/certificate/thresholds.h"
 #include "planner/certificate/tracking.h"
+#include "planner/control/motor_feedback.h"
 
 namespace fjr {
 namespace {

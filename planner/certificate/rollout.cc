@@ -6,8 +6,8 @@
 #include <optional>
 #include <utility>
 
-#include "model/dual.h"
-#include "model/rig/sundials_handles.h"
+#include "common/dual.h"
+#include "common/sundials_handles.h"
 
 namespace fjr {
 namespace {

@@ -34,10 +34,10 @@
 #include <utility>
 #include <vector>
 
-#include "model/dual.h"
+#include "common/dual.h"
 #include "planner/collocation/mesh.h"
 #include "planner/collocation/scheme.h"
-#include "planner/solver/nlp.h"
+#include "planner/nlp/nlp.h"
 
 namespace fjr {
 

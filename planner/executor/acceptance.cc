@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "planner/service/epoch.h"
+#include "planner/protocol/epoch.h"
 
 namespace fjr {
 namespace {

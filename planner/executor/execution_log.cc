@@ -6,8 +6,8 @@
 #include <chrono>
 #include <string_view>
 
+#include "common/atomic_file.h"
 #include "model/log.h"
-#include "planner/trajectory/atomic_file.h"
 
 namespace fjr {
 namespace {

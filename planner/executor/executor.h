@@ -10,14 +10,14 @@
 #include <stop_token>
 #include <string>
 
+#include "planner/dds/executor_port.h"
 #include "planner/executor/acceptance.h"
 #include "planner/executor/control.h"
-#include "planner/executor/dds/executor_port.h"
 #include "planner/executor/executor_config.h"
 #include "planner/executor/history.h"
 #include "planner/executor/realtime.h"
-#include "planner/service/signature.h"
-#include "planner/service/stamp_clock.h"
+#include "planner/protocol/signature.h"
+#include "planner/protocol/stamp_clock.h"
 
 namespace fjr {
 

@@ -5,7 +5,7 @@
 #include <array>
 #include <cstdlib>
 
-#include "model/strict_yaml.h"
+#include "common/strict_yaml.h"
 
 namespace fjr {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "planner/executor/virtual_arm.h"
-#include "planner/service/execution_messages.h"
-#include "planner/service/network.h"
+#include "planner/protocol/execution_messages.h"
+#include "planner/protocol/network.h"
 
 namespace fjr {
 

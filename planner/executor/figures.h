@@ -1,7 +1,7 @@
 // What a motion amounts to: errors, feedback, and how near its limits it came.
 #pragma once
 
-#include "planner/service/execution_messages.h"
+#include "planner/protocol/execution_messages.h"
 
 namespace fjr {
 

@@ -8,9 +8,9 @@
 #include <optional>
 #include <set>
 
-#include "planner/executor/dds/command_port.h"
-#include "planner/service/client.h"
-#include "planner/service/patience.h"
+#include "planner/client/client.h"
+#include "planner/client/patience.h"
+#include "planner/dds/command_port.h"
 
 namespace fjr {
 namespace {

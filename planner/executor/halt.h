@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "planner/service/execution_messages.h"
-#include "planner/service/network.h"
+#include "planner/protocol/execution_messages.h"
+#include "planner/protocol/network.h"
 
 namespace fjr {
 
@@ -18,7 +18,7 @@ struct HaltOptions {
 
 // Sends the command to whoever takes commands, as soon as they are met and again until it is over, whether anything is
 // heard of them or not. Returns the states in which every executor of the robot holds, or is stopped. Throws NoAnswer
-// (planner/service/client.h), one sentence on what was sent and who has not said so.
+// (planner/client/client.h), one sentence on what was sent and who has not said so.
 std::vector<ExecutorState> halt(ExecutorCommand command, const HaltOptions& options);
 
 }  // namespace fjr

@@ -6,9 +6,9 @@
 #include <charconv>
 #include <fstream>
 
-#include "model/input_error.h"
-#include "model/strict_yaml.h"
-#include "planner/trajectory/atomic_file.h"
+#include "common/atomic_file.h"
+#include "common/input_error.h"
+#include "common/strict_yaml.h"
 
 namespace fjr {
 namespace {

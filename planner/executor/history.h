@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-#include "planner/service/execution_messages.h"
+#include "planner/protocol/execution_messages.h"
 
 namespace fjr {
 

@@ -9,7 +9,7 @@
 #include <thread>
 
 #include "planner/certificate/certificate.h"
-#include "planner/certificate/tracking.h"
+#include "planner/control/motor_feedback.h"
 
 namespace fjr {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "planner/executor/checked_stops.h"
 #include "planner/executor/figures.h"
-#include "planner/service/execution_messages.h"
+#include "planner/protocol/execution_messages.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {

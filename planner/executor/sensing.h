@@ -2,7 +2,7 @@
 #pragma once
 
 #include "model/encoder.h"
-#include "planner/certificate/tracking.h"
+#include "planner/control/motor_feedback.h"
 #include "planner/executor/arm.h"
 
 namespace fjr {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "model/encoder.h"
-#include "planner/certificate/tracking.h"
+#include "planner/control/motor_feedback.h"
 
 namespace fjr {
 namespace {

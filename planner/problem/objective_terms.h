@@ -12,7 +12,7 @@
 
 #include "model/dynamics.h"
 #include "model/kinematics.h"
-#include "planner/collocation/motion.h"
+#include "planner/trajectory/motion.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {

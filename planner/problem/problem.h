@@ -78,8 +78,8 @@ struct Duration {
   bool fixed() const { return min == max; }
 };
 
-// Nothing that a request asks for, but what tells how far one is from possible (planner/explain): limits give way by
-// the slack times `give`, and the slack is what is minimised, beside the weighted terms.
+// Nothing that a request asks for, but what tells how far one is from possible (planner/search/explain): limits give
+// way by the slack times `give`, and the slack is what is minimised, beside the weighted terms.
 struct Elastic {
   std::vector<double> give;           // of the limits, in their order, then of the task's rows; each in its own unit
   std::optional<std::size_t> slower;  // the velocity asked for there is lowered by the slack, its share: at that via
@@ -118,19 +118,5 @@ inline Pair<double> held_at_goal(const Problem& problem) {
 inline bool any_timed(const Problem& problem) {
   return std::any_of(problem.via.begin(), problem.via.end(), [](const Via& via) { return via.time.has_value(); });
 }
-
-// Reads a request (config/requests/annotated.yaml) and resolves it: presets, defaults, moving starts by flatness,
-// limits tightened. Throws InputError naming file, field, value and what is allowed, for malformed and for
-// contradictory requests alike (outside limits, static torque too large, free duration without a time weight, ...).
-// Nothing is optimised here. default_robot: used when the request names none; empty: the shipped one, looked for only
-// then.
-Problem load_request(const std::filesystem::path& file, const std::filesystem::path& default_robot = {});
-
-// The same from text; `source` names it in errors, `folder` is what relative paths are relative to.
-Problem parse_request(const std::string& yaml, const std::string& source, const std::filesystem::path& folder,
-                      const std::filesystem::path& default_robot = {});
-
-// The same for a robot that is known already, from a request that names none.
-Problem parse_request(const std::string& yaml, const std::string& source, const Parameters& robot);
 
 }  // namespace fjr

@@ -15,7 +15,8 @@
 #include <thread>
 #include <vector>
 
-#include "model/input_error.h"
+#include "common/atomic_file.h"
+#include "common/input_error.h"
 #include "planner/batch/earlier.h"
 #include "planner/batch/items.h"
 #include "planner/batch/table.h"
@@ -26,9 +27,8 @@
 #include "planner/program/plan_settings.h"
 #include "planner/program/progress_line.h"
 #include "planner/program/result_files.h"
-#include "planner/program/result_folder.h"
-#include "planner/trajectory/atomic_file.h"
-#include "planner/trajectory/plan_json.h"
+#include "planner/results/plan_json.h"
+#include "planner/results/result_folder.h"
 
 namespace fjr {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
 #include "planner/executor/executor.h"
 #include "planner/executor/virtual_arm.h"
 #include "planner/program/commands.h"

@@ -11,13 +11,13 @@
 #include <string>
 #include <vector>
 
-#include "model/input_error.h"
+#include "common/atomic_file.h"
+#include "common/input_error.h"
 #include "model/rig/experiments.h"
 #include "model/rig/rig_file.h"
 #include "planner/program/commands.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/progress_line.h"
-#include "planner/trajectory/atomic_file.h"
 
 namespace fjr {
 namespace {

@@ -10,7 +10,7 @@
 #include "planner/executor/halt.h"
 #include "planner/program/commands.h"
 #include "planner/program/network_arguments.h"
-#include "planner/trajectory/plan_json.h"
+#include "planner/results/plan_json.h"
 
 namespace fjr {
 namespace {

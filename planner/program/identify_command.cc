@@ -10,16 +10,16 @@
 #include <string>
 #include <vector>
 
+#include "common/atomic_file.h"
+#include "common/input_error.h"
 #include "model/identify/agreement.h"
 #include "model/identify/arm.h"
 #include "model/identify/procedures.h"
 #include "model/identify/report.h"
 #include "model/identify/robot_file.h"
-#include "model/input_error.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
-#include "planner/trajectory/atomic_file.h"
-#include "planner/trajectory/plan_json.h"
+#include "planner/results/plan_json.h"
 
 namespace fjr {
 namespace {

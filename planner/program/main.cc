@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
 #include "planner/program/commands.h"
 
 namespace {

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <optional>
 
-#include "planner/service/network.h"
+#include "planner/protocol/network.h"
 
 namespace fjr {
 

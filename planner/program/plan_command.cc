@@ -16,7 +16,8 @@
 #include <string>
 #include <vector>
 
-#include "model/input_error.h"
+#include "common/atomic_file.h"
+#include "common/input_error.h"
 #include "planner/plan.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
@@ -24,11 +25,11 @@
 #include "planner/program/plan_settings.h"
 #include "planner/program/progress_line.h"
 #include "planner/program/result_files.h"
-#include "planner/program/result_folder.h"
 #include "planner/program/summary.h"
-#include "planner/solver/solution_file.h"
-#include "planner/trajectory/atomic_file.h"
-#include "planner/trajectory/plan_json.h"
+#include "planner/request/request.h"
+#include "planner/results/plan_json.h"
+#include "planner/results/result_folder.h"
+#include "planner/results/solution_file.h"
 
 namespace fjr {
 namespace {

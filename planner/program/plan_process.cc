@@ -14,7 +14,7 @@
 #include <system_error>
 #include <utility>
 
-#include "planner/service/spawn.h"
+#include "common/spawn.h"
 
 namespace fjr {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/service/descriptor.h"
+#include "common/descriptor.h"
 
 namespace fjr {
 

@@ -5,7 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <cmath>
 
-#include "planner/solver/linear_solver.h"
+#include "planner/nlp/linear_solver.h"
 
 namespace fjr {
 

@@ -7,7 +7,7 @@
 
 #include "planner/program/commands.h"
 #include "planner/program/result_files.h"
-#include "planner/program/result_folder.h"
+#include "planner/results/result_folder.h"
 
 namespace fjr {
 

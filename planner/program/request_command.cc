@@ -10,17 +10,17 @@
 #include <sstream>
 #include <string>
 
-#include "model/input_error.h"
-#include "model/strict_yaml.h"
+#include "common/atomic_file.h"
+#include "common/input_error.h"
+#include "common/strict_yaml.h"
+#include "planner/client/client.h"
 #include "planner/program/commands.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/network_arguments.h"
 #include "planner/program/progress_line.h"
 #include "planner/program/result_files.h"
-#include "planner/program/result_folder.h"
-#include "planner/service/client.h"
-#include "planner/trajectory/atomic_file.h"
-#include "planner/trajectory/plan_json.h"
+#include "planner/results/plan_json.h"
+#include "planner/results/result_folder.h"
 
 namespace fjr {
 namespace {

@@ -8,12 +8,12 @@
 #include <nlohmann/json.hpp>
 #include <system_error>
 
-#include "model/input_error.h"
-#include "model/strict_yaml.h"
-#include "planner/program/result_folder.h"
-#include "planner/report/plan_page.h"
-#include "planner/trajectory/atomic_file.h"
-#include "planner/trajectory/planned_with.h"
+#include "common/atomic_file.h"
+#include "common/input_error.h"
+#include "common/strict_yaml.h"
+#include "planner/results/planned_with.h"
+#include "planner/results/report/plan_page.h"
+#include "planner/results/result_folder.h"
 
 namespace fjr {
 

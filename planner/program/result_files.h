@@ -6,7 +6,7 @@
 #include <string>
 
 #include "planner/plan.h"
-#include "planner/service/messages.h"
+#include "planner/protocol/messages.h"
 
 namespace fjr {
 
@@ -14,7 +14,7 @@ namespace fjr {
 // cannot. Results of an earlier run stay until there are others.
 void prepare_folder(const std::filesystem::path& folder);
 
-// report.html from the other files in the folder (planner/report/plan_record.h); returns its path.
+// report.html from the other files in the folder (planner/results/report/plan_record.h); returns its path.
 std::filesystem::path write_report(const std::filesystem::path& folder);
 // One sentence on where the results are that those with `status` have replaced; empty where there are none. kept: as
 // NewResults::publish() says.

@@ -6,7 +6,7 @@
 
 #include <memory>
 
-#include "planner/service/dds/log.h"
+#include "planner/dds/log.h"
 
 namespace fjr {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
+#include "planner/client/client.h"
 #include "planner/program/commands.h"
-#include "planner/service/client.h"
-#include "planner/trajectory/plan_json.h"
+#include "planner/results/plan_json.h"
 
 namespace fjr {
 namespace {

@@ -15,8 +15,8 @@
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
 #include "planner/program/summary.h"
-#include "planner/trajectory/plan_json.h"
-#include "planner/trajectory/planned_with.h"
+#include "planner/results/plan_json.h"
+#include "planner/results/planned_with.h"
 
 namespace fjr {
 namespace {

@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include "planner/problem/problem.h"
-#include "planner/service/document.h"
+#include "planner/protocol/document.h"
+#include "planner/request/request.h"
 
 namespace fjr {
 namespace {

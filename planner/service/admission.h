@@ -5,10 +5,10 @@
 #include <set>
 #include <string>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
 #include "model/parameters.h"
+#include "planner/protocol/messages.h"
 #include "planner/service/job_queue.h"
-#include "planner/service/messages.h"
 
 namespace fjr {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "planner/service/messages.h"
+#include "planner/protocol/messages.h"
 
 namespace fjr {
 

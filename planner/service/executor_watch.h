@@ -8,8 +8,8 @@
 #include <variant>
 #include <vector>
 
-#include "planner/service/execution_messages.h"
-#include "planner/service/stamp_clock.h"
+#include "planner/protocol/execution_messages.h"
+#include "planner/protocol/stamp_clock.h"
 
 namespace fjr {
 

@@ -9,7 +9,7 @@
 #include <optional>
 #include <utility>
 
-#include "planner/service/messages.h"
+#include "planner/protocol/messages.h"
 
 namespace fjr {
 

@@ -1,7 +1,7 @@
 // What another instance's reply leaves unsaid of its trajectory, read from the plan.json within.
 #pragma once
 
-#include "planner/service/messages.h"
+#include "planner/protocol/messages.h"
 
 namespace fjr {
 

@@ -5,7 +5,7 @@
 #include <tuple>
 #include <utility>
 
-#include "planner/service/epoch.h"
+#include "planner/protocol/epoch.h"
 
 namespace fjr {
 namespace {

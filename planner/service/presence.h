@@ -8,8 +8,8 @@
 #include <optional>
 #include <utility>
 
+#include "planner/protocol/messages.h"
 #include "planner/service/admission.h"
-#include "planner/service/messages.h"
 
 namespace fjr {
 

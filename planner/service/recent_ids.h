@@ -6,7 +6,7 @@
 #include <deque>
 #include <utility>
 
-#include "planner/service/messages.h"
+#include "planner/protocol/messages.h"
 
 namespace fjr {
 

@@ -10,8 +10,8 @@
 #include <utility>
 #include <variant>
 
-#include "model/input_error.h"
-#include "planner/service/document.h"
+#include "common/input_error.h"
+#include "planner/protocol/document.h"
 #include "planner/service/memory.h"
 #include "planner/service/overheard.h"
 #include "planner/service/watchdog.h"

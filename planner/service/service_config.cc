@@ -5,8 +5,8 @@
 
 #include <array>
 
+#include "common/strict_yaml.h"
 #include "model/parameters.h"
-#include "model/strict_yaml.h"
 
 namespace fjr {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/service/network.h"
+#include "planner/protocol/network.h"
 
 namespace fjr {
 

@@ -5,14 +5,15 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
 #include "planner/plan.h"
+#include "planner/protocol/messages.h"
+#include "planner/request/request.h"
+#include "planner/results/plan_json.h"
 #include "planner/service/frames.h"
-#include "planner/service/messages.h"
 #include "planner/service/progress_frame.h"
 #include "planner/service/warm_plans.h"
 #include "planner/stop/stop_motion.h"
-#include "planner/trajectory/plan_json.h"
 
 namespace fjr {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "planner/protocol/log_limit.h"
 #include "planner/service/job_queue.h"
-#include "planner/service/log_limit.h"
 #include "planner/service/worker.h"
 
 namespace fjr {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "planner/service/messages.h"
+#include "planner/protocol/messages.h"
 
 namespace fjr {
 

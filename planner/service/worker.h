@@ -9,7 +9,7 @@
 #include <thread>
 #include <vector>
 
-#include "planner/service/descriptor.h"
+#include "common/descriptor.h"
 #include "planner/service/frames.h"
 #include "planner/service/solve_loop.h"
 #include "planner/trajectory/trajectory.h"

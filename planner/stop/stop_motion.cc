@@ -8,7 +8,7 @@
 #include <cmath>
 
 #include "planner/certificate/limits.h"
-#include "planner/certificate/tracking.h"
+#include "planner/control/motor_feedback.h"
 
 namespace fjr {
 namespace {

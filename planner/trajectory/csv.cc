@@ -1,5 +1,5 @@
 // trajectory.csv: reading strictly, writing reproducibly.
-#include "model/csv.h"
+#include "common/csv.h"
 
 #include <fmt/format.h>
 
@@ -15,8 +15,8 @@
 #include <system_error>
 #include <utility>
 
-#include "model/input_error.h"
-#include "planner/trajectory/atomic_file.h"
+#include "common/atomic_file.h"
+#include "common/input_error.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {

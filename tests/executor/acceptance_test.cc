@@ -8,6 +8,7 @@
 #include "planner/executor/executor_config.h"
 #include "planner/executor/motion.h"
 #include "planner/plan.h"
+#include "planner/request/request.h"
 
 namespace fjr {
 namespace {

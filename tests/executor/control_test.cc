@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 
+#include "planner/certificate/tracking.h"
 #include "planner/executor/executor_config.h"
 #include "planner/executor/virtual_arm.h"
 #include "planner/stop/stop_motion.h"

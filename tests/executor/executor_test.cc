@@ -18,17 +18,17 @@
 #include <sstream>
 #include <thread>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
 #include "model/log.h"
 #include "planner/certificate/certificate.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/waitset.h"
+#include "planner/dds/wire_execution.h"
+#include "planner/dds/writer.h"
 #include "planner/executor/acceptance.h"
 #include "planner/executor/executor_config.h"
 #include "planner/executor/history.h"
 #include "planner/executor/virtual_arm.h"
-#include "planner/service/dds/reader.h"
-#include "planner/service/dds/waitset.h"
-#include "planner/service/dds/wire_execution.h"
-#include "planner/service/dds/writer.h"
 #include "planner/stop/stop_motion.h"
 #include "tests/executor/flat_motion.h"
 #include "tests/support/domain.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "model/flatness.h"
-#include "planner/service/execution_messages.h"
+#include "planner/protocol/execution_messages.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {

@@ -1,5 +1,5 @@
 // Derivatives carried by Dual and Dual2 against closed forms and differences; Pattern against what they find.
-#include "model/dual.h"
+#include "common/dual.h"
 
 #include <gtest/gtest.h>
 

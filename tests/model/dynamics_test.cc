@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "model/dual.h"
+#include "common/dual.h"
 #include "model/flatness.h"
 #include "tests/support/arbitrary.h"
 

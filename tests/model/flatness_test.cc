@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/taylor.h"
+#include "common/taylor.h"
 
 namespace fjr {
 namespace {

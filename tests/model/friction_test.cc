@@ -9,7 +9,7 @@
 #include <functional>
 #include <stdexcept>
 
-#include "model/dual.h"
+#include "common/dual.h"
 #include "model/encoder.h"
 #include "tests/support/arbitrary.h"
 

@@ -8,13 +8,13 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/input_error.h"
 #include "model/encoder.h"
 #include "model/friction.h"
 #include "model/identify/agreement.h"
 #include "model/identify/fit.h"
 #include "model/identify/report.h"
 #include "model/identify/robot_file.h"
-#include "model/input_error.h"
 #include "model/rig/normal.h"
 #include "tests/model/virtual_lab.h"
 

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "model/dual.h"
+#include "common/dual.h"
 #include "tests/support/arbitrary.h"
 
 namespace fjr {

@@ -15,10 +15,10 @@
 #include <string>
 #include <vector>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
+#include "common/sha256.h"
+#include "common/strict_yaml.h"
 #include "model/plausibility.h"
-#include "model/sha256.h"
-#include "model/strict_yaml.h"
 
 namespace fjr {
 namespace {

@@ -7,8 +7,8 @@
 #include <fstream>
 #include <numeric>
 
+#include "common/input_error.h"
 #include "model/encoder.h"
-#include "model/input_error.h"
 #include "model/rig/experiments.h"
 #include "model/rig/normal.h"
 #include "model/rig/rig_file.h"

@@ -1,5 +1,5 @@
 // Costates, Hamiltonian and stationarity from the multipliers: closed forms of Pontryagin's conditions.
-#include "planner/analysis/adjoint.h"
+#include "planner/collocation/adjoint.h"
 
 #include <gtest/gtest.h>
 

@@ -12,8 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "planner/collocation/collocate.h"
+#include "planner/ocp/collocate.h"
 #include "planner/plan.h"
+#include "planner/request/request.h"
 
 namespace fjr {
 namespace {

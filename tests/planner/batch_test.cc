@@ -13,13 +13,14 @@
 #include <string>
 #include <vector>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
 #include "planner/batch/earlier.h"
 #include "planner/batch/grid.h"
 #include "planner/batch/items.h"
 #include "planner/batch/name_order.h"
 #include "planner/batch/table.h"
-#include "planner/trajectory/plan_json.h"
+#include "planner/request/request.h"
+#include "planner/results/plan_json.h"
 #include "planner/trajectory/trajectory.h"
 #include "tests/support/arbitrary.h"
 #include "tests/support/process.h"

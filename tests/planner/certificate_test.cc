@@ -20,6 +20,7 @@
 #include "planner/certificate/residual.h"
 #include "planner/certificate/rollout.h"
 #include "planner/certificate/tracking.h"
+#include "planner/control/motor_feedback.h"
 
 namespace fjr {
 namespace {

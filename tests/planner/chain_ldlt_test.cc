@@ -1,6 +1,6 @@
 // The chain factorisation against dense linear algebra and against MUMPS, on random matrices with the structure of
 // collocation KKT systems.
-#include "planner/solver/kkt/chain_ldlt.h"
+#include "planner/nlp/chain/chain_ldlt.h"
 
 #include <gtest/gtest.h>
 

@@ -15,8 +15,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "model/input_error.h"
-#include "planner/trajectory/atomic_file.h"
+#include "common/atomic_file.h"
+#include "common/input_error.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {

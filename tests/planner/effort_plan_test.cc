@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "planner/plan.h"
+#include "planner/request/request.h"
 
 namespace fjr {
 namespace {

@@ -1,5 +1,5 @@
 // What is said to be in the way is in the way: relaxed as said the request can be had, by a tenth less it cannot.
-#include "planner/explain/explain.h"
+#include "planner/search/explain/explain.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,11 +7,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "model/input_error.h"
-#include "planner/explain/slack.h"
-#include "planner/explain/statics.h"
+#include "common/input_error.h"
 #include "planner/plan.h"
 #include "planner/problem/relaxable.h"
+#include "planner/request/request.h"
+#include "planner/search/explain/slack.h"
+#include "planner/search/explain/statics.h"
 
 namespace fjr {
 namespace {

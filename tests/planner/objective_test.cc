@@ -1,6 +1,6 @@
 // The terms of the objective: their values in plan.json against independent quadratures, and that minimising one gives
 // less of it than minimising another.
-#include "planner/trajectory/objective.h"
+#include "planner/ocp/objective.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -11,6 +11,7 @@
 #include "model/flatness.h"
 #include "planner/plan.h"
 #include "planner/problem/objective_terms.h"
+#include "planner/request/request.h"
 
 namespace fjr {
 namespace {

@@ -1,5 +1,5 @@
 // plan.json: the promised keys are there, and nothing that JSON cannot say.
-#include "planner/trajectory/plan_json.h"
+#include "planner/results/plan_json.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "planner/analysis/analysis_json.h"
 #include "planner/plan.h"
+#include "planner/results/analysis_json.h"
 
 namespace fjr {
 namespace {

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <sstream>
 
+#include "planner/request/request.h"
+
 namespace fjr {
 namespace {
 

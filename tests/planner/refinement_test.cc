@@ -1,5 +1,5 @@
 // Error estimates on motions that the schemes themselves produced, the bookkeeping of splitting, and margins.
-#include "planner/collocation/refinement.h"
+#include "planner/search/refinement.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,8 +9,8 @@
 #include <numeric>
 #include <ostream>
 
-#include "planner/collocation/collocate.h"
-#include "planner/collocation/margins.h"
+#include "planner/ocp/collocate.h"
+#include "planner/ocp/margins.h"
 #include "tests/support/arbitrary.h"
 #include "tests/support/plants.h"
 

@@ -13,14 +13,15 @@
 #include <numbers>
 #include <string>
 
-#include "model/chart_page.h"
-#include "model/input_error.h"
+#include "common/chart_page.h"
+#include "common/input_error.h"
 #include "model/kinematics.h"
 #include "planner/plan.h"
-#include "planner/report/plan_page.h"
-#include "planner/report/rigid_profile.h"
-#include "planner/report/scene.h"
-#include "planner/trajectory/plan_json.h"
+#include "planner/request/request.h"
+#include "planner/results/plan_json.h"
+#include "planner/results/report/plan_page.h"
+#include "planner/results/report/rigid_profile.h"
+#include "planner/results/report/scene.h"
 
 namespace fjr {
 namespace {

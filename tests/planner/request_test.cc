@@ -1,4 +1,6 @@
 // Requests: what valid ones resolve to, and the exact words with which broken ones are refused.
+#include "planner/request/request.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "common/input_error.h"
 #include "model/flatness.h"
-#include "model/input_error.h"
 #include "planner/problem/problem.h"
 
 namespace fjr {

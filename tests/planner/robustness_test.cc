@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "planner/plan.h"
+#include "planner/request/request.h"
 #include "support/random_requests.h"
 
 namespace fjr {

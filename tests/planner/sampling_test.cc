@@ -1,6 +1,6 @@
 // Published rows against the motion they were taken from: where they lie, what they hold, and what chords between them
 // lose of the torque's impulse.
-#include "planner/trajectory/sampling.h"
+#include "planner/ocp/sampling.h"
 
 #include <gtest/gtest.h>
 

@@ -10,10 +10,11 @@
 #include <tuple>
 #include <vector>
 
-#include "planner/collocation/detours.h"
 #include "planner/plan.h"
 #include "planner/problem/elbow_side.h"
 #include "planner/problem/tip_path.h"
+#include "planner/request/request.h"
+#include "planner/search/detours.h"
 
 namespace fjr {
 namespace {

@@ -8,8 +8,9 @@
 #include <cmath>
 
 #include "planner/certificate/limits.h"
-#include "planner/certificate/tracking.h"
+#include "planner/control/motor_feedback.h"
 #include "planner/plan.h"
+#include "planner/request/request.h"
 
 namespace fjr {
 namespace {

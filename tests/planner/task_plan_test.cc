@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "planner/plan.h"
+#include "planner/request/request.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/problem/arm_ocp.h"
+#include "planner/ocp/arm_ocp.h"
 #include "tests/support/plants.h"
 
 namespace fjr {

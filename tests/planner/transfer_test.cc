@@ -8,8 +8,8 @@
 #include <limits>
 #include <ostream>
 
-#include "planner/collocation/refinement.h"
-#include "planner/solver/ipopt.h"
+#include "planner/nlp/ipopt.h"
+#include "planner/search/refinement.h"
 #include "tests/support/plants.h"
 
 namespace fjr {

@@ -7,11 +7,12 @@
 #include <fstream>
 #include <thread>
 
-#include "model/input_error.h"
-#include "planner/collocation/collocate.h"
+#include "common/input_error.h"
+#include "planner/ocp/collocate.h"
 #include "planner/plan.h"
+#include "planner/request/request.h"
+#include "planner/results/solution_file.h"
 #include "planner/service/warm_plans.h"
-#include "planner/solver/solution_file.h"
 
 namespace fjr {
 namespace {

@@ -15,7 +15,7 @@
 #include <thread>
 #include <vector>
 
-#include "planner/solver/linear_solver.h"
+#include "planner/nlp/linear_solver.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {

@@ -1,6 +1,6 @@
 // Results replace results: killed before every single system call, by a full disk, and beside what else is in the
 // folder.
-#include "planner/program/result_folder.h"
+#include "planner/results/result_folder.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

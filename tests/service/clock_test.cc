@@ -5,9 +5,9 @@
 #include <chrono>
 #include <thread>
 
-#include "planner/service/dds/reader.h"
-#include "planner/service/dds/wire_execution.h"
-#include "planner/service/dds/wire_reply.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/wire_execution.h"
+#include "planner/dds/wire_reply.h"
 #include "tests/support/service_processes.h"
 
 namespace fjr {

@@ -4,9 +4,9 @@
 #include <chrono>
 #include <cstdlib>
 
-#include "planner/service/dds/reader.h"
-#include "planner/service/dds/waitset.h"
-#include "planner/service/dds/writer.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/waitset.h"
+#include "planner/dds/writer.h"
 
 int main(int, char** argv) {
   using namespace fjr::dds;

@@ -7,9 +7,9 @@
 #include <array>
 #include <random>
 
-#include "planner/service/dds/reader.h"
-#include "planner/service/dds/waitset.h"
-#include "planner/service/dds/writer.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/waitset.h"
+#include "planner/dds/writer.h"
 #include "tests/support/service_processes.h"
 
 namespace fjr::dds {

@@ -5,10 +5,10 @@
 #include <optional>
 #include <sstream>
 
-#include "planner/service/dds/reader.h"
-#include "planner/service/dds/wire_execution.h"
-#include "planner/service/dds/wire_reply.h"
-#include "planner/service/dds/writer.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/wire_execution.h"
+#include "planner/dds/wire_reply.h"
+#include "planner/dds/writer.h"
 #include "tests/executor/flat_motion.h"
 #include "tests/support/service_processes.h"
 

@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "model/dynamics.h"
-#include "planner/service/dds/joint_trajectory.h"
-#include "planner/service/dds/reader.h"
+#include "planner/dds/joint_trajectory.h"
+#include "planner/dds/reader.h"
 #include "tests/service/service_fixture.h"
 
 namespace fjr {

@@ -6,8 +6,8 @@
 #include <set>
 #include <thread>
 
-#include "planner/service/dds/wire_request.h"
-#include "planner/service/dds/writer.h"
+#include "planner/dds/wire_request.h"
+#include "planner/dds/writer.h"
 #include "planner/service/memory.h"
 #include "tests/service/service_fixture.h"
 

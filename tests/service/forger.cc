@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <optional>
 
-#include "planner/service/dds/reader.h"
-#include "planner/service/dds/wire_execution.h"
-#include "planner/service/dds/writer.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/wire_execution.h"
+#include "planner/dds/writer.h"
 #include "tests/executor/flat_motion.h"
 #include "tests/support/service_processes.h"
 

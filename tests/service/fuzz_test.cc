@@ -11,9 +11,9 @@
 #include <cstring>
 #include <random>
 
-#include "planner/service/client.h"
-#include "planner/service/dds/writer.h"
-#include "planner/service/descriptor.h"
+#include "common/descriptor.h"
+#include "planner/client/client.h"
+#include "planner/dds/writer.h"
 #include "planner/service/memory.h"
 #include "tests/support/service_processes.h"
 

@@ -4,9 +4,9 @@
 
 #include <cstdlib>
 
-#include "planner/service/dds/reader.h"
-#include "planner/service/dds/wire_request.h"
-#include "planner/service/dds/writer.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/wire_request.h"
+#include "planner/dds/writer.h"
 #include "tests/support/service_processes.h"
 
 int main(int, char** argv) {

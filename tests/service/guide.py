@@ -41,7 +41,7 @@ def namespace():
 
 def untold(source, page):
     """What the protocol has and the page does not name: constants by the end of their names, and topics."""
-    idl, table = (source / "idl/fjr_msgs.idl").read_text(), (source / "planner/service/dds/topics.h").read_text()
+    idl, table = (source / "idl/fjr_msgs.idl").read_text(), (source / "planner/dds/topics.h").read_text()
     constants = re.findall(r"const octet (?:ACTION|STATE|REASON|MODE|COMMAND)_(\w+) =", idl)
     topics = re.findall(r'kName = "(fjr/\w+)"', table)
     if not constants or not topics:

@@ -7,10 +7,10 @@
 #include <algorithm>
 #include <array>
 
-#include "planner/service/dds/reader.h"
-#include "planner/service/dds/text.h"
-#include "planner/service/dds/wire_request.h"
-#include "planner/service/dds/writer.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/text.h"
+#include "planner/dds/wire_request.h"
+#include "planner/dds/writer.h"
 #include "tests/support/service_processes.h"
 
 namespace fjr {

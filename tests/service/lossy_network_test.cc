@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-#include "planner/service/client.h"
+#include "planner/client/client.h"
 #include "tests/support/service_processes.h"
 
 namespace fjr {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <thread>
 
+#include "planner/protocol/epoch.h"
 #include "planner/service/admission.h"
 #include "planner/service/backlog.h"
-#include "planner/service/epoch.h"
 #include "planner/service/executor_watch.h"
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"

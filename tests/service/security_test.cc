@@ -1,10 +1,10 @@
 // DDS Security as config/security sets it up: who may take part does, nobody else; and no network without it.
 #include <gmock/gmock.h>
 
-#include "planner/service/dds/reader.h"
-#include "planner/service/dds/wire_execution.h"
-#include "planner/service/dds/writer.h"
-#include "planner/service/signature.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/wire_execution.h"
+#include "planner/dds/writer.h"
+#include "planner/protocol/signature.h"
 #include "tests/executor/flat_motion.h"
 #include "tests/support/service_processes.h"
 

@@ -7,7 +7,7 @@
 #include <fstream>
 #include <random>
 
-#include "model/input_error.h"
+#include "common/input_error.h"
 #include "tests/support/process.h"
 
 namespace fjr {

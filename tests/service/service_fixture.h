@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/service/dds/client_port.h"
+#include "planner/dds/client_port.h"
 #include "tests/support/domain.h"
 #include "tests/support/process.h"
 

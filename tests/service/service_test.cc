@@ -3,9 +3,9 @@
 
 #include <limits>
 
-#include "planner/service/dds/text.h"
-#include "planner/service/dds/wire_request.h"
-#include "planner/service/dds/writer.h"
+#include "planner/dds/text.h"
+#include "planner/dds/wire_request.h"
+#include "planner/dds/writer.h"
 #include "tests/service/service_fixture.h"
 
 namespace fjr {

@@ -7,9 +7,9 @@
 #include <cstring>
 #include <map>
 
-#include "planner/service/dds/participant.h"
-#include "planner/service/dds/reader.h"
-#include "planner/service/descriptor.h"
+#include "common/descriptor.h"
+#include "planner/dds/participant.h"
+#include "planner/dds/reader.h"
 #include "tests/service/service_fixture.h"
 
 namespace fjr {

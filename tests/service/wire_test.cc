@@ -5,13 +5,14 @@
 #include <filesystem>
 #include <limits>
 
-#include "model/input_error.h"
-#include "model/strict_yaml.h"
+#include "common/input_error.h"
+#include "common/strict_yaml.h"
+#include "planner/dds/text.h"
+#include "planner/dds/wire_reply.h"
+#include "planner/dds/wire_request.h"
 #include "planner/problem/problem.h"
-#include "planner/service/dds/text.h"
-#include "planner/service/dds/wire_reply.h"
-#include "planner/service/dds/wire_request.h"
-#include "planner/service/document.h"
+#include "planner/protocol/document.h"
+#include "planner/request/request.h"
 #include "planner/service/job_queue.h"
 #include "planner/service/reply_cache.h"
 #include "tests/support/process.h"

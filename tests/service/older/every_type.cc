@@ -8,8 +8,8 @@
 #include <vector>
 
 #include FJR_TYPES  // the C header of that IDL file
-#include "planner/service/dds/entity.h"
-#include "planner/service/dds/qos.h"
+#include "planner/dds/entity.h"
+#include "planner/dds/qos.h"
 
 namespace {
 

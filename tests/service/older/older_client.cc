@@ -10,8 +10,8 @@
 #include <optional>
 #include <string>
 
-#include "planner/service/dds/entity.h"
-#include "planner/service/dds/qos.h"
+#include "planner/dds/entity.h"
+#include "planner/dds/qos.h"
 
 namespace {
 

@@ -1,0 +1,83 @@
+// YAML from outside the program, read strictly: the one place that knows yaml-cpp.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/input_error.h"
+
+namespace fjr {
+
+inline constexpr std::uintmax_t kMaxYamlBytes = 1 << 20;
+
+// "3.4 rad"; the unit "1" is left out. Shortest digits that read back to the same value.
+std::string with_unit(double value, std::string_view unit);
+
+// `text` from outside, fit for an error message: quoted, printable, cut to a readable length.
+std::string shown(std::string_view text);
+
+// `text` as a quoted scalar that reads back as the same.
+std::string quoted_flow(std::string_view text);
+
+// One value of a document together with where it stands, so that whatever is wrong with it can be said precisely.
+// All reading functions throw InputError with source, path of the field ("goal.q[1]") and problem. Refused while
+// parsing: syntax errors (with their line), duplicate keys, keys that are not text, anchors and aliases, tags, several
+// documents, deep nesting, and documents too large to have been meant. A node keeps its document alive.
+class YamlNode {
+ public:
+  static YamlNode parse(const std::string& text, const std::string& source);
+  static YamlNode load(const std::filesystem::path& file);  // source: the name as given
+
+  const std::string& source() const;
+  const std::string& field() const { return field_; }
+
+  bool is_map() const;
+  bool is_list() const;
+  bool is_scalar() const;  // not null
+  bool is_null() const;
+  bool is_number() const;                  // number() would take it, that is: finite and not quoted
+  bool says(std::string_view word) const;  // the scalar `word`
+
+  const std::vector<std::string>& keys() const;  // of a map, in their order
+
+  // Of a map. `find` returns nothing for an absent key; `at` refuses with "missing".
+  void allow_keys(const std::vector<std::string_view>& allowed) const;
+  std::optional<YamlNode> find(std::string_view key) const;
+  YamlNode at(std::string_view key) const;
+
+  std::vector<YamlNode> items() const;  // of a list
+
+  double number(std::string_view unit) const;               // finite
+  std::uint64_t whole_number() const;                       // 0, 1, 2, ...
+  std::array<double, 2> pair(std::string_view unit) const;  // a list of two finite numbers
+  const std::string& text() const;                          // not empty
+  bool truth() const;                                       // true or false
+
+  std::string flow() const;  // as one line of YAML that reads back as the same: "{q: [0.3, 0.2]}"
+
+  [[noreturn]] void fail(const std::string& problem) const;
+  // The same for element `index` of this list: "goal.q[1]".
+  [[noreturn]] void fail_at(std::size_t index, const std::string& problem) const;
+
+ private:
+  struct Tree;
+  struct Document;
+  class Builder;
+
+  YamlNode(std::shared_ptr<const Document> document, const Tree* tree, std::string field);
+  YamlNode child(const Tree& tree, std::string field) const;
+  std::string kind() const;  // "a list of 3", for messages
+  static std::string flow(const Tree& tree);
+
+  std::shared_ptr<const Document> document_;
+  const Tree* tree_;
+  std::string field_;
+};
+
+}  // namespace fjr

@@ -1,0 +1,55 @@
+// Asking a planning service, and not giving up too early nor waiting forever.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "planner/protocol/execution_messages.h"
+#include "planner/protocol/network.h"
+
+namespace fjr {
+
+// Nobody takes requests, or whoever does is silent. One sentence that says what to look at.
+class NoAnswer : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct ExecutionProgress {
+  double time = 0, duration = 0;  // [s] within the trajectory
+  Pair<double> error{};           // [rad] of the links, by their encoders
+};
+
+struct ClientOptions {
+  Network network;
+  double find = 3;        // [s] to find a service, since somebody was last met; and an executor
+  double ask_again = 2;   // [s] of silence after which the same request is sent again
+  double execution = 15;  // [s] beyond the trajectory's duration for the executor to report
+  double silence = 10;    // [s] after which nobody is expected to answer any more
+  std::function<void(const ProgressReport&)> on_progress;
+  std::function<void(const ExecutionProgress&)> on_execution;
+  std::function<bool()> cancelled;  // polled; then the request is cancelled, which is answered too
+};
+
+// Sends the order under its id and returns the final reply. Throws NoAnswer, and InputError for a document that has not
+// the shape of a request.
+struct Answer {
+  Reply reply;
+  std::optional<ExecutionResult> result;  // when it was solved and to be executed
+};
+Answer request_plan(const Order& order, const ClientOptions& options);
+
+// The latest word of everybody heard within `wait` seconds, or, while nobody is heard, as long as ever more of those
+// who are there are met: services by instance, executors by robot.
+struct Overview {
+  std::vector<ServiceStatus> services;
+  std::vector<ExecutorState> executors;  // two that speak for one robot are two
+  std::optional<std::string> strangers;  // without services: one sentence on who lets nothing be seen
+  double looked = 0;                     // [s]
+};
+Overview overview(unsigned domain, double wait);
+
+}  // namespace fjr

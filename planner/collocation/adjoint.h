@@ -1,0 +1,80 @@
+// From a solution's multipliers to derivatives of the optimum and to the Hamiltonian.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "planner/collocation/costates.h"
+#include "planner/collocation/transcription.h"
+#include "planner/nlp/ipopt.h"
+
+namespace fjr {
+
+struct Adjoint {
+  // Of objective + multipliers' constraints by each variable; multipliers of bounds on variables left out. For a fixed
+  // variable this is the derivative of the optimal objective by its value.
+  Eigen::VectorXd lagrangian;
+  // The same with the multipliers of the defects alone: for a control, dH/du integrated over the stages that see it.
+  Eigen::VectorXd hamiltonian_gradient;
+  Eigen::VectorXd control_weight;   // [s] per variable: the integral of its share in u; 0 where it is no control
+  std::vector<double> hamiltonian;  // mean of H over each interval: d Lagrangian / d interval's duration
+  std::vector<double> node_times;   // [s]
+};
+
+namespace adjoint_detail {
+
+template <class Ocp>
+std::vector<char> defect_rows(const Transcription<Ocp>& t) {
+  std::vector<char> defect(static_cast<std::size_t>(t.constraints()), 0);
+  for (int k = 0; k < t.intervals(); ++k) {
+    for (int i = t.scheme().starts_at_node ? 1 : 0; i < t.scheme().stages(); ++i) {
+      for (int r = 0; r < Ocp::kStates; ++r) defect[static_cast<std::size_t>(t.defect_row(k, i, r))] = 1;
+    }
+  }
+  return defect;
+}
+
+// sum_j b_j H_j over interval k.
+template <class Ocp>
+double mean_hamiltonian(const Transcription<Ocp>& t, const Iterate& solution, int k) {
+  const Scheme& scheme = t.scheme();
+  const Eigen::MatrixXd p = costates(t, solution.lambda, k);
+  double mean = 0;
+  for (int j = 0; j < scheme.stages(); ++j) {
+    const auto at = t.values(solution.x, k, j);
+    const Eigen::Map<const Eigen::Matrix<double, Ocp::kStates, 1>> f(at.f.data());
+    mean += scheme.b(j) * (at.cost + p.row(j).dot(f));
+  }
+  return mean;
+}
+
+}  // namespace adjoint_detail
+
+// Costs one evaluation of the first derivatives.
+template <class Ocp>
+Adjoint adjoint(const Transcription<Ocp>& t, const Iterate& solution) {
+  Adjoint a;
+  a.hamiltonian_gradient.resize(t.variables());
+  t.gradient(solution.x, a.hamiltonian_gradient);
+  a.lagrangian = a.hamiltonian_gradient;
+  Eigen::VectorXd jacobian(static_cast<Eigen::Index>(t.jacobian_pattern.size()));
+  t.jacobian(solution.x, jacobian);
+  const std::vector<char> defect = adjoint_detail::defect_rows(t);
+  for (std::size_t e = 0; e < t.jacobian_pattern.size(); ++e) {
+    const auto [row, col] = t.jacobian_pattern[e];
+    const double term = solution.lambda(row) * jacobian(static_cast<Eigen::Index>(e));
+    a.lagrangian(col) += term;
+    if (defect[static_cast<std::size_t>(row)]) a.hamiltonian_gradient(col) += term;
+  }
+  a.control_weight = Eigen::VectorXd::Zero(t.variables());
+  const Eigen::RowVectorXd share = t.scheme().b.transpose() * t.scheme().control_share;
+  for (int k = 0; k < t.intervals(); ++k) {
+    const double h = t.step(solution.x, k);
+    for (int end = 0; end < 2; ++end) a.control_weight.segment(t.u_at(k, end), Ocp::kControls).array() = h * share(end);
+    a.hamiltonian.push_back(adjoint_detail::mean_hamiltonian(t, solution, k));
+  }
+  a.node_times = t.mesh().node_times(t.durations(solution.x));
+  return a;
+}
+
+}  // namespace fjr

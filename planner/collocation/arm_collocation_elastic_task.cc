@@ -1,8 +1,0 @@
-#include "planner/collocation/arm_collocation.h"
-
-namespace fjr {
-
-template Collocated collocate_with<kElasticTask>(const Problem&, const CollocationSetup&, const Guess*,
-                                                 const Collocated*, const SolveOptions&);
-
-}  // namespace fjr

@@ -1,0 +1,27 @@
+#include "planner/dds/overview_port.h"
+
+#include <utility>
+
+#include "planner/dds/wire_reply.h"
+
+namespace fjr::dds {
+
+// Executors speak a thousand times a second: they are looked at when something else has ended the wait.
+OverviewPort::OverviewPort(Participant participant)
+    : participant_(std::move(participant)),
+      waitset_(participant_),
+      discovery_(participant_),
+      services_(participant_, participant_.handle()),
+      executors_(participant_) {
+  waitset_.attach(services_.arrived());
+}
+
+std::vector<ServiceStatus> OverviewPort::take_services() {
+  std::vector<ServiceStatus> services;
+  services_.take_all([&](const fjr_msg_PlannerStatus& message, const dds_sample_info_t& info) {
+    if (info.valid_data) services.push_back(decode(message));
+  });
+  return services;
+}
+
+}  // namespace fjr::dds

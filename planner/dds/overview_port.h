@@ -1,0 +1,34 @@
+// The side of the protocol of who only looks: no writers, so that DDS Security lets an observer have it.
+#pragma once
+
+#include <chrono>
+#include <vector>
+
+#include "planner/dds/discovery.h"
+#include "planner/dds/executor_states.h"
+#include "planner/dds/participant.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/waitset.h"
+#include "planner/protocol/messages.h"
+
+namespace fjr::dds {
+
+class OverviewPort {
+ public:
+  explicit OverviewPort(Participant participant);
+
+  void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
+
+  std::vector<ServiceStatus> take_services();  // the latest word of each
+  std::vector<ExecutorStates::Heard> take_executors() { return executors_.take(); }
+  Discovery& discovery() { return discovery_; }
+
+ private:
+  Participant participant_;
+  Waitset waitset_;
+  Discovery discovery_;
+  Reader<fjr_msg_PlannerStatus> services_;
+  ExecutorStates executors_;
+};
+
+}  // namespace fjr::dds

@@ -1,0 +1,72 @@
+#include "planner/dds/participant.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <mutex>
+#include <system_error>
+
+#include "common/input_error.h"
+#include "model/parameters.h"
+#include "planner/dds/reach.h"
+#include "planner/dds/steady_waits.h"
+
+namespace fjr::dds {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool configured_by_user() {
+  const char* uri = std::getenv("CYCLONEDDS_URI");
+  return uri != nullptr && *uri != '\0';
+}
+
+Entity loopback_domain(unsigned domain) {
+  const fs::path file = default_robot_file().parent_path() / "cyclonedds.xml";
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) throw InputError(file.string(), "", "no such file; CYCLONEDDS_URI is not set");
+  const std::string uri = "file://" + fs::absolute(file).string();
+  return Entity(dds_create_domain(domain, uri.c_str()), "domain");
+}
+
+// A process configures a domain once, and it must outlive all its participants.
+std::shared_ptr<Entity> shared_domain(unsigned domain) {
+  if (configured_by_user()) return nullptr;
+  static std::mutex mutex;
+  static std::map<unsigned, std::weak_ptr<Entity>> known;
+  const std::lock_guard lock(mutex);
+  std::shared_ptr<Entity> shared = known[domain].lock();
+  if (!shared) known[domain] = shared = std::make_shared<Entity>(loopback_domain(domain));
+  return shared;
+}
+
+Entity created(unsigned domain, const fs::path& credentials) {
+  const Qos qos = credentials.empty() ? Qos() : with_credentials(credentials);
+  const dds_entity_t participant = dds_create_participant(domain, qos.get(), nullptr);
+  if (participant < 0 && !credentials.empty()) {
+    throw InputError(credentials.string(), "", "not accepted by DDS Security, which says above why");
+  }
+  return Entity(participant, "participant");
+}
+
+}  // namespace
+
+Participant::Participant(unsigned domain, const fs::path& credentials)
+    : secured_(!credentials.empty()), domain_(shared_domain(domain)), participant_(created(domain, credentials)) {
+  require_steady_waits();
+  if (sends_only_over_loopback()) hear_only_loopback();
+}
+
+Participant guarded_participant(const Network& network) {
+  Participant participant(network.domain, network.security);
+  if (network.security.empty() && !network.allow_insecure_network && !sends_only_over_loopback()) {
+    throw InputError(
+        "CYCLONEDDS_URI", "",
+        "DDS uses a network without DDS Security, and everybody on it could move the arm: give credentials "
+        "(FJR_SECURITY, or `security` in service.yaml and executor.yaml; config/security/README.md), or accept it with "
+        "--insecure-network (`allow_insecure_network: true` there)");
+  }
+  return participant;
+}
+
+}  // namespace fjr::dds

@@ -1,0 +1,36 @@
+// Bounded strings of the wire, which nothing obliges to end with a zero, nor to hold what can be shown.
+#pragma once
+
+#include <algorithm>
+#include <cstring>
+#include <string>
+#include <string_view>
+
+#include "planner/protocol/printable.h"
+
+namespace fjr::dds {
+
+// As it was sent; for what is read by programs.
+template <std::size_t N>
+std::string raw_text_of(const char (&bounded)[N]) {
+  return std::string(bounded, ::strnlen(bounded, N));
+}
+
+// Fit for logs and terminals: whatever comes from others is so from here on.
+template <std::size_t N>
+std::string text_of(const char (&bounded)[N]) {
+  return printable(raw_text_of(bounded));
+}
+
+// Cut to what fits, never within a UTF-8 character.
+template <std::size_t N>
+void set_text(char (&bounded)[N], std::string_view text) {
+  std::size_t length = std::min(text.size(), N - 1);
+  if (length < text.size()) {
+    while (length > 0 && (static_cast<unsigned char>(text[length]) & 0xC0U) == 0x80U) --length;
+  }
+  const auto end = std::copy_n(text.begin(), length, bounded);
+  *end = '\0';
+}
+
+}  // namespace fjr::dds

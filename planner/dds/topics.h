@@ -1,0 +1,140 @@
+// The topics: names, types and quality of service in one table. Readers and writers of a topic share its Qos.
+#pragma once
+
+#include <dds/dds.h>
+#include <fjr_msgs.h>
+#include <fjr_plan_request.h>
+
+#include "planner/dds/qos.h"
+
+namespace fjr::dds {
+
+template <class T>
+struct TopicOf;  // name, descriptor(), qos()
+
+template <>
+struct TopicOf<fjr_msg_PlanRequest> {
+  static constexpr const char* kName = "fjr/plan_request";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_PlanRequest_desc; }
+  // The service takes everything at once into its own bounded queue: limits here would block healthy clients.
+  static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(100)).keep_all()); }
+};
+
+template <>
+struct TopicOf<fjr_msg_PlanRequest2> {
+  static constexpr const char* kName = "fjr/plan_request_2";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_PlanRequest2_desc; }
+  static Qos qos() { return TopicOf<fjr_msg_PlanRequest>::qos(); }
+};
+
+template <>
+struct TopicOf<fjr_msg_PlanCancel> {
+  static constexpr const char* kName = "fjr/plan_cancel";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_PlanCancel_desc; }
+  static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(100)).keep_last(16)); }
+};
+
+template <>
+struct TopicOf<fjr_msg_MotionRequest> {
+  static constexpr const char* kName = "fjr/motion_request";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_MotionRequest_desc; }
+  static Qos qos() { return TopicOf<fjr_msg_PlanRequest>::qos(); }
+};
+
+template <>
+struct TopicOf<fjr_msg_MotionCancel> {
+  static constexpr const char* kName = "fjr/motion_cancel";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_MotionCancel_desc; }
+  static Qos qos() { return TopicOf<fjr_msg_PlanCancel>::qos(); }
+};
+
+template <>
+struct TopicOf<fjr_msg_RelayedRequest> {
+  static constexpr const char* kName = "fjr/relayed_request";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_RelayedRequest_desc; }
+  static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(0)).keep_last(256)); }
+};
+
+// One writer per client, in the client's own partition: with a shared one a stalled client costs the others replies.
+// Nothing is overwritten before the client has it, and nobody waits for a slow one: what finds no room is kept by the
+// service and tried again (outbox.h).
+template <>
+struct TopicOf<fjr_msg_PlanReply> {
+  static constexpr const char* kName = "fjr/plan_reply";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_PlanReply_desc; }
+  static Qos qos() {
+    return std::move(
+        Qos().reliable(DDS_MSECS(0)).transient_local().late_joiners_get(4).keep_all().lifespan(DDS_SECS(60)));
+  }
+};
+
+template <>
+struct TopicOf<fjr_msg_PlanStatus> {
+  static constexpr const char* kName = "fjr/plan_status";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_PlanStatus_desc; }
+  static Qos qos() { return std::move(Qos().best_effort().keep_last(1)); }
+};
+
+// Asserted by the thread that does the work, so that a service that hangs is noticed like one that is gone.
+template <>
+struct TopicOf<fjr_msg_PlannerStatus> {
+  static constexpr const char* kName = "fjr/planner_status";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_PlannerStatus_desc; }
+  static Qos qos() {
+    return std::move(Qos().reliable(DDS_MSECS(5)).transient_local().keep_last(1).manual_liveliness(DDS_MSECS(500)));
+  }
+};
+
+// A restarted executor gets the latest; of two owners the stronger counts. Several published within a moment do not
+// overwrite each other: each gets a result.
+template <>
+struct TopicOf<fjr_msg_Trajectory> {
+  static constexpr const char* kName = "fjr/trajectory";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_Trajectory_desc; }
+  static Qos qos() {
+    return std::move(Qos()
+                         .reliable(DDS_MSECS(100))
+                         .transient_local()
+                         .late_joiners_get(1)
+                         .keep_last(16)
+                         .exclusive_ownership()
+                         .automatic_liveliness(DDS_MSECS(500))
+                         .keep_instances());
+  }
+};
+
+template <>
+struct TopicOf<fjr_msg_Trajectory2> {
+  static constexpr const char* kName = "fjr/trajectory_2";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_Trajectory2_desc; }
+  static Qos qos() { return TopicOf<fjr_msg_Trajectory>::qos(); }
+};
+
+template <>
+struct TopicOf<fjr_msg_ExecutorCommand> {
+  static constexpr const char* kName = "fjr/executor_command";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ExecutorCommand_desc; }
+  static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(100)).keep_last(16)); }
+};
+
+// Telemetry: the latest wins. Two executors of one robot write the same instance by turns: so many are kept that both
+// are found there.
+template <>
+struct TopicOf<fjr_msg_ExecutorState> {
+  static constexpr const char* kName = "fjr/executor_state";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ExecutorState_desc; }
+  static Qos qos() {
+    return std::move(Qos().best_effort().keep_last(8).deadline(DDS_MSECS(3)).automatic_liveliness(DDS_MSECS(300)));
+  }
+};
+
+template <>
+struct TopicOf<fjr_msg_ExecutionResult> {
+  static constexpr const char* kName = "fjr/execution_result";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ExecutionResult_desc; }
+  static Qos qos() {
+    return std::move(Qos().reliable(DDS_MSECS(5)).transient_local().keep_last(16).automatic_liveliness(DDS_MSECS(300)));
+  }
+};
+
+}  // namespace fjr::dds

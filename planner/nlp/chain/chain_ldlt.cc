@@ -1,0 +1,528 @@
+#include "planner/nlp/chain/chain_ldlt.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "planner/nlp/chain/products.h"
+#include "planner/nlp/chain/vectorised.h"
+
+namespace fjr {
+namespace {
+
+constexpr int kMostDelayed = 40;
+
+// A slack whose own curvature is beyond this is better eliminated alone: the pair's Schur complement would carry the
+// large number into the states' block and lose their digits to it.
+constexpr double kLargestCondensed = 1e4;
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+}  // namespace
+
+void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, const ChainStructure& structure) {
+  const std::vector<int>& stage = structure.stage;
+  const int stages = structure.stages;
+  size_ = static_cast<int>(stage.size());
+  fronts_.assign(index(stages), {});
+  leaves_.clear();
+  leaf_entries_.clear();
+
+  // Neighbours, to find leaves; and who is seen by the next stage.
+  std::vector<int> only_neighbour(stage.size(), -1), degree(stage.size(), 0);
+  std::vector<bool> seen_later(stage.size(), false);
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    const int i = rows[e], j = cols[e];
+    if (i == j) continue;
+    for (const auto& [a, b] : {std::pair{i, j}, std::pair{j, i}}) {
+      if (only_neighbour[index(a)] != b) ++degree[index(a)];
+      only_neighbour[index(a)] = b;
+    }
+    const int si = stage[index(i)], sj = stage[index(j)];
+    if (si == stages || sj == stages || si == sj) continue;
+    if (std::abs(si - sj) != 1) {
+      throw std::invalid_argument("the matrix is no chain: an entry joins stages " + std::to_string(si) + " and " +
+                                  std::to_string(sj));
+    }
+    seen_later[index(si < sj ? i : j)] = true;
+  }
+
+  // Equality rows: of one stage, and none coupled to another.
+  std::vector<bool> equality = structure.equality;
+  equality.resize(stage.size(), false);
+  for (std::size_t i = 0; i < stage.size(); ++i) equality[i] = equality[i] && stage[i] != stages && !seen_later[i];
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    if (rows[e] != cols[e] && equality[index(rows[e])]) equality[index(cols[e])] = false;
+  }
+  std::vector<bool> sees_equality(stage.size(), false);
+  std::vector<int> entries(stage.size(), 0);
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    if (equality[index(cols[e])]) sees_equality[index(rows[e])] = true;
+    if (equality[index(rows[e])]) sees_equality[index(cols[e])] = true;
+    ++entries[index(rows[e])];
+    ++entries[index(cols[e])];
+  }
+
+  std::vector<int> leaf_role(stage.size(), -1);
+  for (int i = 0; i < size_; ++i) {
+    const int p = only_neighbour[index(i)];
+    if (degree[index(i)] != 1 || stage[index(i)] == stages || stage[index(i)] != stage[index(p)]) continue;
+    if (seen_later[index(p)] || sees_equality[index(p)] || sees_equality[index(i)]) continue;
+    if (leaf_role[index(p)] >= 0 || leaf_role[index(i)] >= 0) continue;
+    leaf_role[index(i)] = leaf_role[index(p)] = static_cast<int>(leaves_.size());
+    leaves_.push_back({.leaf = i, .neighbour = p});
+  }
+  // By front.
+  std::stable_sort(leaves_.begin(), leaves_.end(),
+                   [&](const Leaf& a, const Leaf& b) { return stage[index(a.leaf)] < stage[index(b.leaf)]; });
+  for (int l = 0; l < static_cast<int>(leaves_.size()); ++l) {
+    const Leaf& leaf = leaves_[index(l)];
+    leaf_role[index(leaf.leaf)] = leaf_role[index(leaf.neighbour)] = l;
+    ++fronts_[index(stage[index(leaf.leaf)])].last_leaf;  // a count, so far
+  }
+
+  std::vector<int> border;
+  std::vector<std::vector<int>> later(index(stages));
+  for (int i = 0; i < size_; ++i) {
+    if (leaf_role[index(i)] >= 0) continue;
+    if (stage[index(i)] == stages) {
+      border.push_back(i);
+    } else if (equality[index(i)]) {
+      fronts_[index(stage[index(i)])].rows.push_back(i);
+    } else {
+      (seen_later[index(i)] ? later[index(stage[index(i)])] : fronts_[index(stage[index(i)])].columns).push_back(i);
+    }
+  }
+  for (std::size_t k = 0; k < fronts_.size(); ++k) {
+    Front& front = fronts_[k];
+    // Short rows first, for they leave zeros where the others' pivots come.
+    std::stable_sort(front.rows.begin(), front.rows.end(),
+                     [&](int a, int b) { return entries[index(a)] < entries[index(b)]; });
+    front.first_leaf = k > 0 ? fronts_[k - 1].last_leaf : 0;
+    front.last_leaf += front.first_leaf;
+    if (k > 0) front.columns.insert(front.columns.begin(), later[k - 1].begin(), later[k - 1].end());
+    front.summed = static_cast<int>(front.columns.size());
+    front.later = static_cast<int>(later[k].size());
+    front.columns.insert(front.columns.end(), later[k].begin(), later[k].end());
+    front.columns.insert(front.columns.end(), border.begin(), border.end());
+    front.width = padded(static_cast<int>(front.columns.size()));
+  }
+
+  // Entries, to their front or leaf: in the order of fronts, for then an index's place in the front is known.
+  std::vector<std::vector<int>> of_front(fronts_.size()), of_leaf(leaves_.size());
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    const int i = rows[e], j = cols[e], si = stage[index(i)], sj = stage[index(j)];
+    const int role = std::max(leaf_role[index(i)], leaf_role[index(j)]);
+    if (role >= 0) {
+      if (std::min(leaf_role[index(i)], leaf_role[index(j)]) >= 0 && leaf_role[index(i)] != leaf_role[index(j)]) {
+        throw std::invalid_argument("two inequality rows are coupled directly");
+      }
+      of_leaf[index(role)].push_back(static_cast<int>(e));
+      continue;
+    }
+    int k = std::max(si, sj);
+    if (k == stages) k = std::min(si, sj);  // with the border: where the other index first appears
+    of_front[std::min(index(k), fronts_.size() - 1)].push_back(static_cast<int>(e));
+  }
+  std::vector<int> place(stage.size(), -1);
+  for (std::size_t k = 0; k < fronts_.size(); ++k) {
+    Front& front = fronts_[k];
+    for (int c = 0; c < static_cast<int>(front.columns.size()); ++c) place[index(front.columns[index(c)])] = c;
+    for (int r = 0; r < static_cast<int>(front.rows.size()); ++r) place[index(front.rows[index(r)])] = r;
+    for (const int e : of_front[k]) {
+      int i = rows[index(e)], j = cols[index(e)];
+      if (equality[index(j)]) std::swap(i, j);
+      const int p = place[index(i)], q = place[index(j)];
+      const Entry entry{e, p * front.width + q, q * front.width + p};
+      if (equality[index(i)]) {
+        (i == j ? front.row_diagonal : front.coupling).push_back(entry);
+      } else {
+        (i == j ? front.diagonal : front.symmetric).push_back(entry);
+      }
+    }
+    for (int l = front.first_leaf; l < front.last_leaf; ++l) {
+      Leaf& leaf = leaves_[index(l)];
+      const auto add = [&](auto&& belongs) {
+        for (const int e : of_leaf[index(l)]) {
+          const int i = rows[index(e)], j = cols[index(e)];
+          const int column = place[index(i == leaf.neighbour ? j : i)];
+          if (belongs(i, j)) leaf_entries_.push_back({e, column});
+        }
+        return static_cast<int>(leaf_entries_.size());
+      };
+      const auto is = [&](int i, int j, int a, int b) { return (i == a && j == b) || (i == b && j == a); };
+      leaf.own = static_cast<int>(leaf_entries_.size());
+      leaf.coupling = add([&](int i, int j) { return is(i, j, leaf.leaf, leaf.leaf); });
+      leaf.diagonal = add([&](int i, int j) { return is(i, j, leaf.leaf, leaf.neighbour); });
+      leaf.others = add([&](int i, int j) { return is(i, j, leaf.neighbour, leaf.neighbour); });
+      leaf.end = add([&](int i, int j) { return i != leaf.leaf && j != leaf.leaf && i != j; });
+    }
+  }
+  leaf_values_.assign(leaf_entries_.size(), 0);
+}
+
+void ChainLdlt::prepare_leaves(std::span<const double> values) {
+  for (std::size_t e = 0; e < leaf_entries_.size(); ++e) leaf_values_[e] = values[index(leaf_entries_[e].value)];
+  const auto sum = [this](int begin, int end) {
+    double total = 0;
+    for (int e = begin; e < end; ++e) total += leaf_values_[index(e)];
+    return total;
+  };
+  for (Leaf& leaf : leaves_) {
+    leaf.a_ll = sum(leaf.own, leaf.coupling);
+    leaf.a_lp = sum(leaf.coupling, leaf.diagonal);
+    leaf.a_pp = sum(leaf.diagonal, leaf.others);
+    const double determinant = leaf.a_ll * leaf.a_pp - leaf.a_lp * leaf.a_lp;
+    leaf.paired = std::abs(leaf.a_ll) <= kLargestCondensed * leaf.a_lp * leaf.a_lp && determinant < 0;
+    if (leaf.paired) {
+      leaf.inverse_ll = leaf.a_pp / determinant;
+      leaf.inverse_lp = -leaf.a_lp / determinant;
+      leaf.inverse_pp = leaf.a_ll / determinant;
+      ++negative_;  // determinant < 0: one eigenvalue of each sign
+    } else if (leaf.a_ll < 0) {
+      ++negative_;
+    }
+  }
+}
+
+// Lays out front k and adds its entries and the previous front's rest.
+void ChainLdlt::assemble(std::size_t k, std::span<const double> values) {
+  Front& front = fronts_[k];
+  front.column_index = front.columns;
+  front.row_index.clear();
+  const auto new_column = [&front](int i) {
+    front.column_index.push_back(i);
+    return static_cast<int>(front.column_index.size()) - 1;
+  };
+  const auto new_row = [&front](int i) {
+    front.row_index.push_back(i);
+    return static_cast<int>(front.row_index.size()) - 1;
+  };
+
+  // A row with an entry on the diagonal is treated as a column, ~column in row_place_.
+  row_diagonal_.assign(front.rows.size(), 0);
+  for (const Entry& e : front.row_diagonal) row_diagonal_[index(e.at / front.width)] += values[index(e.value)];
+  row_place_.clear();
+  for (std::size_t r = 0; r < front.rows.size(); ++r) {
+    row_place_.push_back(row_diagonal_[r] == 0 ? new_row(front.rows[r]) : ~new_column(front.rows[r]));
+  }
+  // What the previous front left: delayed rows without entries among themselves stay rows, other delayed ones are
+  // columns.
+  rest_place_.clear();
+  if (k > 0) {
+    const Front& previous = fronts_[k - 1];
+    const DenseLdlt& rest = previous.rest;
+    const int columns = static_cast<int>(previous.column_index.size());
+    const auto is_row = [&](int p) {
+      if (rest.index()[index(p)] < columns || rest.row(p)[p] != 0) return false;
+      for (int q = rest.pivots(); q < p; ++q) {
+        if (rest_place_[index(q - rest.pivots())] < 0 && rest.row(p)[q] != 0) return false;
+      }
+      return true;
+    };
+    for (int p = rest.pivots(); p < rest.order(); ++p) {
+      const int local = rest.index()[index(p)];
+      if (p < previous.rest_summed) {
+        const int global =
+            local < columns ? previous.column_index[index(local)] : previous.row_index[index(local - columns)];
+        rest_place_.push_back(is_row(p) ? ~new_row(global) : new_column(global));  // here a row is ~row
+      } else if (local < previous.summed + previous.later) {
+        rest_place_.push_back(local - previous.summed);
+      } else {
+        rest_place_.push_back(local - previous.summed - previous.later + front.summed + front.later);
+      }
+    }
+  }
+  const int first_leaf_column = static_cast<int>(front.column_index.size());
+  for (int l = front.first_leaf; l < front.last_leaf; ++l) {
+    if (!leaves_[index(l)].paired) new_column(leaves_[index(l)].neighbour);
+  }
+
+  const int columns = static_cast<int>(front.column_index.size());
+  front.tableau.reset(static_cast<int>(front.row_index.size()), columns);
+  const int width = front.tableau.width();
+  symmetric_.resize_to_zero(columns, columns);
+  double* s = symmetric_.data();
+  const auto add = [s, width](int i, int j, double value) {
+    s[i * width + j] += value;
+    if (i != j) s[j * width + i] += value;
+  };
+  const bool all_rows = std::all_of(row_diagonal_.begin(), row_diagonal_.end(), [](double d) { return d == 0; });
+  if (width == front.width && all_rows) {  // then entries are where analyse() put them
+    double* t = front.tableau.data();
+    for (const Entry& e : front.diagonal) s[e.at] += values[index(e.value)];
+    for (const Entry& e : front.symmetric) {
+      s[e.at] += values[index(e.value)];
+      s[e.mirrored] += values[index(e.value)];
+    }
+    for (const Entry& e : front.coupling) t[e.at] += values[index(e.value)];
+  } else {
+    const auto row = [&front](const Entry& e) { return e.at / front.width; };
+    const auto column = [&front](const Entry& e) { return e.at % front.width; };
+    for (const Entry& e : front.diagonal) add(row(e), column(e), values[index(e.value)]);
+    for (const Entry& e : front.symmetric) add(row(e), column(e), values[index(e.value)]);
+    for (const Entry& e : front.coupling) {
+      const int place = row_place_[index(row(e))];
+      if (place >= 0) {
+        front.tableau.row(place)[column(e)] += values[index(e.value)];
+      } else {
+        add(~place, column(e), values[index(e.value)]);
+      }
+    }
+    for (std::size_t r = 0; r < front.rows.size(); ++r) {
+      if (row_place_[r] < 0) add(~row_place_[r], ~row_place_[r], row_diagonal_[r]);
+    }
+  }
+  int leaf_column = first_leaf_column;
+  for (int l = front.first_leaf; l < front.last_leaf; ++l) {
+    const Leaf& leaf = leaves_[index(l)];
+    if (leaf.paired) {
+      for (int e = leaf.others; e < leaf.end; ++e) {
+        const double factor = -leaf.inverse_pp * leaf_values_[index(e)];
+        double* row = s + leaf_entries_[index(e)].column * width;
+        for (int f = leaf.others; f < leaf.end; ++f)
+          row[leaf_entries_[index(f)].column] += factor * leaf_values_[index(f)];
+      }
+    } else {
+      add(leaf_column, leaf_column, leaf.a_pp - leaf.a_lp * leaf.a_lp / leaf.a_ll);
+      for (int e = leaf.others; e < leaf.end; ++e)
+        add(leaf_column, leaf_entries_[index(e)].column, leaf_values_[index(e)]);
+      ++leaf_column;
+    }
+  }
+  if (k > 0) {
+    const DenseLdlt& rest = fronts_[k - 1].rest;
+    for (int q = rest.pivots(); q < rest.order(); ++q) {
+      const int j = rest_place_[index(q - rest.pivots())];
+      for (int p = q; p < rest.order(); ++p) {
+        const int i = rest_place_[index(p - rest.pivots())];
+        if (i >= 0 && j >= 0) {
+          add(i, j, rest.row(q)[p]);
+        } else if (i >= 0 || j >= 0) {
+          front.tableau.row(~std::min(i, j))[std::max(i, j)] += rest.row(q)[p];
+        }
+      }
+    }
+  }
+}
+
+// Eliminates the equality rows with their basic variables, and lays out what is left. False when a row depends on
+// others.
+bool ChainLdlt::reduce(Front& front, bool last) {
+  Tableau& tableau = front.tableau;
+  const int columns = tableau.columns(), width = tableau.width(), fixed = static_cast<int>(front.columns.size());
+  const double* s = symmetric_.data();
+  const auto may_go = [&](int j) { return last || j < front.summed || j >= fixed; };
+
+  weights_.resize_to_zero(2, columns);
+  double *preference = weights_.row(0), *bounding = weights_.row(1);
+  for (int j = 0; j < columns; ++j) {
+    const double own = std::abs(s[j * width + j]);
+    if (may_go(j)) preference[j] = own <= kLargestCondensed ? 1 : std::sqrt(kLargestCondensed / own);
+    if (may_go(j) || j < front.summed + front.later) bounding[j] = 1;
+  }
+  if (!tableau.solve_for_basis(preference, bounding)) return false;
+
+  // The basic columns, and what is left: fully summed columns, rows without basic variable, the other columns.
+  basic_.clear();
+  list_.clear();
+  front.basic_rows.clear();
+  for (int j = 0; j < columns; ++j) {
+    if (j == front.summed) j = fixed;
+    if (j < columns && tableau.row_of(j) < 0) list_.push_back(j);
+  }
+  for (int r = 0; r < tableau.rows(); ++r) {
+    if (tableau.basic(r) < 0) {
+      list_.push_back(columns + r);
+    } else {
+      front.basic_rows.push_back(r);
+      basic_.push_back(tableau.basic(r));
+    }
+  }
+  const int leaving = static_cast<int>(list_.size());
+  for (int j = front.summed; j < fixed; ++j) {
+    if (tableau.row_of(j) < 0) list_.push_back(j);
+  }
+  const int basics = static_cast<int>(basic_.size()), count = static_cast<int>(list_.size());
+  front.rest_summed = last ? count : leaving;
+  negative_ += basics;
+
+  // The rows of H of the basic variables; of these the other columns, and Z = B^-1 N.
+  front.curvature.resize(basics, columns);
+  u_.resize(basics, count);
+  z_.resize(basics, count);
+  x_.resize(count, count);
+  const int others = x_.width();
+  for (int b = 0; b < basics; ++b) {
+    const double* h = s + basic_[index(b)] * width;
+    const double* a = tableau.row(front.basic_rows[index(b)]);
+    std::copy_n(h, width, front.curvature.row(b));
+    double *u = u_.row(b), *z = z_.row(b);
+    for (int c = 0; c < count; ++c) {
+      const int j = list_[index(c)];
+      u[c] = j < columns ? h[j] : 0;
+      z[c] = j < columns ? a[j] : 0;
+    }
+    std::fill(u + count, u + others, 0.0);
+    std::fill(z + count, z + others, 0.0);
+  }
+  // H_NN - H_NB Z - Z' H_BN + Z' H_BB Z, as H_NN - X - X' with X = (H_BN - H_BB Z / 2)' Z.
+  add_product(-0.5, front.curvature.data(), width, basic_, z_.data(), others, u_.data());
+  transposed_product(u_.data(), count, z_.data(), basics, others, x_.data());
+  front.rest.reset(list_);
+  for (int i = 0; i < count; ++i) {
+    const int p = list_[index(i)];
+    for (int j = 0; j <= i; ++j) {
+      const int q = list_[index(j)];
+      double value = 0;
+      if (p < columns && q < columns) {
+        value = s[p * width + q] - x_.row(i)[j] - x_.row(j)[i];
+      } else if (p < columns || q < columns) {
+        value = tableau.row(std::max(p, q) - columns)[std::min(p, q)];
+      }
+      front.rest.row(i)[j] = front.rest.row(j)[i] = value;
+    }
+  }
+  return true;
+}
+
+void ChainLdlt::count_work(const Front& front) {
+  const double rows = front.tableau.rows(), width = front.tableau.width(), rest = front.rest.order(),
+               basics = static_cast<double>(front.basic_rows.size());
+  factorisation_work_ += rows * rows * width + basics * rest * (basics + rest) + rest * rest * rest / 3;
+  solve_work_ += 4 * (rows + basics) * width + 2 * rest * rest;
+}
+
+bool ChainLdlt::factorise(std::span<const double> values, double threshold) {
+  negative_ = 0;
+  factorisation_work_ = solve_work_ = 0;
+  prepare_leaves(values);
+  for (std::size_t k = 0; k < fronts_.size(); ++k) {
+    Front& front = fronts_[k];
+    assemble(k, values);
+    if (!reduce(front, k + 1 == fronts_.size())) return false;
+    count_work(front);
+    negative_ += front.rest.eliminate(front.rest_summed, threshold);
+    // Pivots that pile up along the chain mean that no stage has the curvature to place them: the fronts would grow
+    // with the chain's length, and what comes out at its end would be noise. The caller's perturbation is the cure.
+    if (front.rest_summed - front.rest.pivots() > kMostDelayed) return false;
+  }
+  return fronts_.back().rest.pivots() == fronts_.back().rest.order();
+}
+
+// b of the front's columns and rows.
+double& ChainLdlt::column_value(const Front& front, std::span<double> b, int j) {
+  return b[index(front.column_index[index(j)])];
+}
+double& ChainLdlt::row_value(const Front& front, std::span<double> b, int r) {
+  return b[index(front.row_index[index(r)])];
+}
+
+// With c = B^-1 b_R the basic variables' share of the right-hand side, what is left for the others is
+//   b_N - H_NB c - Z' (b_B - H_BB c).
+void ChainLdlt::solve_forward(const Front& front, std::span<double> b) const {
+  const Tableau& t = front.tableau;
+  const int width = t.width(), rows = t.rows(), basics = static_cast<int>(front.basic_rows.size());
+  vectors_.resize(6, std::max(width, rows));
+  double *given = vectors_.row(0), *h = vectors_.row(1), *a = vectors_.row(2), *c = vectors_.row(3),
+         *c_basic = vectors_.row(4), *gradient = vectors_.row(5);
+  std::fill_n(given, width, 0.0);
+  for (const int r : front.basic_rows) given[t.basic(r)] = row_value(front, b, r);
+  times_vector(t.data(), rows, width, given, c);
+  for (int i = 0; i < basics; ++i) c_basic[i] = c[front.basic_rows[index(i)]];
+  transposed_times_vector(front.curvature.data(), basics, width, c_basic, h);
+  for (int r = 0; r < rows; ++r) {
+    const int j = t.basic(r);
+    if (j < 0) row_value(front, b, r) += c[r];
+    gradient[r] = j < 0 ? 0 : column_value(front, b, j) - h[j];
+  }
+  transposed_times_vector(t.data(), rows, width, gradient, a);
+  for (int j = 0; j < t.columns(); ++j) {
+    if (t.row_of(j) < 0) column_value(front, b, j) -= h[j] + a[j];
+  }
+}
+
+// x_B = c - Z x_N, and the rows' multipliers B'^-1 (b_B - H_BB x_B - H_BN x_N).
+void ChainLdlt::solve_backward(const Front& front, std::span<double> b) const {
+  const Tableau& t = front.tableau;
+  const int width = t.width(), rows = t.rows(), basics = static_cast<int>(front.basic_rows.size());
+  vectors_.resize(6, std::max(width, rows));
+  double *given = vectors_.row(0), *x = vectors_.row(1), *a = vectors_.row(2), *y = vectors_.row(3),
+         *hx = vectors_.row(4), *gradient = vectors_.row(5);
+  std::fill_n(given, width, 0.0);
+  std::fill_n(x, width, 0.0);
+  for (int j = 0; j < t.columns(); ++j) {
+    x[j] = column_value(front, b, j);
+    given[j] = t.row_of(j) < 0 ? -x[j] : row_value(front, b, t.row_of(j));
+  }
+  times_vector(t.data(), rows, width, given, y);
+  for (const int r : front.basic_rows) x[t.basic(r)] = y[r];
+  times_vector(front.curvature.data(), basics, width, x, hx);
+  if (basics < rows) {
+    for (int r = 0; r < rows; ++r) gradient[r] = row_value(front, b, r);  // multipliers of rows left over
+  }
+  for (int i = 0; i < basics; ++i) {
+    const int r = front.basic_rows[index(i)];
+    gradient[r] = column_value(front, b, t.basic(r)) - hx[i];
+  }
+  transposed_times_vector(t.data(), rows, width, gradient, a);
+  for (const int r : front.basic_rows) {
+    column_value(front, b, t.basic(r)) = y[r];
+    row_value(front, b, r) = a[t.basic(r)];
+  }
+}
+
+void ChainLdlt::solve(std::span<double> b) const {
+  const auto value = [&b](int i) -> double& { return b[index(i)]; };
+  std::vector<double>& x = rest_values_;
+  const auto rest_value = [&](const Front& f, int p) -> double& {
+    const int i = f.rest.index()[index(p)], columns = f.tableau.columns();
+    return value(i < columns ? f.column_index[index(i)] : f.row_index[index(i - columns)]);
+  };
+  const auto gather = [&](const Front& f) {
+    x.resize(index(f.rest.order()));
+    for (int p = 0; p < f.rest.order(); ++p) x[index(p)] = rest_value(f, p);
+  };
+  for (const Front& front : fronts_) {
+    for (int l = front.first_leaf; l < front.last_leaf; ++l) {
+      const Leaf& leaf = leaves_[index(l)];
+      if (leaf.paired) {
+        const double t = leaf.inverse_lp * value(leaf.leaf) + leaf.inverse_pp * value(leaf.neighbour);
+        for (int e = leaf.others; e < leaf.end; ++e) {
+          value(front.columns[index(leaf_entries_[index(e)].column)]) -= leaf_values_[index(e)] * t;
+        }
+      } else {
+        value(leaf.neighbour) -= leaf.a_lp / leaf.a_ll * value(leaf.leaf);
+      }
+    }
+    solve_forward(front, b);
+    gather(front);
+    front.rest.solve_forward(x);
+    for (int p = 0; p < front.rest.order(); ++p) rest_value(front, p) = x[index(p)];
+  }
+  for (std::size_t k = fronts_.size(); k-- > 0;) {
+    const Front& front = fronts_[k];
+    gather(front);
+    front.rest.solve_backward(x);
+    // Rows passed on to later fronts are already solved there.
+    for (int p = 0; p < front.rest.pivots(); ++p) rest_value(front, p) = x[index(p)];
+    solve_backward(front, b);
+    for (int l = front.first_leaf; l < front.last_leaf; ++l) {
+      const Leaf& leaf = leaves_[index(l)];
+      if (leaf.paired) {
+        double p = value(leaf.neighbour);
+        for (int e = leaf.others; e < leaf.end; ++e) {
+          p -= leaf_values_[index(e)] * value(front.columns[index(leaf_entries_[index(e)].column)]);
+        }
+        const double own = value(leaf.leaf);
+        value(leaf.leaf) = leaf.inverse_ll * own + leaf.inverse_lp * p;
+        value(leaf.neighbour) = leaf.inverse_lp * own + leaf.inverse_pp * p;
+      } else {
+        value(leaf.leaf) = (value(leaf.leaf) - leaf.a_lp * value(leaf.neighbour)) / leaf.a_ll;
+      }
+    }
+  }
+}
+
+}  // namespace fjr

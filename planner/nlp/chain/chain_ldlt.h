@@ -1,0 +1,113 @@
+// L D L' of symmetric indefinite matrices whose graph is a chain of stages with a border: the KKT matrices of
+// collocation problems, where an interval sees itself, its neighbours and the durations.
+//
+// Multifrontal elimination (Duff & Reid, ACM TOMS 9, 1983) along the chain: front k assembles stage k and what front
+// k - 1 left, eliminates every index that no later stage sees, and passes its Schur complement on. In a front
+// - an index with a single neighbour, the slack of an inequality, goes first, together with that neighbour;
+// - then the equality rows, whose own block is zero, together with as many variables that they determine: with A = (B
+// N)
+//   the rows' coefficients and H the symmetric matrix of the variables, the block (H_BB B'; B 0) has as many
+//   eigenvalues of each sign as rows, whatever H is, and what it leaves is the matrix reduced to the other variables
+//   (tableau.h);
+// - the few that remain are pivots of a small dense matrix (dense_ldlt.h); what finds no good pivot is delayed to the
+//   next front.
+// Cost: O(stages) times a small dense factorisation.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "planner/nlp/chain/dense_ldlt.h"
+#include "planner/nlp/chain/tableau.h"
+
+namespace fjr {
+
+// What the rows of such a matrix are.
+struct ChainStructure {
+  int stages = 0;
+  std::vector<int> stage;      // of every row, from 0; the border's have stage `stages`
+  std::vector<bool> equality;  // per row: a row of the equality constraints; may be left empty
+};
+
+class ChainLdlt {
+ public:
+  // Pattern: entries (rows[e], cols[e]), 0-based, either triangle, repeated entries add up. Throws
+  // std::invalid_argument if an entry joins two stages that are neither neighbours nor one of them the border.
+  void analyse(std::span<const int> rows, std::span<const int> cols, const ChainStructure& structure);
+
+  // Values of the entries. False when the matrix is singular to working precision, or so nearly that pivots pile up.
+  // threshold in (0, 0.5]: a pivot must exceed this share of what it would divide; larger is more stable and less
+  // sparse.
+  bool factorise(std::span<const double> values, double threshold);
+
+  int negative_eigenvalues() const { return negative_; }  // of the last factorised matrix, exact by Sylvester's law
+
+  void solve(std::span<double> right_hand_side) const;  // in place
+
+  // Multiplications that the last factorisation took, and that one solve() with it takes: to a third or so, and the
+  // same every time. Delayed pivots make them several times what the pattern alone would.
+  double factorisation_work() const { return factorisation_work_; }
+  double solve_work() const { return solve_work_; }
+
+  int size() const { return size_; }
+
+ private:
+  struct Entry {
+    int value, at, mirrored;  // which of the values, and where it goes: row x width of the front + column
+  };
+  struct LeafEntry {
+    int value, column;
+  };
+  struct Leaf {  // an index with one neighbour
+    int leaf, neighbour;
+    // Where in leaf_entries_ those of (leaf, leaf), (leaf, neighbour), (neighbour, neighbour), and of the neighbour and
+    // a column of the front begin.
+    int own = 0, coupling = 0, diagonal = 0, others = 0, end = 0;
+    // Numbers of the present factorisation:
+    bool paired = false;                                    // both eliminated; otherwise the leaf alone
+    double a_ll = 0, a_lp = 0, a_pp = 0;                    // the pivot block
+    double inverse_ll = 0, inverse_lp = 0, inverse_pp = 0;  // of the 2 x 2 block when paired
+  };
+  struct Front {
+    // Columns: indices that are no equality rows - those the previous stage passes on, then what is this stage's own,
+    // what the next sees too, and the border.
+    std::vector<int> columns;
+    int summed = 0, later = 0, width = 0;  // columns below `summed` become fully summed here; width is of all, padded
+    std::vector<int> rows;                 // equality rows
+    std::vector<Entry> diagonal, symmetric, coupling, row_diagonal;  // of two columns, of a row and a column, of a row
+    int first_leaf = 0, last_leaf = 0;                               // in leaves_
+    // Numbers of the present factorisation:
+    std::vector<int> column_index, row_index;  // with what was delayed, what leaves left, and rows that are none
+    Tableau tableau;
+    std::vector<int> basic_rows;  // rows of the tableau that have a basic variable
+    Rows curvature;               // per such row: the basic variable's row of the symmetric matrix
+    DenseLdlt rest;  // rows: the columns that are not basic by their number, then tableau row r as columns + r
+    int rest_summed = 0;
+  };
+
+  void prepare_leaves(std::span<const double> values);
+  void assemble(std::size_t k, std::span<const double> values);
+  bool reduce(Front& front, bool last);
+  void count_work(const Front& front);
+  static double& column_value(const Front& front, std::span<double> b, int j);
+  static double& row_value(const Front& front, std::span<double> b, int r);
+  void solve_forward(const Front& front, std::span<double> b) const;
+  void solve_backward(const Front& front, std::span<double> b) const;
+
+  int size_ = 0;
+  int negative_ = 0;
+  double factorisation_work_ = 0, solve_work_ = 0;
+  std::vector<Front> fronts_;
+  std::vector<Leaf> leaves_;  // by front
+  std::vector<LeafEntry> leaf_entries_;
+  std::vector<double> leaf_values_;  // of leaf_entries_
+  Rows symmetric_;                   // of the front being assembled, both triangles
+  // Work space.
+  std::vector<int> row_place_, rest_place_, basic_, list_;
+  std::vector<double> row_diagonal_;
+  Rows weights_, u_, z_, x_;
+  mutable Rows vectors_;
+  mutable std::vector<double> rest_values_;
+};
+
+}  // namespace fjr

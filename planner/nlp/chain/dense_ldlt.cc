@@ -1,0 +1,216 @@
+#include "planner/nlp/chain/dense_ldlt.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/nlp/chain/vectorised.h"
+
+namespace fjr {
+namespace {
+
+// A pivot below this is a zero.
+constexpr double kZero = 1e-20;
+
+// Pivots that bound growth this well are taken first; the caller's threshold is what is accepted before delaying.
+constexpr double kComfortable = 1e-2;
+
+// Rows of active constraints on states wait for the stage that determines those: up to 10 were seen to. More than this
+// are left where a fine mesh scales badly, and would pile up along the chain: an iteration with 800 intervals took
+// three times as long as four with 200.
+constexpr int kMostWaiting = 16;
+
+// Subtracts from all rows below p what eliminating it with the pivot d leaves there, and divides row p. What this does
+// to the columns up to p is nobody's business any more.
+FJR_VECTORISED void subtract_one(double* a, int n, int width, int p, double d) {
+  double* from = a + p * width;
+  const double inverse = 1 / d;
+  const int first = (p + 1) / kLanes * kLanes;
+  for (int i = p + 1; i < n; ++i) {
+    const double l = from[i] * inverse;
+    if (l == 0) continue;
+    double* to = a + i * width;
+    for (int w = first; w < width; w += kLanes) {
+      *reinterpret_cast<Lanes*>(to + w) -= l * *reinterpret_cast<const Lanes*>(from + w);
+    }
+  }
+  for (int i = p + 1; i < n; ++i) from[i] *= inverse;
+}
+
+// The same for rows p and p + 1 with the pivot block (d0 e0; e0 d1).
+FJR_VECTORISED void subtract_two(double* a, int n, int width, int p, double d0, double e0, double d1) {
+  double *from0 = a + p * width, *from1 = from0 + width;
+  const double inverse = 1 / (d0 * d1 - e0 * e0), b00 = d1 * inverse, b01 = -e0 * inverse, b11 = d0 * inverse;
+  const int first = (p + 2) / kLanes * kLanes;
+  for (int i = p + 2; i < n; ++i) {
+    const double u = b00 * from0[i] + b01 * from1[i], v = b01 * from0[i] + b11 * from1[i];
+    if (u == 0 && v == 0) continue;
+    double* to = a + i * width;
+    for (int w = first; w < width; w += kLanes) {
+      *reinterpret_cast<Lanes*>(to + w) -=
+          u * *reinterpret_cast<const Lanes*>(from0 + w) + v * *reinterpret_cast<const Lanes*>(from1 + w);
+    }
+  }
+  for (int i = p + 2; i < n; ++i) {
+    const double u = b00 * from0[i] + b01 * from1[i], v = b01 * from0[i] + b11 * from1[i];
+    from0[i] = u;
+    from1[i] = v;
+  }
+  from0[p + 1] = 0;
+}
+
+// Largest magnitude in a row, each weighed.
+FJR_VECTORISED double largest_of(const double* row, const double* weights, int width) {
+  double best[kLanes] = {};
+  for (int w = 0; w < width; w += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const double size = std::fabs(row[w + lane]) * weights[w + lane];
+      best[lane] = size > best[lane] ? size : best[lane];
+    }
+  }
+  return *std::max_element(best, best + kLanes);
+}
+
+}  // namespace
+
+void DenseLdlt::reset(std::span<const int> index) {
+  index_.assign(index.begin(), index.end());
+  matrix_.resize(order(), order());
+  d_.assign(index_.size(), 0);
+  e_.assign(index_.size(), 0);
+  weights_.resize_to_zero(1, order());
+  judge_as_is(0);
+  pivots_ = 0;
+}
+
+// Pivots are judged by the matrix as it is.
+void DenseLdlt::judge_as_is(int first) { std::fill(weights_.row(0) + first, weights_.row(0) + order(), 1.0); }
+
+// Pivots are judged by the matrix scaled so that no entry exceeds 1 and nearly every row has one that is 1 (Bunch,
+// Numer. Math. 17, 1971): the row of an active constraint is of size 1 with next to nothing on the diagonal, the
+// columns of states near their bounds are of size 1e10, and what is a good pivot should not depend on such units.
+void DenseLdlt::judge_scaled(int first) {
+  double* weights = weights_.row(0);
+  std::fill(weights + first, weights + order(), 0.0);
+  for (int i = first; i < order(); ++i) {
+    const double size = std::max(std::sqrt(std::fabs(row(i)[i])), largest_of(row(i), weights, matrix_.width()));
+    weights[i] = size > 0 ? 1 / size : 1;
+  }
+}
+
+// Largest magnitude, as judged, in row i of what is not eliminated, without columns c and d.
+double DenseLdlt::largest(int i, int c, int d) {
+  double* weights = weights_.row(0);
+  const double of_i = weights[i], of_c = weights[c], of_d = weights[d];
+  weights[c] = weights[d] = 0;
+  const double result = of_i * largest_of(row(i), weights, matrix_.width());
+  weights[c] = of_c;
+  weights[d] = of_d;
+  return result;
+}
+
+// Exchanges rows and columns p and q, neither eliminated yet.
+void DenseLdlt::exchange(int p, int q) {
+  if (p == q) return;
+  std::swap_ranges(row(p), row(p) + matrix_.width(), row(q));
+  for (int i = 0; i < order(); ++i) std::swap(row(i)[p], row(i)[q]);
+  std::swap(index_[static_cast<std::size_t>(p)], index_[static_cast<std::size_t>(q)]);
+  std::swap(weights_.row(0)[p], weights_.row(0)[q]);
+}
+
+int DenseLdlt::eliminate(int candidates, double threshold) {
+  const int n = order();
+  // Scaled only where it must be: what waits is often better off with the pivots that come later.
+  const struct {
+    double wanted;
+    bool scaled;
+  } judgements[] = {{kComfortable, false}, {threshold, false}, {kComfortable, true}, {threshold, true}};
+  const auto* judgement = std::begin(judgements);
+  const double* scale = weights_.row(0);
+  int negative = 0, p = 0, candidate = 0;
+  const auto next_pivot = [&](int size) {
+    for (int i = 0; i < size; ++i) weights_.row(0)[p++] = 0;
+    candidate = 0;
+    if (judgement->scaled) judge_as_is(p);
+    judgement = std::begin(judgements);
+  };
+  const auto entry = [&](int i, int j) { return row(i)[j] * scale[i] * scale[j]; };
+  while (p < candidates) {
+    if (p + candidate >= candidates) {  // nobody left passes
+      if (++judgement == std::end(judgements)) break;
+      if (judgement->scaled && candidates - p <= kMostWaiting) break;
+      if (judgement->scaled) judge_scaled(p);
+      candidate = 0;
+    }
+    const int c = p + candidate;
+    if (std::fabs(row(c)[c]) > kZero && std::fabs(entry(c, c)) >= judgement->wanted * largest(c, c, c)) {  // 1 x 1
+      exchange(p, c);
+      const double d = row(p)[p];
+      d_[static_cast<std::size_t>(p)] = d;
+      negative += d < 0;
+      subtract_one(matrix_.data(), n, matrix_.width(), p, d);
+      next_pivot(1);
+      continue;
+    }
+    // 2 x 2 with the candidate it couples to most.
+    int r = -1;
+    double y = 0;
+    for (int j = p; j < candidates; ++j) {
+      if (j == c || std::fabs(entry(c, j)) <= std::fabs(y)) continue;
+      y = entry(c, j);
+      r = j;
+    }
+    if (r >= 0) {
+      const double x = entry(c, c), z = entry(r, r), determinant = x * z - y * y;
+      const double off_c = largest(c, c, r), off_r = largest(r, c, r);
+      // Growth of the inverse times the rest, row by row (Duff & Reid's test).
+      const double growth =
+          std::max(std::fabs(z) * off_c + std::fabs(y) * off_r, std::fabs(y) * off_c + std::fabs(x) * off_r);
+      if (std::fabs(determinant) > kZero && growth * judgement->wanted <= std::fabs(determinant)) {
+        exchange(p, c);
+        exchange(p + 1, r == p ? c : r);
+        const double d0 = row(p)[p], e0 = row(p)[p + 1], d1 = row(p + 1)[p + 1], det = d0 * d1 - e0 * e0;
+        d_[static_cast<std::size_t>(p)] = d0;
+        d_[static_cast<std::size_t>(p) + 1] = d1;
+        e_[static_cast<std::size_t>(p)] = e0;
+        negative += det < 0 ? 1 : (d0 < 0 ? 2 : 0);
+        subtract_two(matrix_.data(), n, matrix_.width(), p, d0, e0, d1);
+        next_pivot(2);
+        continue;
+      }
+    }
+    ++candidate;
+  }
+  pivots_ = p;
+  return negative;
+}
+
+void DenseLdlt::solve_forward(std::span<double> x) const {
+  for (int p = 0; p < pivots_; ++p) {
+    const double* l = row(p);
+    const double pivot = x[static_cast<std::size_t>(p)];
+    const int below = e_[static_cast<std::size_t>(p)] != 0 ? p + 2 : p + 1;
+    for (int i = below; i < order(); ++i) x[static_cast<std::size_t>(i)] -= l[i] * pivot;
+  }
+}
+
+void DenseLdlt::solve_backward(std::span<double> x) const {
+  for (std::size_t q = 0; q < static_cast<std::size_t>(pivots_); ++q) {
+    if (e_[q] == 0) {
+      x[q] /= d_[q];
+      continue;
+    }
+    const double det = d_[q] * d_[q + 1] - e_[q] * e_[q], first = x[q], second = x[q + 1];
+    x[q] = (d_[q + 1] * first - e_[q] * second) / det;
+    x[q + 1] = (d_[q] * second - e_[q] * first) / det;
+    ++q;
+  }
+  for (int p = pivots_ - 1; p >= 0; --p) {
+    const double* l = row(p);
+    const int below = e_[static_cast<std::size_t>(p)] != 0 ? p + 2 : p + 1;
+    double value = x[static_cast<std::size_t>(p)];
+    for (int i = below; i < order(); ++i) value -= l[i] * x[static_cast<std::size_t>(i)];
+    x[static_cast<std::size_t>(p)] = value;
+  }
+}
+
+}  // namespace fjr

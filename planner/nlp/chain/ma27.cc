@@ -1,0 +1,92 @@
+#include "planner/nlp/chain/ma27.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <exception>
+#include <span>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+namespace fjr {
+namespace {
+
+thread_local ChainStructure described;
+thread_local ChainLdlt factor;
+thread_local std::vector<int> rows, cols;
+thread_local int factorised = 0;
+thread_local double multiplied = 0;
+
+}  // namespace
+
+void describe_chain(ChainStructure structure) { described = std::move(structure); }
+
+int factorisations() { return factorised; }
+double multiplications() { return multiplied; }
+
+std::string chain_library() {
+  static const char here = 0;
+  Dl_info library{};
+  if (dladdr(&here, &library) == 0) throw std::logic_error("this code is in no file");
+  return library.dli_fname;
+}
+
+}  // namespace fjr
+
+// The Fortran interface of MA27 (HSL specification): every argument by address, arrays 1-based. Only what Ipopt reads
+// is set: info(1) status, info(5) and info(6) recommended lengths, info(15) negative eigenvalues; the rest is zero. The
+// factors stay in `factor`, so of the caller's work space nothing is used.
+extern "C" {
+
+void ma27id_(int* icntl, double* cntl) {
+  std::fill_n(icntl, 30, 0);
+  std::fill_n(cntl, 5, 0.0);
+  cntl[0] = 0.1;
+}
+
+void ma27ad_(const int* n, const int* nz, const int* irn, const int* icn, int* /*iw*/, const int* /*liw*/,
+             int* /*ikeep*/, int* /*iw1*/, int* nsteps, const int* /*iflag*/, const int* /*icntl*/,
+             const double* /*cntl*/, int* info, double* ops) {
+  std::fill_n(info, 20, 0);
+  *ops = 0;
+  *nsteps = 1;
+  const auto count = static_cast<std::size_t>(*nz);
+  info[4] = std::max(*nz, 1);
+  info[5] = std::max(*nz, 1);
+  if (fjr::described.stage.size() != static_cast<std::size_t>(*n)) {
+    info[0] = -1;  // "N out of range": nobody said what this matrix is
+    return;
+  }
+  fjr::rows.resize(count);
+  fjr::cols.resize(count);
+  const auto zero_based = [](int i) { return i - 1; };
+  std::transform(irn, irn + count, fjr::rows.begin(), zero_based);
+  std::transform(icn, icn + count, fjr::cols.begin(), zero_based);
+  try {
+    fjr::factor.analyse(fjr::rows, fjr::cols, fjr::described);
+  } catch (const std::exception&) {
+    info[0] = -1;
+  }
+}
+
+void ma27bd_(const int* /*n*/, const int* nz, const int* /*irn*/, const int* /*icn*/, const double* a,
+             const int* /*la*/, int* /*iw*/, const int* /*liw*/, int* /*ikeep*/, const int* /*nsteps*/, int* maxfrt,
+             int* /*iw1*/, const int* /*icntl*/, const double* cntl, int* info) {
+  std::fill_n(info, 20, 0);
+  *maxfrt = 1;
+  ++fjr::factorised;
+  const double threshold = std::clamp(cntl[0], 1e-10, 0.5);
+  if (!fjr::factor.factorise(std::span(a, static_cast<std::size_t>(*nz)), threshold)) info[0] = -5;  // singular
+  fjr::multiplied += fjr::factor.factorisation_work();
+  info[14] = fjr::factor.negative_eigenvalues();
+}
+
+void ma27cd_(const int* n, const double* /*a*/, const int* /*la*/, const int* /*iw*/, const int* /*liw*/, double* /*w*/,
+             const int* /*maxfrt*/, double* rhs, int* /*iw1*/, const int* /*nsteps*/, const int* /*icntl*/,
+             const double* /*cntl*/) {
+  fjr::factor.solve(std::span(rhs, static_cast<std::size_t>(*n)));
+  fjr::multiplied += fjr::factor.solve_work();
+}
+
+}  // extern "C"

@@ -1,0 +1,27 @@
+// The chain factorisation behind the calling convention that stock Ipopt loads its linear solvers by.
+//
+// Debian's Ipopt has no headers for a solver of one's own, but it loads MA27 at run time from a library. This file is
+// in a library of its own with those symbols, and linear_solver = ma27 means ChainLdlt when Ipopt was told to load that
+// one. The convention has no room for the stages, so they are told beforehand.
+#pragma once
+
+#include <string>
+
+#include "planner/nlp/chain/chain_ldlt.h"
+
+namespace fjr {
+
+// What the rows of the KKT matrices to come on this thread are, in Ipopt's order: free variables, slacks of the
+// inequalities, equality rows, inequality rows.
+void describe_chain(ChainStructure structure);
+
+// How many factorisations this thread has done.
+int factorisations();
+
+// How many multiplications they and the solves with them took, as ChainLdlt counts them.
+double multiplications();
+
+// File name of the library that this is in.
+std::string chain_library();
+
+}  // namespace fjr

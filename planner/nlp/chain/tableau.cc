@@ -1,0 +1,137 @@
+#include "planner/nlp/chain/tableau.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "planner/nlp/chain/vectorised.h"
+
+namespace fjr {
+namespace {
+
+// A pivot is taken if it exceeds this share of its row, which bounds what the row's other variables are multiplied by:
+// first where there are good ones, then what the other rows find.
+constexpr std::array<double, 2> kShares{0.1, 0.01};
+
+// What elimination leaves of a row is nothing below this share of what there was.
+constexpr double kDependent = 1e-13;
+
+FJR_VECTORISED double largest_of(const double* row, int width) {
+  double best[kLanes] = {};
+  for (int w = 0; w < width; w += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const double size = std::fabs(row[w + lane]);
+      best[lane] = size > best[lane] ? size : best[lane];
+    }
+  }
+  return *std::max_element(best, best + kLanes);
+}
+
+struct Choice {
+  int column;
+  double share;
+};
+
+// The column of the largest magnitude times preference, and its share of the row.
+FJR_VECTORISED Choice choose(const double* row, const double* preference, const double* bounding, int width) {
+  double best[kLanes] = {}, bound[kLanes] = {};
+  for (int w = 0; w < width; w += kLanes) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const double size = std::fabs(row[w + lane]), product = size * preference[w + lane];
+      const double counted = size * bounding[w + lane];
+      best[lane] = product > best[lane] ? product : best[lane];
+      bound[lane] = counted > bound[lane] ? counted : bound[lane];
+    }
+  }
+  const double largest = *std::max_element(best, best + kLanes), limit = *std::max_element(bound, bound + kLanes);
+  if (largest == 0) return {-1, 0};
+  int c = 0;
+  while (std::fabs(row[c]) * preference[c] != largest) ++c;
+  return {c, std::fabs(row[c]) / limit};
+}
+
+// Row r solved for column c, and c replaced in all other rows. Column c is written last: a vector read of what was just
+// written in part has to wait for it.
+template <int kBlocks>
+[[gnu::always_inline]] inline void exchange_rows(double* a, int rows, int r, int c) {
+  constexpr int kWidth = kBlocks * kLanes;
+  double* pivot_row = a + r * kWidth;
+  const double inverse = 1 / pivot_row[c];
+  Lanes from[kBlocks];
+  for (int w = 0; w < kBlocks; ++w) {
+    Lanes& block = *reinterpret_cast<Lanes*>(pivot_row + w * kLanes);
+    from[w] = block * inverse;
+    block = from[w];
+  }
+  pivot_row[c] = inverse;
+  for (int i = 0; i < rows; ++i) {
+    double* to = a + i * kWidth;
+    const double factor = to[c];
+    if (i == r || factor == 0) continue;
+    for (int w = 0; w < kBlocks; ++w) *reinterpret_cast<Lanes*>(to + w * kLanes) -= factor * from[w];
+    to[c] = -factor * inverse;
+  }
+}
+
+// The usual widths with the pivot row in registers; wider ones in pieces would need another loop, so in memory.
+FJR_VECTORISED void exchange(double* a, int rows, int width, int r, int c) {
+  switch (width / kLanes) {
+    case 6:
+      return exchange_rows<6>(a, rows, r, c);
+    case 7:
+      return exchange_rows<7>(a, rows, r, c);
+    case 8:
+      return exchange_rows<8>(a, rows, r, c);
+    default:
+      break;
+  }
+  double* from = a + r * width;
+  const double inverse = 1 / from[c];
+  for (int w = 0; w < width; w += kLanes) *reinterpret_cast<Lanes*>(from + w) *= inverse;
+  from[c] = inverse;
+  for (int i = 0; i < rows; ++i) {
+    double* to = a + i * width;
+    const double factor = to[c];
+    if (i == r || factor == 0) continue;
+    for (int w = 0; w < width; w += kLanes) {
+      *reinterpret_cast<Lanes*>(to + w) -= factor * *reinterpret_cast<const Lanes*>(from + w);
+    }
+    to[c] = -factor * inverse;
+  }
+}
+
+}  // namespace
+
+void Tableau::reset(int rows, int columns) {
+  a_.resize_to_zero(rows, columns);
+  basic_.assign(static_cast<std::size_t>(rows), -1);
+  row_of_.assign(static_cast<std::size_t>(columns), -1);
+}
+
+bool Tableau::solve_for_basis(double* preference, double* bounding) {
+  size_.clear();
+  for (int r = 0; r < rows(); ++r) size_.push_back(largest_of(row(r), width()));
+  for (const double least : kShares) {
+    for (int r = 0; r < rows(); ++r) {
+      const auto at = static_cast<std::size_t>(r);
+      if (basic_[at] >= 0) continue;
+      const auto [column, share] = choose(row(r), preference, bounding, width());
+      if (share < least || std::fabs(row(r)[column]) <= kDependent * size_[at]) continue;
+      exchange(a_.data(), rows(), width(), r, column);
+      const auto c = static_cast<std::size_t>(column);
+      basic_[at] = column;
+      row_of_[c] = r;
+      preference[c] = bounding[c] = 0;
+    }
+  }
+  bool independent = true;
+  for (int r = 0; r < rows(); ++r) {
+    if (basic(r) >= 0) continue;
+    double left = 0;
+    for (int j = 0; j < columns(); ++j) left = row_of(j) >= 0 ? left : std::max(left, std::fabs(row(r)[j]));
+    independent = independent && left > kDependent * size_[static_cast<std::size_t>(r)];
+  }
+  return independent;
+}
+
+}  // namespace fjr

@@ -1,0 +1,335 @@
+#include "planner/nlp/ipopt.h"
+
+#include <IpIpoptApplication.hpp>
+#include <IpIpoptCalculatedQuantities.hpp>
+#include <IpIpoptData.hpp>
+#include <IpTNLP.hpp>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <ctime>
+#include <stdexcept>
+
+#include "planner/nlp/chain/ma27.h"
+#include "planner/nlp/linear_solver.h"
+
+// Until 3.13 Ipopt's loader of solvers has a header, since then the option hsllib.
+#if __has_include(<HSLLoader.h>)
+#define FJR_IPOPT_LOADER
+#include <HSLLoader.h>
+#endif
+
+namespace fjr {
+namespace {
+
+using Eigen::Map;
+using Eigen::VectorXd;
+using Ipopt::Index;
+using Ipopt::Number;
+
+constexpr double kInfinity = 2e19;  // Ipopt takes anything beyond 1e19 as no bound
+
+Map<const VectorXd> view(const Number* data, Index size) { return {data, size}; }
+Map<VectorXd> view(Number* data, Index size) { return {data, size}; }
+
+// Of this process, since `start`. [s]
+double cpu_since(std::clock_t start) { return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC; }
+
+// Adds the CPU time of its life to a sum.
+class Timed {
+ public:
+  explicit Timed(double& sum) : sum_(sum) {}
+  ~Timed() { sum_ += cpu_since(start_); }
+  Timed(const Timed&) = delete;
+  Timed& operator=(const Timed&) = delete;
+
+ private:
+  double& sum_;
+  const std::clock_t start_ = std::clock();
+};
+
+class Adapter final : public Ipopt::TNLP {
+ public:
+  Adapter(const Nlp& nlp, const Iterate& start, const SolveOptions& options)
+      : nlp_(nlp), start_(start), options_(options) {}
+
+  SolveReport report;
+
+  bool get_nlp_info(Index& n, Index& m, Index& jacobian, Index& hessian, IndexStyleEnum& style) override {
+    n = static_cast<Index>(nlp_.variables());
+    m = static_cast<Index>(nlp_.constraints());
+    jacobian = static_cast<Index>(nlp_.jacobian_pattern.size());
+    hessian = static_cast<Index>(nlp_.hessian_pattern.size());
+    style = TNLP::C_STYLE;
+    return true;
+  }
+
+  bool get_bounds_info(Index n, Number* x_lower, Number* x_upper, Index m, Number* g_lower, Number* g_upper) override {
+    const auto bounded = [](double b) { return std::clamp(b, -kInfinity, kInfinity); };
+    view(x_lower, n) = nlp_.x_lower.unaryExpr(bounded);
+    view(x_upper, n) = nlp_.x_upper.unaryExpr(bounded);
+    view(g_lower, m) = nlp_.g_lower.unaryExpr(bounded);
+    view(g_upper, m) = nlp_.g_upper.unaryExpr(bounded);
+    return true;
+  }
+
+  bool get_scaling_parameters(Number& objective, bool& use_x, Index n, Number* x, bool& use_g, Index m,
+                              Number* g) override {
+    objective = options_.objective_scaling;
+    use_x = options_.x_scaling.size() == n;
+    use_g = options_.g_scaling.size() == m;
+    if (use_x) view(x, n) = options_.x_scaling;
+    if (use_g) view(g, m) = options_.g_scaling;
+    return true;
+  }
+
+  bool get_starting_point(Index n, bool want_x, Number* x, bool want_z, Number* z_lower, Number* z_upper, Index m,
+                          bool want_lambda, Number* lambda) override {
+    if (want_x) view(x, n) = start_.x;
+    if (want_z) {
+      if (start_.z_lower.size() != n || start_.z_upper.size() != n) return false;
+      view(z_lower, n) = start_.z_lower;
+      view(z_upper, n) = start_.z_upper;
+    }
+    if (want_lambda) {
+      if (start_.lambda.size() != m) return false;
+      view(lambda, m) = start_.lambda;
+    }
+    return true;
+  }
+
+  bool eval_f(Index n, const Number* x, bool, Number& value) override {
+    const Timed timed(report.cost.evaluation);
+    value = nlp_.objective(view(x, n));
+    return std::isfinite(value);
+  }
+  bool eval_grad_f(Index n, const Number* x, bool, Number* out) override {
+    const Timed timed(report.cost.evaluation);
+    nlp_.gradient(view(x, n), view(out, n));
+    return true;
+  }
+  bool eval_g(Index n, const Number* x, bool, Index m, Number* out) override {
+    const Timed timed(report.cost.evaluation);
+    nlp_.constraint_values(view(x, n), view(out, m));
+    return view(out, m).allFinite();
+  }
+  bool eval_jac_g(Index n, const Number* x, bool, Index, Index count, Index* row, Index* col, Number* out) override {
+    if (out == nullptr) return copy(nlp_.jacobian_pattern, row, col);
+    const Timed timed(report.cost.evaluation);
+    nlp_.jacobian(view(x, n), view(out, count));
+    return true;
+  }
+  bool eval_h(Index n, const Number* x, bool, Number cost_factor, Index m, const Number* lambda, bool, Index count,
+              Index* row, Index* col, Number* out) override {
+    if (out == nullptr) return copy(nlp_.hessian_pattern, row, col);
+    const Timed timed(report.cost.evaluation);
+    nlp_.hessian(view(x, n), cost_factor, view(lambda, m), view(out, count));
+    return true;
+  }
+
+  bool intermediate_callback(Ipopt::AlgorithmMode, Index iteration, Number objective, Number violation, Number, Number,
+                             Number, Number, Number, Number, Index, const Ipopt::IpoptData*,
+                             Ipopt::IpoptCalculatedQuantities*) override {
+    report.iterations = iteration;
+    report.work = work_of(iteration);
+    return !options_.monitor || options_.monitor({iteration, objective, violation, report.work});
+  }
+
+  void finalize_solution(Ipopt::SolverReturn, Index n, const Number* x, const Number* z_lower, const Number* z_upper,
+                         Index m, const Number* g, const Number* lambda, Number objective, const Ipopt::IpoptData*,
+                         Ipopt::IpoptCalculatedQuantities*) override {
+    report.iterate = {view(x, n), view(lambda, m), view(z_lower, n), view(z_upper, n)};
+    report.objective = objective;
+    const VectorXd values = view(g, m);
+    report.violation = 0;
+    if (m > 0) {
+      report.violation = std::max({0.0, (nlp_.g_lower - values).maxCoeff(), (values - nlp_.g_upper).maxCoeff()});
+    }
+  }
+
+ private:
+  // Everything but the factorisations grows with what there is to evaluate and to multiply with in an iteration.
+  double work_of(int iterations) const {
+    constexpr double kPerEntry = 4e-8;  // [s] of derivatives, and of variables and constraints, in one iteration
+    constexpr double kPerMultiplication = 6.5e-10;  // [s]
+    const auto entries = nlp_.jacobian_pattern.size() + nlp_.hessian_pattern.size() +
+                         static_cast<std::size_t>(nlp_.variables() + nlp_.constraints());
+    return kPerEntry * static_cast<double>(entries) * iterations +
+           kPerMultiplication * (multiplications() - multiplied_before_);
+  }
+
+  static bool copy(const std::vector<Nlp::Entry>& pattern, Index* row, Index* col) {
+    for (const auto& entry : pattern) {
+      *row++ = entry.row;
+      *col++ = entry.col;
+    }
+    return true;
+  }
+
+  const double multiplied_before_ = multiplications();
+  const Nlp& nlp_;
+  const Iterate& start_;
+  const SolveOptions& options_;
+};
+
+SolveStatus translate(Ipopt::ApplicationReturnStatus status) {
+  switch (status) {
+    case Ipopt::Solve_Succeeded:
+    case Ipopt::Feasible_Point_Found:
+      return SolveStatus::kOptimal;
+    case Ipopt::Solved_To_Acceptable_Level:
+      return SolveStatus::kAcceptable;
+    case Ipopt::Infeasible_Problem_Detected:
+      return SolveStatus::kInfeasible;
+    case Ipopt::Maximum_Iterations_Exceeded:
+      return SolveStatus::kIterationLimit;
+    case Ipopt::User_Requested_Stop:
+      return SolveStatus::kStopped;
+    default:
+      return SolveStatus::kFailed;
+  }
+}
+
+// Options by name; a misspelt one is a bug, not something to pass over.
+class Options {
+ public:
+  explicit Options(Ipopt::IpoptApplication& application)
+      : list_(*application.Options()), known_(*application.RegOptions()) {}
+  bool has(const char* name) const { return Ipopt::IsValid(known_.GetOption(name)); }
+  void SetNumericValue(const char* name, double value) { check(list_.SetNumericValue(name, value), name); }
+  void SetIntegerValue(const char* name, Index value) { check(list_.SetIntegerValue(name, value), name); }
+  void SetStringValue(const char* name, const std::string& value) { check(list_.SetStringValue(name, value), name); }
+
+ private:
+  static void check(bool accepted, const char* name) {
+    if (!accepted) throw std::logic_error(std::string("Ipopt refuses the option ") + name);
+  }
+  Ipopt::OptionsList& list_;
+  Ipopt::RegisteredOptions& known_;
+};
+
+void configure(Options o, const SolveOptions& options, const std::string& linear_solver) {
+  o.SetNumericValue("tol", options.tolerance);
+  o.SetNumericValue("constr_viol_tol", options.constraint_tolerance);
+  o.SetNumericValue("acceptable_constr_viol_tol", 10 * options.constraint_tolerance);  // Ipopt's own default is 1e-2
+  o.SetIntegerValue("max_iter", options.max_iterations);
+  o.SetStringValue("linear_solver", linear_solver == "stage" ? "ma27" : linear_solver);
+  o.SetStringValue("linear_system_scaling", "none");
+  // Refine a step only where its residual asks for it (residual_ratio_max): the same iterations, within what rounding
+  // does to them, and 5 % fewer instructions for a whole plan. Ipopt's default refines once whatever the residual.
+  o.SetIntegerValue("min_refinement_steps", 0);
+  o.SetStringValue("mu_strategy", options.barrier_strategy);
+  o.SetNumericValue("mu_init", options.initial_barrier);
+  // Ipopt stops lowering mu at min(tol, compl_inf_tol) / (barrier_tol_factor + 1).
+  if (options.barrier_strategy == "monotone") o.SetNumericValue("compl_inf_tol", 11 * options.final_barrier);
+  o.SetIntegerValue("print_level", options.print_level);
+  if (o.has("timing_statistics")) o.SetStringValue("timing_statistics", "yes");  // from 3.14 on, not by itself
+  o.SetStringValue("sb", "yes");
+  o.SetStringValue("fixed_variable_treatment", "make_parameter");
+  o.SetNumericValue("bound_relax_factor", 0);  // a limit is a limit; the certificate checks it to 1e-6
+  if (options.x_scaling.size() > 0 || options.g_scaling.size() > 0) {
+    o.SetStringValue("nlp_scaling_method", "user-scaling");
+  }
+  if (options.warm_start) {
+    o.SetStringValue("warm_start_init_point", "yes");
+    o.SetNumericValue("warm_start_bound_push", 1e-9);
+    o.SetNumericValue("warm_start_bound_frac", 1e-9);
+    o.SetNumericValue("warm_start_slack_bound_push", 1e-9);
+    o.SetNumericValue("warm_start_slack_bound_frac", 1e-9);
+    o.SetNumericValue("warm_start_mult_bound_push", 1e-9);
+  } else if (options.initial_barrier < 0.05) {  // a good primal guess: do not push it far off its bounds
+    o.SetNumericValue("bound_push", 1e-4);
+    o.SetNumericValue("bound_frac", 1e-4);
+    o.SetNumericValue("slack_bound_push", 1e-4);
+    o.SetNumericValue("slack_bound_frac", 1e-4);
+    o.SetStringValue("bound_mult_init_method", "mu-based");
+  }
+}
+
+// What the rows of Ipopt's KKT matrix are: free variables (fixed ones are parameters), slacks, equalities,
+// inequalities.
+ChainStructure kkt_structure(const Nlp& nlp) {
+  ChainStructure kkt{nlp.stages, {}, {}};
+  std::vector<int> equalities, inequalities;
+  for (Index i = 0; i < nlp.variables(); ++i) {
+    if (nlp.x_lower(i) != nlp.x_upper(i)) kkt.stage.push_back(nlp.variable_stage[static_cast<std::size_t>(i)]);
+  }
+  for (Index i = 0; i < nlp.constraints(); ++i) {
+    (nlp.g_lower(i) == nlp.g_upper(i) ? equalities : inequalities)
+        .push_back(nlp.constraint_stage[static_cast<std::size_t>(i)]);
+  }
+  kkt.equality.assign(kkt.stage.size(), false);
+  for (const auto* part : {&inequalities, &equalities, &inequalities}) {
+    kkt.stage.insert(kkt.stage.end(), part->begin(), part->end());
+    kkt.equality.resize(kkt.stage.size(), part == &equalities);
+  }
+  return kkt;
+}
+
+// Has Ipopt take the linear solver's routines from its library.
+void load([[maybe_unused]] Ipopt::IpoptApplication& application, const std::string& linear_solver) {
+  const std::string library = library_of(linear_solver);
+  if (library.empty()) return;
+#ifdef FJR_IPOPT_LOADER
+  static std::string loaded;
+  if (loaded == library) return;
+  if (LSL_isHSLLoaded() != 0) LSL_unloadHSL();
+  loaded.clear();
+  std::array<char, 512> message{};
+  if (LSL_loadHSL(library.c_str(), message.data(), static_cast<int>(message.size())) != 0) {
+    throw std::runtime_error("Ipopt cannot load " + library + ": " + message.data());
+  }
+  loaded = library;
+#else
+  Options(application).SetStringValue("hsllib", library);
+#endif
+}
+
+// KKT systems from assembling to solving. Ipopt's finer times do not suit: of MUMPS they leave solving out.
+double linear_algebra(Ipopt::IpoptApplication& application) {
+  const Ipopt::TimedTask& task = application.IpoptDataObject()->TimingStats().StdAugSystemSolverMultiSolve();
+  return task.TotalCpuTime() + task.TotalSysTime();
+}
+
+}  // namespace
+
+const char* name(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::kOptimal:
+      return "optimal";
+    case SolveStatus::kAcceptable:
+      return "acceptable";
+    case SolveStatus::kInfeasible:
+      return "infeasible";
+    case SolveStatus::kIterationLimit:
+      return "iteration_limit";
+    case SolveStatus::kStopped:
+      return "stopped";
+    case SolveStatus::kFailed:
+      return "failed";
+  }
+  return "unknown";
+}
+
+SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
+  const std::clock_t began = std::clock();
+  const int factorised = factorisations();
+  Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
+  // A problem of no known structure has no stages to factorise by.
+  const std::string linear_solver = nlp.stages == 0 ? "mumps" : options.linear_solver;
+  if (linear_solver == "stage") describe_chain(kkt_structure(nlp));
+  configure(Options(*application), options, linear_solver);
+  load(*application, linear_solver);
+  application->Initialize("");                          // no options file: a plan depends on its request alone
+  Adapter* adapter = new Adapter(nlp, start, options);  // owned by the smart pointer, Ipopt's own reference count
+  Ipopt::SmartPtr<Ipopt::TNLP> held = adapter;
+  const auto status = application->OptimizeTNLP(held);
+  adapter->report.status = translate(status);
+  SolveCost& cost = adapter->report.cost;
+  cost.linear_algebra = linear_algebra(*application);
+  cost.factorisations = factorisations() - factorised;
+  cost.total = cpu_since(began);
+  return adapter->report;
+}
+
+}  // namespace fjr

@@ -1,0 +1,323 @@
+// One optimisation of the arm, for what an instance has room for: what collocate() chooses from. Each choice is
+// compiled in a file of its own.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "planner/collocation/transcription.h"
+#include "planner/collocation/transfer.h"
+#include "planner/ocp/arm_ocp.h"
+#include "planner/ocp/collocate.h"
+#include "planner/ocp/margins.h"
+#include "planner/ocp/segments.h"
+
+namespace fjr {
+
+inline constexpr Features kPlain{};
+inline constexpr Features kRateControlled{.rate = true};
+inline constexpr Features kWithTask{.task_rows = 24};
+inline constexpr Features kRateWithTask{.rate = true, .task_rows = 24};
+inline constexpr Features kWithPeak{.task_rows = 24, .peak = true};
+inline constexpr Features kEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows), .peak = true};
+inline constexpr Features kElastic{.elastic = true};
+inline constexpr Features kElasticTask{.task_rows = 24, .elastic = true};
+inline constexpr Features kElasticEverything{
+    .rate = true, .task_rows = static_cast<int>(kMostTaskRows), .elastic = true};
+
+// visit<F>() with the least that has room for the problem.
+template <class Visit>
+auto with_features(const Problem& problem, Visit&& visit) {
+  const Limits& limits = problem.limits;
+  // The rate of u is the control only where something asks for it: two more states cost time.
+  const bool rate =
+      problem.weights.torque_rate > 0 || limits.torque_rate[0] < kNoLimit || limits.torque_rate[1] < kNoLimit;
+  const std::size_t rows = count_of_rows(problem.task);
+  const bool task = rows > 0 || problem.goal.any_free(), peak = problem.weights.peak_torque > 0;
+  const bool few = rows <= static_cast<std::size_t>(kWithTask.task_rows);
+  if (!task && !peak && !rate) return visit.template operator()<kPlain>();
+  if (!task && !peak) return visit.template operator()<kRateControlled>();
+  if (few && !peak && !rate) return visit.template operator()<kWithTask>();
+  if (few && !peak) return visit.template operator()<kRateWithTask>();
+  if (few && !rate) return visit.template operator()<kWithPeak>();
+  return visit.template operator()<kEverything>();
+}
+
+// The same for problems with a slack.
+template <class Visit>
+auto with_elastic_features(const Problem& problem, Visit&& visit) {
+  const Pair<double>& rate = problem.limits.torque_rate;
+  const std::size_t rows = count_of_rows(problem.task);
+  if (rate[0] < kNoLimit || rate[1] < kNoLimit || rows > static_cast<std::size_t>(kElasticTask.task_rows)) {
+    return visit.template operator()<kElasticEverything>();
+  }
+  if (rows > 0 || problem.goal.any_free()) return visit.template operator()<kElasticTask>();
+  return visit.template operator()<kElastic>();
+}
+
+// From a guess, or from an earlier solution: one of them is given.
+template <Features F>
+Collocated collocate_with(const Problem& problem, const CollocationSetup& setup, const Guess* guess,
+                          const Collocated* start, const SolveOptions& options);
+
+extern template class Transcription<ArmOcp<kPlain>>;
+extern template class Transcription<ArmOcp<kRateControlled>>;
+extern template class Transcription<ArmOcp<kWithTask>>;
+extern template class Transcription<ArmOcp<kRateWithTask>>;
+extern template class Transcription<ArmOcp<kWithPeak>>;
+extern template class Transcription<ArmOcp<kEverything>>;
+extern template class Transcription<ArmOcp<kElastic>>;
+extern template class Transcription<ArmOcp<kElasticTask>>;
+extern template class Transcription<ArmOcp<kElasticEverything>>;
+
+extern template Collocated collocate_with<kPlain>(const Problem&, const CollocationSetup&, const Guess*,
+                                                  const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kRateControlled>(const Problem&, const CollocationSetup&, const Guess*,
+                                                           const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kWithTask>(const Problem&, const CollocationSetup&, const Guess*,
+                                                     const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kRateWithTask>(const Problem&, const CollocationSetup&, const Guess*,
+                                                         const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kWithPeak>(const Problem&, const CollocationSetup&, const Guess*,
+                                                     const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kEverything>(const Problem&, const CollocationSetup&, const Guess*,
+                                                       const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kElastic>(const Problem&, const CollocationSetup&, const Guess*,
+                                                    const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kElasticTask>(const Problem&, const CollocationSetup&, const Guess*,
+                                                        const Collocated*, const SolveOptions&);
+extern template Collocated collocate_with<kElasticEverything>(const Problem&, const CollocationSetup&, const Guess*,
+                                                              const Collocated*, const SolveOptions&);
+
+// ---- the template's parts ----
+
+namespace arm_collocation {
+
+template <int N>
+NodeBounds<N> node(std::size_t index) {
+  return {index, filled<N>(-kNoLimit), filled<N>(kNoLimit)};
+}
+
+template <int N>
+void fix(NodeBounds<N>& bounds, std::size_t first, const Pair<double>& values) {
+  for (std::size_t j = 0; j < kJoints; ++j) bounds.lower[first + j] = bounds.upper[first + j] = values[j];
+}
+
+// Whether the velocity of that via point, or with their number of the goal, is lowered by the slack.
+inline bool slower(const Problem& problem, std::size_t at) { return problem.elastic && problem.elastic->slower == at; }
+
+// Start, via points and goal as bounds at nodes of the mesh.
+template <int N>
+std::vector<NodeBounds<N>> node_bounds(const Problem& problem, const Mesh& mesh) {
+  std::vector<NodeBounds<N>> bounds;
+  auto start = node<N>(0);
+  for (std::size_t i = 0; i < kStates; ++i) start.lower[i] = start.upper[i] = problem.start.data()[i];
+  bounds.push_back(start);
+  for (std::size_t i = 0; i < problem.via.size(); ++i) {
+    const Via& via = problem.via[i];
+    auto at = node<N>(end_node(mesh, i));
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      at.lower[j] = via.q[j] - via.tolerance;
+      at.upper[j] = via.q[j] + via.tolerance;
+    }
+    if (via.dq && !slower(problem, i)) fix(at, 2, *via.dq);
+    bounds.push_back(at);
+  }
+  auto goal = node<N>(mesh.size());
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!problem.goal.free[j]) goal.lower[j] = goal.upper[j] = problem.goal.q[j];
+  }
+  if (!problem.goal.dq_free && !slower(problem, problem.via.size())) fix(goal, 2, problem.goal.dq);
+  if (problem.goal.theta) fix(goal, 4, *problem.goal.theta);
+  if (problem.goal.dtheta) fix(goal, 6, *problem.goal.dtheta);
+  bounds.push_back(goal);
+  return bounds;
+}
+
+// A joint that may end anywhere rests where its spring carries gravity, and the motor can hold it.
+template <Features F>
+std::vector<RowBounds> goal_rows(const Problem& problem, const Mesh& mesh) {
+  std::vector<RowBounds> rows;
+  if (!problem.goal.any_free() || !problem.goal.at_rest) return rows;
+  for (int j = 0; j < kJoints; ++j) {
+    const auto i = static_cast<std::size_t>(j);
+    const double held = problem.limits.torque[i] / problem.robot.spring.stiffness[i];
+    rows.push_back({mesh.size(), ArmOcp<F>::kEquilibrium1 + j, 0, 0});
+    rows.push_back({mesh.size(), ArmOcp<F>::kDeflection1 + j, -held, held});
+  }
+  return rows;
+}
+
+// A velocity that the slack lowers.
+template <Features F>
+void add_slower_rows(const Problem& problem, const Mesh& mesh, ArmOcp<F>& ocp) {
+  const auto at = problem.elastic->slower;
+  if (!at) return;
+  const auto j_of = [](int j) { return static_cast<std::size_t>(j); };
+  const std::size_t node = *at < problem.via.size() ? end_node(mesh, *at) : mesh.size();
+  for (int j = 0; j < kJoints; ++j) {
+    ocp.rows_at_nodes.push_back({node, ArmOcp<F>::kSlower + j, ocp.slower[j_of(j)], ocp.slower[j_of(j)]});
+  }
+}
+
+template <Features F>
+std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, const CollocationSetup& setup) {
+  std::vector<typename ArmOcp<F>::Bounds> bounds;
+  const std::vector<Kept> kept = kept_limits(problem, setup.mesh, setup.margins);
+  for (std::size_t k = 0; k < setup.mesh.size(); ++k) {
+    auto here = path_bounds<F>(kept[k].limits);
+    if constexpr (F.peak) bound_peaks<F>(here, problem);
+    for (std::size_t r = 0; r < kept[k].task_rows.size(); ++r) {
+      here.row_lower[ArmOcp<F>::kTask + r] = kept[k].task_rows[r][0];
+      here.row_upper[ArmOcp<F>::kTask + r] = kept[k].task_rows[r][1];
+    }
+    if constexpr (F.elastic) bound_with_slack<F>(here, *problem.elastic);
+    for (std::size_t j = 0; j < kJoints && !setup.creep.empty(); ++j) {
+      const double creep = setup.creep[k][j];
+      if (creep > 0) here.x_lower[6 + j] = creep;
+      if (creep < 0) here.x_upper[6 + j] = creep;
+    }
+    bounds.push_back(here);
+  }
+  return bounds;
+}
+
+// Rows are not asked at the start, which is given; where u is a state, it is not.
+template <Features F>
+void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (problem.elastic && problem.elastic->give[j] > 0) continue;
+    const double limit = problem.limits.torque[j] * (1 - kBackOff);
+    const double friction = ocp.friction[j].nonlinear(problem.start.dtheta[j]);
+    ocp.at_nodes.front().lower[ArmOcp<F>::kArm + j] = -limit - friction;
+    ocp.at_nodes.front().upper[ArmOcp<F>::kArm + j] = limit - friction;
+  }
+}
+
+// What the power of a motor has of a corner at standstill is rounded as its friction is: [W], and [W s/rad].
+inline constexpr double kLeastKink = 0.01, kKinkPerWidth = 10;
+
+template <Features F>
+Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSetup& setup) {
+  auto ocp = make_arm_ocp<F>(problem, setup.smoothing.regularisation);
+  ocp.bounds = interval_bounds<F>(problem, setup);
+  for (FrictionLaw& law : ocp.friction) law = law.smoothed(setup.smoothing.friction_width);
+  ocp.kink = std::hypot(kLeastKink, kKinkPerWidth * setup.smoothing.friction_width);
+  ocp.cost_nodes = {{release_node(problem, setup.mesh), Node::kRelease}, {setup.mesh.size(), Node::kGoal}};
+  for (std::size_t s = 0; s < segment_count(problem); ++s) {
+    ocp.tasks.push_back(task_rows(problem.robot, problem.task, s));
+  }
+  ocp.at_nodes = node_bounds<ArmOcp<F>::kStates>(problem, setup.mesh);
+  if constexpr (F.rate) bound_first_torque(problem, ocp);
+  if constexpr (F.task_rows > 0) ocp.rows_at_nodes = goal_rows<F>(problem, setup.mesh);
+  if constexpr (F.elastic) add_slower_rows<F>(problem, setup.mesh, ocp);
+  ocp.durations = segment_durations(problem);
+  ocp.duration_sums = duration_sums(problem);
+  return {std::move(ocp), setup.scheme, setup.mesh};
+}
+
+// Positions as the integral of the velocity polynomial, so that both columns of a published row say the same between
+// the collocation points too. It still meets the next node: the scheme's quadrature is exact for polynomials of the
+// velocity's degree, its number of stages, except for the trapezoidal rule.
+inline Eigen::MatrixXd with_consistent_positions(const Eigen::MatrixXd& state, double duration) {
+  const Eigen::Index degree = state.cols() - 1;
+  if (degree < 3) return state;
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(state.rows(), state.cols() + 1);
+  result.leftCols(state.cols()) = state;
+  for (const Eigen::Index position : {0, 1, 4, 5}) {
+    for (Eigen::Index d = 0; d <= degree; ++d) {
+      result(position, d + 1) = duration * state(position + 2, d) / static_cast<double>(d + 1);
+    }
+  }
+  return result;
+}
+
+template <Features F>
+Motion motion_of(const Transcription<ArmOcp<F>>& transcription, const Eigen::VectorXd& z) {
+  Motion motion;
+  const std::vector<double> times = transcription.mesh().node_times(transcription.durations(z));
+  for (int k = 0; k < transcription.intervals(); ++k) {
+    const double start = times[static_cast<std::size_t>(k)], end = times[static_cast<std::size_t>(k) + 1];
+    const Eigen::MatrixXd state = with_consistent_positions(transcription.state_polynomial(z, k), end - start);
+    if constexpr (F.rate) {
+      motion.intervals.push_back({start, end - start, state.topRows<kStates>(), state.middleRows<kControls>(kStates)});
+    } else {
+      motion.intervals.push_back(
+          {start, end - start, state.topRows<kStates>(), transcription.control_polynomial(z, k)});
+    }
+  }
+  return motion;
+}
+
+template <Features F>
+Iterate evaluate_guess(const Transcription<ArmOcp<F>>& transcription, const Guess& guess) {
+  Eigen::VectorXd z = Eigen::VectorXd::Zero(transcription.variables());
+  const auto put = [&](int at, double s) {
+    const State<double> x = guess.state(s);
+    z.segment<kStates>(at) = Eigen::Map<const Eigen::Matrix<double, kStates, 1>>(x.data());
+    if constexpr (F.rate)
+      z.segment<kControls>(at + kStates) = Eigen::Map<const Eigen::Vector2d>(guess.torque(s).data());
+    if constexpr (F.peak) {
+      constexpr int kPeak = ArmOcp<F>::kPeak;
+      z.segment<kJoints>(at + kPeak) = transcription.x_upper.template segment<kJoints>(at + kPeak);
+    }
+    if constexpr (F.elastic) z(at + ArmOcp<F>::kSlack) = transcription.x_upper(at + ArmOcp<F>::kSlack) / 2;
+  };
+  const std::vector<double> times = transcription.mesh().node_times(guess.durations);
+  put(0, 0);
+  for (int k = 0; k < transcription.intervals(); ++k) {
+    const double from = times[static_cast<std::size_t>(k)], to = times[static_cast<std::size_t>(k) + 1];
+    if constexpr (!F.rate) {
+      for (int end = 0; end < 2; ++end) {  // just inside the interval: a guess may jump at its ends
+        const Pair<double> u = guess.torque((from + (end == 0 ? 1e-6 : 1 - 1e-6) * (to - from)) / times.back());
+        z.segment<kControls>(transcription.u_at(k, end)) = Eigen::Map<const Eigen::Vector2d>(u.data());
+      }
+    }
+    for (int j = 0; j < transcription.scheme().stages(); ++j) {
+      const double c = transcription.scheme().points(j), s = (from + c * (to - from)) / times.back();
+      if (transcription.x_at(k, j) != transcription.node_at(k)) put(transcription.x_at(k, j), s);
+    }
+  }
+  for (int s = 0; s < transcription.mesh().segments(); ++s) {
+    z(transcription.duration_at(s)) = guess.durations[static_cast<std::size_t>(s)];
+  }
+  return {z, {}, {}, {}};
+}
+
+template <Features F>
+Collocated run(const CollocationSetup& setup, const Transcription<ArmOcp<F>>& transcription, const Iterate& start,
+               const SolveOptions& options) {
+  Collocated result{setup, solve(transcription, start, options), {}, {}};
+  if (result.report.iterate.x.size() == transcription.variables()) {
+    result.durations = transcription.durations(result.report.iterate.x);
+    result.motion = motion_of(transcription, result.report.iterate.x);
+    if constexpr (F.elastic) result.slack = result.report.iterate.x(ArmOcp<F>::kSlack);
+  }
+  return result;
+}
+
+inline bool fits(const Nlp& nlp, const Iterate& iterate) {
+  return iterate.x.size() == nlp.variables() && iterate.lambda.size() == nlp.constraints() &&
+         iterate.z_lower.size() == nlp.variables() && iterate.z_upper.size() == nlp.variables();
+}
+
+}  // namespace arm_collocation
+
+template <Features F>
+Collocated collocate_with(const Problem& problem, const CollocationSetup& setup, const Guess* guess,
+                          const Collocated* start, const SolveOptions& options) {
+  namespace parts = arm_collocation;
+  const auto transcription = parts::transcribe<F>(problem, setup);
+  if (guess) return parts::run(setup, transcription, parts::evaluate_guess(transcription, *guess), options);
+  const Iterate& iterate = start->report.iterate;
+  if (setup.mesh == start->setup.mesh) {
+    if (!parts::fits(transcription, iterate)) return {setup, {}, {}, {}};
+    return parts::run(setup, transcription, iterate, options);
+  }
+  const auto before = parts::transcribe<F>(problem, start->setup);
+  if (!parts::fits(before, iterate)) return {setup, {}, {}, {}};
+  return parts::run(setup, transcription, Transfer<ArmOcp<F>>(before, iterate, transcription).run(), options);
+}
+
+}  // namespace fjr

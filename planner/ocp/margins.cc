@@ -1,0 +1,314 @@
+#include "planner/ocp/margins.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/friction.h"
+#include "model/kinematics.h"
+#include "planner/ocp/segments.h"
+
+namespace fjr {
+namespace {
+
+constexpr int kProbes = 16;       // pieces an interval is looked at in; polynomials of degree <= 4 bend little between
+constexpr double kEnlarge = 1.2;  // margins answer an excess with a little more
+constexpr double kLeast = 1e-5;   // share of a limit: the optimiser does not see less
+constexpr double kNegligible = 1e-7;  // share of a limit: an excess below a tenth of what the certificate allows
+constexpr double kMost = 0.5;         // share of a limit that a margin may take: the bounds must not cross
+constexpr double kRunThrough = 0.1;   // share of a task's scale
+constexpr double kWindow = 0.03;      // share of the duration around a given state that lies on a limit
+
+void raise(double& largest, double value) { largest = std::max(largest, std::abs(value)); }
+
+Limits zero() {
+  Limits l;
+  std::fill_n(l.data(), Limits::kCount, 0.0);
+  return l;
+}
+
+// Largest magnitude of everything that Limits limits, on one interval.
+Limits reached_in(const Problem& problem, const Pair<FrictionLaw>& friction, const Motion& motion, std::size_t k) {
+  Limits reached = zero();
+  const auto& interval = motion.intervals[k];
+  State<double> before{};
+  Pair<double> u_before{};
+  for (int i = 0; i <= kProbes; ++i) {
+    const double time = interval.start + interval.duration * i / kProbes;
+    const State<double> x = motion.state_in(k, time);
+    const Pair<double> u = motion.torque_in(k, time);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double now = friction[j].nonlinear(x.dtheta[j]);
+      raise(reached.torque[j], u[j] + now);
+      if (i > 0) {  // a step of the law may lie anywhere between the probes
+        const double last = friction[j].nonlinear(before.dtheta[j]);
+        raise(reached.torque[j], u[j] + last);
+        raise(reached.torque[j], u_before[j] + now);
+        raise(reached.torque_rate[j], (u[j] - u_before[j]) * kProbes / interval.duration);
+      }
+      raise(reached.motor_velocity[j], x.dtheta[j]);
+      raise(reached.link_position[j], x.q[j]);
+      raise(reached.spring_deflection[j], x.theta[j] - x.q[j]);
+    }
+    raise(reached.tip_speed, std::sqrt(tip_speed_squared(problem.robot, x.q[1], x.dq)));
+    before = x;
+    u_before = u;
+  }
+  return reached;
+}
+
+// Least room of each of the task's rows on one interval.
+std::vector<double> room_in(const Problem& problem, const std::vector<TaskRow>& rows, const Motion& motion,
+                            std::size_t k) {
+  std::vector<double> room(rows.size(), kNoLimit);
+  if (rows.empty()) return room;
+  const auto& interval = motion.intervals[k];
+  for (int i = 0; i <= kProbes; ++i) {
+    const State<double> x = motion.state_in(k, interval.start + interval.duration * i / kProbes);
+    const auto posture = Posture<double>::of(problem.robot, x.q);
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      room[r] = std::min(room[r], rows[r].room(rows[r].value(problem.robot, posture)));
+    }
+  }
+  return room;
+}
+
+std::vector<std::vector<TaskRow>> rows_by_segment(const Problem& problem) {
+  std::vector<std::vector<TaskRow>> rows;
+  for (std::size_t s = 0; s < segment_count(problem); ++s) {
+    rows.push_back(task_rows(problem.robot, problem.task, s));
+  }
+  return rows;
+}
+
+// A state that the request gives: where on the way, counted in segments, and what it leaves of each limit's room.
+struct Given {
+  double place;
+  PerLimit room;
+};
+
+Given given_at(const Problem& problem, double place, std::size_t segment, const State<double>& x) {
+  Limits needs = zero();
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    raise(needs.motor_velocity[j], x.dtheta[j]);
+    raise(needs.link_position[j], x.q[j]);
+    raise(needs.spring_deflection[j], x.theta[j] - x.q[j]);
+  }
+  raise(needs.tip_speed, std::sqrt(tip_speed_squared(problem.robot, x.q[1], x.dq)));
+  Given given{place, {}};
+  for (std::size_t i = 0; i < Limits::kCount; ++i) given.room.push_back(problem.limits.data()[i] - needs.data()[i]);
+  const auto posture = Posture<double>::of(problem.robot, x.q);
+  for (const TaskRow& row : task_rows(problem.robot, problem.task, segment)) {
+    given.room.push_back(row.room(row.value(problem.robot, posture)));
+  }
+  return given;
+}
+
+std::vector<Given> given_states(const Problem& problem) {
+  std::vector<Given> given{given_at(problem, 0, 0, problem.start)};
+  for (std::size_t i = 0; i < problem.via.size(); ++i) {  // what is free there asks nothing
+    const Via& via = problem.via[i];
+    if (via.tolerance > 0) {  // a corner of a path gives its angles, nearly, and nothing else
+      given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, {0, 0}, via.q, {0, 0}}));
+      std::fill(given.back().room.begin() + Limits::kCount, given.back().room.end(), kNoLimit);
+      continue;
+    }
+    const Pair<double> dq = via.dq.value_or(Pair<double>{0, 0});
+    given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, dq, via.q, {0, 0}}));
+  }
+  const Goal& goal = problem.goal;
+  if (goal.any_free()) return given;
+  const Pair<double> still{0, 0};
+  const auto end = static_cast<double>(segment_count(problem));
+  given.push_back(given_at(problem, end, segment_count(problem) - 1,
+                           {goal.q, goal.dq, goal.theta.value_or(goal.q), goal.dtheta.value_or(still)}));
+  return given;
+}
+
+// What is known of the limits before any motion is.
+class Frame {
+ public:
+  explicit Frame(const Problem& problem)
+      : problem_(problem), given_(given_states(problem)), scale_(limit_scales(problem)) {}
+
+  std::size_t count() const { return scale_.size(); }
+  double scale(std::size_t i) const { return scale_[i]; }
+
+  // The back-off that there is room for.
+  double back_off(std::size_t i) const {
+    double room = kBackOff * scale_[i];
+    if (std::any_of(given_.begin(), given_.end(), [&](const Given& g) { return lies_on(g, i); })) room = 0;
+    return room;
+  }
+
+  // Margins cannot act on an interval, from and to counted in segments, where a given state lies on limit i: on
+  // positions for as long as leaving takes (the motors move the links through the springs: as the fourth power of
+  // time), on rows that are asked at the state itself only there. Velocities are left at once.
+  bool held(std::size_t i, double from, double to) const {
+    const auto first = [this](const double* member) {
+      return static_cast<std::size_t>(member - problem_.limits.data());
+    };
+    const std::size_t velocities = first(problem_.limits.motor_velocity.data()),
+                      positions = first(problem_.limits.link_position.data()),
+                      deflections = first(problem_.limits.spring_deflection.data());
+    if (i >= velocities && i < positions) return false;
+    const bool position = (i >= positions && i < deflections) || i >= Limits::kCount;
+    const double window = position ? kWindow * static_cast<double>(segment_count(problem_)) : 1e-9;
+    return std::any_of(given_.begin(), given_.end(), [&](const Given& g) {
+      return lies_on(g, i) && from < g.place + window && to > g.place - window;
+    });
+  }
+
+ private:
+  bool lies_on(const Given& given, std::size_t i) const { return given.room[i] < kBackOff * scale_[i]; }
+
+  const Problem& problem_;
+  std::vector<Given> given_;
+  std::vector<double> scale_;
+};
+
+// Nodes of the mesh, counted in segments.
+std::vector<double> places(const Mesh& mesh) {
+  return mesh.node_times(std::vector<double>(static_cast<std::size_t>(mesh.segments()), 1.0));
+}
+
+}  // namespace
+
+std::vector<std::size_t> indices_of(const Problem& problem, std::string_view name, int joint) {
+  std::vector<std::size_t> indices;
+  Limits limits = problem.limits;
+  if (const double* limit = limit_of(limits, name, joint)) {
+    indices.push_back(static_cast<std::size_t>(limit - limits.data()));
+  }
+  const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, 0);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (rows[r].name == name && rows[r].link == joint) indices.push_back(Limits::kCount + r);
+  }
+  return indices;
+}
+
+PerLimit limit_scales(const Problem& problem) {
+  PerLimit scales(problem.limits.data(), problem.limits.data() + Limits::kCount);
+  for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) scales.push_back(row.scale);
+  return scales;
+}
+
+std::vector<Kept> kept_limits(const Problem& problem, const Mesh& mesh, const std::vector<PerLimit>& margins) {
+  const Frame frame(problem);
+  const auto rows = rows_by_segment(problem);
+  const std::vector<double> nodes = places(mesh);
+  std::vector<Kept> kept;
+  for (std::size_t k = 0; k < mesh.size(); ++k) {
+    Kept here{problem.limits, {}};
+    for (const TaskRow& row : rows[static_cast<std::size_t>(mesh.intervals[k].segment)]) {
+      here.task_rows.push_back({row.lower, row.upper});
+    }
+    for (std::size_t i = 0; i < frame.count(); ++i) {
+      double off = frame.back_off(i);
+      if (!margins.empty() && !frame.held(i, nodes[k], nodes[k + 1])) off += margins[k][i];
+      if (i < Limits::kCount) {
+        if (std::isfinite(off)) here.limits.data()[i] -= off;
+      } else {
+        here.task_rows[i - Limits::kCount][0] += off;
+        here.task_rows[i - Limits::kCount][1] -= off;
+      }
+    }
+    kept.push_back(std::move(here));
+  }
+  return kept;
+}
+
+std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep,
+                               double slack) {
+  const Pair<FrictionLaw> friction{FrictionLaw::of(problem.robot, 0), FrictionLaw::of(problem.robot, 1)};
+  const Frame frame(problem);
+  const auto rows = rows_by_segment(problem);
+  const std::vector<double> nodes = places(mesh);
+  std::vector<PerLimit> result;
+  for (std::size_t k = 0; k < motion.intervals.size(); ++k) {
+    const Limits reached = reached_in(problem, friction, motion, k);
+    const std::vector<double> room =
+        room_in(problem, rows[static_cast<std::size_t>(mesh.intervals[k].segment)], motion, k);
+    PerLimit excess(frame.count(), 0.0);
+    for (std::size_t i = 0; i < frame.count(); ++i) {
+      const double scale = frame.scale(i);
+      const double beyond =
+          i < Limits::kCount ? reached.data()[i] - problem.limits.data()[i] : -room[i - Limits::kCount];
+      const double given = problem.elastic && i < problem.elastic->give.size() ? slack * problem.elastic->give[i] : 0;
+      const double over = beyond - given + keep * frame.back_off(i);
+      const bool counts = std::isfinite(scale) && over > kNegligible * scale && !frame.held(i, nodes[k], nodes[k + 1]);
+      if (counts) excess[i] = over;
+    }
+    result.push_back(std::move(excess));
+  }
+  return result;
+}
+
+double largest_share_kept_free(const Problem& problem, const std::vector<PerLimit>& margins) {
+  const PerLimit scales = limit_scales(problem);
+  double share = kBackOff;
+  for (const PerLimit& margin : margins) {
+    for (std::size_t i = 0; i < scales.size(); ++i) {
+      if (std::isfinite(scales[i])) share = std::max(share, kBackOff + margin[i] / scales[i]);
+    }
+  }
+  return share;
+}
+
+std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion& motion) {
+  const std::vector<PerLimit> excess = excesses(problem, mesh, motion);
+  const PerLimit scales = limit_scales(problem);
+  double worst = 0;
+  std::string sentence;
+  // Calls sentence_of(over, time) for the largest excess of limit i if it is the worst so far.
+  const auto consider = [&](std::size_t i, auto&& sentence_of) {
+    for (std::size_t k = 0; k < excess.size(); ++k) {
+      const double share = excess[k][i] / scales[i];
+      if (!(share > worst)) continue;
+      worst = share;
+      sentence = sentence_of(excess[k][i], motion.intervals[k].start);
+    }
+  };
+  const auto limit = [&](std::string_view name, std::string_view unit, std::size_t joint, const double& value) {
+    consider(static_cast<std::size_t>(&value - problem.limits.data()), [&](double over, double time) {
+      const std::string of_joint = joint == 0 ? "" : fmt::format(" of joint {}", joint);
+      return fmt::format("{}{} exceeds its limit {:.6g} {} by {:.3g} at {:.3f} s", name, of_joint, value, unit, over,
+                         time);
+    });
+  };
+  visit_pair_limits(problem.limits, [&](std::string_view name, std::string_view unit, const Pair<double>& pair) {
+    for (std::size_t j = 0; j < kJoints; ++j) limit(name, unit, j + 1, pair[j]);
+  });
+  limit("tip_speed", "m/s", 0, problem.limits.tip_speed);
+  const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, 0);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    consider(Limits::kCount + r, [&](double over, double time) {
+      const std::string of_link = rows[r].link == 0 ? "" : fmt::format(" by link {}", rows[r].link);
+      const char* unit = rows[r].kind == TaskRow::Kind::kAngles ? "rad" : "m";
+      return fmt::format("{} is missed{} by {:.3g} {} at {:.3f} s", rows[r].name, of_link, over, unit, time);
+    });
+  }
+  return sentence;
+}
+
+bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses, const Problem& problem,
+           double growth) {
+  const PerLimit scales = limit_scales(problem);
+  if (margins.empty()) margins.assign(excesses.size(), PerLimit(scales.size(), 0.0));
+  bool any = false;
+  for (std::size_t k = 0; k < margins.size(); ++k) {
+    for (std::size_t i = 0; i < scales.size(); ++i) {
+      // An obstacle that is run through wants a finer mesh; a margin of that size would bar the way beside it too.
+      if (!(excesses[k][i] > 0) || (i >= Limits::kCount && excesses[k][i] > kRunThrough * scales[i])) continue;
+      double& margin = margins[k][i];
+      const double before = margin;
+      margin += std::max((growth - 1) * margin, kEnlarge * excesses[k][i] + kLeast * scales[i]);
+      margin = std::min(margin, kMost * scales[i]);
+      any = any || margin > before;
+    }
+  }
+  return any;
+}
+
+}  // namespace fjr

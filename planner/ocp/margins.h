@@ -1,0 +1,58 @@
+// Limits hold at the collocation points by construction; between them they are made to hold by margins.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "planner/collocation/mesh.h"
+#include "planner/problem/problem.h"
+#include "planner/trajectory/motion.h"
+
+namespace fjr {
+
+// Share of each limit that is kept free everywhere: what the rollout may differ from the plan by, with room to spare.
+inline constexpr double kBackOff = 1e-4;
+
+// A value for everything that is limited along the way: the limits in the order of Limits, then the task's rows; each
+// in its own unit.
+using PerLimit = std::vector<double>;
+
+// Where the limit or the task's rows of this name and joint (or link; 0: neither) stand among them.
+std::vector<std::size_t> indices_of(const Problem& problem, std::string_view name, int joint);
+// What shares are taken of: the limit itself (infinite where there is none), the scale of a task's row.
+PerLimit limit_scales(const Problem& problem);
+
+// The limits and the bounds of the task's rows as the optimiser is given them on one interval.
+struct Kept {
+  Limits limits;
+  std::vector<std::array<double, 2>> task_rows;
+};
+
+// On each interval of the mesh: less the back-off and the interval's margin (none when empty), but never tighter than
+// what start, via points and goal ask for themselves. Leaving a state that lies on a limit takes time, so where one
+// does, no margin acts near it, and the back-off of that limit is given up.
+std::vector<Kept> kept_limits(const Problem& problem, const Mesh& mesh, const std::vector<PerLimit>& margins);
+
+// By how much each limit, less a part of the back-off, is exceeded on each interval of the motion between and at the
+// collocation points, with the exact friction law (0 where it is not, and where no margin can act). A torque that
+// passes the friction law's step counts with the whole step, wherever in the interval the step lies. keep: that part.
+// slack: of an elastic problem, which the limits give way by.
+inline constexpr double kKeep = 0.8;  // leaves a fifth of the back-off to the last digits of the optimiser
+std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep = kKeep,
+                               double slack = 0);
+
+// The limit that a motion exceeds most, as a sentence ("spring_deflection of joint 1 exceeds ..."); empty if none.
+std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion& motion);
+
+// Adds the excesses to the margins (empty: none so far), a little enlarged so that the next solution is inside; a
+// margin that was not enough grows at least by the factor given, as the optimiser may not have felt it. False when
+// there was nothing to add.
+bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses, const Problem& problem,
+           double growth = 2);
+
+// Largest share of any limit that back-off and margins keep free somewhere.
+double largest_share_kept_free(const Problem& problem, const std::vector<PerLimit>& margins);
+
+}  // namespace fjr

@@ -1,0 +1,65 @@
+#include "planner/ocp/objective.h"
+
+#include "planner/ocp/sampling.h"
+#include "planner/ocp/segments.h"
+
+namespace fjr {
+namespace {
+
+// Simpson's rule over every row interval: exact for tau_m^2, tau_m being linear there.
+template <class Term>
+double integral_over(const Problem& problem, const Trajectory& trajectory) {
+  const auto running = [&robot = problem.robot](const Sample& s) {
+    const State<double>& x = s.state;
+    const Pair<double> ddq = link_acceleration(robot, x.q, x.dq, spring_torque(robot, x.q, x.theta));
+    return Term::running(Instant<double>{robot, x, ddq, s.torque});
+  };
+  const auto& rows = trajectory.samples;
+  Interpolator between(trajectory);
+  double sum = 0, before = running(rows.front());
+  for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
+    const double middle = running(between.at(0.5 * (rows[i].time + rows[i + 1].time))), after = running(rows[i + 1]);
+    sum += (before + 4 * middle + after) / 6 * (rows[i + 1].time - rows[i].time);
+    before = after;
+  }
+  return sum;
+}
+
+// Of the terms that `wanted` picks by their weights.
+template <class Wanted>
+std::map<std::string, double> terms_of(const Problem& problem, const Collocated& solution, const Trajectory& trajectory,
+                                       Wanted wanted) {
+  const Published published{solution.motion, trajectory, problem.robot, release_time(problem, solution.durations)};
+  std::map<std::string, double> values;
+  Terms::visit([&](auto term) {
+    if (!wanted(problem.weights.*term.info.weight)) return;
+    if constexpr (requires { term.published(published); }) {
+      values[term.info.name] = term.published(published);
+    } else {
+      values[term.info.name] = integral_over<decltype(term)>(problem, trajectory);
+    }
+  });
+  return values;
+}
+
+}  // namespace
+
+std::map<std::string, double> objective_terms(const Problem& problem, const Collocated& solution,
+                                              const Trajectory& trajectory) {
+  return terms_of(problem, solution, trajectory, [](double) { return true; });
+}
+
+double weighted_sum(const Weights& weights, const std::map<std::string, double>& terms) {
+  double sum = 0;
+  for (const TermInfo& term : Terms::infos) {
+    if (const double weight = signed_weight(weights, term); weight != 0) sum += weight * terms.at(term.name);
+  }
+  return sum;
+}
+
+double published_objective(const Problem& problem, const Collocated& solution) {
+  const auto weighted = [](double weight) { return weight > 0; };
+  return weighted_sum(problem.weights, terms_of(problem, solution, sample(problem, solution.motion), weighted));
+}
+
+}  // namespace fjr

@@ -1,0 +1,180 @@
+#include "planner/ocp/sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "model/friction.h"
+
+namespace fjr {
+namespace {
+
+constexpr double kShortestPiece = 2e-5;  // [s] passages shorter than this are steps to the motors
+constexpr double kStepReach = 5e-6;      // [s] to both sides of a reversal: friction has taken its step there
+constexpr int kProbes = 8;               // points at which a piece is compared with its chord
+
+class Sampler {
+ public:
+  Sampler(const Problem& problem, const Motion& motion, double velocity_error)
+      : problem_(problem),
+        motion_(motion),
+        velocity_error_(velocity_error),
+        friction_{FrictionLaw::of(problem.robot, 0), FrictionLaw::of(problem.robot, 1)} {}
+
+  Trajectory rows() {
+    const double period = problem_.sample_period, end = motion_.duration();
+    double from = 0;
+    add(row(motion_.interval_at(0), 0));
+    for (long i = 1; from < end; ++i) {
+      const double multiple = static_cast<double>(i) * period;
+      const double to = multiple < end - 2 * kJumpSpacing ? multiple : end;
+      between(from, to);
+      add_row_at(to);
+      from = to;
+    }
+    return std::move(trajectory_);
+  }
+
+ private:
+  // The interval that a time belongs to when approached from before. A node that is nearer than a jump is wide counts
+  // as ahead: between() meets it there.
+  std::size_t interval_before(double time) const {
+    const std::size_t k = motion_.interval_at(time);
+    return k > 0 && motion_.intervals[k].start >= time - kJumpSpacing ? k - 1 : k;
+  }
+
+  Sample row(std::size_t interval, double time) const {
+    return {time, motion_.state_in(interval, time), torque(interval, time)};
+  }
+
+  Pair<double> torque(std::size_t interval, double time) const {
+    Pair<double> tau = motion_.torque_in(interval, time);
+    const State<double> x = motion_.state_in(interval, time);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double limit = problem_.limits.torque[j];
+      tau[j] = std::clamp(tau[j] + friction_[j].nonlinear(x.dtheta[j]), -limit, limit);
+    }
+    return tau;
+  }
+
+  void add(const Sample& s) {
+    auto& samples = trajectory_.samples;
+    if (samples.empty() || s.time > samples.back().time + 0.5 * kJumpSpacing) samples.push_back(s);
+  }
+
+  // An ordinary row. Where the torque jumps there, it is half way between rows on both sides, so that the jump is
+  // neither early nor late: half a microsecond times a hundred jumps to the same side would be too much.
+  void add_row_at(double time) {
+    const std::size_t k = interval_before(time);
+    Sample here = row(k, time);
+    if (k + 1 < motion_.intervals.size()) {
+      const double node = motion_.intervals[k + 1].start;
+      if (std::abs(node - time) < kJumpSpacing && jumps(k, node)) {
+        const double done = std::clamp(0.5 - (node - time) / kJumpSpacing, 0.0, 1.0);
+        const Pair<double> after = torque(k + 1, node);
+        for (std::size_t j = 0; j < kJoints; ++j) here.torque[j] += done * (after[j] - here.torque[j]);
+        add(row(k, time - kJumpSpacing));
+      }
+    }
+    add(here);
+  }
+
+  // Everything strictly between two ordinary rows: the mesh's nodes cut the stretch into smooth pieces.
+  void between(double from, double to) {
+    double start = from;
+    // The row at `from` belongs to the interval before it: a node right there is met first.
+    std::size_t k = interval_before(from);
+    for (; k + 1 < motion_.intervals.size(); ++k) {
+      const double node = motion_.intervals[k + 1].start;
+      if (node >= to - kJumpSpacing) break;
+      if (node - start < kJumpSpacing) {
+        if (jumps(k, node)) add(row(k + 1, start + kJumpSpacing));
+        continue;
+      }
+      if (!jumps(k, node)) continue;
+      smooth(start, node - kJumpSpacing / 2);
+      add(row(k, node - kJumpSpacing / 2));
+      add(row(k + 1, node + kJumpSpacing / 2));
+      start = node + kJumpSpacing / 2;
+    }
+    smooth(start, to);
+  }
+
+  bool jumps(std::size_t k, double node) const {
+    const Pair<double> before = torque(k, node), after = torque(k + 1, node);
+    // The chord over the next row would lose up to jump * period / 2 of impulse.
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double impulse = std::abs(after[j] - before[j]) * problem_.sample_period / 2;
+      if (impulse > velocity_error_ * problem_.robot.motor.inertia[j]) return true;
+    }
+    return false;
+  }
+
+  // Adds pairs inside (from, to) until chords carry the torque's impulse.
+  void smooth(double from, double to) {
+    if (to - from < 2 * kShortestPiece) return reversals(from, to);
+    const Pair<double> first = torque(motion_.interval_at(from), from), last = torque(interval_before(to), to);
+    Pair<double> impulse{0, 0};
+    double worst = 0, split = 0.5 * (from + to);
+    for (int i = 1; i < kProbes; ++i) {
+      const double s = static_cast<double>(i) / kProbes, time = from + s * (to - from);
+      const Pair<double> tau = torque(motion_.interval_at(time), time);
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        const double miss = (tau[j] - first[j] - s * (last[j] - first[j])) / problem_.robot.motor.inertia[j];
+        impulse[j] += std::abs(miss) * (to - from) / kProbes;
+        if (std::abs(miss) > worst) {
+          worst = std::abs(miss);
+          split = time;
+        }
+      }
+    }
+    if (std::max(impulse[0], impulse[1]) <= velocity_error_) return;
+    split = std::clamp(split, from + kShortestPiece, to - kShortestPiece);
+    smooth(from, split);
+    add(row(motion_.interval_at(split), split));
+    add(row(motion_.interval_at(split + kJumpSpacing), split + kJumpSpacing));
+    smooth(split + kJumpSpacing, to);
+  }
+
+  double velocity(std::size_t joint, double time) const {
+    return motion_.state_in(motion_.interval_at(time), time).dtheta[joint];
+  }
+
+  // Friction steps where a motor reverses, and so fast that halving the piece would never find where: rows as far
+  // before it as after it, for the chord between them carries the step's impulse.
+  void reversals(double from, double to) {
+    std::vector<double> times;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double first = velocity(j, from);
+      if (!(first * velocity(j, to) < 0)) continue;
+      double before = from, after = to;
+      while (after - before > 0.01 * kJumpSpacing) {
+        const double middle = (before + after) / 2;
+        (velocity(j, middle) * first > 0 ? before : after) = middle;
+      }
+      times.push_back(before);
+    }
+    std::sort(times.begin(), times.end());
+    for (const double time : times) {
+      const double reach = std::min({kStepReach, time - from, to - time});
+      if (reach < kJumpSpacing / 2) continue;
+      for (const double at : {time - reach, time + reach}) {
+        if (at > trajectory_.samples.back().time) add(row(motion_.interval_at(at), at));
+      }
+    }
+  }
+
+  const Problem& problem_;
+  const Motion& motion_;
+  double velocity_error_;  // [rad/s] that linear interpolation of the torque between two rows may make
+  Pair<FrictionLaw> friction_;
+  Trajectory trajectory_;
+};
+
+}  // namespace
+
+Trajectory sample(const Problem& problem, const Motion& motion, double velocity_error) {
+  return Sampler(problem, motion, velocity_error).rows();
+}
+
+}  // namespace fjr

@@ -1,0 +1,94 @@
+// What the service, the executor and clients say about executing a trajectory, apart from how it travels.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "planner/protocol/messages.h"
+#include "planner/stop/stop_motion.h"
+
+namespace fjr {
+
+// As in ros2_control's joint_trajectory_controller; 0: the executor's default.
+struct Tolerances {
+  Pair<double> path{};              // [rad] of the links, at any instant
+  Pair<double> goal{};              // [rad] of the links, at the end
+  double goal_time = 0;             // [s] allowed beyond the end to get within `goal`
+  Pair<double> stopped_velocity{};  // [rad/s]
+};
+
+// Who vouches for it; planner/protocol/signature.h.
+struct Signature {
+  std::string value;   // empty: nobody
+  std::string signer;  // certificate, DER
+};
+
+struct TrajectoryOrder {
+  std::string robot_id;
+  RequestId id;  // of the request; never run twice
+  std::uint64_t epoch = 0;
+  std::int64_t published = 0;  // [ns] since 1970 by the executor's clock: its stamp when it was published
+  std::string robot_hash, request_hash;
+  bool certified = false, ends_at_rest = false;
+  Pair<double> certified_error{},
+      predicted_error{};  // [rad] of the links: allowed by the certificate; for the executor
+  Tolerances tolerances;
+  std::vector<Sample> rows;
+  std::vector<StopMotion> stops;  // one per kStopSpacing; empty: the executor finds them itself
+  Signature signature;
+};
+
+enum class ExecutorCommand : std::uint8_t { kHold = 1, kStop };
+
+struct ExecutorOrder {
+  std::string robot_id;
+  RequestId id;
+  ExecutorCommand command = ExecutorCommand::kHold;
+};
+
+enum class ExecutorMode : std::uint8_t { kResting = 1, kExecuting, kStopping, kHolding, kStopped, kPreparing };
+
+struct ExecutorState {
+  std::string robot_id, robot_hash;
+  ExecutorMode mode = ExecutorMode::kResting;
+  RequestId trajectory_id;
+  std::uint64_t epoch = 0;
+  std::int64_t stamp = 0;                  // [ns] since 1970 by a clock that is not stepped while the executor runs
+  double time = 0;                         // [s] within the trajectory
+  Pair<double> q{}, theta{}, planned_q{};  // [rad] by the encoders; planned
+  Pair<double> dq{}, dtheta{};             // [rad/s] filtered differentiation
+  Pair<double> torque{}, feedback{};       // [N m] commanded, and the part of it that is feedback
+};
+
+enum class ResultCode : std::int32_t {  // FollowJointTrajectory's
+  kSuccessful = 0,
+  kInvalidGoal = -1,
+  kInvalidJoints = -2,
+  kOldHeaderTimestamp = -3,
+  kPathToleranceViolated = -4,
+  kGoalToleranceViolated = -5,
+};
+
+const char* name(ResultCode code);    // "SUCCESSFUL", ...
+const char* name(ExecutorMode mode);  // "resting", ...
+
+struct LimitMargin {
+  std::string name;
+  int joint = 0;                  // 1 or 2; 0 for tip_speed
+  double limit = 0, reached = 0;  // magnitudes, in the limit's unit
+};
+
+struct ExecutionResult {
+  std::string robot_id;
+  RequestId trajectory_id;
+  ResultCode code = ResultCode::kSuccessful;
+  std::string sentence;
+  Pair<double> link_error{}, link_error_rms{}, final_link_error{};  // [rad]
+  Pair<double> residual_vibration{};                                // [rad] largest |q - goal| after the end
+  Pair<double> feedback_torque{};                                   // [N m] largest
+  std::vector<LimitMargin> limits;
+  std::string log_file;  // on the executor's machine; empty: none
+};
+
+}  // namespace fjr

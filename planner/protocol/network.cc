@@ -1,0 +1,32 @@
+#include "planner/protocol/network.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <cstdlib>
+
+#include "common/strict_yaml.h"
+
+namespace fjr {
+namespace {
+
+constexpr std::uint64_t kLargestDomain = 230;
+
+}  // namespace
+
+std::filesystem::path credentials_from_environment() {
+  const char* folder = std::getenv("FJR_SECURITY");
+  return folder == nullptr ? "" : folder;
+}
+
+void read_network(const YamlNode& root, const std::filesystem::path& folder, Network& to) {
+  if (const auto node = root.find("domain")) {
+    const std::uint64_t domain = node->whole_number();
+    if (domain > kLargestDomain) node->fail(fmt::format("{} is outside [0, {}]", domain, kLargestDomain));
+    to.domain = static_cast<unsigned>(domain);
+  }
+  if (const auto node = root.find("security")) to.security = folder / node->text();
+  if (const auto node = root.find("allow_insecure_network")) to.allow_insecure_network = node->truth();
+}
+
+}  // namespace fjr

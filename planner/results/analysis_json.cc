@@ -1,0 +1,120 @@
+#include "planner/results/analysis_json.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+namespace fjr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostStretches = 16;  // of one limit; the longest
+constexpr std::size_t kMostAlong = 100;     // of the intervals: plan.json travels in every reply
+
+// In as many significant digits as mean something.
+Json number(double value, int digits = 6) {
+  if (!std::isfinite(value)) return nullptr;
+  return std::strtod(fmt::format("{:.{}e}", value, digits - 1).c_str(), nullptr);
+}
+Json time(double value) { return std::round(value * 1e7) / 1e7; }
+Json numbers(const Pair<double>& values) { return Json::array({number(values[0]), number(values[1])}); }
+Json number_or_null(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
+Json numbers_or_null(const std::optional<Pair<double>>& v) { return v ? numbers(*v) : Json(nullptr); }
+
+Json stretches(std::vector<LimitWorth::Stretch> active) {
+  const auto length = [](const LimitWorth::Stretch& s) { return s.end - s.begin; };
+  if (active.size() > kMostStretches) {
+    std::stable_sort(active.begin(), active.end(), [&](const auto& a, const auto& b) { return length(a) > length(b); });
+    active.resize(kMostStretches);
+    std::sort(active.begin(), active.end(), [](const auto& a, const auto& b) { return a.begin < b.begin; });
+  }
+  Json list = Json::array();
+  for (const auto& s : active) list.push_back({time(s.begin), time(s.end)});
+  return list;
+}
+
+Json costate(const State<double>& p) {
+  return {{"q", numbers(p.q)}, {"dq", numbers(p.dq)}, {"theta", numbers(p.theta)}, {"dtheta", numbers(p.dtheta)}};
+}
+
+// Columns, of every n-th interval.
+Json along_json(const std::vector<Optimality::Along>& along) {
+  Json json{{"time", Json::array()}, {"hamiltonian", Json::array()}};
+  const auto add = [&json](const std::string& name, const Pair<double>& values) {
+    for (std::size_t j = 0; j < kJoints; ++j)
+      json["costate"][fmt::format("{}{}", name, j + 1)].push_back(number(values[j]));
+  };
+  const std::size_t step = (along.size() + kMostAlong - 1) / kMostAlong;
+  for (std::size_t k = 0; k < along.size(); k += step) {
+    json["time"].push_back(time(along[k].time));
+    json["hamiltonian"].push_back(number(along[k].hamiltonian));
+    add("q", along[k].costate.q);
+    add("dq", along[k].costate.dq);
+    add("theta", along[k].costate.theta);
+    add("dtheta", along[k].costate.dtheta);
+  }
+  return json;
+}
+
+}  // namespace
+
+Json sensitivity_json(const Sensitivity& sensitivity) {
+  Json limits = Json::array();
+  for (const LimitWorth& limit : sensitivity.limits) {
+    limits.push_back({{"name", limit.name},
+                      {"joint", limit.joint == 0 ? Json(nullptr) : Json(limit.joint)},
+                      {"limit", limit.limit},
+                      {"unit", limit.unit},
+                      {"worth", number(limit.worth)},
+                      {"saved_by_1_percent", number(0.01 * limit.limit * limit.worth)},
+                      {"active_share", number(limit.share)},
+                      {"active", stretches(limit.active)}});
+  }
+  Json via = Json::array();
+  for (const ViaWorth& v : sensitivity.via) {
+    via.push_back({{"time", number(v.time, 10)},
+                   {"q", numbers(v.q)},
+                   {"dq", numbers_or_null(v.dq)},
+                   {"later", number_or_null(v.later)}});
+  }
+  return {{"limits", std::move(limits)},
+          {"duration", number_or_null(sensitivity.duration)},
+          {"via", std::move(via)},
+          {"goal", {{"q", numbers(sensitivity.goal)}}}};
+}
+
+Json optimality_json(const Optimality& optimality) {
+  const auto& h = optimality.hamiltonian;
+  const auto& s = optimality.stationarity;
+  return {{"hamiltonian",
+           {{"mean", number(h.mean)},
+            {"expected", number_or_null(h.expected)},
+            {"spread", number(h.spread)},
+            {"largest_deviation", number(h.largest)},
+            {"time", time(h.time)}}},
+          {"stationarity",
+           {{"where_free", number(s.free)},
+            {"wrong_sign", number(s.wrong)},
+            {"largest", number(s.largest)},
+            {"residual", number(s.residual)}}},
+          {"costate", {{"start", costate(optimality.costate_start)}, {"end", costate(optimality.costate_end)}}},
+          {"along", along_json(optimality.along)}};
+}
+
+Json mesh_errors_json(const std::vector<double>& node_times, const std::vector<double>& errors) {
+  Json times = Json::array(), largest = Json::array();
+  const std::size_t together = (errors.size() + kMostIntervals - 1) / kMostIntervals;
+  for (std::size_t k = 0; k < errors.size(); k += together) {
+    const std::size_t end = std::min(k + together, errors.size());
+    times.push_back(time(node_times[k]));
+    largest.push_back(number(*std::max_element(errors.data() + k, errors.data() + end), 3));
+  }
+  if (!errors.empty()) times.push_back(time(node_times.back()));
+  return {{"node_times", std::move(times)}, {"errors", std::move(largest)}};
+}
+
+}  // namespace fjr

@@ -1,0 +1,302 @@
+#include "planner/results/plan_json.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <vector>
+
+#include "planner/results/analysis_json.h"
+
+namespace fjr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+Json numbers(const Pair<double>& values) { return Json::array({number(values[0]), number(values[1])}); }
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+Json numbers(const std::map<std::string, double>& values) {
+  Json json = Json::object();
+  for (const auto& [name, value] : values) json[name] = number(value);
+  return json;
+}
+
+Json rollout_json(const RolloutErrors& errors, const std::string& reason) {
+  return {{"max_link_error_rad", number(errors.max_link())},
+          {"max_motor_error_rad", number(errors.max_motor())},
+          {"final_link_error_rad", number(errors.max_final_link())},
+          {"time_of_max_link_error", number(errors.time_of_max_link)},
+          {"required", true},
+          {"reason", text_or_null(reason)},
+          {"completed", errors.completed},
+          {"failure", text_or_null(errors.failure)}};
+}
+
+Json open_loop_json(const OpenLoop& open_loop) {
+  Json json = rollout_json(open_loop, open_loop.why_not_in_one_run());
+  json["stretches"] = Json::array();
+  for (const Stretch& stretch : open_loop.stretches) {
+    json["stretches"].push_back({{"from", number(stretch.from)},
+                                 {"to", number(stretch.to)},
+                                 {"joint", stretch.joint == 0 ? Json(nullptr) : Json(stretch.joint)},
+                                 {"reason", stretch.why}});
+  }
+  return json;
+}
+
+Json closed_loop_json(const ClosedLoop& closed_loop) {
+  Json json = rollout_json(closed_loop, "");
+  json["max_feedback_torque"] = numbers(closed_loop.feedback_torque);
+  const Perturbed& perturbed = closed_loop.perturbed;
+  json["perturbed"] = perturbed.evaluated ? Json{{"link_error_rad", numbers(perturbed.link)},
+                                                 {"time_of_max_link_error", number(perturbed.time_of_max_link)},
+                                                 {"link_error_after_rad", numbers(perturbed.after)}}
+                                          : Json(nullptr);
+  return json;
+}
+
+Json limit_json(const LimitCheck& check) {
+  return {{"name", check.name},
+          {"joint", check.joint == 0 ? Json(nullptr) : Json(check.joint)},
+          {"limit", number(check.limit)},
+          {"reached", number(check.reached)},
+          {"time", number(check.time)},
+          {"margin", number(check.margin())},
+          {"rollout", number(check.rollout)},
+          {"passed", check.passed}};
+}
+
+Json task_json(const TaskCheck& check) {
+  return {{"name", check.name},         {"link", check.link == 0 ? Json(nullptr) : Json(check.link)},
+          {"room", number(check.room)}, {"unit", check.unit},
+          {"time", number(check.time)}, {"passed", check.passed}};
+}
+
+Json residual_json(const Residual& residual) {
+  if (!residual.evaluated) return nullptr;
+  return {{"window", number(residual.window)},
+          {"link_vibration_rad", numbers(residual.link_vibration)},
+          {"open_loop_drift_rad", numbers(residual.open_loop_drift)}};
+}
+
+Json tracking_json(const Tracking& tracking) {
+  return {{"link_error_rad", numbers(tracking.link_error)},
+          {"link_error_rms_rad", numbers(tracking.link_error_rms)},
+          {"feedback_torque", numbers(tracking.feedback_torque)},
+          {"peak_torque", numbers(tracking.peak_torque)},
+          {"saturated", tracking.saturated}};
+}
+
+Json solver_json(const Plan& plan) {
+  Json stages = Json::array();
+  for (const SolverStage& stage : plan.stages) {
+    stages.push_back({{"name", stage.name},
+                      {"intervals", stage.intervals},
+                      {"iterations", stage.iterations},
+                      {"objective", number(stage.objective)},
+                      {"status", stage.status}});
+  }
+  Json fallbacks = Json::object();
+  visit_fallbacks(plan.fallbacks, [&](const char* rung, int count) { fallbacks[rung] = count; });
+  Json minima = Json::array();
+  for (const double objective : plan.minima) minima.push_back(number(objective));
+  return {{"iterations", plan.iterations},
+          {"factorisations", plan.cost.factorisations},
+          {"stages", std::move(stages)},
+          {"starts", plan.starts},
+          {"warm", plan.warm},
+          {"cut_by_work", plan.cut_by_work},
+          {"distinct_minima", plan.minima.size()},
+          {"minima", std::move(minima)},
+          {"fallbacks", std::move(fallbacks)}};
+}
+
+Json warm_json(const Plan& plan) { return {{"used", plan.warm}, {"reason", text_or_null(plan.warm_refusal)}}; }
+
+Json search_json(const Plan& plan) {
+  return {{"cut_by_deadline", plan.cut_by_deadline},
+          {"starts", plan.starts},
+          {"starts_planned", plan.starts_planned},
+          {"minima_refined", plan.refined}};
+}
+
+Json time_or_null(const std::optional<double>& time) { return time ? number(*time) : Json(nullptr); }
+Json joint_or_null(int joint) { return joint == 0 ? Json(nullptr) : Json(joint); }
+
+Json infeasibility_json(const Infeasibility& why) {
+  Json relaxations = Json::array();
+  for (const Relaxation& r : why.relaxations) {
+    relaxations.push_back({{"name", r.name},
+                           {"joint", joint_or_null(r.joint)},
+                           {"unit", r.unit},
+                           {"from", number(r.from)},
+                           {"to", number(r.to)},
+                           {"rough", r.rough},
+                           {"within_robot", r.within_robot},
+                           {"time", time_or_null(r.time)}});
+  }
+  return {{"limit", text_or_null(why.limit)},
+          {"joint", joint_or_null(why.joint)},
+          {"time", time_or_null(why.time)},
+          {"relaxations", std::move(relaxations)},
+          {"shortest_duration", time_or_null(why.shortest_duration)}};
+}
+
+Json mesh_json(const Plan& plan) {
+  const bool moves = plan.trajectory.has_value();
+  Json json{{"intervals", plan.intervals},
+            {"method", text_or_null(plan.method)},
+            {"error_estimate", moves ? number(plan.error_estimate) : Json(nullptr)}};
+  json.update(moves ? mesh_errors_json(plan.node_times, plan.interval_errors) : mesh_errors_json({}, {}));
+  return json;
+}
+
+Json state_json(const State<double>& state, bool at_rest) {
+  return {{"q", numbers(state.q)},
+          {"dq", numbers(state.dq)},
+          {"theta", numbers(state.theta)},
+          {"dtheta", numbers(state.dtheta)},
+          {"at_rest", at_rest}};
+}
+
+Json numbers_or_null(const std::optional<Pair<double>>& values) { return values ? numbers(*values) : Json(nullptr); }
+
+Json goal_json(const Goal& goal) {
+  Json q = numbers(goal.q);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (goal.free[j]) q[j] = nullptr;
+  }
+  return {{"q", std::move(q)},
+          {"dq", numbers(goal.dq)},
+          {"theta", numbers_or_null(goal.theta)},
+          {"dtheta", numbers_or_null(goal.dtheta)},
+          {"at_rest", goal.at_rest}};
+}
+
+Json via_json(const std::vector<Via>& vias) {
+  Json list = Json::array();
+  for (const Via& via : vias) {
+    list.push_back({{"time", via.time ? number(*via.time) : Json(nullptr)},
+                    {"q", numbers(via.q)},
+                    {"dq", numbers_or_null(via.dq)}});
+  }
+  return list;
+}
+
+Json limits_json(const Limits& limits) {
+  Json json = Json::object();
+  visit_pair_limits(limits, [&](const char* name, const char*, const Pair<double>& limit) {
+    if (std::isfinite(limit[0]) || std::isfinite(limit[1])) json[name] = numbers(limit);
+  });
+  if (std::isfinite(limits.tip_speed)) json["tip_speed"] = limits.tip_speed;
+  return json;
+}
+
+// What there is to draw beside the arm.
+Json task_json(const Task& task) {
+  Json json = Json::object();
+  for (const Disc& disc : task.obstacles) {
+    json["obstacles"].push_back({{"center", numbers(disc.center)}, {"radius", disc.radius}, {"margin", disc.margin}});
+  }
+  if (task.box) json["box"] = {numbers(task.box->lower), numbers(task.box->upper)};
+  if (task.line) {
+    json["line"] = {{"from", numbers(task.line->from)}, {"to", numbers(task.line->to)}};
+    json["line"]["tolerance"] = task.line->tolerance;
+  }
+  if (task.arc) {
+    json["arc"] = {
+        {"center", numbers(task.arc->center)}, {"from", numbers(task.arc->from)}, {"to", numbers(task.arc->to)}};
+    json["arc"]["tolerance"] = task.arc->tolerance;
+    if (task.arc->long_way) json["arc"]["way"] = "long";
+  }
+  if (task.path) {
+    for (const Pair<double>& corner : task.path->corners) json["path"]["corners"].push_back(numbers(corner));
+    json["path"]["tolerance"] = task.path->tolerance;
+  }
+  return json;
+}
+
+// The request as it was understood: everything resolved, null where the motion is free.
+Json resolved_request_json(const Problem& problem) {
+  Json weights = Json::object();
+  for (const TermInfo& term : Terms::infos) weights[std::string(term.name)] = number(problem.weights.*term.weight);
+  Json others = Json::array();
+  for (const Goal& goal : problem.other_goals) others.push_back(goal_json(goal));
+  return {{"start", state_json(problem.start, problem.start_at_rest)},
+          {"goal", goal_json(problem.goal)},
+          {"other_goals", std::move(others)},
+          {"duration", {{"min", problem.duration.min}, {"max", problem.duration.max}}},
+          {"objective", std::move(weights)},
+          {"via", via_json(problem.via)},
+          {"task", task_json(problem.task)},
+          {"limits", limits_json(problem.limits)},
+          {"sample_period", problem.sample_period},
+          {"seed", problem.seed}};
+}
+
+Json robot_json(const Parameters& robot) {
+  Json json = Json::object();
+  visit_parameters(robot, [&](const char* section, const char* name, const char*, const Pair<double>& values) {
+    json[section][name] = numbers(values);
+  });
+  json["payload"] = {{"mass", robot.payload.mass}, {"inertia", robot.payload.inertia}};
+  return json;
+}
+
+Json head(PlanStatus status, const std::string& reason, const std::string& request) {
+  return {{"version", FJR_VERSION}, {"request", request}, {"status", name(status)}, {"reason", text_or_null(reason)}};
+}
+
+}  // namespace
+
+Json certificate_json(const Certificate& certificate) {
+  Json limits = Json::array();
+  for (const LimitCheck& check : certificate.limits) limits.push_back(limit_json(check));
+  Json task = Json::array();
+  for (const TaskCheck& check : certificate.task) task.push_back(task_json(check));
+  return {{"verdict", certificate.certified ? "certified" : "failed"},
+          {"failures", certificate.failures},
+          {"tolerance_rad", number(certificate.tolerance)},
+          {"open_loop", open_loop_json(certificate.open_loop)},
+          {"closed_loop", closed_loop_json(certificate.closed_loop)},
+          {"limits", std::move(limits)},
+          {"task", std::move(task)},
+          {"residual", residual_json(certificate.residual)},
+          {"tracking", tracking_json(certificate.tracking)}};
+}
+
+Json plan_json(const Problem& problem, const Plan& plan) {
+  const bool moves = plan.trajectory.has_value();
+  Json json = head(plan.status, plan.reason, problem.name);
+  json["infeasibility"] = plan.infeasibility ? infeasibility_json(*plan.infeasibility) : Json(nullptr);
+  json["objective"] = {{"total", moves ? number(plan.objective) : Json(nullptr)}, {"terms", numbers(plan.terms)}};
+  json["duration"] = moves ? number(plan.duration) : Json(nullptr);
+  json["via_times"] = plan.via_times;
+  json["mesh"] = mesh_json(plan);
+  json["solver"] = solver_json(plan);
+  json["warm"] = warm_json(plan);
+  json["search"] = search_json(plan);
+  json["certificate"] = plan.certificate ? certificate_json(*plan.certificate) : Json(nullptr);
+  json["sensitivity"] = plan.analysis ? sensitivity_json(plan.analysis->sensitivity) : Json(nullptr);
+  json["optimality"] = plan.analysis ? optimality_json(plan.analysis->optimality) : Json(nullptr);
+  json["resolved_request"] = resolved_request_json(problem);
+  json["robot"] = robot_json(problem.robot);
+  json["robot_hash"] = robot_hash(problem.robot);
+  json["request_hash"] = problem.request_hash;
+  json["back_off"] = number(plan.back_off);
+  json["timing"] = numbers(plan.timing);
+  return json;
+}
+
+Json bad_input_json(const std::string& name, const std::string& reason, const std::string& field) {
+  Json json = head(PlanStatus::kBadInput, reason, name);
+  json["field"] = text_or_null(field);
+  return json;
+}
+
+std::string json_text(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+}  // namespace fjr

@@ -1,0 +1,103 @@
+#include "planner/results/planned_with.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string_view>
+
+#include "common/input_error.h"
+
+namespace fjr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr const char* kPayload = "payload";
+constexpr const char* kPayloadInertia = "payload.inertia";
+
+std::string with_unit(double value, std::string_view unit) { return fmt::format("{} {}", value, unit); }
+
+std::string key_of(std::string_view name, int joint) {
+  return joint == 0 ? fmt::format("limits.{}", name) : fmt::format("limits.{}[{}]", name, joint - 1);
+}
+
+// visit(name, joint, unit) for every limit; joint: 1 or 2, 0 where there is one for both.
+template <class Visit>
+void visit_limits(Visit&& visit) {
+  const Limits limits;
+  visit_pair_limits(limits, [&](const char* name, const char* unit, const Pair<double>&) {
+    for (int joint = 1; joint <= kJoints; ++joint) visit(name, joint, unit);
+  });
+  visit("tip_speed", 0, "m/s");
+}
+
+std::optional<double> limit_in(const Json& limits, const std::string& name, int joint) {
+  const auto found = limits.find(name);
+  if (found == limits.end()) return std::nullopt;
+  const Json& value = joint == 0 ? *found : found->at(static_cast<std::size_t>(joint - 1));
+  return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
+}
+
+// "10 N m"
+double read(const Metadata& metadata, const std::string& key, std::string_view unit, bool may_be_zero,
+            const std::string& source) {
+  const std::string& text = metadata.at(key);
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const std::string_view rest(end, static_cast<std::size_t>(text.data() + text.size() - end));
+  const bool valid = error == std::errc() && rest == fmt::format(" {}", unit) && std::isfinite(value);
+  if (valid && (value > 0 || (may_be_zero && value == 0))) return value;
+  throw InputError(source, key,
+                   fmt::format("'{}' must be a number {} 0 and its unit, such as '{}'", text, may_be_zero ? ">=" : ">",
+                               with_unit(0.5, unit)));
+}
+
+}  // namespace
+
+std::string LimitInHeader::text() const { return fmt::format("{} {}", key, with_unit(value, unit)); }
+
+std::string text_of(const Payload& payload) {
+  const std::string mass = with_unit(payload.mass, "kg");
+  return payload.inertia == 0 ? mass : fmt::format("{}, {}", mass, with_unit(payload.inertia, "kg m^2"));
+}
+
+void tell_planned_with(const Json& plan, Metadata& metadata) {
+  const Json &payload = plan.at("robot").at("payload"), &robot = plan.at("robot").at("limits");
+  const double inertia = payload.at("inertia");
+  metadata[kPayload] = with_unit(payload.at("mass"), "kg");
+  if (inertia != 0) metadata[kPayloadInertia] = with_unit(inertia, "kg m^2");
+  const Json& limits = plan.at("resolved_request").at("limits");
+  visit_limits([&](const char* name, int joint, const char* unit) {
+    const auto limit = limit_in(limits, name, joint), of_robot = limit_in(robot, name, joint);
+    if (limit && (!of_robot || *limit < *of_robot)) metadata[key_of(name, joint)] = with_unit(*limit, unit);
+  });
+}
+
+PlannedWith planned_with(const Metadata& metadata, const std::string& source) {
+  PlannedWith result;
+  if (metadata.contains(kPayload)) result.payload = {read(metadata, kPayload, "kg", true, source), 0};
+  if (metadata.contains(kPayloadInertia)) {
+    if (!result.payload) throw InputError(source, kPayloadInertia, "goes with a payload");
+    result.payload->inertia = read(metadata, kPayloadInertia, "kg m^2", true, source);
+  }
+  visit_limits([&](const char* name, int joint, const char* unit) {
+    const std::string key = key_of(name, joint);
+    if (metadata.contains(key)) {
+      result.limits.push_back({key, name, joint, read(metadata, key, unit, false, source), unit});
+    }
+  });
+  const auto known = [&](const std::string& key) {
+    return std::any_of(result.limits.begin(), result.limits.end(), [&](const auto& limit) { return limit.key == key; });
+  };
+  for (const auto& [key, value] : metadata) {
+    if (key.starts_with("limits.") && !known(key)) {
+      throw InputError(source, key, "is no limit that a request may set, such as limits.torque[0]");
+    }
+  }
+  return result;
+}
+
+}  // namespace fjr

@@ -1,0 +1,122 @@
+#include "planner/results/report/comparison_section.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "planner/certificate/residual.h"
+#include "planner/problem/units.h"
+#include "planner/results/report/html_table.h"
+#include "planner/results/report/time_charts.h"
+
+namespace fjr {
+namespace {
+
+double commanded(const Sample& s, std::size_t j) { return s.torque[j]; }
+
+Cell against_limit(double value, double limit) { return cell(number_text(value), value > limit * 1.005 ? "over" : ""); }
+
+void add_peaks(Rows& rows, const std::vector<ComparedMotion>& motions, const std::vector<ReachedLimit>& limits,
+               const std::string& name, const std::string& label, Pair<double> ElasticRun::*peak) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const ReachedLimit* limit = find_limit(limits, name, static_cast<int>(j + 1));
+    const double allowed = limit == nullptr ? INFINITY : limit->limit;
+    rows.push_back({cell(fmt::format("{} {}, at most ({})", label, j + 1, unit_of_limit(name)))});
+    for (const ComparedMotion& m : motions) rows.back().push_back(against_limit((m.run.*peak)[j], allowed));
+    rows.back().push_back(cell(number_text(allowed)));
+  }
+}
+
+Rows comparison_table(const std::vector<ComparedMotion>& motions, const std::vector<ReachedLimit>& limits) {
+  Rows rows(1);
+  rows[0].push_back(cell(""));
+  for (const ComparedMotion& m : motions) rows[0].push_back(cell(m.name));
+  rows[0].push_back(cell("limit"));
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    rows.push_back({cell(fmt::format("link {}, furthest from the goal after the end (rad)", j + 1))});
+    for (const ComparedMotion& m : motions) rows.back().push_back(cell(number_text(m.run.residual[j], 3)));
+    rows.back().push_back(cell(""));
+  }
+  rows.push_back({cell(fmt::format("both links within {:g} rad of it after (s)", kSettled))});
+  for (const ComparedMotion& m : motions) {
+    rows.back().push_back(cell(std::isfinite(m.run.settling_time) ? fmt::format("{:.3f}", m.run.settling_time)
+                                                                  : fmt::format("more than {:g}", kWatchedAfterEnd)));
+  }
+  rows.back().push_back(cell(""));
+  add_peaks(rows, motions, limits, "torque", "torque", &ElasticRun::peak_torque);
+  add_peaks(rows, motions, limits, "spring_deflection", "spring deflection", &ElasticRun::peak_spring_deflection);
+  add_peaks(rows, motions, limits, "motor_velocity", "motor velocity", &ElasticRun::peak_motor_velocity);
+  return rows;
+}
+
+std::vector<Chart> comparison_charts(const std::vector<ComparedMotion>& motions, const Trajectory& plan,
+                                     const std::vector<ReachedLimit>& limits) {
+  std::vector<Chart> charts;
+  const Sample& goal = plan.samples.back();
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    Chart after = time_chart(fmt::format("Link {} after the end, from the goal", j + 1), "rad");
+    for (const ComparedMotion& m : motions) {
+      Series series{m.name, m.colour, Style::kLine, {}, {}};
+      for (const Sample& s : m.run.samples) {
+        if (s.time < goal.time) continue;
+        series.x.push_back(s.time);
+        series.y.push_back(s.state.q[j] - goal.state.q[j]);
+      }
+      after.series.push_back(std::move(series));
+    }
+    charts.push_back(std::move(after));
+  }
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    Chart needed = time_chart(fmt::format("Torque of motor {}", j + 1), "N m");
+    for (const ComparedMotion& m : motions) {
+      needed.series.push_back(series_of(m.name, m.colour, m.run.samples, commanded, j));
+    }
+    if (const ReachedLimit* limit = find_limit(limits, "torque", static_cast<int>(j + 1))) {
+      needed.series.push_back(both_sides("limit", "#555", limit->limit, 0, motions.front().run.samples.back().time));
+    }
+    charts.push_back(std::move(needed));
+  }
+  return charts;
+}
+
+}  // namespace
+
+std::vector<ComparedMotion> compared_motions(const Parameters& robot, const Trajectory& plan) {
+  const Sample &first = plan.samples.front(), &last = plan.samples.back();
+  if (!is_at_rest(robot, first) || !is_at_rest(robot, last)) return {};
+  std::vector<ComparedMotion> motions{{"this plan", "#2a9d4a", run_on_elastic_arm(robot, plan)}};
+  for (const auto& [profile, colour] :
+       {std::pair{Profile::kMinimumJerk, "#8c56b5"}, {Profile::kTrapezoidal, "#c43c3c"}}) {
+    const Trajectory reference =
+        rigid_reference(robot, profile, first.state.q, last.state.q, plan.end_time() - plan.start_time());
+    motions.push_back({name(profile), colour, run_on_elastic_arm(robot, reference)});
+  }
+  return motions;
+}
+
+void add_comparison(ChartPage& page, const std::vector<ComparedMotion>& motions, const Trajectory& plan,
+                    const std::vector<ReachedLimit>& limits, bool with_scene) {
+  page.add_heading("Had it been planned without the springs");
+  if (motions.empty()) {
+    page.add_paragraph(
+        "There is no such comparison: this motion does not lead from rest to rest, and the profiles of a rigid arm "
+        "that one would compare it with do.");
+    return;
+  }
+  page.add_paragraph(fmt::format(
+      "The same way from rest to rest in the same {:.4g} s by two profiles for rigid arms, on the same elastic arm: "
+      "motors follow the profile by the executor's feedback, with the torque that a rigid arm would need, gravity and "
+      "exact friction included, as feed-forward. The drive gives whatever is asked of it; red is above the limit.{}",
+      plan.end_time() - plan.start_time(),
+      with_scene ? " They go straight, whatever else the request asks for on the way." : ""));
+  page.add_html(html_table(comparison_table(motions, limits)));
+  for (const ComparedMotion& m : motions) {
+    if (!m.run.failure.empty()) page.add_paragraph(m.name + ": " + m.run.failure, "warning");
+  }
+  page.add_html("<div class='pairs'>");
+  page.add_charts(comparison_charts(motions, plan, limits));
+  page.add_html("</div>\n");
+}
+
+}  // namespace fjr

@@ -1,0 +1,81 @@
+// JSON from a file, read strictly: what is missing or of another kind is told with its path.
+#pragma once
+
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/input_error.h"
+#include "model/parameters.h"
+
+namespace fjr {
+
+// A value together with where it stands. Its document must outlive it. Everything that reads throws InputError.
+class JsonField {
+ public:
+  using Json = nlohmann::ordered_json;
+
+  JsonField(const Json& json, const std::string& source, std::string path = "")
+      : json_(&json), source_(source), path_(std::move(path)) {}
+
+  const Json& json() const { return *json_; }
+  bool is_null() const { return json_->is_null(); }
+
+  JsonField at(const std::string& key) const {
+    if (auto found = find(key)) return *found;
+    throw InputError(source_, below(key), "missing");
+  }
+  std::optional<JsonField> find(const std::string& key) const {
+    if (!json_->is_object()) fail("must be an object");
+    const auto found = json_->find(key);
+    if (found == json_->end()) return std::nullopt;
+    return JsonField(*found, source_, below(key));
+  }
+  std::vector<JsonField> items() const {
+    if (!json_->is_array()) fail("must be a list");
+    std::vector<JsonField> fields;
+    for (std::size_t i = 0; i < json_->size(); ++i) {
+      fields.emplace_back((*json_)[i], source_, path_ + "[" + std::to_string(i) + "]");
+    }
+    return fields;
+  }
+
+  // null, which plan.json has for what is not finite or not there: not a number.
+  double number() const {
+    if (is_null()) return std::numeric_limits<double>::quiet_NaN();
+    if (!json_->is_number()) fail("must be a number or null");
+    return json_->get<double>();
+  }
+  Pair<double> pair() const {
+    const std::vector<JsonField> both = items();
+    if (both.size() != kJoints) fail("must be a list of two numbers");
+    return {both[0].number(), both[1].number()};
+  }
+  std::vector<double> numbers() const {
+    std::vector<double> values;
+    for (const JsonField& item : items()) values.push_back(item.number());
+    return values;
+  }
+  // null: empty.
+  std::string text() const {
+    if (is_null()) return "";
+    if (!json_->is_string()) fail("must be text or null");
+    return json_->get<std::string>();
+  }
+  bool flag() const {
+    if (!json_->is_boolean()) fail("must be true or false");
+    return json_->get<bool>();
+  }
+
+  [[noreturn]] void fail(const std::string& problem) const { throw InputError(source_, path_, problem); }
+
+ private:
+  std::string below(const std::string& key) const { return path_.empty() ? key : path_ + "." + key; }
+
+  const Json* json_;
+  std::string source_, path_;
+};
+
+}  // namespace fjr

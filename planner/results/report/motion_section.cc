@@ -1,0 +1,137 @@
+#include "planner/results/report/motion_section.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "model/kinematics.h"
+#include "planner/problem/units.h"
+#include "planner/results/report/plan_page_text.h"
+#include "planner/results/report/time_charts.h"
+
+namespace fjr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostSamples = 1500;  // of a motion in the animation
+constexpr double kNear = 0.45;              // a limit is drawn when a curve comes this near to it
+
+double link(const Sample& s, std::size_t j) { return s.state.q[j]; }
+double motor(const Sample& s, std::size_t j) { return s.state.theta[j]; }
+double link_velocity(const Sample& s, std::size_t j) { return s.state.dq[j]; }
+double motor_velocity(const Sample& s, std::size_t j) { return s.state.dtheta[j]; }
+double deflection(const Sample& s, std::size_t j) { return s.state.theta[j] - s.state.q[j]; }
+double torque(const Sample& s, std::size_t j) { return s.torque[j]; }
+
+void add_joints(Chart& chart, const std::vector<Sample>& samples, const std::string& what, Quantity quantity,
+                const Pair<const char*>& colours, Style style = Style::kLine) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    chart.series.push_back(series_of(fmt::format("{} {}", what, j + 1), colours[j], samples, quantity, j, style));
+  }
+}
+
+// The limits of `name`: in the title, and drawn where they are near enough not to flatten the curves.
+void add_limits(Chart& chart, const std::vector<ReachedLimit>& limits, const std::string& name, double end) {
+  std::string said;
+  for (int joint = 1; joint <= kJoints; ++joint) {
+    const ReachedLimit* limit = find_limit(limits, name, joint);
+    if (limit == nullptr) continue;
+    said += fmt::format("{}±{:.4g}", said.empty() ? "" : " and ", limit->limit);
+    if (limit->reached < kNear * limit->limit) continue;
+    chart.series.push_back(both_sides(fmt::format("limit {}", joint), kJointColour[static_cast<std::size_t>(joint - 1)],
+                                      limit->limit, 0, end));
+  }
+  if (!said.empty()) chart.title += fmt::format(" (limits {} {})", said, unit_of_limit(name));
+}
+
+Chart tip_speed_chart(const Parameters& robot, const Trajectory& trajectory, const std::vector<ReachedLimit>& limits) {
+  Chart chart = time_chart("Tip speed", "m/s");
+  Series series{"tip", "#3a7d44", Style::kLine, {}, {}};
+  for (const Sample& s : trajectory.samples) {
+    series.x.push_back(s.time);
+    series.y.push_back(std::sqrt(std::max(0.0, tip_speed_squared(robot, s.state.q[1], s.state.dq))));
+  }
+  chart.series.push_back(std::move(series));
+  if (const ReachedLimit* limit = find_limit(limits, "tip_speed", 0)) {
+    chart.title += fmt::format(" (limit {:.4g} m/s)", limit->limit);
+    chart.series.push_back(
+        {"limit", "#3a7d44", Style::kDashes, {0, trajectory.end_time()}, {limit->limit, limit->limit}});
+  }
+  return chart;
+}
+
+std::vector<Chart> motion_charts(const PlanRecord& record, const std::vector<ReachedLimit>& limits) {
+  const Trajectory& trajectory = *record.trajectory;
+  const std::vector<Sample>& rows = trajectory.samples;
+  const double end = trajectory.end_time();
+  Chart positions = time_chart("Positions", "rad");
+  add_joints(positions, rows, "link", link, kJointColour);
+  add_joints(positions, rows, "motor", motor, kMotorColour, Style::kThinLine);
+  add_limits(positions, limits, "link_position", end);
+  Chart springs = time_chart("Spring deflections", "rad");
+  add_joints(springs, rows, "spring", deflection, kJointColour);
+  add_limits(springs, limits, "spring_deflection", end);
+  Chart torques = time_chart("Motor torques", "N m");
+  add_joints(torques, rows, "motor", torque, kJointColour);
+  add_limits(torques, limits, "torque", end);
+  Chart motors = time_chart("Motor velocities", "rad/s");
+  add_joints(motors, rows, "motor", motor_velocity, kJointColour);
+  add_limits(motors, limits, "motor_velocity", end);
+  Chart links = time_chart("Link velocities", "rad/s");
+  add_joints(links, rows, "link", link_velocity, kJointColour);
+  return {positions, springs, torques, motors, links, tip_speed_chart(record.robot, trajectory, limits)};
+}
+
+double short_number(double value) { return std::stod(fmt::format("{:.6g}", value)); }
+Json pair_json(const Pair<double>& values) { return {values[0], values[1]}; }
+
+// Columns over time, thinned out to what an animation can show.
+Json motion_json(const std::string& name, const std::vector<Sample>& samples) {
+  Json json{{"name", name}};
+  for (const char* column : {"time", "q1", "q2", "theta1", "theta2", "dtheta1", "dtheta2", "tau1", "tau2"}) {
+    json[column] = Json::array();
+  }
+  const std::size_t stride = (samples.size() + kMostSamples - 1) / kMostSamples;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (i % stride != 0 && i + 1 != samples.size()) continue;
+    const Sample& s = samples[i];
+    json["time"].push_back(std::stod(fmt::format("{:.9g}", s.time)));
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const std::string joint = std::to_string(j + 1);
+      json["q" + joint].push_back(short_number(s.state.q[j]));
+      json["theta" + joint].push_back(short_number(s.state.theta[j]));
+      json["dtheta" + joint].push_back(short_number(s.state.dtheta[j]));
+      json["tau" + joint].push_back(short_number(s.torque[j]));
+    }
+  }
+  return json;
+}
+
+}  // namespace
+
+void add_motion(ChartPage& page, const PlanRecord& record, const Json& scene, const std::vector<ReachedLimit>& limits,
+                const std::vector<ComparedMotion>& motions) {
+  page.add_heading("Motion");
+  page.add_html(kStage);
+  page.add_charts(motion_charts(record, limits));
+  page.add_html("</div>\n");
+
+  Json data{{"arm", {{"length", pair_json(record.robot.link.length)}, {"radius", pair_json(record.robot.link.radius)}}},
+            {"limits", Json::object()},
+            {"scene", scene},
+            {"motions", Json::array()}};
+  for (const char* name : {"torque", "spring_deflection"}) {
+    const ReachedLimit *first = find_limit(limits, name, 1), *second = find_limit(limits, name, 2);
+    if (first != nullptr && second != nullptr) data["limits"][name] = {first->limit, second->limit};
+  }
+  data["motions"].push_back(motion_json("this plan", record.trajectory->samples));
+  for (std::size_t i = 1; i < motions.size(); ++i) {
+    data["motions"].push_back(motion_json(motions[i].name, motions[i].run.samples));
+  }
+  page.add_data("plan-data", data.dump());
+  page.add_script(kPlanPageScript);
+}
+
+}  // namespace fjr

@@ -1,0 +1,78 @@
+#include "planner/results/report/plan_record.h"
+
+#include <fmt/format.h>
+
+#include <fstream>
+#include <system_error>
+
+#include "common/input_error.h"
+#include "planner/results/report/json_field.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json read_json(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in)
+    throw InputError(file.string(), "", "cannot be read: this is no folder of a plan (fjr plan REQUEST --out DIR)");
+  Json json = Json::parse(in, nullptr, false);
+  if (json.is_discarded()) throw InputError(file.string(), "", "is damaged: it is not JSON");
+  return json;
+}
+
+Parameters read_robot(const JsonField& plan) {
+  const JsonField robot = plan.at("robot");
+  Parameters p{};
+  visit_parameters(p, [&](const char* section, const char* name, const char*, Pair<double>& values) {
+    values = robot.at(section).at(name).pair();
+  });
+  if (const auto payload = robot.find("payload")) {
+    p.payload = {payload->at("mass").number(), payload->at("inertia").number()};
+  }
+  if (robot_hash(p) != plan.at("robot_hash").text()) {
+    robot.fail("is not the robot that robot_hash tells of; the file was changed after it was planned");
+  }
+  return p;
+}
+
+void check_belonging(const Trajectory& trajectory, const fs::path& file, const JsonField& plan) {
+  const auto said = [&](const char* key) {
+    const auto found = trajectory.metadata.find(key);
+    return found == trajectory.metadata.end() ? "" : found->second;
+  };
+  for (const char* key : {"request_hash", "robot_hash"}) {
+    if (said(key) == plan.at(key).text()) continue;
+    throw InputError(file.string(), key, "is not that of the plan.json beside it: they are of different plans");
+  }
+  if (const std::string rows = said("rows"); rows != std::to_string(trajectory.samples.size())) {
+    throw InputError(file.string(), "rows",
+                     fmt::format("the file has {} rows, but says that it had '{}'", trajectory.samples.size(), rows));
+  }
+}
+
+}  // namespace
+
+PlanRecord read_plan(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::is_directory(folder, error)) throw InputError(folder.string(), "", "is no folder");
+  const fs::path file = folder / "plan.json";
+  PlanRecord record{file.string(), read_json(file), {}, {}};
+  const JsonField plan(record.plan, record.source);
+  const std::string status = plan.at("status").text();
+  if (status == "bad_input") {
+    throw InputError(record.source, "", "the request was refused and nothing planned: " + plan.at("reason").text());
+  }
+  record.robot = read_robot(plan);
+  const bool certified = status == "certified";
+  const fs::path rows = folder / (certified ? "trajectory.csv" : "trajectory.uncertified.csv");
+  if (certified || (status == "uncertified" && fs::exists(rows, error))) {
+    record.trajectory = read_csv(rows);
+    check_belonging(*record.trajectory, rows, plan);
+  }
+  return record;
+}
+
+}  // namespace fjr

@@ -1,0 +1,161 @@
+#include "planner/results/report/rigid_profile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "planner/certificate/comparison.h"
+#include "planner/certificate/rollout.h"
+
+namespace fjr {
+namespace {
+
+constexpr double kPeriod = 1e-3;       // [s] at most between rows
+constexpr double kPeakVelocity = 1.5;  // of the trapezoid: 1 / (1/3 / 2 + 1/3 + 1/3 / 2)
+constexpr double kAcceleration = 4.5;  // of the trapezoid: kPeakVelocity / (1/3)
+constexpr double kAfterJump = 1e-9;    // share of the time: safely on the later side
+constexpr double kWatchPeriod = 5e-4;  // [s] after the end
+
+Along trapezoid(double c) {
+  if (c < 1.0 / 3) return {kAcceleration * c * c / 2, kAcceleration * c, kAcceleration};
+  if (c < 2.0 / 3) return {kPeakVelocity * (c - 1.0 / 6), kPeakVelocity, 0};
+  const double left = 1 - c;
+  return {1 - kAcceleration * left * left / 2, kAcceleration * left, -kAcceleration};
+}
+
+Along minimum_jerk(double c) {
+  return {c * c * c * (10 + c * (-15 + 6 * c)), 30 * c * c * (1 + c * (-2 + c)), 60 * c * (1 + c * (-3 + 2 * c))};
+}
+
+// Reference and torque at `along`, on the straight way between two rests.
+class StraightWay {
+ public:
+  StraightWay(const Parameters& p, const Pair<double>& from, const Pair<double>& to, double duration)
+      : p_(p), from_(rest_at(p, from)), to_(rest_at(p, to)), duration_(duration) {}
+
+  Sample at(double time, const Along& a) const {
+    Sample row;
+    row.time = time;
+    Pair<double> ddq, ddtheta;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double links = to_.q[j] - from_.q[j], motors = to_.theta[j] - from_.theta[j];
+      row.state.q[j] = from_.q[j] + links * a.position;
+      row.state.theta[j] = from_.theta[j] + motors * a.position;
+      row.state.dq[j] = links * a.velocity / duration_;
+      row.state.dtheta[j] = motors * a.velocity / duration_;
+      ddq[j] = links * a.acceleration / (duration_ * duration_);
+      ddtheta[j] = motors * a.acceleration / (duration_ * duration_);
+    }
+    row.torque = rigid_inverse_dynamics(row.state, ddq, ddtheta);
+    return row;
+  }
+
+ private:
+  Pair<double> rigid_inverse_dynamics(const State<double>& x, const Pair<double>& ddq,
+                                      const Pair<double>& ddtheta) const {
+    const MassMatrix<double> m = mass_matrix(p_, x.q[1]);
+    const Pair<double> c = coriolis_torque(p_, x.q, x.dq), g = gravity_torque(p_, x.q);
+    Pair<double> torque{m.m11 * ddq[0] + m.m12 * ddq[1], m.m12 * ddq[0] + m.m22 * ddq[1]};
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      torque[j] += c[j] + g[j] + p_.link.damping[j] * x.dq[j] + p_.motor.inertia[j] * ddtheta[j] +
+                   FrictionLaw::of(p_, static_cast<int>(j)).torque(x.dtheta[j]);
+    }
+    return torque;
+  }
+
+  const Parameters& p_;
+  State<double> from_, to_;
+  double duration_;
+};
+
+void raise(Pair<double>& largest, std::size_t j, double value) { largest[j] = std::max(largest[j], std::abs(value)); }
+
+// Collects a run's samples and peaks.
+class Recorder {
+ public:
+  Recorder(const Trajectory& reference, ElasticRun& run)
+      : plan_(reference), end_(reference.samples.back()), run_(run) {}
+
+  void follow(double time, const State<double>& x, const Drive& drive) {
+    const Sample reference = drive.plan != nullptr ? plan_.at(time) : drive.held;
+    const Pair<double> feedback = drive.feedback(reference.state, x);
+    const Sample now{time, x, {reference.torque[0] + feedback[0], reference.torque[1] + feedback[1]}};
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      raise(run_.peak_torque, j, now.torque[j]);
+      raise(run_.peak_motor_velocity, j, x.dtheta[j]);
+      raise(run_.peak_spring_deflection, j, x.theta[j] - x.q[j]);
+    }
+    run_.samples.push_back(now);
+  }
+
+  void watch(double time, const State<double>& x, const Drive& drive) {
+    follow(time, x, drive);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double off = x.q[j] - end_.state.q[j];
+      raise(run_.residual, j, off);
+      if (std::abs(off) > kSettled) run_.settling_time = time - end_.time;
+    }
+  }
+
+ private:
+  Interpolator plan_;
+  const Sample& end_;
+  ElasticRun& run_;
+};
+
+}  // namespace
+
+const char* name(Profile profile) { return profile == Profile::kMinimumJerk ? "minimum jerk" : "trapezoidal velocity"; }
+
+Along along(Profile profile, double c) {
+  const double share = std::clamp(c, 0.0, 1.0);
+  return profile == Profile::kMinimumJerk ? minimum_jerk(share) : trapezoid(share);
+}
+
+Trajectory rigid_reference(const Parameters& p, Profile profile, const Pair<double>& from, const Pair<double>& to,
+                           double duration) {
+  const int third = static_cast<int>(std::ceil(duration / (3 * kPeriod))), rows = 3 * third;
+  const StraightWay way(p, from, to, duration);
+  Trajectory reference;
+  for (int k = 0; k <= rows; ++k) {
+    const double c = static_cast<double>(k) / rows, time = duration * c;
+    const bool jump = profile == Profile::kTrapezoidal && (k == third || k == 2 * third);
+    if (jump) reference.samples.push_back(way.at(time - kJumpSpacing, along(profile, c - kJumpSpacing / duration)));
+    reference.samples.push_back(way.at(time, along(profile, jump ? c + kAfterJump : c)));
+  }
+  return reference;
+}
+
+ElasticRun run_on_elastic_arm(const Parameters& p, const Trajectory& reference) {
+  ElasticRun run;
+  Recorder record(reference, run);
+  Rollout arm(p, Limits{}, Accuracy::of_predictions());
+  arm.limit_step(longest_step(reference));
+  const Drive follow = Drive::closed_loop(reference, p);
+  const Sample& start = reference.samples.front();
+  record.follow(start.time, start.state, follow);
+  arm.start(start.time, start.state, follow);
+  const bool followed =
+      arm.run(reference.end_time(), comparison_instants(reference), torque_corners(reference, kCorner),
+              [&](double time, const State<double>& x) { record.follow(time, x, follow); });
+
+  const Sample& end = reference.samples.back();
+  const Drive hold = Drive::regulating({end.time, rest_at(p, end.state.q), gravity_torque(p, end.state.q)}, p);
+  bool held = false;
+  if (followed) {
+    record.watch(end.time, arm.state(), hold);
+    std::vector<double> instants;
+    for (int k = 1; k * kWatchPeriod <= kWatchedAfterEnd; ++k) instants.push_back(end.time + k * kWatchPeriod);
+    arm.limit_step(kLongestStep);
+    arm.redirect(hold);
+    held = arm.run(end.time + kWatchedAfterEnd, instants, {},
+                   [&](double time, const State<double>& x) { record.watch(time, x, hold); });
+  }
+  if (!held) run.failure = arm.failure();
+  if (!held || run.settling_time > kWatchedAfterEnd - kWatchPeriod) {
+    run.settling_time = std::numeric_limits<double>::infinity();
+  }
+  return run;
+}
+
+}  // namespace fjr

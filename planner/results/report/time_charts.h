@@ -1,0 +1,23 @@
+// Charts of trajectories over the time that they share.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/chart_page.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+
+inline constexpr Pair<const char*> kJointColour{"#1f77b4", "#d9660f"}, kMotorColour{"#8cbbdc", "#f2b183"};
+
+using Quantity = double (*)(const Sample& sample, std::size_t joint);
+
+Chart time_chart(const std::string& title, const std::string& unit);
+Series series_of(const std::string& name, const char* colour, const std::vector<Sample>& samples, Quantity quantity,
+                 std::size_t joint, Style style = Style::kLine);
+
+// A limit on a magnitude, dashed.
+Series both_sides(const std::string& name, const char* colour, double limit, double from, double to);
+
+}  // namespace fjr

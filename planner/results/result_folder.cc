@@ -1,0 +1,276 @@
+#include "planner/results/result_folder.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <thread>
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kStage = ".fjr-next";       // being written: of no use when it is left behind
+constexpr const char* kPending = ".fjr-pending";  // complete, and to be moved into the folder file by file
+constexpr std::chrono::seconds kPatience{60};
+constexpr std::chrono::milliseconds kPause{5};
+
+std::runtime_error failure(const char* what, const fs::path& path, int error) {
+  return std::runtime_error(
+      fmt::format("cannot {} {}: {}", what, path.string(), std::generic_category().message(error)));
+}
+
+bool is_result(const fs::path& name) {
+  return std::any_of(kResultFiles.begin(), kResultFiles.end(), [&](const char* file) { return name == file; });
+}
+
+// The folder as it is called in its parent, whatever links lead there.
+fs::path resolved(const fs::path& folder) {
+  std::error_code error;
+  const fs::path real = fs::canonical(folder, error);
+  return error ? fs::path() : real;
+}
+
+// The name under which a folder is exchanged: beside it, for an exchange moves both.
+fs::path beside(const fs::path& folder) {
+  return folder.parent_path() / fmt::format(".{}{}", folder.filename().string(), kStage);
+}
+
+Descriptor open_folder(const fs::path& folder) {
+  return Descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+}
+
+// On the disk, as far as the file system knows of such a thing.
+void sync(const fs::path& path) {
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.number() < 0 || (::fsync(file.number()) != 0 && errno != EINVAL && errno != ENOTSUP)) {
+    throw failure("write", path, errno);
+  }
+}
+
+void sync_all(const fs::path& folder) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
+    entry.is_directory() ? sync_all(entry.path()) : sync(entry.path());
+  }
+  sync(folder);
+}
+
+void move(const fs::path& from, const fs::path& to) {
+  if (std::rename(from.c_str(), to.c_str()) != 0) throw failure("write", to, errno);
+}
+
+void link_or_copy(const fs::path& from, const fs::path& to) {
+  if (::link(from.c_str(), to.c_str()) == 0) return;
+  std::error_code error;
+  fs::copy_file(from, to, error);
+  if (error) throw failure("write", to, error.value());
+}
+
+bool has_folders_in_it(const fs::path& folder) {
+  std::error_code error;
+  const fs::directory_iterator entries(folder, error);
+  return std::any_of(begin(entries), end(entries), [](const fs::directory_entry& entry) {
+    const fs::path name = entry.path().filename();
+    return entry.symlink_status().type() == fs::file_type::directory && name != kPrevious && name != kStage;
+  });
+}
+
+// ---- what an interruption has left ----
+
+// An empty file stands for one that the new results do not have; what was moved is not there any more.
+void move_results(const fs::path& from, const fs::path& to) {
+  for (const char* name : kResultFiles) {
+    const fs::path file = from / name;
+    if (!fs::exists(file)) continue;
+    if (fs::file_size(file) > 0) {
+      move(file, to / name);
+    } else {
+      fs::remove(to / name);
+      fs::remove(file);
+    }
+  }
+}
+
+// plan.json is missing until all the others are in their places.
+void complete_moves(const fs::path& folder) {
+  const fs::path pending = folder / kPending;
+  if (!fs::exists(pending)) return;
+  if (fs::exists(pending / "plan.json")) fs::remove(folder / "plan.json");
+  if (fs::exists(pending / kPrevious)) {
+    fs::create_directory(folder / kPrevious);
+    move_results(pending / kPrevious, folder / kPrevious);
+  }
+  move_results(pending, folder);
+  sync(folder);
+  fs::remove_all(pending);
+}
+
+// The other way: marks what is to be missing.
+void mark_missing(const fs::path& folder) {
+  for (const char* name : kResultFiles) {
+    const fs::path mark = folder / name;
+    if (!fs::exists(mark) && !std::ofstream(mark)) throw failure("write", mark, errno);
+  }
+  sync(folder);
+}
+
+// Of an exchange: what is ours goes, and what came into the folder while it was exchanged goes back into it.
+void clear_beside(const fs::path& folder) {
+  const fs::path old = beside(folder);
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(old, error)) {
+    const fs::path name = entry.path().filename();
+    const bool stays = is_result(name) || name == kPrevious || name == kStage || fs::exists(folder / name, error);
+    if (stays) {
+      fs::remove_all(entry.path(), error);
+    } else {
+      fs::rename(entry.path(), folder / name, error);
+    }
+  }
+  fs::remove(old, error);
+}
+
+nlohmann::json read_plan_json(const fs::path& folder) {
+  std::ifstream in(folder / "plan.json", std::ios::binary);
+  return in ? nlohmann::json::parse(in, nullptr, false) : nlohmann::json();
+}
+
+std::string text_at(const nlohmann::json& plan, const char* key) {
+  const auto found = plan.is_object() ? plan.find(key) : plan.end();
+  return found != plan.end() && found->is_string() ? found->get<std::string>() : "";
+}
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+bool same_results(const fs::path& a, const fs::path& b) {
+  const nlohmann::json first = read_plan_json(a), second = read_plan_json(b);
+  for (const char* key : {"status", "request_hash", "robot_hash"}) {
+    if (text_at(first, key) != text_at(second, key)) return false;
+  }
+  for (const char* file : {"trajectory.csv", "trajectory.uncertified.csv"}) {
+    if (contents(a / file) != contents(b / file)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Worth worth_of(const fs::path& folder) {
+  const std::string status = text_at(read_plan_json(folder), "status");
+  if (status == "certified" || fs::exists(folder / "trajectory.csv")) return Worth::kPlan;
+  const bool answered = status == "infeasible" || status == "not_converged" || status == "uncertified";
+  return answered ? Worth::kAnswer : Worth::kNothing;
+}
+
+// The parent is locked, for the folder itself is exchanged.
+FolderLock::FolderLock(const fs::path& folder) {
+  const fs::path real = resolved(folder);
+  if (real.empty()) return;
+  parent_ = open_folder(real.parent_path());
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (parent_.number() >= 0 && ::flock(parent_.number(), LOCK_EX | LOCK_NB) != 0) {
+    if (errno != EWOULDBLOCK && errno != EINTR) break;
+    if (std::chrono::steady_clock::now() > end) {
+      throw std::runtime_error(fmt::format("{} is in use by another process for a minute now", folder.string()));
+    }
+    std::this_thread::sleep_for(kPause);
+  }
+  complete_moves(real);
+}
+
+NewResults::NewResults(const fs::path& folder) : folder_(resolved(folder)), lock_(folder), stage_(folder_ / kStage) {
+  clear_beside(folder_);
+  std::error_code error;
+  fs::remove_all(stage_, error);
+  if (!fs::create_directory(stage_, error)) throw failure("write to", folder, error.value());
+}
+
+NewResults::~NewResults() {
+  std::error_code error;
+  fs::remove_all(stage_, error);
+}
+
+bool NewResults::publish() {
+  const bool kept = keep_previous();
+  sync_all(stage_);
+  if (!may_be_exchanged() || !exchange()) move_one_by_one();
+  return kept;
+}
+
+// The replaced results, or else what was kept before them, as part of the new ones.
+bool NewResults::keep_previous() const {
+  const Worth replaced = worth_of(folder_), before = worth_of(folder_ / kPrevious);
+  const bool lost = replaced == Worth::kPlan || (replaced == Worth::kAnswer && worth_of(stage_) < Worth::kPlan);
+  const bool keep = lost && replaced >= before && !same_results(folder_, stage_);
+  const fs::path from = keep ? folder_ : folder_ / kPrevious;
+  if (!keep && !fs::exists(from)) return false;
+  fs::create_directory(stage_ / kPrevious);
+  for (const char* file : kResultFiles) {
+    if (fs::exists(from / file)) link_or_copy(from / file, stage_ / kPrevious / file);
+  }
+  return keep;
+}
+
+// The new folder has to be like the old one in everything but the results.
+bool NewResults::may_be_exchanged() const {
+  struct stat old = {}, fresh = {};
+  if (::stat(folder_.c_str(), &old) != 0 || ::stat(stage_.c_str(), &fresh) != 0) return false;
+  if (old.st_uid != fresh.st_uid || old.st_gid != fresh.st_gid) return false;
+  std::error_code error;
+  const fs::path here = fs::current_path(error);
+  const bool within = std::mismatch(folder_.begin(), folder_.end(), here.begin(), here.end()).first == folder_.end();
+  return !within && !has_folders_in_it(folder_) && !has_folders_in_it(folder_ / kPrevious) &&
+         ::chmod(stage_.c_str(), old.st_mode & 07777) == 0;
+}
+
+// False where the system cannot do it; then nothing has changed.
+bool NewResults::exchange() const {
+  const auto carry = [](const fs::path& from, const fs::path& to) {
+    for (const fs::directory_entry& entry : fs::directory_iterator(from)) {
+      const fs::path name = entry.path().filename();
+      if (is_result(name) || name == kPrevious || name == kStage) continue;
+      if (::link(entry.path().c_str(), (to / name).c_str()) != 0) return false;
+    }
+    return true;
+  };
+  if (!carry(folder_, stage_)) return false;
+  if (fs::exists(folder_ / kPrevious) && fs::exists(stage_ / kPrevious) &&
+      !carry(folder_ / kPrevious, stage_ / kPrevious)) {
+    return false;
+  }
+  const fs::path fresh = beside(folder_);
+  if (std::rename(stage_.c_str(), fresh.c_str()) != 0) return false;
+  if (::renameat2(AT_FDCWD, fresh.c_str(), AT_FDCWD, folder_.c_str(), RENAME_EXCHANGE) != 0) {
+    move(fresh, stage_);
+    return false;
+  }
+  sync(folder_.parent_path());
+  clear_beside(folder_);
+  return true;
+}
+
+void NewResults::move_one_by_one() const {
+  if (fs::exists(stage_ / kPrevious)) mark_missing(stage_ / kPrevious);
+  mark_missing(stage_);
+  move(stage_, folder_ / kPending);
+  sync(folder_);
+  complete_moves(folder_);
+}
+
+}  // namespace fjr

@@ -1,0 +1,19 @@
+// The optimiser's solution behind a plan as a file, for warm starts (`fjr plan --warm`): mesh, smoothing, margins,
+// variables and multipliers in CBOR (RFC 8949), which keeps every bit of a number.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "planner/ocp/collocate.h"
+
+namespace fjr {
+
+inline constexpr const char* kSolutionFile = "solution.cbor";  // beside trajectory.csv
+
+void write_solution(const std::filesystem::path& file, const Collocated& solution, const std::string& robot_hash);
+
+// Throws InputError naming the file and what is wrong with it: not such a file, or of another robot.
+Collocated read_solution(const std::filesystem::path& file, const std::string& robot_hash);
+
+}  // namespace fjr

@@ -1,0 +1,436 @@
+#include "planner/search/continuation.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "planner/ocp/arm_ocp.h"
+#include "planner/ocp/margins.h"
+#include "planner/ocp/objective.h"
+#include "planner/ocp/segments.h"
+#include "planner/search/creep.h"
+#include "planner/search/refinement.h"
+
+namespace fjr {
+namespace {
+
+// From smooth to exact, each solution starting the next. Effort lives in the friction's step, where a motor parks:
+// steps of about three keep every warm start within tens of iterations. Without effort the law only moves a torque
+// limit, and large steps do; there the trace of effort is what makes the first problems easy: with 0.1 of it the time
+// is up to 2 % longer; with 0.01, which remains, by 0.03 to 0.1 %, and half the iterations are enough.
+const std::vector<Smoothing>& levels(const Problem& problem) {
+  static const std::vector<Smoothing> fine{{0.1}, {0.03}, {0.01}, {0.003}, {0.001}, {0.0003}, {0}};
+  static const std::vector<Smoothing> coarse{{0.1, 0.1}, {0.01, 0.1}, {0, 0.01}};
+  return sees_friction(problem.weights) ? fine : coarse;
+}
+
+constexpr double kExcessWorthSplitting = 0.02;  // share of a limit beyond which a margin would cost more than intervals
+constexpr double kCostTolerance = 3e-5;         // share of the objective by which an interval may misjudge it
+constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the way
+// A warm start is as close to its bounds as the solution before it was: a larger barrier has to push it off first, a
+// smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
+// in a minimum-time problem (the barrier times the number of bounds).
+constexpr double kWarmBarrier = 1e-7;
+constexpr int kLevelIterations = 80;   // of steps between levels that converge at all, nine of ten take less than 60
+constexpr int kMoreIterations = 200;   // where they come down a slope on the way: up to 4 % less effort
+constexpr double kWorthMore = 0.005;   // share of the objective that tells a slope
+constexpr int kHalvings = 2;           // of a step between levels that did not converge
+constexpr double kSharpWidth = 1e-4;   // [rad/s] as good as the exact law, where a step is halved
+constexpr double kSameMinimum = 2e-5;  // relative difference of objectives on one mesh below which minima are one
+constexpr int kPolishRounds = 8;
+constexpr int kFailuresToPolish = 3;  // then what is there has to do: the next would fail alike, 300 iterations each
+// Rounds that want the back-off kept; what those after them leave is still inside the limits, and chasing it takes
+// rounds in which nothing moves.
+constexpr int kEagerRounds = 2;
+constexpr double kKeepAtLast = 0.2;
+constexpr double kUnfeltGrowth = 8;  // of a margin that the optimiser did not feel
+constexpr int kCreepRounds = 3;
+constexpr double kLargestTrace = 0.05;  // share of the objective: what it costs is of second order in that
+constexpr double kFade = 0.5;           // of that, where it has to be reduced
+constexpr int kFadeRounds = 4;
+
+// The error that intervals must exceed to be the few that make most of the sum, or the many where many make it.
+double bulk_of(std::vector<double> errors) {
+  constexpr double kOthers = 0.2;  // share of the sum that the others make
+  const double sum = std::accumulate(errors.begin(), errors.end(), 0.0);
+  std::sort(errors.begin(), errors.end());
+  double others = 0;
+  for (const double error : errors) {
+    others += error;
+    if (others > kOthers * sum) return error * (1 - 1e-9);
+  }
+  return kNoLimit;
+}
+
+// int u^2 [N^2 m^2 s]
+double squared_torque(const Motion& motion) {
+  double sum = 0;
+  for (std::size_t k = 0; k < motion.intervals.size(); ++k) {
+    const auto& interval = motion.intervals[k];
+    const double weights[] = {1.0 / 6, 4.0 / 6, 1.0 / 6};  // Simpson's rule
+    for (int i = 0; i < 3; ++i) {
+      const Pair<double> u = motion.torque_in(k, interval.start + 0.5 * i * interval.duration);
+      sum += weights[i] * interval.duration * (u[0] * u[0] + u[1] * u[1]);
+    }
+  }
+  return sum;
+}
+
+// Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
+int coarse_intervals(const Problem& problem, double duration) {
+  constexpr double kCoarseStep = 0.02;    // [s]
+  constexpr double kTunnelStep = 0.0075;  // [s] with obstacles: longer ones jump over them between collocation points
+  const double step = problem.task.obstacles.empty() ? kCoarseStep : kTunnelStep;
+  return std::clamp(static_cast<int>(std::ceil(duration / step)), 25, 400) + 2 * static_cast<int>(problem.via.size());
+}
+
+}  // namespace
+
+bool any_same(const std::vector<double>& minima, double objective) {
+  return std::any_of(minima.begin(), minima.end(), [=](double other) {
+    return std::abs(objective - other) <= kSameMinimum * std::max(std::abs(objective), std::abs(other));
+  });
+}
+
+Continuation::Continuation(const Problem& problem, ContinuationSettings settings, Interrupted interrupted,
+                           std::function<void(const Progress&)> on_progress)
+    : problem_(&problem),
+      settings_(std::move(settings)),
+      interrupted_(std::move(interrupted)),
+      on_progress_(std::move(on_progress)) {}
+
+SolveOptions Continuation::options(const std::string& what) {
+  SolveOptions o;
+  o.linear_solver = settings_.linear_solver;
+  o.max_iterations = settings_.warm_iterations;
+  o.monitor = [this, what, told = 0.0](const IterationInfo& info) mutable {
+    if (on_progress_) on_progress_({what, iterations_ + info.iteration, info.objective, info.violation});
+    const double more = info.work - std::exchange(told, info.work);
+    return !interrupted_(more);
+  };
+  return o;
+}
+
+// Margins of nothing are no margins.
+bool Continuation::Attempt::same_as(const Attempt& other) const {
+  const auto none = [](const PerLimit& margins) {
+    return std::all_of(margins.begin(), margins.end(), [](double margin) { return margin == 0; });
+  };
+  const auto margins = [&](const CollocationSetup& s) {
+    return std::all_of(s.margins.begin(), s.margins.end(), none) ? std::vector<PerLimit>{} : s.margins;
+  };
+  const Smoothing &a = setup.smoothing, &b = other.setup.smoothing;
+  return warm == other.warm && most_iterations == other.most_iterations && barrier == other.barrier &&
+         setup.mesh == other.setup.mesh && a.friction_width == b.friction_width &&
+         a.regularisation == b.regularisation && setup.creep == other.setup.creep &&
+         margins(setup) == margins(other.setup);
+}
+
+// A warm start (no guess) begins from the present solution and its multipliers, on the same mesh. What failed from the
+// present solution fails again and is not tried again.
+bool Continuation::attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess,
+                           const SolveOptions& solve_options) {
+  if (interrupted_(0)) {
+    status_ = SolveStatus::kStopped;
+    return false;
+  }
+  const Attempt attempt{setup, guess == nullptr, solve_options.max_iterations, solve_options.initial_barrier};
+  for (const Attempt& before : failed_) {
+    if (!before.same_as(attempt)) continue;
+    status_ = before.status;
+    return false;
+  }
+  Collocated next = guess != nullptr ? collocate(*problem_, setup, *guess, solve_options)
+                                     : collocate(*problem_, setup, solution_, solve_options);
+  iterations_ += next.report.iterations;
+  status_ = next.report.status;
+  stages_.push_back({what, static_cast<int>(setup.mesh.size()), next.report.iterations, next.report.objective,
+                     name(next.report.status), next.report.cost, next.report.work});
+  if (!next.report.solved()) {
+    failed_.push_back(attempt);
+    failed_.back().status = status_;
+    if (!next.motion.intervals.empty()) obstacle_ = worst_excess(*problem_, setup.mesh, next.motion);
+    return false;
+  }
+  solution_ = std::move(next);
+  failed_.clear();
+  ++solutions_;
+  return true;
+}
+
+bool Continuation::cold(const Guess& guess, int most_iterations) {
+  const std::string what = fmt::format("{}, {}", label, guess.name);
+  SolveOptions o = options(what);
+  o.max_iterations = most_iterations;
+  const int usual = coarse_intervals(*problem_, guess.duration());
+  Smoothing smoothest = levels(*problem_).front();
+  smoothest.regularisation *= trace_factor;
+  const CollocationSetup setup{settings_.scheme,
+                               uniform_mesh(guess.durations, static_cast<int>(std::lround(mesh_factor * usual))),
+                               smoothest,
+                               {}};
+  return attempt(what, setup, &guess, o);
+}
+
+// The last attempt, which found no solution, left the last solution's objective behind.
+bool Continuation::came_down() const {
+  const double before = solution_.report.objective;
+  return sees_friction(problem_->weights) && stages_.back().objective < before - kWorthMore * std::abs(before);
+}
+
+// A step that is too large is taken in two.
+bool Continuation::reach_level(const Smoothing& level, int halvings) {
+  const std::string what = fmt::format("{}, friction width {:.2g} rad/s", label, level.friction_width);
+  CollocationSetup setup =
+      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
+  const Smoothing from = setup.smoothing;
+  setup.smoothing = level;
+  SolveOptions o = warm(what);
+  o.max_iterations = kLevelIterations;
+  if (attempt(what, setup, nullptr, o)) return true;
+  if (status_ == SolveStatus::kIterationLimit && came_down()) {
+    o.max_iterations = kMoreIterations;
+    if (attempt(what, setup, nullptr, o)) return true;
+  }
+  // With effort the levels are close already, and the last good one will do.
+  if (status_ == SolveStatus::kStopped || sees_friction(problem_->weights)) return false;
+  if (halvings == 0) return attempt_anew(what, setup);
+  const double sharpest = std::max(level.friction_width, kSharpWidth);
+  const Smoothing between{std::sqrt(from.friction_width * sharpest),
+                          std::sqrt(from.regularisation * level.regularisation)};
+  return reach_level(between, halvings - 1) && reach_level(level, halvings - 1);
+}
+
+// Each level's solution starts the next, on a mesh refined by what it showed. The one that would be published for the
+// least, with the exact law, is kept: a sharper law usually helps, but now and then a step slips into a worse minimum
+// or fails.
+bool Continuation::follow_levels() {
+  Collocated best = solution_;
+  int best_at = solutions_;
+  double least = published_objective(*problem_, best);
+  const double width = solution_.setup.smoothing.friction_width;
+  for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
+    if (levels(*problem_)[i].friction_width >= width) continue;
+    if (!reach_level(levels(*problem_)[i], kHalvings)) break;
+    const double objective = published_objective(*problem_, solution_);
+    // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
+    if (objective < least || !sees_friction(problem_->weights)) {
+      least = objective;
+      best = solution_;
+      best_at = solutions_;
+    }
+  }
+  if (best_at != solutions_) failed_.clear();
+  solution_ = std::move(best);
+  return status_ != SolveStatus::kStopped && fade_trace();
+}
+
+// Where the objective comes to much less than its weights let expect, the trace of effort that chooses among torques
+// would outweigh it: that is reduced until it is small beside the objective.
+bool Continuation::fade_trace() {
+  if (settles_torque(problem_->weights)) return true;
+  for (int round = 0; round < kFadeRounds; ++round) {
+    Smoothing level = solution_.setup.smoothing;
+    const double weight = make_arm_ocp<Features{}>(*problem_, level.regularisation).regularisation;
+    const double trace = weight * squared_torque(solution_.motion);
+    const double objective = std::abs(solution_.report.objective - trace);
+    if (!(trace > kLargestTrace * objective)) return true;
+    level.regularisation *= std::max(kFade * kLargestTrace * objective / trace, 1e-3);
+    if (!reach_level(level, kHalvings)) return status_ != SolveStatus::kStopped;
+  }
+  return true;
+}
+
+bool Continuation::begin(const Guess& guess, int most_iterations, const std::vector<double>& known) {
+  if (!cold(guess, most_iterations) || any_same(known, solution_.report.objective)) return false;
+  // Without effort the next levels refine anyway, and the multipliers change little before: a tenth fewer iterations.
+  // With effort, what is a motor's rest has to be resolved while the law is smooth: objectives 0.5 % higher without.
+  if (!sees_friction(problem_->weights)) return true;
+  const CollocationSetup setup =
+      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
+  if (setup.mesh.size() != solution_.setup.mesh.size())
+    attempt_or_forget(fmt::format("{}, {} intervals", label, setup.mesh.size()), setup);
+  return status_ != SolveStatus::kStopped;
+}
+
+// The setup with those intervals split whose error [rad] exceeds the tolerance, that exceed a limit by much, or that
+// misjudge the objective. Where a motor reverses at its torque limit u has to jump by the step of its friction: nodes
+// are placed on both sides of that, while halving takes three rounds more to come as near.
+CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const {
+  const double worth_splitting = 1.5 * tolerance,
+               worth_quartering = std::pow(2, settings_.scheme.order + 2) * tolerance;
+  const std::vector<PerLimit> excess =
+      excesses(*problem_, solution_.setup.mesh, solution_.motion, kKeep, solution_.slack);
+  const PerLimit scales = limit_scales(*problem_);
+  Cuts steps(errors.size());  // of the friction torque, where they make a torque exceed its limit
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    for (std::size_t i = 0; i < scales.size(); ++i) {
+      const double margin = setup.margins.empty() ? 0 : setup.margins[k][i];
+      const double share = (excess[k][i] + margin) / scales[i];  // zero without a limit
+      if (share <= kExcessWorthSplitting) continue;
+      if (i < kJoints) {  // the torques come first
+        if (const auto reversal = reversal_in(solution_.motion, k, i)) {
+          steps[k].push_back(*reversal);
+          continue;
+        }
+      }
+      errors[k] = std::max(errors[k], worth_splitting);
+      if (share > 4 * kExcessWorthSplitting) errors[k] = std::max(errors[k], worth_quartering);
+    }
+  }
+  if (sees_friction(problem_->weights)) {
+    Pair<FrictionLaw> law{FrictionLaw::of(problem_->robot, 0), FrictionLaw::of(problem_->robot, 1)};
+    for (FrictionLaw& l : law) l = l.smoothed(setup.smoothing.friction_width);
+    const std::vector<double> cost = cost_errors(*problem_, law, settings_.scheme, solution_.motion);
+    const double allowed = kCostTolerance * std::abs(solution_.report.objective);
+    for (std::size_t k = 0; k < errors.size(); ++k) {
+      if (cost[k] > allowed) errors[k] = std::max(errors[k], worth_splitting);
+    }
+  }
+  std::vector<int> pieces =
+      pieces_wanted(solution_.motion, errors, tolerance, settings_.scheme.order, settings_.shortest_interval);
+  if (static_cast<std::size_t>(std::accumulate(pieces.begin(), pieces.end(), 0)) > most_intervals()) return setup;
+  Cuts cuts = equal_cuts(pieces);
+  for (std::size_t k = 0; k < cuts.size(); ++k) {
+    const double shortest = settings_.shortest_interval / solution_.motion.intervals[k].duration;
+    for (const double step : steps[k]) cut_around(cuts[k], step, shortest);
+    pieces[k] = static_cast<int>(cuts[k].size()) + 1;
+  }
+  setup.mesh = split(setup.mesh, cuts);
+  for (std::size_t k = 0; k < setup.margins.size(); ++k) {  // finer intervals may do without
+    if (pieces[k] > 1) std::fill(setup.margins[k].begin(), setup.margins[k].end(), 0.0);
+  }
+  setup.margins = inherited(setup.margins, pieces);
+  setup.creep = inherited(setup.creep, pieces);
+  return setup;
+}
+
+SolveOptions Continuation::warm(const std::string& what) {
+  SolveOptions o = options(what);
+  o.warm_start = true;
+  o.barrier_strategy = "monotone";
+  o.initial_barrier = o.final_barrier = kWarmBarrier;
+  return o;
+}
+
+// The more rows an interval has, the more memory it takes.
+std::size_t Continuation::most_intervals() const {
+  constexpr double kRowsAnyway = 20;
+  const double rows = static_cast<double>(count_of_rows(problem_->task));
+  return static_cast<std::size_t>(static_cast<double>(settings_.most_intervals) * kRowsAnyway / (kRowsAnyway + rows));
+}
+
+bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup) {
+  if (attempt(what, setup, nullptr, warm(what))) return true;
+  return status_ != SolveStatus::kStopped && attempt_anew(what, setup);
+}
+
+// Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
+bool Continuation::attempt_anew(const std::string& what, const CollocationSetup& setup) {
+  const Guess guess = guess_from(solution_.motion, solution_.durations, solution_.motion.duration());
+  const std::size_t solves = stages_.size();
+  const bool solved = attempt(what + ", again", setup, &guess, options(what + ", again"));
+  if (stages_.size() > solves) stages_.back().forgetful = true;
+  return solved;
+}
+
+bool Continuation::refine(const std::vector<double>& errors) {
+  const CollocationSetup setup = refined(solution_.setup, errors, std::min(settings_.mesh_tolerance, bulk_of(errors)));
+  if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
+  return attempt_or_forget(fmt::format("{}, {} intervals", label, setup.mesh.size()), setup);
+}
+
+bool Continuation::polish() {
+  for (int round = 0; round < kPolishRounds && failures_to_polish_ < kFailuresToPolish; ++round) {
+    CollocationSetup setup = solution_.setup;
+    const double keep = round < kEagerRounds ? kKeep : kKeepAtLast;
+    const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
+    const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion, keep, solution_.slack),
+                             *problem_, growth);
+    setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), settings_.mesh_tolerance);
+    const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
+    if (!wider && !finer) return true;
+    const std::string what = fmt::format("{}, {} intervals{}", label, setup.mesh.size(), wider ? " and margins" : "");
+    if (!attempt_or_forget(what, setup)) {
+      ++failures_to_polish_;
+      return status_ != SolveStatus::kStopped;
+    }
+  }
+  return true;
+}
+
+bool Continuation::keep_margins(const std::vector<LimitCheck>& checks) {
+  std::vector<PerLimit> more(solution_.setup.mesh.size(), PerLimit(limit_scales(*problem_).size(), 0.0));
+  for (const LimitCheck& check : checks) {
+    const double limit = check.limit * (1 - kBackOff);
+    if (check.passed || check.reached <= limit) continue;
+    const std::size_t at = solution_.motion.interval_at(check.time);
+    for (std::size_t k = at > 0 ? at - 1 : 0; k < std::min(at + 2, more.size()); ++k) {
+      for (const std::size_t i : indices_of(*problem_, check.name, check.joint)) more[k][i] = check.reached - limit;
+    }
+  }
+  CollocationSetup setup = solution_.setup;
+  if (!widen(setup.margins, more, *problem_)) return false;
+  const std::string what = fmt::format("{}, margins from the certificate", label);
+  return attempt(what, setup, nullptr, warm(what)) && polish();
+}
+
+bool Continuation::creep() {
+  bool any = false;
+  for (int round = 0; round < kCreepRounds; ++round) {  // what is kept out of one interval may settle in the next
+    CollocationSetup setup = solution_.setup;
+    const std::vector<Pair<double>> wanted = creep_through_rests(*problem_, solution_.motion);
+    setup.creep.resize(wanted.size(), {0, 0});
+    bool more = false;
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        if (wanted[k][j] == 0) continue;
+        setup.creep[k][j] = wanted[k][j];
+        more = true;
+      }
+    }
+    if (!more) return any;
+    const std::string what = fmt::format("{}, no unstable rest", label);
+    if (!attempt(what, setup, nullptr, warm(what))) return false;
+    any = true;
+  }
+  return any;
+}
+
+bool Continuation::adopt(const Collocated& other, double duration) {
+  const std::string what = label + ", stretched";
+  const Guess guess = guess_from(other.motion, other.durations, duration);
+  return attempt(what, other.setup, &guess, options(what));
+}
+
+bool Continuation::resume(const Collocated& neighbour) {
+  if (static_cast<std::size_t>(neighbour.setup.mesh.segments()) != segment_count(*problem_)) return false;
+  solution_ = neighbour;
+  // What was fitted to the other problem and may not suit this one.
+  CollocationSetup& setup = solution_.setup;
+  setup.creep.clear();
+  setup.smoothing.regularisation = std::min(setup.smoothing.regularisation, levels(*problem_).back().regularisation);
+  if (!sees_friction(problem_->weights)) setup.smoothing.friction_width = levels(*problem_).back().friction_width;
+  const std::size_t limits = limit_scales(*problem_).size();
+  if (limits > Limits::kCount || (!setup.margins.empty() && setup.margins.front().size() != limits)) {
+    setup.margins.clear();
+  }
+  const std::string what = label + ", moved";
+  // What the small barrier makes crawl along its bounds, a larger one pushes off: one of nine neighbours needed that.
+  for (const double barrier : {kWarmBarrier, 10 * kWarmBarrier}) {
+    SolveOptions o = warm(what);
+    o.initial_barrier = o.final_barrier = barrier;
+    o.max_iterations = kLevelIterations;
+    if (attempt(what, CollocationSetup(solution_.setup), nullptr, o)) return polish();
+    if (status_ == SolveStatus::kStopped) return false;
+  }
+  return false;
+}
+
+// Where margins cannot be had, the certificate decides about what there is.
+bool Continuation::finish() { return follow_levels() && polish(); }
+
+}  // namespace fjr

@@ -1,0 +1,127 @@
+// From a guess to a converged solution: friction made exact step by step, the mesh refined where it errs, margins
+// widened until the limits hold between the collocation points.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "planner/certificate/certificate.h"
+#include "planner/ocp/collocate.h"
+#include "planner/problem/problem.h"
+#include "planner/search/guesses.h"
+#include "planner/search/record.h"
+
+namespace fjr {
+
+struct ContinuationSettings {
+  Scheme scheme = hermite_simpson();
+  double mesh_tolerance = 3e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
+  double shortest_interval = 2.5e-4;  // [s] refinement stops there: a switch inside costs less than the tolerance
+  int warm_iterations = 150;
+  // Beyond that a mesh is not refined, beyond fewer where a task adds rows: memory grows with it, by 70 kB an interval
+  // without a task.
+  std::size_t most_intervals = 2500;
+  std::string linear_solver = "stage";
+};
+
+// What stops everything: asked before every solve and in every iteration, and told the work [s] since it was asked last
+// (SolveReport::work).
+using Interrupted = std::function<bool(double work)>;
+
+// Whether one of these minima is this one, by their objectives on the same mesh.
+bool any_same(const std::vector<double>& minima, double objective);
+
+class Continuation {
+ public:
+  Continuation(const Problem& problem, ContinuationSettings settings, Interrupted interrupted,
+               std::function<void(const Progress&)> on_progress);
+
+  // Solves with the smoothest friction law, on a coarse mesh from the guess and then on a refined one: what the starts
+  // are compared by. False when there is no solution; status() says how it ended.
+  // `known`: objectives on first meshes; a minimum among them is not refined again, and counts as no solution.
+  bool begin(const Guess& guess, int most_iterations, const std::vector<double>& known = {});
+
+  // From the finished solution of a neighbouring problem - other start, other goal - to this one's, on its mesh. False
+  // when there is no solution that way.
+  bool resume(const Collocated& neighbour);
+
+  // From a solution of the same request with another objective, stretched to `duration` [s], on its mesh and with its
+  // friction law. False when there is no solution that way.
+  bool adopt(const Collocated& other, double duration);
+
+  // From there to the exact friction law, not yet minding the mesh. False when it was stopped.
+  bool follow_levels();
+
+  // From there to the exact problem, on a mesh and with margins that suit it. False when no usable solution is left.
+  bool finish();
+
+  // Splits the intervals whose given errors [rad] exceed the mesh tolerance or make most of their sum, or whose limits
+  // are exceeded by much, and solves again. False when there was nothing to split or no solution; the last solution
+  // stays.
+  bool refine(const std::vector<double>& errors);
+
+  // Solves again with finer intervals and margins until the mesh is good enough and every limit holds between the
+  // collocation points too. False when no usable solution is left.
+  bool polish();
+
+  // The same where a certificate found limits of the published rows exceeded: interpolation between rows can do what
+  // the collocation polynomial does not. False when there was nothing to do, or no solution.
+  bool keep_margins(const std::vector<LimitCheck>& checks);
+
+  // Solves again with motors kept from resting where they cannot (creep.h). False when there was nothing to do, or no
+  // solution.
+  bool creep();
+
+  const Problem& problem() const { return *problem_; }
+  const Collocated& solution() const { return solution_; }
+  SolveStatus status() const { return status_; }
+  // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.
+  const std::string& obstacle() const { return obstacle_; }
+  const std::vector<SolverStage>& stages() const { return stages_; }
+  int solutions() const { return solutions_; }  // that were found so far, each in place of the one before
+  int iterations() const { return iterations_; }
+
+  std::string label;        // of this start, for progress and stages
+  double mesh_factor = 1;   // on the number of intervals of the first mesh
+  double trace_factor = 1;  // on the trace of effort of the first solution: more of it is easier to solve
+
+ private:
+  // What an attempt from the present solution depends on beside that.
+  struct Attempt {
+    CollocationSetup setup;
+    bool warm = false;
+    int most_iterations = 0;
+    double barrier = 0;
+    SolveStatus status = SolveStatus::kFailed;  // it ended with
+
+    bool same_as(const Attempt& other) const;
+  };
+
+  bool cold(const Guess& guess, int most_iterations);
+  bool fade_trace();
+  bool came_down() const;
+  bool reach_level(const Smoothing& level, int halvings);
+  std::size_t most_intervals() const;
+  CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
+  bool attempt_or_forget(const std::string& what, const CollocationSetup& setup);
+  bool attempt_anew(const std::string& what, const CollocationSetup& setup);
+  bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, const SolveOptions& options);
+  SolveOptions options(const std::string& what);
+  SolveOptions warm(const std::string& what);
+
+  const Problem* problem_;  // outlives this
+  ContinuationSettings settings_;
+  Interrupted interrupted_;
+  std::function<void(const Progress&)> on_progress_;
+  Collocated solution_;
+  SolveStatus status_ = SolveStatus::kFailed;
+  std::string obstacle_;
+  std::vector<Attempt> failed_;  // from the present solution
+  std::vector<SolverStage> stages_;
+  int solutions_ = 0;
+  int iterations_ = 0;
+  int failures_to_polish_ = 0;
+};
+
+}  // namespace fjr

@@ -1,0 +1,47 @@
+#include "planner/search/creep.h"
+
+#include <cmath>
+
+#include "model/friction.h"
+
+namespace fjr {
+namespace {
+
+constexpr int kProbes = 8;              // per interval
+constexpr double kShortestRest = 0.04;  // [s] shorter ones are over before the deviation has grown to a count
+constexpr double kFaster = 2.0;  // than the band's edge, where the law's slope is zero: here it is clearly positive
+
+bool rests(const Motion& motion, std::size_t interval, std::size_t joint, double band) {
+  const auto& i = motion.intervals[interval];
+  for (int p = 0; p <= kProbes; ++p) {
+    const State<double> x = motion.state_in(interval, i.start + i.duration * p / kProbes);
+    if (std::abs(x.dtheta[joint]) > band) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<Pair<double>> creep_through_rests(const Problem& problem, const Motion& motion) {
+  const std::size_t count = motion.intervals.size();
+  std::vector<Pair<double>> creep(count, {0, 0});
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double band = FrictionLaw::of(problem.robot, static_cast<int>(j)).unstable_band();
+    if (band == 0 || !std::isfinite(band)) continue;
+    // The first and the last interval are what the motor has to leave the start and to come to rest at the goal.
+    for (std::size_t first = 1; first + 1 < count; ++first) {
+      std::size_t end = first;
+      while (end + 1 < count && rests(motion, end, j, band)) ++end;
+      if (end == first) continue;
+      const double from = motion.intervals[first].start, to = motion.intervals[end].start;
+      if (to - from >= kShortestRest) {
+        const double moved = motion.state_at(to).theta[j] - motion.state_at(from).theta[j];
+        for (std::size_t k = first; k < end; ++k) creep[k][j] = std::copysign(kFaster * band, moved);
+      }
+      first = end;
+    }
+  }
+  return creep;
+}
+
+}  // namespace fjr

@@ -1,0 +1,294 @@
+#include "planner/search/detours.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <queue>
+#include <set>
+
+#include "planner/problem/elbow_side.h"
+#include "planner/problem/tip_path.h"
+
+namespace fjr {
+namespace {
+
+constexpr double kComfort = 0.02;   // [m] of room below which a cell is dearer
+constexpr double kDearer = 2;       // by this factor where there is none
+constexpr double kDiscouraged = 6;  // factor on cells near a way that was found before
+constexpr double kNear = 0.5;       // [rad] what near means there, grown with every trial
+constexpr int kTrials = 3;          // to find one more way
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+struct Cell {
+  int i, j;
+};
+
+// Of the tip's line or arc: cells of a coarse grid lie within it.
+bool is_wide(const TaskRow& row) { return row.kind != TaskRow::Kind::kAngles && row.scale >= kWideTipPath; }
+
+class Grid {
+ public:
+  Grid(const Problem& problem, std::size_t segment, double spacing)
+      : limit_(problem.limits.link_position), speed_(problem.limits.motor_velocity) {
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      size_[axis] = std::max(3, static_cast<int>(std::ceil(2 * limit_[axis] / spacing)) + 1);
+    }
+    std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
+    std::erase_if(rows, [](const TaskRow& row) { return row.link == 0 && row.name != "tip_box" && !is_wide(row); });
+    room_.resize(static_cast<std::size_t>(size_[0] * size_[1]));
+    for (std::size_t c = 0; c < room_.size(); ++c) room_[c] = room_at(problem.robot, rows, q_of(c));
+    cost_.assign(room_.size(), 1);
+    for (std::size_t c = 0; c < room_.size(); ++c) {
+      if (room_[c] < kComfort) cost_[c] = 1 + (kDearer - 1) * (1 - std::max(0.0, room_[c]) / kComfort);
+    }
+  }
+
+  std::size_t cells() const { return room_.size(); }
+  double room(std::size_t c) const { return room_[c]; }
+  bool free(std::size_t c) const { return room_[c] >= 0; }
+
+  Pair<double> q_of(std::size_t c) const {
+    const int i = static_cast<int>(c) / size_[1], j = static_cast<int>(c) % size_[1];
+    return {-limit_[0] + 2 * limit_[0] * i / (size_[0] - 1), -limit_[1] + 2 * limit_[1] * j / (size_[1] - 1)};
+  }
+
+  // The nearest cell; with `only_free` among the free ones round it, for what is given lies between cells.
+  std::size_t cell_of(const Pair<double>& q, bool only_free) const {
+    const Cell at{nearest(q[0], 0), nearest(q[1], 1)};
+    std::size_t best = index(at);
+    double least = kInfinity;
+    for (int i = at.i - 2; i <= at.i + 2; ++i) {
+      for (int j = at.j - 2; j <= at.j + 2; ++j) {
+        if (!inside({i, j})) continue;
+        const Pair<double> cell = q_of(index({i, j}));
+        const double away = std::hypot(cell[0] - q[0], cell[1] - q[1]);
+        if (away < least && (!only_free || free(index({i, j})))) {
+          least = away;
+          best = index({i, j});
+        }
+      }
+    }
+    return best;
+  }
+
+  // visit(neighbour, time [s] to go there at full speed)
+  template <class Visit>
+  void each_neighbour(std::size_t c, Visit&& visit) const {
+    const int i = static_cast<int>(c) / size_[1], j = static_cast<int>(c) % size_[1];
+    for (int di = -1; di <= 1; ++di) {
+      for (int dj = -1; dj <= 1; ++dj) {
+        if ((di == 0 && dj == 0) || !inside({i + di, j + dj})) continue;
+        const Pair<double> a = q_of(c), b = q_of(index({i + di, j + dj}));
+        visit(index({i + di, j + dj}), std::hypot((b[0] - a[0]) / speed_[0], (b[1] - a[1]) / speed_[1]));
+      }
+    }
+  }
+
+  double cost(std::size_t c) const { return cost_[c]; }
+
+  // Makes the middle of a way dear, so that the next one goes elsewhere.
+  void discourage(const Way& way, double near) {
+    for (std::size_t c = 0; c < cells(); ++c) {
+      const Pair<double> q = q_of(c);
+      for (std::size_t k = way.size() / 5; k < way.size() - way.size() / 5; ++k) {
+        if (std::hypot(way[k][0] - q[0], way[k][1] - q[1]) < near) {
+          cost_[c] = kDiscouraged;
+          break;
+        }
+      }
+    }
+  }
+
+ private:
+  static double room_at(const Parameters& robot, const std::vector<TaskRow>& rows, const Pair<double>& q) {
+    const auto posture = Posture<double>::of(robot, q);
+    double room = kInfinity;
+    for (const TaskRow& row : rows) room = std::min(room, row.distance(row.value(robot, posture)));
+    return room;
+  }
+
+  int nearest(double angle, std::size_t axis) const {
+    const double share = (angle + limit_[axis]) / (2 * limit_[axis]);
+    return std::clamp(static_cast<int>(std::lround(share * (size_[axis] - 1))), 0, size_[axis] - 1);
+  }
+  bool inside(Cell c) const { return c.i >= 0 && c.i < size_[0] && c.j >= 0 && c.j < size_[1]; }
+  std::size_t index(Cell c) const { return static_cast<std::size_t>(c.i * size_[1] + c.j); }
+
+  Pair<double> limit_, speed_;
+  std::array<int, 2> size_{};
+  std::vector<double> room_, cost_;
+};
+
+// Dijkstra's algorithm; better(a, b): a is the better value to have come with. extend(value, from, to, time).
+template <class Better, class Extend>
+std::vector<std::size_t> search(const Grid& grid, std::size_t from, std::size_t to, double first, double worst,
+                                const Better& better, const Extend& extend) {
+  std::vector<double> value(grid.cells(), worst);
+  std::vector<std::size_t> previous(grid.cells(), grid.cells());
+  using Entry = std::pair<double, std::size_t>;
+  const auto later = [&](const Entry& a, const Entry& b) {
+    return a.first != b.first ? better(b.first, a.first) : a.second > b.second;
+  };
+  std::priority_queue<Entry, std::vector<Entry>, decltype(later)> open(later);
+  value[from] = first;
+  open.push({first, from});
+  while (!open.empty()) {
+    const auto [reached, cell] = open.top();
+    open.pop();
+    if (cell == to) break;
+    if (better(value[cell], reached)) continue;
+    grid.each_neighbour(cell, [&](std::size_t next, double time) {
+      const double candidate = extend(reached, cell, next, time);
+      if (!better(candidate, value[next])) return;
+      value[next] = candidate;
+      previous[next] = cell;
+      open.push({candidate, next});
+    });
+  }
+  std::vector<std::size_t> cells;
+  if (to != from && previous[to] == grid.cells()) return cells;
+  for (std::size_t c = to; c != grid.cells(); c = previous[c]) cells.push_back(c);
+  std::reverse(cells.begin(), cells.end());
+  return cells;
+}
+
+std::vector<std::size_t> quickest(const Grid& grid, std::size_t from, std::size_t to) {
+  return search(
+      grid, from, to, 0, kInfinity, [](double a, double b) { return a < b; },
+      [&](double value, std::size_t cell, std::size_t next, double time) {
+        return grid.free(next) ? value + time * (grid.cost(cell) + grid.cost(next)) / 2 : kInfinity;
+      });
+}
+
+std::vector<std::size_t> roomiest(const Grid& grid, std::size_t from, std::size_t to) {
+  return search(
+      grid, from, to, kInfinity, -kInfinity, [](double a, double b) { return a > b; },
+      [&](double value, std::size_t, std::size_t next, double) { return std::min(value, grid.room(next)); });
+}
+
+Way way_of(const Grid& grid, const std::vector<std::size_t>& cells, const Pair<double>& from, const Pair<double>& to) {
+  Way way{from};
+  for (std::size_t k = 1; k + 1 < cells.size(); ++k) way.push_back(grid.q_of(cells[k]));
+  way.push_back(to);
+  return way;
+}
+
+// Twice the angle that the closed polygon turns round a point, over 2 pi: its winding number.
+int winding(const Way& polygon, const Pair<double>& point) {
+  int turns = 0;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Pair<double>&a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+    const double side = (b[0] - a[0]) * (point[1] - a[1]) - (point[0] - a[0]) * (b[1] - a[1]);
+    if (a[1] <= point[1] && b[1] > point[1] && side > 0) ++turns;
+    if (a[1] > point[1] && b[1] <= point[1] && side < 0) --turns;
+  }
+  return turns;
+}
+
+// One can be pulled into the other unless the loop they form goes round something forbidden.
+bool same_way(const Grid& grid, const Way& a, const Way& b) {
+  Way loop = a;
+  loop.insert(loop.end(), b.rbegin(), b.rend());
+  for (std::size_t c = 0; c < grid.cells(); ++c) {
+    if (!grid.free(c) && winding(loop, grid.q_of(c)) != 0) return false;
+  }
+  return true;
+}
+
+std::vector<std::string> broken_on(const Problem& problem, std::size_t segment, const Way& way) {
+  std::set<std::string> names;
+  const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
+  for (const Pair<double>& q : way) {
+    const auto posture = Posture<double>::of(problem.robot, q);
+    for (const TaskRow& row : rows) {
+      if (row.room(row.value(problem.robot, posture)) < 0) names.insert(row.name);
+    }
+  }
+  return {names.begin(), names.end()};
+}
+
+}  // namespace
+
+Detours find_detours(const Problem& problem, std::size_t segment, const Pair<double>& from, const Pair<double>& to,
+                     std::size_t most, double spacing) {
+  Grid grid(problem, segment, spacing);
+  Detours found;
+  const std::vector<std::size_t> best = roomiest(grid, grid.cell_of(from, false), grid.cell_of(to, false));
+  found.roomiest = way_of(grid, best, from, to);
+  found.room = kInfinity;
+  for (const std::size_t c : best) found.room = std::min(found.room, grid.room(c));
+  found.barred_by = broken_on(problem, segment, found.roomiest);
+  const std::size_t start = grid.cell_of(from, true), goal = grid.cell_of(to, true);
+  if (!grid.free(start) || !grid.free(goal)) return found;
+  for (int trial = 0; trial < kTrials && found.ways.size() < most; ++trial) {
+    const std::vector<std::size_t> cells = quickest(grid, start, goal);
+    if (cells.empty()) break;
+    const Way way = way_of(grid, cells, from, to);
+    if (std::none_of(found.ways.begin(), found.ways.end(), [&](const Way& w) { return same_way(grid, w, way); })) {
+      found.ways.push_back(way);
+    }
+    grid.discourage(way, kNear * (1 + trial));
+  }
+  return found;
+}
+
+namespace {
+
+// A point of the tip's line or arc that no posture within the joints' limits reaches, as a sentence.
+std::string beyond_reach(const Problem& problem) {
+  constexpr int kPieces = 400;
+  const Task& task = problem.task;
+  if (!task.line && !task.arc) return "";
+  const auto [l1, l2] = problem.robot.link.length;
+  const double bend = std::min(problem.limits.link_position[1], std::numbers::pi);
+  const double nearest = std::sqrt(l1 * l1 + l2 * l2 + 2 * l1 * l2 * std::cos(bend)), furthest = l1 + l2;
+  const double tolerance = task.line ? task.line->tolerance : task.arc->tolerance;
+  const Point<double> begin = tip_position(problem.robot, problem.start.q),
+                      end = tip_position(problem.robot, problem.goal.q);
+  const Pair<double> from{begin.x, begin.y}, to{end.x, end.y};
+  for (int i = 0; i <= kPieces; ++i) {
+    const double s = static_cast<double>(i) / kPieces;
+    const Pair<double> tip = task.line ? along(*task.line, from, to, s) : along(*task.arc, from, to, s);
+    const double away = std::hypot(tip[0], tip[1]);
+    if (away > nearest - tolerance && away < furthest + tolerance) continue;
+    return fmt::format(
+        "{} passes [{:.4g}, {:.4g}] m, {:.4g} m from the base; with the joints' limits the tip reaches from "
+        "{:.4g} to {:.4g} m",
+        task.line ? "tip_line" : "tip_arc", tip[0], tip[1], away, nearest, furthest);
+  }
+  return "";
+}
+
+}  // namespace
+
+NoWay no_way(const Problem& problem) {
+  if (std::string sentence = beyond_reach(problem); !sentence.empty()) {
+    return {sentence, {problem.task.line ? "tip_line" : "tip_arc"}, 0};
+  }
+  if (std::string sentence = barred_elbow(problem); !sentence.empty()) {
+    return {sentence, {problem.task.box ? "tip_box" : problem.task.line ? "tip_line" : "tip_arc"}, 0};
+  }
+  // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
+  const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);
+  if ((problem.task.obstacles.empty() && !problem.task.box) || problem.goal.any_free()) return {};
+  std::vector<Pair<double>> points{problem.start.q};
+  for (const Via& via : problem.via) points.push_back(via.q);
+  points.push_back(problem.goal.q);
+  for (std::size_t s = 0; s + 1 < points.size(); ++s) {
+    if (find_detours(problem, s, points[s], points[s + 1], 0).room > 0) continue;
+    const Detours fine = find_detours(problem, s, points[s], points[s + 1], 0, kFineGrid);
+    if (fine.room > -doubt) continue;
+    const std::string stretch = points.size() == 2 ? "from the start to the goal"
+                                                   : fmt::format("on the stretch {} of {}", s + 1, points.size() - 1);
+    return {fmt::format("every way {} within the joints' limits is barred by {}; {:.2g} m more room would open one",
+                        stretch, fmt::join(fine.barred_by, ", "), -fine.room),
+            fine.barred_by, -fine.room};
+  }
+  return {};
+}
+
+}  // namespace fjr

@@ -1,0 +1,98 @@
+#include "planner/search/explain/candidates.h"
+
+#include <algorithm>
+
+#include "planner/analysis/analysis.h"
+#include "planner/ocp/margins.h"
+#include "planner/search/explain/slack.h"
+#include "planner/search/explain/statics.h"
+
+namespace fjr {
+namespace {
+
+constexpr std::size_t kMost = 6;    // of limits that are looked at
+constexpr double kInTheWay = 0.05;  // share of the slack by which what is in the way exceeds its limit
+
+void keep_heaviest(std::vector<Candidate>& candidates) {
+  std::stable_sort(candidates.begin(), candidates.end(),
+                   [](const Candidate& a, const Candidate& b) { return a.weight > b.weight; });
+  if (candidates.size() > kMost) candidates.resize(kMost);
+}
+
+// The largest excess as a share of the limit's size, and when that is.
+Candidate worst_excess_of(const Problem& problem, const Relaxable& what, const Collocated& solution) {
+  const auto excess = excesses(problem, solution.setup.mesh, solution.motion);
+  const PerLimit scales = limit_scales(problem);
+  Candidate worst{what, {}, 0};
+  for (int joint = 0; joint <= kJoints; ++joint) {
+    if (what.joint != 0 && joint != what.joint) continue;
+    for (const std::size_t i : indices_of(problem, what.name, joint)) {
+      for (std::size_t k = 0; k < excess.size(); ++k) {
+        if (!(excess[k][i] / scales[i] > worst.weight)) continue;
+        worst.weight = excess[k][i] / scales[i];
+        worst.time = solution.motion.intervals[k].start;
+      }
+    }
+  }
+  return worst;
+}
+
+// By how much the limit is below what carrying the arm slowly takes, as a share of the limit: of limits that are
+// exceeded alike, what cannot be carried is in the way, and not what swinging takes.
+double short_of_carrying(const Problem& problem, const Relaxable& what) {
+  if (what.joint == 0) return 0;
+  const Carrying needs = carrying(problem);
+  const auto j = static_cast<std::size_t>(what.joint - 1);
+  double needed = 0;
+  if (what.name == "torque") needed = needs.torque[j];
+  if (what.name == "spring_deflection") needed = needs.deflection[j];
+  return std::max(0.0, needed / what.from - 1);
+}
+
+}  // namespace
+
+std::optional<double> worst_moment(const Problem& problem, const Relaxable& what, const Collocated& solution) {
+  return worst_excess_of(problem, what, solution).time;
+}
+
+std::vector<Candidate> active_in(const Continuation& fastest) {
+  const Analysis analysis = analyse(fastest.problem(), fastest.solution(), 1);
+  std::vector<Candidate> candidates;
+  for (const Relaxable& what : relaxables(fastest.problem())) {
+    Candidate candidate{what, {}, 0};
+    double longest = 0;
+    for (const LimitWorth& limit : analysis.sensitivity.limits) {
+      const bool same = limit.name == what.name && (what.joint == 0 || limit.joint == what.joint);
+      if (!same || limit.worth <= 0) continue;
+      candidate.weight += limit.worth * size_of(what);
+      for (const auto& stretch : limit.active) {
+        if (stretch.end - stretch.begin <= longest) continue;
+        longest = stretch.end - stretch.begin;
+        candidate.time = (stretch.begin + stretch.end) / 2;
+      }
+    }
+    if (candidate.weight > 0) candidates.push_back(candidate);
+  }
+  keep_heaviest(candidates);
+  return candidates;
+}
+
+std::vector<Candidate> candidates(const Problem& problem, const Continuation* everything) {
+  std::vector<Candidate> found, all;
+  for (const Relaxable& what : relaxables(problem)) {
+    if (what.unit == "times") {
+      all.push_back({what, {}, 0});
+    } else if (everything != nullptr) {
+      Candidate candidate = worst_excess_of(problem, what, everything->solution());
+      if (candidate.weight <= kInTheWay * everything->solution().slack) continue;
+      candidate.weight += short_of_carrying(problem, what);
+      candidate.time.reset();  // that was of another motion
+      found.push_back(candidate);
+    }
+  }
+  keep_heaviest(found);
+  all.insert(all.end(), found.begin(), found.end());
+  return all;
+}
+
+}  // namespace fjr

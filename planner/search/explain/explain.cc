@@ -1,0 +1,357 @@
+#include "planner/search/explain/explain.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/problem/relaxable.h"
+#include "planner/search/detours.h"
+#include "planner/search/explain/candidates.h"
+#include "planner/search/explain/search.h"
+#include "planner/search/explain/slack.h"
+#include "planner/search/explain/statics.h"
+#include "planner/search/explain/via_times.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+namespace {
+
+constexpr double kRoom = 0.01;   // share of a change added to it: right at the edge there is one motion, and no plan
+constexpr double kSpare = 2e-4;  // share of a shortest duration
+constexpr std::size_t kSpareRows = 1000;  // for what comes between the regular ones
+constexpr double kRoughRoom = 0.1;        // the same where friction stayed smooth
+constexpr double kGridRoom = 1.1;         // times the room that a grid found missing
+constexpr double kClose = 0.05;           // slack of a sketch that a more exact one may do without
+constexpr double kPossible = 2e-3;        // slack below which the request is possible, as far as can be told
+constexpr double kLoose = 3;              // share by which limits are relaxed for a duration to start from
+constexpr double kLonger = 2;             // times the duration of a hurried motion that the least change may take
+
+std::string name_of(const std::string& name, int joint) {
+  return joint == 0 ? name : fmt::format("{} of joint {}", name, joint);
+}
+
+class Explanation {
+ public:
+  Explanation(const Problem& problem, const Continuation* fastest, const SolveTools& tools)
+      : problem_(problem), fastest_(fastest), search_(tools) {}
+
+  WhyNot run() {
+    if (const NoWay barred = no_way(problem_); !barred.sentence.empty()) {
+      explain_barred(barred);
+    } else if (fastest_ != nullptr && shortest() > problem_.duration.max) {
+      explain_duration();
+    } else {
+      if (fastest_ != nullptr) result_.shortest_duration = with_room(shortest());
+      explain_via_times();
+      if (result_.sentence.empty() && (fastest_ == nullptr || any_timed(problem_))) explain_limits();
+    }
+    if (start_) return {{}, start_};
+    if (result_.sentence.empty()) return {};
+    add_relaxations_to_sentence();
+    return {result_, {}};
+  }
+
+ private:
+  double shortest() const { return fastest_->solution().motion.duration(); }
+
+  // What is told of a shortest duration: rounded up, and with a little to spare, so that a request for it has room.
+  static double with_room(double duration) { return std::ceil(1e4 * (1 + kSpare) * duration) / 1e4; }
+
+  // The least change of this one thing that makes the problem possible, from these guesses.
+  bool relax(const Problem& problem, const Candidate& candidate, const std::vector<Guess>& guesses) {
+    const Problem elastic = with_slack(problem, candidate.what);
+    auto solution = least(elastic, name_of(candidate.what.name, candidate.what.joint), guesses);
+    const bool rough = !solution;
+    if (rough) solution = search_.last_sketch();
+    if (!solution || (rough && solution->solution().slack < kPossible)) return false;
+    if (!rough && fastest_ == nullptr && is_possible(*solution)) return false;
+    const double slack = (1 + (rough ? kRoughRoom : kRoom)) * solution->solution().slack;
+    if (slack > elastic.elastic->most) return false;
+    const Relaxable& what = candidate.what;
+    const double to = value_with(problem, what, slack);
+    const auto time = candidate.time ? candidate.time : worst_moment(problem, what, solution->solution());
+    result_.relaxations.push_back(
+        {what.name, what.joint, what.unit, what.from, to, rough, std::abs(to - what.from) <= what.allowed, time});
+    return true;
+  }
+
+  // Without a slack it is a motion for the request itself.
+  bool is_possible(const Continuation& solution) {
+    if (solution.solution().slack >= kPossible) return false;
+    start_ = guess_of(solution);
+    return true;
+  }
+
+  // Where there is time, first in a hurry, and then with as much more of it as the mesh has room for. Speed takes its
+  // time to be had, and in a hurry there would be less of it.
+  std::optional<Continuation> least(Problem elastic, const std::string& what, std::vector<Guess> guesses) {
+    Duration& duration = elastic.duration;
+    const double soon = kLonger * guesses.front().duration();
+    if (!any_timed(problem_) && !elastic.elastic->slower && duration.max > std::max(soon, duration.min)) {
+      const auto first = search_.sketch(hurried(elastic), what + ", hurried", guesses);
+      if (!first) return std::nullopt;
+      guesses = {guess_of(*first)};
+      duration.max = std::clamp(kLonger * guesses.front().duration(), duration.min, duration.max);
+    }
+    return search_.solve(elastic, what, guesses);
+  }
+
+  // ---- no way round ----
+
+  void explain_barred(const NoWay& barred) {
+    result_.sentence = barred.sentence;
+    if (!barred.names.empty()) result_.limit = barred.names.front();
+    for (const Relaxable& what : relaxables(problem_)) {
+      if (std::count(barred.names.begin(), barred.names.end(), what.name) > 0) make_room(what, barred.missing);
+    }
+  }
+
+  // A slack finds ways between the collocation points where there is none; the grid does not. More than is missing is
+  // needed where the way is between two things, for half of what one gives up is lost to the other side, and where the
+  // optimiser does not find a motion along a way that is barely open.
+  void make_room(const Relaxable& what, double missing) {
+    if (missing == 0) return;
+    for (const double more : {1.0, 1.5, 2.0}) {
+      const double amount = more * kGridRoom * missing;
+      if (amount >= what.most || search_.over()) return;
+      const Problem roomier = what.relaxed(problem_, amount);
+      if (!no_way(roomier).sentence.empty()) continue;
+      if (!search_.solve(roomier, what.name, search_.guesses(roomier))) continue;
+      result_.relaxations.push_back({what.name, what.joint, what.unit, what.from, what.value(amount), false, true, {}});
+      return;
+    }
+  }
+
+  // ---- a duration that is too short ----
+
+  void explain_duration() {
+    const double allowed = problem_.duration.max, needed = with_room(shortest());
+    result_.shortest_duration = needed;
+    const std::string where = allowed == kLongestByDefault ? " where nothing else is said" : "";
+    result_.sentence = fmt::format(
+        "duration: at most {:.6g} s is allowed{}; the shortest motion found within the limits takes {:.4f} s", allowed,
+        where, needed);
+    const double rows = needed / problem_.sample_period;
+    if (rows > static_cast<double>(kMaxRows)) {
+      result_.sentence += fmt::format(" (with a sample_period of {:.4f} s or more)",
+                                      std::ceil(1e4 * needed / static_cast<double>(kMaxRows - kSpareRows)) / 1e4);
+    }
+    result_.limit = "duration";
+    result_.time = allowed;
+    if (!any_timed(problem_)) {
+      result_.relaxations.push_back({"duration", 0, "s", allowed, needed, false, true, allowed});
+    } else {
+      explain_times_as_well();
+    }
+    const Collocated& fastest = fastest_->solution();
+    const std::vector<Guess> hurried{guess_from(fastest.motion, fastest.durations, allowed)};
+    bool any = false;
+    for (const Candidate& candidate : active_in(*fastest_)) any = relax(problem_, candidate, hurried) || any;
+    if (!any) relax(problem_, {all_limits(problem_), {}, 0}, hurried);
+  }
+
+  // The shortest motion passes its via points when it likes: what it takes at the times that were asked for, or which
+  // of those would have to change as well.
+  void explain_times_as_well() {
+    Problem timed = fastest_of(problem_);
+    timed.via = problem_.via;
+    for (const Via& via : timed.via) timed.duration.min = via.time.value_or(timed.duration.min) + kShortestDuration;
+    if (const auto kept = search_.solve(timed, "duration", search_.guesses(timed))) {
+      const double needed = with_room(kept->solution().motion.duration());
+      result_.sentence += fmt::format(", and {:.4f} s with the via points at their times", needed);
+      result_.relaxations.push_back(
+          {"duration", 0, "s", problem_.duration.max, needed, false, true, problem_.duration.max});
+      return;
+    }
+    for (std::size_t i = 0; i < problem_.via.size() && !search_.over(); ++i) {
+      const auto asked = problem_.via[i].time;
+      const auto earliest = asked ? earliest_at(problem_, i, search_) : std::nullopt;
+      if (!earliest || *earliest <= *asked) continue;
+      result_.sentence += fmt::format(
+          "; via[{}] is to be passed at {:.6g} s, and within the limits it cannot be passed before {:.4f} s", i, *asked,
+          with_room(*earliest));
+      return;
+    }
+  }
+
+  // ---- via points whose times cannot be kept ----
+
+  void explain_via_times() {
+    for (std::size_t i = 0; i < problem_.via.size() && result_.sentence.empty() && !search_.over(); ++i) {
+      if (!problem_.via[i].time) continue;
+      const double asked = *problem_.via[i].time;
+      const auto earliest = earliest_at(problem_, i, search_);
+      if (!earliest || *earliest <= asked) continue;
+      tell_via(i, fmt::format("within the limits it cannot be passed before {:.4f} s", *earliest));
+      if (const auto time = nearest_time(problem_, i, *earliest + kRoom * (*earliest - asked), search_)) {
+        move_via(i, *time);
+      }
+    }
+    for (std::size_t i = 0; i < problem_.via.size() && result_.sentence.empty() && !search_.over(); ++i) {
+      if (!problem_.via[i].time) continue;
+      const auto time = nearest_time(problem_, i, {}, search_);
+      if (!time) continue;
+      tell_via(i, fmt::format("that leaves too little time {} it", *time > *problem_.via[i].time ? "before" : "after"));
+      move_via(i, *time);
+    }
+  }
+
+  void tell_via(std::size_t i, const std::string& why) {
+    const double asked = *problem_.via[i].time;
+    result_.sentence = fmt::format("via[{}] is to be passed at {:.6g} s; {}", i, asked, why);
+    result_.limit = fmt::format("via[{}].time", i);
+    result_.time = asked;
+  }
+
+  void move_via(std::size_t i, double time) {
+    const double asked = *problem_.via[i].time;
+    result_.relaxations.push_back({fmt::format("via[{}].time", i), 0, "s", asked, time, false, true, asked});
+  }
+
+  // ---- limits that no motion keeps ----
+
+  void explain_limits() {
+    const Problem loose = hurried(with_slack_everywhere(problem_));
+    auto everything = search_.sketch(loose, "everything", search_.guesses(relaxed(problem_, kLoose)));
+    if (everything && everything->solution().slack < kClose) {  // nearly possible: a sketch cannot tell
+      everything = search_.solve(loose, "everything", {guess_of(*everything)});
+      if (!everything || is_possible(*everything)) return;
+    }
+    const Continuation* near = everything ? &*everything : nullptr;
+    const std::vector<Guess> from = near != nullptr ? std::vector<Guess>{guess_of(*near)} : search_.guesses(problem_);
+    for (const Candidate& candidate : candidates(problem_, near)) {
+      if (search_.over() || start_) break;
+      relax(problem_, candidate, from);
+    }
+    if (start_) return;
+    if (result_.relaxations.empty() && near != nullptr) relax(problem_, {all_limits(problem_), {}, 0}, from);
+    if (result_.relaxations.empty() && near == nullptr) return explain_by_statics();
+    std::stable_sort(result_.relaxations.begin(), result_.relaxations.end(), easier);
+    name_what_is_in_the_way(near);
+  }
+
+  static bool easier(const Relaxation& a, const Relaxation& b) {
+    const auto change = [](const Relaxation& r) { return std::abs(r.to - r.from) / std::max(std::abs(r.from), 0.1); };
+    if (a.rough != b.rough) return b.rough;
+    return a.within_robot != b.within_robot ? a.within_robot : change(a) < change(b);
+  }
+
+  void name_what_is_in_the_way(const Continuation* everything) {
+    if (!result_.relaxations.empty()) {
+      const Relaxation& first = result_.relaxations.front();
+      if (first.name == "all_limits") {  // nothing single
+        result_.sentence = "no motion found keeps every limit";
+        return;
+      }
+      result_.limit = first.name;
+      result_.joint = first.joint;
+      result_.time = first.time;
+    } else {
+      for (const Candidate& worst : candidates(problem_, everything)) {
+        if (!result_.limit.empty()) break;
+        result_.limit = worst.what.name;
+        result_.joint = worst.what.joint;
+      }
+    }
+    const std::string when = result_.time ? fmt::format(" at {:.3f} s", *result_.time) : "";
+    result_.sentence =
+        result_.limit.ends_with(".dq")
+            ? fmt::format("no motion found within the limits moves as fast as {} asks for", result_.limit)
+            : fmt::format("no motion found keeps every limit; {} is in the way{}",
+                          name_of(result_.limit, result_.joint), when);
+    add_statics();
+    if (result_.relaxations.empty() && everything != nullptr) {
+      result_.sentence +=
+          fmt::format("; all limits together {:.3g} times as large would do", 1 + everything->solution().slack);
+    }
+  }
+
+  // ---- statics ----
+
+  void add_statics() {
+    const Carrying needs = carrying(problem_);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      if (result_.joint != static_cast<int>(j) + 1) continue;
+      if (result_.limit == "torque" && needs.torque[j] > problem_.limits.torque[j]) add_carrying(needs, j);
+      if (result_.limit == "spring_deflection" && needs.deflection[j] > problem_.limits.spring_deflection[j]) {
+        add_carrying(needs, j);
+      }
+    }
+  }
+
+  void add_carrying(const Carrying& needs, std::size_t j) {
+    const bool torque = result_.limit == "torque";
+    result_.sentence += fmt::format(" (held still on the straight way, at [{:.3g}, {:.3g}] rad, it takes {:.4g} {})",
+                                    needs.posture[j][0], needs.posture[j][1],
+                                    torque ? needs.torque[j] : needs.deflection[j], torque ? "N m" : "rad");
+  }
+
+  // Where not even a motion with everything relaxed is found: what cannot be carried slowly.
+  void explain_by_statics() {
+    const Carrying needs = carrying(problem_);
+    const Limits& limits = problem_.limits;
+    for (std::size_t j = 0; j < kJoints && result_.limit.empty(); ++j) {
+      result_.joint = static_cast<int>(j) + 1;
+      if (needs.torque[j] > limits.torque[j]) result_.limit = "torque";
+      if (needs.deflection[j] > limits.spring_deflection[j]) result_.limit = "spring_deflection";
+    }
+    if (result_.limit.empty()) return;
+    result_.sentence =
+        fmt::format("no motion within the limits was found; {} is in the way", name_of(result_.limit, result_.joint));
+    add_statics();
+  }
+
+  // ---- telling ----
+
+  void add_relaxations_to_sentence() {
+    std::string& text = result_.sentence;
+    bool any = false;
+    for (const Relaxation& r : result_.relaxations) {
+      if (r.name == "duration") continue;
+      const std::string unit = r.unit == "times" ? " of what it is" : " " + r.unit;
+      const std::string beyond = r.within_robot ? "" : ", more than the robot's";
+      any = true;
+      if (r.name == "all_limits") {
+        text += fmt::format("; no single limit alone would do, but all together {} times as large{}",
+                            enough(r.from, r.to), beyond);
+      } else if (r.name == "tip_box") {
+        text += fmt::format("; tip_box alone would have to be {} m larger on every side", enough(r.from, r.to));
+      } else {
+        text += fmt::format("; {} alone would have to be {}{}{} (now {:.4g}{})", name_of(r.name, r.joint),
+                            r.rough ? "about " : "", enough(r.from, r.to), unit, r.from, beyond);
+      }
+    }
+    if (!any && !search_.over()) text += "; no other change of a single limit was found to do";
+  }
+
+  const Problem& problem_;
+  const Continuation* fastest_;
+  Search search_;
+  Infeasibility result_;
+  std::optional<Guess> start_;  // of a motion for the request, which turned out to be possible
+};
+
+}  // namespace
+
+std::string enough(double from, double to) {
+  double told = std::stod(fmt::format("{:.4g}", to));
+  const double step = std::pow(10, std::floor(std::log10(std::abs(to))) - 3);
+  if (to > from && told < to) told += step;
+  if (to < from && told > to) told -= step;
+  return fmt::format("{:.4g}", told);
+}
+
+Problem fastest_of(Problem problem) {
+  problem.weights = Weights{};
+  problem.weights.time = 1;
+  problem.duration = {kShortestDuration, kLongestDuration};
+  for (Via& via : problem.via) via.time.reset();
+  return problem;
+}
+
+WhyNot explain(const Problem& problem, const Continuation* fastest, const SolveTools& tools) {
+  return Explanation(problem, fastest, tools).run();
+}
+
+}  // namespace fjr

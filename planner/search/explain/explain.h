@@ -1,0 +1,50 @@
+// Why a request cannot be had, in physical terms: what is in the way, when, and the least that would have to change.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planner/problem/problem.h"
+#include "planner/search/guesses.h"
+#include "planner/search/solve_tools.h"
+
+namespace fjr {
+
+// One thing of the request that, changed alone, makes it feasible.
+struct Relaxation {
+  std::string name;  // as in problem/relaxable.h; or duration; or via[0].time
+  int joint = 0;     // 1 or 2; 0: neither
+  std::string unit;
+  double from = 0, to = 0;     // as asked for; the least change that was found to do, to within 4 %
+  bool rough = false;          // found with friction smoothed only: `to` is about what it takes
+  bool within_robot = true;    // false: beyond what robot.yaml allows a request to ask for
+  std::optional<double> time;  // [s] when it is in the way most
+};
+
+struct Infeasibility {
+  std::string sentence;
+  std::string limit;  // what is in the way, named as in Relaxation; empty where nothing single is
+  int joint = 0;
+  std::optional<double> time;               // [s] when
+  std::vector<Relaxation> relaxations;      // the smallest change, relative to what was asked for, first
+  std::optional<double> shortest_duration;  // [s] within the limits, where there is one
+};
+
+// The same request for the fastest motion, whatever time it takes, via points passed at any time.
+Problem fastest_of(Problem problem);
+
+// `to` in four digits, rounded so that the change from `from` is never less than it was.
+std::string enough(double from, double to);
+
+// Why a request has no plan: it cannot have one; or it can, and from this motion it should be found; or it is not
+// known.
+struct WhyNot {
+  std::optional<Infeasibility> infeasibility;
+  std::optional<Guess> start;
+};
+
+// problem: what no motion was found for. `fastest`: the solution of fastest_of(problem), null if there is none.
+WhyNot explain(const Problem& problem, const Continuation* fastest, const SolveTools& tools);
+
+}  // namespace fjr

@@ -1,0 +1,53 @@
+// The solves that an explanation may spend: each from its guesses, all of them within a budget that is counted in the
+// optimiser's work and not in time, so that the same request is told the same every time.
+#pragma once
+
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planner/problem/problem.h"
+#include "planner/search/continuation.h"
+#include "planner/search/guesses.h"
+#include "planner/search/solve_tools.h"
+
+namespace fjr {
+
+class Search {
+ public:
+  explicit Search(const SolveTools& tools) : tools_(tools) {}
+
+  // Nothing more will be solved: interrupted, or the budget is spent.
+  bool over() const { return tools_.interrupted() || spent_ >= kBudget; }
+
+  // The first solution from one of these guesses, with the exact friction law; the problem is kept as long as this is.
+  std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses);
+
+  // The same only as exact as finding it takes: on a coarse mesh, with friction smoothed.
+  std::optional<Continuation> sketch(const Problem& problem, const std::string& what,
+                                     const std::vector<Guess>& guesses);
+
+  // What the last solve() came to with friction smoothed, where it did not get to the exact law; none otherwise.
+  std::optional<Continuation> last_sketch() const { return last_sketch_; }
+
+  // Where there is nothing better to start from.
+  std::vector<Guess> guesses(const Problem& problem) const;
+
+ private:
+  static constexpr double kBudget = 10;  // [s] of work (SolveReport::work)
+
+  std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
+                                    bool exact);
+  void book(const Continuation& c);
+
+  const SolveTools& tools_;
+  std::deque<Problem> problems_;
+  std::optional<Continuation> last_sketch_;
+  double spent_ = 0;
+};
+
+// A solution as the start of a neighbouring problem.
+Guess guess_of(const Continuation& solution);
+
+}  // namespace fjr

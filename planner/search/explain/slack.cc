@@ -1,0 +1,118 @@
+#include "planner/search/explain/slack.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/ocp/margins.h"
+
+namespace fjr {
+namespace {
+
+constexpr double kSmallest = 0.1;  // [m, rad, ...] size of what is given as nothing, or nearly
+constexpr double kTrace = 0.003;   // of time [1/s]: enough for the motion not to dawdle
+constexpr double kHurry = 0.1;     // of time [1/s]
+constexpr double kStep = 1e-6;     // what a region's bounds are differentiated by
+constexpr double kMostSlack = 6;   // times more: beyond that nobody would build it; half of it is the start
+
+bool is_obstacle(const Relaxable& what) { return what.name.starts_with("obstacles"); }
+bool is_velocity(const Relaxable& what) { return what.unit == "times" && what.name != "all_limits"; }
+
+// Squared distance that the links keep from an obstacle's centre gives way, down to the link's own radius at a slack of
+// one: the rows are linear in it.
+double least_apart(const Problem& problem, const TaskRow& row) {
+  return problem.robot.link.radius[static_cast<std::size_t>(row.link - 1)];
+}
+
+void give_rows(const Problem& problem, const Relaxable& what, std::vector<double>& give) {
+  const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, 0);
+  if (is_obstacle(what)) {
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const double apart = rows[r].number, least = rows[r].link > 0 ? least_apart(problem, rows[r]) : apart;
+      if (rows[r].name == what.name) give[Limits::kCount + r] += (apart * apart - least * least) / (2 * apart);
+    }
+    return;
+  }
+  const Problem wider = what.relaxed(problem, kStep);
+  const std::vector<TaskRow> after = task_rows(wider.robot, wider.task, 0);
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    if (rows[r].name != what.name) continue;
+    const double below = rows[r].lower - after[r].lower, above = after[r].upper - rows[r].upper;
+    const double more = std::isfinite(below) ? below : above;
+    give[Limits::kCount + r] += more / kStep * size_of(what);
+  }
+}
+
+void give(const Problem& problem, const Relaxable& what, std::vector<double>& give) {
+  Limits limits = problem.limits;
+  if (const double* limit = limit_of(limits, what.name, what.joint)) {
+    give[static_cast<std::size_t>(limit - limits.data())] += size_of(what);
+  } else if (what.name == "all_limits") {
+    const Limits larger = what.relaxed(problem, 1).limits;
+    for (std::size_t i = 0; i < Limits::kCount; ++i) {
+      if (std::isfinite(limits.data()[i])) give[i] += larger.data()[i] - limits.data()[i];
+    }
+  } else {
+    give_rows(problem, what, give);
+  }
+}
+
+Problem elastic(const Problem& problem) {
+  Problem result = problem;
+  result.weights = {.time = kTrace};
+  result.elastic.emplace();
+  result.elastic->give.assign(limit_scales(problem).size(), 0.0);
+  return result;
+}
+
+// What is asked to be slower: a via point by its number, the goal by their number.
+std::size_t place_of(const Problem& problem, const Relaxable& velocity) {
+  for (std::size_t i = 0; i < problem.via.size(); ++i) {
+    if (velocity.name == "via[" + std::to_string(i) + "].dq") return i;
+  }
+  return problem.via.size();
+}
+
+}  // namespace
+
+double size_of(const Relaxable& what) { return std::max(what.from, kSmallest); }
+
+Problem with_slack(const Problem& problem, const Relaxable& what) {
+  Problem result = elastic(problem);
+  Elastic& e = *result.elastic;
+  if (is_velocity(what)) {
+    e.slower = place_of(problem, what);
+    e.most = 1;
+  } else {
+    give(problem, what, e.give);
+    e.most = is_obstacle(what) ? 1 : std::min(kMostSlack, what.most / size_of(what));
+  }
+  return result;
+}
+
+Problem with_slack_everywhere(const Problem& problem) {
+  Problem result = elastic(problem);
+  for (const Relaxable& what : relaxables(problem)) {
+    if (!is_velocity(what)) give(problem, what, result.elastic->give);
+  }
+  result.elastic->most = kMostSlack;
+  return result;
+}
+
+Problem hurried(Problem with_slack) {
+  with_slack.weights.time = kHurry;
+  return with_slack;
+}
+
+double value_with(const Problem& problem, const Relaxable& what, double slack) {
+  if (!is_obstacle(what)) return what.value(slack * size_of(what));
+  double value = what.from;
+  for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) {
+    if (row.name != what.name) continue;
+    const double least = least_apart(problem, row);
+    const double squared = row.number * row.number - slack * (row.number * row.number - least * least);
+    value = std::min(value, std::sqrt(std::max(0.0, squared)) - least);
+  }
+  return value;
+}
+
+}  // namespace fjr

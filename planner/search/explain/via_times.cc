@@ -1,0 +1,65 @@
+#include "planner/search/explain/via_times.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+
+namespace fjr {
+namespace {
+
+constexpr double kStep = 0.02;  // share of a change of time to which it is found
+
+// The fastest motion through via point i, to end there.
+Problem up_to(const Problem& problem, std::size_t i) {
+  Problem result = problem;
+  const Via& via = problem.via[i];
+  result.goal = Goal{};
+  result.goal.q = via.q;
+  result.goal.dq = via.dq.value_or(Pair<double>{});
+  result.goal.dq_free = !via.dq;
+  result.goal.at_rest = false;
+  result.other_goals.clear();
+  result.release.reset();
+  result.via.resize(i);
+  const double before = i > 0 ? result.via.back().time.value_or(0) : 0;
+  result.duration = {before + kShortestDuration, kLongestDuration};
+  result.weights = {.time = 1};
+  return result;
+}
+
+std::string name_of(std::size_t i) { return fmt::format("via[{}].time", i); }
+
+}  // namespace
+
+std::optional<double> earliest_at(const Problem& problem, std::size_t i, Search& search) {
+  const Problem hurry = up_to(problem, i);
+  const auto earliest = search.solve(hurry, name_of(i), search.guesses(hurry));
+  if (!earliest) return std::nullopt;
+  return earliest->solution().motion.duration();
+}
+
+std::optional<double> nearest_time(const Problem& problem, std::size_t i, std::optional<double> least, Search& search) {
+  Problem moved = problem;
+  moved.weights = {.time = 1};
+  if (least) {
+    moved.via[i].time = least;
+    if (search.sketch(moved, name_of(i), search.guesses(moved))) return least;
+  }
+  moved.via[i].time.reset();
+  auto possible = search.sketch(moved, name_of(i), search.guesses(moved));
+  if (!possible) return std::nullopt;
+  const auto& durations = possible->solution().durations;
+  const double asked = *problem.via[i].time;
+  double wrong = asked;
+  double right = std::accumulate(durations.begin(), durations.begin() + static_cast<std::ptrdiff_t>(i) + 1, 0.0);
+  while (std::abs(right - wrong) > kStep * std::abs(right - asked) && !search.over()) {
+    moved.via[i].time = (wrong + right) / 2;
+    auto next = search.sketch(moved, name_of(i), {guess_of(*possible)});
+    (next ? right : wrong) = *moved.via[i].time;
+    if (next) possible = std::move(next);
+  }
+  return right;
+}
+
+}  // namespace fjr

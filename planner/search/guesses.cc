@@ -1,0 +1,250 @@
+#include "planner/search/guesses.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <random>
+
+#include "model/flatness.h"
+#include "planner/ocp/segments.h"
+#include "planner/problem/inverse_kinematics.h"
+#include "planner/problem/tip_path.h"
+
+namespace fjr {
+namespace {
+
+// The points the motion passes, with their shares of the duration.
+struct Waypoint {
+  double share;
+  Pair<double> q;
+};
+
+// What the tip goes when both joints turn evenly. [m]
+double tip_way(const Problem& problem, const Pair<double>& from, const Pair<double>& to) {
+  constexpr int kPieces = 32;
+  double way = 0;
+  Point<double> last = tip_position(problem.robot, from);
+  for (int i = 1; i <= kPieces; ++i) {
+    const double share = static_cast<double>(i) / kPieces;
+    const Point<double> tip =
+        tip_position(problem.robot, Pair<double>{std::lerp(from[0], to[0], share), std::lerp(from[1], to[1], share)});
+    way += std::hypot(tip.x - last.x, tip.y - last.y);
+    last = tip;
+  }
+  return way;
+}
+
+// How long one leg takes by itself [s]: what the limits of torque and speed allow a rigid arm, roughly.
+double leg_time(const Problem& problem, const Pair<double>& from, const Pair<double>& to) {
+  double time = 0.02;
+  const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
+  const Pair<double> inertia{stretched.m11, stretched.m22};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double distance = std::abs(to[j] - from[j]);
+    const double acceleration = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
+    time = std::max({time, 2 * std::sqrt(distance / acceleration), distance / problem.limits.motor_velocity[j]});
+  }
+  if (std::isfinite(problem.limits.tip_speed)) {
+    time = std::max(time, tip_way(problem, from, to) / problem.limits.tip_speed);
+  }
+  return time;
+}
+
+std::vector<Pair<double>> points_of(const Problem& problem) {
+  std::vector<Pair<double>> points{problem.start.q};
+  for (const Via& via : problem.via) points.push_back(via.q);
+  points.push_back(problem.goal.q);
+  return points;
+}
+
+std::vector<double> leg_times(const Problem& problem) {
+  const auto points = points_of(problem);
+  std::vector<double> times;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) times.push_back(leg_time(problem, points[i], points[i + 1]));
+  return times;
+}
+
+std::vector<double> durations_of(const Problem& problem, double duration) {
+  return apportioned(problem, duration, leg_times(problem));
+}
+
+std::vector<Waypoint> waypoints(const Problem& problem, const std::vector<double>& durations) {
+  const auto points = points_of(problem);
+  const double whole = std::accumulate(durations.begin(), durations.end(), 0.0);
+  std::vector<Waypoint> result{{0, points.front()}};
+  double time = 0;
+  for (std::size_t i = 0; i < durations.size(); ++i) {
+    time += durations[i];
+    result.push_back({i + 1 == durations.size() ? 1 : time / whole, points[i + 1]});
+  }
+  return result;
+}
+
+std::size_t leg_of(const std::vector<Waypoint>& points, double s) {
+  std::size_t leg = 0;
+  while (leg + 2 < points.size() && s >= points[leg + 1].share) ++leg;
+  return leg;
+}
+
+Pair<double> between(const Pair<double>& a, const Pair<double>& b, double share) {
+  return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])};
+}
+
+// Points at equal distances along a way, its ends included.
+Way resampled(const Way& way, std::size_t count) {
+  std::vector<double> length{0};
+  for (std::size_t k = 1; k < way.size(); ++k) {
+    length.push_back(length.back() + std::hypot(way[k][0] - way[k - 1][0], way[k][1] - way[k - 1][1]));
+  }
+  Way even;
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < count; ++i) {
+    const double at = length.back() * static_cast<double>(i) / static_cast<double>(count - 1);
+    while (k + 2 < way.size() && length[k + 1] < at) ++k;
+    const double piece = length[k + 1] - length[k];
+    even.push_back(between(way[k], way[k + 1], piece > 0 ? std::clamp((at - length[k]) / piece, 0.0, 1.0) : 0));
+  }
+  return even;
+}
+
+Way averaged(const Way& way) {
+  Way result = way;
+  for (std::size_t k = 1; k + 1 < way.size(); ++k) {
+    for (std::size_t j = 0; j < kJoints; ++j) result[k][j] = (way[k - 1][j] + way[k][j] + way[k + 1][j]) / 3;
+  }
+  return result;
+}
+
+}  // namespace
+
+Guess straight_guess(const Problem& problem, double duration) {
+  const std::vector<double> durations = durations_of(problem, duration);
+  const auto points = waypoints(problem, durations);
+  const auto state = [points, robot = problem.robot](double s) {
+    const std::size_t leg = leg_of(points, s);
+    const double inside = (s - points[leg].share) / (points[leg + 1].share - points[leg].share);
+    Pair<double> q;
+    for (std::size_t j = 0; j < kJoints; ++j)
+      q[j] = points[leg].q[j] + inside * (points[leg + 1].q[j] - points[leg].q[j]);
+    return rest_at(robot, q);
+  };
+  return {"straight", durations, state, [](double) { return Pair<double>{0, 0}; }};
+}
+
+Guess minimum_jerk_guess(const Problem& problem, double duration) {
+  const std::vector<double> durations = durations_of(problem, duration);
+  const auto points = waypoints(problem, durations);
+  // Flash & Hogan, Journal of Neuroscience 5(7), 1985: q = 10 s^3 - 15 s^4 + 6 s^5 from rest to rest.
+  const auto flat = [points, duration, robot = problem.robot](double s) {
+    const std::size_t leg = leg_of(points, s);
+    const double share = points[leg + 1].share - points[leg].share, time = share * duration;
+    const double c = (s - points[leg].share) / share;
+    LinkMotion m;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double d = points[leg + 1].q[j] - points[leg].q[j];
+      m.q[j] = points[leg].q[j] + d * c * c * c * (10 + c * (-15 + 6 * c));
+      m.dq[j] = d * c * c * (30 + c * (-60 + 30 * c)) / time;
+      m.ddq[j] = d * c * (60 + c * (-180 + 120 * c)) / (time * time);
+      m.dddq[j] = d * (60 + c * (-360 + 360 * c)) / (time * time * time);
+      m.ddddq[j] = d * (-360 + 720 * c) / (time * time * time * time);
+    }
+    return from_link_motion(robot, m);
+  };
+  return {"minimum jerk", durations, [flat](double s) { return flat(s).state; },
+          [flat](double s) { return flat(s).compensated_torque; }};
+}
+
+Guess way_guess(const Problem& problem, double duration, const std::vector<Way>& ways) {
+  constexpr int kRounds = 3;  // of averaging neighbours: a grid's staircase becomes a slope
+  constexpr std::size_t kPoints = 64;
+  const std::vector<double> durations = durations_of(problem, duration);
+  const auto points = waypoints(problem, durations);
+  std::vector<Way> rounded;
+  for (const Way& way : ways) {
+    Way even = resampled(way, kPoints);
+    for (int round = 0; round < kRounds; ++round) even = averaged(even);
+    rounded.push_back(std::move(even));
+  }
+  const auto state = [points, rounded, robot = problem.robot](double s) {
+    const std::size_t leg = leg_of(points, s);
+    const double inside = (s - points[leg].share) / (points[leg + 1].share - points[leg].share);
+    const double at = std::clamp(inside, 0.0, 1.0) * (kPoints - 1);
+    const std::size_t k = std::min(static_cast<std::size_t>(at), kPoints - 2);
+    return rest_at(robot, between(rounded[leg][k], rounded[leg][k + 1], at - static_cast<double>(k)));
+  };
+  return {"round obstacles", durations, state, [](double) { return Pair<double>{0, 0}; }};
+}
+
+std::vector<Way> ways_along_tip_path(const Problem& problem) {
+  constexpr int kPieces = 24;
+  const auto points = points_of(problem);
+  std::vector<Way> ways;
+  for (std::size_t leg = 0; leg + 1 < points.size(); ++leg) {
+    const Point<double> begin = tip_position(problem.robot, points[leg]),
+                        end = tip_position(problem.robot, points[leg + 1]);
+    const Pair<double> from{begin.x, begin.y}, to{end.x, end.y};
+    Way way{points[leg]};
+    for (int i = 1; i < kPieces; ++i) {
+      const double s = static_cast<double>(i) / kPieces;
+      const Pair<double> tip =
+          problem.task.arc ? along(*problem.task.arc, from, to, s) : along(*problem.task.line, from, to, s);
+      const auto postures =
+          inverse_kinematics(problem.robot, tip, Elbow::kAny, problem.limits.link_position, way.back());
+      if (!postures.empty()) way.push_back(postures.front());
+    }
+    way.push_back(points[leg + 1]);
+    ways.push_back(std::move(way));
+  }
+  return ways;
+}
+
+Guess displaced_guess(const Problem& problem, double duration, double size, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  // The engine's bits are the same everywhere; std's distributions are not.
+  const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53 * 2 - 1; };
+  std::array<Pair<double>, 3> amplitude;  // of sin(pi s), sin(2 pi s), sin(3 pi s)
+  for (std::size_t k = 0; k < amplitude.size(); ++k) {
+    for (double& a : amplitude[k]) a = size * uniform() / static_cast<double>(k + 1);
+  }
+  Guess guess = straight_guess(problem, duration);
+  guess.name = "displaced";
+  guess.state = [straight = guess.state, amplitude, robot = problem.robot](double s) {
+    Pair<double> q = straight(s).q;
+    for (std::size_t k = 0; k < amplitude.size(); ++k) {
+      const double shape = std::sin(static_cast<double>(k + 1) * std::numbers::pi * s);
+      for (std::size_t j = 0; j < kJoints; ++j) q[j] += amplitude[k][j] * shape;
+    }
+    return rest_at(robot, q);
+  };
+  return guess;
+}
+
+Guess waiting_guess(Guess guess, double first, double last) {
+  const auto moved = [first, last](double s) { return std::clamp((s - first) / (1 - first - last), 0.0, 1.0); };
+  Guess waiting = guess;
+  waiting.name = "waiting, " + guess.name;
+  waiting.state = [state = guess.state, moved](double s) { return state(moved(s)); };
+  waiting.torque = [torque = guess.torque, moved](double s) { return torque(moved(s)); };
+  return waiting;
+}
+
+Guess guess_from(Motion motion, const std::vector<double>& durations, double duration) {
+  const double length = motion.duration();
+  std::vector<double> stretched = durations;
+  for (double& d : stretched) d *= duration / length;
+  const auto state = [motion, length](double s) { return motion.state_at(s * length); };
+  const auto torque = [motion = std::move(motion), length](double s) { return motion.torque_at(s * length); };
+  return {"previous", stretched, state, torque};
+}
+
+double duration_guess(const Problem& problem) {
+  if (problem.duration.fixed()) return problem.duration.min;
+  const std::vector<double> legs = leg_times(problem);
+  const double time = std::max(0.1, std::accumulate(legs.begin(), legs.end(), 0.0));
+  // Springs and friction roughly double it; the regularising objectives want still longer motions.
+  const bool hurried = starts_worth_trying(problem.weights) == 1;
+  return std::clamp(time * (hurried ? 1.3 : 2.0), problem.duration.min, problem.duration.max);
+}
+
+}  // namespace fjr

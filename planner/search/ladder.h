@@ -1,0 +1,20 @@
+// What is tried, in this order, when no start leads anywhere.
+//
+// Before it come more starts, displaced at random, and the fastest motion stretched to the time there is (plan.cc);
+// within a continuation a warm start that failed is tried again with an adaptive barrier (continuation.cc).
+#pragma once
+
+#include <optional>
+
+#include "planner/search/continuation.h"
+#include "planner/search/record.h"
+#include "planner/search/solve_tools.h"
+
+namespace fjr {
+
+// The first starts again with patience and more effort, a coarser mesh, a finer one, and then the elastic mode: with
+// its limits relaxed the problem is solved, and they are tightened again step by step, each solution starting the next.
+// What was tried is counted. The result is as good as Continuation::begin() leaves it; none when nothing led anywhere.
+std::optional<Continuation> climb(const Problem& problem, const SolveTools& tools, Fallbacks& tried);
+
+}  // namespace fjr

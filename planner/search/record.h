@@ -1,0 +1,50 @@
+// What a search tells while it runs, and what is kept of it.
+#pragma once
+
+#include <string>
+
+#include "planner/nlp/solve_cost.h"
+
+namespace fjr {
+
+// Asked and told between iterations of the optimiser.
+struct Progress {
+  std::string stage;  // "start 2 of 4, friction 0.01 rad/s, 80 intervals"
+  int iteration = 0;  // over the whole plan
+  double objective = 0;
+  double violation = 0;  // of the constraints, scaled
+};
+
+struct SolverStage {
+  std::string name;  // what was solved
+  int intervals = 0;
+  int iterations = 0;
+  double objective = 0;
+  std::string status;
+  SolveCost cost{};
+  double work = 0;         // SolveReport::work
+  bool forgetful = false;  // a warm start that failed, tried again without multipliers and with an adaptive barrier
+};
+
+// How often what usually works did not, and what was tried then (planner/search/ladder.h has the order).
+struct Fallbacks {
+  int adaptive_barrier = 0;  // a warm start failed; tried again with multipliers forgotten and an adaptive barrier
+  int displaced_start = 0;   // starts beyond those that are always tried
+  int patience = 0;          // a start with many more iterations, and more than a trace of effort at first
+  int coarser_mesh = 0, finer_mesh = 0;
+  int elastic = 0;       // limits relaxed, then tightened step by step
+  int from_fastest = 0;  // from the fastest motion, stretched to the time there is
+};
+
+template <class F, class Visit>
+void visit_fallbacks(F& f, Visit&& visit) {
+  visit("adaptive_barrier", f.adaptive_barrier);
+  visit("displaced_start", f.displaced_start);
+  visit("patience", f.patience);
+  visit("coarser_mesh", f.coarser_mesh);
+  visit("finer_mesh", f.finer_mesh);
+  visit("elastic", f.elastic);
+  visit("from_fastest", f.from_fastest);
+}
+
+}  // namespace fjr

@@ -8,6 +8,7 @@
 #include "planner/dds/list.h"
 #include "planner/dds/text.h"
 #include "planner/dds/wire_request.h"
+#include "planner/protocol/signature.h"
 
 namespace fjr::dds {
 namespace {
@@ -18,6 +19,8 @@ Pair<double> pair_of(const double (&from)[2]) { return {from[0], from[1]}; }
 // A stop of the wire and a StopMotion are the same fourteen doubles in the same order.
 static_assert(sizeof(fjr_msg_StopMotion) == sizeof(StopMotion) && std::is_trivially_copyable_v<StopMotion>);
 static_assert(offsetof(fjr_msg_StopMotion, free) == offsetof(StopMotion, free));
+
+static_assert(fjr_msg_MAX_SIGNATURE == kLongestSignature && fjr_msg_MAX_CERTIFICATE == kLongestCertificate);
 
 template <class List, class Items>
 void copy(const List& from, Items& to) {

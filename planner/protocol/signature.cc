@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <openssl/evp.h>
+#include <openssl/objects.h>
 #include <openssl/pem.h>
 #include <openssl/x509_vfy.h>
 
@@ -55,8 +56,10 @@ using Digest = std::unique_ptr<EVP_MD_CTX, decltype(&EVP_MD_CTX_free)>;
 
 File open(const fs::path& file) {
   File in(BIO_new_file(file.c_str(), "r"), BIO_free);
-  if (!in) throw InputError(file.string(), "", "cannot be read; trajectories are signed by it");
-  return in;
+  if (in) return in;
+  const bool there = fs::is_regular_file(file);
+  throw InputError(file.string(), "",
+                   there ? "cannot be read; trajectories are signed by it" : "no such file; DDS Security needs it");
 }
 
 Identity certificate_in(const fs::path& file) {
@@ -102,6 +105,30 @@ bool fits(X509* certificate, std::string_view message, const std::string& value)
          EVP_DigestVerify(digest.get(), bytes_of(value), value.size(), bytes_of(message), message.size()) == 1;
 }
 
+// Empty, or why nothing can be signed that an executor would run; one sentence.
+std::string fault_of_certificate(X509* certificate, std::size_t size, std::string_view role) {
+  if (const std::string own = name_in(certificate, NID_organizationalUnitName); own != role) {
+    return fmt::format("its role (OU) is {}; trajectories are signed as {}", shown(own), shown(role));
+  }
+  if (size <= kLongestCertificate) return "";
+  return fmt::format("has {} bytes, at most {} are allowed", size, kLongestCertificate);
+}
+
+std::string fault_of_key(EVP_PKEY* key, X509* certificate) {
+  constexpr int kLeastSecurity = 112;  // RSA of 2048 bits, curves of 224
+  if (key == nullptr) return "is no private key in PEM";
+  if (X509_check_private_key(certificate, key) != 1) return "is not the key of cert.pem";
+  if (const int type = EVP_PKEY_base_id(key); type != EVP_PKEY_EC && type != EVP_PKEY_RSA) {
+    return fmt::format("is a key for {}; EC and RSA are allowed", OBJ_nid2sn(type));
+  }
+  if (const int bits = EVP_PKEY_security_bits(key); bits < kLeastSecurity) {
+    return fmt::format("has {} bits of security, at least {} are needed", bits, kLeastSecurity);
+  }
+  const auto size = static_cast<std::size_t>(EVP_PKEY_size(key));
+  if (size <= kLongestSignature) return "";
+  return fmt::format("makes signatures of {} bytes, at most {} are allowed", size, kLongestSignature);
+}
+
 }  // namespace
 
 std::string signed_bytes(const TrajectoryOrder& order) {
@@ -126,10 +153,18 @@ std::string signed_bytes(const TrajectoryOrder& order) {
   return bytes.take();
 }
 
-Signer::Signer(const fs::path& folder) : certificate_(der_of(certificate_in(folder / "cert.pem").get())) {
-  const fs::path file = folder / "key.pem";
-  key_ = {PEM_read_bio_PrivateKey(open(file).get(), nullptr, nullptr, nullptr), EVP_PKEY_free};
-  if (!key_) throw InputError(file.string(), "", "is no private key in PEM");
+Signer::Signer(const fs::path& folder, std::string_view role) {
+  const fs::path certificate_file = folder / "cert.pem", key_file = folder / "key.pem";
+  const Identity certificate = certificate_in(certificate_file);
+  certificate_ = der_of(certificate.get());
+  key_ = {PEM_read_bio_PrivateKey(open(key_file).get(), nullptr, nullptr, nullptr), EVP_PKEY_free};
+  const auto refuse_if = [](const fs::path& file, const std::string& fault) {
+    if (!fault.empty()) throw InputError(file.string(), "", fault);
+  };
+  refuse_if(certificate_file, fault_of_certificate(certificate.get(), certificate_.size(), role));
+  refuse_if(key_file, fault_of_key(key_.get(), certificate.get()));
+  constexpr std::string_view kTrial = "a trajectory";
+  refuse_if(certificate_file, SignatureCheck(folder).fault_of(kTrial, sign(kTrial), role));
 }
 
 Signature Signer::sign(std::string_view message) const {

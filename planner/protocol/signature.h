@@ -2,6 +2,7 @@
 // is to run it need not rely on what it came through.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -15,6 +16,7 @@ struct x509_store_st;
 namespace fjr {
 
 inline constexpr std::string_view kPublisherRole = "service";  // OU of the certificate; config/security/roles.txt
+inline constexpr std::size_t kLongestSignature = 512, kLongestCertificate = 8192;  // [bytes] of idl/fjr_msgs.idl
 
 // All that a trajectory says, in the order of fjr::msg::Trajectory2 and without padding: "fjr/trajectory_2", then every
 // member up to `stops`. Numbers are little-endian, booleans one byte; strings and sequences are preceded by their
@@ -23,8 +25,9 @@ std::string signed_bytes(const TrajectoryOrder& order);
 
 class Signer {
  public:
-  // Reads cert.pem and key.pem of the credentials in `folder` (dds/credentials.h). Throws InputError.
-  explicit Signer(const std::filesystem::path& folder);
+  // Reads cert.pem and key.pem of the credentials in `folder` (dds/credentials.h), and tries them: what it signs passes
+  // the SignatureCheck of this folder and fits into a message. Throws InputError naming the file.
+  explicit Signer(const std::filesystem::path& folder, std::string_view role = kPublisherRole);
 
   // With SHA-256, by the key's algorithm (ECDSA for those of make_credentials.sh). Throws std::runtime_error.
   Signature sign(std::string_view message) const;

@@ -53,12 +53,18 @@ Job::Clock::duration duration_of(double seconds) {
   return std::chrono::duration_cast<Job::Clock::duration>(std::chrono::duration<double>(seconds));
 }
 
+std::optional<Signer> signer_of(const Network& network) {
+  if (network.security.empty()) return std::nullopt;
+  return Signer(network.security);
+}
+
 }  // namespace
 
 Service::Service(const ServiceConfig& config)
     : config_(config),
       robot_(load_parameters(config.robot)),
       robot_hash_(robot_hash(robot_)),
+      signer_(signer_of(config.network)),
       port_(dds::guarded_participant(config.network)),
       ownership_(config.instance, config.robot_id),
       executor_(config.robot_id, robot_hash_),
@@ -71,7 +77,6 @@ Service::Service(const ServiceConfig& config)
       unclaimed_(kUnclaimedOfOne, kUnclaimedBytes),
       outbox_([this](const SharedReply& reply) { return send(reply); }, kOutboxBytes),
       solvers_(config.workers, {config.robot, config.warm_plans}, [this] { port_.wake(); }) {
-  if (!config.network.security.empty()) signer_.emplace(config.network.security);
   if (config.joint_trajectory) ros_.emplace(port_.participant(), robot_, config.joint_names);
 }
 

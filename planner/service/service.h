@@ -106,9 +106,9 @@ class Service {
   const Parameters robot_;
   const std::string robot_hash_;
   const Clock::time_point began_ = Clock::now();
+  const std::optional<Signer> signer_;  // none: a domain without DDS Security
   dds::ServicePort port_;
   std::optional<dds::JointTrajectoryWriter> ros_;
-  std::optional<Signer> signer_;  // none: a domain without DDS Security
   std::atomic<bool> stopping_ = false;
 
   Ownership ownership_;

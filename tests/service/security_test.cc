@@ -146,6 +146,37 @@ TEST_F(SecurityTest, NamesCredentialsThatAreNoGood) {
   EXPECT_THAT(unsigned_permissions->output(), HasSubstr("ours/client: not accepted by DDS Security"));
 }
 
+// At the start, and not when the first trajectory is planned: no executor would run what is signed by these.
+TEST_F(SecurityTest, DoesNotServeWhatNoExecutorWouldRun) {
+  const auto outcome = [&](const std::string& change) {
+    fs::remove_all(path("other"));
+    fs::copy(credentials("service"), path("other"));
+    const std::string sign =
+        " openssl req -new -sha256 -key other/key.pem -subj /O=fjr/OU=service/CN=service | openssl x509 -req -days 2"
+        " -CA ours/authority/identity_ca.cert.pem -CAkey ours/authority/identity_ca.key.pem -set_serial 7"
+        " -out other/cert.pem";
+    Process script({"/bin/sh", "-ec", "sign() {" + sign + " \"$@\"; };" + change}, path("change.log"), path(""));
+    EXPECT_EQ(script.wait(), 0) << script.output();
+    Process service({"/usr/bin/timeout", "5", "/usr/bin/env", "FJR_SECURITY=" + path("other").string(), FJR_EXECUTABLE,
+                     "serve", "--domain", std::to_string(domain_)},
+                    path("serve.log"));
+    EXPECT_EQ(service.wait(), 2);
+    return service.output();
+  };
+  EXPECT_THAT(outcome("cp ours/client/*.pem other"),
+              HasSubstr("other/cert.pem: its role (OU) is \"client\"; trajectories are signed as \"service\""));
+  EXPECT_THAT(outcome("cp ours/executor/key.pem other"), HasSubstr("other/key.pem: is not the key of cert.pem"));
+  EXPECT_THAT(outcome("openssl genpkey -algorithm ed25519 -out other/key.pem; sign"),
+              HasSubstr("other/key.pem: is a key for ED25519; EC and RSA are allowed"));
+  EXPECT_THAT(outcome("openssl genrsa -out other/key.pem 1024; sign"),
+              HasSubstr("other/key.pem: has 80 bits of security, at least 112 are needed"));
+  EXPECT_THAT(outcome("{ printf nsComment=; head -c 9000 /dev/zero | tr '\\0' x; } > long; sign -extfile long"),
+              ContainsRegex("other/cert.pem: has 9[0-9]* bytes, at most 8192 are allowed"));
+  EXPECT_THAT(outcome("openssl req -x509 -newkey "
+                      "rsa:2048 -nodes -keyout other/key.pem -out other/cert.pem -subj /OU=service/CN=self 2> err"),
+              HasSubstr("other/cert.pem: signed by \"self\", for whom the identity authority does not vouch"));
+}
+
 // Whatever DDS lets through, the executor runs what the service has signed, as it has signed it.
 TEST_F(SecurityTest, RunsOnlyWhatTheServiceHasSigned) {
   make_credentials("theirs");
@@ -167,7 +198,7 @@ TEST_F(SecurityTest, RunsOnlyWhatTheServiceHasSigned) {
     const auto now = std::chrono::system_clock::now().time_since_epoch();
     order.published = std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
     TrajectoryOrder sent = order;
-    if (!signer.empty()) sent.signature = Signer(signer).sign(signed_bytes(sent));
+    if (!signer.empty()) sent.signature = Signer(signer, signer.filename().string()).sign(signed_bytes(sent));
     change(sent);
     EXPECT_TRUE(trajectories_2 ? trajectories_2->write(dds::encode_2(sent)) : trajectories.write(dds::encode(sent)));
     std::optional<ExecutionResult> result;

@@ -71,9 +71,40 @@ class Explanation {
     const Relaxable& what = candidate.what;
     const double to = value_with(problem, what, slack);
     const auto time = candidate.time ? candidate.time : worst_moment(problem, what, solution->solution());
-    result_.relaxations.push_back(
-        {what.name, what.joint, what.unit, what.from, to, rough, std::abs(to - what.from) <= what.allowed, time});
+    Relaxation named{what.name, what.joint, what.unit, what.from, to, rough, true, time};
+    if (is_of_task(what)) verify(problem, what, named);
+    named.within_robot = std::abs(named.to - what.from) <= what.allowed;
+    result_.relaxations.push_back(named);
     return true;
+  }
+
+  static bool is_of_task(const Relaxable& what) {
+    return what.name.starts_with("obstacles") || what.name.starts_with("tip_") || what.name == "path";
+  }
+
+  // A slack is minimised with rows that hold at the collocation points of a coarse mesh, and between them a motion cuts
+  // corners. So the motion is planned with the change, and where that is not enough with more of it.
+  void verify(const Problem& problem, const Relaxable& what, Relaxation& named) {
+    const double amount = std::abs(named.to - what.from);
+    named.rough = true;
+    for (const double more : {1.0, 1.1, 1.25, 1.5, 2.0}) {
+      if (more * amount > what.most || search_.over()) return;
+      if (!is_enough(what.relaxed(problem, more * amount), what.name)) continue;
+      named.to = what.value(more * amount);
+      named.rough = false;
+      return;
+    }
+  }
+
+  // Whether a motion within the limits takes no longer than it may, found as it would be when asked for.
+  bool is_enough(const Problem& easier, const std::string& what) {
+    Problem quick = fastest_of(easier);
+    if (any_timed(easier)) {
+      quick.via = easier.via;
+      quick.duration = easier.duration;
+    }
+    const auto found = search_.plan(quick, what, search_.guesses(quick));
+    return found && (1 + kSpare) * found->solution().motion.duration() <= easier.duration.max;
   }
 
   // Without a slack it is a motion for the request itself.

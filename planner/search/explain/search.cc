@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "planner/collocation/margins.h"
+
 namespace fjr {
 namespace {
 
@@ -27,15 +29,27 @@ void Search::book(const Continuation& c) {
   for (const SolverStage& stage : c.stages()) spent_ += stage.work;
 }
 
+bool Search::finish(Continuation& c, Exactness exactness) {
+  if (exactness == Exactness::kSketch) return true;
+  if (exactness == Exactness::kExactFriction) return c.follow_levels();
+  if (!c.finish()) return false;
+  const Collocated& found = c.solution();
+  for (const PerLimit& over : excesses(c.problem(), found.setup.mesh, found.motion, 0)) {
+    if (std::any_of(over.begin(), over.end(), [](double by) { return by > 0; })) return false;
+  }
+  return true;
+}
+
 std::optional<Continuation> Search::solve(const Problem& problem, const std::string& what,
-                                          const std::vector<Guess>& guesses, bool exact) {
+                                          const std::vector<Guess>& guesses, Exactness exactness) {
   const Problem& kept = problems_.emplace_back(problem);
   last_sketch_.reset();
   for (const Guess& guess : guesses) {
     if (over()) break;
     Continuation c = tools_.continuation(kept, "why not: " + what);
-    if (kept.task.obstacles.empty()) c.mesh_factor = std::min(1.0, kUsual / guess.duration());
-    const bool sketched = c.begin(guess, kPatience), solved = sketched && (!exact || c.follow_levels());
+    const bool coarse = exactness != Exactness::kKeepsLimits && kept.task.obstacles.empty();
+    if (coarse) c.mesh_factor = std::min(1.0, kUsual / guess.duration());
+    const bool sketched = c.begin(guess, kPatience), solved = sketched && finish(c, exactness);
     book(c);
     if (solved) return c;
     if (sketched) last_sketch_ = std::move(c);
@@ -45,12 +59,17 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
 
 std::optional<Continuation> Search::solve(const Problem& problem, const std::string& what,
                                           const std::vector<Guess>& guesses) {
-  return solve(problem, what, guesses, true);
+  return solve(problem, what, guesses, Exactness::kExactFriction);
+}
+
+std::optional<Continuation> Search::plan(const Problem& problem, const std::string& what,
+                                         const std::vector<Guess>& guesses) {
+  return solve(problem, what, guesses, Exactness::kKeepsLimits);
 }
 
 std::optional<Continuation> Search::sketch(const Problem& problem, const std::string& what,
                                            const std::vector<Guess>& guesses) {
-  return solve(problem, what, guesses, false);
+  return solve(problem, what, guesses, Exactness::kSketch);
 }
 
 }  // namespace fjr

@@ -24,6 +24,9 @@ class Search {
   // The first solution from one of these guesses, with the exact friction law; the problem is kept as long as this is.
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses);
 
+  // The same on a mesh and with margins that keep every limit between the collocation points too.
+  std::optional<Continuation> plan(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses);
+
   // The same only as exact as finding it takes: on a coarse mesh, with friction smoothed.
   std::optional<Continuation> sketch(const Problem& problem, const std::string& what,
                                      const std::vector<Guess>& guesses);
@@ -37,8 +40,10 @@ class Search {
  private:
   static constexpr double kBudget = 10;  // [s] of work (SolveReport::work)
 
+  enum class Exactness { kSketch, kExactFriction, kKeepsLimits };
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
-                                    bool exact);
+                                    Exactness exactness);
+  static bool finish(Continuation& c, Exactness exactness);
   void book(const Continuation& c);
 
   const SolveTools& tools_;

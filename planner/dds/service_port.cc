@@ -15,7 +15,8 @@ constexpr std::size_t kAtOnce = 128;  // requests taken before the service looks
 // A standby only listens: without acknowledgements it cannot hold up the owner's replies, whatever becomes of it.
 Qos overheard() { return std::move(Qos().best_effort().keep_last(64).ignore_own()); }
 
-Qos relayed_by_others() { return std::move(TopicOf<fjr_msg_RelayedRequest>::qos().ignore_own()); }
+// What is acknowledged must not be overwritten before it is taken, which happens at once.
+Qos relayed_by_others() { return std::move(TopicOf<fjr_msg_RelayedRequest>::qos().keep_all().ignore_own()); }
 
 Qos of_others() { return std::move(TopicOf<fjr_msg_PlannerStatus>::qos().ignore_own()); }
 

@@ -35,6 +35,7 @@ constexpr std::chrono::seconds kRelaysEnd{5};                             // a s
 constexpr std::size_t kUnclaimedOfOne = 128, kUnclaimedBytes = 16 << 20;  // clients of one participant; of all
 constexpr std::size_t kInboxBytes = 64 << 20;
 constexpr std::size_t kOutboxBytes = 32 << 20;
+constexpr std::size_t kRelayedAtOnce = 128;
 constexpr std::size_t kBacklog = 1024;  // requests a standby remembers
 
 Refusal client_gone() {
@@ -407,14 +408,21 @@ std::vector<Order> Service::last_requests() {
   return last;
 }
 
-// The standby has heard most of it already.
+// The standby has heard most of it already. The writer keeps the last 256 for whoever is slow: no more are under way at
+// a time, as long as there is time to wait.
 void Service::hand_over() {
-  const auto now = Clock::now();
+  const auto now = Clock::now(), over = now + kFarewell;
+  const auto await_taken = [&] { port_.flush_relayed(std::max(Clock::duration::zero(), over - Clock::now())); };
+  std::size_t count = 0;
+  const auto relay = [&](const dds::Relayed& relayed) {
+    port_.relay(relayed);
+    if (++count % kRelayedAtOnce == 0) await_taken();
+  };
   for (const Order* order : orders_in_hand()) {
-    port_.relay({*order, seconds(now - presence_.last_heard(order->id)), false});
+    relay({*order, seconds(now - presence_.last_heard(order->id)), false});
   }
-  for (Order& order : last_requests()) port_.relay({std::move(order), 0, false});
-  port_.flush_relayed(kFarewell);
+  for (Order& order : last_requests()) relay({std::move(order), 0, false});
+  await_taken();
 }
 
 // With a standby nothing needs to be asked for again: it knows the requests and takes over.

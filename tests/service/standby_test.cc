@@ -249,6 +249,31 @@ TEST_F(StandbyTest, AnEndingOwnerHandsOver) {
   EXPECT_EQ(final_reply(two.id).state, ReplyState::kSolved);
 }
 
+// More than its writer keeps for who is slow, to a standby that has heard none of them itself.
+TEST_F(StandbyTest, AnEndingOwnerHandsOverWhateverWaits) {
+  constexpr std::uint32_t kWaiting = 600;
+  write("a.yaml", "{instance: a, queue: 700}\n");
+  a_ = start_fjr({"serve", "--config", path("a.yaml"), "--domain", domain()}, "a");
+  connect();
+  for (std::uint32_t i = 0; i < kWaiting; ++i) {
+    send(order(kSlow));
+    if (i % 100 == 99) {
+      wait_until([&] { return heard_["a"].queued + heard_["a"].solving == i + 1; });
+    }
+  }
+  write("b.yaml", "{instance: b, queue: 700}\n");
+  b_ = start_fjr({"serve", "--config", path("b.yaml"), "--domain", domain()}, "b");
+  wait_until([&] { return heard_.contains("b"); });
+  settle();
+  b_->send(SIGSTOP);  // for less than its lease
+  a_->send(SIGTERM);
+  std::this_thread::sleep_for(milliseconds(100));
+  b_->send(SIGCONT);
+  EXPECT_EQ(a_->wait(), 0);
+  wait_until([&] { return epoch("b") > 0 && heard_["b"].queued + heard_["b"].solving == kWaiting; });
+  EXPECT_EQ(heard_["b"].queued + heard_["b"].solving, kWaiting);
+}
+
 TEST_F(StandbyTest, WhoIsAnsweredByOneIsNotAnsweredByTheOther) {
   start_both();
   const Order one = order(kFast);

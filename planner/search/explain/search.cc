@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "planner/collocation/margins.h"
+#include "planner/ocp/margins.h"
 
 namespace fjr {
 namespace {

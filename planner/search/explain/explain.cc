@@ -79,7 +79,8 @@ class Explanation {
   }
 
   static bool is_of_task(const Relaxable& what) {
-    return what.name.starts_with("obstacles") || what.name.starts_with("tip_") || what.name == "path";
+    return what.name.starts_with("obstacles") || what.name == "tip_box" || what.name == "tip_line" ||
+           what.name == "tip_arc" || what.name == "path";
   }
 
   // A slack is minimised with rows that hold at the collocation points of a coarse mesh, and between them a motion cuts

@@ -112,18 +112,29 @@ bool Service::settled() const {
 
 // ---- what comes in ----
 
-// What has come is taken at once, for DDS gives it out by arrival; looked at it is in turn.
+// What has come is all taken first, for DDS gives it out by arrival; looked at, which takes ten times as long, it is in
+// turn.
 void Service::take_in() {
-  for (Order& order : port_.take_requests()) inbox_.add(std::move(order));
+  const bool took_all = fill_inbox(kSlice);
   const auto end = Clock::now() + kSlice;
   while (Clock::now() < end) {
     auto order = inbox_.next();
     if (!order) {
-      waited_ = false;
+      if (took_all) waited_ = false;
       return;
     }
     receive(std::move(*order));
   }
+}
+
+// False: more keeps coming than can be taken in that time.
+bool Service::fill_inbox(Clock::duration most) {
+  for (const auto end = Clock::now() + most; Clock::now() < end;) {
+    std::vector<Order> orders = port_.take_requests();
+    if (orders.empty()) return true;
+    for (Order& order : orders) inbox_.add(std::move(order));
+  }
+  return false;
 }
 
 void Service::receive(Order order) {
@@ -400,10 +411,7 @@ ServiceStatus Service::status() const {
 
 std::vector<Order> Service::last_requests() {
   std::vector<Order> last;
-  const auto over = Clock::now() + kFarewell;  // however many more keep coming
-  for (auto orders = port_.take_requests(); !orders.empty() && Clock::now() < over; orders = port_.take_requests()) {
-    for (Order& order : orders) inbox_.add(std::move(order));
-  }
+  (void)fill_inbox(kFarewell);  // however many more keep coming
   while (auto order = inbox_.next()) last.push_back(std::move(*order));
   return last;
 }

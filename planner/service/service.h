@@ -43,6 +43,7 @@ class Service {
 
   // What comes in.
   void take_in();
+  bool fill_inbox(Clock::duration most);
   void receive(Order order);
   bool answers(const Order& order) const;
   // heard: the last sign of life of its client.

@@ -191,7 +191,7 @@ TEST_F(FloodTest, TenThousandIdsThatNobodyListensForCostTheOthersNothing) {
       "round trip beside %d ids that nobody listens for: median %.2f ms, p99 %.2f ms, largest %.1f ms; "
       "%.1f MB more, ended in %.2f s\n",
       ids, 1e3 * median, 1e3 * p99, 1e3 * round_trips.back(), grown, seconds_since(asked));
-  EXPECT_LT(p99, 0.2);  // below 0.05 on a machine that does nothing else
+  EXPECT_LT(p99, 0.05);  // 6 to 19 ms in eleven runs on two cores with a load of eight
   EXPECT_LT(grown, 64);
   EXPECT_LT(seconds_since(asked), 3);
 }

@@ -5,6 +5,8 @@
 #include "model/dynamics.h"
 #include "planner/dds/joint_trajectory.h"
 #include "planner/dds/reader.h"
+#include "planner/dds/wire_request.h"
+#include "planner/dds/writer.h"
 #include "tests/service/service_fixture.h"
 
 namespace fjr {
@@ -60,6 +62,27 @@ TEST_F(ExecuteTest, WhatWasPlannedBeforeIsExecutedByItsId) {
   // The same id again is the same execution, which is over.
   EXPECT_EQ(answer_to(execute).state, ReplyState::kSolved);
   EXPECT_THAT(executor().output(), testing::Not(HasSubstr("refused")));
+}
+
+// A standby passes on what it has heard, late: what was refused for the moment is not done then, behind its client's
+// back.
+TEST_F(ExecuteTest, ACopyOfWhatWasRefusedForTheMomentDoesNotMoveTheArm) {
+  serve();
+  start_executor();
+  wait_for_executor();
+  settle();
+  const Order plan = order(kFast), execute = execution_of(plan.id);
+  expect_refused(execute, "trajectory_id", "not among the requests this service has planned lately");
+  ASSERT_EQ(answer_to(plan).state, ReplyState::kSolved);
+  const dds::Participant standby(domain_);
+  dds::Writer<fjr_msg_RelayedRequest> relayed(standby, standby.handle());
+  while (!relayed.has_reader()) listen_once();
+  EXPECT_TRUE(relayed.write(dds::encode(dds::Relayed{execute, 0, false})));
+  EXPECT_TRUE(relayed.flush(DDS_SECS(5)));
+  for (const auto began = Clock::now(); seconds_since(began) < 1;) listen_once();
+  EXPECT_THAT(executor().output(), testing::Not(HasSubstr("executing id=")));
+  EXPECT_EQ(answer_to(execute).state, ReplyState::kSolved);  // its client asks again
+  wait_for("executing id=" + text(execute.id));
 }
 
 TEST_F(ExecuteTest, WhatCannotBeExecutedIsRefusedByName) {

@@ -214,6 +214,30 @@ TEST_F(ClientDeathTest, OfTheOwnerThenOfTheClient) {
   expect_given_up_by("b");
 }
 
+// The client is killed while its service is absent: what it asked for then comes after its death.
+TEST_F(ClientDeathTest, OfTheClientWhoseRequestWaitedForAnAbsentOwner) {
+  a_ = start("a");
+  connect();
+  executor_ = start_executor();
+  wait_until([&] { return owner() == "a"; });
+  write("fast.yaml", kFast);
+  Process client({FJR_PATIENT_CLIENT, domain(), path("fast.yaml").string()}, path("client"));
+  const auto client_stopped = [&] {
+    return contents("/proc/" + std::to_string(client.pid()) + "/stat").find(") T ") != std::string::npos;
+  };
+  wait_until(client_stopped);
+  settle();
+  a_->send(SIGSTOP);
+  client.send(SIGCONT);
+  std::this_thread::sleep_for(milliseconds(100));
+  client.send(SIGKILL);
+  std::this_thread::sleep_for(milliseconds(700));  // longer than the lease of the service
+  a_->send(SIGCONT);
+  expect_given_up_by("a");
+  EXPECT_EQ(heard_["a"].received, 1u);
+  EXPECT_THAT(a_->output(), HasSubstr("absent for"));
+}
+
 // Between solving, which takes about a second, and publication.
 TEST_F(ClientDeathTest, AClientSaysHowLongItsRequestOutlivesIt) {
   a_ = start("a");

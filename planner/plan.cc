@@ -252,7 +252,7 @@ class Planner {
     allow(1);
     Problem& problem = asked_.emplace(fastest_of_ ? *fastest_of_ : alternatives_.front());
     problem.duration = problem_.duration;
-    const WhyNot why = explain(problem, fastest_ ? &*fastest_ : nullptr, tools());
+    const WhyNot why = explain(problem, fastest_ ? &*fastest_ : nullptr, fastest_certified_, tools());
     plan_.infeasibility = why.infeasibility;
     if (!why.start || stopped()) return;
     candidates_.clear();
@@ -345,10 +345,13 @@ class Planner {
     if (!candidates_.empty() || interrupted()) return;
     if (only_time(problem.weights) && problem.duration.min <= kShortestDuration) return;  // that was tried
     ++plan_.fallbacks.from_fastest;
-    std::optional<Continuation> shortest = find_fastest(fastest_problems_.emplace_back(fastest_of(problem)), allowed);
+    bool shortest_certified = false;
+    std::optional<Continuation> shortest =
+        find_fastest(fastest_problems_.emplace_back(fastest_of(problem)), allowed, shortest_certified);
     if (!shortest) return;
     if (!fastest_ || duration_of(*shortest) < duration_of(*fastest_)) {
       fastest_ = shortest;
+      fastest_certified_ = shortest_certified;
       fastest_of_ = &problem;
     }
     if (duration_of(*shortest) > allowed || any_timed(problem)) return;
@@ -361,7 +364,7 @@ class Planner {
 
   // With the exact law, for a smoothed motion may take some per cent longer; where it takes longer than allowed, one
   // that can be published, for how long it takes is told.
-  std::optional<Continuation> find_fastest(const Problem& fastest, double allowed) {
+  std::optional<Continuation> find_fastest(const Problem& fastest, double allowed, bool& certified) {
     std::optional<Continuation> shortest;
     std::vector<double> known;
     for (const Guess& guess : starts_of(fastest, 4).guesses) {
@@ -370,9 +373,11 @@ class Planner {
       const bool begun = c.begin(guess, patience_, known);
       if (begun) known.push_back(c.stages().front().objective);
       const bool found = begun && c.finish();
-      if (found && duration_of(c) > allowed) certify_and_refine(c, false);
+      const bool certifies = found && duration_of(c) > allowed && certify_and_refine(c, false);
       book(c);
-      if (found && (!shortest || duration_of(c) < duration_of(*shortest))) shortest = std::move(c);
+      if (!found || (shortest && duration_of(c) >= duration_of(*shortest))) continue;
+      certified = certifies;
+      shortest = std::move(c);
     }
     return shortest;
   }
@@ -418,6 +423,10 @@ class Planner {
           candidates_[i].solution().report.objective < best + worth.within * std::abs(best) && finished < worth.most;
       if (plan_.status == PlanStatus::kCertified && !promising) continue;
       Continuation& c = candidates_[i];
+      if (far_too_long(c)) {
+        note_fastest(c, false);
+        break;
+      }
       const std::size_t booked = c.stages().size();
       booked_of_present_ = c.iterations();
       if (c.finish() && certify_and_refine(c)) certified.push_back(first);
@@ -437,7 +446,6 @@ class Planner {
       const auto start = Clock::now();
       Trajectory trajectory = sample(problem_, c.solution().motion, row_error);
       const bool too_long = trajectory.end_time() > problem_.duration.max * (1 + kSameDuration);
-      if (keep && too_long) note_fastest(c);
       if (trajectory.samples.size() > kMaxRows) {
         failure_ =
             fmt::format("the trajectory needs {} rows, more than the {} allowed: a longer sample_period would do",
@@ -446,6 +454,7 @@ class Planner {
       }
       Certificate certificate = judge(problem_.robot, problem_.limits, trajectory);
       check_against_request(c.problem(), segment_ends(c), trajectory, certificate);
+      if (keep && too_long) note_fastest(c, certificate.certified);
       if (keep && !too_long) record(c, trajectory, certificate);
       plan_.timing["certificate"] += seconds_since(start);
       if (certificate.certified) return !keep || !too_long;
@@ -464,11 +473,21 @@ class Planner {
     return false;
   }
 
+  // Motions of many seconds are refined to thousands of intervals. How long the fastest takes is known to a per cent
+  // before; where it may not take nearly as long, that is enough to say so.
+  bool far_too_long(const Continuation& c) const {
+    constexpr double kLong = 8;    // [s] coarse meshes of longer motions do not resolve how the springs swing
+    constexpr double kFar = 1.15;  // times the longest duration
+    const double duration = duration_of(c);
+    return only_time(problem_.weights) && duration > kLong && duration > kFar * problem_.duration.max;
+  }
+
   // A motion that is as fast as can be, and takes longer than it may.
-  void note_fastest(const Continuation& c) {
+  void note_fastest(const Continuation& c, bool certified) {
     const bool refined = fastest_ && fastest_of_ == &c.problem() && fastest_->label == c.label;
     if (fastest_ && !refined && duration_of(*fastest_) <= duration_of(c)) return;
     fastest_ = c;
+    fastest_certified_ = certified;
     fastest_of_ = &c.problem();
   }
 
@@ -581,8 +600,9 @@ class Planner {
   std::vector<Continuation> candidates_;
   std::deque<Problem> fastest_problems_;  // of the fastest motions
   std::optional<Continuation> fastest_;   // once it was looked for, the shortest that there is
-  const Problem* fastest_of_ = nullptr;   // what it is the fastest motion of
-  std::optional<Problem> asked_;          // that one, with the duration that was asked for
+  bool fastest_certified_ = false;
+  const Problem* fastest_of_ = nullptr;  // what it is the fastest motion of
+  std::optional<Problem> asked_;         // that one, with the duration that was asked for
   std::vector<SolveStatus> failures_;
   std::string obstacle_;  // what a start without solution failed at
   std::string failure_;   // why a solution could not be published

@@ -33,8 +33,8 @@ std::string name_of(const std::string& name, int joint) {
 
 class Explanation {
  public:
-  Explanation(const Problem& problem, const Continuation* fastest, const SolveTools& tools)
-      : problem_(problem), fastest_(fastest), search_(tools) {}
+  Explanation(const Problem& problem, const Continuation* fastest, bool certified, const SolveTools& tools)
+      : problem_(problem), fastest_(fastest), certified_(certified), search_(tools) {}
 
   WhyNot run() {
     if (const NoWay barred = no_way(problem_); !barred.sentence.empty()) {
@@ -158,12 +158,14 @@ class Explanation {
   // ---- a duration that is too short ----
 
   void explain_duration() {
-    const double allowed = problem_.duration.max, needed = with_room(shortest());
+    const double allowed = problem_.duration.max;
+    const double needed = with_room((certified_ ? 1 : 1 + kRoom) * shortest());
     result_.shortest_duration = needed;
     const std::string where = allowed == kLongestByDefault ? " where nothing else is said" : "";
     result_.sentence = fmt::format(
-        "duration: at most {:.6g} s is allowed{}; the shortest motion found within the limits takes {:.4f} s", allowed,
-        where, needed);
+        "duration: at most {:.6g} s is allowed{}; the shortest motion found within the limits takes {}{:.4f} s",
+        allowed, where, certified_ ? "" : "about ", needed);
+    if (!certified_) result_.sentence += ", as far as was planned: not exact enough to be certified yet";
     const double rows = needed / problem_.sample_period;
     if (rows > static_cast<double>(kMaxRows)) {
       result_.sentence += fmt::format(" (with a sample_period of {:.4f} s or more)",
@@ -172,7 +174,7 @@ class Explanation {
     result_.limit = "duration";
     result_.time = allowed;
     if (!any_timed(problem_)) {
-      result_.relaxations.push_back({"duration", 0, "s", allowed, needed, false, true, allowed});
+      result_.relaxations.push_back({"duration", 0, "s", allowed, needed, !certified_, true, allowed});
     } else {
       explain_times_as_well();
     }
@@ -359,6 +361,7 @@ class Explanation {
 
   const Problem& problem_;
   const Continuation* fastest_;
+  const bool certified_;  // the fastest
   Search search_;
   Infeasibility result_;
   std::optional<Guess> start_;  // of a motion for the request, which turned out to be possible
@@ -382,8 +385,8 @@ Problem fastest_of(Problem problem) {
   return problem;
 }
 
-WhyNot explain(const Problem& problem, const Continuation* fastest, const SolveTools& tools) {
-  return Explanation(problem, fastest, tools).run();
+WhyNot explain(const Problem& problem, const Continuation* fastest, bool certified, const SolveTools& tools) {
+  return Explanation(problem, fastest, certified, tools).run();
 }
 
 }  // namespace fjr

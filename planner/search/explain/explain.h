@@ -45,6 +45,7 @@ struct WhyNot {
 };
 
 // problem: what no motion was found for. `fastest`: the solution of fastest_of(problem), null if there is none.
-WhyNot explain(const Problem& problem, const Continuation* fastest, const SolveTools& tools);
+// certified: whether its rows are exact enough to be published; otherwise its duration is told as about what it takes.
+WhyNot explain(const Problem& problem, const Continuation* fastest, bool certified, const SolveTools& tools);
 
 }  // namespace fjr

@@ -18,6 +18,7 @@ packages=(
   python3 python3-venv python3-dev                              # bench/suite.py, a client in Python
   python3-pandas octave                                         # programs that read our tables, in tests
   clang-format clang-tidy                                       # style
+  mkdocs                                                        # docs/ as a site
 )
 missing=()
 for package in "${packages[@]}"; do

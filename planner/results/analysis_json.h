@@ -1,4 +1,4 @@
-// The analysis as it stands in plan.json; README.md describes the fields.
+// The analysis as it stands in plan.json; docs/plan-json.md describes the fields.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -1,4 +1,4 @@
-// The tables that fjr writes, read by pandas and GNU Octave with the very lines that the README gives for them.
+// The tables that fjr writes, read by pandas and GNU Octave with the very lines that docs/files.md gives for them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -31,11 +31,11 @@ std::string output_of(const std::string& command) {
   return text;
 }
 
-// The line behind `program` in the README's table, about another file.
-std::string readme_line(const std::string& program, const fs::path& file) {
-  const std::string readme = contents(FJR_SOURCE_DIR "/README.md"), row = "| " + program + " | `";
-  const std::size_t begin = readme.find(row) + row.size();
-  std::string line = readme.substr(begin, readme.find("` |", begin) - begin);
+// The line behind `program` in the table of docs/files.md, about another file.
+std::string documented_line(const std::string& program, const fs::path& file) {
+  const std::string page = contents(FJR_SOURCE_DIR "/docs/files.md"), row = "| " + program + " | `";
+  const std::size_t begin = page.find(row) + row.size();
+  std::string line = page.substr(begin, page.find("` |", begin) - begin);
   const std::size_t quote = line.find("\"out/") + 1;
   return line.replace(quote, line.find('"', quote) - quote, file.string());
 }
@@ -84,7 +84,7 @@ TEST_F(Tables, AreReadByPandas) {
   }
   if (python.empty()) GTEST_SKIP() << "no pandas here (python3-pandas)";
   const auto read = [&](const fs::path& file, const std::string& print) {
-    const std::string script = "import pandas\n" + readme_line("pandas", file) + "\nprint(" + print + ")\n";
+    const std::string script = "import pandas\n" + documented_line("pandas", file) + "\nprint(" + print + ")\n";
     return with_program("script.py", script, python);
   };
   EXPECT_EQ(read(trajectory_, "list(t.columns), len(t), t.q1.iloc[2], t.tau1.iloc[1], t.tau2.iloc[0]"),
@@ -99,10 +99,11 @@ TEST_F(Tables, AreReadByPandas) {
 TEST_F(Tables, AreReadByOctave) {
   if (output_of("octave-cli --version").find("GNU Octave") == std::string::npos) GTEST_SKIP() << "no GNU Octave here";
   const std::string numbers = "GNU Octave, numbers";
-  const std::string script = readme_line(numbers, trajectory_) + "\nprintf('%d x %d: %g %g %g\\n', size(t), t(3, 2), " +
-                             "t(2, 10), t(1, 11));\n" + readme_line(numbers, log_) +
+  const std::string script = documented_line(numbers, trajectory_) +
+                             "\nprintf('%d x %d: %g %g %g\\n', size(t), t(3, 2), " + "t(2, 10), t(1, 11));\n" +
+                             documented_line(numbers, log_) +
                              "\nprintf('%d x %d: %g %g\\n', size(t), t(2, 2), t(1, 7));\n" +
-                             readme_line("GNU Octave, batches", batch_json_) +
+                             documented_line("GNU Octave, batches", batch_json_) +
                              "\nprintf('%d: %s, %g\\n', numel(t), t(1).name, t(2).duration);\n";
   EXPECT_THAT(with_program("script.m", script, "octave-cli --quiet --no-gui --no-init-file"),
               StartsWith("3 x 11: -0.2 1.5e-07 -2.25\n2 x 13: 0.25 0.125\n2: a#1, 1.25\n"));

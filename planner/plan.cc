@@ -21,6 +21,7 @@
 #include "planner/search/guesses.h"
 #include "planner/search/ladder.h"
 #include "planner/search/refinement.h"
+#include "planner/search/worth_refining.h"
 
 namespace fjr {
 namespace {
@@ -303,9 +304,6 @@ class Planner {
         if (i >= starts[a].always) ++plan_.fallbacks.displaced_start;
         const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, starts[a].always));
         const bool met = try_start(*open[a], starts[a].guesses[i], label);
-        if (met && i < static_cast<std::size_t>(starts_worth_trying(problem_.weights)) && !candidates_.empty()) {
-          best_usual_ = std::min(best_usual_, candidates_.back().solution().report.objective);
-        }
         if (failed[a] >= 0) failed[a] = met ? kNeverGivenUp : failed[a] + 1;
       }
     }
@@ -315,7 +313,7 @@ class Planner {
   bool try_start(const Problem& problem, const Guess& guess, const std::string& label) {
     Continuation c = continuation(problem, label);
     const bool found = c.begin(guess, patience_, plan_.minima);
-    ++plan_.starts;
+    c.start = ++plan_.starts;
     book(c);
     if (!found && (c.status() == SolveStatus::kOptimal || c.status() == SolveStatus::kAcceptable))
       return true;  // met before
@@ -411,17 +409,12 @@ class Planner {
     allow(kRefining);
     const auto start = Clock::now();
     std::vector<double> certified;  // first objectives of the minima that came to a plan
-    // Of the usual starts, for what is near that best is refined with more starts too.
-    double best = candidates_.empty() ? 0 : candidates_.front().solution().report.objective;
-    if (std::isfinite(best_usual_)) best = best_usual_;
-    const Finishing worth = finishing(problem_.weights, options_.starts);
+    const std::vector<bool> promising = promising_candidates();
     int finished = 0;
     for (std::size_t i = 0; i < candidates_.size() && !interrupted(); ++i) {
       const double first = candidates_[i].stages().front().objective;  // on the mesh that all starts share
       if (any_same(certified, first)) continue;
-      const bool promising =
-          candidates_[i].solution().report.objective < best + worth.within * std::abs(best) && finished < worth.most;
-      if (plan_.status == PlanStatus::kCertified && !promising) continue;
+      if (plan_.status == PlanStatus::kCertified && !promising[i]) continue;
       Continuation& c = candidates_[i];
       if (far_too_long(c)) {
         note_fastest(c, false);
@@ -436,6 +429,13 @@ class Planner {
     }
     plan_.refined += finished;
     plan_.timing["finish"] = seconds_since(start) - plan_.timing["certificate"];
+  }
+
+  std::vector<bool> promising_candidates() const {
+    std::vector<CoarseSolution> coarse;
+    for (const Continuation& c : candidates_) coarse.push_back({c.solution().report.objective, c.start});
+    const double within = finishing(problem_.weights, options_.starts).within;
+    return worth_refining(coarse, within, [&](int starts) { return finishing(problem_.weights, starts).most; });
   }
 
   // True when a certified trajectory came of it; kept as the plan unless it is only to tell what is possible.
@@ -587,7 +587,6 @@ class Planner {
   const Problem& problem_;
   const double scale_;                       // of the objective
   const std::vector<Problem> alternatives_;  // what is optimised
-  double best_usual_ = kNoLimit;             // objective that the starts by default came to on coarse meshes
   int patience_ = 400;                       // iterations a start may take
   const Problem* solved_ = nullptr;          // the one of them that the plan is for
   const PlanOptions& options_;

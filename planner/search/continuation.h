@@ -83,6 +83,7 @@ class Continuation {
   int iterations() const { return iterations_; }
 
   std::string label;        // of this start, for progress and stages
+  int start = 1;            // how many starts had been tried with this one
   double mesh_factor = 1;   // on the number of intervals of the first mesh
   double trace_factor = 1;  // on the trace of effort of the first solution: more of it is easier to solve
 

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <set>
 #include <string>
 #include <tuple>
@@ -15,6 +16,7 @@
 #include "planner/problem/tip_path.h"
 #include "planner/request/request.h"
 #include "planner/search/detours.h"
+#include "planner/search/worth_refining.h"
 
 namespace fjr {
 namespace {
@@ -175,6 +177,31 @@ TEST(Search, AViaTimeIsNamedBesideADurationThatIsTooShort) {
   ASSERT_TRUE(result.infeasibility);
   EXPECT_THAT(result.reason, HasSubstr("via[0] is to be passed at 0.3 s"));
   for (const Relaxation& r : result.infeasibility->relaxations) EXPECT_NE(r.name, "duration") << "would not do alone";
+}
+
+// ---- more starts ----
+
+// Of starts that come to any objectives: the sets that are refined grow with the number of starts.
+TEST(Search, WhatIsRefinedWithFewerStartsIsRefinedWithMore) {
+  const auto most = [](int starts) { return 3 + std::max(0, starts - 8); };
+  std::mt19937_64 random(1);
+  for (int round = 0; round < 100; ++round) {
+    std::vector<CoarseSolution> all;
+    for (int start = 1; start <= 12; ++start) all.push_back({10 + 1e-3 * static_cast<double>(random() % 1000), start});
+    std::set<int> before;
+    for (int starts = 1; starts <= 12; ++starts) {
+      std::vector<CoarseSolution> found(all.begin(), all.begin() + starts);
+      std::stable_sort(found.begin(), found.end(), [](auto& a, auto& b) { return a.objective < b.objective; });
+      const std::vector<bool> worth = worth_refining(found, 0.05, most);
+      std::set<int> refined;
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        if (worth[i]) refined.insert(found[i].start);
+      }
+      EXPECT_TRUE(worth[0]);
+      EXPECT_TRUE(std::includes(refined.begin(), refined.end(), before.begin(), before.end()));
+      before = refined;
+    }
+  }
 }
 
 // ---- bounded work ----

@@ -7,13 +7,17 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
+#include <stop_token>
 
 #include "planner/dds/client_port.h"
 #include "planner/dds/wire_execution.h"
+#include "planner/executor/executor_config.h"
+#include "planner/executor/realtime.h"
 #include "tests/support/domain.h"
 #include "tests/support/process.h"
 
@@ -240,12 +244,26 @@ std::vector<std::int64_t> state_stamps(double seconds, const Process& executor) 
   return stamps;
 }
 
-// Lateness is against the earliest tick of the tenth of a second around it; a skipped tick makes the rest of it late.
+// The executor's clock and priority with nothing to do: what is late here is late by the machine.
+Lateness bare_loop(const std::stop_token& over) {
+  (void)become_realtime(ExecutorConfig().priority);
+  Metronome metronome(1e-3);
+  Lateness lateness;
+  while (!over.stop_requested()) (void)metronome.wait(lateness);
+  return lateness;
+}
+
+// Lateness of states is against the earliest of the tenth of a second around it; a skipped tick makes the rest of it
+// late.
 void ticks(Report& report, const Options& options, const fs::path& log) {
   constexpr double kTick = 1e6;  // [ns]
   constexpr std::size_t kWindow = 100;
   const auto executor = start({"executor"}, log);
+  std::stop_source over;
+  auto beside = std::async(std::launch::async, bare_loop, over.get_token());
   const std::vector<std::int64_t> stamps = state_stamps(options.seconds, *executor);
+  over.request_stop();
+  const Lateness bare = beside.get();
   std::vector<double> lateness;
   for (std::size_t begin = 0; begin < stamps.size(); begin += kWindow) {
     std::vector<double> offset;
@@ -255,7 +273,20 @@ void ticks(Report& report, const Options& options, const fs::path& log) {
     const double earliest = *std::min_element(offset.begin(), offset.end());
     for (const double value : offset) lateness.push_back(1e-3 * (value - earliest));
   }
-  report.distribution("executor tick lateness", lateness, "us");
+  executor->send(SIGTERM);
+  (void)executor->wait();
+  const std::string log_text = executor->output();
+  const std::size_t said = log_text.find("late by ");
+  double p99 = 0, largest = 0;
+  if (said == std::string::npos ||
+      std::sscanf(log_text.c_str() + said, "late by %lf us at p99, %lf us at most", &p99, &largest) != 2) {
+    throw std::runtime_error("the executor does not tell how late it was:\n" + log_text);
+  }
+  report.add("executor tick lateness, p99", p99, "us");
+  report.add("executor tick lateness, max", largest, "us");
+  report.add("a bare loop beside it, p99", 1e6 * bare.quantile(0.99), "us");
+  report.add("a bare loop beside it, max", 1e6 * bare.largest(), "us");
+  report.distribution("executor state lateness", lateness, "us");
   report.add("executor ticks a second",
              1e9 * static_cast<double>(stamps.size() - 1) / static_cast<double>(stamps.back() - stamps.front()), "1/s");
 }

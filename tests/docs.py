@@ -1,9 +1,10 @@
 """Holds README.md and docs/ to what they say.  docs.py check SOURCE | run SOURCE BUILD | --linked SOURCE
 
-check: every link, every heading linked to and every file that a page names is there.
-run: every ```sh block is run, in a scratch copy for each page, and every ```yaml block with a request is planned; a ```text block
-behind a ```sh block begins its lines as the output does. Blocks behind `<!-- not run: reason -->` are left alone, and so is
-service.md, whose commands service/guide.py runs.
+check: every link, every heading linked to and every file that a page names is there, and requests.md names every key of a
+request.
+run: every ```sh block is run, in a scratch copy for each page, and every ```yaml block with a request is planned; a ```text
+block behind a ```sh block begins its lines as the output does. Blocks behind `<!-- not run: reason -->` are left alone, and
+so is service.md, whose commands service/guide.py runs.
 --linked: prints the pages and what they link to in the repository, for scripts/docs.sh.
 """
 
@@ -66,8 +67,21 @@ def faults(source, page):
             yield f"names {name}, which is not there"
 
 
+def untold(source):
+    """The keys and terms that the parser knows and requests.md does not name."""
+    code = "".join(file.read_text() for file in sorted((source / "planner/request").glob("*.cc")))
+    lists = re.findall(r"allow_keys\(\{([^}]*)\}", code)
+    terms = re.findall(r'\.name = "(\w+)"', (source / "planner/problem/objective_terms.h").read_text())
+    if not lists or not terms:
+        sys.exit("neither a request's keys nor the terms of its objective are found where they were")
+    page = (source / "docs" / "requests.md").read_text()
+    names = {name for one in lists for name in re.findall(r'"(\w+)"', one)} | set(terms)
+    return [name for name in sorted(names) if not re.search(rf"`[^`\n]*\b{name}\b[^`\n]*`", page)]
+
+
 def check(source):
-    wrong = [f"{page.relative_to(source)} {fault}" for group in pages(source) for page in group
+    wrong = [f"docs/requests.md does not name {name}" for name in untold(source)]
+    wrong += [f"{page.relative_to(source)} {fault}" for group in pages(source) for page in group
              for fault in faults(source, page)]
     sys.exit("\n".join(wrong) if wrong else 0)
 

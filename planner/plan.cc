@@ -83,11 +83,20 @@ std::vector<std::vector<Way>> task_ways(const Problem& problem) {
   return all;
 }
 
+double most_work(const Problem& problem, const PlanOptions& options) {
+  const double usual = starts_worth_trying(problem.weights);
+  return std::max(kMostWork * std::max(1.0, options.starts / usual), options.deadline);
+}
+
 constexpr double kWaiting = 0.4;       // share of the duration that a guess waits
 constexpr std::size_t kDisplaced = 2;  // starts at least, after the others
+constexpr double kFarAway = 0.8;       // [rad] that straight guesses are displaced by
+constexpr double kNearBy = 0.3;        // [rad] that the best motion so far is displaced by: minima lie side by side
 
+// The first k of them are the same however many there are.
 struct Starts {
   std::vector<Guess> guesses;
+  std::size_t guided = 0;  // the first so many are made for the request, the others displaced at random
   std::size_t always = 0;  // the first so many are tried in any case, the others until one leads somewhere
 };
 
@@ -107,9 +116,10 @@ Starts starts_of(const Problem& problem, int count) {
     starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), kWaiting, 0));
     starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), 0, kWaiting));
   }
+  starts.guided = starts.guesses.size();
   const std::size_t enough = std::max(starts.always, starts.guesses.size() + kDisplaced);
   for (std::uint64_t i = 2; starts.guesses.size() < enough; ++i) {
-    starts.guesses.push_back(displaced_guess(problem, duration, 0.8, problem.seed * 1000 + i));
+    starts.guesses.push_back(displaced_guess(problem, duration, kFarAway, problem.seed * 1000 + i));
   }
   return starts;
 }
@@ -140,18 +150,16 @@ class Planner {
         alternatives_(alternatives(problem, scale_)),
         options_(options) {
     settings_.linear_solver = options.linear_solver;
-    most_work_ = std::max(kMostWork, options.deadline);
+    most_work_ = most_work(problem, options);
   }
 
   Plan run() {
     allow(kFinding);
     if (options_.warm) resume();
     if (!plan_.warm && !stopped()) find_starts();
-    if (!plan_.warm && !stopped()) finish_best();
     if (!plan_.warm && !stopped() && plan_.status != PlanStatus::kCertified && !candidates_.empty() && hurries()) {
       candidates_.clear();
       adopt_fastest();
-      finish_best();
     }
     const bool none = candidates_.empty();  // otherwise what converged may have been coarse only
     if (!plan_.warm && !stopped() && plan_.status != PlanStatus::kCertified && (none || !any_timed(problem_))) {
@@ -258,10 +266,10 @@ class Planner {
     if (!why.start || stopped()) return;
     candidates_.clear();
     try_start(problem, *why.start, "from the least slack");
-    finish_best();
   }
 
-  // Every start on a coarse mesh; what converges is kept in order of its objective.
+  // Every start on a coarse mesh; what converges to something promising is refined before the next: so what so many
+  // starts come to, more of them come to as well.
   void find_starts() {
     const auto start = Clock::now();
     std::vector<const Problem*> open;
@@ -271,12 +279,9 @@ class Planner {
     try_starts(open);
     for (const Problem* problem : open) {
       if (!candidates_.empty() || interrupted() || too_short()) break;
-      if (auto found = climb(*problem, tools(), plan_.fallbacks)) candidates_.push_back(std::move(*found));
+      if (auto found = climb(*problem, tools(), plan_.fallbacks)) follow(std::move(*found));
     }
-    std::stable_sort(candidates_.begin(), candidates_.end(), [](const Continuation& a, const Continuation& b) {
-      return a.solution().report.objective < b.solution().report.objective;
-    });
-    plan_.timing["starts"] = seconds_since(start);
+    plan_.timing["starts"] = seconds_since(start) - plan_.timing["finish"] - plan_.timing["certificate"];
   }
 
   // The alternatives take turns: what one of them came to tells how long the others are worth trying.
@@ -303,10 +308,23 @@ class Planner {
         if (!candidates_.empty() && (i >= starts[a].always || failed[a] >= kGivenUp)) continue;
         if (i >= starts[a].always) ++plan_.fallbacks.displaced_start;
         const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, starts[a].always));
-        const bool met = try_start(*open[a], starts[a].guesses[i], label);
+        const std::optional<Guess> near = i >= starts[a].guided && (i - starts[a].guided) % 2 == 1
+                                              ? beside_the_best(*open[a], problem_.seed * 1000 + i)
+                                              : std::nullopt;
+        const bool met = try_start(*open[a], near ? *near : starts[a].guesses[i], label);
         if (failed[a] >= 0) failed[a] = met ? kNeverGivenUp : failed[a] + 1;
       }
     }
+  }
+
+  // Minima lie side by side: from a place near the best motion so far others are met, and in half the iterations.
+  std::optional<Guess> beside_the_best(const Problem& problem, std::uint64_t seed) const {
+    const Candidate* best = nullptr;
+    for (const Candidate& c : candidates_) {
+      if (c.problem == &problem && (best == nullptr || c.coarse.objective < best->coarse.objective)) best = &c;
+    }
+    if (best == nullptr) return std::nullopt;
+    return displaced_guess(guess_from(best->motion, best->durations, best->motion.duration()), kNearBy, seed);
   }
 
   // False when it led to no solution, known or new.
@@ -322,7 +340,7 @@ class Planner {
     if (found) patience_ = std::min(patience_, std::max(100, 2 * c.stages().front().iterations));
     if (found) {
       plan_.minima.push_back(c.stages().front().objective);
-      candidates_.push_back(std::move(c));
+      follow(std::move(c));
     } else {
       failures_.push_back(c.status());
       if (!c.obstacle().empty()) obstacle_ = "; in the last attempt " + c.obstacle();
@@ -391,7 +409,7 @@ class Planner {
     const double duration = std::clamp(shortest, problem_.duration.min, problem_.duration.max);
     const bool found = c.adopt(fastest_->solution(), duration);
     book(c);
-    if (found) candidates_.push_back(std::move(c));
+    if (found) follow(std::move(c));
   }
 
   // There is a fastest motion, and hardly more time than it takes.
@@ -403,39 +421,44 @@ class Planner {
   static double duration_of(const Continuation& c) { return c.solution().motion.duration(); }
   bool too_short() const { return fastest_ && duration_of(*fastest_) > problem_.duration.max; }
 
-  // Distinct minima are finished in the order of their coarse objectives; the best certified one is the plan. Those
-  // that are far behind, or too many, are only looked at when nothing before was certified.
-  void finish_best() {
+  // What was found on a coarse mesh, to the end if that promises something; the best certified one is the plan. While
+  // nothing is certified, everything is worth it.
+  void follow(Continuation c) {
+    const Collocated& coarse = c.solution();
+    candidates_.push_back({&c.problem(), {coarse.report.objective, c.start}, coarse.motion, coarse.durations});
+    const bool certified = plan_.status == PlanStatus::kCertified;
+    if ((certified && !last_promises()) || interrupted()) return;
+    if (far_too_long(c)) {
+      note_fastest(c, false);
+      return;
+    }
     allow(kRefining);
     const auto start = Clock::now();
-    std::vector<double> certified;  // first objectives of the minima that came to a plan
-    const std::vector<bool> promising = promising_candidates();
-    int finished = 0;
-    for (std::size_t i = 0; i < candidates_.size() && !interrupted(); ++i) {
-      const double first = candidates_[i].stages().front().objective;  // on the mesh that all starts share
-      if (any_same(certified, first)) continue;
-      if (plan_.status == PlanStatus::kCertified && !promising[i]) continue;
-      Continuation& c = candidates_[i];
-      if (far_too_long(c)) {
-        note_fastest(c, false);
-        break;
-      }
-      const std::size_t booked = c.stages().size();
-      booked_of_present_ = c.iterations();
-      if (c.finish() && certify_and_refine(c)) certified.push_back(first);
-      booked_of_present_ = 0;
-      book(c, booked);
-      ++finished;
-    }
-    plan_.refined += finished;
-    plan_.timing["finish"] = seconds_since(start) - plan_.timing["certificate"];
+    const double certificate = plan_.timing["certificate"];
+    const std::size_t booked = c.stages().size();
+    booked_of_present_ = c.iterations();
+    if (certified) c.to_beat = plan_.objective / scale_;
+    if (c.finish()) certify_and_refine(c);
+    booked_of_present_ = 0;
+    book(c, booked);
+    ++plan_.refined;
+    plan_.timing["finish"] += seconds_since(start) - (plan_.timing["certificate"] - certificate);
   }
 
-  std::vector<bool> promising_candidates() const {
-    std::vector<CoarseSolution> coarse;
-    for (const Continuation& c : candidates_) coarse.push_back({c.solution().report.objective, c.start});
-    const double within = finishing(problem_.weights, options_.starts).within;
-    return worth_refining(coarse, within, [&](int starts) { return finishing(problem_.weights, starts).most; });
+  // Whether the candidate that was found last is worth refining, beside those before it.
+  bool last_promises() const {
+    std::vector<CoarseSolution> best_first;
+    for (const Candidate& c : candidates_) best_first.push_back(c.coarse);
+    std::stable_sort(best_first.begin(), best_first.end(),
+                     [](const CoarseSolution& a, const CoarseSolution& b) { return a.objective < b.objective; });
+    const std::vector<bool> worth = worth_refining(best_first, finishing(problem_.weights, 0).within, [&](int starts) {
+      return finishing(problem_.weights, starts).most;
+    });
+    const int last = candidates_.back().coarse.start;
+    for (std::size_t i = 0; i < worth.size(); ++i) {
+      if (best_first[i].start == last) return worth[i];
+    }
+    return true;
   }
 
   // True when a certified trajectory came of it; kept as the plan unless it is only to tell what is possible.
@@ -596,7 +619,13 @@ class Planner {
   const std::clock_t began_cpu_ = std::clock();
   bool stopped_ = false, deadline_passed_ = false;
   int booked_of_present_ = 0;  // iterations of the continuation at work that are in plan_.iterations already
-  std::vector<Continuation> candidates_;
+  struct Candidate {
+    const Problem* problem;
+    CoarseSolution coarse;  // on its refined first mesh
+    Motion motion;
+    std::vector<double> durations;
+  };
+  std::vector<Candidate> candidates_;     // in the order in which they were found
   std::deque<Problem> fastest_problems_;  // of the fastest motions
   std::optional<Continuation> fastest_;   // once it was looked for, the shortest that there is
   bool fastest_certified_ = false;

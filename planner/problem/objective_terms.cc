@@ -68,11 +68,14 @@ bool only_time(const Weights& weights) {
 }
 
 int starts_worth_trying(const Weights& weights) {
-  int starts = std::numeric_limits<int>::max();
+  int most_with_friction = 0, least = std::numeric_limits<int>::max();
   for (const TermInfo& term : Terms::infos) {
-    if (weights.*term.weight > 0 && term.starts > 1) starts = std::min(starts, term.starts);
+    if (weights.*term.weight <= 0 || term.starts == 1) continue;
+    least = std::min(least, term.starts);
+    if (term.sees_friction) most_with_friction = std::max(most_with_friction, term.starts);
   }
-  return starts == std::numeric_limits<int>::max() ? 1 : starts;
+  if (most_with_friction > 0) return most_with_friction;
+  return least == std::numeric_limits<int>::max() ? 1 : least;
 }
 
 double size_of(const Weights& weights) {

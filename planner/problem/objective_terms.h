@@ -91,7 +91,7 @@ struct Effort {
   static constexpr TermInfo info{.name = "effort",
                                  .unit = "N^2 m^2 s",
                                  .weight = &Weights::effort,
-                                 .starts = 8,
+                                 .starts = 12,
                                  .sees_friction = true,
                                  .settles_torque = true};
   template <class T>
@@ -135,7 +135,7 @@ struct LinkJerk {
 // int max(0, tau_m dtheta): what the motors give, and nothing for what they take back.
 struct Energy {
   static constexpr TermInfo info{
-      .name = "energy", .unit = "J", .weight = &Weights::energy, .starts = 8, .sees_friction = true};
+      .name = "energy", .unit = "J", .weight = &Weights::energy, .starts = 12, .sees_friction = true};
   template <class T>
   static T running(const Instant<T>& at) {
     return positive_part(T(at.torque[0] * at.x.dtheta[0]), at.kink) +
@@ -148,7 +148,7 @@ struct Copper {
   static constexpr TermInfo info{.name = "copper",
                                  .unit = "J",
                                  .weight = &Weights::copper,
-                                 .starts = 8,
+                                 .starts = 12,
                                  .sees_friction = true,
                                  .settles_torque = true};
   template <class T>
@@ -234,7 +234,8 @@ T node_cost(const Weights& weights, Node node, const AtNode<T>& at) {
 bool sees_friction(const Weights& weights);
 bool settles_torque(const Weights& weights);
 bool only_time(const Weights& weights);
-// How many starts are worth trying: as many as the tamest of the terms with several minima asks for.
+// How many starts are worth trying: as many as friction asks for where it counts, and otherwise as the tamest of the
+// terms with several minima.
 int starts_worth_trying(const Weights& weights);
 // The largest weight, each by the size of its term.
 double size_of(const Weights& weights);

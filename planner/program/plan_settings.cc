@@ -18,7 +18,9 @@ void add_options(CLI::App& command, PlanSettings& settings) {
       ->check(CLI::IsMember(linear_solvers()))
       ->check(CLI::Validator([](const std::string& name) { return what_is_missing(name); }, ""))
       ->capture_default_str();
-  command.add_option("--starts", settings.plan.starts, "Starts of the optimiser; default by objective, 1 to 8")
+  command
+      .add_option("--starts", settings.plan.starts,
+                  "Starts of the optimiser; default by objective, 1 to 12; more never come to less")
       ->check(CLI::Range(1, 100));
   command.add_option("--deadline", settings.plan.deadline, "Wall time allowed for each request, in seconds")
       ->check(CLI::Validator(

@@ -86,6 +86,8 @@ class Continuation {
   int start = 1;            // how many starts had been tried with this one
   double mesh_factor = 1;   // on the number of intervals of the first mesh
   double trace_factor = 1;  // on the trace of effort of the first solution: more of it is easier to solve
+  // finish() gives up when a level shows that the motion will not be published for less than that.
+  double to_beat = kNoLimit;
 
  private:
   // What an attempt from the present solution depends on beside that.

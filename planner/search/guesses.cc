@@ -116,6 +116,25 @@ Way averaged(const Way& way) {
   return result;
 }
 
+// A smooth random detour of about the given size [rad] over s = 0 ... 1, of nothing at both ends.
+std::function<Pair<double>(double)> detour_of(double size, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  // The engine's bits are the same everywhere; std's distributions are not.
+  const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53 * 2 - 1; };
+  std::array<Pair<double>, 3> amplitude;  // of sin(pi s), sin(2 pi s), sin(3 pi s)
+  for (std::size_t k = 0; k < amplitude.size(); ++k) {
+    for (double& a : amplitude[k]) a = size * uniform() / static_cast<double>(k + 1);
+  }
+  return [amplitude](double s) {
+    Pair<double> away{0, 0};
+    for (std::size_t k = 0; k < amplitude.size(); ++k) {
+      const double shape = std::sin(static_cast<double>(k + 1) * std::numbers::pi * s);
+      for (std::size_t j = 0; j < kJoints; ++j) away[j] += amplitude[k][j] * shape;
+    }
+    return away;
+  };
+}
+
 }  // namespace
 
 Guess straight_guess(const Problem& problem, double duration) {
@@ -200,22 +219,25 @@ std::vector<Way> ways_along_tip_path(const Problem& problem) {
 }
 
 Guess displaced_guess(const Problem& problem, double duration, double size, std::uint64_t seed) {
-  std::mt19937_64 random(seed);
-  // The engine's bits are the same everywhere; std's distributions are not.
-  const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53 * 2 - 1; };
-  std::array<Pair<double>, 3> amplitude;  // of sin(pi s), sin(2 pi s), sin(3 pi s)
-  for (std::size_t k = 0; k < amplitude.size(); ++k) {
-    for (double& a : amplitude[k]) a = size * uniform() / static_cast<double>(k + 1);
-  }
   Guess guess = straight_guess(problem, duration);
   guess.name = "displaced";
-  guess.state = [straight = guess.state, amplitude, robot = problem.robot](double s) {
-    Pair<double> q = straight(s).q;
-    for (std::size_t k = 0; k < amplitude.size(); ++k) {
-      const double shape = std::sin(static_cast<double>(k + 1) * std::numbers::pi * s);
-      for (std::size_t j = 0; j < kJoints; ++j) q[j] += amplitude[k][j] * shape;
+  guess.state = [straight = guess.state, detour = detour_of(size, seed), robot = problem.robot](double s) {
+    const Pair<double> q = straight(s).q, away = detour(s);
+    return rest_at(robot, {q[0] + away[0], q[1] + away[1]});
+  };
+  return guess;
+}
+
+Guess displaced_guess(Guess guess, double size, std::uint64_t seed) {
+  guess.name = "displaced, " + guess.name;
+  guess.state = [state = guess.state, detour = detour_of(size, seed)](double s) {
+    State<double> x = state(s);
+    const Pair<double> away = detour(s);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      x.q[j] += away[j];
+      x.theta[j] += away[j];
     }
-    return rest_at(robot, q);
+    return x;
   };
   return guess;
 }

@@ -28,6 +28,9 @@ std::vector<Way> ways_along_tip_path(const Problem& problem);
 // The straight guess, displaced by a smooth random detour of the given size [rad]; the same seed gives the same guess.
 Guess displaced_guess(const Problem& problem, double duration, double size, std::uint64_t seed);
 
+// Another guess, displaced by such a detour; its springs stay as deflected as they were.
+Guess displaced_guess(Guess guess, double size, std::uint64_t seed);
+
 // The guess in what remains of its time when it waits for these shares of it first, and at last.
 Guess waiting_guess(Guess guess, double first, double last);
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "planner/plan.h"
 #include "planner/request/request.h"
@@ -44,6 +45,30 @@ TEST(Plan, MinimumEffortMeetsTheBestKnownReference) {
     longest = std::max(longest, resting);
   }
   EXPECT_GT(longest, 0.05);
+}
+
+// Whatever k starts come to, more of them come to as well: the first k are the same, and what was refined of them is.
+TEST(EffortPlan, MoreStartsNeverComeToLessAndAreUsed) {
+  const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
+  const char* const requests[] = {
+      "{start: {q: [1.1, 0.4]}, goal: {q: [-0.2, 0.3]}, duration: 1.2, objective: efficient}",
+      "{start: {q: [0.5, 0.5]}, goal: {q: [-0.5, 1.0]}, duration: 1, objective: efficient}"};
+  for (const char* request : requests) {
+    const Problem problem = parse_request(request, "request.yaml", robot);
+    std::vector<Plan> plans;
+    for (const int starts : {1, 4, 8}) {
+      PlanOptions options;
+      options.starts = starts;
+      plans.push_back(plan(problem, options));
+      ASSERT_EQ(plans.back().status, PlanStatus::kCertified) << request << starts;
+      if (plans.size() == 1) continue;
+      const Plan& fewer = plans[plans.size() - 2];
+      EXPECT_LE(plans.back().objective, fewer.objective) << request << starts;
+      EXPECT_GE(plans.back().refined, fewer.refined) << request << starts;
+    }
+    EXPECT_LT(plans.back().objective, plans.front().objective) << request;
+    EXPECT_GT(plans.back().refined, plans.front().refined) << request;
+  }
 }
 
 // A motor that waits before the rest is a minimum of its own, which straight and displaced starts lead past: 6.7245

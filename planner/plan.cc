@@ -150,6 +150,7 @@ class Planner {
         alternatives_(alternatives(problem, scale_)),
         options_(options) {
     settings_.linear_solver = options.linear_solver;
+    settings_.scheme = find_scheme(problem.method);
     most_work_ = most_work(problem, options);
   }
 

@@ -69,14 +69,13 @@ def faults(source, page):
 
 def untold(source):
     """The keys and terms that the parser knows and requests.md does not name."""
-    code = "".join(file.read_text() for file in sorted((source / "planner/request").glob("*.cc")))
-    lists = re.findall(r"allow_keys\(\{([^}]*)\}", code)
+    keys = re.findall(r'Key\{"(\w+)"', (source / "planner/request/request.h").read_text())
+    limits = re.findall(r'visit\("(\w+)"', (source / "planner/problem/problem.h").read_text())
     terms = re.findall(r'\.name = "(\w+)"', (source / "planner/problem/objective_terms.h").read_text())
-    if not lists or not terms:
+    if not keys or not limits or not terms:
         sys.exit("neither a request's keys nor the terms of its objective are found where they were")
     page = (source / "docs" / "requests.md").read_text()
-    names = {name for one in lists for name in re.findall(r'"(\w+)"', one)} | set(terms)
-    return [name for name in sorted(names) if not re.search(rf"`[^`\n]*\b{name}\b[^`\n]*`", page)]
+    return [name for name in sorted({*keys, *limits, *terms}) if not re.search(rf"`[^`\n]*\b{name}\b[^`\n]*`", page)]
 
 
 def check(source):

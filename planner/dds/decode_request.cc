@@ -1,4 +1,4 @@
-// Wire -> request document.
+// Wire -> Request.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,270 +8,201 @@
 
 #include "planner/dds/text.h"
 #include "planner/dds/wire_request.h"
+#include "planner/request/request.h"
 
 namespace fjr::dds {
 namespace {
 
-// Writes a YAML flow map; the first number that is not finite and the first unknown choice are remembered by name.
-class Document {
+// Takes numbers and choices out of a message; the first number that is not finite and the first unknown choice are
+// remembered by the names that a request has for them.
+class Taker {
  public:
-  void number(std::string_view name, double value) { add(name, checked(name, value)); }
-  void pair(std::string_view name, const double (&value)[2]) { add(name, pair_text(name, value)); }
-  void optional(std::string_view name, bool given, double value) {
-    if (given) number(name, value);
+  double number(const std::string& field, double value) {
+    if (!std::isfinite(value)) refuse(field, fmt::format("{} is not finite", value));
+    return value;
   }
-  void optional(std::string_view name, bool given, const double (&value)[2]) {
-    if (given) pair(name, value);
+  Pair<double> pair(const std::string& field, const double (&value)[2]) {
+    return {number(field + "[0]", value[0]), number(field + "[1]", value[1])};
   }
-  void word(std::string_view name, std::string_view text) { add(name, text); }
-
-  void open(std::string_view name) {
-    separate();
-    fmt::format_to(std::back_inserter(text_), "{}: {{", name);
-    path_.emplace_back(name);
-    first_ = true;
+  std::optional<double> optional(const std::string& field, bool given, double value) {
+    if (!given) return std::nullopt;
+    return number(field, value);
   }
-  void close() {
-    text_ += '}';
-    path_.pop_back();
-    first_ = false;
+  std::optional<Pair<double>> optional(const std::string& field, bool given, const double (&value)[2]) {
+    if (!given) return std::nullopt;
+    return pair(field, value);
   }
-
-  // The word for a choice; an unknown one is refused.
-  std::string_view choice(std::string_view name, std::uint8_t value, std::initializer_list<std::string_view> words) {
-    if (value < words.size()) return *(words.begin() + value);
-    refuse(name, fmt::format("{} is not one of 0 to {}", value, words.size() - 1));
-    return "unknown";
+  // The constants of a choice are 0, 1, ...; an unknown one is taken for the first.
+  std::uint8_t choice(const std::string& field, std::uint8_t value, std::uint8_t last) {
+    if (value <= last) return value;
+    refuse(field, fmt::format("{} is not one of 0 to {}", value, last));
+    return 0;
   }
 
-  void refuse(std::string_view name, std::string sentence) {
-    if (refusal_) return;
-    const std::string within = fmt::format("{}", fmt::join(path_, "."));
-    const std::string field = within.empty() ? std::string(name) : fmt::format("{}.{}", within, name);
-    refusal_ = Refusal{Reason::kBadInput, field, std::move(sentence)};
+  void refuse(const std::string& field, std::string sentence) {
+    if (!refusal_) refusal_ = Refusal{Reason::kBadInput, field, std::move(sentence)};
   }
-
-  // Entries of a list stand for themselves, without a name.
-  void bare_pair(std::string_view name, const double (&value)[2]) {
-    separate();
-    text_ += pair_text(name, value);
-  }
-  void open_item(std::string_view list, std::size_t index) {
-    separate();
-    text_ += '{';
-    path_.push_back(indexed(list, index));
-    first_ = true;
-  }
-  void open_list(std::string_view name) {
-    separate();
-    fmt::format_to(std::back_inserter(text_), "{}: [", name);
-    first_ = true;
-  }
-  void close_list() {
-    text_ += ']';
-    first_ = false;
-  }
-
-  std::string checked(std::string_view name, double value) {
-    if (!std::isfinite(value)) refuse(name, fmt::format("{} is not finite", value));
-    return fmt::format("{}", value);  // the shortest text that reads back to the same bits
-  }
-
-  std::string text() const { return "{" + text_ + "}"; }
   const std::optional<Refusal>& refusal() const { return refusal_; }
 
  private:
-  static std::string indexed(std::string_view name, std::size_t index) { return fmt::format("{}[{}]", name, index); }
-
-  std::string pair_text(std::string_view name, const double (&value)[2]) {
-    return fmt::format("[{}, {}]", checked(indexed(name, 0), value[0]), checked(indexed(name, 1), value[1]));
-  }
-  void add(std::string_view name, std::string_view value) {
-    separate();
-    fmt::format_to(std::back_inserter(text_), "{}: {}", name, value);
-  }
-  void separate() {
-    if (!first_) text_ += ", ";
-    first_ = false;
-  }
-
-  std::string text_;
-  std::vector<std::string> path_;
-  bool first_ = true;
   std::optional<Refusal> refusal_;
 };
 
-void write_start(Document& document, const fjr_msg_StartState& start) {
-  if (!start.given) return;
-  document.open("start");
-  document.pair("q", start.q);
-  document.optional("dq", start.has_dq, start.dq);
-  document.optional("theta", start.has_theta, start.theta);
-  document.optional("dtheta", start.has_dtheta, start.dtheta);
-  document.close();
+std::optional<RequestedStart> start_of(Taker& take, const fjr_msg_StartState& start) {
+  if (!start.given) return std::nullopt;
+  return RequestedStart{take.pair("start.q", start.q), take.optional("start.dq", start.has_dq, start.dq),
+                        take.optional("start.theta", start.has_theta, start.theta),
+                        take.optional("start.dtheta", start.has_dtheta, start.dtheta)};
 }
 
-void write_goal_joints(Document& document, const fjr_msg_GoalState& goal) {
-  std::array<std::string, kJoints> q;
+AnglesOrFree goal_angles_of(Taker& take, const fjr_msg_GoalState& goal) {
+  AnglesOrFree q;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    q[j] = goal.q_free[j] ? "free" : document.checked(fmt::format("q[{}]", j), goal.q[j]);
+    if (!goal.q_free[j]) q[j] = take.number(fmt::format("goal.q[{}]", j), goal.q[j]);
   }
-  document.word("q", fmt::format("[{}, {}]", q[0], q[1]));
+  return q;
 }
 
-void write_goal(Document& document, const fjr_msg_GoalState& goal, bool dq_free) {
-  document.open("goal");
-  const std::string_view kind = document.choice("kind", goal.kind, {"q", "tip"});
-  if (kind == "tip") {
-    document.pair("tip", goal.tip);
-    document.word("elbow", document.choice("elbow", goal.elbow, {"any", "left", "right"}));
-    document.optional("tip_velocity", goal.has_tip_velocity, goal.tip_velocity);
+RequestedGoal goal_of(Taker& take, const fjr_msg_GoalState& wire, bool dq_free) {
+  RequestedGoal goal;
+  if (take.choice("goal.kind", wire.kind, fjr_msg_GOAL_TIP) == fjr_msg_GOAL_TIP) {
+    constexpr std::array kElbows{Elbow::kAny, Elbow::kLeft, Elbow::kRight};
+    goal.tip = take.pair("goal.tip", wire.tip);
+    goal.elbow = kElbows[take.choice("goal.elbow", wire.elbow, kElbows.size() - 1)];
+    goal.tip_velocity = take.optional("goal.tip_velocity", wire.has_tip_velocity, wire.tip_velocity);
   } else {
-    write_goal_joints(document, goal);
+    goal.q = goal_angles_of(take, wire);
   }
-  if (dq_free) document.word("dq", "free");
-  document.optional("dq", goal.has_dq && !dq_free, goal.dq);
-  document.optional("theta", goal.has_theta, goal.theta);
-  document.optional("dtheta", goal.has_dtheta, goal.dtheta);
-  document.close();
-}
-
-void write_duration(Document& document, const fjr_msg_DurationRange& duration) {
-  if (!duration.has_min && !duration.has_max) return;
-  if (duration.has_min && duration.has_max && duration.min == duration.max) {
-    document.number("duration", duration.min);
-    return;
+  if (dq_free) {
+    goal.dq = VelocityOrFree{.free = true};
+  } else if (wire.has_dq) {
+    goal.dq = VelocityOrFree{.free = false, .value = take.pair("goal.dq", wire.dq)};
   }
-  document.open("duration");
-  document.optional("min", duration.has_min, duration.min);
-  document.optional("max", duration.has_max, duration.max);
-  document.close();
+  goal.theta = take.optional("goal.theta", wire.has_theta, wire.theta);
+  goal.dtheta = take.optional("goal.dtheta", wire.has_dtheta, wire.dtheta);
+  return goal;
 }
 
-void write_objective(Document& document, const fjr_msg_PlanRequest2& message) {
-  const fjr_msg_ObjectiveTerms& objective = message.request.objective;
-  const std::string_view preset =
-      document.choice("objective", objective.preset, {"default", "fastest", "gentle", "efficient", "weights"});
-  if (preset == "default") return;
-  if (preset != "weights") {
-    document.word("objective", preset);
-    return;
+std::optional<RequestedDuration> duration_of(Taker& take, const fjr_msg_DurationRange& wire) {
+  if (!wire.has_min && !wire.has_max) return std::nullopt;
+  if (wire.has_min && wire.has_max && wire.min == wire.max) {
+    const double fixed = take.number("duration", wire.min);
+    return RequestedDuration{fixed, fixed};
   }
-  document.open("objective");
-  document.optional("time", objective.time != 0, objective.time);
-  document.optional("effort", objective.effort != 0, objective.effort);
-  document.optional("torque_rate", objective.torque_rate != 0, objective.torque_rate);
-  document.optional("link_acceleration", objective.link_acceleration != 0, objective.link_acceleration);
-  document.optional("link_jerk", objective.link_jerk != 0, objective.link_jerk);
-  document.optional("energy", objective.energy != 0, objective.energy);
-  document.optional("copper", message.copper != 0, message.copper);
-  document.optional("peak_torque", message.peak_torque != 0, message.peak_torque);
-  document.optional("tip_speed", message.tip_speed != 0, message.tip_speed);
-  document.close();
+  return RequestedDuration{take.optional("duration.min", wire.has_min, wire.min),
+                           take.optional("duration.max", wire.has_max, wire.max)};
 }
 
-void write_vias(Document& document, const fjr_msg_PlanRequest2& message) {
-  const dds_sequence_fjr_msg_ViaPoint& vias = message.request.via;
-  if (message.has_release && message.release >= vias._length) {
-    document.refuse("release", fmt::format("{} is none of the {} via points", message.release, vias._length));
+std::optional<RequestedObjective> objective_of(Taker& take, const fjr_msg_PlanRequest2& message) {
+  const fjr_msg_ObjectiveTerms& wire = message.request.objective;
+  switch (take.choice("objective", wire.preset, fjr_msg_OBJECTIVE_WEIGHTS)) {
+    case fjr_msg_OBJECTIVE_FASTEST:
+      return RequestedObjective{Preset::kFastest};
+    case fjr_msg_OBJECTIVE_GENTLE:
+      return RequestedObjective{Preset::kGentle};
+    case fjr_msg_OBJECTIVE_EFFICIENT:
+      return RequestedObjective{Preset::kEfficient};
+    case fjr_msg_OBJECTIVE_WEIGHTS:
+      break;
+    default:
+      return std::nullopt;
   }
-  if (vias._length == 0) return;
-  document.open_list("via");
-  for (std::uint32_t i = 0; i < vias._length; ++i) {
-    const fjr_msg_ViaPoint& via = vias._buffer[i];
-    document.open_item("via", i);
-    document.optional("time", via.has_time, via.time);
-    document.pair("q", via.q);
-    document.optional("dq", via.has_dq, via.dq);
-    if (message.has_release && message.release == i) document.word("release", "true");
-    document.close();
+  RequestedObjective objective;
+  for (const TermInfo& term : Terms::infos) {
+    objective.weights.*term.weight = take.number(fmt::format("objective.{}", term.name), weight_in(message, term.name));
   }
-  document.close_list();
+  return objective;
 }
 
-void write_obstacles(Document& document, const dds_sequence_fjr_msg_Disc& discs) {
-  if (discs._length == 0) return;
-  document.open_list("obstacles");
-  for (std::uint32_t i = 0; i < discs._length; ++i) {
-    const fjr_msg_Disc& disc = discs._buffer[i];
-    document.open_item("obstacles", i);
-    document.pair("center", disc.center);
-    document.number("radius", disc.radius);
-    document.number("margin", disc.margin);
-    document.close();
+std::vector<RequestedVia> vias_of(Taker& take, const fjr_msg_PlanRequest2& message) {
+  const dds_sequence_fjr_msg_ViaPoint& wire = message.request.via;
+  if (message.has_release && message.release >= wire._length) {
+    take.refuse("release", fmt::format("{} is none of the {} via points", message.release, wire._length));
   }
-  document.close_list();
-}
-
-void write_tip_segment(Document& document, const fjr_msg_TipPath& tip) {
-  document.pair("from", tip.from);
-  document.pair("to", tip.to);
-  document.number("tolerance", tip.tolerance);
-}
-
-void write_tip(Document& document, const fjr_msg_TipPath& tip) {
-  const std::string_view kind = document.choice("tip", tip.kind, {"free", "box", "line", "arc"});
-  if (kind == "free") return;
-  document.open("tip");
-  if (kind == "box") {
-    document.open_list("box");
-    document.bare_pair("box[0]", tip.lower);
-    document.bare_pair("box[1]", tip.upper);
-    document.close_list();
-  } else {
-    document.open(kind);
-    if (kind == "arc") document.pair("center", tip.center);
-    write_tip_segment(document, tip);
-    document.close();
+  std::vector<RequestedVia> vias;
+  for (std::uint32_t i = 0; i < wire._length; ++i) {
+    const fjr_msg_ViaPoint& via = wire._buffer[i];
+    const std::string field = fmt::format("via[{}].", i);
+    vias.push_back({take.optional(field + "time", via.has_time, via.time), take.pair(field + "q", via.q),
+                    take.optional(field + "dq", via.has_dq, via.dq), message.has_release && message.release == i});
   }
-  document.close();
+  return vias;
 }
 
-void write_limits(Document& document, const fjr_msg_TightenedLimits& limits) {
-  document.open("limits");
-  document.optional("torque", limits.has_torque, limits.torque);
-  document.optional("torque_rate", limits.has_torque_rate, limits.torque_rate);
-  document.optional("motor_velocity", limits.has_motor_velocity, limits.motor_velocity);
-  document.optional("link_position", limits.has_link_position, limits.link_position);
-  document.optional("spring_deflection", limits.has_spring_deflection, limits.spring_deflection);
-  document.optional("tip_speed", limits.has_tip_speed, limits.tip_speed);
-  document.close();
-}
-
-void write_payload(Document& document, const fjr_msg_TipPayload& payload) {
-  if (!payload.given) return;
-  document.open("payload");
-  document.number("mass", payload.mass);
-  document.number("inertia", payload.inertia);
-  document.close();
-}
-
-void write_path(Document& document, const fjr_msg_JointPath& path) {
-  if (!path.given) return;
-  document.open("path");
-  document.open_list("points");
-  for (std::uint32_t i = 0; i < path.points._length; ++i) {
-    document.bare_pair(fmt::format("points[{}]", i), path.points._buffer[i].q);
+std::vector<Disc> obstacles_of(Taker& take, const dds_sequence_fjr_msg_Disc& wire) {
+  std::vector<Disc> discs;
+  for (std::uint32_t i = 0; i < wire._length; ++i) {
+    const fjr_msg_Disc& disc = wire._buffer[i];
+    const std::string field = fmt::format("obstacles[{}].", i);
+    discs.push_back({take.pair(field + "center", disc.center), take.number(field + "radius", disc.radius),
+                     take.number(field + "margin", disc.margin)});
   }
-  document.close_list();
-  document.number("tolerance", path.tolerance);
-  document.close();
+  return discs;
 }
 
-void write_motion(Document& document, const fjr_msg_PlanRequest2& extended) {
+std::optional<RequestedTip> tip_of(Taker& take, const fjr_msg_TipPath& wire) {
+  RequestedTip tip;
+  switch (take.choice("tip", wire.kind, fjr_msg_TIP_ARC)) {
+    case fjr_msg_TIP_BOX:
+      tip.box = TipBox{take.pair("tip.box[0]", wire.lower), take.pair("tip.box[1]", wire.upper)};
+      return tip;
+    case fjr_msg_TIP_LINE:
+      tip.line = TipLine{take.pair("tip.line.from", wire.from), take.pair("tip.line.to", wire.to),
+                         take.number("tip.line.tolerance", wire.tolerance)};
+      return tip;
+    case fjr_msg_TIP_ARC:
+      tip.arc = TipArc{take.pair("tip.arc.center", wire.center), take.pair("tip.arc.from", wire.from),
+                       take.pair("tip.arc.to", wire.to), take.number("tip.arc.tolerance", wire.tolerance)};
+      return tip;
+    default:
+      return std::nullopt;
+  }
+}
+
+Limits limits_of(Taker& take, const fjr_msg_TightenedLimits& wire) {
+  constexpr Pair<double> kNone{kNoLimit, kNoLimit};
+  Limits limits;
+  limits.torque = take.optional("limits.torque", wire.has_torque, wire.torque).value_or(kNone);
+  limits.torque_rate = take.optional("limits.torque_rate", wire.has_torque_rate, wire.torque_rate).value_or(kNone);
+  limits.motor_velocity =
+      take.optional("limits.motor_velocity", wire.has_motor_velocity, wire.motor_velocity).value_or(kNone);
+  limits.link_position =
+      take.optional("limits.link_position", wire.has_link_position, wire.link_position).value_or(kNone);
+  limits.spring_deflection =
+      take.optional("limits.spring_deflection", wire.has_spring_deflection, wire.spring_deflection).value_or(kNone);
+  limits.tip_speed = take.optional("limits.tip_speed", wire.has_tip_speed, wire.tip_speed).value_or(kNoLimit);
+  return limits;
+}
+
+std::optional<RequestedPath> path_of(Taker& take, const fjr_msg_JointPath& wire) {
+  if (!wire.given) return std::nullopt;
+  RequestedPath path;
+  for (std::uint32_t i = 0; i < wire.points._length; ++i) {
+    path.points.push_back(take.pair(fmt::format("path.points[{}]", i), wire.points._buffer[i].q));
+  }
+  path.tolerance = take.number("path.tolerance", wire.tolerance);
+  return path;
+}
+
+Request motion_of(Taker& take, const fjr_msg_PlanRequest2& extended) {
   const fjr_msg_PlanRequest& message = extended.request;
-  write_start(document, message.start);
-  write_goal(document, message.goal, extended.goal_dq_free);
-  write_duration(document, message.duration);
-  write_objective(document, extended);
-  write_vias(document, extended);
-  write_obstacles(document, message.obstacles);
-  write_tip(document, message.tip);
-  write_limits(document, message.limits);
-  write_payload(document, message.payload);
-  write_path(document, extended.path);
-  document.optional("sample_period", message.has_sample_period, message.sample_period);
-  if (message.has_seed) document.word("seed", std::to_string(message.seed));
+  Request request;
+  request.start = start_of(take, message.start);
+  request.goal = goal_of(take, message.goal, extended.goal_dq_free);
+  request.duration = duration_of(take, message.duration);
+  request.objective = objective_of(take, extended);
+  request.via = vias_of(take, extended);
+  request.obstacles = obstacles_of(take, message.obstacles);
+  request.tip = tip_of(take, message.tip);
+  request.limits = limits_of(take, message.limits);
+  if (message.payload.given) {
+    request.payload = Payload{take.number("payload.mass", message.payload.mass),
+                              take.number("payload.inertia", message.payload.inertia)};
+  }
+  request.path = path_of(take, extended.path);
+  request.sample_period = take.optional("sample_period", message.has_sample_period, message.sample_period);
+  if (message.has_seed) request.seed = message.seed;
+  return request;
 }
 
 std::optional<Refusal> refusal_of_time(const char* field, double time) {
@@ -311,10 +242,9 @@ RequestId decode(const fjr_msg_RequestId& wire) {
 Order decode(const fjr_msg_PlanRequest2& extended) {
   Order order = decode_terms(extended.request);
   if (order.action == Action::kExecute) return order;
-  Document document;
-  write_motion(document, extended);
-  order.yaml = document.text();
-  if (!order.refusal) order.refusal = document.refusal();
+  Taker take;
+  order.yaml = format_request(motion_of(take, extended));
+  if (!order.refusal) order.refusal = take.refusal();
   return order;
 }
 

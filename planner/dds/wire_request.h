@@ -1,8 +1,11 @@
-// Requests between their document (DESIGN 5.2) and the wire.
+// Requests on the wire.
 #pragma once
 
 #include <fjr_plan_request.h>
 
+#include <stdexcept>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "planner/protocol/messages.h"
@@ -21,6 +24,22 @@ struct WireRequest {
 fjr_msg_RequestId encode(const RequestId& id);
 RequestId decode(const fjr_msg_RequestId& id);
 
+// Where a message of an earlier type, const or not, has a term's weight.
+template <class Message>
+auto& weight_in(Message& message, std::string_view term) {
+  auto& objective = message.request.objective;
+  if (term == "time") return objective.time;
+  if (term == "effort") return objective.effort;
+  if (term == "torque_rate") return objective.torque_rate;
+  if (term == "link_acceleration") return objective.link_acceleration;
+  if (term == "link_jerk") return objective.link_jerk;
+  if (term == "energy") return objective.energy;
+  if (term == "copper") return message.copper;
+  if (term == "peak_torque") return message.peak_torque;
+  if (term == "tip_speed") return message.tip_speed;
+  throw std::logic_error("the wire has no weight for " + std::string(term));
+}
+
 // For services of this version. Throws InputError for a document that is no YAML map or too long.
 fjr_msg_MotionRequest encode(const Order& order);
 
@@ -31,8 +50,7 @@ WireRequest encode_plan_request(const Order& order);
 bool fits_plan_request(const fjr_msg_PlanRequest2& message);
 
 // Never throws for what is on the wire: what cannot be meant (not finite, an unknown choice) becomes order.refusal. All
-// else is, or is written down as, a document for parse_request(), so that a request is validated in one place however
-// it came.
+// else is, or is written down as, a document, so that a request is validated in one place however it came.
 Order decode(const fjr_msg_MotionRequest& message);
 Order decode(const fjr_msg_PlanRequest2& message);
 Order decode(const fjr_msg_PlanRequest& message);

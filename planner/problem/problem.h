@@ -102,8 +102,9 @@ struct Problem {
   std::optional<Elastic> elastic;
   double sample_period = 0.001;  // [s]
   std::uint64_t seed = 1;
-  std::string name;          // of the request file, without extension
-  std::string request_hash;  // SHA-256 over the resolved values, not over the file's bytes
+  std::string method = "hermite-simpson";  // of collocation, a name of collocation/scheme.h
+  std::string name;                        // of the request file, without extension
+  std::string request_hash;                // SHA-256 over the resolved values, not over the file's bytes
 };
 
 // What holding the goal takes of each motor once the arm is there, |G(q)| [N m]; 0 where the goal moves or leaves a

@@ -67,7 +67,7 @@ void add_arc(std::vector<TaskRow>& rows, const TipArc& arc) {
   const auto from_circle = [radius](double r) { return (r * r - radius * radius) / (2 * radius); };
   rows.push_back({Kind::kTipRadius, arc.center, radius, radius > band ? from_circle(radius - band) : -kNone,
                   from_circle(radius + band), arc.tolerance, "tip_arc"});
-  if (arc.long_way) return add_gap(rows, arc, radius);
+  if (arc.way == ArcWay::kLong) return add_gap(rows, arc, radius);
   const double turn = first[0] * last[1] - first[1] * last[0] > 0 ? 1 : -1;
   const auto onward = [turn](const Pair<double>& r) {
     return Pair<double>{-turn * r[1] / length(r), turn * r[0] / length(r)};
@@ -94,9 +94,9 @@ std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::s
 
 std::size_t count_of_rows(const Task& task) {
   return (task.path ? 2 : 0) + kJoints * task.obstacles.size() + (task.box ? 2 : 0) + (task.line ? 2 : 0) +
-         (!task.arc            ? 0
-          : task.arc->long_way ? 2
-                               : 3);
+         (!task.arc                        ? 0
+          : task.arc->way == ArcWay::kLong ? 2
+                                           : 3);
 }
 
 }  // namespace fjr

@@ -33,12 +33,14 @@ struct TipLine {
   double tolerance = 0;
 };
 
+enum class ArcWay { kShort, kLong };
+
 // The tip stays within the tolerance of the arc about `center` that leads the short way from one point to another, or
 // the long way round. [m]
 struct TipArc {
   Pair<double> center{}, from{}, to{};
   double tolerance = 0;
-  bool long_way = false;
+  ArcWay way = ArcWay::kShort;
 };
 
 // The links' angles stay within the tolerance of straight lines through the corners, one after the other. The motion

@@ -16,7 +16,7 @@ double angle_of(const TipArc& arc, const Pair<double>& point) {
 double turn_between(const TipArc& arc, const Pair<double>& from, const Pair<double>& to) {
   const auto shortest = [](double angle) { return std::remainder(angle, 2 * std::numbers::pi); };
   const double turn = shortest(angle_of(arc, to) - angle_of(arc, from));
-  if (!arc.long_way) return turn;
+  if (arc.way == ArcWay::kShort) return turn;
   // Against the short way, by up to 0.9 whole turns; what is left is for points that lie a little before the other.
   const double onward =
       -std::copysign(0.9 * std::numbers::pi, shortest(angle_of(arc, arc.to) - angle_of(arc, arc.from)));

@@ -210,7 +210,7 @@ Json task_json(const Task& task) {
     json["arc"] = {
         {"center", numbers(task.arc->center)}, {"from", numbers(task.arc->from)}, {"to", numbers(task.arc->to)}};
     json["arc"]["tolerance"] = task.arc->tolerance;
-    if (task.arc->long_way) json["arc"]["way"] = "long";
+    if (task.arc->way == ArcWay::kLong) json["arc"]["way"] = "long";
   }
   if (task.path) {
     for (const Pair<double>& corner : task.path->corners) json["path"]["corners"].push_back(numbers(corner));

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "planner/problem/problem.h"
-#include "planner/protocol/document.h"
 #include "planner/request/request.h"
 
 namespace fjr {
@@ -16,9 +15,17 @@ constexpr const char* kOtherPayload =
 }  // namespace
 
 bool leaves_start_out(const Order& order) try {
-  return !order.refusal && order.action != Action::kExecute && !gives_start(order.yaml, order.name);
+  if (order.refusal || order.action == Action::kExecute) return false;
+  return !read_request(YamlNode::parse(order.yaml, order.name)).start;
 } catch (const InputError&) {
-  return false;  // what is no document has nothing to be filled in
+  return false;  // what is no request has nothing to be filled in
+}
+
+std::optional<Refusal> read_motion(Job& job) try {
+  job.request = read_request(YamlNode::parse(job.order.yaml, job.order.name));
+  return std::nullopt;
+} catch (const InputError& error) {
+  return refusal_of(error);
 }
 
 Refusal refusal_of(const InputError& error) {
@@ -50,7 +57,7 @@ std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served
 
 std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot) {
   try {
-    const Problem problem = parse_request(job.order.yaml, job.order.name, robot);
+    const Problem problem = resolve_for(job.request, robot);
     job.request_hash = problem.request_hash;
     job.robot_hash = robot_hash(problem.robot);
     job.rest_to_rest = problem.start_at_rest && problem.goal.at_rest;

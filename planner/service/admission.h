@@ -28,6 +28,9 @@ Refusal refusal_of(const InputError& error);  // in a request document
 // Of whatever kind it is, before its motion is looked at.
 std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served);
 
+// Reads the motion that an order describes into its job; what is no request is refused.
+std::optional<Refusal> read_motion(Job& job);
+
 // Of a motion to be planned, whose start is given by now. What is learnt about it is put into the job.
 std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot);
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "planner/protocol/messages.h"
+#include "planner/request/request.h"
 
 namespace fjr {
 
@@ -18,6 +19,7 @@ struct Job {
   using Clock = std::chrono::steady_clock;
 
   Order order;
+  Request request;  // the motion that is to be planned, its start given by now
   std::string request_hash;
   std::string robot_hash;  // of the robot it is planned for: the served one, or that with the request's payload
   bool rest_to_rest = false;

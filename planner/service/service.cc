@@ -11,7 +11,6 @@
 #include <variant>
 
 #include "common/input_error.h"
-#include "planner/protocol/document.h"
 #include "planner/service/memory.h"
 #include "planner/service/overheard.h"
 #include "planner/service/watchdog.h"
@@ -164,27 +163,26 @@ void Service::admit(Order order, Clock::time_point arrived, Clock::time_point he
     return reject(order, {Reason::kQueueFull, "", fmt::format("{} requests wait already", queue_.size())});
   }
   if (order.action == Action::kExecute) return execute_planned(order, arrived);
-  if (auto refusal = resolve_start(order)) return reject(order, std::move(*refusal));
   Job job;
   job.order = std::move(order);
+  if (auto refusal = read_motion(job)) return reject(job.order, std::move(*refusal));
+  if (auto refusal = resolve_start(job.request)) return reject(job.order, std::move(*refusal));
   if (auto refusal = refusal_of_motion(job, robot_)) return reject(job.order, std::move(*refusal));
   enqueue(std::move(job), arrived);
 }
 
 Served Service::served() const { return {config_.robot_id, ownership_.robots(), robot_hash_, config_.longest_budget}; }
 
-std::optional<Refusal> Service::resolve_start(Order& order) const try {
-  if (!leaves_start_out(order)) return std::nullopt;
+std::optional<Refusal> Service::resolve_start(Request& request) const {
+  if (request.start) return std::nullopt;
   const auto refused = [](const std::string& why) {
     return Refusal{Reason::kArmNotAtRest, "start", "left out, but " + why};
   };
   if (motion_pending()) return refused("an earlier request is still to move the arm");
   const auto rest = executor_.rest();
   if (const auto* why = std::get_if<std::string>(&rest)) return refused(*why);
-  order.yaml = with_start(order.yaml, order.name, std::get<Pair<double>>(rest));
+  request.start.emplace().q = std::get<Pair<double>>(rest);
   return std::nullopt;
-} catch (const InputError& error) {
-  return refusal_of(error);
 }
 
 // It is published under the id of the request to execute it: asked for again under another id, it moves again.
@@ -260,11 +258,10 @@ void Service::cancel(const dds::ServicePort::Cancel& wanted) {
   const bool ours = wanted.robot_id ? ownership_.answers_for(*wanted.robot_id) : ownership_.robots().size() == 1;
   if (!ours) return;
   // It may still be on its way, for the two come on different topics.
-  Order unknown;
-  unknown.id = id;
-  unknown.origin = wanted.origin;
-  finish({unknown, {}, {}, {}, {}, {}, {}},
-         reply_to(unknown, ReplyState::kCancelled, {Reason::kCancelled, "", "cancelled before it arrived"}));
+  Job unknown;
+  unknown.order.id = id;
+  unknown.order.origin = wanted.origin;
+  give_up(unknown, ReplyState::kCancelled, Reason::kCancelled, "cancelled before it arrived");
 }
 
 // ---- whose client is still there ----

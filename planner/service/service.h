@@ -49,7 +49,7 @@ class Service {
   // heard: the last sign of life of its client.
   void admit(Order order, Clock::time_point arrived, Clock::time_point heard);
   Served served() const;
-  std::optional<Refusal> resolve_start(Order& order) const;
+  std::optional<Refusal> resolve_start(Request& request) const;
   void enqueue(Job job, Clock::time_point arrived);
   void execute_planned(const Order& order, Clock::time_point arrived);
   bool repeat(const Order& order);

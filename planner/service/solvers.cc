@@ -62,7 +62,7 @@ void Solvers::solve(Job job) {
     solver->result.rows = planned->rows;
     return find_stops(*solver);
   }
-  (void)solver->worker->solve(solver->job->order.name, solver->job->order.yaml);
+  (void)solver->worker->solve(solver->job->order.name, format_request(solver->job->request));
 }
 
 void Solvers::find_stops(Solver& solver) {

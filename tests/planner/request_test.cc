@@ -14,6 +14,7 @@
 #include "common/input_error.h"
 #include "model/flatness.h"
 #include "planner/problem/problem.h"
+#include "tests/support/random_requests.h"
 
 namespace fjr {
 namespace {
@@ -44,6 +45,48 @@ void expect_weights(const Weights& w, double time, double effort, double torque_
   EXPECT_EQ(w.effort, effort);
   EXPECT_EQ(w.torque_rate, torque_rate);
   EXPECT_EQ(w.link_acceleration, link_acceleration);
+}
+
+Request read(const std::string& yaml) { return read_request(YamlNode::parse(yaml, "request.yaml")); }
+
+// A request as a document of one line is the same request, to the last bit, whatever it asks for.
+void expect_same_when_written(const Request& request, const Parameters& robot) {
+  const std::string text = format_request(request);
+  Request again = read_request(YamlNode::parse(text, request.source));
+  EXPECT_EQ(format_request(again), text);
+  EXPECT_EQ(resolve(again, robot).request_hash, resolve(request, robot).request_hash) << text;
+}
+
+TEST(Request, IsTheSameWhenItIsWrittenAndReadAgain) {
+  const Parameters robot = load_parameters(kRobot);
+  for (const fs::directory_entry& example : fs::directory_iterator(fs::path(FJR_SOURCE_DIR) / "config/requests")) {
+    expect_same_when_written(read_request(YamlNode::load(example.path())), robot);
+  }
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    expect_same_when_written(read(random_request(robot, seed).yaml), robot);
+  }
+  for (const char* more : {"tip: {arc: {center: [0, 0], from: [0.3, 0.52], to: [0.6, 0], tolerance: 0.01, way: long}}",
+                           "limits: {torque: [10, 4], tip_speed: 2.5}", "payload: {mass: 0.1, inertia: 0.001}",
+                           "objective: {time: 1, copper: 0.1}", "duration: {max: 3}", "method: radau3", "seed: 7"}) {
+    const Request request = read(kMove + more + "\n");
+    EXPECT_EQ(format_request(read(format_request(request))), format_request(request)) << more;
+    EXPECT_NE(format_request(request), format_request(read(kMove))) << more;
+  }
+}
+
+TEST(Request, AStartThatSaysNothingIsLeftOut) {
+  for (const char* start : {"", "start:\n", "start: {}\n", "start: null\n"}) {
+    EXPECT_FALSE(read(start + kGoal).start) << start;
+  }
+  EXPECT_TRUE(read(kMove).start);
+}
+
+TEST(Request, MethodIsAScheme) {
+  EXPECT_EQ(parse(kMove).method, "hermite-simpson");
+  EXPECT_EQ(parse(kMove + "method: hermite-simpson\n").request_hash, parse(kMove).request_hash);
+  EXPECT_NE(parse(kMove + "method: lobatto4\n").request_hash, parse(kMove).request_hash);
+  EXPECT_EQ(error_of(kMove + "method: euler\n"),
+            "request.yaml: method: \"euler\" is not one of trapezoidal, hermite-simpson, lobatto4, radau3");
 }
 
 TEST(Request, DefaultsAreFastestFromRestToRestInFreeTime) {
@@ -212,14 +255,15 @@ TEST(BrokenRequest, ShapeOfTheDocument) {
       {"# nothing\n", "empty"},
       {"fastest",
        "must be a map with the keys robot, start, goal, duration, objective, via, obstacles, tip, path, limits, "
-       "sample_period, seed, payload, not the text \"fastest\""},
+       "sample_period, seed, payload, method, not the text \"fastest\""},
       {kMove + "durtion: 1",
        "unknown key \"durtion\"; allowed: robot, start, goal, duration, objective, via, obstacles, "
-       "tip, path, limits, sample_period, seed, payload"},
+       "tip, path, limits, sample_period, seed, payload, method"},
       {kMove + "seed: 1\nseed: 2", "line 4: key \"seed\" is given twice"},
       {kGoal, "start: missing; only a request to the service may leave it out, which then starts where the arm rests"},
       {kStart, "goal: missing"},
-      {"start:\n" + kGoal, "start: must be a map with the keys q, dq, theta, dtheta, not empty"},
+      {"start:\n" + kGoal,
+       "start: missing; only a request to the service may leave it out, which then starts where the arm rests"},
   });
 }
 
@@ -315,7 +359,7 @@ TEST(BrokenRequest, Task) {
       {kMove + "tip: {arc: {center: [0, 0], from: [0, -0.65], to: [0.6, 0], tolerance: 0.01}}",
        "tip.arc.to: lies 0.6 m from the center, from lies 0.65 m from it; they may differ by the tolerance of 0.01 m"},
       {kMove + "path: {points: [[0.1, 4]], tolerance: 0.01}", "path.points[0][1]: 4 rad is outside [-2.6, 2.6]"},
-      {kMove + "path: {points: [], tolerance: 0.01}\nvia: []",
+      {kMove + "path: {points: [], tolerance: 0.01}\nvia: [{q: [0.1, 0.1]}]",
        "path: goes through its points already; give either path or via"},
       {kMove + "duration: 0.5\nvia: [{q: [0.2, 0], time: 0.499}, {q: [0.3, 0]}]",
        "via: 1 points after 0.499 s leave no time until the end at 0.5 s, at least 0.001 s apart"},

@@ -66,7 +66,7 @@ TEST(Arc, LeadsTheLongWayRoundWhereThatIsAskedFor) {
   // About [0.32, -0.2] m with a radius of 0.1 m, from the top to the right the long way: three quarters of a turn.
   const Problem problem =
       request("{start: {q: [0.0, 1.9]}, goal: {q: [0.0, 1.5]}, tip: {box: [[-0.65, -0.65], [0.65, 0.65]]}}");
-  const TipArc arc{{0.32, -0.2}, {0.32, -0.1}, {0.42, -0.2}, 0.01, true};
+  const TipArc arc{{0.32, -0.2}, {0.32, -0.1}, {0.42, -0.2}, 0.01, ArcWay::kLong};
   EXPECT_NEAR(std::abs(turn_of(arc)), 1.5 * M_PI, 1e-12);
   Task task;
   task.arc = arc;

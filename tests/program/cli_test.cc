@@ -251,7 +251,7 @@ TEST_F(Cli, AnEarlierPlanOutlivesWhateverComesAfterIt) {
   EXPECT_EQ(run({"request", "missing.yaml", "--out", "out"}).exit_code, 2);
   EXPECT_TRUE(untouched());
 
-  write("long.yaml", kGood);
+  write("long.yaml", "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\nduration: 1.5\nobjective: efficient\n");  // seconds
   const pid_t killed = start({"plan", "long.yaml", "--out", "out"});
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   kill(killed, SIGKILL);

@@ -340,6 +340,7 @@ TEST(Admission, WhatIsTooLongToBeExecutedIsRefusedAndMayBePlanned) {
   Job job;
   job.order.name = "request";
   job.order.yaml = "{start: {q: [0, 0]}, goal: {q: [0.5, 0]}, duration: 25}";
+  ASSERT_FALSE(read_motion(job));
   EXPECT_FALSE(refusal_of_motion(job, robot));
   job.order.action = Action::kPlanAndExecute;
   const auto refusal = refusal_of_motion(job, robot);

@@ -165,15 +165,9 @@ TEST(Wire, ADocumentKeepsItsMeaningInOneLine) {
   }
 }
 
-// The client's file names are nobody else's, and a start that is left out is the arm's.
-TEST(Wire, WhatADocumentLeavesOut) {
+// The client's file names are nobody else's.
+TEST(Wire, ADocumentLeavesTheRobotOut) {
   EXPECT_EQ(without_robot("robot: my.yaml\n" + kShort, ""), without_robot(kShort, ""));
-  EXPECT_TRUE(gives_start(kShort, ""));
-  for (const char* start : {"", "start:\n", "start: {}\n", "start: null\n"}) {
-    const std::string document = std::string(start) + "goal: {q: [0.42, 0.08]}\n";
-    EXPECT_FALSE(gives_start(document, "")) << start;
-    EXPECT_EQ(resolved(with_start(document, "", {0.3, 0.2})).request_hash, resolved(kShort).request_hash) << start;
-  }
 }
 
 TEST(Wire, TermsOfAMotionRequestAreChecked) {

@@ -1,0 +1,129 @@
+// Request -> a document of one line.
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string_view>
+
+#include "planner/request/request.h"
+#include "planner/request/words.h"
+
+namespace fjr {
+namespace {
+
+// A flow map; numbers in the shortest digits that read back to the same bits.
+class Map {
+ public:
+  void add(std::string_view name, std::string_view text) {
+    fmt::format_to(std::back_inserter(text_), "{}{}: {}", text_.empty() ? "" : ", ", name, text);
+  }
+  std::string text() const { return "{" + text_ + "}"; }
+
+ private:
+  std::string text_;
+};
+
+template <class T>
+std::string text_of(const std::optional<T>& value);
+template <class T>
+std::string text_of(const std::vector<T>& list);
+template <Keyed R>
+std::string text_of(const R& r);
+std::string text_of(const RequestedDuration& duration);
+
+std::string text_of(double value) { return fmt::format("{}", value); }
+std::string text_of(std::uint64_t value) { return fmt::format("{}", value); }
+std::string text_of(bool value) { return value ? "true" : "false"; }
+std::string text_of(const std::string& value) { return quoted_flow(value); }
+std::string text_of(const Pair<double>& value) { return fmt::format("[{}, {}]", value[0], value[1]); }
+
+template <Worded Choice>
+std::string text_of(Choice value) {
+  for (const auto& [word, choice] : kWords<Choice>) {
+    if (choice == value) return std::string(word);
+  }
+  return "";
+}
+
+std::string text_of(const AnglesOrFree& angles) {
+  const auto one = [](const std::optional<double>& angle) { return angle ? text_of(*angle) : std::string("free"); };
+  return fmt::format("[{}, {}]", one(angles[0]), one(angles[1]));
+}
+
+std::string text_of(const VelocityOrFree& velocity) { return velocity.free ? "free" : text_of(velocity.value); }
+std::string text_of(const TipBox& box) { return fmt::format("[{}, {}]", text_of(box.lower), text_of(box.upper)); }
+std::string text_of(const Payload& payload) {
+  return fmt::format("{{mass: {}, inertia: {}}}", payload.mass, payload.inertia);
+}
+
+std::string text_of(const Limits& limits) {
+  Map map;
+  visit_pair_limits(limits, [&](std::string_view name, std::string_view, const Pair<double>& limit) {
+    if (limit != Pair<double>{kNoLimit, kNoLimit}) map.add(name, text_of(limit));
+  });
+  if (limits.tip_speed != kNoLimit) map.add("tip_speed", text_of(limits.tip_speed));
+  return map.text();
+}
+
+std::string text_of(const RequestedObjective& objective) {
+  if (objective.preset) return text_of(*objective.preset);
+  Map map;
+  for (const TermInfo& term : Terms::infos) {
+    if (const double weight = objective.weights.*term.weight; weight != 0) map.add(term.name, text_of(weight));
+  }
+  return map.text();
+}
+
+template <class T>
+std::string text_of(const std::vector<T>& list) {
+  std::string items;
+  for (const T& item : list)
+    fmt::format_to(std::back_inserter(items), "{}{}", items.empty() ? "" : ", ", text_of(item));
+  return "[" + items + "]";
+}
+
+// What was not said.
+template <class T>
+bool is_said(const std::optional<T>& value) {
+  return value.has_value();
+}
+template <class T>
+bool is_said(const std::vector<T>& list) {
+  return !list.empty();
+}
+bool is_said(const Limits& limits) { return text_of(limits) != "{}"; }
+bool is_said(bool value) { return value; }
+template <class T>
+bool is_said(const T&) {
+  return true;
+}
+
+template <class T>
+std::string text_of(const std::optional<T>& value) {
+  return text_of(*value);
+}
+
+template <Keyed R>
+std::string text_of_keys(const R& r) {
+  Map map;
+  visit(r, [&](const Key& key, const auto& member) {
+    if (is_said(member)) map.add(key.name, text_of(member));
+  });
+  return map.text();
+}
+
+std::string text_of(const RequestedDuration& duration) {
+  if (!duration.min && !duration.max) return "free";
+  if (duration.min && duration.max && *duration.min == *duration.max) return text_of(*duration.min);
+  return text_of_keys(duration);
+}
+
+template <Keyed R>
+std::string text_of(const R& r) {
+  return text_of_keys(r);
+}
+
+}  // namespace
+
+std::string format_request(const Request& request) { return text_of(request); }
+
+}  // namespace fjr

@@ -1,0 +1,35 @@
+// Where in a request something stands, for messages.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <initializer_list>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "common/input_error.h"
+#include "planner/request/request.h"
+
+namespace fjr {
+
+// "via[2]" of "request.yaml".
+struct Place {
+  const Request& request;
+  std::string field;
+
+  Place at(std::string_view key) const {
+    return {request, field.empty() ? std::string(key) : fmt::format("{}.{}", field, key)};
+  }
+  Place at(std::size_t index) const { return {request, fmt::format("{}[{}]", field, index)}; }
+  // The first of `keys` that was given, otherwise this: what to name when something derived from it is wrong.
+  Place first_of(std::initializer_list<std::pair<std::string_view, bool>> keys) const {
+    for (const auto& [key, given] : keys) {
+      if (given) return at(key);
+    }
+    return *this;
+  }
+  [[noreturn]] void fail(const std::string& problem) const { throw InputError(request.source, field, problem); }
+};
+
+}  // namespace fjr

@@ -1,0 +1,157 @@
+// A document -> Request.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+
+#include "planner/request/request.h"
+#include "planner/request/words.h"
+
+namespace fjr {
+namespace {
+
+// Each form of value is read by one of these; unit: of its numbers.
+template <class T>
+void read(const YamlNode& node, const char* unit, std::optional<T>& value);
+template <class T>
+void read(const YamlNode& node, const char* unit, std::vector<T>& list);
+template <Keyed R>
+void read(const YamlNode& node, const char* unit, R& r);
+void read(const YamlNode& node, const char* unit, std::optional<RequestedStart>& start);
+void read(const YamlNode& node, const char* unit, RequestedDuration& duration);
+void read(const YamlNode& node, const char* unit, RequestedTip& tip);
+
+void read(const YamlNode& node, const char* unit, double& value) { value = node.number(unit); }
+void read(const YamlNode& node, const char* unit, Pair<double>& value) { value = node.pair(unit); }
+void read(const YamlNode& node, const char*, std::uint64_t& value) { value = node.whole_number(); }
+void read(const YamlNode& node, const char*, std::string& value) { value = node.text(); }
+
+void read(const YamlNode& node, const char*, bool& value) {
+  if (!node.says("true") && !node.says("false")) node.fail("must be true or false");
+  value = node.says("true");
+}
+
+template <Worded Choice>
+void read(const YamlNode& node, const char*, Choice& value) {
+  std::string words;
+  for (const auto& [word, choice] : kWords<Choice>) {
+    if (node.says(word)) {
+      value = choice;
+      return;
+    }
+    fmt::format_to(std::back_inserter(words), "{}{}", words.empty() ? "" : ", ", word);
+  }
+  node.fail(fmt::format("{} is not one of {}", shown(node.text()), words));
+}
+
+void read(const YamlNode& node, const char* unit, AnglesOrFree& angles) {
+  const std::vector<YamlNode> items = node.is_list() ? node.items() : std::vector<YamlNode>{};
+  const auto is_free = [](const YamlNode& item) { return item.says("free"); };
+  if (items.size() != kJoints || std::none_of(items.begin(), items.end(), is_free)) {
+    const Pair<double> both = node.pair(unit);
+    std::copy(both.begin(), both.end(), angles.begin());
+    return;
+  }
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!is_free(items[j])) angles[j] = items[j].number(unit);
+  }
+}
+
+void read(const YamlNode& node, const char* unit, VelocityOrFree& velocity) {
+  velocity.free = node.says("free");
+  if (!velocity.free) velocity.value = node.pair(unit);
+}
+
+void read(const YamlNode& node, const char* unit, TipBox& box) {
+  const std::vector<YamlNode> corners = node.items();
+  if (corners.size() != 2) node.fail("must be two corners: [[x, y], [x, y]]");
+  box = {corners[0].pair(unit), corners[1].pair(unit)};
+}
+
+void read(const YamlNode& node, const char*, Payload& payload) { payload = read_payload(node); }
+
+void read(const YamlNode& node, const char*, Limits& limits) {
+  std::vector<std::string_view> names;
+  visit_pair_limits(limits, [&](std::string_view name, std::string_view, Pair<double>&) { names.push_back(name); });
+  names.emplace_back("tip_speed");
+  node.allow_keys(names);
+  visit_pair_limits(limits, [&](std::string_view name, std::string_view unit, Pair<double>& limit) {
+    if (const auto given = node.find(name)) limit = given->pair(unit);
+  });
+  if (const auto speed = node.find("tip_speed")) limits.tip_speed = speed->number("m/s");
+}
+
+void read(const YamlNode& node, const char* unit, RequestedObjective& objective) {
+  if (node.is_scalar()) {
+    for (const auto& [word, preset] : kWords<Preset>) {
+      if (node.says(word)) objective.preset = preset;
+    }
+    if (objective.preset) return;
+    node.fail(shown(node.text()) +
+              " is not a preset (fastest, gentle, efficient); weights are given as {effort: 1, ...}");
+  }
+  if (!node.is_map()) node.fail("must be a preset (fastest, gentle, efficient) or weights {effort: 1, ...}");
+  std::vector<std::string_view> names;
+  for (const TermInfo& term : Terms::infos) names.push_back(term.name);
+  node.allow_keys(names);
+  for (const TermInfo& term : Terms::infos) {
+    if (const auto weight = node.find(term.name)) objective.weights.*term.weight = weight->number(unit);
+  }
+}
+
+template <class T>
+void read(const YamlNode& node, const char* unit, std::optional<T>& value) {
+  read(node, unit, value.emplace());
+}
+
+template <class T>
+void read(const YamlNode& node, const char* unit, std::vector<T>& list) {
+  for (const YamlNode& item : node.items()) read(item, unit, list.emplace_back());
+}
+
+template <Keyed R>
+void read_keys(const YamlNode& node, R& r) {
+  std::vector<std::string_view> names;
+  visit(r, [&](const Key& key, auto&) { names.emplace_back(key.name); });
+  node.allow_keys(names);
+  visit(r, [&](const Key& key, auto& member) {
+    if (const auto given = key.required ? node.at(key.name) : node.find(key.name)) read(*given, key.unit, member);
+  });
+}
+
+template <Keyed R>
+void read(const YamlNode& node, const char*, R& r) {
+  read_keys(node, r);
+}
+
+void read(const YamlNode& node, const char*, RequestedTip& tip) {
+  read_keys(node, tip);
+  if (int{tip.box.has_value()} + int{tip.line.has_value()} + int{tip.arc.has_value()} != 1) {
+    node.fail("needs one of box, line, arc, and only one");
+  }
+}
+
+void read(const YamlNode& node, const char* unit, RequestedDuration& duration) {
+  if (node.says("free")) return;
+  if (node.is_map()) return read_keys(node, duration);
+  if (!node.is_scalar()) node.fail("must be a number of seconds, free, or {min, max}");
+  duration.min = duration.max = node.number(unit);
+}
+
+// Nothing in it says as little as leaving it out.
+void read(const YamlNode& node, const char*, std::optional<RequestedStart>& start) {
+  if (node.is_null()) return;
+  read_keys(node, start.emplace());
+  if (start->empty()) start.reset();
+}
+
+}  // namespace
+
+Request read_request(const YamlNode& root) {
+  Request request;
+  request.source = root.source();
+  read_keys(root, request);
+  return request;
+}
+
+}  // namespace fjr

@@ -1,0 +1,105 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <vector>
+
+#include "common/sha256.h"
+#include "planner/request/request.h"
+
+namespace fjr {
+namespace {
+
+// "name=value" lines of everything that decides the plan.
+class HashLines {
+ public:
+  void add(const std::string& name, double value) {
+    lines_.push_back(fmt::format("{}={:.17g}\n", name, value + 0.0));  // -0 is 0
+  }
+  void add(const std::string& name, const Pair<double>& pair) {
+    for (std::size_t j = 0; j < kJoints; ++j) add(fmt::format("{}[{}]", name, j), pair[j]);
+  }
+  void add(const std::string& name, const std::optional<Pair<double>>& pair) {
+    pair ? add(name, *pair) : add_text(name, "free");
+  }
+  void add_text(const std::string& name, std::string_view text) {
+    lines_.push_back(fmt::format("{}={}\n", name, text));
+  }
+
+  std::string hash() {
+    std::sort(lines_.begin(), lines_.end());
+    return sha256_hex(fmt::format("{}", fmt::join(lines_, "")));
+  }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+void add_goal(HashLines& lines, const std::string& name, const Goal& goal) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const std::string angle = fmt::format("{}.q[{}]", name, j);
+    goal.free[j] ? lines.add_text(angle, "free") : lines.add(angle, goal.q[j]);
+  }
+  goal.dq_free ? lines.add_text(name + ".dq", "free") : lines.add(name + ".dq", goal.dq);
+  lines.add(name + ".theta", goal.theta);
+  lines.add(name + ".dtheta", goal.dtheta);
+}
+
+void add_states(HashLines& lines, const Problem& problem) {
+  lines.add("start.q", problem.start.q);
+  lines.add("start.dq", problem.start.dq);
+  lines.add("start.theta", problem.start.theta);
+  lines.add("start.dtheta", problem.start.dtheta);
+  add_goal(lines, "goal", problem.goal);
+  for (std::size_t i = 0; i < problem.other_goals.size(); ++i) {
+    add_goal(lines, fmt::format("other_goals[{}]", i), problem.other_goals[i]);
+  }
+  for (std::size_t i = 0; i < problem.via.size(); ++i) {
+    const Via& via = problem.via[i];
+    const std::string name = fmt::format("via[{}]", i);
+    via.time ? lines.add(name + ".time", *via.time) : lines.add_text(name + ".time", "free");
+    lines.add(name + ".q", via.q);
+    lines.add(name + ".dq", via.dq);
+    if (via.tolerance > 0) lines.add(name + ".tolerance", via.tolerance);
+  }
+}
+
+// The rows say all there is to say about a task.
+void add_task(HashLines& lines, const Problem& problem) {
+  for (std::size_t s = 0; s <= problem.via.size(); ++s) {
+    const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, s);
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const std::string name = fmt::format("task[{}][{}]", s, r);
+      lines.add_text(name + ".kind", fmt::format("{} {}", rows[r].name, static_cast<int>(rows[r].kind)));
+      lines.add(name + ".vector", rows[r].vector);
+      lines.add(name + ".number", rows[r].number);
+      lines.add(name + ".lower", rows[r].lower);
+      lines.add(name + ".upper", rows[r].upper);
+    }
+  }
+}
+
+}  // namespace
+
+std::string request_hash(const Problem& problem) {
+  HashLines lines;
+  lines.add_text("robot_hash", robot_hash(problem.robot));
+  add_states(lines, problem);
+  add_task(lines, problem);
+  visit_pair_limits(problem.limits, [&](std::string_view name, std::string_view, const Pair<double>& limit) {
+    lines.add(fmt::format("limits.{}", name), limit);
+  });
+  lines.add("limits.tip_speed", problem.limits.tip_speed);
+  lines.add("duration.min", problem.duration.min);
+  lines.add("duration.max", problem.duration.max);
+  for (const TermInfo& term : Terms::infos) {
+    lines.add(fmt::format("objective.{}", term.name), problem.weights.*term.weight);
+  }
+  if (problem.release) lines.add("release", static_cast<double>(*problem.release));
+  lines.add("sample_period", problem.sample_period);
+  lines.add_text("seed", std::to_string(problem.seed));
+  if (problem.method != Problem{}.method) lines.add_text("method", problem.method);
+  return lines.hash();
+}
+
+}  // namespace fjr

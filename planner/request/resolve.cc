@@ -1,0 +1,523 @@
+// Request -> Problem: what was said becomes numbers, and what contradicts itself or the robot is refused.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+#include "common/input_error.h"
+#include "model/flatness.h"
+#include "model/kinematics.h"
+#include "planner/collocation/scheme.h"
+#include "planner/problem/inverse_kinematics.h"
+#include "planner/request/place.h"
+#include "planner/request/request.h"
+#include "planner/request/resolve_task.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+namespace {
+
+constexpr double kShortestPeriod = 0.0005, kLongestPeriod = 0.005;  // [s]
+constexpr double kViaSpacing = 1e-3;                                // [s] between vias, and from both ends
+constexpr std::size_t kMaxVias = 32;
+constexpr double kLargestWeight = 1e9;
+constexpr double kSameAngle = 1e-9;  // [rad] below this two given angles mean the same; 1e-5 of an encoder count
+constexpr double kNoMotion = 1e-6;   // [rad] as near as two angles of one tip position are computed
+constexpr double kLargestLinkVelocity = 100;  // [rad/s] several times what motors and springs together can reach
+
+// A state of the request together with which of its parts were given.
+struct StatePlace {
+  Place place;
+  bool q = false, dq = false, theta = false, dtheta = false;
+};
+
+// ---- limits ----
+
+double tightened(const Place& place, double wanted, double robots, std::string_view unit) {
+  if (!(wanted > 0)) place.fail(fmt::format("{} must be > 0", with_unit(wanted, unit)));
+  if (wanted > robots) {
+    place.fail(fmt::format("{} is above the robot's {} (limits may only tighten)", with_unit(wanted, unit),
+                           with_unit(robots, unit)));
+  }
+  return wanted;
+}
+
+Limits resolve_limits(const Request& request, const Parameters& robot) {
+  const Place place{request, "limits"};
+  Limits limits = Limits::of(robot), wanted = request.limits;
+  visit_pair_limits(limits, [&](std::string_view name, std::string_view unit, Pair<double>& limit) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double asked = *limit_of(wanted, name, static_cast<int>(j) + 1);
+      if (asked != kNoLimit) limit[j] = tightened(place.at(name).at(j), asked, limit[j], unit);
+    }
+  });
+  if (wanted.tip_speed != kNoLimit) {
+    limits.tip_speed = tightened(place.at("tip_speed"), wanted.tip_speed, limits.tip_speed, "m/s");
+  }
+  return limits;
+}
+
+// ---- duration, objective, sampling ----
+
+double checked_seconds(const Place& place, double seconds) {
+  if (seconds < kShortestDuration || seconds > kLongestDuration) {
+    place.fail(fmt::format("{} s is outside [{}, {}]", seconds, kShortestDuration, kLongestDuration));
+  }
+  return seconds;
+}
+
+Duration resolve_duration(const Request& request) {
+  Duration duration{kShortestDuration, kLongestByDefault};
+  if (!request.duration) return duration;
+  const Place place{request, "duration"};
+  const auto& [min, max] = *request.duration;
+  if (min && max && *min == *max) {
+    duration.min = duration.max = checked_seconds(place, *min);
+    return duration;
+  }
+  if (min) duration.min = checked_seconds(place.at("min"), *min);
+  if (max) duration.max = checked_seconds(place.at("max"), *max);
+  if (!max && duration.min > duration.max) duration.max = kLongestDuration;
+  if (duration.min > duration.max) {
+    place.fail(fmt::format("min {} s is above max {} s", duration.min, duration.max));
+  }
+  return duration;
+}
+
+Weights weights_of(const Place& place, Preset preset, const Duration& duration) {
+  const double time = duration.fixed() ? 0 : 1;
+  switch (preset) {
+    case Preset::kFastest:
+      break;
+    case Preset::kGentle:
+      return {.time = time, .effort = 0.01, .link_acceleration = 1e-3};
+    case Preset::kEfficient:
+      return {.time = time, .effort = 1};
+  }
+  if (duration.fixed()) {
+    place.fail("fastest has nothing to choose when the duration is fixed; make it free, or choose gentle or efficient");
+  }
+  return {.time = 1};
+}
+
+Weights checked_weights(const Place& place, const Weights& weights) {
+  double sum = 0;
+  for (const TermInfo& term : Terms::infos) {
+    const double weight = weights.*term.weight;
+    if (weight < 0 || weight > kLargestWeight) {
+      place.at(term.name).fail(fmt::format("{} is outside [0, {:g}]", weight, kLargestWeight));
+    }
+    sum += weight;
+  }
+  if (!(sum > 0)) place.fail("at least one weight must be > 0");
+  return weights;
+}
+
+Weights resolve_weights(const Request& request, const Duration& duration) {
+  if (!request.objective) {
+    return duration.fixed() ? Weights{.effort = 0.01, .link_acceleration = 1e-3} : Weights{.time = 1};
+  }
+  const Place place{request, "objective"};
+  if (request.objective->preset) return weights_of(place, *request.objective->preset, duration);
+  const Weights weights = checked_weights(place, request.objective->weights);
+  if (!duration.fixed() && !(weights.time > 0)) {
+    place.fail("a duration that is not fixed needs a time weight; add time: 1, or fix the duration");
+  }
+  if (duration.fixed() && only_time(weights)) {
+    place.fail("time alone has nothing to choose when the duration is fixed; add another weight, such as effort: 1");
+  }
+  return weights;
+}
+
+double resolve_sample_period(const Request& request, const Duration& duration) {
+  const Place place{request, "sample_period"};
+  const double period = request.sample_period.value_or(Problem{}.sample_period);
+  if (period < kShortestPeriod || period > kLongestPeriod) {
+    place.fail(fmt::format("{} s is outside [{}, {}]", period, kShortestPeriod, kLongestPeriod));
+  }
+  // The small amount keeps a duration of 3 periods, 0.003 / 0.001 > 3 in floating point, from counting as 4.
+  const double rows = std::ceil(duration.min / period - 1e-9) + 1;
+  if (rows > static_cast<double>(kMaxRows)) {
+    place.fail(
+        fmt::format("{} s at {} s a row are {} rows, above the {} a trajectory may have; lengthen "
+                    "sample_period",
+                    duration.min, period, rows, kMaxRows));
+  }
+  return period;
+}
+
+std::string resolve_method(const Request& request) {
+  const std::string method = request.method.value_or(Problem{}.method);
+  std::vector<std::string> known;
+  for (const Scheme& scheme : all_schemes()) known.push_back(scheme.name);
+  if (std::find(known.begin(), known.end(), method) != known.end()) return method;
+  Place{request, "method"}.fail(fmt::format("{} is not one of {}", shown(method), fmt::join(known, ", ")));
+}
+
+// ---- start, goal, via ----
+
+void check_angle(const Place& angles, std::size_t j, double angle, const Limits& limits) {
+  const double limit = limits.link_position[j];
+  if (std::abs(angle) > limit) angles.at(j).fail(fmt::format("{} rad is outside [{}, {}]", angle, -limit, limit));
+}
+
+Pair<double> checked_angles(const Place& state, const std::optional<Pair<double>>& q, const Limits& limits) {
+  if (!q) state.at("q").fail("missing");
+  for (std::size_t j = 0; j < kJoints; ++j) check_angle(state.at("q"), j, (*q)[j], limits);
+  return *q;
+}
+
+// The robot has no limit on link velocities; this one only keeps the absurd from reaching the arithmetic.
+Pair<double> checked_velocity(const Place& state, const Pair<double>& dq) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (std::abs(dq[j]) > kLargestLinkVelocity) {
+      state.at("dq").at(j).fail(
+          fmt::format("{} rad/s is outside [{}, {}]", dq[j], -kLargestLinkVelocity, kLargestLinkVelocity));
+    }
+  }
+  return dq;
+}
+
+bool is_zero(const Pair<double>& v) { return v[0] == 0 && v[1] == 0; }
+
+bool same_angles(const Pair<double>& a, const Pair<double>& b) {
+  return std::abs(a[0] - b[0]) <= kSameAngle && std::abs(a[1] - b[1]) <= kSameAngle;
+}
+
+void check_tip_speed(const StatePlace& state, const Problem& problem, const Pair<double>& q, const Pair<double>& dq) {
+  const double speed = std::sqrt(std::max(0.0, tip_speed_squared(problem.robot, q[1], dq)));
+  if (speed <= problem.limits.tip_speed) return;
+  state.place.first_of({{"dq", state.dq}})
+      .fail(fmt::format("moves the tip at {:.6g} m/s, above the limit of {} m/s", speed, problem.limits.tip_speed));
+}
+
+// For messages about what a payload has its share in.
+std::string with_load(const Problem& problem) {
+  const double mass = problem.robot.payload.mass;
+  return mass > 0 ? fmt::format(" with the payload of {} kg", mass) : "";
+}
+
+void check_deflection(const StatePlace& state, const Problem& problem, const Pair<double>& q,
+                      const Pair<double>& theta) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double deflection = std::abs(theta[j] - q[j]), limit = problem.limits.spring_deflection[j];
+    if (deflection <= limit) continue;
+    state.place.first_of({{"theta", state.theta}, {"dq", state.dq}, {"q", state.q}})
+        .fail(fmt::format("joint {}: the spring would be deflected by {:.6g} rad{}, above the limit of {} rad", j + 1,
+                          deflection, with_load(problem), limit));
+  }
+}
+
+void check_motor_velocity(const StatePlace& state, const Problem& problem, const Pair<double>& dtheta) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double speed = std::abs(dtheta[j]), limit = problem.limits.motor_velocity[j];
+    if (speed <= limit) continue;
+    state.place.first_of({{"dtheta", state.dtheta}, {"dq", state.dq}, {"q", state.q}})
+        .fail(fmt::format("joint {}: the motor would turn at {:.6g} rad/s, above the limit of {} rad/s", j + 1, speed,
+                          limit));
+  }
+}
+
+// Resting at q needs G(q) from the motors, without end.
+void check_holding(const StatePlace& state, const Problem& problem, const Pair<double>& q) {
+  const Pair<double> gravity = gravity_torque(problem.robot, q);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double torque = std::abs(gravity[j]), limit = problem.limits.torque[j];
+    if (torque <= limit) continue;
+    state.place.first_of({{"q", state.q}})
+        .fail(fmt::format("joint {}: holding still here takes {:.6g} N m{}, above the limit of {} N m", j + 1, torque,
+                          with_load(problem), limit));
+  }
+}
+
+// With a free joint some of its angles has to do.
+void check_holding_somewhere(const Place& place, const Problem& problem, const Goal& goal) {
+  constexpr int kAngles = 2000;
+  const std::size_t free = goal.free[0] ? 0 : 1, given = 1 - free;
+  Pair<double> q = goal.q;
+  double least = kNoLimit;  // [N m] of the joint that is given
+  for (int i = 0; i <= kAngles; ++i) {
+    q[free] = std::lerp(-1.0, 1.0, i / double{kAngles}) * problem.limits.link_position[free];
+    const Pair<double> gravity = gravity_torque(problem.robot, q);
+    if (std::abs(gravity[free]) <= problem.limits.torque[free]) least = std::min(least, std::abs(gravity[given]));
+  }
+  if (least <= problem.limits.torque[given]) return;
+  place.at("q").fail(
+      fmt::format("joint {}: holding still here takes at least {:.6g} N m{}, wherever joint {} is, above "
+                  "the limit of {} N m",
+                  given + 1, least, with_load(problem), free + 1, problem.limits.torque[given]));
+}
+
+void resolve_start(const Request& request, Problem& problem) {
+  const Place place{request, "start"};
+  if (!request.start) {
+    place.fail("missing; only a request to the service may leave it out, which then starts where the arm rests");
+  }
+  const RequestedStart& start = *request.start;
+  const StatePlace state{place, true, start.dq.has_value(), start.theta.has_value(), start.dtheta.has_value()};
+  const Pair<double> q = checked_angles(place, start.q, problem.limits);
+  const Pair<double> dq = checked_velocity(place, start.dq.value_or(Pair<double>{}));
+  const State<double> rest = rest_at(problem.robot, q);
+  // At rest flatness gives the same but for rounding, and rest should be rest exactly.
+  problem.start = is_zero(dq) ? rest : from_link_motion(problem.robot, {.q = q, .dq = dq}).state;
+  if (start.theta) problem.start.theta = *start.theta;
+  if (start.dtheta) problem.start.dtheta = *start.dtheta;
+  problem.start_at_rest =
+      is_zero(problem.start.dq) && is_zero(problem.start.dtheta) && same_angles(problem.start.theta, rest.theta);
+  check_tip_speed(state, problem, q, problem.start.dq);
+  check_deflection(state, problem, q, problem.start.theta);
+  check_motor_velocity(state, problem, problem.start.dtheta);
+  if (problem.start_at_rest) check_holding(state, problem, q);
+}
+
+// What the goal asks of the motors; nothing given with a moving goal leaves them free.
+void resolve_goal_motors(const RequestedGoal& asked, const Problem& problem, Goal& goal) {
+  goal.theta = asked.theta;
+  goal.dtheta = asked.dtheta;
+  if (goal.dq_free) {
+    goal.at_rest = false;
+    return;
+  }
+  const State<double> rest = rest_at(problem.robot, goal.q);
+  const bool plain_stop = is_zero(goal.dq) && !goal.theta && !goal.dtheta;
+  const bool spelled_out =
+      is_zero(goal.dq) && goal.theta && goal.dtheta && is_zero(*goal.dtheta) && same_angles(*goal.theta, rest.theta);
+  goal.at_rest = plain_stop || spelled_out;
+  if (!goal.at_rest) return;
+  if (!goal.any_free()) goal.theta = rest.theta;
+  goal.dtheta = rest.dtheta;
+}
+
+void check_goal(const StatePlace& state, const Problem& problem, const Goal& goal) {
+  check_tip_speed(state, problem, goal.q, goal.dq);
+  if (goal.theta) check_deflection(state, problem, goal.q, *goal.theta);
+  if (goal.dtheta) check_motor_velocity(state, problem, *goal.dtheta);
+  if (!goal.at_rest) return;
+  goal.any_free() ? check_holding_somewhere(state.place, problem, goal) : check_holding(state, problem, goal.q);
+}
+
+// A free joint keeps the start's angle in a guess.
+void resolve_goal_angles(const Place& place, const RequestedGoal& asked, const Problem& problem, Goal& goal) {
+  if (!asked.q) place.at("q").fail("missing");
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    goal.free[j] = !(*asked.q)[j];
+    goal.q[j] = (*asked.q)[j].value_or(problem.start.q[j]);
+    check_angle(place.at("q"), j, goal.q[j], problem.limits);
+  }
+  if (!goal.any_free()) return;
+  if (goal.free[0] && goal.free[1]) place.at("q").fail("one joint may be free, not both");
+  if (asked.theta) place.at("theta").fail("has no meaning beside a free joint");
+  if (asked.dtheta) place.at("dtheta").fail("has no meaning beside a free joint");
+}
+
+// Motors may be given where the links' velocities are.
+void check_goal_motors_may_be_given(const Place& place, const RequestedGoal& asked) {
+  if (asked.dq && !asked.dq->free) return;
+  const Place given = place.first_of({{"theta", asked.theta.has_value()}, {"dtheta", asked.dtheta.has_value()}});
+  if (given.field == place.field) return;
+  given.fail(asked.dq ? "does not go with goal.dq: free, which leaves the motors free"
+                      : "needs goal.dq beside it; without goal.dq the arm ends at rest and the motors with it");
+}
+
+void resolve_joint_goal(const Request& request, Problem& problem) {
+  const Place place{request, "goal"};
+  const RequestedGoal& asked = request.goal;
+  const Place misplaced =
+      place.first_of({{"elbow", asked.elbow.has_value()}, {"tip_velocity", asked.tip_velocity.has_value()}});
+  if (misplaced.field != place.field) misplaced.fail("goes with goal.tip; with goal.q give dq");
+  Goal& goal = problem.goal;
+  resolve_goal_angles(place, asked, problem, goal);
+  check_goal_motors_may_be_given(place, asked);
+  goal.dq_free = asked.dq && asked.dq->free;
+  if (asked.dq && !goal.dq_free) goal.dq = checked_velocity(place, asked.dq->value);
+  resolve_goal_motors(asked, problem, goal);
+  check_goal({place, true, asked.dq.has_value(), asked.theta.has_value(), asked.dtheta.has_value()}, problem, goal);
+}
+
+// The goal at q; none, and `why`, when the arm cannot be there.
+std::optional<Goal> tip_goal(const Request& request, const Problem& problem, const Pair<double>& q,
+                             std::optional<InputError>& why) {
+  const Place place{request, "goal"};
+  Goal goal;
+  goal.q = q;
+  try {
+    if (const auto& velocity = request.goal.tip_velocity) {
+      const auto dq = inverse_velocity(problem.robot, q, *velocity);
+      if (!dq) place.at("tip_velocity").fail("the stretched or folded arm cannot move its tip this way");
+      goal.dq = *dq;
+      for (const double rate : goal.dq) {
+        if (std::abs(rate) > kLargestLinkVelocity) {
+          place.at("tip_velocity")
+              .fail(fmt::format("takes a joint velocity of {:.4g} rad/s, above {} rad/s", rate, kLargestLinkVelocity));
+        }
+      }
+    }
+    resolve_goal_motors(request.goal, problem, goal);
+    check_goal({place}, problem, goal);
+    return goal;
+  } catch (const InputError& error) {
+    if (!why) why = error;
+    return std::nullopt;
+  }
+}
+
+void check_reach(const Place& place, const Parameters& robot, const Pair<double>& tip) {
+  const Pair<double> within = reach(robot);
+  const double away = std::hypot(tip[0], tip[1]);
+  if (away >= within[0] - kSameAngle && away <= within[1] + kSameAngle) return;  // as near in metres
+  place.fail(fmt::format("[{}, {}] m is {:.6g} m from the base; the arm reaches from {:.6g} to {:.6g} m", tip[0],
+                         tip[1], away, within[0], within[1]));
+}
+
+// A tip position is a set of goals: one for each elbow, and for each turn within the limits.
+void resolve_tip_goal(const Request& request, Problem& problem) {
+  const Place place{request, "goal"};
+  const RequestedGoal& asked = request.goal;
+  const Place misplaced = place.first_of({{"q", asked.q.has_value()},
+                                          {"dq", asked.dq.has_value()},
+                                          {"theta", asked.theta.has_value()},
+                                          {"dtheta", asked.dtheta.has_value()}});
+  if (misplaced.field != place.field) misplaced.fail("does not go with goal.tip, which decides it");
+  const Pair<double>& tip = *asked.tip;
+  check_reach(place.at("tip"), problem.robot, tip);
+  const Elbow elbow = asked.elbow.value_or(Elbow::kAny);
+  std::optional<InputError> why;
+  std::vector<Goal> goals;
+  for (const Pair<double>& q :
+       inverse_kinematics(problem.robot, tip, elbow, problem.limits.link_position, problem.start.q)) {
+    if (const auto goal = tip_goal(request, problem, q, why)) goals.push_back(*goal);
+  }
+  if (goals.empty() && why) throw InputError(*why);
+  if (goals.empty()) {
+    place.at("tip").fail(fmt::format("[{}, {}] m takes a joint beyond its limits of {} and {} rad{}", tip[0], tip[1],
+                                     problem.limits.link_position[0], problem.limits.link_position[1],
+                                     elbow == Elbow::kAny ? "" : "; the other elbow may do"));
+  }
+  problem.goal = goals.front();
+  problem.other_goals.assign(goals.begin() + 1, goals.end());
+}
+
+void check_via_time(const Place& place, double time, double after, const Duration& duration) {
+  if (!duration.fixed()) place.fail("needs a fixed duration; without one a via point is passed at any time");
+  const double spacing = kViaSpacing * (1 - 1e-9);  // so that 0.301 counts as 0.001 after 0.3
+  if (time - after < spacing || duration.max - time < spacing) {
+    place.fail(fmt::format("{} s must lie between {} s and {} s, at least {} s from both", time, after, duration.max,
+                           kViaSpacing));
+  }
+}
+
+Via resolve_via(const Place& place, const RequestedVia& asked, const Problem& problem) {
+  double after = 0;
+  for (const Via& via : problem.via) after = via.time.value_or(after + kViaSpacing);
+  Via via;
+  if (asked.time) check_via_time(place.at("time"), *asked.time, after, problem.duration);
+  via.time = asked.time;
+  via.q = checked_angles(place, asked.q, problem.limits);
+  if (!asked.dq) return via;
+  via.dq = checked_velocity(place, *asked.dq);
+  check_tip_speed({place, true, true}, problem, via.q, *via.dq);
+  return via;
+}
+
+// A link goes no further than its motor at full speed, and the spring from one end of its range to the other.
+void check_via_times(const Place& vias, const Problem& problem) {
+  double time = 0;
+  Pair<double> q = problem.start.q;
+  for (std::size_t i = 0; i < problem.via.size(); ++i) {
+    const Via& via = problem.via[i];
+    if (!via.time) continue;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double away = std::abs(via.q[j] - q[j]), speed = problem.limits.motor_velocity[j];
+      const double most = speed * (*via.time - time) + 2 * problem.limits.spring_deflection[j];
+      if (away <= most) continue;
+      vias.at(i).at("time").fail(
+          fmt::format("joint {}: {:.6g} rad in {:.6g} s from the time before; at {} rad/s of the motor, and with the "
+                      "spring's deflection, at most {:.6g} rad are possible",
+                      j + 1, away, *via.time - time, speed, most));
+    }
+    time = *via.time;
+    q = via.q;
+  }
+}
+
+void resolve_vias(const Request& request, Problem& problem) {
+  const Place place{request, "via"};
+  if (request.via.size() > kMaxVias) {
+    place.fail(fmt::format("{} points, above the {} allowed", request.via.size(), kMaxVias));
+  }
+  for (std::size_t i = 0; i < request.via.size(); ++i) {
+    problem.via.push_back(resolve_via(place.at(i), request.via[i], problem));
+  }
+  check_via_times(place, problem);
+}
+
+// Those before a given time were checked with it.
+void check_time_left(const Request& request, const Problem& problem) {
+  double last = 0;
+  std::size_t after = 0;
+  for (const Via& via : problem.via) {
+    after = via.time ? 0 : after + 1;
+    last = via.time.value_or(last);
+  }
+  const double left = problem.duration.max - last, needed = static_cast<double>(after + 1) * kViaSpacing * (1 - 1e-9);
+  if (left >= needed) return;
+  Place{request, problem.task.path ? "path" : "via"}.fail(
+      fmt::format("{} points after {} s leave no time until the end at {} s, at least {} s apart", after, last,
+                  problem.duration.max, kViaSpacing));
+}
+
+// What is thrown is let go where a via point says so; otherwise at the goal if the arm moves there, and at the last via
+// point if it does not.
+void resolve_release(const Request& request, Problem& problem) {
+  if (problem.goal.at_rest && !request.via.empty()) problem.release = request.via.size() - 1;
+  bool said = false;
+  for (std::size_t i = 0; i < request.via.size(); ++i) {
+    if (!request.via[i].release) continue;
+    if (said) Place{request, "via"}.at(i).at("release").fail("is said of another via point already");
+    said = true;
+    problem.release = i;
+  }
+  if (problem.weights.tip_speed > 0 && !problem.release && problem.goal.at_rest) {
+    Place{request, "objective.tip_speed"}.fail(
+        "the arm moves nowhere that is named: needs a via point, or a moving goal");
+  }
+}
+
+// With a fixed duration, staying where one is can be meant; otherwise it takes no time at all.
+void refuse_empty_motion(const Request& request, const Problem& problem) {
+  if (problem.duration.fixed() || !problem.start_at_rest || !problem.goal.at_rest || !problem.via.empty()) return;
+  bool same = true;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    same = same && (problem.goal.free[j] || std::abs(problem.start.q[j] - problem.goal.q[j]) <= kNoMotion);
+  }
+  if (same) Place{request, "goal"}.fail("start and goal are the same state; nothing to plan");
+}
+
+}  // namespace
+
+Problem resolve(const Request& request, const Parameters& robot) {
+  Problem problem;
+  problem.name = std::filesystem::path(request.source).stem().string();
+  problem.robot = robot;
+  if (request.payload) problem.robot.payload = *request.payload;
+  problem.limits = resolve_limits(request, problem.robot);
+  problem.duration = resolve_duration(request);
+  problem.weights = resolve_weights(request, problem.duration);
+  problem.sample_period = resolve_sample_period(request, problem.duration);
+  problem.method = resolve_method(request);
+  if (request.seed) problem.seed = *request.seed;
+  resolve_start(request, problem);
+  request.goal.tip ? resolve_tip_goal(request, problem) : resolve_joint_goal(request, problem);
+  resolve_vias(request, problem);
+  resolve_release(request, problem);
+  resolve_task(request, problem);
+  check_time_left(request, problem);
+  check_task(request, problem);
+  refuse_empty_motion(request, problem);
+  problem.request_hash = request_hash(problem);
+  return problem;
+}
+
+}  // namespace fjr

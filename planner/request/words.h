@@ -1,0 +1,34 @@
+// Choices of a request and the words for them.
+#pragma once
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+#include "planner/request/request.h"
+
+namespace fjr {
+
+template <class Choice>
+inline constexpr std::array<std::pair<std::string_view, Choice>, 0> kWords{};
+template <>
+inline constexpr std::array<std::pair<std::string_view, Elbow>, 3> kWords<Elbow>{
+    {{"any", Elbow::kAny}, {"left", Elbow::kLeft}, {"right", Elbow::kRight}}};
+template <>
+inline constexpr std::array<std::pair<std::string_view, ArcWay>, 2> kWords<ArcWay>{
+    {{"short", ArcWay::kShort}, {"long", ArcWay::kLong}}};
+template <>
+inline constexpr std::array<std::pair<std::string_view, Preset>, 3> kWords<Preset>{
+    {{"fastest", Preset::kFastest}, {"gentle", Preset::kGentle}, {"efficient", Preset::kEfficient}}};
+
+template <class Choice>
+concept Worded = kWords<Choice>
+.size() > 0;
+
+// A part of a request with keys of its own.
+template <class R>
+concept Keyed = requires(R& r) {
+  visit(r, [](const Key&, auto&) {});
+};
+
+}  // namespace fjr

@@ -75,7 +75,8 @@ void encode_objective(const Request& request, fjr_msg_PlanRequest2& message) {
   if (!request.objective) return;
   fjr_msg_ObjectiveTerms& objective = message.request.objective;
   if (const auto& preset = request.objective->preset) {
-    constexpr std::array<std::uint8_t, 3> kPresets{fjr_msg_OBJECTIVE_FASTEST, fjr_msg_OBJECTIVE_GENTLE, fjr_msg_OBJECTIVE_EFFICIENT};
+    constexpr std::array<std::uint8_t, 3> kPresets{fjr_msg_OBJECTIVE_FASTEST, fjr_msg_OBJECTIVE_GENTLE,
+                                                   fjr_msg_OBJECTIVE_EFFICIENT};
     objective.preset = kPresets[static_cast<std::size_t>(*preset)];
     return;
   }

@@ -239,6 +239,10 @@ class Planner {
 
   void resume() {
     const auto start = Clock::now();
+    if (const std::string& method = options_.warm->setup.scheme.name; method != problem_.method) {
+      plan_.warm_refusal = fmt::format("it was planned with method {}, and {} is asked for", method, problem_.method);
+      return;
+    }
     for (const Problem& problem : alternatives_) {
       Continuation c = continuation(problem, "from an earlier plan");
       const bool solved = c.resume(*options_.warm);

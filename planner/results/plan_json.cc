@@ -234,7 +234,8 @@ Json resolved_request_json(const Problem& problem) {
           {"task", task_json(problem.task)},
           {"limits", limits_json(problem.limits)},
           {"sample_period", problem.sample_period},
-          {"seed", problem.seed}};
+          {"seed", problem.seed},
+          {"method", problem.method}};
 }
 
 Json robot_json(const Parameters& robot) {

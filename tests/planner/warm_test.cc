@@ -65,6 +65,15 @@ TEST_F(Warm, OtherConstraintsAreNoStartAndThePlanIsMadeFromScratch) {
   EXPECT_EQ(other.warm_refusal, "it passes another number of via points");
 }
 
+TEST_F(Warm, AnotherMethodIsNoStart) {
+  Problem problem = to(0.8, -0.3);
+  problem.method = "lobatto4";
+  const Plan plan = from_first(problem);
+  EXPECT_EQ(plan.status, PlanStatus::kCertified) << plan.reason;
+  EXPECT_EQ(plan.method, "lobatto4");
+  EXPECT_EQ(plan.warm_refusal, "it was planned with method hermite-simpson, and lobatto4 is asked for");
+}
+
 // The second minimum is held up until the deadline has passed: what was certified before is the plan, and says so.
 TEST(Deadline, ThatCutsTheSearchIsTold) {
   using Clock = std::chrono::steady_clock;

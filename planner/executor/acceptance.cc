@@ -92,6 +92,9 @@ std::optional<ExecutionRefusal> refusal_of(const TrajectoryOrder& order, const S
   if (order.published < situation.started) {
     return ExecutionRefusal{ResultCode::kOldHeaderTimestamp, "published before the executor was started"};
   }
+  if (order.published < situation.halted) {  // whoever halts the arm means what is on its way, too
+    return ExecutionRefusal{ResultCode::kOldHeaderTimestamp, "published before the arm was told to hold"};
+  }
   if (age(order, situation) < -kClockDifference) {  // it may be older than this start, and nobody could tell
     return ExecutionRefusal{ResultCode::kOldHeaderTimestamp,
                             fmt::format("published {:.3f} s in the future: the clocks of planner and executor differ",

@@ -12,6 +12,7 @@ namespace fjr {
 struct Situation {
   std::string robot_hash;
   std::int64_t started = 0, now = 0;  // [ns] since 1970, UTC
+  std::int64_t halted = 0;            // likewise, when it was last told to hold or to stop
   ExecutorMode mode = ExecutorMode::kResting;
   std::uint64_t epoch = 0;    // largest seen
   Pair<double> q{};           // [rad] where the links are

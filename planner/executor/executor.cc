@@ -153,6 +153,7 @@ void Executor::obey() {
     if (order.robot_id != config_.robot_id) continue;
     spdlog::info("{} commanded id={}", order.command == ExecutorCommand::kStop ? "stop" : "hold", text(order.id));
     order.command == ExecutorCommand::kStop ? control_.stop() : control_.hold();
+    situation_.halted = clock_.now();
     if (preparing_) preparing_->unwanted.request_stop();
   }
 }

@@ -90,6 +90,7 @@ struct Order {
   std::string robot_hash;   // empty: any
   std::string yaml;
   Origin origin{};                 // set by the receiving side
+  bool needs_executor = false;     // set by the receiving side: it cannot be judged before the executor is known
   std::optional<Refusal> refusal;  // set by the receiving side for what cannot be meant
 };
 

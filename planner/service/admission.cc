@@ -4,6 +4,7 @@
 
 #include "planner/problem/problem.h"
 #include "planner/request/request.h"
+#include "planner/service/presence.h"
 
 namespace fjr {
 namespace {
@@ -51,6 +52,11 @@ std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served
   if (order.start_within > served.longest_budget) {
     return Refusal{Reason::kBadInput, "start_within",
                    fmt::format("{} s is above {} s", order.start_within, served.longest_budget)};
+  }
+  if (order.start_within > 0 && order.start_within < kLeastStartWithin) {
+    return Refusal{Reason::kBadInput, "start_within",
+                   fmt::format("{} s is below the {} s within which a client can be asked whether it is there",
+                               order.start_within, kLeastStartWithin)};
   }
   return std::nullopt;
 }

@@ -13,6 +13,9 @@
 
 namespace fjr {
 
+// A client that is there is heard of at least that often: it is asked with every second heartbeat at the latest. [s]
+inline constexpr double kLeastStartWithin = 0.5;
+
 class Presence {
  public:
   using Clock = std::chrono::steady_clock;

@@ -35,7 +35,8 @@ constexpr std::size_t kUnclaimedOfOne = 128, kUnclaimedBytes = 16 << 20;  // cli
 constexpr std::size_t kInboxBytes = 64 << 20;
 constexpr std::size_t kOutboxBytes = 32 << 20;
 constexpr std::size_t kRelayedAtOnce = 128;
-constexpr std::size_t kBacklog = 1024;  // requests a standby remembers
+constexpr std::size_t kBacklog = 1024;      // requests a standby remembers
+constexpr std::size_t kAnsweredAtOnce = 4;  // of those, in one turn; a document takes up to 40 ms to be read
 
 Refusal client_gone() {
   return {Reason::kClientGone, "", "its client was not there for longer than it may start within; send it again"};
@@ -139,16 +140,22 @@ bool Service::fill_inbox(Clock::duration most) {
 void Service::receive(Order order) {
   const auto now = Clock::now();
   const auto heard = waited_ ? Clock::time_point{} : now;
+  note_what_it_needs(order);
   if (answers(order)) return admit(std::move(order), now, heard);
   backlog_.add(std::move(order), now, heard, true);
 }
 
-// Whether it is for this instance to answer, and this instance knows enough to do so. A service that has just begun may
-// not have met the executor yet: it does not know where the arm rests, nor which epochs the executor has seen.
+// A service that has just begun may not have met the executor yet: it does not know where the arm rests, nor which
+// epochs the executor has seen.
+bool Service::knows_executor() const { return executor_.met() || Clock::now() - began_ > kMeetExecutor; }
+
+void Service::note_what_it_needs(Order& order) const {
+  order.needs_executor = !knows_executor() && !order.refusal && (executes(order) || leaves_start_out(order));
+}
+
+// Whether it is for this instance to answer, and this instance knows enough to do so.
 bool Service::answers(const Order& order) const {
-  if (!ownership_.answers_for(order.robot_id)) return false;
-  if (executor_.met() || Clock::now() - began_ > kMeetExecutor) return true;
-  return !executes(order) && !leaves_start_out(order);
+  return ownership_.answers_for(order.robot_id) && (!order.needs_executor || knows_executor());
 }
 
 void Service::admit(Order order, Clock::time_point arrived, Clock::time_point heard) {
@@ -191,7 +198,6 @@ void Service::execute_planned(const Order& order, Clock::time_point arrived) {
   if (auto refusal = refusal_of_execution(order.trajectory_id, planned, in_hand(order.trajectory_id), robot_hash_)) {
     return reject(order, std::move(*refusal));
   }
-  if (!may_start(order)) return reject(order, client_gone());
   Job job;
   job.order = order;
   job.request_hash = planned->request_hash;
@@ -246,6 +252,7 @@ bool Service::motion_pending() const {
 void Service::cancel(const dds::ServicePort::Cancel& wanted) {
   const RequestId& id = wanted.id;
   if (!ownership_.owner()) return backlog_.cancel(id, true);
+  backlog_.cancel(id, false);  // it may wait for the executor
   if (const SharedReply reply = cache_.find(id)) return post(reply);
   const auto is_it = [&](const Job& job) { return job.order.id == id; };
   if (const auto job = queue_.remove_if(is_it)) {
@@ -357,7 +364,7 @@ void Service::expire() {
 
 std::chrono::nanoseconds Service::time_to_next() const {
   const auto now = Clock::now();
-  if (!inbox_.empty()) return {};
+  if (!inbox_.empty() || answering_) return {};
   Clock::time_point next = std::min(next_heartbeat_, outbox_.next());
   if (!ownership_.alone()) next = std::min(next, backlog_.next_relay());
   for (const Job& job : queue_.jobs()) {
@@ -382,8 +389,9 @@ void Service::heartbeat() {
   port_.look_for_senders();
   look_after_clients();
   unclaimed_.forget_older_than(kUnclaimedFor);
-  backlog_.forget_if([&](const Backlog::Entry& entry) {
-    return now - entry.arrived > duration_of(entry.order.budget > 0 ? entry.order.budget : config_.budget);
+  backlog_.forget_if([&](const Backlog::Entry& entry) {  // of its budget nothing has been checked yet
+    const double budget = entry.order.budget;
+    return now - entry.arrived > duration_of(budget > 0 && budget <= config_.longest_budget ? budget : config_.budget);
   });
   port_.send(status());
   tell_alive();
@@ -410,6 +418,8 @@ std::vector<Order> Service::last_requests() {
   std::vector<Order> last;
   (void)fill_inbox(kFarewell);  // however many more keep coming
   while (auto order = inbox_.next()) last.push_back(std::move(*order));
+  const auto ours = [this](const Backlog::Entry& entry) { return ownership_.answers_for(entry.order.robot_id); };
+  for (Backlog::Entry& entry : backlog_.take_if(ours)) last.push_back(std::move(entry.order));
   return last;
 }
 
@@ -503,6 +513,7 @@ void Service::hear(dds::Relayed relayed) {
   const auto now = Clock::now();
   const auto heard = now - duration_of(relayed.silence);
   const RequestId id = relayed.order.id;
+  note_what_it_needs(relayed.order);
   if (!answers(relayed.order)) {
     backlog_.add(std::move(relayed.order), now, heard, false);
     if (relayed.cancelled) backlog_.cancel(id, false);
@@ -558,22 +569,32 @@ void Service::review_ownership() {
 void Service::take_over() {
   spdlog::info("owner robot_id={} epoch={} remembered={}", config_.robot_id, ownership_.epoch(), backlog_.size());
   port_.own(ownership_.epoch());
+  if (!owned_) took_over_at_ = Clock::now();  // otherwise only its epoch has grown
+  owned_ = true;
 }
 
-// What was heard while another instance, or nobody, was the owner, or before the executor was met.
+// What was heard while another instance, or nobody, was the owner, or before the executor was met: some at a time, for
+// there may be many. A client whose request came before this instance was the owner may have left with the one before:
+// nothing moves for it until it has acknowledged what it is told now.
 void Service::answer_backlog() {
-  const auto ours = [this](const Backlog::Entry& entry) { return answers(entry.order); };
+  std::size_t count = 0;
+  const auto ours = [&](const Backlog::Entry& entry) {
+    return count < kAnsweredAtOnce && answers(entry.order) && ++count > 0;
+  };
   for (Backlog::Entry& entry : backlog_.take_if(ours)) {
     const dds::ServicePort::Cancel wanted{entry.order.id, entry.order.robot_id, entry.order.origin};
-    admit(std::move(entry.order), entry.arrived, entry.heard);
+    const auto heard = entry.heard < took_over_at_ ? Clock::time_point{} : entry.heard;
+    admit(std::move(entry.order), entry.arrived, heard);
     if (entry.cancelled) cancel(wanted);
   }
+  answering_ = count == kAnsweredAtOnce;
 }
 
 // Whoever owns the robot now has heard the same requests.
 void Service::give_up_ownership() {
   spdlog::warn("superseded robot_id={}", config_.robot_id);
   port_.disown();
+  owned_ = false;
   const auto keep = [this](Job job) {
     const auto heard = presence_.last_heard(job.order.id);
     backlog_.add(std::move(job.order), job.arrived, heard, true);

@@ -46,6 +46,8 @@ class Service {
   bool fill_inbox(Clock::duration most);
   void receive(Order order);
   bool answers(const Order& order) const;
+  bool knows_executor() const;
+  void note_what_it_needs(Order& order) const;
   // heard: the last sign of life of its client.
   void admit(Order order, Clock::time_point arrived, Clock::time_point heard);
   Served served() const;
@@ -119,6 +121,9 @@ class Service {
   Presence presence_;
   bool waited_ = false;  // what comes now may have waited while this instance was absent, longer than its client
   Clock::time_point settled_at_;  // from then on the others are known
+  bool owned_ = false;            // the robot, before the last review
+  Clock::time_point took_over_at_{};
+  bool answering_ = false;  // more of the backlog can be answered at once
   Clock::time_point next_heartbeat_{}, last_heartbeat_ = Clock::now();
 
   JobQueue queue_;

@@ -127,6 +127,8 @@ TEST(Acceptance, RefusesWithTheReason) {
   refused([](Order&, Situation& s) { s.mode = ExecutorMode::kStopped; }, ResultCode::kInvalidGoal, "was stopped");
   refused([](Order&, Situation& s) { s.lost = "theta2"; }, ResultCode::kInvalidGoal, "encoder theta2 gives no samples");
   refused([](Order& o, Situation&) { o.published = 99 * kSecond; }, ResultCode::kOldHeaderTimestamp, "before");
+  refused([](Order&, Situation& s) { s.halted = 199 * kSecond + 1; }, ResultCode::kOldHeaderTimestamp,
+          "published before the arm was told to hold");
   refused([](Order& o, Situation&) { o.published = 150 * kSecond; }, ResultCode::kOldHeaderTimestamp, "50.0 s ago");
   refused([](Order&, Situation& s) { s.mode = ExecutorMode::kExecuting; }, ResultCode::kInvalidGoal, "not at rest");
   refused([](Order&, Situation& s) { s.q[1] = 0.18; }, ResultCode::kInvalidGoal, "starts at q2 = 0.195 rad");

@@ -197,6 +197,15 @@ TEST_F(ExecuteTest, WhoAsksBeforeTheExecutorIsThereIsAnsweredOnceItIs) {
   EXPECT_EQ(final_reply(cancelled.id).state, ReplyState::kCancelled);
 }
 
+TEST_F(ExecuteTest, WhoWaitsForTheExecutorIsAnsweredWhenTheServiceEnds) {
+  serve();
+  const Order plan = order(kToBack);
+  send(plan);
+  std::this_thread::sleep_for(milliseconds(300));
+  service().send(SIGTERM);
+  EXPECT_EQ(final_reply(plan.id, 5).why.reason, Reason::kShuttingDown);
+}
+
 TEST_F(ExecuteTest, PlanningAloneNeedsAStart) {
   write("nowhere.yaml", kToBack);
   Process plan = fjr({"plan", path("nowhere.yaml"), "--out", path("a")}, "plan");

@@ -349,6 +349,20 @@ TEST(Admission, WhatIsTooLongToBeExecutedIsRefusedAndMayBePlanned) {
   EXPECT_EQ(refusal->sentence, "25 s is longer than the 20 s that an executor runs");
 }
 
+// Below half a second a client that is there could not be asked in time, and would be taken for gone.
+TEST(Admission, StartWithinIsLongEnoughToAsk) {
+  Order order;
+  const auto field_of = [&](double seconds) {
+    order.start_within = seconds;
+    const auto refusal = refusal_of_terms(order, {"arm", {"arm"}, "", 600});
+    return refusal ? refusal->field : "";
+  };
+  EXPECT_EQ(field_of(0), "");
+  EXPECT_EQ(field_of(0.5), "");
+  EXPECT_EQ(field_of(0.49), "start_within");
+  EXPECT_EQ(field_of(601), "start_within");
+}
+
 TEST(RecentIds, AreForgottenByAgeAndByNumber) {
   using namespace std::chrono_literals;
   const auto now = RecentIds::Clock::now();

@@ -238,24 +238,43 @@ TEST_F(ClientDeathTest, OfTheClientWhoseRequestWaitedForAnAbsentOwner) {
   EXPECT_THAT(a_->output(), HasSubstr("absent for"));
 }
 
-// Between solving, which takes about a second, and publication.
+// A quick motion would be planned within the time that its client's last sign of life counts for: who takes over asks.
+TEST_F(ClientDeathTest, OfClientAndOwnerAtTheSameInstant) {
+  start_both();
+  executor_ = start_executor();
+  write("fast.yaml", kFast);
+  Process client({FJR_PATIENT_CLIENT, domain(), path("fast.yaml").string()}, path("client"));
+  wait_until(
+      [&] { return contents("/proc/" + std::to_string(client.pid()) + "/stat").find(") T ") != std::string::npos; });
+  settle();
+  a_->send(SIGSTOP);
+  client.send(SIGCONT);
+  std::this_thread::sleep_for(milliseconds(100));
+  client.send(SIGKILL);
+  a_->send(SIGKILL);
+  expect_given_up_by("b");
+  EXPECT_EQ(heard_["b"].received, 1u);
+}
+
 TEST_F(ClientDeathTest, AClientSaysHowLongItsRequestOutlivesIt) {
   a_ = start("a");
   connect();
   executor_ = start_executor();
-  const auto ask_and_leave = [&](double start_within) {
+  const auto ask_and_leave = [&](double start_within, const std::string& motion) {
     Order one = to_be_executed();
     one.id = new_client();
+    one.yaml = motion;
     one.start_within = start_within;
     dds::ClientPort client(dds::Participant(domain_), one.id);
     while (!client.served()) client.wait(milliseconds(5));
     EXPECT_TRUE(client.send(one));
     client.wait(milliseconds(100));
   };
-  ask_and_leave(0.1);
+  // That takes seconds to be planned.
+  ask_and_leave(0.5, "start: {q: [0.3, 0.2]}\ngoal: {q: [1.2, -0.8]}\nduration: 1.5\nobjective: efficient\n");
   wait_until([&] { return heard_["a"].cancelled == 1; });
   EXPECT_EQ(count(executor_->output(), "executing id="), 0u) << executor_->output();
-  ask_and_leave(30);
+  ask_and_leave(30, kFast);
   wait_until_executed(*executor_);
 }
 

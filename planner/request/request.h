@@ -1,6 +1,7 @@
 // What a user may ask for: one struct for request files, for the documents on DDS and for programs that build a
-// request. Its keys, with their units and meanings, are the visit() functions below: reading, writing and the
-// documentation go by them. A new key is a member, its line in visit(), and what it comes to in resolve.cc.
+// request. Its keys, with their units and meanings, are the visit() functions below: reading and writing go by them,
+// and a test holds docs/requests.md to their names. A new key is a member, its line in visit(), and what it comes to in
+// resolve.cc.
 //
 // Members are what was said, not yet what it means: nothing here knows the robot.
 #pragma once
@@ -99,7 +100,7 @@ struct Request {
 struct Key {
   const char* name;
   const char* unit;     // of numbers; "" where there are none
-  const char* meaning;  // for docs/requests.md
+  const char* meaning;  // for who reads this list; docs/requests.md says more
   bool required = false;
 };
 

@@ -15,6 +15,8 @@ namespace fjr {
 
 inline constexpr int kStates = 8;
 inline constexpr int kControls = 2;
+// Where each part of the state begins among its eight numbers.
+inline constexpr int kStateQ = 0, kStateDq = kJoints, kStateTheta = 2 * kJoints, kStateDtheta = 3 * kJoints;
 
 // Order of the state everywhere (vectors, files, messages): q, dq, theta, dtheta; [rad], [rad/s].
 template <class T>

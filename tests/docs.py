@@ -70,7 +70,7 @@ def faults(source, page):
 def untold(source):
     """The keys and terms that the parser knows and requests.md does not name."""
     keys = re.findall(r'Key\{"(\w+)"', (source / "planner/request/request.h").read_text())
-    limits = re.findall(r'visit\("(\w+)"', (source / "planner/problem/problem.h").read_text())
+    limits = re.findall(r'\.name = "(\w+)"', (source / "planner/problem/quantities.h").read_text())
     terms = re.findall(r'\.name = "(\w+)"', (source / "planner/problem/objective_terms.h").read_text())
     if not keys or not limits or not terms:
         sys.exit("neither a request's keys nor the terms of its objective are found where they were")

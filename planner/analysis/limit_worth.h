@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
-#include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -38,12 +36,12 @@ std::vector<LimitBound> limit_bounds(const Kept& kept, const PerLimit& scales) {
   const Limits& limits = kept.limits;
   const auto at = path_bounds<F>(limits);
   std::vector<LimitBound> bounds;
-  for (std::size_t i = 0; i < Limits::kCount; ++i) {
-    const double limit = limits.data()[i];
+  for (std::size_t i = 0; i < kLimits; ++i) {
+    const double limit = kLimitNames[i].in(limits);
     if (!std::isfinite(limit)) continue;
     Limits less = limits, more = limits;
-    less.data()[i] -= kStep * limit;
-    more.data()[i] += kStep * limit;
+    kLimitNames[i].in(less) -= kStep * limit;
+    kLimitNames[i].in(more) += kStep * limit;
     const auto low = path_bounds<F>(less), high = path_bounds<F>(more);
     const auto compare = [&](LimitBound::Of of, bool upper, const auto& value, const auto& below, const auto& above) {
       for (std::size_t n = 0; n < value.size(); ++n) {
@@ -60,7 +58,7 @@ std::vector<LimitBound> limit_bounds(const Kept& kept, const PerLimit& scales) {
     compare(LimitBound::kRow, true, at.row_upper, low.row_upper, high.row_upper);
   }
   for (std::size_t r = 0; r < kept.task_rows.size(); ++r) {
-    const std::size_t i = Limits::kCount + r;
+    const std::size_t i = kLimits + r;
     const int row = ArmOcp<F>::kTask + static_cast<int>(r);
     for (const bool upper : {false, true}) {
       const double value = kept.task_rows[r][upper ? 1 : 0];
@@ -121,13 +119,9 @@ class LimitWorths {
 
  private:
   void name_all(const Problem& problem) {
-    visit_pair_limits(problem.limits, [this](std::string_view name, std::string_view unit, const Pair<double>& limit) {
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        worths_.push_back({std::string(name), static_cast<int>(j) + 1, std::string(unit), limit[j], 0, 0, {}});
-      }
-    });
-    worths_.push_back({"tip_speed", 0, "m/s", problem.limits.tip_speed, 0, 0, {}});
-    if (worths_.size() != Limits::kCount) throw std::logic_error("a limit without a name");
+    for (const LimitName& limit : kLimitNames) {
+      worths_.push_back({limit.quantity->name, limit.joint, limit.quantity->unit, limit.in(problem.limits), 0, 0, {}});
+    }
     for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) {
       const char* unit = row.kind == TaskRow::Kind::kAngles ? "rad" : "m";
       worths_.push_back({row.name, row.link, unit, row.scale, 0, 0, {}});
@@ -136,9 +130,7 @@ class LimitWorths {
 
   static constexpr double kGap = 0.01;  // share of the duration: shorter interruptions are passed over
 
-  static bool same(const Kept& a, const Kept& b) {
-    return std::equal(a.limits.data(), a.limits.data() + Limits::kCount, b.limits.data()) && a.task_rows == b.task_rows;
-  }
+  static bool same(const Kept& a, const Kept& b) { return a.limits == b.limits && a.task_rows == b.task_rows; }
 
   static std::vector<LimitWorth::Stretch> joined(std::vector<LimitWorth::Stretch> parts, double gap) {
     std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.begin < b.begin; });

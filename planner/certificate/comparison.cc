@@ -5,8 +5,6 @@
 #include <set>
 #include <span>
 
-#include "model/kinematics.h"
-
 namespace fjr {
 namespace {
 
@@ -34,13 +32,8 @@ class Recorder {
   void operator()(double time, const State<double>& x) {
     const Sample plan = plan_.at(time);
     record_torque(time, plan, x);
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      record_errors(time, plan.state, x, j);
-      raise(out_.peaks.motor_velocity[j], x.dtheta[j]);
-      raise(out_.peaks.link_position[j], x.q[j]);
-      raise(out_.peaks.spring_deflection[j], x.theta[j] - x.q[j]);
-    }
-    raise(out_.peaks.tip_speed, std::sqrt(tip_speed_squared(robot_, x.q[1], x.dq)));
+    for (std::size_t j = 0; j < kJoints; ++j) record_errors(time, plan.state, x, j);
+    raise_peaks(x, {}, [](const QuantityInfo& quantity) { return !quantity.sees_torque; });
   }
 
   // Feedback has peaks much shorter than the instants are apart, where a motor passes through its friction step.
@@ -51,8 +44,15 @@ class Recorder {
     const Pair<double> feedback = drive_.feedback(plan.state, x);
     for (std::size_t j = 0; j < kJoints; ++j) {
       raise(out_.feedback_torque[j], feedback[j], time, out_.time_of_feedback[j]);
-      raise(out_.peaks.torque[j], plan.torque[j] + feedback[j]);
     }
+    raise_peaks(x, {plan.torque[0] + feedback[0], plan.torque[1] + feedback[1]},
+                [](const QuantityInfo& quantity) { return quantity.sees_torque; });
+  }
+
+  template <class Which>
+  void raise_peaks(const State<double>& x, const Pair<double>& torque, const Which& which) {
+    const Pair<double> no_rate{};
+    raise(out_.peaks, {robot_, x, torque, no_rate}, which);
   }
 
   void record_errors(double time, const State<double>& plan, const State<double>& x, std::size_t j) {

@@ -9,24 +9,15 @@
 
 namespace fjr {
 
-// Largest magnitudes a rollout reached.
-struct Peaks {
-  Pair<double> torque{};             // [N m]    commanded: plan and feedback
-  Pair<double> motor_velocity{};     // [rad/s]
-  Pair<double> link_position{};      // [rad]
-  Pair<double> spring_deflection{};  // [rad]
-  double tip_speed = 0;              // [m/s]
-};
-
 struct Comparison {
   RolloutErrors errors;
   Pair<double> link_velocity_error{};  // [rad/s] rollout against the dq columns, largest over the instants
   double time_of_max_link_velocity = 0;
   Pair<double> feedback_torque{};   // [N m] largest
   Pair<double> time_of_feedback{};  // [s]
-  Peaks peaks;
-  std::vector<Event> events;  // of the rollout
-  State<double> final{};      // where it ended
+  Limits peaks = Limits::all(0);    // largest magnitudes reached, with the commanded torque: plan and feedback
+  std::vector<Event> events;        // of the rollout
+  State<double> final{};            // where it ended
 };
 
 // All rows after the first, and instants between them at most 0.25 ms apart. [s]

@@ -5,9 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 
-#include "model/kinematics.h"
+#include "model/friction.h"
 #include "planner/certificate/thresholds.h"
 
 namespace fjr {
@@ -16,150 +15,138 @@ namespace {
 struct Extreme {
   double magnitude = 0, time = 0;
   void include(double value, double at) {
-    if (std::abs(value) > magnitude) {
-      magnitude = std::abs(value);
-      time = at;
-    }
+    if (!(value > magnitude)) return;
+    magnitude = value;
+    time = at;
+  }
+};
+using PerIndex = std::array<double, kLimits>;
+
+constexpr bool is_polynomial(const QuantityInfo& quantity) { return quantity.degree > 0; }
+constexpr bool is_sampled(const QuantityInfo& quantity) {
+  return quantity.degree == 0 && quantity.bound != BoundOn::kControl;
+}
+
+// The cubic v0 + c s + b s^2 + a s^3 through four values, at s = 0, 1/3, 2/3 and 1.
+struct Cubic {
+  double v0, a, b, c;
+
+  explicit Cubic(const std::array<double, 4>& v)
+      : v0(v[0]),
+        a(4.5 * (v[3] - v[0] + 3 * (v[1] - v[2]))),
+        b(4.5 * (2 * v[0] - 5 * v[1] + 4 * v[2] - v[3])),
+        c(0.5 * (-11 * v[0] + 18 * v[1] - 9 * v[2] + 2 * v[3])) {}
+
+  double value(double s) const { return v0 + s * (c + s * (b + s * a)); }
+  // Zeros of the slope 3 a s^2 + 2 b s + c, without cancellation; NaN or infinite where there is none.
+  std::array<double, 2> stationary() const {
+    const double root = -(b + std::copysign(std::sqrt(b * b - 3 * a * c), b));
+    return {root / (3 * a), c / root};
   }
 };
 
-// x(s) = x0 + h s (v0 + s (b + s a)) is the cubic Hermite of an interval; s in [0, 1].
-struct Cubic {
-  double start, h, x0, v0, a, b;
-
-  Cubic(double t0, double t1, double from, double v_from, double to, double v_to)
-      : start(t0), h(t1 - t0), x0(from), v0(v_from) {
-    const double secant = (to - from) / h;
-    a = v_from + v_to - 2 * secant;
-    b = 3 * secant - 2 * v_from - v_to;
-  }
-
-  double time(double s) const { return start + s * h; }
-  double value(double s) const { return x0 + h * s * (v0 + s * (b + s * a)); }
-  double slope(double s) const { return v0 + s * (2 * b + s * 3 * a); }
-
-  void include_values(Extreme& e) const {
-    e.include(value(0), time(0));
-    e.include(value(1), time(1));
-    for (const double s : stationary()) {
-      if (s > 0 && s < 1) e.include(value(s), time(s));
+// Largest magnitudes of what is limited over the rows and the interpolation between them.
+class PublishedExtremes {
+ public:
+  PublishedExtremes(const Parameters& robot, const Limits& limits, const Trajectory& trajectory)
+      : robot_(robot), limits_(limits), rows_(trajectory.samples), plan_(trajectory) {
+    polynomials();
+    const auto sampled = [this](const QuantityInfo& q) { return is_sampled(q) && is_limited(q, limits_); };
+    if (std::any_of(Quantities::infos.begin(), Quantities::infos.end(), sampled)) {
+      samples(comparison_instants(trajectory));
     }
+    if (is_limited(LimitedTorqueRate::info, limits)) torque_rates(0.5 * longest_interval(trajectory));
   }
 
-  void include_slopes(Extreme& e) const {
-    e.include(slope(0), time(0));
-    e.include(slope(1), time(1));
-    const double vertex = -b / (3 * a);
-    if (vertex > 0 && vertex < 1) e.include(slope(vertex), time(vertex));
-  }
+  const Extreme& operator[](std::size_t limit) const { return extremes_[limit]; }
 
  private:
-  // Zeros of the slope 3 a s^2 + 2 b s + v0, without cancellation; NaN or infinite where there is none.
-  std::array<double, 2> stationary() const {
-    const double root = -(b + std::copysign(std::sqrt(b * b - 3 * a * v0), b));
-    return {root / (3 * a), v0 / root};
+  // Of the quantities that `which` chooses and that are limited.
+  template <class Which>
+  PerIndex values_at(const Sample& sample, const Which& which) const {
+    PerIndex values{};
+    std::size_t next = 0;
+    const Pair<double> no_rate{};
+    Quantities::visit([&](auto quantity) {
+      if (which(quantity.info) && is_limited(quantity.info, limits_)) {
+        const auto of_joints = quantity.value(Moment<double>{robot_, sample.state, sample.torque, no_rate});
+        std::copy(of_joints.begin(), of_joints.end(), values.begin() + next);
+      }
+      next += quantity.info.count();
+    });
+    return values;
   }
+
+  void include(std::size_t limit, double value, double time) {
+    extremes_[limit].include(kLimitNames[limit].quantity->magnitude(value), time);
+  }
+
+  void polynomials() {
+    PerIndex first = values_at(rows_.front(), is_polynomial);
+    for (std::size_t k = 0; k + 1 < rows_.size(); ++k) {
+      const double start = rows_[k].time, h = rows_[k + 1].time - start;
+      const PerIndex second = values_at(plan_.at(start + h / 3), is_polynomial),
+                     third = values_at(plan_.at(start + 2 * h / 3), is_polynomial),
+                     last = values_at(rows_[k + 1], is_polynomial);
+      for (std::size_t i = 0; i < kLimits; ++i) {
+        include(i, first[i], start);
+        include(i, last[i], rows_[k + 1].time);
+        if (kLimitNames[i].quantity->degree < 2) continue;
+        const Cubic cubic({first[i], second[i], third[i], last[i]});
+        for (const double s : cubic.stationary()) {
+          if (s > 0 && s < 1) include(i, cubic.value(s), start + s * h);
+        }
+      }
+      first = last;
+    }
+  }
+
+  void samples(const std::vector<double>& instants) {
+    const auto include_all = [this](const Sample& sample) {
+      const PerIndex values = values_at(sample, is_sampled);
+      for (std::size_t i = 0; i < kLimits; ++i) {
+        if (is_sampled(*kLimitNames[i].quantity)) include(i, values[i], sample.time);
+      }
+    };
+    include_all(rows_.front());
+    for (const double time : instants) include_all(plan_.at(time));
+  }
+
+  // Over rows at least `apart` [s] apart.
+  void torque_rates(double apart) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const FrictionLaw law = FrictionLaw::of(robot_, static_cast<int>(j));
+      const auto u = [&](const Sample& row) { return row.torque[j] - law.nonlinear(row.state.dtheta[j]); };
+      for (std::size_t before = 0, k = 1; k < rows_.size(); ++k) {
+        if (rows_[k].time - rows_[before].time < apart) continue;
+        while (rows_[k].time - rows_[before + 1].time >= apart) ++before;
+        include(first_limit_of(LimitedTorqueRate::info.name) + j,
+                (u(rows_[k]) - u(rows_[before])) / (rows_[k].time - rows_[before].time), rows_[k].time);
+      }
+    }
+  }
+
+  const Parameters& robot_;
+  const Limits& limits_;
+  const std::vector<Sample>& rows_;
+  Interpolator plan_;
+  std::array<Extreme, kLimits> extremes_;
 };
-
-// Largest over all intervals; piece(row, next row) is the cubic to look at.
-template <class Piece>
-Extreme over_intervals(const Trajectory& trajectory, const Piece& piece, void (Cubic::*include)(Extreme&) const) {
-  Extreme e;
-  for (std::size_t k = 0; k + 1 < trajectory.samples.size(); ++k) {
-    (piece(trajectory.samples[k], trajectory.samples[k + 1]).*include)(e);
-  }
-  return e;
-}
-
-Extreme torque(const Parameters&, const Trajectory& trajectory, std::size_t j) {
-  Extreme e;
-  for (const Sample& row : trajectory.samples) e.include(row.torque[j], row.time);
-  return e;
-}
-
-Extreme motor_velocity(const Parameters&, const Trajectory& trajectory, std::size_t j) {
-  const auto motor = [j](const Sample& a, const Sample& b) {
-    return Cubic(a.time, b.time, a.state.theta[j], a.state.dtheta[j], b.state.theta[j], b.state.dtheta[j]);
-  };
-  return over_intervals(trajectory, motor, &Cubic::include_slopes);
-}
-
-Extreme link_position(const Parameters&, const Trajectory& trajectory, std::size_t j) {
-  const auto link = [j](const Sample& a, const Sample& b) {
-    return Cubic(a.time, b.time, a.state.q[j], a.state.dq[j], b.state.q[j], b.state.dq[j]);
-  };
-  return over_intervals(trajectory, link, &Cubic::include_values);
-}
-
-Extreme spring_deflection(const Parameters&, const Trajectory& trajectory, std::size_t j) {
-  const auto spring = [j](const Sample& a, const Sample& b) {
-    const State<double>&x = a.state, &y = b.state;
-    return Cubic(a.time, b.time, x.theta[j] - x.q[j], x.dtheta[j] - x.dq[j], y.theta[j] - y.q[j],
-                 y.dtheta[j] - y.dq[j]);
-  };
-  return over_intervals(trajectory, spring, &Cubic::include_values);
-}
-
-Extreme torque_rate(const Parameters& p, const Trajectory& trajectory, std::size_t j) {
-  const FrictionLaw law = FrictionLaw::of(p, static_cast<int>(j));
-  const auto u = [&](const Sample& row) { return row.torque[j] - law.nonlinear(row.state.dtheta[j]); };
-  const std::vector<Sample>& rows = trajectory.samples;
-  const double apart = 0.5 * longest_interval(trajectory);
-  Extreme e;
-  for (std::size_t before = 0, k = 1; k < rows.size(); ++k) {
-    if (rows[k].time - rows[before].time < apart) continue;
-    while (rows[k].time - rows[before + 1].time >= apart) ++before;
-    e.include((u(rows[k]) - u(rows[before])) / (rows[k].time - rows[before].time), rows[k].time);
-  }
-  return e;
-}
-
-Extreme tip_speed(const Parameters& p, const Trajectory& trajectory) {
-  Interpolator plan(trajectory);
-  Extreme e;
-  const auto include = [&](double time) {
-    const State<double> x = plan.at(time).state;
-    e.include(std::sqrt(tip_speed_squared(p, x.q[1], x.dq)), time);
-  };
-  include(trajectory.start_time());
-  for (const double time : comparison_instants(trajectory)) include(time);
-  return e;
-}
 
 bool within(const LimitCheck& c, double allowed) {
   return c.reached <= c.limit * (1 + kPublishedShare) && c.rollout <= allowed;
 }
 
-// What there is to know about one limit of one joint.
-struct Quantity {
-  const char* name;
-  double limit, allowed;  // of the plan, of the rollout
-  Extreme (*published)(const Parameters&, const Trajectory&, std::size_t);
-  std::optional<double> rollout;     // none: a property of the plan alone
-  std::optional<Event::Kind> event;  // that says that the rollout exceeded what it is allowed
-};
-
-std::vector<Quantity> quantities(const Limits& limits, const Limits& allowed, const Peaks& peaks, std::size_t j) {
-  using Kind = Event::Kind;
-  return {{"torque", limits.torque[j], allowed.torque[j], torque, peaks.torque[j], {}},
-          {"motor_velocity", limits.motor_velocity[j], allowed.motor_velocity[j], motor_velocity,
-           peaks.motor_velocity[j], Kind::kMotorVelocity},
-          {"link_position", limits.link_position[j], allowed.link_position[j], link_position, peaks.link_position[j],
-           Kind::kLinkPosition},
-          {"spring_deflection", limits.spring_deflection[j], allowed.spring_deflection[j], spring_deflection,
-           peaks.spring_deflection[j], Kind::kSpringDeflection},
-          {"torque_rate", limits.torque_rate[j], allowed.torque_rate[j], torque_rate, {}, {}}};
-}
-
-LimitCheck check(const Quantity& quantity, int joint, const Extreme& published, const std::vector<Event>& events) {
-  LimitCheck c{quantity.name, joint, quantity.limit, published.magnitude, published.time, published.magnitude, false};
-  c.rollout = quantity.rollout.value_or(published.magnitude);
-  c.passed = within(c, quantity.allowed);
+LimitCheck check(const LimitName& name, double limit, double allowed, const Extreme& published,
+                 const Comparison& rollout) {
+  LimitCheck c{name.quantity->name, name.joint, limit, published.magnitude, published.time, published.magnitude, false};
+  if (name.quantity->bound != BoundOn::kControl) c.rollout = name.in(rollout.peaks);
+  c.passed = within(c, allowed);
   // An event is a violation however brief, even where no instant of comparison saw it.
-  if (std::any_of(events.begin(), events.end(),
-                  [&](const Event& e) { return quantity.event == e.kind && e.joint == joint; })) {
+  if (std::any_of(rollout.events.begin(), rollout.events.end(),
+                  [&](const Event& e) { return e.exceeded == name.quantity && e.joint == name.joint; })) {
     c.passed = false;
-    c.rollout = std::max(c.rollout, quantity.allowed);
+    c.rollout = std::max(c.rollout, allowed);
   }
   return c;
 }
@@ -168,32 +155,34 @@ LimitCheck check(const Quantity& quantity, int joint, const Extreme& published, 
 
 Limits rollout_allowance(const Parameters& p, const Limits& limits) {
   Limits allowed = limits;
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    allowed.torque[j] = kNoLimit;       // judged as feedback torque
-    allowed.torque_rate[j] = kNoLimit;  // a property of the plan alone
-    allowed.motor_velocity[j] *= 1 + kRolloutVelocityShare;
-    allowed.link_position[j] += exactness_tolerance(p);
-    allowed.spring_deflection[j] += exactness_tolerance(p);
+  for (const LimitName& name : kLimitNames) {
+    double& limit = name.in(allowed);
+    switch (name.quantity->in_rollout) {
+      case InRollout::kOfPlan:
+        limit = kNoLimit;
+        break;
+      case InRollout::kVelocity:
+        limit *= 1 + kRolloutVelocityShare;
+        break;
+      case InRollout::kPosition:
+        limit += exactness_tolerance(p);
+        break;
+    }
   }
-  allowed.tip_speed *= 1 + kRolloutVelocityShare;
   return allowed;
 }
 
 std::vector<LimitCheck> check_limits(const Parameters& p, const Limits& limits, const Trajectory& trajectory,
                                      const Comparison& rollout) {
   const Limits allowed = rollout_allowance(p, limits);
+  const PublishedExtremes published(p, limits, trajectory);
   std::vector<LimitCheck> checks;
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    for (const Quantity& quantity : quantities(limits, allowed, rollout.peaks, j)) {
-      if (!std::isfinite(quantity.limit)) continue;
-      checks.push_back(check(quantity, static_cast<int>(j) + 1, quantity.published(p, trajectory, j), rollout.events));
+  for (const int joint : {1, 2, 0}) {
+    for (std::size_t i = 0; i < kLimits; ++i) {
+      const LimitName& name = kLimitNames[i];
+      if (name.joint != joint || !std::isfinite(name.in(limits))) continue;
+      checks.push_back(check(name, name.in(limits), name.in(allowed), published[i], rollout));
     }
-  }
-  if (std::isfinite(limits.tip_speed)) {
-    const Extreme tip = tip_speed(p, trajectory);
-    LimitCheck c{"tip_speed", 0, limits.tip_speed, tip.magnitude, tip.time, rollout.peaks.tip_speed, false};
-    c.passed = within(c, allowed.tip_speed);
-    checks.push_back(c);
   }
   return checks;
 }

@@ -7,8 +7,8 @@
 
 namespace fjr {
 
-// One check per finite limit and joint. The interpolation is searched exactly, not sampled: torques are linear between
-// rows, velocities quadratic, positions and deflections cubic. Tip speed is sampled. du/dt is the difference quotient
+// One check per finite limit and joint. What is a polynomial between rows (QuantityInfo::degree) is searched for its
+// extremes exactly, anything else is sampled every 0.25 ms. du/dt is the difference quotient
 // of u = tau_m - tau_fm_nonlinear(dtheta) over rows at least half a sample period apart: at a torque jump tau_m steps
 // with the friction and u does not.
 std::vector<LimitCheck> check_limits(const Parameters& p, const Limits& limits, const Trajectory& trajectory,

@@ -22,7 +22,16 @@ constexpr double kStiff = 5000;
 // A motor that passes through its band of stiff friction is out of it after fewer explicit steps.
 constexpr int kStepsOfAPassage = 10;
 constexpr int kReversalRoots = kJoints;
-constexpr int kRoots = 4 * kJoints;
+
+// What is watched inside of steps: the robot's limits, but for the torque, which is given.
+constexpr bool is_watched(const LimitName& limit) { return limit.quantity->of_robot && !limit.quantity->sees_torque; }
+constexpr int kWatched = static_cast<int>(std::count_if(kLimitNames.begin(), kLimitNames.end(), is_watched));
+constexpr std::array<LimitName, kWatched> kWatchedLimits = [] {
+  std::array<LimitName, kWatched> watched{};
+  std::copy_if(kLimitNames.begin(), kLimitNames.end(), watched.begin(), is_watched);
+  return watched;
+}();
+constexpr int kRoots = kReversalRoots + kWatched;
 
 using Active = Dual<kStates>;
 
@@ -181,12 +190,16 @@ int Rollout::Memory::fill_jacobian(realtype t, N_Vector x, N_Vector, SUNMatrix j
 int Rollout::Memory::roots(realtype, N_Vector x, realtype* g, void* self) {
   const auto& m = *static_cast<const Memory*>(self);
   const State<double> now = read(x);
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    g[j] = now.dtheta[j];
-    g[2 + j] = inside(m.limits.motor_velocity[j], now.dtheta[j]);
-    g[4 + j] = inside(m.limits.link_position[j], now.q[j]);
-    g[6 + j] = inside(m.limits.spring_deflection[j], now.theta[j] - now.q[j]);
-  }
+  for (std::size_t j = 0; j < kJoints; ++j) g[j] = now.dtheta[j];
+  const Pair<double> no_torque{};
+  const Moment<double> moment{m.robot, now, no_torque, no_torque};
+  realtype* next = g + kReversalRoots;
+  Quantities::visit([&](auto quantity) {
+    if constexpr (quantity.info.of_robot && !quantity.info.sees_torque) {
+      const Pair<double> values = quantity.value(moment);
+      for (std::size_t j = 0; j < kJoints; ++j) *next++ = inside(quantity.info.in(m.limits, j), values[j]);
+    }
+  });
   return 0;
 }
 
@@ -222,7 +235,11 @@ void Rollout::Memory::record_events() {
   for (int i = 0; i < kRoots; ++i) {
     const int direction = found[static_cast<std::size_t>(i)];
     const bool entering = i >= kReversalRoots && direction > 0;  // coming back inside a limit is no event
-    if (direction != 0 && !entering) events.push_back({time, static_cast<Event::Kind>(i / kJoints), i % kJoints + 1});
+    if (direction == 0 || entering) continue;
+    if (i < kReversalRoots) events.push_back({time, nullptr, i + 1});
+    if (i < kReversalRoots) continue;
+    const LimitName& limit = kWatchedLimits[static_cast<std::size_t>(i - kReversalRoots)];
+    events.push_back({time, limit.quantity, limit.joint});
   }
 }
 

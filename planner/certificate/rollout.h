@@ -57,10 +57,9 @@ struct Accuracy {
 
 // A sign change found inside a step.
 struct Event {
-  enum class Kind { kReversal, kMotorVelocity, kLinkPosition, kSpringDeflection };
-  double time = 0;  // [s]
-  Kind kind{};
-  int joint = 0;  // 1 or 2
+  double time = 0;                         // [s]
+  const QuantityInfo* exceeded = nullptr;  // whose limit is exceeded; none: the motor reverses
+  int joint = 0;                           // 1 or 2
 };
 
 inline constexpr double kLongestStep = 1e-3;  // [s]

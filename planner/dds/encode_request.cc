@@ -157,7 +157,13 @@ void set_limit(const Pair<double>& limit, bool& given, double (&to)[2]) {
   if (given) set_pair(limit, to);
 }
 
-void encode_limits(const Limits& asked, fjr_msg_TightenedLimits& limits) {
+void encode_limits(const Request& request, fjr_msg_TightenedLimits& limits) {
+  const Limits& asked = request.limits;
+  for (const QuantityInfo& quantity : Quantities::infos) {
+    if (!quantity.of_first_version && is_limited(quantity, asked)) {
+      refuse(request, fmt::format("limits.{}", quantity.name), kForNewServices);
+    }
+  }
   set_limit(asked.torque, limits.has_torque, limits.torque);
   set_limit(asked.torque_rate, limits.has_torque_rate, limits.torque_rate);
   set_limit(asked.motor_velocity, limits.has_motor_velocity, limits.motor_velocity);
@@ -190,7 +196,7 @@ void encode_motion(const Request& request, WireRequest& wire) {
   wire.via = encode_vias(request, wire.message);
   wire.obstacles = encode_obstacles(request);
   encode_tip(request, message.tip);
-  encode_limits(request.limits, message.limits);
+  encode_limits(request, message.limits);
   message.payload.given = request.payload.has_value();
   if (request.payload) {
     message.payload.mass = request.payload->mass;

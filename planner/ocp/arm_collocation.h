@@ -121,16 +121,16 @@ std::vector<NodeBounds<N>> node_bounds(const Problem& problem, const Mesh& mesh)
       at.lower[j] = via.q[j] - via.tolerance;
       at.upper[j] = via.q[j] + via.tolerance;
     }
-    if (via.dq && !slower(problem, i)) fix(at, 2, *via.dq);
+    if (via.dq && !slower(problem, i)) fix(at, kStateDq, *via.dq);
     bounds.push_back(at);
   }
   auto goal = node<N>(mesh.size());
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!problem.goal.free[j]) goal.lower[j] = goal.upper[j] = problem.goal.q[j];
   }
-  if (!problem.goal.dq_free && !slower(problem, problem.via.size())) fix(goal, 2, problem.goal.dq);
-  if (problem.goal.theta) fix(goal, 4, *problem.goal.theta);
-  if (problem.goal.dtheta) fix(goal, 6, *problem.goal.dtheta);
+  if (!problem.goal.dq_free && !slower(problem, problem.via.size())) fix(goal, kStateDq, problem.goal.dq);
+  if (problem.goal.theta) fix(goal, kStateTheta, *problem.goal.theta);
+  if (problem.goal.dtheta) fix(goal, kStateDtheta, *problem.goal.dtheta);
   bounds.push_back(goal);
   return bounds;
 }
@@ -143,8 +143,8 @@ std::vector<RowBounds> goal_rows(const Problem& problem, const Mesh& mesh) {
   for (int j = 0; j < kJoints; ++j) {
     const auto i = static_cast<std::size_t>(j);
     const double held = problem.limits.torque[i] / problem.robot.spring.stiffness[i];
-    rows.push_back({mesh.size(), ArmOcp<F>::kEquilibrium1 + j, 0, 0});
-    rows.push_back({mesh.size(), ArmOcp<F>::kDeflection1 + j, -held, held});
+    rows.push_back({mesh.size(), ArmOcp<F>::kEquilibrium + j, 0, 0});
+    rows.push_back({mesh.size(), row_of(SpringDeflection::info) + j, -held, held});
   }
   return rows;
 }
@@ -175,8 +175,8 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
     if constexpr (F.elastic) bound_with_slack<F>(here, *problem.elastic);
     for (std::size_t j = 0; j < kJoints && !setup.creep.empty(); ++j) {
       const double creep = setup.creep[k][j];
-      if (creep > 0) here.x_lower[6 + j] = creep;
-      if (creep < 0) here.x_upper[6 + j] = creep;
+      if (creep > 0) here.x_lower[kStateDtheta + j] = creep;
+      if (creep < 0) here.x_upper[kStateDtheta + j] = creep;
     }
     bounds.push_back(here);
   }
@@ -187,8 +187,9 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
 template <Features F>
 void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
   for (std::size_t j = 0; j < kJoints; ++j) {
-    if (problem.elastic && problem.elastic->give[j] > 0) continue;
-    const double limit = problem.limits.torque[j] * (1 - kBackOff);
+    if (problem.elastic && problem.elastic->give[first_limit_of("torque") + j] > 0) continue;
+    const double by_power = problem.limits.motor_power[j] / std::abs(problem.start.dtheta[j]);
+    const double limit = std::min(problem.limits.torque[j], by_power) * (1 - kBackOff);
     const double friction = ocp.friction[j].nonlinear(problem.start.dtheta[j]);
     ocp.at_nodes.front().lower[ArmOcp<F>::kArm + j] = -limit - friction;
     ocp.at_nodes.front().upper[ArmOcp<F>::kArm + j] = limit - friction;
@@ -225,9 +226,9 @@ inline Eigen::MatrixXd with_consistent_positions(const Eigen::MatrixXd& state, d
   if (degree < 3) return state;
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(state.rows(), state.cols() + 1);
   result.leftCols(state.cols()) = state;
-  for (const Eigen::Index position : {0, 1, 4, 5}) {
+  for (const Eigen::Index position : {kStateQ, kStateQ + 1, kStateTheta, kStateTheta + 1}) {
     for (Eigen::Index d = 0; d <= degree; ++d) {
-      result(position, d + 1) = duration * state(position + 2, d) / static_cast<double>(d + 1);
+      result(position, d + 1) = duration * state(position + kJoints, d) / static_cast<double>(d + 1);
     }
   }
   return result;

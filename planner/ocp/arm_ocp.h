@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <string_view>
 #include <vector>
 
 #include "model/dynamics.h"
@@ -25,6 +26,23 @@ struct Features {
   bool elastic = false;  // for Problem::elastic
 };
 
+// The first row of a quantity that is bounded as one.
+constexpr int row_of(const QuantityInfo& info) {
+  int row = 0;
+  for (const QuantityInfo& other : Quantities::infos) {
+    if (std::string_view(other.name) == info.name) break;
+    if (other.bound == BoundOn::kRow) row += static_cast<int>(other.count());
+  }
+  return row;
+}
+inline constexpr int kQuantityRows = [] {
+  int rows = 0;
+  for (const QuantityInfo& info : Quantities::infos) {
+    if (info.bound == BoundOn::kRow) rows += static_cast<int>(info.count());
+  }
+  return rows;
+}();
+
 template <Features F>
 struct ArmOcp {
   static constexpr int kArm = fjr::kStates;
@@ -32,32 +50,32 @@ struct ArmOcp {
   static constexpr int kSlack = kPeak + (F.peak ? kJoints : 0);
   static constexpr int kStates = kSlack + (F.elastic ? 1 : 0);
   static constexpr int kControls = kJoints;
-  // kEquilibrium: theta - q - G(q) / K of a joint, zero at rest. kPeakRow: peak - tau_m and peak + tau_m of both
-  // joints.
-  enum Row { kTorque1, kTorque2, kDeflection1, kDeflection2, kTipSpeedSquared, kEquilibrium1, kEquilibrium2, kPeakRow };
+  // The rows of the quantities that are bounded as rows come first: row_of() says where. kEquilibrium: theta - q -
+  // G(q) / K of a joint, zero at rest. kPeakRow: peak - tau_m and peak + tau_m of both joints.
+  static constexpr int kEquilibrium = kQuantityRows, kPeakRow = kEquilibrium + kJoints;
   static constexpr int kTask = kPeakRow + (F.peak ? 2 * kJoints : 0);
   static_assert(!F.peak || F.task_rows > 0);
-  static constexpr std::size_t kRateLimit = 4 * kJoints, kTipSpeed = 5 * kJoints;  // among Limits
-  // With a slack: two rows for everything that is limited, value - slack and value + slack, in the order of Limits and
-  // then of the task; and the velocities that may be lower.
-  static constexpr int kGive = F.task_rows > 0 ? kTask + F.task_rows : kEquilibrium1;
-  static constexpr int kLimited = static_cast<int>(Limits::kCount) + F.task_rows;
+  // With a slack: two rows for everything that is limited, value - slack and value + slack, in the order of the limits
+  // and then of the task; and the velocities that may be lower.
+  static constexpr int kGive = F.task_rows > 0 ? kTask + F.task_rows : kEquilibrium;
+  static constexpr int kLimited = static_cast<int>(kLimits) + F.task_rows;
   static constexpr int kSlower = kGive + 2 * kLimited;
   static constexpr int kRows = F.elastic ? kSlower + kJoints : kGive;
   static constexpr auto kRowUsesControl = [] {
     std::array<bool, kRows> uses{};
-    uses[kTorque1] = uses[kTorque2] = !F.rate;
     for (std::size_t i = kPeakRow; i < kTask && i < uses.size(); ++i) uses[i] = !F.rate;
-    for (std::size_t i = 0; F.elastic && i < 2 * kJoints; ++i) {
-      uses[kGive + i] = !F.rate;
-      uses[kGive + 2 * kRateLimit + i] = F.rate;
+    for (std::size_t i = 0; i < kLimits; ++i) {
+      const QuantityInfo& info = *kLimitNames[i].quantity;
+      const bool sees = info.bound == BoundOn::kControl ? F.rate : info.sees_torque && !F.rate;
+      if (info.bound == BoundOn::kRow) uses[row_of(info) + kLimitNames[i].j()] = sees;
+      if (F.elastic) uses[kGive + 2 * i] = uses[kGive + 2 * i + 1] = sees;
     }
     return uses;
   }();
   static constexpr auto kRowOfSegment = [] {
     std::array<bool, kRows> of_segment{};
     for (std::size_t i = kTask; i < kGive; ++i) of_segment[i] = true;
-    for (std::size_t i = kGive + 2 * Limits::kCount; i < of_segment.size(); ++i) of_segment[i] = true;
+    for (std::size_t i = kGive + 2 * kLimits; i < of_segment.size(); ++i) of_segment[i] = true;
     return of_segment;
   }();
   static constexpr double kRateUnit = 100;  // [N m/s] per unit of control: keeps the controls near the states' size
@@ -67,7 +85,7 @@ struct ArmOcp {
   Pair<FrictionLaw> friction;               // in the torque limit and the effort
   std::vector<std::vector<TaskRow>> tasks;  // rows by segment; as many in each
   Array<kLimited> give{};                   // per unit of slack
-  double tip_speed = 0;                     // [m/s] its limit, where that gives way
+  Limits limits;                            // rows of what has none are not evaluated, and squares give way by them
   Pair<double> slower{};                    // [rad/s] per unit of slack
 
   using Bounds = PathBounds<kStates, kControls, kRows>;
@@ -96,12 +114,10 @@ struct ArmOcp {
     }
 
     Pair<T> torque;
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      torque[j] = compensated[j] + friction[j].nonlinear(state.dtheta[j]);
-      rows[kTorque1 + j] = torque[j];
-      rows[kDeflection1 + j] = state.theta[j] - state.q[j];
-    }
-    rows[kTipSpeedSquared] = tip_speed_squared(robot, state.q[1], state.dq);
+    for (std::size_t j = 0; j < kJoints; ++j) torque[j] = compensated[j] + friction[j].nonlinear(state.dtheta[j]);
+    const Pair<T> torque_rate = F.rate ? Pair<T>{T(kRateUnit * u[0]), T(kRateUnit * u[1])} : Pair<T>{T(0.0), T(0.0)};
+    const Moment<T> moment{robot, state, torque, torque_rate};
+    quantity_rows(moment, rows);
     if constexpr (F.task_rows > 0) task(segment, state, rows);
     if constexpr (F.peak) {
       for (std::size_t j = 0; j < kJoints; ++j) {
@@ -114,7 +130,7 @@ struct ArmOcp {
 
     if constexpr (F.elastic) {
       f[kSlack] = T(0.0);
-      give_way(state, torque, u, x[kSlack], rows);
+      give_way(moment, x[kSlack], rows);
     }
 
     cost = running_cost(weights, Instant<T>{robot, state, rate.dq, torque, kink});
@@ -139,11 +155,25 @@ struct ArmOcp {
   }
 
  private:
+  // Deflections are asked for at goals that leave a joint free; what only requests limit is left out where they do not.
+  bool is_evaluated(const QuantityInfo& info) const { return info.of_robot || is_limited(info, limits); }
+
+  template <class T>
+  void quantity_rows(const Moment<T>& moment, T* rows) const {
+    Quantities::visit([&](auto quantity) {
+      if constexpr (quantity.info.bound == BoundOn::kRow) {
+        if (!is_evaluated(quantity.info)) return;
+        const auto values = quantity.value(moment);
+        std::copy(values.begin(), values.end(), rows + row_of(quantity.info));
+      }
+    });
+  }
+
   template <class T>
   void task(int segment, const State<T>& state, T* rows) const {
     const Pair<T> gravity = gravity_torque(robot, state.q);
     for (std::size_t j = 0; j < kJoints; ++j) {
-      rows[kEquilibrium1 + j] = state.theta[j] - state.q[j] - gravity[j] / robot.spring.stiffness[j];
+      rows[kEquilibrium + j] = state.theta[j] - state.q[j] - gravity[j] / robot.spring.stiffness[j];
     }
     if (tasks.empty()) return;
     const auto posture = Posture<T>::of(robot, state.q);
@@ -152,43 +182,60 @@ struct ArmOcp {
   }
 
   template <class T>
-  void give_way(const State<T>& state, const Pair<T>& torque, const T* u, const T& slack, T* rows) const {
+  void give_way(const Moment<T>& moment, const T& slack, T* rows) const {
     std::size_t next = 0;
     const auto put = [&](const T& value, const T& by) {
       rows[kGive + 2 * next] = value - by;
       rows[kGive + 2 * next + 1] = value + by;
       ++next;
     };
-    const auto limit = [&](const T& value) { put(value, T(give[next] * slack)); };
-    for (const T& value : torque) limit(value);
-    for (const T& value : state.dtheta) limit(value);
-    for (const T& value : state.q) limit(value);
-    for (std::size_t j = 0; j < kJoints; ++j) limit(rows[kDeflection1 + j]);
-    for (int j = 0; j < kJoints; ++j) limit(F.rate ? T(kRateUnit * u[j]) : T(0.0));
-    const T faster = give[kTipSpeed] * slack;
-    put(rows[kTipSpeedSquared], T(faster * (2 * tip_speed + faster)));
-    for (int r = 0; r < F.task_rows; ++r) limit(rows[kTask + r]);
-    for (std::size_t j = 0; j < kJoints; ++j) rows[kSlower + j] = state.dq[j] + slower[j] * slack;
+    Quantities::visit([&](auto quantity) {
+      if (!is_evaluated(quantity.info)) {
+        next += quantity.info.count();
+        return;
+      }
+      const auto values = quantity.value(moment);
+      for (std::size_t j = 0; j < values.size(); ++j) {
+        const T more = give[next] * slack;
+        // (limit + more)^2 - limit^2
+        put(values[j], quantity.info.squared ? T(more * (2 * quantity.info.in(limits, j) + more)) : more);
+      }
+    });
+    for (int r = 0; r < F.task_rows; ++r) put(rows[kTask + r], T(give[next] * slack));
+    for (std::size_t j = 0; j < kJoints; ++j) rows[kSlower + j] = moment.x.dq[j] + slower[j] * slack;
   }
 };
+
+// What a limit is divided by where it bounds a control.
+template <Features F>
+double unit_of_bound(const QuantityInfo& info) {
+  return info.bound == BoundOn::kControl ? ArmOcp<F>::kRateUnit : 1;
+}
+
+// The bounds that limit i, or row i - kLimits of the task, is made of.
+template <Features F>
+std::array<double*, 2> bounds_of(typename ArmOcp<F>::Bounds& b, std::size_t i) {
+  const auto row = [&b](std::size_t r) { return std::array{&b.row_lower[r], &b.row_upper[r]}; };
+  if (i >= kLimits) return row(ArmOcp<F>::kTask + (i - kLimits));
+  const QuantityInfo& info = *kLimitNames[i].quantity;
+  const std::size_t j = kLimitNames[i].j(), x = static_cast<std::size_t>(info.state) + j;
+  if (info.bound == BoundOn::kState) return {&b.x_lower[x], &b.x_upper[x]};
+  if (info.bound == BoundOn::kControl) return {&b.u_lower[j], &b.u_upper[j]};
+  return row(static_cast<std::size_t>(row_of(info)) + j);
+}
 
 // The limits as bounds on states, controls and rows.
 template <Features F>
 typename ArmOcp<F>::Bounds path_bounds(const Limits& limits) {
-  using Ocp = ArmOcp<F>;
-  typename Ocp::Bounds b;
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    b.x_upper[j] = limits.link_position[j];
-    b.x_upper[6 + j] = limits.motor_velocity[j];
-    b.row_upper[Ocp::kTorque1 + j] = limits.torque[j];
-    b.row_upper[Ocp::kDeflection1 + j] = limits.spring_deflection[j];
-    if (F.rate) b.u_upper[j] = limits.torque_rate[j] / Ocp::kRateUnit;
+  typename ArmOcp<F>::Bounds b;
+  for (std::size_t i = 0; i < kLimits; ++i) {
+    const QuantityInfo& info = *kLimitNames[i].quantity;
+    if (info.bound == BoundOn::kControl && !F.rate) continue;
+    const double limit = kLimitNames[i].in(limits), unit = unit_of_bound<F>(info);
+    const auto [lower, upper] = bounds_of<F>(b, i);
+    *upper = (info.squared ? limit * limit : limit) / unit;
+    if (!info.squared) *lower = -*upper;
   }
-  for (std::size_t i = 0; i < b.x_upper.size(); ++i) b.x_lower[i] = -b.x_upper[i];
-  for (std::size_t i = 0; i < b.u_upper.size(); ++i) b.u_lower[i] = -b.u_upper[i];
-  for (std::size_t i = 0; i < b.row_upper.size(); ++i) b.row_lower[i] = -b.row_upper[i];
-  b.row_upper[Ocp::kTipSpeedSquared] = limits.tip_speed * limits.tip_speed;
-  b.row_lower[Ocp::kTipSpeedSquared] = -kNoLimit;
   return b;
 }
 
@@ -207,22 +254,6 @@ void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem) {
   for (std::size_t r = Ocp::kPeakRow; r < Ocp::kTask && problem.weights.peak_torque > 0; ++r) b.row_lower[r] = 0;
 }
 
-// The bounds of the limit or row i, as it is counted for Elastic::give.
-template <Features F>
-std::array<double*, 2> bounds_of(typename ArmOcp<F>::Bounds& b, std::size_t i) {
-  using Ocp = ArmOcp<F>;
-  const auto state = [&b](std::size_t x) { return std::array{&b.x_lower[x], &b.x_upper[x]}; };
-  const auto row = [&b](std::size_t r) { return std::array{&b.row_lower[r], &b.row_upper[r]}; };
-  const std::size_t j = i % kJoints;
-  if (i >= Limits::kCount) return row(Ocp::kTask + (i - Limits::kCount));
-  if (i == Ocp::kTipSpeed) return row(Ocp::kTipSpeedSquared);
-  if (i >= Ocp::kRateLimit) return {&b.u_lower[j], &b.u_upper[j]};
-  const std::size_t pair = i / kJoints;  // torque, motor velocity, position, deflection
-  if (pair == 1) return state(6 + j);
-  if (pair == 2) return state(j);
-  return row((pair == 0 ? Ocp::kTorque1 : Ocp::kDeflection1) + j);
-}
-
 // What gives way is bounded by the rows that see the slack.
 template <Features F>
 void bound_with_slack(typename ArmOcp<F>::Bounds& b, const Elastic& elastic) {
@@ -231,7 +262,7 @@ void bound_with_slack(typename ArmOcp<F>::Bounds& b, const Elastic& elastic) {
   b.x_upper[Ocp::kSlack] = elastic.most;
   for (std::size_t i = 0; i < elastic.give.size(); ++i) {
     if (elastic.give[i] == 0) continue;
-    const double unit = i >= Ocp::kRateLimit && i < Ocp::kTipSpeed ? Ocp::kRateUnit : 1;
+    const double unit = i < kLimits ? unit_of_bound<F>(*kLimitNames[i].quantity) : 1;
     const auto [lower, upper] = bounds_of<F>(b, i);
     b.row_upper[Ocp::kGive + 2 * i] = unit * *upper;
     b.row_lower[Ocp::kGive + 2 * i + 1] = unit * *lower;
@@ -248,6 +279,7 @@ ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
   ArmOcp<F> ocp;
   ocp.robot = problem.robot;
   ocp.weights = problem.weights;
+  ocp.limits = problem.limits;
   ocp.time_weight = problem.weights.time;
   for (int j = 0; j < kJoints; ++j) ocp.friction[static_cast<std::size_t>(j)] = FrictionLaw::of(problem.robot, j);
   // Minimum time leaves the torque of the joint that does not decide the time, and along velocity limits, undetermined:
@@ -259,7 +291,6 @@ ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
   }
   if constexpr (F.elastic) {
     std::copy(problem.elastic->give.begin(), problem.elastic->give.end(), ocp.give.begin());
-    ocp.tip_speed = problem.limits.tip_speed;
     if (const auto at = problem.elastic->slower) {
       const Pair<double> asked = *at < problem.via.size() ? *problem.via[*at].dq : problem.goal.dq;
       ocp.slower = asked;

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "model/friction.h"
-#include "model/kinematics.h"
 #include "planner/ocp/segments.h"
 
 namespace fjr {
@@ -20,40 +19,33 @@ constexpr double kMost = 0.5;         // share of a limit that a margin may take
 constexpr double kRunThrough = 0.1;   // share of a task's scale
 constexpr double kWindow = 0.03;      // share of the duration around a given state that lies on a limit
 
-void raise(double& largest, double value) { largest = std::max(largest, std::abs(value)); }
+Pair<double> sum(const Pair<double>& a, const Pair<double>& b) { return {a[0] + b[0], a[1] + b[1]}; }
 
-Limits zero() {
-  Limits l;
-  std::fill_n(l.data(), Limits::kCount, 0.0);
-  return l;
-}
-
-// Largest magnitude of everything that Limits limits, on one interval.
+// Largest magnitude of everything that is limited, on one interval.
 Limits reached_in(const Problem& problem, const Pair<FrictionLaw>& friction, const Motion& motion, std::size_t k) {
-  Limits reached = zero();
+  Limits reached = Limits::all(0);
   const auto& interval = motion.intervals[k];
-  State<double> before{};
-  Pair<double> u_before{};
+  const auto limited = [&](const QuantityInfo& info) { return is_limited(info, problem.limits); };
+  const auto limited_torque = [&](const QuantityInfo& info) { return info.sees_torque && limited(info); };
+  Pair<double> u_before{}, friction_before{};
   for (int i = 0; i <= kProbes; ++i) {
     const double time = interval.start + interval.duration * i / kProbes;
     const State<double> x = motion.state_in(k, time);
     const Pair<double> u = motion.torque_in(k, time);
+    Pair<double> now, torque, rate{};
     for (std::size_t j = 0; j < kJoints; ++j) {
-      const double now = friction[j].nonlinear(x.dtheta[j]);
-      raise(reached.torque[j], u[j] + now);
-      if (i > 0) {  // a step of the law may lie anywhere between the probes
-        const double last = friction[j].nonlinear(before.dtheta[j]);
-        raise(reached.torque[j], u[j] + last);
-        raise(reached.torque[j], u_before[j] + now);
-        raise(reached.torque_rate[j], (u[j] - u_before[j]) * kProbes / interval.duration);
-      }
-      raise(reached.motor_velocity[j], x.dtheta[j]);
-      raise(reached.link_position[j], x.q[j]);
-      raise(reached.spring_deflection[j], x.theta[j] - x.q[j]);
+      now[j] = friction[j].nonlinear(x.dtheta[j]);
+      torque[j] = u[j] + now[j];
+      if (i > 0) rate[j] = (u[j] - u_before[j]) * kProbes / interval.duration;
     }
-    raise(reached.tip_speed, std::sqrt(tip_speed_squared(problem.robot, x.q[1], x.dq)));
-    before = x;
+    raise(reached, {problem.robot, x, torque, rate}, limited);
+    if (i > 0) {  // a step of the law may lie anywhere between the probes
+      const Pair<double> later = sum(u, friction_before), earlier = sum(u_before, now);
+      raise(reached, {problem.robot, x, later, rate}, limited_torque);
+      raise(reached, {problem.robot, x, earlier, rate}, limited_torque);
+    }
     u_before = u;
+    friction_before = now;
   }
   return reached;
 }
@@ -89,15 +81,11 @@ struct Given {
 };
 
 Given given_at(const Problem& problem, double place, std::size_t segment, const State<double>& x) {
-  Limits needs = zero();
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    raise(needs.motor_velocity[j], x.dtheta[j]);
-    raise(needs.link_position[j], x.q[j]);
-    raise(needs.spring_deflection[j], x.theta[j] - x.q[j]);
-  }
-  raise(needs.tip_speed, std::sqrt(tip_speed_squared(problem.robot, x.q[1], x.dq)));
+  Limits needs = Limits::all(0);
+  const Pair<double> nothing{};
+  raise(needs, {problem.robot, x, nothing, nothing}, [](const QuantityInfo&) { return true; });
   Given given{place, {}};
-  for (std::size_t i = 0; i < Limits::kCount; ++i) given.room.push_back(problem.limits.data()[i] - needs.data()[i]);
+  for (const LimitName& name : kLimitNames) given.room.push_back(name.in(problem.limits) - name.in(needs));
   const auto posture = Posture<double>::of(problem.robot, x.q);
   for (const TaskRow& row : task_rows(problem.robot, problem.task, segment)) {
     given.room.push_back(row.room(row.value(problem.robot, posture)));
@@ -111,7 +99,7 @@ std::vector<Given> given_states(const Problem& problem) {
     const Via& via = problem.via[i];
     if (via.tolerance > 0) {  // a corner of a path gives its angles, nearly, and nothing else
       given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, {0, 0}, via.q, {0, 0}}));
-      std::fill(given.back().room.begin() + Limits::kCount, given.back().room.end(), kNoLimit);
+      std::fill(given.back().room.begin() + kLimits, given.back().room.end(), kNoLimit);
       continue;
     }
     const Pair<double> dq = via.dq.value_or(Pair<double>{0, 0});
@@ -142,19 +130,12 @@ class Frame {
     return room;
   }
 
-  // Margins cannot act on an interval, from and to counted in segments, where a given state lies on limit i: on
-  // positions for as long as leaving takes (the motors move the links through the springs: as the fourth power of
-  // time), on rows that are asked at the state itself only there. Velocities are left at once.
+  // Margins cannot act on an interval, from and to counted in segments, where a given state lies on limit i, for as
+  // long as leaving takes. A task's rows are left as positions are.
   bool held(std::size_t i, double from, double to) const {
-    const auto first = [this](const double* member) {
-      return static_cast<std::size_t>(member - problem_.limits.data());
-    };
-    const std::size_t velocities = first(problem_.limits.motor_velocity.data()),
-                      positions = first(problem_.limits.link_position.data()),
-                      deflections = first(problem_.limits.spring_deflection.data());
-    if (i >= velocities && i < positions) return false;
-    const bool position = (i >= positions && i < deflections) || i >= Limits::kCount;
-    const double window = position ? kWindow * static_cast<double>(segment_count(problem_)) : 1e-9;
+    const Leaving leaving = i < kLimits ? kLimitNames[i].quantity->leaving : Leaving::kSlowly;
+    if (leaving == Leaving::kAtOnce) return false;
+    const double window = leaving == Leaving::kSlowly ? kWindow * static_cast<double>(segment_count(problem_)) : 1e-9;
     return std::any_of(given_.begin(), given_.end(), [&](const Given& g) {
       return lies_on(g, i) && from < g.place + window && to > g.place - window;
     });
@@ -177,19 +158,19 @@ std::vector<double> places(const Mesh& mesh) {
 
 std::vector<std::size_t> indices_of(const Problem& problem, std::string_view name, int joint) {
   std::vector<std::size_t> indices;
-  Limits limits = problem.limits;
-  if (const double* limit = limit_of(limits, name, joint)) {
-    indices.push_back(static_cast<std::size_t>(limit - limits.data()));
+  for (std::size_t i = 0; i < kLimits; ++i) {
+    if (kLimitNames[i].quantity->name == name && kLimitNames[i].joint == joint) indices.push_back(i);
   }
   const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, 0);
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (rows[r].name == name && rows[r].link == joint) indices.push_back(Limits::kCount + r);
+    if (rows[r].name == name && rows[r].link == joint) indices.push_back(kLimits + r);
   }
   return indices;
 }
 
 PerLimit limit_scales(const Problem& problem) {
-  PerLimit scales(problem.limits.data(), problem.limits.data() + Limits::kCount);
+  PerLimit scales;
+  for (const LimitName& limit : kLimitNames) scales.push_back(limit.in(problem.limits));
   for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) scales.push_back(row.scale);
   return scales;
 }
@@ -207,11 +188,11 @@ std::vector<Kept> kept_limits(const Problem& problem, const Mesh& mesh, const st
     for (std::size_t i = 0; i < frame.count(); ++i) {
       double off = frame.back_off(i);
       if (!margins.empty() && !frame.held(i, nodes[k], nodes[k + 1])) off += margins[k][i];
-      if (i < Limits::kCount) {
-        if (std::isfinite(off)) here.limits.data()[i] -= off;
+      if (i < kLimits) {
+        if (std::isfinite(off)) kLimitNames[i].in(here.limits) -= off;
       } else {
-        here.task_rows[i - Limits::kCount][0] += off;
-        here.task_rows[i - Limits::kCount][1] -= off;
+        here.task_rows[i - kLimits][0] += off;
+        here.task_rows[i - kLimits][1] -= off;
       }
     }
     kept.push_back(std::move(here));
@@ -234,7 +215,7 @@ std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const M
     for (std::size_t i = 0; i < frame.count(); ++i) {
       const double scale = frame.scale(i);
       const double beyond =
-          i < Limits::kCount ? reached.data()[i] - problem.limits.data()[i] : -room[i - Limits::kCount];
+          i < kLimits ? kLimitNames[i].in(reached)-kLimitNames[i].in(problem.limits) : -room[i - kLimits];
       const double given = problem.elastic && i < problem.elastic->give.size() ? slack * problem.elastic->give[i] : 0;
       const double over = beyond - given + keep * frame.back_off(i);
       const bool counts = std::isfinite(scale) && over > kNegligible * scale && !frame.held(i, nodes[k], nodes[k + 1]);
@@ -270,20 +251,17 @@ std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion&
       sentence = sentence_of(excess[k][i], motion.intervals[k].start);
     }
   };
-  const auto limit = [&](std::string_view name, std::string_view unit, std::size_t joint, const double& value) {
-    consider(static_cast<std::size_t>(&value - problem.limits.data()), [&](double over, double time) {
+  for (std::size_t i = 0; i < kLimits; ++i) {
+    consider(i, [&](double over, double time) {
+      const auto& [quantity, joint] = kLimitNames[i];
       const std::string of_joint = joint == 0 ? "" : fmt::format(" of joint {}", joint);
-      return fmt::format("{}{} exceeds its limit {:.6g} {} by {:.3g} at {:.3f} s", name, of_joint, value, unit, over,
-                         time);
+      return fmt::format("{}{} exceeds its limit {:.6g} {} by {:.3g} at {:.3f} s", quantity->name, of_joint, scales[i],
+                         quantity->unit, over, time);
     });
-  };
-  visit_pair_limits(problem.limits, [&](std::string_view name, std::string_view unit, const Pair<double>& pair) {
-    for (std::size_t j = 0; j < kJoints; ++j) limit(name, unit, j + 1, pair[j]);
-  });
-  limit("tip_speed", "m/s", 0, problem.limits.tip_speed);
+  }
   const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, 0);
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    consider(Limits::kCount + r, [&](double over, double time) {
+    consider(kLimits + r, [&](double over, double time) {
       const std::string of_link = rows[r].link == 0 ? "" : fmt::format(" by link {}", rows[r].link);
       const char* unit = rows[r].kind == TaskRow::Kind::kAngles ? "rad" : "m";
       return fmt::format("{} is missed{} by {:.3g} {} at {:.3f} s", rows[r].name, of_link, over, unit, time);
@@ -300,7 +278,7 @@ bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses
   for (std::size_t k = 0; k < margins.size(); ++k) {
     for (std::size_t i = 0; i < scales.size(); ++i) {
       // An obstacle that is run through wants a finer mesh; a margin of that size would bar the way beside it too.
-      if (!(excesses[k][i] > 0) || (i >= Limits::kCount && excesses[k][i] > kRunThrough * scales[i])) continue;
+      if (!(excesses[k][i] > 0) || (i >= kLimits && excesses[k][i] > kRunThrough * scales[i])) continue;
       double& margin = margins[k][i];
       const double before = margin;
       margin += std::max((growth - 1) * margin, kEnlarge * excesses[k][i] + kLeast * scales[i]);

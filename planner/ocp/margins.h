@@ -15,7 +15,7 @@ namespace fjr {
 // Share of each limit that is kept free everywhere: what the rollout may differ from the plan by, with room to spare.
 inline constexpr double kBackOff = 1e-4;
 
-// A value for everything that is limited along the way: the limits in the order of Limits, then the task's rows; each
+// A value for everything that is limited along the way: the limits by their index, then the task's rows; each
 // in its own unit.
 using PerLimit = std::vector<double>;
 

@@ -5,51 +5,17 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
-#include <limits>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "model/dynamics.h"
 #include "model/parameters.h"
 #include "planner/problem/objective_terms.h"
+#include "planner/problem/quantities.h"
 #include "planner/problem/task.h"
 
 namespace fjr {
-
-inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
-
-// Limits of one plan: robot.yaml's, tightened by the request. Magnitudes.
-struct Limits {
-  Pair<double> torque{kNoLimit, kNoLimit};             // [N m]    |tau_m|
-  Pair<double> motor_velocity{kNoLimit, kNoLimit};     // [rad/s]  |dtheta|
-  Pair<double> link_position{kNoLimit, kNoLimit};      // [rad]    |q|
-  Pair<double> spring_deflection{kNoLimit, kNoLimit};  // [rad]    |theta - q|
-  Pair<double> torque_rate{kNoLimit, kNoLimit};        // [N m/s]  |du/dt| of the friction-compensated torque
-  double tip_speed = kNoLimit;                         // [m/s]
-
-  static Limits of(const Parameters& p);
-
-  static constexpr std::size_t kCount = 5 * kJoints + 1;  // all of them, in the order above
-  double* data() { return torque.data(); }
-  const double* data() const { return torque.data(); }
-};
-
-static_assert(sizeof(Limits) == Limits::kCount * sizeof(double));
-
-// visit(name, unit, limit) for the limits that are a pair.
-template <class L, class Visit>
-void visit_pair_limits(L& limits, Visit&& visit) {
-  visit("torque", "N m", limits.torque);
-  visit("motor_velocity", "rad/s", limits.motor_velocity);
-  visit("link_position", "rad", limits.link_position);
-  visit("spring_deflection", "rad", limits.spring_deflection);
-  visit("torque_rate", "N m/s", limits.torque_rate);
-}
-
-// The limit called `name` ("torque", ...) of a joint (1 or 2; 0 for tip_speed); null if there is none of that name.
-double* limit_of(Limits& limits, std::string_view name, int joint);
 
 struct Goal {
   Pair<double> q{};                    // [rad]
@@ -81,7 +47,7 @@ struct Duration {
 // Nothing that a request asks for, but what tells how far one is from possible (planner/search/explain): limits give
 // way by the slack times `give`, and the slack is what is minimised, beside the weighted terms.
 struct Elastic {
-  std::vector<double> give;           // of the limits, in their order, then of the task's rows; each in its own unit
+  std::vector<double> give;           // of the limits by their index, then of the task's rows; each in its own unit
   std::optional<std::size_t> slower;  // the velocity asked for there is lowered by the slack, its share: at that via
                                       // point, or with their number at the goal
   double most = 1;                    // the largest slack

@@ -14,16 +14,12 @@ constexpr double kBoxSize = 0.1;     // [m] what shares of a box's growth are ta
 
 void add_limits(std::vector<Relaxable>& all, const Problem& problem) {
   const Limits robots = Limits::of(problem.robot);
-  const auto add = [&](std::string_view name, std::string_view unit, int joint, const double& limit) {
-    if (!std::isfinite(limit)) return;
-    const auto at = static_cast<std::size_t>(&limit - problem.limits.data());
-    all.push_back({std::string(name), joint, std::string(unit), limit, 1, kMostTimes * limit, robots.data()[at] - limit,
-                   [at](Problem& p, double value) { p.limits.data()[at] = value; }});
-  };
-  visit_pair_limits(problem.limits, [&](std::string_view name, std::string_view unit, const Pair<double>& pair) {
-    for (std::size_t j = 0; j < kJoints; ++j) add(name, unit, static_cast<int>(j) + 1, pair[j]);
-  });
-  add("tip_speed", "m/s", 0, problem.limits.tip_speed);
+  for (const LimitName& name : kLimitNames) {
+    const double limit = name.in(problem.limits);
+    if (!std::isfinite(limit)) continue;
+    all.push_back({name.quantity->name, name.joint, name.quantity->unit, limit, 1, kMostTimes * limit,
+                   name.in(robots)-limit, [name](Problem& p, double value) { name.in(p.limits) = value; }});
+  }
 }
 
 void add_task(std::vector<Relaxable>& all, const Task& task) {
@@ -88,14 +84,15 @@ std::vector<Relaxable> relaxables(const Problem& problem) {
 
 Relaxable all_limits(const Problem& problem) {
   Relaxable all{"all_limits", 0, "times", 1, 1, kMostTimes, 0, [limits = problem.limits](Problem& p, double factor) {
-                  for (std::size_t i = 0; i < Limits::kCount; ++i) p.limits.data()[i] = factor * limits.data()[i];
-                  p.limits.link_position = limits.link_position;
+                  for (const LimitName& name : kLimitNames) {
+                    if (!name.quantity->place) name.in(p.limits) = factor * name.in(limits);
+                  }
                 }};
   all.allowed = kMostTimes;
   const Limits robots = Limits::of(problem.robot);
-  for (std::size_t i = 0; i < Limits::kCount; ++i) {
-    const double limit = problem.limits.data()[i];
-    if (std::isfinite(limit)) all.allowed = std::min(all.allowed, robots.data()[i] / limit - 1);
+  for (const LimitName& name : kLimitNames) {
+    const double limit = name.in(problem.limits);
+    if (std::isfinite(limit)) all.allowed = std::min(all.allowed, name.in(robots) / limit - 1);
   }
   return all;
 }

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "planner/problem/units.h"
+#include "planner/problem/quantities.h"
 
 namespace fjr {
 namespace {

@@ -57,10 +57,10 @@ std::string text_of(const Payload& payload) {
 
 std::string text_of(const Limits& limits) {
   Map map;
-  visit_pair_limits(limits, [&](std::string_view name, std::string_view, const Pair<double>& limit) {
-    if (limit != Pair<double>{kNoLimit, kNoLimit}) map.add(name, text_of(limit));
-  });
-  if (limits.tip_speed != kNoLimit) map.add("tip_speed", text_of(limits.tip_speed));
+  for (const QuantityInfo& quantity : Quantities::infos) {
+    if (!is_limited(quantity, limits)) continue;
+    map.add(quantity.name, quantity.of_tip ? text_of(limits.*quantity.of_tip) : text_of(limits.*quantity.per_joint));
+  }
   return map.text();
 }
 

@@ -72,13 +72,14 @@ void read(const YamlNode& node, const char*, Payload& payload) { payload = read_
 
 void read(const YamlNode& node, const char*, Limits& limits) {
   std::vector<std::string_view> names;
-  visit_pair_limits(limits, [&](std::string_view name, std::string_view, Pair<double>&) { names.push_back(name); });
-  names.emplace_back("tip_speed");
+  for (const QuantityInfo& quantity : Quantities::infos) names.emplace_back(quantity.name);
   node.allow_keys(names);
-  visit_pair_limits(limits, [&](std::string_view name, std::string_view unit, Pair<double>& limit) {
-    if (const auto given = node.find(name)) limit = given->pair(unit);
-  });
-  if (const auto speed = node.find("tip_speed")) limits.tip_speed = speed->number("m/s");
+  for (const QuantityInfo& quantity : Quantities::infos) {
+    const auto given = node.find(quantity.name);
+    if (!given) continue;
+    if (quantity.of_tip) limits.*quantity.of_tip = given->number(quantity.unit);
+    if (quantity.per_joint) limits.*quantity.per_joint = given->pair(quantity.unit);
+  }
 }
 
 void read(const YamlNode& node, const char* unit, RequestedObjective& objective) {

@@ -86,10 +86,12 @@ std::string request_hash(const Problem& problem) {
   lines.add_text("robot_hash", robot_hash(problem.robot));
   add_states(lines, problem);
   add_task(lines, problem);
-  visit_pair_limits(problem.limits, [&](std::string_view name, std::string_view, const Pair<double>& limit) {
-    lines.add(fmt::format("limits.{}", name), limit);
-  });
-  lines.add("limits.tip_speed", problem.limits.tip_speed);
+  for (const QuantityInfo& quantity : Quantities::infos) {
+    if (!quantity.of_first_version && !is_limited(quantity, problem.limits)) continue;
+    const std::string name = fmt::format("limits.{}", quantity.name);
+    quantity.of_tip ? lines.add(name, problem.limits.*quantity.of_tip)
+                    : lines.add(name, problem.limits.*quantity.per_joint);
+  }
   lines.add("duration.min", problem.duration.min);
   lines.add("duration.max", problem.duration.max);
   for (const TermInfo& term : Terms::infos) {

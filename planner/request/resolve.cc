@@ -46,15 +46,13 @@ double tightened(const Place& place, double wanted, double robots, std::string_v
 
 Limits resolve_limits(const Request& request, const Parameters& robot) {
   const Place place{request, "limits"};
-  Limits limits = Limits::of(robot), wanted = request.limits;
-  visit_pair_limits(limits, [&](std::string_view name, std::string_view unit, Pair<double>& limit) {
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      const double asked = *limit_of(wanted, name, static_cast<int>(j) + 1);
-      if (asked != kNoLimit) limit[j] = tightened(place.at(name).at(j), asked, limit[j], unit);
-    }
-  });
-  if (wanted.tip_speed != kNoLimit) {
-    limits.tip_speed = tightened(place.at("tip_speed"), wanted.tip_speed, limits.tip_speed, "m/s");
+  Limits limits = Limits::of(robot);
+  for (const LimitName& name : kLimitNames) {
+    const double asked = name.in(request.limits);
+    if (asked == kNoLimit) continue;
+    const Place of_quantity = place.at(name.quantity->name);
+    double& limit = name.in(limits);
+    limit = tightened(name.joint == 0 ? of_quantity : of_quantity.at(name.j()), asked, limit, name.quantity->unit);
   }
   return limits;
 }

@@ -188,10 +188,11 @@ Json via_json(const std::vector<Via>& vias) {
 
 Json limits_json(const Limits& limits) {
   Json json = Json::object();
-  visit_pair_limits(limits, [&](const char* name, const char*, const Pair<double>& limit) {
-    if (std::isfinite(limit[0]) || std::isfinite(limit[1])) json[name] = numbers(limit);
-  });
-  if (std::isfinite(limits.tip_speed)) json["tip_speed"] = limits.tip_speed;
+  for (const QuantityInfo& quantity : Quantities::infos) {
+    if (!is_limited(quantity, limits)) continue;
+    if (quantity.of_tip) json[quantity.name] = limits.*quantity.of_tip;
+    if (quantity.per_joint) json[quantity.name] = numbers(limits.*quantity.per_joint);
+  }
   return json;
 }
 

@@ -27,11 +27,7 @@ std::string key_of(std::string_view name, int joint) {
 // visit(name, joint, unit) for every limit; joint: 1 or 2, 0 where there is one for both.
 template <class Visit>
 void visit_limits(Visit&& visit) {
-  const Limits limits;
-  visit_pair_limits(limits, [&](const char* name, const char* unit, const Pair<double>&) {
-    for (int joint = 1; joint <= kJoints; ++joint) visit(name, joint, unit);
-  });
-  visit("tip_speed", 0, "m/s");
+  for (const LimitName& limit : kLimitNames) visit(limit.quantity->name, limit.joint, limit.quantity->unit);
 }
 
 std::optional<double> limit_in(const Json& limits, const std::string& name, int joint) {

@@ -427,7 +427,7 @@ bool Continuation::resume(const Collocated& neighbour) {
   setup.smoothing.regularisation = std::min(setup.smoothing.regularisation, levels(*problem_).back().regularisation);
   if (!sees_friction(problem_->weights)) setup.smoothing.friction_width = levels(*problem_).back().friction_width;
   const std::size_t limits = limit_scales(*problem_).size();
-  if (limits > Limits::kCount || (!setup.margins.empty() && setup.margins.front().size() != limits)) {
+  if (limits > kLimits || (!setup.margins.empty() && setup.margins.front().size() != limits)) {
     setup.margins.clear();
   }
   const std::string what = label + ", moved";

@@ -48,8 +48,7 @@ class WarmPlans {
   }
   static bool comparable(const Problem& a, const Problem& b) {
     return a.start_at_rest && b.start_at_rest && a.goal.at_rest && b.goal.at_rest && a.duration.min == b.duration.min &&
-           a.duration.max == b.duration.max && a.method == b.method &&
-           std::equal(a.limits.data(), a.limits.data() + Limits::kCount, b.limits.data());
+           a.duration.max == b.duration.max && a.method == b.method && a.limits == b.limits;
   }
   static double distance(const Problem& a, const Problem& b) {
     double largest = 0;

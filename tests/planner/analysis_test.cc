@@ -26,6 +26,8 @@ Problem request(const std::string& yaml) {
 const char* const kQuickest =
     "{start: {q: [0.0, 0.0]}, goal: {q: [0.5, -0.3]}, objective: fastest, "
     "limits: {torque_rate: [400, 200], tip_speed: 1.5}}";
+const char* const kPowerLimited =
+    "{start: {q: [0.0, 0.0]}, goal: {q: [0.5, -0.3]}, objective: fastest, limits: {motor_power: [15, 12]}}";
 const char* const kEffort =
     "{start: {q: [0.0, 0.0]}, goal: {q: [0.6, -0.3]}, duration: 0.5, objective: {effort: 1, link_acceleration: 0.01}, "
     "limits: {torque: [6, 4], motor_velocity: [2, 8]}}";
@@ -126,6 +128,7 @@ TEST_P(WorthOf, EveryLimitIsTheSlopeOfTheOptimum) {
 INSTANTIATE_TEST_SUITE_P(
     All, WorthOf,
     testing::Values(
+        Case{"PowerLimited", kPowerLimited, {{"motor_power", 1}}},
         Case{"MinimumTime", kQuickest, {{"torque", 1}, {"motor_velocity", 1}, {"torque_rate", 1}, {"tip_speed", 0}}},
         Case{"TipBox", kInABox, {{"tip_box", 0}}}, Case{"Effort", kEffort, {{"torque", 1}, {"motor_velocity", 1}}}),
     [](const auto& test) { return test.param.name; });

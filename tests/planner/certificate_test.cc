@@ -377,11 +377,11 @@ TEST(Rollout, RecordsReversalsAndLimitCrossings) {
   int reversals = 0, crossings = 0;
   for (const Event& event : rollout.events()) {
     const double v = at.at(event.time).state.dtheta[static_cast<std::size_t>(event.joint - 1)];
-    if (event.kind == Event::Kind::kReversal) {
+    if (event.exceeded == nullptr) {
       EXPECT_NEAR(v, 0, 2e-3) << event.time;
       ++reversals;
     } else {
-      EXPECT_EQ(event.kind, Event::Kind::kMotorVelocity);
+      EXPECT_STREQ(event.exceeded->name, "motor_velocity");
       EXPECT_NEAR(std::abs(v), 0.5, 1e-4) << event.time;
       ++crossings;
     }
@@ -770,7 +770,7 @@ TEST(LimitChecks, ALimitOnlyTheRolloutExceedsIsRefused) {
   EXPECT_FALSE(checks[1].passed);  // 0.1 % of 8 is 0.008
   EXPECT_THAT(violation(checks[1]), HasSubstr("closed-loop rollout"));
   Comparison brief;
-  brief.events = {{0.005, Event::Kind::kMotorVelocity, 1}};
+  brief.events = {{0.005, &Quantities::infos[1], 1}};
   EXPECT_FALSE(check_limits(robot(), limits, trajectory, brief)[0].passed);
 }
 

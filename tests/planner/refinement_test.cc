@@ -178,7 +178,7 @@ Motion still() {
 Limits excess(const Problem& problem, const Motion& motion) {
   const PerLimit found = excesses(problem, {{{1.0, 0}}}, motion).front();
   Limits limits;
-  std::copy_n(found.begin(), Limits::kCount, limits.data());
+  for (std::size_t i = 0; i < kLimits; ++i) kLimitNames[i].in(limits) = found[i];
   return limits;
 }
 
@@ -271,8 +271,8 @@ TEST(Excesses, SeeAnObstacleBetweenTheEnds) {
   const PerLimit found = excesses(problem, {{{1.0, 0}}}, motion).front();
   const double apart = radius + problem.robot.link.radius[1];
   const double overlap = (apart * apart - 0.03 * 0.03) / (2 * apart);  // as TaskRow measures it
-  EXPECT_NEAR(found[Limits::kCount + 1], overlap, kBackOff * apart);
-  EXPECT_EQ(found[Limits::kCount], 0);  // link 1 is far away
+  EXPECT_NEAR(found[kLimits + 1], overlap, kBackOff * apart);
+  EXPECT_EQ(found[kLimits], 0);  // link 1 is far away
 }
 
 TEST(Margins, AreInheritedByEveryPiece) {

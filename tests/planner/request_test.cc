@@ -513,7 +513,7 @@ TEST(BrokenRequest, LimitsAndSampling) {
       {kMove + "limits: {tip_speed: -1}", "limits.tip_speed: -1 m/s must be > 0"},
       {kMove + "limits: {link_velocity: [1, 1]}",
        "limits: unknown key \"link_velocity\"; allowed: torque, motor_velocity, link_position, spring_deflection, "
-       "torque_rate, tip_speed"},
+       "torque_rate, tip_speed, motor_power"},
       {kMove + "sample_period: 0.01", "sample_period: 0.01 s is outside [0.0005, 0.005]"},
       {kMove + "sample_period: 0.0005\nduration: 20",
        "sample_period: 20 s at 0.0005 s a row are 40001 rows, above the 32768 a trajectory may have; lengthen "

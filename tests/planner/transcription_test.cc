@@ -43,7 +43,14 @@ ArmOcp<F> arm(double friction_width, int segments) {
   problem.robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   problem.robot.link.damping = {0.2516, 0.013};
   problem.robot.payload = {0.3, 0.001};
-  problem.limits.torque = {12, 5};
+  Limits& limits = problem.limits;
+  limits.torque = {12, 5};
+  limits.motor_velocity = {6, 8};
+  limits.link_position = {3.2, 2.6};
+  limits.spring_deflection = {0.3864, 0.2262};
+  limits.torque_rate = {300, 200};
+  limits.tip_speed = 3;
+  limits.motor_power = {60, 30};
   problem.weights = {.time = 1.3,
                      .effort = 0.7,
                      .torque_rate = 2e-4,
@@ -58,13 +65,6 @@ ArmOcp<F> arm(double friction_width, int segments) {
   ocp.kink = 10 * friction_width;
   ocp.cost_nodes = {{2, Node::kRelease}, {mesh_of_segments(segments).size(), Node::kGoal}};
   for (FrictionLaw& law : ocp.friction) law = law.smoothed(friction_width);
-  Limits limits;
-  limits.torque = {12, 5};
-  limits.motor_velocity = {6, 8};
-  limits.link_position = {3.2, 2.6};
-  limits.spring_deflection = {0.3864, 0.2262};
-  limits.torque_rate = {300, 200};
-  limits.tip_speed = 3;
   ocp.bounds = {path_bounds<F>(limits)};
   if constexpr (F.peak) bound_peaks<F>(ocp.bounds[0], problem);
   if constexpr (F.task_rows > 0) {  // a row of every kind, and lines that differ from segment to segment

@@ -130,9 +130,7 @@ TEST_F(SolutionFile, KeepsEveryBit) {
   EXPECT_EQ(after.setup.creep, before.setup.creep);
   ASSERT_EQ(after.setup.margins.size(), before.setup.margins.size());
   for (std::size_t k = 0; k < after.setup.margins.size(); ++k) {
-    for (std::size_t i = 0; i < Limits::kCount; ++i) {
-      EXPECT_EQ(after.setup.margins[k].data()[i], before.setup.margins[k].data()[i]);
-    }
+    EXPECT_EQ(after.setup.margins[k], before.setup.margins[k]);
   }
   EXPECT_EQ(after.report.iterate.x, before.report.iterate.x);
   EXPECT_EQ(after.report.iterate.lambda, before.report.iterate.lambda);

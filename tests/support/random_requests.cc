@@ -95,8 +95,7 @@ double share(int probe) { return static_cast<double>(probe) / kProbes; }
 // What the motion takes of each limit. Where a motor reverses, its friction may have either sign.
 Limits taken(const Parameters& robot, const Witness& witness) {
   constexpr double kPastTheStep = 2e-3;  // [rad/s]
-  Limits most;
-  std::fill(most.data(), most.data() + Limits::kCount, 0.0);
+  Limits most = Limits::all(0);
   const auto raise = [](double& value, double candidate) { value = std::max(value, std::abs(candidate)); };
   std::optional<FlatPoint> before;
   for (int i = 0; i <= kProbes; ++i) {
@@ -112,6 +111,7 @@ Limits taken(const Parameters& robot, const Witness& witness) {
       raise(most.motor_velocity[j], x.dtheta[j]);
       raise(most.link_position[j], x.q[j]);
       raise(most.spring_deflection[j], x.theta[j] - x.q[j]);
+      raise(most.motor_power[j], p.torque[j] * x.dtheta[j]);
       if (before) {
         raise(most.torque_rate[j],
               (p.compensated_torque[j] - before->compensated_torque[j]) * kProbes / witness.duration);
@@ -126,7 +126,7 @@ Limits taken(const Parameters& robot, const Witness& witness) {
 // Largest share of any limit.
 double usage(const Limits& most, const Limits& limits) {
   double largest = 0;
-  for (std::size_t i = 0; i < Limits::kCount; ++i) largest = std::max(largest, most.data()[i] / limits.data()[i]);
+  for (const LimitName& name : kLimitNames) largest = std::max(largest, name.in(most) / name.in(limits));
   return largest;
 }
 
@@ -378,14 +378,14 @@ class Writer {
     const Limits robots = Limits::of(robot_);
     Limits limits = robots;
     add("limits:");
-    visit_pair_limits(limits, [&](std::string_view name, std::string_view, Pair<double>& limit) {
-      if (!draw_.chance(name == "torque_rate" ? 0.3 : 0.5)) return;
+    for (const QuantityInfo& quantity : Quantities::infos) {
+      if (quantity.of_tip || !draw_.chance(quantity.of_robot ? 0.5 : 0.3)) continue;
+      Pair<double>& limit = limits.*quantity.per_joint;
       for (std::size_t j = 0; j < kJoints; ++j) {
-        const auto at = static_cast<std::size_t>(&limit[j] - limits.data());
-        limit[j] = std::min(robots.data()[at], most_.data()[at] * draw_.between(1.03, 1.6) + 0.01);
+        limit[j] = std::min(quantity.in(robots, j), quantity.in(most_, j) * draw_.between(1.03, 1.6) + 0.01);
       }
-      add("  {}: {}", name, numbers(limit));
-    });
+      add("  {}: {}", quantity.name, numbers(limit));
+    }
     add("  tip_speed: {:.17g}", most_.tip_speed * draw_.between(1.03, 1.6) + 0.01);
   }
 

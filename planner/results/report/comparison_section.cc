@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "planner/certificate/residual.h"
-#include "planner/problem/units.h"
+#include "planner/problem/quantities.h"
 #include "planner/results/report/html_table.h"
 #include "planner/results/report/time_charts.h"
 

@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string_view>
 
 #include "model/kinematics.h"
-#include "planner/problem/units.h"
+#include "planner/problem/quantities.h"
 #include "planner/results/report/plan_page_text.h"
 #include "planner/results/report/time_charts.h"
 
@@ -62,6 +64,32 @@ Chart tip_speed_chart(const Parameters& robot, const Trajectory& trajectory, con
   return chart;
 }
 
+// Charts of what is limited and is in no other chart; rates of torque are not drawn.
+std::vector<Chart> further_charts(const PlanRecord& record, const std::vector<ReachedLimit>& limits) {
+  constexpr std::array<std::string_view, 5> kElsewhere{"torque", "motor_velocity", "link_position", "spring_deflection",
+                                                       "tip_speed"};
+  const Pair<double> no_rate{};
+  std::vector<Chart> charts;
+  Quantities::visit([&](auto quantity) {
+    const QuantityInfo& info = quantity.info;
+    const int first = info.count() == kJoints ? 1 : 0;
+    const bool elsewhere = std::find(kElsewhere.begin(), kElsewhere.end(), info.name) != kElsewhere.end();
+    if (elsewhere || info.bound == BoundOn::kControl || !find_limit(limits, info.name, first)) return;
+    Chart chart = time_chart(info.name, info.unit);
+    for (std::size_t j = 0; j < info.count(); ++j) {
+      Series series{first == 0 ? "tip" : fmt::format("joint {}", j + 1), kJointColour[j], Style::kLine, {}, {}};
+      for (const Sample& s : record.trajectory->samples) {
+        series.x.push_back(s.time);
+        series.y.push_back(quantity.value(Moment<double>{record.robot, s.state, s.torque, no_rate})[j]);
+      }
+      chart.series.push_back(std::move(series));
+    }
+    add_limits(chart, limits, info.name, record.trajectory->end_time());
+    charts.push_back(std::move(chart));
+  });
+  return charts;
+}
+
 std::vector<Chart> motion_charts(const PlanRecord& record, const std::vector<ReachedLimit>& limits) {
   const Trajectory& trajectory = *record.trajectory;
   const std::vector<Sample>& rows = trajectory.samples;
@@ -81,7 +109,10 @@ std::vector<Chart> motion_charts(const PlanRecord& record, const std::vector<Rea
   add_limits(motors, limits, "motor_velocity", end);
   Chart links = time_chart("Link velocities", "rad/s");
   add_joints(links, rows, "link", link_velocity, kJointColour);
-  return {positions, springs, torques, motors, links, tip_speed_chart(record.robot, trajectory, limits)};
+  std::vector<Chart> charts{positions, springs, torques,
+                            motors,    links,   tip_speed_chart(record.robot, trajectory, limits)};
+  for (Chart& chart : further_charts(record, limits)) charts.push_back(std::move(chart));
+  return charts;
 }
 
 double short_number(double value) { return std::stod(fmt::format("{:.6g}", value)); }

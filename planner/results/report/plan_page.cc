@@ -11,7 +11,7 @@
 
 #include "common/chart_page.h"
 #include "planner/problem/objective_terms.h"
-#include "planner/problem/units.h"
+#include "planner/problem/quantities.h"
 #include "planner/results/report/comparison_section.h"
 #include "planner/results/report/html_table.h"
 #include "planner/results/report/json_field.h"

@@ -28,7 +28,7 @@ void give_rows(const Problem& problem, const Relaxable& what, std::vector<double
   if (is_obstacle(what)) {
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const double apart = rows[r].number, least = rows[r].link > 0 ? least_apart(problem, rows[r]) : apart;
-      if (rows[r].name == what.name) give[Limits::kCount + r] += (apart * apart - least * least) / (2 * apart);
+      if (rows[r].name == what.name) give[kLimits + r] += (apart * apart - least * least) / (2 * apart);
     }
     return;
   }
@@ -38,22 +38,25 @@ void give_rows(const Problem& problem, const Relaxable& what, std::vector<double
     if (rows[r].name != what.name) continue;
     const double below = rows[r].lower - after[r].lower, above = after[r].upper - rows[r].upper;
     const double more = std::isfinite(below) ? below : above;
-    give[Limits::kCount + r] += more / kStep * size_of(what);
+    give[kLimits + r] += more / kStep * size_of(what);
   }
 }
 
 void give(const Problem& problem, const Relaxable& what, std::vector<double>& give) {
-  Limits limits = problem.limits;
-  if (const double* limit = limit_of(limits, what.name, what.joint)) {
-    give[static_cast<std::size_t>(limit - limits.data())] += size_of(what);
-  } else if (what.name == "all_limits") {
+  if (what.name == "all_limits") {
     const Limits larger = what.relaxed(problem, 1).limits;
-    for (std::size_t i = 0; i < Limits::kCount; ++i) {
-      if (std::isfinite(limits.data()[i])) give[i] += larger.data()[i] - limits.data()[i];
+    for (std::size_t i = 0; i < kLimits; ++i) {
+      const double limit = kLimitNames[i].in(problem.limits);
+      if (std::isfinite(limit)) give[i] += kLimitNames[i].in(larger)-limit;
     }
-  } else {
-    give_rows(problem, what, give);
+    return;
   }
+  for (std::size_t i = 0; i < kLimits; ++i) {
+    if (kLimitNames[i].quantity->name != what.name || kLimitNames[i].joint != what.joint) continue;
+    give[i] += size_of(what);
+    return;
+  }
+  give_rows(problem, what, give);
 }
 
 Problem elastic(const Problem& problem) {

@@ -1,0 +1,28 @@
+#include "planner/problem/quantities.h"
+
+#include <algorithm>
+
+namespace fjr {
+
+double* limit_of(Limits& limits, std::string_view name, int joint) {
+  for (const LimitName& limit : kLimitNames) {
+    if (limit.quantity->name == name && limit.joint == joint) return &limit.in(limits);
+  }
+  return nullptr;
+}
+
+std::string_view unit_of_limit(std::string_view name) {
+  const auto found = std::find_if(Quantities::infos.begin(), Quantities::infos.end(),
+                                  [name](const QuantityInfo& info) { return info.name == name; });
+  return found == Quantities::infos.end() ? "" : found->unit;
+}
+
+Limits Limits::of(const Parameters& p) {
+  Limits limits;
+  for (const QuantityInfo& info : Quantities::infos) {
+    if (info.of_robot) limits.*info.per_joint = p.limits.*info.of_robot;
+  }
+  return limits;
+}
+
+}  // namespace fjr

@@ -1,0 +1,284 @@
+// What is limited along a motion: the place for a new limit. A limit is a member of Limits, a struct with its formula,
+// and its name in Quantities; reading, writing, hashing, bounding, relaxing, margins, the certificate, shadow prices,
+// plan.json and the report go by that list.
+//
+// Formulas are templated on the scalar, for exact derivatives.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "model/dynamics.h"
+#include "model/kinematics.h"
+#include "model/parameters.h"
+
+namespace fjr {
+
+inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+// Limits of one plan: robot.yaml's, tightened by the request. Magnitudes; also whatever else there is one number of for
+// each limit.
+struct Limits {
+  Pair<double> torque{kNoLimit, kNoLimit};             // [N m]    |tau_m|
+  Pair<double> motor_velocity{kNoLimit, kNoLimit};     // [rad/s]  |dtheta|
+  Pair<double> link_position{kNoLimit, kNoLimit};      // [rad]    |q|
+  Pair<double> spring_deflection{kNoLimit, kNoLimit};  // [rad]    |theta - q|
+  Pair<double> torque_rate{kNoLimit, kNoLimit};        // [N m/s]  |du/dt| of the friction-compensated torque
+  double tip_speed = kNoLimit;                         // [m/s]
+  Pair<double> motor_power{kNoLimit, kNoLimit};        // [W]      |tau_m dtheta|
+
+  static Limits of(const Parameters& p);
+  static Limits all(double value) noexcept;
+
+  bool operator==(const Limits&) const = default;
+};
+
+// How a quantity is made to stay within its limit in the optimisation.
+enum class BoundOn {
+  kState,    // bounds on a state
+  kControl,  // bounds on the control, du/dt, which is only there where something asks for it
+  kRow,      // a path constraint
+};
+
+// How a motion gets away from a limit that its start, a via point or its goal lies on.
+enum class Leaving {
+  kThere,   // the limit only counts at that state itself
+  kAtOnce,  // the control changes it directly
+  kSlowly,  // through the springs: as the fourth power of time
+};
+
+// What the closed-loop rollout may reach beyond the limit, where the plan keeps it.
+enum class InRollout {
+  kOfPlan,    // anything: it is a property of the plan, and feedback is judged by itself
+  kVelocity,  // a share of the limit
+  kPosition,  // a count of the link encoder
+};
+
+// What there is to know of a limited quantity beside its formula.
+struct QuantityInfo {
+  const char* name;
+  const char* unit;
+  const char* meaning;
+  Pair<double> Limits::*per_joint = nullptr;  // either this
+  double Limits::*of_tip = nullptr;           // or this
+  // The limit in robot.yaml that a request may tighten; none: only requests limit it.
+  Pair<double> Parameters::Limits::*of_robot = nullptr;
+  BoundOn bound = BoundOn::kRow;
+  int state = 0;             // with BoundOn::kState: the first joint's
+  bool sees_torque = false;  // tau_m, and not the state alone
+  bool squared = false;      // value() is the square of what is limited, which has a corner at zero
+  // Between published rows, where torques are linear, velocities quadratic and positions cubic: the degree of value(),
+  // whose extremes are then found exactly; 0: no polynomial, or a higher one, which is sampled every 0.25 ms.
+  int degree = 0;
+  Leaving leaving = Leaving::kThere;
+  InRollout in_rollout = InRollout::kOfPlan;
+  bool place = false;  // where the arm may be, and not what it can do
+  // The hash of a request counts these even where they are not limited, and the older types of request have a place
+  // for them: not for later ones.
+  bool of_first_version = false;
+
+  constexpr std::size_t count() const { return of_tip ? 1 : kJoints; }
+  double& in(Limits& limits, std::size_t j) const { return of_tip ? limits.*of_tip : (limits.*per_joint)[j]; }
+  double in(const Limits& limits, std::size_t j) const { return of_tip ? limits.*of_tip : (limits.*per_joint)[j]; }
+  // Of what value() gives.
+  double magnitude(double value) const { return squared ? std::sqrt(std::max(0.0, value)) : std::abs(value); }
+};
+
+// One instant of a motion, as value() sees it.
+template <class T>
+struct Moment {
+  const Parameters& robot;
+  const State<T>& x;
+  const Pair<T>& torque;       // tau_m [N m]
+  const Pair<T>& torque_rate;  // du/dt [N m/s]
+};
+
+struct Torque {
+  static constexpr QuantityInfo info{.name = "torque",
+                                     .unit = "N m",
+                                     .meaning = "of each motor, |tau_m|",
+                                     .per_joint = &Limits::torque,
+                                     .of_robot = &Parameters::Limits::torque,
+                                     .sees_torque = true,
+                                     .degree = 1,
+                                     .of_first_version = true};
+  template <class T>
+  static Pair<T> value(const Moment<T>& at) {
+    return at.torque;
+  }
+};
+
+struct MotorVelocity {
+  static constexpr QuantityInfo info{.name = "motor_velocity",
+                                     .unit = "rad/s",
+                                     .meaning = "of each motor after its gear, |dtheta|",
+                                     .per_joint = &Limits::motor_velocity,
+                                     .of_robot = &Parameters::Limits::motor_velocity,
+                                     .bound = BoundOn::kState,
+                                     .state = kStateDtheta,
+                                     .degree = 2,
+                                     .leaving = Leaving::kAtOnce,
+                                     .in_rollout = InRollout::kVelocity,
+                                     .of_first_version = true};
+  template <class T>
+  static Pair<T> value(const Moment<T>& at) {
+    return at.x.dtheta;
+  }
+};
+
+struct LinkPosition {
+  static constexpr QuantityInfo info{.name = "link_position",
+                                     .unit = "rad",
+                                     .meaning = "of each link, |q|",
+                                     .per_joint = &Limits::link_position,
+                                     .of_robot = &Parameters::Limits::link_position,
+                                     .bound = BoundOn::kState,
+                                     .state = kStateQ,
+                                     .degree = 3,
+                                     .leaving = Leaving::kSlowly,
+                                     .in_rollout = InRollout::kPosition,
+                                     .place = true,
+                                     .of_first_version = true};
+  template <class T>
+  static Pair<T> value(const Moment<T>& at) {
+    return at.x.q;
+  }
+};
+
+struct SpringDeflection {
+  static constexpr QuantityInfo info{.name = "spring_deflection",
+                                     .unit = "rad",
+                                     .meaning = "of each spring, |theta - q|",
+                                     .per_joint = &Limits::spring_deflection,
+                                     .of_robot = &Parameters::Limits::spring_deflection,
+                                     .degree = 3,
+                                     .in_rollout = InRollout::kPosition,
+                                     .of_first_version = true};
+  template <class T>
+  static Pair<T> value(const Moment<T>& at) {
+    return {at.x.theta[0] - at.x.q[0], at.x.theta[1] - at.x.q[1]};
+  }
+};
+
+// Of the rows, the difference quotient of u over at least half a sample period (planner/certificate/limits.cc).
+struct LimitedTorqueRate {
+  static constexpr QuantityInfo info{.name = "torque_rate",
+                                     .unit = "N m/s",
+                                     .meaning = "of the friction-compensated torque, |du/dt|",
+                                     .per_joint = &Limits::torque_rate,
+                                     .bound = BoundOn::kControl,
+                                     .of_first_version = true};
+  template <class T>
+  static Pair<T> value(const Moment<T>& at) {
+    return at.torque_rate;
+  }
+};
+
+struct LimitedTipSpeed {
+  static constexpr QuantityInfo info{.name = "tip_speed",
+                                     .unit = "m/s",
+                                     .meaning = "of the tip",
+                                     .of_tip = &Limits::tip_speed,
+                                     .squared = true,
+                                     .in_rollout = InRollout::kVelocity,
+                                     .of_first_version = true};
+  template <class T>
+  static std::array<T, 1> value(const Moment<T>& at) {
+    return {tip_speed_squared(at.robot, at.x.q[1], at.x.dq)};
+  }
+};
+
+// Mechanical power, given or taken back.
+struct MotorPower {
+  static constexpr QuantityInfo info{.name = "motor_power",
+                                     .unit = "W",
+                                     .meaning = "of each motor, given or taken back, |tau_m dtheta|",
+                                     .per_joint = &Limits::motor_power,
+                                     .sees_torque = true,
+                                     .degree = 3};
+  template <class T>
+  static Pair<T> value(const Moment<T>& at) {
+    return {at.torque[0] * at.x.dtheta[0], at.torque[1] * at.x.dtheta[1]};
+  }
+};
+
+template <class... Quantity>
+struct QuantityList {
+  static constexpr std::array<QuantityInfo, sizeof...(Quantity)> infos{Quantity::info...};
+  static constexpr std::size_t kLimits = (Quantity::info.count() + ...);
+  // Calls visit(quantity) for one value of each type.
+  template <class Visit>
+  static constexpr void visit(Visit&& visit) {
+    (visit(Quantity{}), ...);
+  }
+};
+
+using Quantities =
+    QuantityList<Torque, MotorVelocity, LinkPosition, SpringDeflection, LimitedTorqueRate, LimitedTipSpeed, MotorPower>;
+
+// ---- what follows from the list ----
+
+// All numbers of Limits have an index, in the order of the list and then of the joints.
+inline constexpr std::size_t kLimits = Quantities::kLimits;
+
+struct LimitName {
+  const QuantityInfo* quantity;
+  int joint;  // 1 or 2; 0: of the tip
+
+  double& in(Limits& limits) const { return quantity->in(limits, j()); }
+  double in(const Limits& limits) const { return quantity->in(limits, j()); }
+  constexpr std::size_t j() const { return joint == 0 ? 0 : static_cast<std::size_t>(joint - 1); }
+};
+
+inline constexpr std::array<LimitName, kLimits> kLimitNames = [] {
+  std::array<LimitName, kLimits> names{};
+  std::size_t next = 0;
+  for (const QuantityInfo& info : Quantities::infos) {
+    for (std::size_t j = 0; j < info.count(); ++j) names[next++] = {&info, info.of_tip ? 0 : static_cast<int>(j) + 1};
+  }
+  return names;
+}();
+
+inline Limits Limits::all(double value) noexcept {
+  Limits limits;
+  for (const LimitName& limit : kLimitNames) limit.in(limits) = value;
+  return limits;
+}
+
+// The index of a quantity's first limit.
+constexpr std::size_t first_limit_of(std::string_view name) {
+  std::size_t i = 0;
+  while (name != kLimitNames[i].quantity->name) ++i;
+  return i;
+}
+
+// The limit called `name` ("torque", ...) of a joint (1 or 2; 0 for the tip); null if there is none of that name.
+double* limit_of(Limits& limits, std::string_view name, int joint);
+
+// "torque" -> "N m"; "" where there is none of that name.
+std::string_view unit_of_limit(std::string_view name);
+
+// Raises to the magnitudes at this instant those that the predicate on QuantityInfo chooses.
+template <class Which>
+void raise(Limits& largest, const Moment<double>& at, const Which& which) {
+  Quantities::visit([&](auto quantity) {
+    if (!which(quantity.info)) return;
+    const auto values = quantity.value(at);
+    for (std::size_t j = 0; j < values.size(); ++j) {
+      double& most = quantity.info.in(largest, j);
+      most = std::max(most, quantity.info.magnitude(values[j]));
+    }
+  });
+}
+
+// Whether something limits it, for any joint.
+inline bool is_limited(const QuantityInfo& info, const Limits& limits) {
+  for (std::size_t j = 0; j < info.count(); ++j) {
+    if (info.in(limits, j) < kNoLimit) return true;
+  }
+  return false;
+}
+
+}  // namespace fjr

@@ -16,7 +16,8 @@
 // bridged by the plan; then the encoder counts as lost, the arm is stopped without feedback on its joint and held.
 //
 // When the ticks themselves do not come, the last torque holds for up to kStallTicks missed ones. By then the drives
-// must brake by themselves: when the executor is back, it gives up the motion and holds the motors where it finds them.
+// must brake by themselves: when the executor is back, it gives up the motion, and brings the arm to rest from where it
+// finds it.
 // An exception from either call ends the program: an arm must then come to rest by what is not software.
 #pragma once
 

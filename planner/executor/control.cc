@@ -58,7 +58,9 @@ Control::Control(const Parameters& robot, Arm& arm)
       sensing_(robot),
       feedback_(robot, kTick),
       held_{{Sample{}, Sample{}}, {}},
-      path_(held_) {
+      path_(held_),
+      observer_(robot),
+      swing_stop_(robot) {
   const Reading reading = first_reading(arm);
   const Pair<double> q{*reading.q[0], *reading.q[1]}, theta{*reading.theta[0], *reading.theta[1]};
   const State<double> rest = rest_at(robot, q);
@@ -83,6 +85,7 @@ void Control::hold_at(const Pair<double>& q, const Pair<double>& theta, double t
   time_ = end_ = began_ = time;
   for (std::size_t j = 0; j < kJoints; ++j) offset_[j] = theta[j] - held_.samples[0].state.theta[j];
   shift_ = {};
+  looking_ = stopping_swing_ = false;
   planned_ = held_.samples[0];
 }
 
@@ -107,6 +110,7 @@ void Control::tick(int ticks) {
   follow();
   sensing_.update(reading, planned_.state.q, reference());
   if (stalled) stop_where_it_is(missed);
+  if (looking_) look_at_swing();
   supervise();
   drive();
   publish();
@@ -158,7 +162,7 @@ void Control::follow() {
     path_ = Interpolator(*stop_);
     stop_ = nullptr;
   }
-  planned_ = path_.at(time_);
+  planned_ = stopping_swing_ ? swing_stop_.at(time_) : path_.at(time_);
 }
 
 void Control::supervise() {
@@ -248,7 +252,7 @@ void Control::stop_because(const Outcome& outcome) {
 }
 
 // After so many missed ticks the drives have braked by themselves: neither the plan nor a stop that begins on it is
-// where the arm is now. The motors are held where they are found.
+// where the arm is now. The motors are held where they are found, until it is known how the links swing.
 void Control::stop_where_it_is(int missed) {
   if (mode_ == ExecutorMode::kExecuting) {
     motion_->outcome = {Ending::kStalled, time_, 0, static_cast<double>(missed), kStallTicks, ""};
@@ -260,6 +264,23 @@ void Control::stop_where_it_is(int missed) {
   const Pair<double> theta = sensing_.theta();
   feedback_.start(theta, theta, {});
   hold_at(resting_with(robot_, theta), theta, time_);
+  end_ = time_ + kLookAtSwing;
+  looking_ = true;
+  observer_.start(sensing_.q());
+}
+
+// Without all encoders nobody knows how the links swing: then the motors stay where they are.
+void Control::look_at_swing() {
+  observer_.tick(sensing_.q(), sensing_.theta());
+  if (!at_rest()) return;
+  looking_ = false;
+  const Pair<double> theta = sensing_.theta();
+  if (sensing_.lost() != nullptr || !swing_stop_.find(time_, {observer_.q(), observer_.dq(), theta, {}})) return;
+  stopping_swing_ = true;
+  end_ = swing_stop_.end();
+  offset_ = {};
+  feedback_.start(theta, theta, {});
+  planned_ = swing_stop_.at(time_);
 }
 
 void Control::finish(ExecutorMode mode) {
@@ -300,8 +321,15 @@ double Control::within_count(std::size_t j) const {
   return error - (1 - gain) * std::clamp(error, -count / 2, count / 2) - (planned - counted);
 }
 
+Pair<double> Control::mean_torque() {
+  if (looking_) return spring_torque(robot_, sensing_.q(), reference());  // what holds the motors still
+  if (!stopping_swing_) return path_.mean_torque(time_, time_ + kTick);
+  const Pair<double> next = swing_stop_.at(time_ + kTick).torque;
+  return {(planned_.torque[0] + next[0]) / 2, (planned_.torque[1] + next[1]) / 2};
+}
+
 void Control::drive() {
-  Pair<double> feedforward = path_.mean_torque(time_, time_ + kTick), fine{};
+  Pair<double> feedforward = mean_torque(), fine{};
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (at_rest() && !blind_[j]) fine[j] = robot_.feedback.position_gain[j] * within_count(j);
     feedforward[j] += fine[j];

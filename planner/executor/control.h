@@ -7,6 +7,7 @@
 #include "planner/executor/mailbox.h"
 #include "planner/executor/motion.h"
 #include "planner/executor/sensing.h"
+#include "planner/executor/swing_stop.h"
 
 namespace fjr {
 
@@ -53,6 +54,8 @@ class Control {
   bool stops_run_out() const;
   void stop_because(const Outcome& outcome);
   void stop_where_it_is(int missed);
+  void look_at_swing();
+  Pair<double> mean_torque();  // planned, until the next tick
   void finish(ExecutorMode mode);
   void rest_here();
   void move_reference(const Pair<double>& theta);
@@ -79,6 +82,11 @@ class Control {
   Pair<double> offset_{}, shift_{};  // [rad] of the motors, beside the path: fading, staying
   Pair<bool> blind_{};
   bool run_away_ = false;
+
+  // After missed ticks: the motors are held and the links looked at, until the swing is stopped.
+  bool looking_ = false, stopping_swing_ = false;
+  SwingObserver observer_;
+  SwingStop swing_stop_;  // what is followed instead of the path
 
   CommandedMotion* motion_ = nullptr;
   RequestId trajectory_id_;

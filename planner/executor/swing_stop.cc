@@ -1,0 +1,86 @@
+#include "planner/executor/swing_stop.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "planner/control/motor_feedback.h"
+#include "planner/stop/stop_motion.h"
+
+namespace fjr {
+namespace {
+
+constexpr std::array<double, 9> kDurations{0.1, 0.13, 0.16, 0.2, 0.25, 0.32, 0.4, 0.5, 0.62};  // [s]
+constexpr int kInstants = 16;                      // at which a duration is looked at
+constexpr double kPosition = 0.2, kVelocity = 15;  // corrections by the encoder, of which a count makes 1.4e-3 rad/s
+
+// Where a joint comes to that is left to itself: dq/ds = (1-s)^4 (a + b s + c s^2 + d s^3) has the derivatives `start`
+// at s = 0, and four zero ones at s = 1. Beyond q at the start.
+double natural_end(const std::array<double, 5>& start) {
+  const double a = start[1];
+  const double b = start[2] + 4 * a;
+  const double c = start[3] / 2 + 4 * b - 6 * a;
+  const double d = start[4] / 6 + 4 * c - 6 * b + 4 * a;
+  return a / 5 + b / 30 + c / 105 + d / 280;
+}
+
+Pair<StopShape> natural_shapes(const LinkMotion& from, double duration) {
+  Pair<StopShape> shapes = shapes_from(from, duration);
+  for (StopShape& shape : shapes) shape.free[0] = natural_end(shape.start);
+  return shapes;
+}
+
+}  // namespace
+
+void SwingObserver::start(const Pair<double>& q) {
+  q_ = q;
+  dq_ = {};
+}
+
+void SwingObserver::tick(const Pair<double>& q, const Pair<double>& theta) {
+  const Pair<double> acceleration = link_acceleration(robot_, q, dq_, spring_torque(robot_, q, theta));
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    q_[j] += dq_[j] * kTick + acceleration[j] * kTick * kTick / 2;
+    dq_[j] += acceleration[j] * kTick;
+    const double off = q[j] - q_[j];
+    q_[j] += kPosition * off;
+    dq_[j] += kVelocity * off;
+  }
+}
+
+SwingStop::SwingStop(const Parameters& robot) : robot_(robot), limits_(stop_limits(robot)), table_(kInstants) {}
+
+bool SwingStop::find(double start, const State<double>& swinging) {
+  const LinkMotion from = link_motion(robot_, swinging, spring_torque(robot_, swinging.q, swinging.theta));
+  start_ = start;
+  for (const double duration : kDurations) {
+    shapes_ = natural_shapes(from, duration);
+    duration_ = duration;
+    if (largest_share(shapes_, duration) <= 1) return true;
+  }
+  return false;
+}
+
+// Of the limits but those of the springs, which are as far out as the swing has them.
+double SwingStop::largest_share(const Pair<StopShape>& shapes, double duration) const {
+  double largest = 0;
+  for (int n = 0; n <= kInstants; ++n) {
+    const FlatPoint p = from_link_motion(robot_, in_time({table_.at(shapes[0], n), table_.at(shapes[1], n)}, duration));
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      largest = std::max({largest, std::abs(p.torque[j]) / limits_.torque[j],
+                          std::abs(p.state.dtheta[j]) / limits_.motor_velocity[j],
+                          std::abs(p.state.q[j]) / limits_.link_position[j]});
+    }
+  }
+  return largest;
+}
+
+Sample SwingStop::at(double time) const {
+  const double s = std::clamp((time - start_) / duration_, 0.0, 1.0);
+  const LinkMotion motion = in_time({evaluate(shapes_[0], s), evaluate(shapes_[1], s)}, duration_);
+  if (s >= 1) return {time, rest_at(robot_, motion.q), gravity_torque(robot_, motion.q)};
+  const FlatPoint p = from_link_motion(robot_, motion);
+  return {time, p.state, p.torque};
+}
+
+}  // namespace fjr

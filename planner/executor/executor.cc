@@ -22,6 +22,8 @@ constexpr std::chrono::milliseconds kFarewell{200};   // for the last result to 
 constexpr std::chrono::milliseconds kLooking{500};    // for others: discovery takes 13 ms, a lease is 300 ms
 constexpr std::chrono::milliseconds kBeside{500};     // since the last word of another one
 constexpr std::size_t kConsidered = 1024;             // trajectories
+constexpr std::size_t kUnsigned = 64;                 // that wait for a signed copy
+constexpr std::chrono::milliseconds kForACopy{250};   // between two of one trajectory, published within a moment
 
 std::filesystem::path history_file(const ExecutorConfig& config) {
   const std::filesystem::path folder = config.state.empty() ? default_state_folder() : config.state;
@@ -162,26 +164,57 @@ void Executor::take_orders() {
   for (TrajectoryOrder& order : port_.take_trajectories()) {
     if (order.robot_id == config_.robot_id) consider(std::move(order));
   }
+  refuse_unsigned();
 }
 
 void Executor::consider(TrajectoryOrder order) {
-  const bool known = std::find(considered_.begin(), considered_.end(), order.id) != considered_.end();
-  if (signatures_) {  // before anything is believed, its id not excepted
-    const std::string fault = signatures_->fault_of(signed_bytes(order), order.signature, kPublisherRole);
-    if (!fault.empty() && known) {  // the one that came before it has the result
-      return spdlog::warn("left out a copy of id={}: {}", text(order.id), fault);
-    }
-    if (!fault.empty()) return refuse(order, {ResultCode::kInvalidGoal, fault});
-  }
-  if (known) return;
-  considered_.push_back(order.id);
-  if (considered_.size() > kConsidered) considered_.pop_front();
+  if (!trusts(order) || considered(order.id)) return;
+  note_considered(order.id);
   if (const History::Entry* entry = history_.find(order.id)) return report_again(*entry);
   look_at_arm();
   situation_.now = clock_.now();
   if (preparing_) situation_.mode = ExecutorMode::kPreparing;
-  if (const auto refusal = refusal_now(order)) return refuse(order, *refusal);
+  if (const auto refusal = refusal_now(order)) return refuse(order.id, *refusal);
   begin_to_prepare(std::move(order));
+}
+
+bool Executor::considered(const RequestId& id) const {
+  return std::find(considered_.begin(), considered_.end(), id) != considered_.end();
+}
+
+void Executor::note_considered(const RequestId& id) {
+  considered_.push_back(id);
+  if (considered_.size() > kConsidered) considered_.pop_front();
+}
+
+// Before anything is believed, its id not excepted: whoever copies a trajectory badly must not bring the one that the
+// service has signed to a refusal, be it before or after it.
+bool Executor::trusts(const TrajectoryOrder& order) {
+  if (!signatures_) return true;
+  const auto of_this = [&](const Unsigned& other) { return other.id == order.id; };
+  const std::string fault = signatures_->fault_of(signed_bytes(order), order.signature, kPublisherRole);
+  if (fault.empty()) {
+    for (const Unsigned& copy : unsigned_) {
+      if (of_this(copy)) spdlog::warn("left out a copy of id={}: {}", text(copy.id), copy.fault);
+    }
+    std::erase_if(unsigned_, of_this);
+    return true;
+  }
+  if (considered(order.id)) {  // the one that came before it has the result
+    spdlog::warn("left out a copy of id={}: {}", text(order.id), fault);
+  } else if (std::none_of(unsigned_.begin(), unsigned_.end(), of_this)) {
+    unsigned_.push_back({order.id, fault, Clock::now() + kForACopy});
+  }
+  return false;
+}
+
+// What has been refused is not run any more, however well a later copy is signed.
+void Executor::refuse_unsigned() {
+  while (!unsigned_.empty() && (Clock::now() >= unsigned_.front().refused_at || unsigned_.size() > kUnsigned)) {
+    note_considered(unsigned_.front().id);
+    refuse(unsigned_.front().id, {ResultCode::kInvalidGoal, unsigned_.front().fault});
+    unsigned_.pop_front();
+  }
 }
 
 void Executor::look_at_arm() {
@@ -209,11 +242,11 @@ void Executor::report_again(const History::Entry& entry) {
   port_.send(result);
 }
 
-void Executor::refuse(const TrajectoryOrder& order, const ExecutionRefusal& refusal) {
-  spdlog::warn("refused id={} {}", text(order.id), refusal.sentence);
+void Executor::refuse(const RequestId& id, const ExecutionRefusal& refusal) {
+  spdlog::warn("refused id={} {}", text(id), refusal.sentence);
   ExecutionResult result;
   result.robot_id = config_.robot_id;
-  result.trajectory_id = order.id;
+  result.trajectory_id = id;
   result.code = refusal.code;
   result.sentence = refusal.sentence;
   port_.send(result);
@@ -233,7 +266,8 @@ void Executor::begin_to_prepare(TrajectoryOrder order) {
       return prepare(robot_, std::move(all), config_.tolerances, lead, unwanted);
     });
   } catch (const std::system_error& error) {  // no thread
-    return refuse(preparation.header, {ResultCode::kInvalidGoal, fmt::format("cannot be prepared: {}", error.what())});
+    return refuse(preparation.header.id,
+                  {ResultCode::kInvalidGoal, fmt::format("cannot be prepared: {}", error.what())});
   }
   preparing_ = std::move(preparation);
 }
@@ -245,12 +279,12 @@ void Executor::conclude_preparation() {
     auto motion = preparing_->motion.get();
     if (preparing_->unwanted.stop_requested()) throw std::runtime_error("held or stopped before it could begin");
     if (auto refusal = refusal_after_preparation(motion->order)) {
-      refuse(header, *refusal);
+      refuse(header.id, *refusal);
     } else {
       run(std::move(motion));
     }
   } catch (const std::exception& error) {
-    refuse(header, {ResultCode::kInvalidGoal, error.what()});
+    refuse(header.id, {ResultCode::kInvalidGoal, error.what()});
   }
   preparing_.reset();
 }
@@ -271,9 +305,11 @@ void Executor::run(std::unique_ptr<CommandedMotion> motion) {
   history_.begin(order.id, order.epoch);
   situation_.epoch = order.epoch;
   running_ = std::move(motion);
-  spdlog::info("executing id={} rows={} duration={:.3f} stops={} stops_came={:d} prepared={:.3f}", text(order.id),
-               order.rows.size(), running_->end, running_->stops->size(), preparing_->brings_stops,
-               std::chrono::duration<double>(Preparation::Clock::now() - preparing_->began).count());
+  spdlog::info(
+      "executing id={} rows={} duration={:.3f} stops={} stops_came={:d} prepared={:.3f} since_published={:.3f}",
+      text(order.id), order.rows.size(), running_->end, running_->stops->size(), preparing_->brings_stops,
+      std::chrono::duration<double>(Preparation::Clock::now() - preparing_->began).count(),
+      static_cast<double>(clock_.now() - order.published) * 1e-9);
   control_.begin(running_.get());
 }
 

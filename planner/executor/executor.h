@@ -37,10 +37,14 @@ class Executor {
   void obey();
   void take_orders();
   void consider(TrajectoryOrder order);
+  bool considered(const RequestId& id) const;
+  void note_considered(const RequestId& id);
+  bool trusts(const TrajectoryOrder& order);
+  void refuse_unsigned();
   void look_at_arm();
   std::optional<ExecutionRefusal> refusal_now(const TrajectoryOrder& order) const;
   std::optional<ExecutionRefusal> refusal_after_preparation(const TrajectoryOrder& order);
-  void refuse(const TrajectoryOrder& order, const ExecutionRefusal& refusal);
+  void refuse(const RequestId& id, const ExecutionRefusal& refusal);
   void begin_to_prepare(TrajectoryOrder order);
   void conclude_preparation();
   void run(std::unique_ptr<CommandedMotion> motion);
@@ -80,7 +84,14 @@ class Executor {
   bool ticking_ = false;                                 // there is a latest one
   std::unique_ptr<CommandedMotion> running_;             // lent to the control tick
   std::deque<RequestId> considered_;                     // the last ones: each trajectory has one result
-  Lateness lateness_;                                    // of the tick; the tick's until it has ended
+  // Badly signed, for which the one that the service has signed may still come.
+  struct Unsigned {
+    RequestId id;
+    std::string fault;
+    std::chrono::steady_clock::time_point refused_at;
+  };
+  std::deque<Unsigned> unsigned_;
+  Lateness lateness_;  // of the tick; the tick's until it has ended
   std::atomic<bool> stopping_ = false, over_ = false;
 };
 

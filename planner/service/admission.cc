@@ -81,6 +81,15 @@ std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot) {
   }
 }
 
+std::optional<Refusal> refusal_at_sight(const Order& order, const Served& served, const Parameters& robot) {
+  if (auto refusal = refusal_of_terms(order, served)) return refusal;
+  if (order.action == Action::kExecute) return std::nullopt;
+  Job job;
+  job.order = order;
+  if (auto refusal = read_motion(job)) return refusal;
+  return job.request.start ? refusal_of_motion(job, robot) : std::nullopt;
+}
+
 std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedReply& planned, bool in_hand,
                                             const std::string& robot_hash) {
   const auto refused = [&](const std::string& why) {

@@ -34,6 +34,10 @@ std::optional<Refusal> read_motion(Job& job);
 // Of a motion to be planned, whose start is given by now. What is learnt about it is put into the job.
 std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot);
 
+// What can be told without knowing where the arm rests. Of a motion whose start is left out that is what its document
+// says, and not what follows from the start.
+std::optional<Refusal> refusal_at_sight(const Order& order, const Served& served, const Parameters& robot);
+
 // Of executing what was planned under `id`, on the served robot. planned: what became of it, if that is still known.
 std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedReply& planned, bool in_hand,
                                             const std::string& robot_hash);

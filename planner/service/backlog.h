@@ -7,6 +7,7 @@
 #include <chrono>
 #include <deque>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -27,16 +28,22 @@ class Backlog {
 
   explicit Backlog(std::size_t most) : most_(most) {}
 
-  // relay: its sender may be unknown to the one that is to answer.
-  void add(Order order, Clock::time_point arrived, Clock::time_point heard, bool relay) {
+  // relay: its sender may be unknown to the one that is to answer. Returns what there is no more room for.
+  std::optional<Order> add(Order order, Clock::time_point arrived, Clock::time_point heard, bool relay) {
     if (const auto known = find(order.id); known != entries_.end()) {
       known->heard = std::max(known->heard, heard);
       if (relay) known->relay_at = std::min(known->relay_at, arrived + kPauses.front());
-      return;
+      return std::nullopt;
     }
-    if (entries_.size() >= most_) entries_.erase(oldest_of_whoever_has_most());
+    std::optional<Order> dropped;
+    if (entries_.size() >= most_) {
+      const auto oldest = oldest_of_whoever_has_most();
+      dropped = std::move(oldest->order);
+      entries_.erase(oldest);
+    }
     entries_.push_back(
         {std::move(order), arrived, heard, false, 0, relay ? arrived + kPauses.front() : Clock::time_point::max()});
+    return dropped;
   }
   void cancel(const RequestId& id, bool relay) {
     const auto found = find(id);
@@ -74,6 +81,7 @@ class Backlog {
     return taken;
   }
   std::size_t size() const { return entries_.size(); }
+  std::size_t capacity() const { return most_; }
 
   Clock::time_point next_relay() const {
     auto next = Clock::time_point::max();

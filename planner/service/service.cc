@@ -142,15 +142,25 @@ void Service::receive(Order order) {
   const auto heard = waited_ ? Clock::time_point{} : now;
   note_what_it_needs(order);
   if (answers(order)) return admit(std::move(order), now, heard);
-  backlog_.add(std::move(order), now, heard, true);
+  keep(std::move(order), now, heard, true);
+}
+
+// Until it can be answered, here or by another instance.
+void Service::keep(Order order, Clock::time_point arrived, Clock::time_point heard, bool relay) {
+  const auto dropped = backlog_.add(std::move(order), arrived, heard, relay);
+  if (!dropped || !ownership_.answers_for(dropped->robot_id)) return;
+  reject(*dropped, {Reason::kQueueFull, "",
+                    fmt::format("more than {} requests wait for the executor to be met", backlog_.capacity())});
 }
 
 // A service that has just begun may not have met the executor yet: it does not know where the arm rests, nor which
 // epochs the executor has seen.
 bool Service::knows_executor() const { return executor_.met() || Clock::now() - began_ > kMeetExecutor; }
 
+// What is refused whatever the executor says does not wait for it.
 void Service::note_what_it_needs(Order& order) const {
-  order.needs_executor = !knows_executor() && !order.refusal && (executes(order) || leaves_start_out(order));
+  order.needs_executor =
+      !knows_executor() && (executes(order) || leaves_start_out(order)) && !refusal_at_sight(order, served(), robot_);
 }
 
 // Whether it is for this instance to answer, and this instance knows enough to do so.
@@ -515,7 +525,7 @@ void Service::hear(dds::Relayed relayed) {
   const RequestId id = relayed.order.id;
   note_what_it_needs(relayed.order);
   if (!answers(relayed.order)) {
-    backlog_.add(std::move(relayed.order), now, heard, false);
+    keep(std::move(relayed.order), now, heard, false);
     if (relayed.cancelled) backlog_.cancel(id, false);
     return;
   }
@@ -595,12 +605,12 @@ void Service::give_up_ownership() {
   spdlog::warn("superseded robot_id={}", config_.robot_id);
   port_.disown();
   owned_ = false;
-  const auto keep = [this](Job job) {
+  const auto put_back = [this](Job job) {
     const auto heard = presence_.last_heard(job.order.id);
-    backlog_.add(std::move(job.order), job.arrived, heard, true);
+    keep(std::move(job.order), job.arrived, heard, true);
   };
-  while (auto job = solvers_.stop_if([](const Job&) { return true; })) keep(std::move(*job));
-  while (!queue_.empty()) keep(queue_.pop());
+  while (auto job = solvers_.stop_if([](const Job&) { return true; })) put_back(std::move(*job));
+  while (!queue_.empty()) put_back(queue_.pop());
 }
 
 // ---- what goes out ----

@@ -48,6 +48,7 @@ class Service {
   bool answers(const Order& order) const;
   bool knows_executor() const;
   void note_what_it_needs(Order& order) const;
+  void keep(Order order, Clock::time_point arrived, Clock::time_point heard, bool relay);
   // heard: the last sign of life of its client.
   void admit(Order order, Clock::time_point arrived, Clock::time_point heard);
   Served served() const;

@@ -197,6 +197,39 @@ TEST_F(ExecuteTest, WhoAsksBeforeTheExecutorIsThereIsAnsweredOnceItIs) {
   EXPECT_EQ(final_reply(cancelled.id).state, ReplyState::kCancelled);
 }
 
+// What no executor can change is refused at once: before any was met, which is looked for during the first 2 s.
+TEST_F(ExecuteTest, WhatIsRefusedAnywayDoesNotWaitForTheExecutor) {
+  serve();
+  Order waits = order(kToBack), elsewhere = order(kFast),
+        outside = order("start: {q: [0, 0]}\ngoal: {q: [1.2, 3.4]}\n");
+  elsewhere.action = outside.action = Action::kPlanAndExecute;
+  elsewhere.robot_id = "another";
+  for (const Order& sent : {waits, order("goal: {q: [0.1, 0.1], typo: 1}\n"), elsewhere, outside}) send(sent);
+  std::vector<RequestId> refused;
+  while (refused.size() < 4) {
+    const auto reply = next_final();
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->state, ReplyState::kRejected);
+    refused.push_back(reply->id);
+  }
+  EXPECT_EQ(refused.back(), waits.id);  // there is no executor
+}
+
+// Whoever finds no place among those who wait for the executor hears so.
+TEST_F(ExecuteTest, MoreThanCanWaitForTheExecutorAreRefused) {
+  constexpr std::size_t kWaiting = 1024, kMore = 100;
+  serve();
+  for (std::size_t i = 0; i < kWaiting + kMore; ++i) send(order(kToBack));
+  std::size_t full = 0, others = 0;
+  while (full + others < kWaiting + kMore) {
+    const auto reply = next_final();
+    ASSERT_TRUE(reply) << full << " " << others;
+    EXPECT_EQ(reply->state, ReplyState::kRejected);
+    ++(reply->why.reason == Reason::kQueueFull ? full : others);
+  }
+  EXPECT_EQ(full, kMore);  // no executor has come for the others
+}
+
 TEST_F(ExecuteTest, WhoWaitsForTheExecutorIsAnsweredWhenTheServiceEnds) {
   serve();
   const Order plan = order(kToBack);

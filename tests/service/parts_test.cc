@@ -202,9 +202,11 @@ TEST(Backlog, RemembersTheLatestUnanswered) {
   Order order;
   for (std::uint64_t i = 0; i < 5; ++i) {
     order.id.number = i;
-    backlog.add(order, {}, {}, false);
+    const auto dropped = backlog.add(order, {}, {}, false);
+    ASSERT_EQ(dropped.has_value(), i >= 3);
+    EXPECT_EQ(dropped ? dropped->id.number : 0, i >= 3 ? i - 3 : 0);
   }
-  backlog.add(order, {}, {}, false);  // asked for again
+  EXPECT_FALSE(backlog.add(order, {}, {}, false));  // asked for again
   order.id.number = 3;
   backlog.answered(order.id);
   order.id.number = 4;

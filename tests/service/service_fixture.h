@@ -130,6 +130,17 @@ class ServiceTest : public testing::Test {
     ADD_FAILURE() << "no such reply within " << limit << " s";
     return std::nullopt;
   }
+  // The next final one, to whatever request.
+  std::optional<Reply> next_final(double limit = 20) {
+    for (const auto began = Clock::now(); seconds_since(began) < limit; listen_once()) {
+      const auto found = std::find_if(arrived_.begin(), arrived_.end(), [](const Reply& r) { return r.final(); });
+      if (found == arrived_.end()) continue;
+      Reply reply = std::move(*found);
+      arrived_.erase(found);
+      return reply;
+    }
+    return std::nullopt;
+  }
   Reply final_reply(const RequestId& id, double limit = 20) {
     return next(
                id, [](const Reply& reply) { return reply.final(); }, limit)

@@ -16,6 +16,10 @@ namespace fjr {
 // A client that is there is heard of at least that often: it is asked with every second heartbeat at the latest. [s]
 inline constexpr double kLeastStartWithin = 0.5;
 
+inline Refusal client_gone() {
+  return {Reason::kClientGone, "", "its client was not there for longer than it may start within; send it again"};
+}
+
 class Presence {
  public:
   using Clock = std::chrono::steady_clock;

@@ -12,6 +12,12 @@
 
 namespace fjr {
 
+// What may be different a moment later, or elsewhere, is not remembered: the same request may be sent again.
+inline bool lasting(Reason reason) {
+  return reason != Reason::kQueueFull && reason != Reason::kArmNotAtRest && reason != Reason::kNoTrajectory &&
+         reason != Reason::kShuttingDown && reason != Reason::kClientGone;
+}
+
 class ReplyCache {
  public:
   // Of each kind.

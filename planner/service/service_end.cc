@@ -1,0 +1,69 @@
+// How a service ends: what it has in hand goes to the standby, or back to its clients.
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "planner/service/durations.h"
+#include "planner/service/service.h"
+#include "planner/service/watchdog.h"
+
+namespace fjr {
+namespace {
+
+constexpr std::chrono::milliseconds kFarewell{400};  // for clients to take their last replies
+constexpr std::size_t kRelayedAtOnce = 128;
+
+}  // namespace
+
+// With a standby nothing needs to be asked for again: it knows the requests and takes over.
+void Service::end() {
+  tell_stopping();
+  const bool handing_over = ownership_.has_standby();
+  const auto farewell = [this](const Job& job) {
+    give_up(job, ReplyState::kCancelled, Reason::kShuttingDown, "the service is shutting down; send the request again");
+  };
+  if (handing_over) {
+    hand_over();
+  } else {
+    for (const Job* job : solvers_.jobs()) farewell(*job);
+    while (!queue_.empty()) farewell(queue_.pop());
+    for (const Order& order : last_requests()) {
+      if (!ownership_.answers_for(order.robot_id)) continue;
+      reject(order, {Reason::kShuttingDown, "", "the service is shutting down; send the request again"});
+    }
+  }
+  const auto over = Clock::now() + kFarewell;
+  for (outbox_.deliver(); !outbox_.empty() && Clock::now() < over; outbox_.deliver()) {
+    port_.wait(std::chrono::milliseconds(1));
+  }
+  port_.clients().flush(over - Clock::now());
+  spdlog::info("stopped handed_over={}", handing_over ? solvers_.jobs().size() + queue_.size() : 0);
+}
+
+// The standby has heard most of it already. The writer keeps the last 256 for whoever is slow: no more are under way at
+// a time, as long as there is time to wait.
+void Service::hand_over() {
+  const auto now = Clock::now(), over = now + kFarewell;
+  const auto await_taken = [&] { port_.flush_relayed(std::max(Clock::duration::zero(), over - Clock::now())); };
+  std::size_t count = 0;
+  const auto relay = [&](const dds::Relayed& relayed) {
+    port_.relay(relayed);
+    if (++count % kRelayedAtOnce == 0) await_taken();
+  };
+  for (const Order* order : orders_in_hand()) {
+    relay({*order, seconds(now - presence_.last_heard(order->id)), false});
+  }
+  for (Order& order : last_requests()) relay({std::move(order), 0, false});
+  await_taken();
+}
+
+std::vector<Order> Service::last_requests() {
+  std::vector<Order> last;
+  (void)fill_inbox(kFarewell);  // however many more keep coming
+  while (auto order = inbox_.next()) last.push_back(std::move(*order));
+  const auto ours = [this](const Backlog::Entry& entry) { return ownership_.answers_for(entry.order.robot_id); };
+  for (Backlog::Entry& entry : backlog_.take_if(ours)) last.push_back(std::move(entry.order));
+  return last;
+}
+
+}  // namespace fjr

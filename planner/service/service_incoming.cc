@@ -1,0 +1,172 @@
+// What comes in: requests and cancellations, what is taken on of them, and what is refused.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "planner/service/durations.h"
+#include "planner/service/service.h"
+
+namespace fjr {
+namespace {
+
+constexpr std::chrono::seconds kMeetExecutor{2};  // who was not heard by then is taken for absent
+constexpr std::chrono::milliseconds kSlice{5};    // for new requests, before the service looks at anything else
+
+}  // namespace
+
+// What has come is all taken first, for DDS gives it out by arrival; looked at, which takes ten times as long, it is in
+// turn.
+void Service::take_in() {
+  const bool took_all = fill_inbox(kSlice);
+  const auto end = Clock::now() + kSlice;
+  while (Clock::now() < end) {
+    auto order = inbox_.next();
+    if (!order) {
+      if (took_all) waited_ = false;
+      return;
+    }
+    receive(std::move(*order));
+  }
+}
+
+// False: more keeps coming than can be taken in that time.
+bool Service::fill_inbox(Clock::duration most) {
+  for (const auto end = Clock::now() + most; Clock::now() < end;) {
+    std::vector<Order> orders = port_.take_requests();
+    if (orders.empty()) return true;
+    for (Order& order : orders) inbox_.add(std::move(order));
+  }
+  return false;
+}
+
+void Service::receive(Order order) {
+  const auto now = Clock::now();
+  const auto heard = waited_ ? Clock::time_point{} : now;
+  note_what_it_needs(order);
+  if (answers(order)) return admit(std::move(order), now, heard);
+  keep(std::move(order), now, heard, true);
+}
+
+// Until it can be answered, here or by another instance.
+void Service::keep(Order order, Clock::time_point arrived, Clock::time_point heard, bool relay) {
+  const auto dropped = backlog_.add(std::move(order), arrived, heard, relay);
+  if (!dropped || !ownership_.answers_for(dropped->robot_id)) return;
+  reject(*dropped, {Reason::kQueueFull, "",
+                    fmt::format("more than {} requests wait for the executor to be met", backlog_.capacity())});
+}
+
+// A service that has just begun may not have met the executor yet: it does not know where the arm rests, nor which
+// epochs the executor has seen.
+bool Service::knows_executor() const { return executor_.met() || Clock::now() - began_ > kMeetExecutor; }
+
+// What is refused whatever the executor says does not wait for it.
+void Service::note_what_it_needs(Order& order) const {
+  order.needs_executor =
+      !knows_executor() && (executes(order) || leaves_start_out(order)) && !refusal_at_sight(order, served(), robot_);
+}
+
+// Whether it is for this instance to answer, and this instance knows enough to do so.
+bool Service::answers(const Order& order) const {
+  return ownership_.answers_for(order.robot_id) && (!order.needs_executor || knows_executor());
+}
+
+void Service::admit(Order order, Clock::time_point arrived, Clock::time_point heard) {
+  presence_.heard(order.id, heard);
+  if (repeat(order)) return;
+  tally_.received();
+  if (auto refusal = refusal_of_terms(order, served())) return reject(order, std::move(*refusal));
+  if (const auto twice = executor_.twice(); twice && executes(order)) {
+    return reject(order, {Reason::kArmNotAtRest, "", *twice});
+  }
+  if (queue_.full_for(order.origin)) {
+    return reject(order, {Reason::kQueueFull, "", fmt::format("{} requests wait already", queue_.size())});
+  }
+  if (order.action == Action::kExecute) return execute_planned(order, arrived);
+  Job job;
+  job.order = std::move(order);
+  if (auto refusal = read_motion(job)) return reject(job.order, std::move(*refusal));
+  if (auto refusal = resolve_start(job.request)) return reject(job.order, std::move(*refusal));
+  if (auto refusal = refusal_of_motion(job, robot_)) return reject(job.order, std::move(*refusal));
+  enqueue(std::move(job), arrived);
+}
+
+Served Service::served() const { return {config_.robot_id, ownership_.robots(), robot_hash_, config_.longest_budget}; }
+
+std::optional<Refusal> Service::resolve_start(Request& request) const {
+  if (request.start) return std::nullopt;
+  const auto refused = [](const std::string& why) {
+    return Refusal{Reason::kArmNotAtRest, "start", "left out, but " + why};
+  };
+  if (motion_pending()) return refused("an earlier request is still to move the arm");
+  const auto rest = executor_.rest();
+  if (const auto* why = std::get_if<std::string>(&rest)) return refused(*why);
+  request.start.emplace().q = std::get<Pair<double>>(rest);
+  return std::nullopt;
+}
+
+// It is published under the id of the request to execute it: asked for again under another id, it moves again.
+void Service::execute_planned(const Order& order, Clock::time_point arrived) {
+  const SharedReply planned = cache_.find(order.trajectory_id);
+  if (auto refusal = refusal_of_execution(order.trajectory_id, planned, in_hand(order.trajectory_id), robot_hash_)) {
+    return reject(order, std::move(*refusal));
+  }
+  Job job;
+  job.order = order;
+  job.request_hash = planned->request_hash;
+  job.rest_to_rest = true;
+  job.planned = planned;
+  enqueue(std::move(job), arrived);
+}
+
+void Service::enqueue(Job job, Clock::time_point arrived) {
+  job.arrived = arrived;
+  job.deadline = arrived + duration_of(job.order.budget > 0 ? job.order.budget : config_.budget);
+  const Order accepted = job.order;
+  queue_.push(std::move(job));
+  give_work();  // first: telling costs time that solving can use
+  post(std::make_shared<const Reply>(reply_to(accepted, ReplyState::kAccepted)));
+  if (log_requests_.allows()) {
+    spdlog::info("accepted id={} name={} priority={} queued={}", text(accepted.id), accepted.name, accepted.priority,
+                 queue_.size());
+  }
+}
+
+// A client that hears nothing asks again: it gets the reply it missed, or hears that its request is in hand.
+bool Service::repeat(const Order& order) {
+  if (const SharedReply reply = cache_.find(order.id)) {
+    tally_.duplicate();
+    post(reply);
+    return true;
+  }
+  if (!in_hand(order.id)) return false;
+  tally_.duplicate();
+  post(std::make_shared<const Reply>(reply_to(order, ReplyState::kAccepted)));
+  return true;
+}
+
+void Service::cancel(const dds::ServicePort::Cancel& wanted) {
+  const RequestId& id = wanted.id;
+  if (!ownership_.owner()) return backlog_.cancel(id, true);
+  backlog_.cancel(id, false);  // it may wait for the executor
+  if (const SharedReply reply = cache_.find(id)) return post(reply);
+  const auto is_it = [&](const Job& job) { return job.order.id == id; };
+  if (const auto job = queue_.remove_if(is_it)) {
+    return give_up(*job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it waited");
+  }
+  if (const auto job = solvers_.stop_if(is_it)) {
+    return give_up(*job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it was solved");
+  }
+  // Where several robots are served and it does not say which, another owner may know what this one does not.
+  const bool ours = wanted.robot_id ? ownership_.answers_for(*wanted.robot_id) : ownership_.robots().size() == 1;
+  if (!ours) return;
+  // It may still be on its way, for the two come on different topics.
+  Job unknown;
+  unknown.order.id = id;
+  unknown.order.origin = wanted.origin;
+  give_up(unknown, ReplyState::kCancelled, Reason::kCancelled, "cancelled before it arrived");
+}
+
+}  // namespace fjr

@@ -1,0 +1,157 @@
+// Other instances, and the executor: who owns the robot, and what the others pass on.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "common/input_error.h"
+#include "planner/service/durations.h"
+#include "planner/service/overheard.h"
+#include "planner/service/service.h"
+#include "planner/service/watchdog.h"
+
+namespace fjr {
+namespace {
+
+constexpr std::size_t kAnsweredAtOnce =
+    4;  // of what was remembered, in a turn; a document takes up to 40 ms to be read
+
+}  // namespace
+
+void Service::listen_to_others() {
+  for (const auto& peer : port_.take_peers()) hear(peer);
+  for (Reply& reply : port_.take_replies_of_others()) hear(std::move(reply));
+  for (dds::Relayed& relayed : port_.take_relayed()) hear(std::move(relayed));
+  for (const auto& executor : port_.take_executors()) {
+    executor.alive ? executor_.heard(executor.state, executor.source) : executor_.lost(executor.state.robot_id);
+  }
+  for (const RequestId& id : port_.take_concluded()) executor_.concluded(id);
+  if (const auto epoch = executor_.epoch()) ownership_.heard_executor(*epoch);
+  if (settled()) review_ownership();
+}
+
+void Service::hear(const dds::ServicePort::Peer& peer) {
+  const ServiceStatus& status = peer.status;
+  if (status.instance == config_.instance) {
+    const std::string problem = fmt::format("another service is running as instance {} on DDS domain {}",
+                                            config_.instance, config_.network.domain);
+    if (!port_.is_open() && peer.alive) throw std::runtime_error(problem);
+    if (log_others_.allows()) spdlog::error(problem);
+  } else if (!peer.alive) {
+    if (log_others_.allows()) spdlog::info("instance gone name={}", status.instance);
+    ownership_.lost(status.instance);
+  } else if (status.robot_id == config_.robot_id && !ownership_.believes(status.epoch)) {
+    if (log_others_.allows()) {
+      spdlog::warn("instance not believed name={} epoch={}: far above what the executor has seen", status.instance,
+                   status.epoch);
+    }
+  } else if (!status.robot_id.empty() && takes_part(status)) {
+    ownership_.heard(status.instance, status.robot_id, status.epoch);
+  }
+}
+
+void Service::hear(Reply reply) {
+  if (!reply.final()) return backlog_.accepted(reply.id);
+  reply.origin = backlog_.answered(reply.id);
+  const bool of_this_robot = reply.robot_id == config_.robot_id && reply.robot_hash == robot_hash_;
+  if (!of_this_robot || !lasting(reply.why.reason)) return;
+  complete_overheard(reply);
+  cache_.add(std::make_shared<const Reply>(std::move(reply)));
+}
+
+// Its client may have met the other instance only.
+void Service::hear(dds::Relayed relayed) {
+  const auto now = Clock::now();
+  const auto heard = now - duration_of(relayed.silence);
+  const RequestId id = relayed.order.id;
+  note_what_it_needs(relayed.order);
+  if (!answers(relayed.order)) {
+    keep(std::move(relayed.order), now, heard, false);
+    if (relayed.cancelled) backlog_.cancel(id, false);
+    return;
+  }
+  const dds::ServicePort::Cancel wanted{id, relayed.order.robot_id, relayed.order.origin};
+  if (refused_lately_.contains(id, now)) return;  // its client has been told; to ask again is the client's to decide
+  admit(std::move(relayed.order), now, heard);
+  if (relayed.cancelled) cancel(wanted);
+}
+
+void Service::relay() {
+  if (ownership_.alone()) return;
+  const auto now = Clock::now();
+  backlog_.relay_due(now, [&](const Backlog::Entry& entry) {
+    port_.relay({entry.order, seconds(now - entry.heard), entry.cancelled});
+  });
+}
+
+// Whether it counts among those who serve their robot. One that has another idea of this one's robot does so only while
+// it is the owner: what one plans, the other could not have executed, so that one of the two must not serve.
+bool Service::takes_part(const ServiceStatus& other) const {
+  if (other.robot_id != config_.robot_id || other.robot_hash == robot_hash_) return true;
+  const bool owns = other.epoch > 0;
+  if (!ownership_.owner() && (owns || !ownership_.goes_before(other.instance))) {
+    throw InputError(config_.robot.string(), "",
+                     fmt::format("robot_id {} is served by instance {} with another robot (hash {}, here {}): give "
+                                 "both the same file, or this one a robot_id of its own",
+                                 config_.robot_id, other.instance, other.robot_hash, robot_hash_));
+  }
+  return owns;
+}
+
+// Not before the others are known: what this instance answers, another must not answer too.
+void Service::open() {
+  port_.open();
+  spdlog::info("serving instance={} domain={} workers={} queue={} robot={} {}", config_.instance,
+               config_.network.domain, config_.workers, config_.queue, robot_hash_.substr(0, 12),
+               ownership_.owner() ? "as owner" : "as standby");
+  tell_ready();
+}
+
+void Service::review_ownership() {
+  const bool changed = ownership_.review();
+  if (!port_.is_open()) open();
+  if (changed) {
+    ownership_.owner() ? take_over() : give_up_ownership();
+    next_heartbeat_ = {};  // the others are told at once
+  }
+  if (ownership_.owner()) answer_backlog();
+}
+
+void Service::take_over() {
+  spdlog::info("owner robot_id={} epoch={} remembered={}", config_.robot_id, ownership_.epoch(), backlog_.size());
+  port_.own(ownership_.epoch());
+  if (!owned_) took_over_at_ = Clock::now();  // otherwise only its epoch has grown
+  owned_ = true;
+}
+
+// What was heard while another instance, or nobody, was the owner, or before the executor was met: some at a time, for
+// there may be many. A client whose request came before this instance was the owner may have left with the one before:
+// nothing moves for it until it has acknowledged what it is told now.
+void Service::answer_backlog() {
+  std::size_t count = 0;
+  const auto ours = [&](const Backlog::Entry& entry) {
+    return count < kAnsweredAtOnce && answers(entry.order) && ++count > 0;
+  };
+  for (Backlog::Entry& entry : backlog_.take_if(ours)) {
+    const dds::ServicePort::Cancel wanted{entry.order.id, entry.order.robot_id, entry.order.origin};
+    const auto heard = entry.heard < took_over_at_ ? Clock::time_point{} : entry.heard;
+    admit(std::move(entry.order), entry.arrived, heard);
+    if (entry.cancelled) cancel(wanted);
+  }
+  answering_ = count == kAnsweredAtOnce;
+}
+
+// Whoever owns the robot now has heard the same requests.
+void Service::give_up_ownership() {
+  spdlog::warn("superseded robot_id={}", config_.robot_id);
+  port_.disown();
+  owned_ = false;
+  const auto put_back = [this](Job job) {
+    const auto heard = presence_.last_heard(job.order.id);
+    keep(std::move(job.order), job.arrived, heard, true);
+  };
+  while (auto job = solvers_.stop_if([](const Job&) { return true; })) put_back(std::move(*job));
+  while (!queue_.empty()) put_back(queue_.pop());
+}
+
+}  // namespace fjr

@@ -1,0 +1,127 @@
+// What goes out: replies to clients, trajectories to the executor.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "planner/service/durations.h"
+#include "planner/service/service.h"
+
+namespace fjr {
+
+Reply Service::reply_to(const Order& order, ReplyState state, Refusal why) const {
+  Reply reply;
+  reply.id = order.id;
+  reply.state = state;
+  reply.why = std::move(why);
+  reply.robot_id = config_.robot_id;
+  reply.robot_hash = robot_hash_;
+  reply.version = FJR_VERSION;
+  reply.origin = order.origin;
+  return reply;
+}
+
+// Why certified rows must not move the arm after all; nothing: they may. They are never empty.
+std::optional<Refusal> Service::refusal_to_publish(const std::vector<Sample>& rows) const {
+  if (const auto twice = executor_.twice()) {
+    return Refusal{Reason::kArmNotAtRest, "", "planned, but not executed: " + *twice};
+  }
+  if (rows.back().time <= kLongestMotion) return std::nullopt;
+  return Refusal{Reason::kUnsupported, "duration",
+                 fmt::format("planned, but not executed: it takes {:.6g} s, and an executor runs at most {:g} s",
+                             rows.back().time, kLongestMotion)};
+}
+
+void Service::finish(const Job& job, Reply reply) {
+  if (executes(job.order) && reply.state == ReplyState::kSolved) {
+    if (auto refusal = refusal_to_publish(reply.rows)) {
+      reply = reply_to(job.order, ReplyState::kFailed, std::move(*refusal));
+    }
+  }
+  const auto now = Clock::now();
+  const bool started = job.started != Clock::time_point{};
+  reply.request_hash = job.request_hash;
+  if (!job.robot_hash.empty()) reply.robot_hash = job.robot_hash;
+  reply.rest_to_rest = job.rest_to_rest;
+  reply.solve_time = started ? seconds(now - job.started) : 0;
+  reply.wait_time = seconds((started ? job.started : now) - job.arrived);
+  const auto shared = std::make_shared<const Reply>(std::move(reply));
+  remember(shared);
+  tally_.count(*shared, seconds(now - job.arrived));
+  if (executes(job.order) && shared->state == ReplyState::kSolved) publish(*shared);
+  post(shared);
+  if (log_requests_.allows()) {
+    spdlog::info("finished id={} state={} wait={:.3f} solve={:.3f} {}", text(shared->id), name(shared->state),
+                 shared->wait_time, shared->solve_time, shared->why.sentence);
+  }
+}
+
+void Service::give_up(const Job& job, ReplyState state, Reason reason, const std::string& sentence) {
+  finish(job, reply_to(job.order, state, {reason, "", sentence}));
+}
+
+// What was refused for the moment only is not repeated from memory: the client may ask again. A standby's copy of the
+// same request must not count as that.
+void Service::remember(const SharedReply& reply) {
+  if (lasting(reply->why.reason)) return cache_.add(reply);
+  refused_lately_.add(reply->id, Clock::now());
+}
+
+void Service::reject(const Order& order, Refusal why) {
+  const auto reply = std::make_shared<const Reply>(reply_to(order, ReplyState::kRejected, std::move(why)));
+  remember(reply);
+  tally_.count(*reply, 0);
+  post(reply);
+  if (log_refusals_.allows()) {
+    spdlog::info("rejected id={} field={} {}", text(order.id), reply->why.field, reply->why.sentence);
+  }
+}
+
+// Only a certified trajectory has rows. A repeated request is answered again but never published again, nor is what an
+// earlier owner published before it could answer.
+void Service::publish(const Reply& reply) {
+  if (executor_.runs_or_ran(reply.id)) return spdlog::info("published before id={}", text(reply.id));
+  TrajectoryOrder order;
+  order.robot_id = config_.robot_id;
+  order.id = reply.id;
+  order.epoch = ownership_.epoch();
+  order.published = executor_.stamp();
+  order.robot_hash = reply.robot_hash;
+  order.request_hash = reply.request_hash;
+  order.certified = reply.state == ReplyState::kSolved;
+  order.ends_at_rest = reply.rest_to_rest;
+  order.certified_error = reply.errors.certified;
+  order.predicted_error = reply.errors.predicted;
+  order.rows = reply.rows;
+  order.stops = reply.stops;
+  if (signer_) order.signature = signer_->sign(signed_bytes(order));
+  executor_.published(reply.id);
+  if (!port_.send(order) && log_requests_.allows()) {
+    spdlog::error("not published id={}: the executor is too slow", text(reply.id));
+  }
+  if (ros_) ros_->send(order);
+}
+
+// False: its client has no room for it now.
+bool Service::send(const SharedReply& reply) {
+  switch (port_.clients().send(*reply)) {
+    case dds::Sent::kYes:
+      return true;
+    case dds::Sent::kNoRoom:
+      return false;
+    case dds::Sent::kNobodyListens:
+      port_.clients().tell_standbys(*reply);
+      unclaimed_.keep(reply);
+      return true;
+  }
+  return true;
+}
+
+void Service::post(SharedReply reply) {
+  const RequestId id = reply->id;
+  if (!outbox_.post(std::move(reply)) && log_slow_clients_.allows()) {
+    spdlog::warn("slow clients: too many replies wait, after id={} the oldest is dropped", text(id));
+  }
+}
+
+}  // namespace fjr

@@ -126,22 +126,40 @@ TEST_F(HaltTest, ReachesWhoCannotBeHeard) {
   EXPECT_THAT(stop.text, HasSubstr("1 more says nothing of itself"));
 }
 
-// What an executor says before it can have the command is no answer to it.
+// What an executor says before it can have the command is no answer to it: neither while nobody takes commands, nor
+// what was on its way, or about to be said, when the command arrived.
 TEST_F(HaltTest, BelievesNoStateOfBeforeTheCommand) {
   const dds::Participant here(domain_);
   dds::Writer<fjr_msg_ExecutorState> states(here, here.handle());
+  std::optional<dds::Reader<fjr_msg_ExecutorCommand>> commands;
+  std::optional<Clock::time_point> commanded;
   ExecutorState state;
   state.robot_id = "arm";
   state.mode = ExecutorMode::kHolding;
-  const auto hold = fjr({"hold", "--find", "1", "--within", "1.5"}, "hold.log");
+  const auto hold = fjr({"hold", "--find", "1", "--within", "3"}, "hold.log");
+  std::optional<Clock::time_point> met;
   siginfo_t ended{};
   while (ended.si_pid == 0) {
+    if (!met && states.has_reader()) met = Clock::now();
+    // After the time in which it looks for whoever else is there.
+    if (met && !commands && Clock::now() - *met > std::chrono::milliseconds(1500)) {
+      commands.emplace(here, here.handle());
+    }
+    if (commands) {
+      commands->take_all([&](const fjr_msg_ExecutorCommand&, const dds_sample_info_t& info) {
+        if (info.valid_data && !commanded) commanded = Clock::now();
+      });
+    }
+    const bool of_before = !commanded || Clock::now() - *commanded < std::chrono::milliseconds(15);
+    state.mode = of_before ? ExecutorMode::kHolding : ExecutorMode::kExecuting;
     (void)states.write(dds::encode(state));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ::waitid(P_PID, static_cast<id_t>(hold->pid()), &ended, WEXITED | WNOHANG | WNOWAIT);
   }
-  EXPECT_EQ(hold->wait(), 1);
-  EXPECT_THAT(hold->output(), HasSubstr("hold could not be sent, for nobody takes commands, but 0 of 1 executors"));
+  EXPECT_TRUE(commanded);
+  EXPECT_EQ(hold->wait(), 1) << hold->output();
+  EXPECT_THAT(hold->output(), testing::ContainsRegex("hold was sent [0-9]+ times to 1 reader of commands, arrived, but "
+                                                     "0 of 1 executors"));
 }
 
 // Without multicast, with DDS's own discovery, and by multicast as in a lab: in a network namespace of our own.

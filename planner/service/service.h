@@ -59,6 +59,7 @@ class Service {
   bool in_hand(const RequestId& id) const;
   bool motion_pending() const;
   void cancel(const dds::ServicePort::Cancel& wanted);
+  void cancel_waiting(const Backlog::Entry& entry);
 
   // Whose client is still there.
   bool may_start(const Order& order);

@@ -150,7 +150,11 @@ bool Service::repeat(const Order& order) {
 void Service::cancel(const dds::ServicePort::Cancel& wanted) {
   const RequestId& id = wanted.id;
   if (!ownership_.owner()) return backlog_.cancel(id, true);
-  backlog_.cancel(id, false);  // it may wait for the executor
+  const auto waits_for_executor = [&](const Backlog::Entry& entry) {
+    return entry.order.id == id && ownership_.answers_for(entry.order.robot_id);
+  };
+  if (auto waiting = backlog_.take_if(waits_for_executor); !waiting.empty()) return cancel_waiting(waiting.front());
+  backlog_.cancel(id, false);  // it is another robot's
   if (const SharedReply reply = cache_.find(id)) return post(reply);
   const auto is_it = [&](const Job& job) { return job.order.id == id; };
   if (const auto job = queue_.remove_if(is_it)) {
@@ -160,13 +164,22 @@ void Service::cancel(const dds::ServicePort::Cancel& wanted) {
     return give_up(*job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it was solved");
   }
   // Where several robots are served and it does not say which, another owner may know what this one does not.
-  const bool ours = wanted.robot_id ? ownership_.answers_for(*wanted.robot_id) : ownership_.robots().size() == 1;
+  const bool says_which = wanted.robot_id && !wanted.robot_id->empty();
+  const bool ours = says_which ? ownership_.answers_for(*wanted.robot_id) : ownership_.robots().size() == 1;
   if (!ours) return;
   // It may still be on its way, for the two come on different topics.
   Job unknown;
   unknown.order.id = id;
   unknown.order.origin = wanted.origin;
   give_up(unknown, ReplyState::kCancelled, Reason::kCancelled, "cancelled before it arrived");
+}
+
+void Service::cancel_waiting(const Backlog::Entry& entry) {
+  if (repeat(entry.order)) return;
+  Job job;
+  job.order = entry.order;
+  job.arrived = entry.arrived;
+  give_up(job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it waited");
 }
 
 }  // namespace fjr

@@ -133,10 +133,8 @@ void Service::answer_backlog() {
     return count < kAnsweredAtOnce && answers(entry.order) && ++count > 0;
   };
   for (Backlog::Entry& entry : backlog_.take_if(ours)) {
-    const dds::ServicePort::Cancel wanted{entry.order.id, entry.order.robot_id, entry.order.origin};
     const auto heard = entry.heard < took_over_at_ ? Clock::time_point{} : entry.heard;
-    admit(std::move(entry.order), entry.arrived, heard);
-    if (entry.cancelled) cancel(wanted);
+    entry.cancelled ? cancel_waiting(entry) : admit(std::move(entry.order), entry.arrived, heard);
   }
   answering_ = count == kAnsweredAtOnce;
 }

@@ -165,6 +165,73 @@ TEST_F(ExecuteTest, WithoutAStartItIsWhereTheArmRests) {
   wait_for("finished id=" + text(back.id) + " code=0");
 }
 
+// An executor that has refused a trajectory does not move: nobody has to wait until it would have begun.
+TEST_F(ExecuteTest, AfterARefusedTrajectoryTheArmRestsAsBefore) {
+  serve();
+  start_executor();
+  wait_for_executor();
+  settle();
+  Order from_elsewhere = order(kBack);
+  from_elsewhere.action = Action::kPlanAndExecute;
+  EXPECT_EQ(answer_to(from_elsewhere).state, ReplyState::kSolved);
+  wait_for("refused id=" + text(from_elsewhere.id));
+  const Reply next = answer_to(order("goal: {q: [0.42, 0.08]}\nobjective: fastest\n"));
+  EXPECT_EQ(next.state, ReplyState::kSolved) << next.why.sentence;
+}
+
+// Whoever asks again for a motion, of which the executor alone knows any more, hears how it ended, and nothing moves.
+TEST_F(ExecuteTest, AMotionAskedForAgainAfterBothHaveStartedAnewIsReported) {
+  const auto start_at = [this](const std::string& q) {
+    executor_ = start_fjr({"executor", "--start", q, "--state", path("state"), "--domain", domain()}, "executor");
+  };
+  serve();
+  start_at("0.3,0.2");
+  wait_for_executor();
+  settle();
+  Order there = order(kFast);
+  there.action = Action::kPlanAndExecute;
+  ASSERT_EQ(answer_to(there).state, ReplyState::kSolved);
+  ASSERT_TRUE(result_of(there.id));
+  for (Process* ended : {&service(), &executor()}) {
+    ended->send(SIGTERM);
+    EXPECT_EQ(ended->wait(), 0);
+  }
+  start_at("0.42,0.08");
+  serve();
+  wait_for_executor();
+  settle();
+  send(there);
+  EXPECT_EQ(final_reply(there.id).state, ReplyState::kSolved);
+  const auto result = result_of(there.id);
+  ASSERT_TRUE(result);
+  EXPECT_EQ(result->code, ResultCode::kSuccessful) << result->sentence;
+  settle();
+  EXPECT_THAT(executor().output(), testing::Not(HasSubstr("executing id=")));
+}
+
+// What it is about to run is on the disk before it runs, and how it ended as well: first the file, then its name.
+TEST_F(ExecuteTest, TheExecutorsMemoryIsOnTheDisk) {
+  serve();
+  executor_ = std::make_unique<Process>(
+      std::vector<std::string>{"/usr/bin/env", "LD_PRELOAD=" FJR_RECORDED_FILES,
+                               "FJR_RECORDED_FILES=" + path("files").string(), FJR_EXECUTABLE, "executor", "--start",
+                               "0.3,0.2", "--state", path("state"), "--domain", domain()},
+      path("executor"));
+  wait_for_executor();
+  settle();
+  Order there = order(kFast);
+  there.action = Action::kPlanAndExecute;
+  ASSERT_EQ(answer_to(there).state, ReplyState::kSolved);
+  wait_for("executing id=");
+  const std::string file = path("state") / ("executor-" + domain() + "-arm"), temporary = "[^ ]*/state/[.][^ ]*[.]tmp";
+  const std::string written =
+      "fsync (" + temporary + ")\nrename " + temporary + " " + file + "\nfsync " + path("state").string() + "\n";
+  EXPECT_THAT(contents(path("files")), testing::StartsWith("fsync "));
+  EXPECT_THAT(contents(path("files")), testing::ContainsRegex(written));
+  ASSERT_TRUE(result_of(there.id));
+  EXPECT_THAT(contents(path("files")), testing::MatchesRegex("(" + written + ")(" + written + ")"));
+}
+
 TEST_F(ExecuteTest, WithoutAnExecutorTheStartIsAskedFor) {
   serve();
   expect_refused(order(kToBack), "start", "no executor of robot arm says where the arm is");

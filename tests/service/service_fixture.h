@@ -130,6 +130,16 @@ class ServiceTest : public testing::Test {
     ADD_FAILURE() << "no such reply within " << limit << " s";
     return std::nullopt;
   }
+  // What an executor says of a trajectory next, within `limit` seconds.
+  std::optional<ExecutionResult> result_of(const RequestId& id, double limit = 10) {
+    for (const auto began = Clock::now(); seconds_since(began) < limit; listen_once()) {
+      for (ExecutionResult& result : port_->take_results()) {
+        if (result.trajectory_id == id) return std::move(result);
+      }
+    }
+    return std::nullopt;
+  }
+
   // The next final one, to whatever request.
   std::optional<Reply> next_final(double limit = 20) {
     for (const auto began = Clock::now(); seconds_since(began) < limit; listen_once()) {

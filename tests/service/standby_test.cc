@@ -95,6 +95,37 @@ TEST_F(StandbyTest, TakesOverFromAStoppedOwnerWhichIsSupersededWhenItResumes) {
   EXPECT_THAT(a_->output(), HasSubstr("superseded robot_id=arm"));
 }
 
+// The owner cannot be heard, and was never heard by the one that joins: the executor tells which epoch it has to be
+// above.
+TEST_F(StandbyTest, WhoJoinsWhileTheOwnerCannotBeReachedOwnsTheRobot) {
+  a_ = start("a");
+  connect();
+  wait_until([&] { return owner() == "a"; });
+  const Instance executor = start_executor();
+  wait_for_executor();
+  settle();
+  const Order there = to_be_executed();
+  send(there);
+  EXPECT_EQ(final_reply(there.id).state, ReplyState::kSolved);
+  wait_until_executed(*executor);
+  const std::uint64_t ran = epoch("a");
+  a_->send(SIGSTOP);
+  for (const auto began = Clock::now(); seconds_since(began) < 1;) listen();  // twice its lease
+  b_ = start("b");
+  wait_until([&] { return epoch("b") > ran; });
+  settle();
+  Order back = order("goal: {q: [0.3, 0.2]}\nobjective: fastest\n");
+  back.action = Action::kPlanAndExecute;
+  send(back);
+  EXPECT_EQ(final_reply(back.id).state, ReplyState::kSolved);
+  wait_until([&] { return count(executor->output(), "code=0") == 2; });
+  a_->send(SIGCONT);
+  wait_until([&] { return epoch("a") == 0; });
+  EXPECT_GT(epoch("b"), ran);
+  settle();
+  EXPECT_EQ(count(executor->output(), "executing id="), 2u) << executor->output();
+}
+
 TEST_F(StandbyTest, WhatTheKilledOwnerHadInHandIsDoneOnceWithoutAskingAgain) {
   start_both();
   const Instance executor = start_executor();

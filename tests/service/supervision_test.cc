@@ -99,18 +99,76 @@ TEST_F(SupervisionTest, ClientSaysWhatIsIncompatible) {
   }
 }
 
-TEST_F(SupervisionTest, EachRobotHasItsOwner) {
-  serve("{instance: one, robot_id: left}\n");
-  write("other.yaml", "{instance: two, robot_id: right}\n");
-  const auto other = start_fjr({"serve", "--config", path("other.yaml"), "--domain", domain()}, "other.log");
-  std::map<std::string, ServiceStatus> heard;
-  const auto began = Clock::now();
-  const auto served = [&] { return heard["one"].epoch > 0 && heard["two"].epoch > 0; };
-  while (!served() && seconds_since(began) < 10) {
-    listen_once([&](const ServiceStatus& status) { heard[status.instance] = status; });
+class TwoRobotsTest : public SupervisionTest {
+ protected:
+  void serve_both() {
+    serve("{instance: one, robot_id: left, workers: 1}\n");
+    write("other.yaml", "{instance: two, robot_id: right, workers: 1}\n");
+    other_ = start_fjr({"serve", "--config", path("other.yaml"), "--domain", domain()}, "other.log");
+    std::map<std::string, ServiceStatus> heard;
+    const auto began = Clock::now();
+    const auto served = [&] { return heard["one"].epoch > 0 && heard["two"].epoch > 0; };
+    while (!served() && seconds_since(began) < 10) {
+      listen_once([&](const ServiceStatus& status) { heard[status.instance] = status; });
+    }
+    ASSERT_TRUE(served());
+    settle();
   }
-  ASSERT_TRUE(served());
+
+  Order order_for(const std::string& robot, const std::string& yaml) {
+    Order of_robot = order(yaml);
+    of_robot.robot_id = robot;
+    return of_robot;
+  }
+
+  std::unique_ptr<Process> other_;
+};
+
+// Its owner ends what waits, and says so once; the other one, which does not know of it, says nothing. Whether the
+// client names the robot or, as earlier versions, cannot.
+TEST_F(TwoRobotsTest, ACancelledRequestThatWaitsIsAnsweredByItsOwnerAlone) {
+  serve_both();
+  for (const std::string named : {"", "right"}) {
+    const Order solved = order_for("right", kSlow), waits = order_for("right", kSlow);
+    send(solved);
+    expect_accepted(solved.id);
+    send(waits);
+    expect_accepted(waits.id);
+    cancel(waits.id, named);
+    const Reply reply = final_reply(waits.id);
+    EXPECT_EQ(reply.state, ReplyState::kCancelled);
+    EXPECT_EQ(reply.robot_id, "right");
+    EXPECT_EQ(reply.why.sentence, "cancelled while it waited");
+    cancel(solved.id, named);
+    EXPECT_EQ(final_reply(solved.id).robot_id, "right");
+    settle();
+    EXPECT_FALSE(next_final(0.5)) << named;
+  }
+}
+
+// One that waits for the executor to be met, as requests do in the first 2 s of a service that leave their start out.
+TEST_F(TwoRobotsTest, ACancelledRequestThatWaitsForTheExecutorIsAnsweredByItsOwnerAlone) {
+  serve_both();
+  other_->send(SIGKILL);
+  (void)other_->wait();
+  other_ = start_fjr({"serve", "--config", path("other.yaml"), "--domain", domain()}, "other.log");
+  const auto began = Clock::now();
+  while (other_->output().find("owner robot_id=right") == std::string::npos && seconds_since(began) < 10) listen_once();
   settle();
+  for (const std::string named : {"", "right"}) {
+    const Order waits = order_for("right", "goal: {q: [0.1, 0.1]}\n");
+    send(waits);
+    std::this_thread::sleep_for(milliseconds(50));
+    cancel(waits.id, named);
+    const Reply reply = final_reply(waits.id);
+    EXPECT_EQ(reply.state, ReplyState::kCancelled) << reply.why.sentence;
+    EXPECT_EQ(reply.robot_id, "right");
+  }
+  EXPECT_FALSE(next_final(2.5));  // not again when the executor is taken for absent
+}
+
+TEST_F(TwoRobotsTest, EachRobotHasItsOwner) {
+  serve_both();
   const auto answer = [&](const std::string& robot) {
     Order plan = order(kFast);
     plan.robot_id = robot;

@@ -18,7 +18,9 @@ const std::string kToBack = "goal: {q: [0.3, 0.2]}\nobjective: fastest\n";  // f
 class ExecuteTest : public ServiceTest {
  protected:
   // The arm rests at the start of kFast.
-  void start_executor() { executor_ = start_fjr({"executor", "--start", "0.3,0.2", "--domain", domain()}, "executor"); }
+  void start_executor(const std::string& at = "0.3,0.2") {
+    executor_ = start_fjr({"executor", "--start", at, "--state", path("state"), "--domain", domain()}, "executor");
+  }
   Process& executor() { return *executor_; }
   void wait_for(const std::string& in_log) {
     const auto began = Clock::now();
@@ -181,11 +183,8 @@ TEST_F(ExecuteTest, AfterARefusedTrajectoryTheArmRestsAsBefore) {
 
 // Whoever asks again for a motion, of which the executor alone knows any more, hears how it ended, and nothing moves.
 TEST_F(ExecuteTest, AMotionAskedForAgainAfterBothHaveStartedAnewIsReported) {
-  const auto start_at = [this](const std::string& q) {
-    executor_ = start_fjr({"executor", "--start", q, "--state", path("state"), "--domain", domain()}, "executor");
-  };
   serve();
-  start_at("0.3,0.2");
+  start_executor();
   wait_for_executor();
   settle();
   Order there = order(kFast);
@@ -196,7 +195,7 @@ TEST_F(ExecuteTest, AMotionAskedForAgainAfterBothHaveStartedAnewIsReported) {
     ended->send(SIGTERM);
     EXPECT_EQ(ended->wait(), 0);
   }
-  start_at("0.42,0.08");
+  start_executor("0.42,0.08");
   serve();
   wait_for_executor();
   settle();

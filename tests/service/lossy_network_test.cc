@@ -73,7 +73,7 @@ TEST_F(LossyNetworkTest, AnswersEveryRequest) {
 TEST_F(LossyNetworkTest, ExecutesEveryMotionOnce) {
   write("back.yaml", "start: {q: [0.42, 0.08]}\ngoal: {q: [0.3, 0.2]}\nobjective: fastest\n");
   const auto service = serve();
-  const auto executor = fjr({"executor", "--start", "0.3,0.2"}, "executor.log");
+  const auto executor = fjr({"executor", "--start", "0.3,0.2", "--state", path("state")}, "executor.log");
   ASSERT_TRUE(comes_true([&] { return executor->output().find("executing for") != std::string::npos; }));
   for (int motion = 0; motion < 3; ++motion) {
     const std::string file = motion % 2 == 0 ? "quick.yaml" : "back.yaml";

@@ -39,7 +39,8 @@ class SecurityTest : public ServiceProcesses {
 
 TEST_F(SecurityTest, PlansAndExecutesForThoseWhoMay) {
   const auto service = serve({}, as("service"));
-  const auto executor = fjr({"executor", "--start", "0.3,0.2"}, "executor.log", as("executor"));
+  const auto executor =
+      fjr({"executor", "--start", "0.3,0.2", "--state", path("state")}, "executor.log", as("executor"));
   ASSERT_TRUE(comes_true([&] { return executor->output().find("executing for") != std::string::npos; }));
   const auto request = fjr({"request", path("quick.yaml"), "--execute"}, "request.log", as("client"));
   EXPECT_EQ(request->wait(), 0) << request->output();
@@ -180,7 +181,7 @@ TEST_F(SecurityTest, DoesNotServeWhatNoExecutorWouldRun) {
 // Whatever DDS lets through, the executor runs what the service has signed, as it has signed it.
 TEST_F(SecurityTest, RunsOnlyWhatTheServiceHasSigned) {
   make_credentials("theirs");
-  const auto executor = fjr({"executor", "--start", "0,0"}, "executor.log", as("executor"));
+  const auto executor = fjr({"executor", "--start", "0,0", "--state", path("state")}, "executor.log", as("executor"));
   const Parameters robot = load_parameters(default_robot_file());
   const dds::Participant participant(domain_, credentials("service"));
   dds::Reader<fjr_msg_ExecutionResult> results(participant, participant.handle());

@@ -67,7 +67,8 @@ class Verdict {
                       link[0] >= link[1] ? 1 : 2, larger(link), when, allowed));
     };
     judge(perturbed.link, certificate_.tolerance, fmt::format("({:.6f} s)", perturbed.time_of_max_link));
-    judge(perturbed.after, kRestError, "in the second after the end: the robot's feedback holds it no better");
+    judge(perturbed.after, certificate_.tolerance,
+          "in the second after the end: the robot's feedback holds it no better");
   }
 
   void judge_limits() {

@@ -22,7 +22,7 @@ Tracking run_ticks(const Parameters& p, const Trajectory& trajectory) {
   const auto ticks = static_cast<long>(std::ceil((end - start) / kTick - 1e-9));
   for (long k = 0; k < ticks; ++k) {
     const double now = start + static_cast<double>(k) * kTick, next = std::min(end, now + kTick);
-    const TickController::Command command = controller.command(now, x.theta);
+    const TickController::Command command = controller.command(now, {x.theta, x.q});
     if (k == 0) arm.start(now, x, Drive::holding({now, {}, command.torque}));
     arm.hold(command.torque);
     if (!arm.run(next, {}, {}, {})) break;

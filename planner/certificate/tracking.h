@@ -6,10 +6,10 @@
 
 namespace fjr {
 
-// What starting elsewhere than at the first row, within kRestError and anywhere in the counts of the motors, may add to
-// a link's error: in 32 runs of eight plans from where the executor had brought the arm to rest it was at most 3.3
+// What starting elsewhere than at the first row, within rest_error() and anywhere in the counts of the motors, may add
+// to a link's error: in 16 runs of eight plans from where the executor had brought the arm to rest it was at most 1.9
 // counts of the link encoder.
-inline constexpr int kRestCounts = 4;
+inline constexpr int kRestCounts = 3;
 
 // Runs the trajectory on the simulated arm under the TickController, torque held over every tick, from its first row;
 // link_error with kRestCounts on top.

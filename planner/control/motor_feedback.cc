@@ -2,37 +2,98 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "model/friction.h"
 
 namespace fjr {
+namespace {
+
+constexpr double kLinkShare = 0.5;     // of a spring's stiffness: feedback from the link's side, stable below 1
+constexpr double kDitherCounts = 0.1;  // [-] of the link's encoder: no motor swings further
+constexpr int kParts = 8;              // of a tick, over which the friction of the swing is averaged
+
+// How far `error` is beyond +-band.
+double beyond(double error, double band) { return error - std::clamp(error, -band, band); }
+
+}  // namespace
+
+Dither::Dither(const Parameters& p, std::size_t joint, double tick)
+    : band_(FrictionLaw::of(p, static_cast<int>(joint)).unstable_band()) {
+  const FrictionLaw law = FrictionLaw::of(p, static_cast<int>(joint));
+  const double rate = 2 * std::numbers::pi / (kDitherPeriod * tick);  // [rad/s]
+  amplitude_ = std::min(kDitherBands * band_, kDitherCounts * count_angle(p.encoder.link_counts[joint]) * rate);
+  for (int k = 0; k < kDitherPeriod; ++k) {
+    double torque = 0;
+    for (int i = 0; i < kParts; ++i) {
+      const double phase = rate * tick * (k + (i + 0.5) / kParts);
+      torque += law.torque(amplitude_ * std::sin(phase)) + p.motor.inertia[joint] * amplitude_ * rate * std::cos(phase);
+    }
+    torques_.push_back(torque / kParts);
+  }
+}
+
+double Dither::next(double planned_velocity) {
+  const bool rests = std::abs(planned_velocity) < band_;
+  rested_ = rests ? rested_ + 1 : 0;
+  return rested_ > kDitherAfter ? torques_[(rested_ - kDitherAfter - 1) % kDitherPeriod] : 0;
+}
 
 MotorFeedback::MotorFeedback(const Parameters& p, double tick)
     : p_(p),
-      measured_{VelocityFilter(p.feedback.velocity_filter[0], tick),
-                VelocityFilter(p.feedback.velocity_filter[1], tick)},
-      planned_(measured_) {}
+      error_velocity_{VelocityFilter(p.feedback.velocity_filter[0], tick),
+                      VelocityFilter(p.feedback.velocity_filter[1], tick)},
+      dither_{Dither(p, 0, tick), Dither(p, 1, tick)} {}
 
-void MotorFeedback::start(const Pair<double>& planned, const Pair<double>& measured, const Pair<double>& velocity) {
+void MotorFeedback::start(const Pair<double>& planned_theta, const Pair<double>& measured_theta) {
   for (std::size_t j = 0; j < kJoints; ++j) {
-    measured_[j].reset(quantised(measured[j], p_.encoder.motor_counts[j]), velocity[j]);
-    planned_[j].reset(planned[j], velocity[j]);
+    difference_[j] = planned_theta[j] - quantised(measured_theta[j], p_.encoder.motor_counts[j]);
+    error_velocity_[j].reset(motor_error(j), 0);
   }
 }
 
 void MotorFeedback::shift_plan(const Pair<double>& by) {
-  for (std::size_t j = 0; j < kJoints; ++j) planned_[j].shift(by[j]);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double before = motor_error(j);
+    difference_[j] += by[j];
+    error_velocity_[j].shift(motor_error(j) - before);
+  }
 }
 
-MotorFeedback::Command MotorFeedback::command(const Pair<double>& planned, const Pair<double>& measured,
-                                              const Pair<double>& feedforward, const Pair<bool>& blind) {
+// The whole difference beyond half a count, not what is beyond: an arm that is not the model is followed as closely as
+// the counts permit.
+double MotorFeedback::motor_error(std::size_t j) const {
+  const double half = count_angle(p_.encoder.motor_counts[j]) / 2;
+  return std::abs(difference_[j]) > half ? difference_[j] : 0;
+}
+
+double MotorFeedback::link_error(std::size_t j, const Positions& planned, const Positions& measured) const {
+  const double half = count_angle(p_.encoder.link_counts[j]) / 2,
+               of_motor = count_angle(p_.encoder.motor_counts[j]) / 2;
+  const double counted = quantised(measured.q[j], p_.encoder.link_counts[j]);
+  return std::clamp(beyond(planned.q[j] - counted, half), -of_motor, of_motor);
+}
+
+bool MotorFeedback::link_says_it_rests(std::size_t j, double link_error, const Pair<double>& planned_velocity) const {
+  const double count = count_angle(p_.encoder.motor_counts[j]);
+  return planned_velocity == Pair<double>{} && std::abs(link_error) < count / 2 &&
+         std::abs(difference_[j]) < 1.5 * count;
+}
+
+MotorFeedback::Command MotorFeedback::command(const Positions& planned, const Pair<double>& planned_velocity,
+                                              const Positions& measured, const Pair<double>& feedforward,
+                                              const Pair<bool>& blind) {
   Command c{};
   for (std::size_t j = 0; j < kJoints; ++j) {
-    const double counted = quantised(measured[j], p_.encoder.motor_counts[j]);
-    const double velocity_error = planned_[j].update(planned[j]) - measured_[j].update(counted);
-    if (!blind[j]) {
-      c.feedback[j] =
-          p_.feedback.position_gain[j] * (planned[j] - counted) + p_.feedback.velocity_gain[j] * velocity_error;
+    difference_[j] = planned.theta[j] - quantised(measured.theta[j], p_.encoder.motor_counts[j]);
+    const double error = motor_error(j), error_velocity = error_velocity_[j].update(error);
+    const double of_link = link_error(j, planned, measured);
+    if (!blind[j]) c.feedback[j] = kLinkShare * p_.spring.stiffness[j] * of_link;
+    if (!blind[j] && !link_says_it_rests(j, of_link, planned_velocity)) {
+      c.feedback[j] += p_.feedback.position_gain[j] * error + p_.feedback.velocity_gain[j] * error_velocity;
     }
-    const double wanted = feedforward[j] + c.feedback[j], peak = p_.drive.peak_torque[j];
+    const double wanted = feedforward[j] + dither_[j].next(planned_velocity[j]) + c.feedback[j];
+    const double peak = p_.drive.peak_torque[j];
     c.torque[j] = std::clamp(wanted, -peak, peak);
     c.saturated |= std::abs(wanted) > peak;
   }
@@ -42,11 +103,12 @@ MotorFeedback::Command MotorFeedback::command(const Pair<double>& planned, const
 TickController::TickController(const Parameters& p, const Trajectory& trajectory, double tick)
     : plan_(trajectory), tick_(tick), feedback_(p, tick) {
   const State<double>& start = trajectory.samples.front().state;
-  feedback_.start(start.theta, start.theta, start.dtheta);
+  feedback_.start(start.theta, start.theta);
 }
 
-TickController::Command TickController::command(double time, const Pair<double>& theta) {
-  return feedback_.command(plan_.at(time).state.theta, theta, plan_.mean_torque(time, time + tick_));
+TickController::Command TickController::command(double time, const MotorFeedback::Positions& measured) {
+  const State<double> planned = plan_.at(time).state;
+  return feedback_.command({planned.theta, planned.q}, planned.dtheta, measured, plan_.mean_torque(time, time + tick_));
 }
 
 }  // namespace fjr

@@ -1,6 +1,8 @@
 // The executor's control law.
 #pragma once
 
+#include <vector>
+
 #include "model/encoder.h"
 #include "planner/trajectory/trajectory.h"
 
@@ -8,10 +10,41 @@ namespace fjr {
 
 inline constexpr double kTick = 1e-3;  // [s] of the executor
 
-// Motor-side feedback from the motor encoders on top of a feed-forward torque, once a tick. Velocities come from
-// differentiated counts through a low-pass; the planned positions go through the same differentiation and low-pass, so
-// that its lag (5 ms at 30 Hz: 0.5 rad/s while a motor gains 100 rad/s^2) does not look like an error. Feed-forward
-// friction is part of the planned torque: it follows the planned velocity.
+// A torque that keeps a motor moving where it is to rest, for a friction law that falls with speed at rest (joint 2's).
+// At rest such a motor runs away, and no feedback through encoders is quick enough to see it. While it swings with a
+// few times the speeds at which the law falls, its friction rises with speed in the mean, and errors of its velocity
+// decay. The swing itself moves a motor over a fifteenth of a count of its link's encoder.
+class Dither {
+ public:
+  Dither(const Parameters& p, std::size_t joint, double tick);
+
+  // [N m] for the next tick, given the planned velocity [rad/s]. 0 unless the plan has rested for kDitherAfter ticks.
+  double next(double planned_velocity);
+
+  // [rad/s] of the swing; 0: the law does not fall.
+  double amplitude() const { return amplitude_; }
+
+ private:
+  double band_, amplitude_;      // [rad/s]
+  std::vector<double> torques_;  // [N m] one period, tick by tick
+  std::size_t rested_ = 0;       // ticks
+};
+
+inline constexpr int kDitherAfter = 5;    // [ticks] a motor that only reverses is not disturbed
+inline constexpr int kDitherPeriod = 10;  // [ticks] 100 Hz: nine times the arm's highest natural frequency
+// [-] of the swing, in half widths of the band in which the law falls (FrictionLaw::unstable_band): in the mean over a
+// swing the slope of joint 2's law is -5.3, 0, 12, 19, 29, 37 N m s/rad at 0, 1.44, 3, 4, 6, 20 of them.
+inline constexpr double kDitherBands = 4;
+
+// Feedback from the encoders on top of a feed-forward torque, once a tick.
+// - Motors: within one count of its encoder nothing is known of a motor, so there is no error while the plan is in the
+//   count that is read. Beyond, position and velocity gains act on the error; velocities come from differences through
+//   a low-pass. (Every count taken for an error would kick the arm off by 7 counts of the link encoder on a motion.)
+// - Links: within the count of a motor the finer encoder of its link tells. Across a spring feedback is stable with
+//   less than the spring's stiffness; it has half, for errors up to half a count of the motor. Where the plan rests,
+//   and the link is where it should be, it is also believed more than a motor's encoder that is a count off.
+// - Where a motor rests whose friction falls with speed: Dither.
+// Feed-forward friction is part of the planned torque: it follows the planned velocity.
 class MotorFeedback {
  public:
   struct Command {
@@ -19,23 +52,32 @@ class MotorFeedback {
     Pair<double> feedback;  // [N m] the part of it that is feedback, before clamping
     bool saturated;
   };
+  struct Positions {
+    Pair<double> theta, q;  // [rad]
+  };
 
   MotorFeedback(const Parameters& p, double tick);
 
-  // Both filters begin at the planned velocity. [rad], [rad/s]
-  void start(const Pair<double>& planned, const Pair<double>& measured, const Pair<double>& velocity);
+  // Position errors now are no velocities. Measured: before quantisation.
+  void start(const Pair<double>& planned_theta, const Pair<double>& measured_theta);
 
-  // The planned positions given from now on differ by so much from those before, which is no motion. [rad]
+  // The planned motor positions given from now on differ by so much from those before, which is no motion. [rad]
   void shift_plan(const Pair<double>& by);
 
-  // Motor positions at the beginning of the tick, measured ones before quantisation [rad]; feed-forward torque for the
-  // tick [N m]. Joints that are `blind` get none of the feedback.
-  Command command(const Pair<double>& planned, const Pair<double>& measured, const Pair<double>& feedforward,
-                  const Pair<bool>& blind = {});
+  // Positions at the beginning of the tick, measured ones before quantisation; planned motor velocities [rad/s];
+  // feed-forward torque for the tick [N m]. Joints that are `blind` get none of the feedback.
+  Command command(const Positions& planned, const Pair<double>& planned_velocity, const Positions& measured,
+                  const Pair<double>& feedforward, const Pair<bool>& blind = {});
 
  private:
+  double motor_error(std::size_t j) const;
+  double link_error(std::size_t j, const Positions& planned, const Positions& measured) const;
+  bool link_says_it_rests(std::size_t j, double link_error, const Pair<double>& planned_velocity) const;
+
   Parameters p_;
-  Pair<VelocityFilter> measured_, planned_;
+  Pair<double> difference_{};  // [rad] planned - measured of the motors, at the last tick
+  Pair<VelocityFilter> error_velocity_;
+  Pair<Dither> dither_;
 };
 
 // MotorFeedback along a trajectory: each tick commands the mean of the planned torque over the coming tick.
@@ -46,9 +88,9 @@ class TickController {
   // The trajectory must outlive the controller; tick [s].
   TickController(const Parameters& p, const Trajectory& trajectory, double tick = kTick);
 
-  // Command for [time, time + tick], given the motor positions at `time` [rad] before quantisation. Call once a tick,
-  // in order. Beyond the end: the last row is held.
-  Command command(double time, const Pair<double>& theta);
+  // Command for [time, time + tick], given the positions at `time` before quantisation. Call once a tick, in order.
+  // Beyond the end: the last row is held.
+  Command command(double time, const MotorFeedback::Positions& measured);
 
  private:
   Interpolator plan_;
@@ -56,8 +98,10 @@ class TickController {
   MotorFeedback feedback_;
 };
 
-// How far from where it is to rest the arm may be before a motion: some counts of the link encoder, between which it
-// wanders when it is held, because motor 2 is unstable at rest (2.1e-4 rad at most were measured). [rad]
-inline constexpr double kRestError = 2.5e-4;
+// How far from where it is to rest the arm may be before a motion: half a count of the link encoder, within which it
+// is held. [rad]
+inline double rest_error(const Parameters& p, std::size_t joint) {
+  return count_angle(p.encoder.link_counts[joint]) / 2;
+}
 
 }  // namespace fjr

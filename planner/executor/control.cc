@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kEncodersAgree = 0.1;  // [rad] theta and q + K^-1 G(q) at rest: hysteresis, a payload, no wrong sign
 constexpr double kRunAway = 0.2;        // [rad] a motor off the stop: feedback does not help, and is given up
-constexpr double kLinkShare = 0.5;      // of a spring's stiffness: feedback from the link's side, stable below 1
 constexpr double kRounding = 1e-9;      // [s]
 
 Reading first_reading(Arm& arm) {
@@ -73,7 +72,7 @@ Control::Control(const Parameters& robot, Arm& arm)
   }
   sensing_.start(q, theta);
   hold_at(q, theta);
-  feedback_.start(theta, theta, {});
+  feedback_.start(theta, theta);
 }
 
 // Rests at q, beginning at `time` with the motors at theta; the difference to where q wants them is faded out.
@@ -262,7 +261,7 @@ void Control::stop_where_it_is(int missed) {
   stop_ = nullptr;
   sensing_.restart();
   const Pair<double> theta = sensing_.theta();
-  feedback_.start(theta, theta, {});
+  feedback_.start(theta, theta);
   hold_at(resting_with(robot_, theta), theta, time_);
   end_ = time_ + kLookAtSwing;
   looking_ = true;
@@ -279,7 +278,7 @@ void Control::look_at_swing() {
   stopping_swing_ = true;
   end_ = swing_stop_.end();
   offset_ = {};
-  feedback_.start(theta, theta, {});
+  feedback_.start(theta, theta);
   planned_ = swing_stop_.at(time_);
 }
 
@@ -296,7 +295,7 @@ void Control::finish(ExecutorMode mode) {
 // Holds the arm where it is.
 void Control::rest_here() {
   const Pair<double> theta = sensing_.theta();
-  feedback_.start(theta, theta, {});
+  feedback_.start(theta, theta);
   hold_at(sensing_.q(), theta);
   blind_ = run_away_ ? Pair<bool>{true, true} : sensing_.motors_lost();
 }
@@ -309,18 +308,6 @@ void Control::move_reference(const Pair<double>& theta) {
   feedback_.shift_plan(by);
 }
 
-// Within one count the motor encoders say nothing, and motor 2 is unstable at rest: it would drift to the edge of the
-// count, 1.6e-3 rad away. The finer link encoders tell where in its count a motor is that rests: theta = q + K^-1 G(q).
-// What makes of the count's position error that of this estimate, with the gain that feedback across a spring allows.
-double Control::within_count(std::size_t j) const {
-  const double planned = reference()[j], count = count_angle(robot_.encoder.motor_counts[j]);
-  const double counted = quantised(sensing_.theta()[j], robot_.encoder.motor_counts[j]);
-  const double estimate = rest_at(robot_, sensing_.q()).theta[j];
-  const double error = planned - std::clamp(estimate, counted - count / 2, counted + count / 2);
-  const double gain = std::min(1.0, kLinkShare * robot_.spring.stiffness[j] / robot_.feedback.position_gain[j]);
-  return error - (1 - gain) * std::clamp(error, -count / 2, count / 2) - (planned - counted);
-}
-
 Pair<double> Control::mean_torque() {
   if (looking_) return spring_torque(robot_, sensing_.q(), reference());  // what holds the motors still
   if (!stopping_swing_) return path_.mean_torque(time_, time_ + kTick);
@@ -329,13 +316,11 @@ Pair<double> Control::mean_torque() {
 }
 
 void Control::drive() {
-  Pair<double> feedforward = mean_torque(), fine{};
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    if (at_rest() && !blind_[j]) fine[j] = robot_.feedback.position_gain[j] * within_count(j);
-    feedforward[j] += fine[j];
-  }
-  command_ = feedback_.command(reference(), sensing_.theta(), feedforward, blind_);
-  for (std::size_t j = 0; j < kJoints; ++j) command_.feedback[j] += fine[j];
+  const Pair<double> feedforward = mean_torque(), theta = reference();
+  Pair<double> q = planned_.state.q;
+  for (std::size_t j = 0; j < kJoints; ++j) q[j] += shift_[j];
+  command_ =
+      feedback_.command({theta, q}, planned_.state.dtheta, {sensing_.theta(), sensing_.q()}, feedforward, blind_);
   arm_.command(command_.torque);
 }
 

@@ -59,7 +59,6 @@ class Control {
   void finish(ExecutorMode mode);
   void rest_here();
   void move_reference(const Pair<double>& theta);
-  double within_count(std::size_t j) const;
   void drive();
   void publish();
 

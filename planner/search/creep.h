@@ -8,10 +8,11 @@
 
 namespace fjr {
 
-// Where a motor whose friction falls with speed at rest (FrictionLaw::unstable_band) would rest, no feedback of the
-// executor's holds it there to a count: it wanders off and back for ever. Moving a little faster than the band it is
-// stable, and a few milliradians further at the end of a long wait. Returns the velocity [rad/s] that each motor is to
-// keep at least, with its sign, per interval; 0 where nothing is asked. Start and goal are left alone.
+// Where a motor whose friction falls with speed at rest (FrictionLaw::unstable_band) would rest, the certificate's
+// closed loop, which has no dither, does not hold it there to a count: it wanders off and back for ever. Moving a
+// little faster than the band it is stable, and a few milliradians further at the end of a long wait. Returns the
+// velocity [rad/s] that each motor is to keep at least, with its sign, per interval; 0 where nothing is asked. Start
+// and goal are left alone.
 std::vector<Pair<double>> creep_through_rests(const Problem& problem, const Motion& motion);
 
 }  // namespace fjr

@@ -294,15 +294,14 @@ TEST_F(ExecutorTest, MovesTheArmAndThenRefusesToStartFromElsewhere) {
   ASSERT_EQ(std::sscanf(first.output().substr(first.output().find("link error")).c_str(), "link error %lf and %lf",
                         &measured[0], &measured[1]),
             2);
-  // The prediction begins exactly at rest. An arm that is held wanders about the place meanwhile, by up to 2.5 counts
-  // of the link encoder as measured, and begins there.
-  const double wanders = 2.5 * exactness_tolerance(load_parameters(default_robot_file()));
-  EXPECT_LT(measured[0], predicted[0] + 2 * wanders);
-  EXPECT_LT(measured[1], predicted[1] + 2 * wanders);
+  // The prediction begins exactly at rest, and knows nothing of ticks that a busy machine misses.
+  const double beside = 5 * exactness_tolerance(load_parameters(default_robot_file()));
+  EXPECT_LT(measured[0], predicted[0] + beside);
+  EXPECT_LT(measured[1], predicted[1] + beside);
 
   Process second = fjr({"request", path("there.yaml"), "--execute"}, "second.log");
   EXPECT_EQ(second.wait(), 1) << second.output();
-  // 0.42 rad but for the swing, about two counts of the encoder, that motor 2 keeps up at rest.
+  // 0.42 rad but for what the motion ended beside it.
   EXPECT_THAT(second.output(), testing::ContainsRegex("starts at q1 = 0.3 rad, the arm is at 0.4(19[89]|2)"));
   arm->send(SIGTERM);
   EXPECT_EQ(arm->wait(), 0);

@@ -47,7 +47,7 @@ Ticked run_ticks(const Trajectory& all, double end) {
   Rollout arm(robot(), Limits{}, Accuracy::of_predictions());
   State<double> x = all.samples.front().state;
   for (int k = 0; k * kTick < all.end_time(); ++k) {
-    const TickController::Command command = controller.command(k * kTick, x.theta);
+    const TickController::Command command = controller.command(k * kTick, {x.theta, x.q});
     arm.start(0, x, Drive::holding({0, {}, command.torque}));
     EXPECT_TRUE(arm.run(kTick, {}, {}, {})) << arm.failure();
     x = arm.state();

@@ -71,6 +71,35 @@ TEST(EffortPlan, MoreStartsNeverComeToLessAndAreUsed) {
   }
 }
 
+// With the exact friction law the Hamiltonian is constant along an optimum, and it is what the objective gains per
+// second of duration. Motors that park at nodes of the mesh would break both: here none does.
+TEST(EffortPlan, WithExactFrictionTheHamiltonianIsConstantAndTheDerivativeByTheDuration) {
+  const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
+  const auto planned = [&](double duration, std::shared_ptr<const Collocated> warm) {
+    PlanOptions options;
+    options.starts = 1;
+    options.warm = std::move(warm);
+    return plan(parse_request("{start: {q: [1.2, 0.3]}, goal: {q: [-0.3, -0.9]}, objective: efficient, duration: " +
+                                  std::to_string(duration) + "}",
+                              "request.yaml", robot),
+                options);
+  };
+  constexpr double kDuration = 0.8, kLonger = 0.808;
+  const Plan shorter = planned(kDuration, nullptr);
+  ASSERT_EQ(shorter.status, PlanStatus::kCertified) << shorter.reason;
+  const Plan longer = planned(kLonger, shorter.solution);
+  ASSERT_EQ(longer.status, PlanStatus::kCertified) << longer.reason;
+  ASSERT_TRUE(longer.warm) << longer.warm_refusal;  // the same minimum
+  double mean = 0;
+  for (const Plan* plan : {&shorter, &longer}) {
+    const Optimality::Hamiltonian& h = plan->analysis->optimality.hamiltonian;
+    EXPECT_LT(h.spread, 0.02 * plan->objective / plan->duration);  // 0.003 measured
+    mean += h.mean / 2;
+  }
+  const double slope = (longer.objective - shorter.objective) / (kLonger - kDuration);
+  EXPECT_NEAR(slope, mean, 0.01 * std::abs(mean));  // 0.0002 measured
+}
+
 // A motor that waits before the rest is a minimum of its own, which straight and displaced starts lead past: 6.7245
 // with those alone, 6.5371 measured.
 TEST(EffortPlan, WaitingIsOneOfTheStarts) {

@@ -234,6 +234,8 @@ class Planner {
       plan_.iterations += c.stages()[i].iterations;
       plan_.cost += c.stages()[i].cost;
       if (c.stages()[i].forgetful) ++plan_.fallbacks.adaptive_barrier;
+      const bool limit = c.stages()[i].status == name(SolveStatus::kIterationLimit);
+      if (c.stages()[i].level && limit) ++plan_.fallbacks.friction_level;
     }
   }
 

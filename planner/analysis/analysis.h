@@ -56,6 +56,9 @@ struct Optimality {
     double largest = 0;              // deviation of one interval
     double time = 0;                 // [s] where that is
     std::optional<double> expected;  // where the duration is free
+    double allowed = 0;              // spread up to which the solution counts as stationary
+
+    bool stationary() const { return spread <= allowed; }
   } hamiltonian;
   // dH/du, u the control (friction-compensated torque, or its rate where that is the control), at the controls of the
   // discretisation: averaged over the stages that see them.
@@ -65,6 +68,7 @@ struct Optimality {
     double largest = 0;   // |dH/du| anywhere: what the two compare to
     double residual = 0;  // largest of dH/du with the limits' multipliers, what the optimiser left
   } stationarity;
+  double friction_width = 0;  // [rad/s] of the smoothed law that was optimised with; 0: the exact law
   State<double> costate_start{}, costate_end{};  // per rad, rad/s
   struct Along {                                 // the means over one interval
     double time;                                 // [s] its middle

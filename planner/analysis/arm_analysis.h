@@ -90,6 +90,8 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
   Analysis result;
   Optimality& optimality = result.optimality;
   optimality.hamiltonian = hamiltonian(a, leg);
+  optimality.friction_width = solution.setup.smoothing.friction_width;
+  optimality.hamiltonian.allowed = scale * allowed_spread(solution.report.objective, a.node_times.back());
   optimality.stationarity = stationarity(t, iterate, a);
   for (double* h : {&optimality.hamiltonian.mean, &optimality.hamiltonian.spread, &optimality.hamiltonian.largest}) {
     *h *= scale;

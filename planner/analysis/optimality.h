@@ -13,6 +13,14 @@ namespace fjr {
 // A bound counts as active within this share of it; one that is 0, of the largest of what it bounds the sum of.
 inline constexpr double kActive = 0.01;
 
+// An optimum's H is constant. A mesh leaves a spread of it, which says little as long as it is within this share of
+// objective / duration: d objective / d duration then agrees with the objectives of plans a little longer and shorter
+// (tests/planner/node_times_test.cc).
+inline double allowed_spread(double objective, double duration) {
+  constexpr double kShare = 0.02;
+  return kShare * std::abs(objective) / duration;
+}
+
 // Mean of H over the intervals first, ..., last - 1, weighted by their durations.
 inline double mean_hamiltonian(const Adjoint& a, std::size_t first, std::size_t last) {
   double integral = 0;

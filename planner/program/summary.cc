@@ -101,6 +101,26 @@ std::string what_limits(const Problem& problem, const Plan& plan) {
   return text;
 }
 
+// What keeps the plan from being the optimum of the problem that was asked, as far as that shows.
+std::string optimality(const Plan& plan) {
+  const Optimality& o = plan.analysis->optimality;
+  const auto& h = o.hamiltonian;
+  const double size = std::abs(plan.objective) / plan.duration;
+  std::string text;
+  if (!h.stationary()) {
+    text += line("optimality",
+                 fmt::format("not stationary: the Hamiltonian varies by {:.2g} % of objective / duration, {:.2g} % at "
+                             "most would count as constant: a better motion is near, and what is limiting is rough",
+                             100 * h.spread / size, 100 * h.allowed / size));
+  }
+  if (o.friction_width > 0) {
+    text += line("friction", fmt::format("optimised with the law smoothed to {:.2g} rad/s; published, and judged, with "
+                                         "the exact one",
+                                         o.friction_width));
+  }
+  return text;
+}
+
 // As the starts met them, before the best were refined.
 std::string minima(const Plan& plan) {
   const double best = plan.minima.front(), spread = plan.minima.back() - best;
@@ -178,7 +198,7 @@ std::string summary(const Problem& problem, const Plan& plan) {
     text += line("besides", terms(problem, plan, false));
   }
   if (plan.certificate) text += summary(*plan.certificate);
-  if (plan.analysis) text += what_limits(problem, plan);
+  if (plan.analysis) text += what_limits(problem, plan) + optimality(plan);
   if (plan.minima.size() > 1) text += line("minima", minima(plan));
   text += line("solver", effort(plan));
   text += search(plan);

@@ -94,6 +94,8 @@ Json optimality_json(const Optimality& optimality) {
            {{"mean", number(h.mean)},
             {"expected", number_or_null(h.expected)},
             {"spread", number(h.spread)},
+            {"allowed", number(h.allowed)},
+            {"stationary", h.stationary()},
             {"largest_deviation", number(h.largest)},
             {"time", time(h.time)}}},
           {"stationarity",
@@ -101,6 +103,7 @@ Json optimality_json(const Optimality& optimality) {
             {"wrong_sign", number(s.wrong)},
             {"largest", number(s.largest)},
             {"residual", number(s.residual)}}},
+          {"friction_width", number(optimality.friction_width)},
           {"costate", {{"start", costate(optimality.costate_start)}, {"end", costate(optimality.costate_end)}}},
           {"along", along_json(optimality.along)}};
 }

@@ -7,9 +7,12 @@
 #include <numeric>
 #include <utility>
 
+#include "planner/analysis/node_times.h"
 #include "planner/ocp/arm_ocp.h"
 #include "planner/ocp/margins.h"
+#include "planner/ocp/moving_nodes.h"
 #include "planner/ocp/objective.h"
+#include "planner/ocp/rests.h"
 #include "planner/ocp/segments.h"
 #include "planner/search/creep.h"
 #include "planner/search/refinement.h"
@@ -34,9 +37,12 @@ constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the wa
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
 // in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
-constexpr int kLevelIterations = 80;  // of steps between levels that converge at all, nine of ten take less than 60
-constexpr int kMoreIterations = 200;  // where they come down a slope on the way: up to 4 % less effort
-constexpr double kWorthMore = 0.005;  // share of the objective that tells a slope
+constexpr int kLevelIterations = 80;   // of steps between levels that converge at all, nine of ten take less than 60
+constexpr int kRestIterations = 50;    // with rests scaled, 45
+constexpr int kMovingIterations = 60;  // nine of ten take less than 45
+constexpr int kMovingRounds = 2;       // a refined mesh wants its nodes elsewhere, but no longer by much
+constexpr int kMoreIterations = 200;   // where they come down a slope on the way: up to 4 % less effort
+constexpr double kWorthMore = 0.005;   // share of the objective that tells a slope
 // From these widths [rad/s] to the exact law the objective still came down by up to 3 and 1 %, in 60 continuations of
 // seven motions: what is further behind than that will not catch up.
 constexpr double kPromisingWidth = 0.01, kToldWidth = 0.003;
@@ -133,36 +139,44 @@ bool Continuation::Attempt::same_as(const Attempt& other) const {
     return std::all_of(s.margins.begin(), s.margins.end(), none) ? std::vector<PerLimit>{} : s.margins;
   };
   const Smoothing &a = setup.smoothing, &b = other.setup.smoothing;
-  return warm == other.warm && most_iterations == other.most_iterations && barrier == other.barrier &&
+  return how == other.how && most_iterations == other.most_iterations && barrier == other.barrier &&
          setup.mesh == other.setup.mesh && a.friction_width == b.friction_width &&
          a.regularisation == b.regularisation && setup.creep == other.setup.creep &&
          margins(setup) == margins(other.setup);
 }
 
-// A warm start (no guess) begins from the present solution and its multipliers, on the same mesh. What failed from the
-// present solution fails again and is not tried again.
+// A warm start (no guess) begins from the present solution and its multipliers, on the same mesh.
 bool Continuation::attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess,
-                           const SolveOptions& solve_options) {
+                           const SolveOptions& o) {
+  if (guess == nullptr) {
+    return attempt_once(what, {setup, Attempt::kWarm, o.max_iterations, o.initial_barrier},
+                        [&] { return collocate(*problem_, setup, solution_, o); });
+  }
+  return attempt_once(what, {setup, Attempt::kFromGuess, o.max_iterations, o.initial_barrier},
+                      [&] { return collocate(*problem_, setup, *guess, o); });
+}
+
+// What failed from the present solution fails again and is not tried again.
+bool Continuation::attempt_once(const std::string& what, Attempt attempt, const std::function<Collocated()>& solve) {
   if (interrupted_(0)) {
     status_ = SolveStatus::kStopped;
     return false;
   }
-  const Attempt attempt{setup, guess == nullptr, solve_options.max_iterations, solve_options.initial_barrier};
   for (const Attempt& before : failed_) {
     if (!before.same_as(attempt)) continue;
     status_ = before.status;
     return false;
   }
-  Collocated next = guess != nullptr ? collocate(*problem_, setup, *guess, solve_options)
-                                     : collocate(*problem_, setup, solution_, solve_options);
+  Collocated next = solve();
+  const std::size_t intervals = next.setup.mesh.size();
   iterations_ += next.report.iterations;
   status_ = next.report.status;
-  stages_.push_back({what, static_cast<int>(setup.mesh.size()), next.report.iterations, next.report.objective,
+  stages_.push_back({what, static_cast<int>(intervals), next.report.iterations, next.report.objective,
                      name(next.report.status), next.report.cost, next.report.work});
   if (!next.report.solved()) {
-    failed_.push_back(attempt);
-    failed_.back().status = status_;
-    if (!next.motion.intervals.empty()) obstacle_ = worst_excess(*problem_, setup.mesh, next.motion);
+    attempt.status = status_;
+    failed_.push_back(std::move(attempt));
+    if (!next.motion.intervals.empty()) obstacle_ = worst_excess(*problem_, next.setup.mesh, next.motion);
     return false;
   }
   solution_ = std::move(next);
@@ -191,6 +205,47 @@ bool Continuation::came_down() const {
   return sees_friction(problem_->weights) && stages_.back().objective < before - kWorthMore * std::abs(before);
 }
 
+// Whether a motor at rest may carry a load for nothing.
+bool Continuation::has_rests() const { return sees_friction(problem_->weights) && !problem_->elastic; }
+
+bool Continuation::attempt_level(const std::string& what, const CollocationSetup& setup) {
+  const Collocated from =
+      has_rests() ? with_rests_scaled(*problem_, solution_, setup.smoothing.friction_width) : solution_;
+  SolveOptions o = warm(what);
+  const auto within = [&](int iterations) {
+    o.max_iterations = iterations;
+    const std::size_t before = stages_.size();
+    const bool solved = attempt_once(what, {setup, Attempt::kWarm, o.max_iterations, o.initial_barrier},
+                                     [&] { return collocate(*problem_, setup, from, o); });
+    if (stages_.size() > before) stages_.back().level = true;
+    return solved;
+  };
+  if (within(has_rests() ? kRestIterations : kLevelIterations)) return true;
+  return status_ == SolveStatus::kIterationLimit && came_down() && within(kMoreIterations);
+}
+
+// Moves the nodes at which the Hamiltonian jumps to where the optimum wants them. False when there was nothing to move,
+// or no solution; the last solution stays.
+bool Continuation::move_nodes() {
+  if (!has_rests()) return false;
+  const NodeTimes times = node_times(*problem_, solution_);
+  if (times.spread <= times.allowed || times.jumps.empty()) return false;
+  const std::string what = fmt::format("{}, {} nodes moved", label, times.jumps.size());
+  SolveOptions o = warm(what);
+  o.max_iterations = kMovingIterations;
+  return attempt_once(what, {solution_.setup, Attempt::kMovingNodes, o.max_iterations, o.initial_barrier},
+                      [&] { return fjr::move_nodes(*problem_, solution_, times.jumps, o); });
+}
+
+// The finer mesh that moved nodes ask for may want some of them elsewhere again. False when no usable solution is left.
+bool Continuation::polish_on_moved_nodes() {
+  move_nodes();
+  for (int round = 0; status_ != SolveStatus::kStopped && polish(); ++round) {
+    if (round + 1 >= kMovingRounds || !move_nodes()) return status_ != SolveStatus::kStopped;
+  }
+  return false;
+}
+
 // A step that is too large is taken in two.
 bool Continuation::reach_level(const Smoothing& level, int halvings) {
   const std::string what = fmt::format("{}, friction width {:.2g} rad/s", label, level.friction_width);
@@ -198,13 +253,7 @@ bool Continuation::reach_level(const Smoothing& level, int halvings) {
       refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
   const Smoothing from = setup.smoothing;
   setup.smoothing = level;
-  SolveOptions o = warm(what);
-  o.max_iterations = kLevelIterations;
-  if (attempt(what, setup, nullptr, o)) return true;
-  if (status_ == SolveStatus::kIterationLimit && came_down()) {
-    o.max_iterations = kMoreIterations;
-    if (attempt(what, setup, nullptr, o)) return true;
-  }
+  if (attempt_level(what, setup)) return true;
   // With effort the levels are close already, and the last good one will do.
   if (status_ == SolveStatus::kStopped || sees_friction(problem_->weights)) return false;
   if (halvings == 0) return attempt_anew(what, setup);
@@ -220,20 +269,29 @@ bool Continuation::reach_level(const Smoothing& level, int halvings) {
 bool Continuation::follow_levels() {
   Collocated best = solution_;
   int best_at = solutions_;
-  double least = published_objective(*problem_, best);
+  double least = published_objective(*problem_, best), objective = least;
+  const auto compare = [&] {
+    objective = published_objective(*problem_, solution_);
+    // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
+    if (!(objective < least) && sees_friction(problem_->weights)) return;
+    least = objective;
+    best = solution_;
+    best_at = solutions_;
+  };
+  // What stands in the way of a level is often a mesh on which this one's motion is locked.
+  const auto reach = [&](const Smoothing& level) {
+    if (reach_level(level, kHalvings)) return true;
+    if (status_ == SolveStatus::kStopped || !move_nodes()) return false;
+    compare();
+    return reach_level(level, kHalvings);
+  };
   const double width = solution_.setup.smoothing.friction_width;
   for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
     const double width_of_level = levels(*problem_)[i].friction_width;
     if (width_of_level >= width) continue;
-    if (!reach_level(levels(*problem_)[i], kHalvings)) break;
-    const double objective = published_objective(*problem_, solution_);
+    if (!reach(levels(*problem_)[i])) break;
+    compare();
     if (std::min(least, objective) > to_beat + gain_after(width_of_level) * std::abs(to_beat)) return false;
-    // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
-    if (objective < least || !sees_friction(problem_->weights)) {
-      least = objective;
-      best = solution_;
-      best_at = solutions_;
-    }
   }
   if (best_at != solutions_) failed_.clear();
   solution_ = std::move(best);
@@ -436,13 +494,13 @@ bool Continuation::resume(const Collocated& neighbour) {
     SolveOptions o = warm(what);
     o.initial_barrier = o.final_barrier = barrier;
     o.max_iterations = kLevelIterations;
-    if (attempt(what, CollocationSetup(solution_.setup), nullptr, o)) return polish();
+    if (attempt(what, CollocationSetup(solution_.setup), nullptr, o)) return polish_on_moved_nodes();
     if (status_ == SolveStatus::kStopped) return false;
   }
   return false;
 }
 
 // Where margins cannot be had, the certificate decides about what there is.
-bool Continuation::finish() { return follow_levels() && polish(); }
+bool Continuation::finish() { return follow_levels() && polish_on_moved_nodes(); }
 
 }  // namespace fjr

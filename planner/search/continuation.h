@@ -93,7 +93,7 @@ class Continuation {
   // What an attempt from the present solution depends on beside that.
   struct Attempt {
     CollocationSetup setup;
-    bool warm = false;
+    enum How { kFromGuess, kWarm, kMovingNodes } how = kFromGuess;
     int most_iterations = 0;
     double barrier = 0;
     SolveStatus status = SolveStatus::kFailed;  // it ended with
@@ -103,13 +103,18 @@ class Continuation {
 
   bool cold(const Guess& guess, int most_iterations);
   bool fade_trace();
+  bool move_nodes();
+  bool polish_on_moved_nodes();
   bool came_down() const;
   bool reach_level(const Smoothing& level, int halvings);
+  bool attempt_level(const std::string& what, const CollocationSetup& setup);
   std::size_t most_intervals() const;
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
   bool attempt_or_forget(const std::string& what, const CollocationSetup& setup);
   bool attempt_anew(const std::string& what, const CollocationSetup& setup);
   bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, const SolveOptions& options);
+  bool attempt_once(const std::string& what, Attempt attempt, const std::function<Collocated()>& solve);
+  bool has_rests() const;
   SolveOptions options(const std::string& what);
   SolveOptions warm(const std::string& what);
 

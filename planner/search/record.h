@@ -23,12 +23,14 @@ struct SolverStage {
   std::string status;
   SolveCost cost{};
   double work = 0;         // SolveReport::work
+  bool level = false;      // a step to a sharper friction law
   bool forgetful = false;  // a warm start that failed, tried again without multipliers and with an adaptive barrier
 };
 
 // How often what usually works did not, and what was tried then (planner/search/ladder.h has the order).
 struct Fallbacks {
   int adaptive_barrier = 0;  // a warm start failed; tried again with multipliers forgotten and an adaptive barrier
+  int friction_level = 0;    // a step to a sharper friction law stopped at the iteration limit
   int displaced_start = 0;   // starts beyond those that are always tried
   int patience = 0;          // a start with many more iterations, and more than a trace of effort at first
   int coarser_mesh = 0, finer_mesh = 0;
@@ -39,6 +41,7 @@ struct Fallbacks {
 template <class F, class Visit>
 void visit_fallbacks(F& f, Visit&& visit) {
   visit("adaptive_barrier", f.adaptive_barrier);
+  visit("friction_level", f.friction_level);
   visit("displaced_start", f.displaced_start);
   visit("patience", f.patience);
   visit("coarser_mesh", f.coarser_mesh);

@@ -12,7 +12,9 @@
 #include <string>
 #include <vector>
 
+#include "planner/analysis/node_times.h"
 #include "planner/ocp/collocate.h"
+#include "planner/ocp/moving_nodes.h"
 #include "planner/plan.h"
 #include "planner/request/request.h"
 
@@ -31,6 +33,9 @@ const char* const kPowerLimited =
 const char* const kEffort =
     "{start: {q: [0.0, 0.0]}, goal: {q: [0.6, -0.3]}, duration: 0.5, objective: {effort: 1, link_acceleration: 0.01}, "
     "limits: {torque: [6, 4], motor_velocity: [2, 8]}}";
+
+// Both motors park on the way.
+const char* const kLetDown = "{start: {q: [1.1, 0.4]}, goal: {q: [-0.2, 0.3]}, duration: 1.2, objective: {effort: 1}}";
 
 // Left alone, the tip swings back before it goes to the goal.
 const char* const kInABox =
@@ -283,6 +288,57 @@ TEST(OptimalityOf, TheHamiltonianSettlesWithTheMesh) {
   EXPECT_NEAR(std::log2(spread(trapezoidal(), 50) / spread(trapezoidal(), 100)), 2, 0.1);
   EXPECT_NEAR(std::log2(spread(hermite_simpson(), 200) / spread(hermite_simpson(), 400)), 4, 0.4);
   EXPECT_NEAR(std::log2(spread(lobatto4(), 200) / spread(lobatto4(), 400)), 4, 0.2);
+}
+
+// The mesh with the node after interval k later by `share` of the duration.
+Mesh with_node_later(Mesh mesh, std::size_t k, double share) {
+  mesh.intervals[k].fraction += share;
+  mesh.intervals[k + 1].fraction -= share;
+  return mesh;
+}
+
+TEST(NodeTimesOf, TheHamiltonianJumpsByWhatTheTimeOfTheNodeIsWorth) {
+  const Problem problem = request(kLetDown);
+  const CollocationSetup setup{hermite_simpson(), mesh_of(problem, 60), {0.1}};
+  const Collocated c = solved(problem, setup);
+  const Analysis analysis = analyse(problem, c, 1);
+  const auto h = [&](std::size_t k) { return analysis.optimality.along[k].hamiltonian; };
+  std::size_t k = 0;  // before the largest jump
+  for (std::size_t i = 0; i + 2 < c.setup.mesh.size(); ++i) {
+    if (std::abs(h(i + 1) - h(i)) > std::abs(h(k + 1) - h(k))) k = i;
+  }
+  constexpr double kShare = 1e-4;  // of the duration
+  const auto objective = [&](double share) {
+    CollocationSetup moved = setup;
+    moved.mesh = with_node_later(setup.mesh, k, share);
+    return objective_near(problem, moved, c);
+  };
+  const double slope = (objective(kShare) - objective(-kShare)) / (2 * kShare * c.motion.duration());
+  EXPECT_NEAR(slope, h(k) - h(k + 1), 1e-3 * std::abs(slope));
+}
+
+TEST(NodeTimesOf, MovedNodesLieWhereTheHamiltonianDoesNotJump) {
+  const Problem problem = request(kLetDown);
+  const CollocationSetup setup{hermite_simpson(), mesh_of(problem, 60), {0.1}};
+  const Collocated fixed = solved(problem, setup);
+  const NodeTimes before = node_times(problem, fixed);
+  ASSERT_FALSE(before.jumps.empty());
+  SolveOptions o = to_the_end();
+  o.warm_start = true;
+  o.initial_barrier = o.final_barrier = 1e-9;
+  const Collocated moved = move_nodes(problem, fixed, before.jumps, o);
+  ASSERT_TRUE(moved.report.solved());
+  EXPECT_LT(moved.report.objective, fixed.report.objective);
+  EXPECT_NEAR(moved.motion.duration(), fixed.motion.duration(), 1e-9);
+  // What came of it is a solution on its own mesh, with its own multipliers.
+  const Optimality o_fixed = analyse(problem, fixed, 1).optimality, o_moved = analyse(problem, moved, 1).optimality;
+  EXPECT_LT(o_moved.stationarity.residual, 1e-9);  // N m s, of torques of 1 N m: the optimiser's tolerance
+  EXPECT_NEAR(objective_near(problem, moved.setup, moved), moved.report.objective, 1e-6 * moved.report.objective);
+  EXPECT_LT(o_moved.hamiltonian.spread, 0.5 * o_fixed.hamiltonian.spread);
+  for (std::size_t k = 0; k < moved.motion.intervals.size(); ++k) {
+    EXPECT_GT(moved.motion.intervals[k].duration, 0.49 * fixed.motion.intervals[k].duration);
+    EXPECT_LT(moved.motion.intervals[k].duration, 2.01 * fixed.motion.intervals[k].duration);
+  }
 }
 
 TEST(OptimalityOf, AWrongMultiplierShows) {

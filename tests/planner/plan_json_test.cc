@@ -45,7 +45,8 @@ Analysis some_analysis() {
                                  {"tip_speed", 0, "m/s", 2.5, 0, 0, {}}};
   analysis.sensitivity.via = {{0.2, {1, 2}, {}, -3.0}};
   analysis.sensitivity.goal = {0.15, 0.02};
-  analysis.optimality.hamiltonian = {-0.999, 0.004, 0.04, 0.1, -1};
+  analysis.optimality.hamiltonian = {-0.999, 0.004, 0.04, 0.1, -1, 0.005};
+  analysis.optimality.friction_width = 0.003;
   analysis.optimality.costate_end.dtheta = {0.5, 0.25};
   analysis.optimality.along = {{0.05, -1.0, {}}, {0.25, -0.998, {}}};
   analysis.optimality.along[0].costate.theta = {0.3, 0.4};
@@ -136,13 +137,15 @@ TEST(PlanJson, SaysWhatLimitsWhatAndHowOptimalItIs) {
   EXPECT_EQ(sensitivity["via"].dump(), R"([{"time":0.2,"q":[1.0,2.0],"dq":null,"later":-3.0}])");
   EXPECT_THAT(sensitivity["goal"]["q"], ElementsAre(0.15, 0.02));
   const Json& optimality = json["optimality"];
-  EXPECT_THAT(keys(optimality), ElementsAre("hamiltonian", "stationarity", "costate", "along"));
+  EXPECT_THAT(keys(optimality), ElementsAre("hamiltonian", "stationarity", "friction_width", "costate", "along"));
   const Json& along = optimality["along"];
   EXPECT_EQ(along["time"], Json::array({0.05, 0.25}));
   EXPECT_EQ(along["hamiltonian"], Json::array({-1.0, -0.998}));
   EXPECT_EQ(along["costate"]["theta2"], Json::array({0.4, 0.6}));
   EXPECT_EQ(optimality["hamiltonian"].dump(),
-            R"({"mean":-0.999,"expected":-1.0,"spread":0.004,"largest_deviation":0.04,"time":0.1})");
+            R"({"mean":-0.999,"expected":-1.0,"spread":0.004,"allowed":0.005,"stationary":true,)"
+            R"("largest_deviation":0.04,"time":0.1})");
+  EXPECT_EQ(optimality["friction_width"], 0.003);
   EXPECT_THAT(keys(optimality["stationarity"]), ElementsAre("where_free", "wrong_sign", "largest", "residual"));
   EXPECT_THAT(optimality["costate"]["end"]["dtheta"], ElementsAre(0.5, 0.25));
   EXPECT_EQ(json["mesh"]["node_times"], Json::array({0, 0.1, 0.43}));

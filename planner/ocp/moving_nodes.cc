@@ -1,0 +1,177 @@
+#include "planner/ocp/moving_nodes.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+#include "planner/collocation/adjoint.h"
+#include "planner/ocp/arm_collocation.h"
+
+namespace fjr {
+namespace {
+
+constexpr double kMost = 2;  // by which a stretch may become longer or shorter: the error of a mesh grows with it
+
+// The legs of the motion, which are the segments of its mesh, cut at the nodes that move.
+struct Pieces {
+  Mesh mesh;                      // its segments are the pieces
+  std::vector<int> leg;           // that each piece is part of
+  std::vector<double> durations;  // [s]
+
+  // The first piece of a leg; their number, of the leg after the last.
+  int first(int of_leg) const {
+    return static_cast<int>(std::lower_bound(leg.begin(), leg.end(), of_leg) - leg.begin());
+  }
+  bool in_several(int of_leg) const { return first(of_leg + 1) - first(of_leg) > 1; }
+};
+
+Pieces cut(const Mesh& mesh, const std::vector<double>& durations, const std::vector<std::size_t>& nodes) {
+  Pieces pieces;
+  for (std::size_t k = 0; k < mesh.size(); ++k) {
+    const auto& interval = mesh.intervals[k];
+    const bool moving = std::binary_search(nodes.begin(), nodes.end(), k);
+    if (moving || pieces.leg.empty() || pieces.leg.back() != interval.segment) {
+      pieces.leg.push_back(interval.segment);
+      pieces.durations.push_back(0);
+    }
+    const double duration = interval.fraction * durations[static_cast<std::size_t>(interval.segment)];
+    pieces.durations.back() += duration;
+    pieces.mesh.intervals.push_back({duration, static_cast<int>(pieces.leg.size()) - 1});
+  }
+  for (auto& interval : pieces.mesh.intervals) {
+    interval.fraction /= pieces.durations[static_cast<std::size_t>(interval.segment)];
+  }
+  return pieces;
+}
+
+// The durations of the legs [s].
+std::vector<double> of_legs(const Pieces& pieces, const std::vector<double>& durations) {
+  std::vector<double> legs(static_cast<std::size_t>(pieces.leg.back()) + 1, 0.0);
+  for (std::size_t p = 0; p < durations.size(); ++p) legs[static_cast<std::size_t>(pieces.leg[p])] += durations[p];
+  return legs;
+}
+
+// The mesh whose segments are the legs again, for these durations of the pieces.
+Mesh joined(const Pieces& pieces, const std::vector<double>& durations) {
+  const std::vector<double> legs = of_legs(pieces, durations);
+  Mesh mesh;
+  for (const auto& interval : pieces.mesh.intervals) {
+    const auto piece = static_cast<std::size_t>(interval.segment);
+    const int leg = pieces.leg[piece];
+    mesh.intervals.push_back({interval.fraction * durations[piece] / legs[static_cast<std::size_t>(leg)], leg});
+  }
+  return mesh;
+}
+
+// Bounds on sums of legs as bounds on sums of pieces; after them, bounds on every leg that is in several.
+std::vector<DurationSum> sums_of(const Pieces& pieces, const std::vector<DurationSum>& sums_of_legs,
+                                 const std::vector<std::array<double, 2>>& bounds_of_legs) {
+  std::vector<DurationSum> sums;
+  for (const DurationSum& sum : sums_of_legs) {
+    sums.push_back({pieces.first(sum.first), pieces.first(sum.last + 1) - 1, sum.lower, sum.upper});
+  }
+  for (std::size_t i = 0; i < bounds_of_legs.size(); ++i) {
+    const int leg = static_cast<int>(i);
+    const auto& [lower, upper] = bounds_of_legs[i];
+    if (pieces.in_several(leg)) sums.push_back({pieces.first(leg), pieces.first(leg + 1) - 1, lower, upper});
+  }
+  return sums;
+}
+
+template <Features F>
+using Fixed = Transcription<ArmOcp<F>>;
+
+// What was said per leg, said per piece.
+template <Features F>
+Fixed<F> with_pieces(const Fixed<F>& fixed, const Pieces& pieces) {
+  ArmOcp<F> ocp = fixed.ocp();
+  const auto tasks = std::exchange(ocp.tasks, {});
+  const auto bounds = std::exchange(ocp.durations, {});
+  for (std::size_t p = 0; p < pieces.leg.size(); ++p) {
+    const auto leg = static_cast<std::size_t>(pieces.leg[p]);
+    const double duration = pieces.durations[p];
+    ocp.tasks.push_back(tasks[leg]);
+    ocp.durations.push_back(pieces.in_several(pieces.leg[p]) ? std::array<double, 2>{duration / kMost, duration * kMost}
+                                                             : bounds[leg]);
+  }
+  ocp.duration_sums = sums_of(pieces, ocp.duration_sums, bounds);
+  return {std::move(ocp), fixed.scheme(), pieces.mesh};
+}
+
+// The two transcriptions have all variables but the durations, and all constraints but the last sums of them, in
+// common.
+template <Features F>
+struct Exchange {
+  const Fixed<F>& fixed;
+  const Fixed<F>& moving;
+  const Pieces& pieces;
+
+  Iterate to_moving(const Iterate& from, const Eigen::VectorXd& lagrangian) const {
+    Iterate to = resized(from, moving);
+    for (std::size_t p = 0; p < pieces.durations.size(); ++p) {
+      to.x(moving.duration_at(static_cast<int>(p))) = pieces.durations[p];
+    }
+    // The multiplier of a leg's bounds is what a second less of it would be worth.
+    each_new_sum([&](int leg, int row) { to.lambda(row) = -lagrangian(fixed.duration_at(leg)); });
+    return to;
+  }
+
+  Iterate to_fixed(const Iterate& from, const std::vector<double>& legs) const {
+    Iterate to = resized(from, fixed);
+    for (std::size_t leg = 0; leg < legs.size(); ++leg) to.x(fixed.duration_at(static_cast<int>(leg))) = legs[leg];
+    each_new_sum([&](int leg, int row) {
+      to.z_upper(fixed.duration_at(leg)) = std::max(from.lambda(row), 0.0);
+      to.z_lower(fixed.duration_at(leg)) = std::max(-from.lambda(row), 0.0);
+    });
+    return to;
+  }
+
+ private:
+  Iterate resized(const Iterate& from, const Fixed<F>& to) const {
+    const auto head = [](const Eigen::VectorXd& v, Eigen::Index kept, Eigen::Index size) {
+      Eigen::VectorXd result = Eigen::VectorXd::Zero(size);
+      result.head(kept) = v.head(kept);
+      return result;
+    };
+    const Eigen::Index states = fixed.duration_at(0), rows = fixed.sum_row(fixed.ocp().duration_sums.size());
+    return {head(from.x, states, to.variables()), head(from.lambda, rows, to.constraints()),
+            head(from.z_lower, states, to.variables()), head(from.z_upper, states, to.variables())};
+  }
+
+  // visit(leg, row of the sum of its pieces)
+  template <class Visit>
+  void each_new_sum(Visit&& visit) const {
+    for (std::size_t i = fixed.ocp().duration_sums.size(); i < moving.ocp().duration_sums.size(); ++i) {
+      const auto first = static_cast<std::size_t>(moving.ocp().duration_sums[i].first);
+      visit(pieces.leg[first], moving.sum_row(i));
+    }
+  }
+};
+
+template <Features F>
+Collocated move(const Problem& problem, const Collocated& start, const std::vector<std::size_t>& nodes,
+                const SolveOptions& options) {
+  namespace parts = arm_collocation;
+  const auto fixed = parts::transcribe<F>(problem, start.setup);
+  const Iterate& from = start.report.iterate;
+  if (!parts::fits(fixed, from)) return {start.setup, {}, {}, {}};
+  const Pieces pieces = cut(start.setup.mesh, start.durations, nodes);
+  const auto moving = with_pieces<F>(fixed, pieces);
+  const Exchange<F> exchange{fixed, moving, pieces};
+  Collocated result =
+      parts::run(start.setup, moving, exchange.to_moving(from, adjoint(fixed, from).lagrangian), options);
+  if (result.report.iterate.x.size() != moving.variables()) return result;
+  result.setup.mesh = joined(pieces, result.durations);
+  result.durations = of_legs(pieces, result.durations);
+  result.report.iterate = exchange.to_fixed(result.report.iterate, result.durations);
+  return result;
+}
+
+}  // namespace
+
+Collocated move_nodes(const Problem& problem, const Collocated& start, const std::vector<std::size_t>& nodes,
+                      const SolveOptions& options) {
+  return with_features(problem, [&]<Features F>() { return move<F>(problem, start, nodes, options); });
+}
+
+}  // namespace fjr

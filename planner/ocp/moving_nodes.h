@@ -1,0 +1,22 @@
+// Nodes of the mesh whose times are optimised too.
+//
+// Where a motor comes to rest or leaves it the optimal torque jumps, which a mesh can follow only where it has a node.
+// With one there, a motion that does so a little earlier or later is worse on this mesh, better as it may be: the
+// solution is locked to the mesh, and H (planner/collocation/adjoint.h) jumps there by what a second of the node's time
+// is worth.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "planner/ocp/collocate.h"
+
+namespace fjr {
+
+// Solves again from `start`, a solution of this problem, with the times of these inner nodes (increasing) as variables.
+// The others keep their places between them in proportion. The result is a solution on the mesh as it came to lie.
+// Between moving nodes no stretch becomes more than twice or less than half as long. Not for elastic problems.
+Collocated move_nodes(const Problem& problem, const Collocated& start, const std::vector<std::size_t>& nodes,
+                      const SolveOptions& options);
+
+}  // namespace fjr

@@ -1,0 +1,50 @@
+#include "planner/ocp/rests.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/ocp/arm_collocation.h"
+
+namespace fjr {
+namespace {
+
+constexpr int kMotorVelocity = 6;  // among the states
+// In widths of the law: up to here a motor rests, from there it moves; tanh(2) is 0.96.
+constexpr double kResting = 2, kMoving = 6;
+
+// The speed [rad/s] in which the law rises about zero: the narrower of its two tanh.
+double rising_width(const FrictionLaw& law) {
+  return law.second_shape < 1 ? law.width / (1 - law.second_shape) : law.width;
+}
+
+double scaled(double velocity, double before, double after) {
+  const double s = std::clamp((std::abs(velocity) / before - kResting) / (kMoving - kResting), 0.0, 1.0);
+  const double moves = s * s * (3 - 2 * s);  // smooth from 0 to 1
+  return velocity * (moves + (1 - moves) * after / before);
+}
+
+template <Features F>
+void scale_rests(const Problem& problem, Collocated& solution, double width) {
+  const auto t = arm_collocation::transcribe<F>(problem, solution.setup);
+  Eigen::VectorXd& x = solution.report.iterate.x;
+  for (int j = 0; j < kJoints; ++j) {
+    const FrictionLaw law = FrictionLaw::of(problem.robot, j);
+    const double before = rising_width(law.smoothed(solution.setup.smoothing.friction_width));
+    const double after = rising_width(law.smoothed(width));
+    for (int k = 0; k < t.intervals(); ++k) {
+      for (int i = 0; i < t.scheme().stages(); ++i) {
+        double& velocity = x(t.x_at(k, i) + kMotorVelocity + j);
+        if (t.x_at(k, i) != t.node_at(k)) velocity = scaled(velocity, before, after);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Collocated with_rests_scaled(const Problem& problem, Collocated solution, double width) {
+  with_features(problem, [&]<Features F>() { scale_rests<F>(problem, solution, width); });
+  return solution;
+}
+
+}  // namespace fjr

@@ -48,10 +48,8 @@ Finishing finishing(const Weights& weights, int starts) {
   return sees_friction(weights) ? Finishing{0.05, 5 + more} : Finishing{0.02, 3 + more};
 }
 
-// What a request may take where no deadline says more, in the optimiser's work (SolveReport::work) and not in time, so
-// that the same request comes to the same plan on a busy machine too. [s]
-constexpr double kMostWork = 60;
-// Of it, for finding motions and for refining them; the rest is for saying why there is none.
+// Of the work that a request may take, for finding motions and for refining them; the rest is for saying why there is
+// none.
 constexpr double kFinding = 0.5, kRefining = 0.8;
 
 // One way per segment: round what is in the way, both ways round where there are two; along the tip's line or arc, and
@@ -85,7 +83,7 @@ std::vector<std::vector<Way>> task_ways(const Problem& problem) {
 
 double most_work(const Problem& problem, const PlanOptions& options) {
   const double usual = starts_worth_trying(problem.weights);
-  return std::max(kMostWork * std::max(1.0, options.starts / usual), options.deadline);
+  return std::max(options.most_work * std::max(1.0, options.starts / usual), options.deadline);
 }
 
 constexpr double kWaiting = 0.4;       // share of the duration that a guess waits
@@ -268,7 +266,7 @@ class Planner {
     allow(1);
     Problem& problem = asked_.emplace(fastest_of_ ? *fastest_of_ : alternatives_.front());
     problem.duration = problem_.duration;
-    const WhyNot why = explain(problem, fastest_ ? &*fastest_ : nullptr, fastest_certified_, tools());
+    const WhyNot why = explain(problem, fastest_ ? &*fastest_ : nullptr, fastest_certified_, carried_with_, tools());
     plan_.infeasibility = why.infeasibility;
     if (!why.start || stopped()) return;
     candidates_.clear();
@@ -295,7 +293,8 @@ class Planner {
   void try_starts(const std::vector<const Problem*>& open) {
     constexpr int kGivenUp = 2;  // failures of an alternative's first starts, while another led somewhere
     constexpr int kNeverGivenUp = -1;
-    constexpr std::size_t kBeforeHurrying = 2;  // starts that led nowhere before it is asked whether there is time
+    constexpr std::size_t kBeforeSwinging = 1;  // starts that led nowhere before it is asked whether it has to swing
+    constexpr std::size_t kBeforeHurrying = 2;  // and before it is asked whether there is time
     const int count = options_.starts > 0 ? options_.starts : starts_worth_trying(problem_.weights);
     std::vector<Starts> starts;
     std::size_t most = 0;
@@ -306,6 +305,9 @@ class Planner {
     }
     std::vector<int> failed(open.size(), 0);
     for (std::size_t i = 0; i < most; ++i) {
+      if (i == kBeforeSwinging && candidates_.empty()) {
+        for (const Problem* problem : open) try_swinging(*problem);
+      }
       if (i == kBeforeHurrying && candidates_.empty()) {
         for (const Problem* problem : open) try_from_fastest(*problem);
         if (too_short()) return;
@@ -359,6 +361,13 @@ class Planner {
     return {[this](const Problem& problem, const std::string& label) { return continuation(problem, label); },
             [](const Problem& problem) { return starts_of(problem, 4).guesses; },
             [this](const Continuation& c) { book(c); }, [this] { return interrupted(); }};
+  }
+
+  void try_swinging(const Problem& problem) {
+    if (!candidates_.empty() || interrupted() || can_be_carried(problem)) return;
+    SwungUp swung = swing_up(problem, problem_.duration.max, tools(), plan_.fallbacks);
+    if (swung.motion) follow(std::move(*swung.motion));
+    if (swung.reached) carried_with_ = swung.reached;
   }
 
   // The fastest motion of the same request is a feasible start for it, stretched to the time it has; and when even that
@@ -440,6 +449,7 @@ class Planner {
       return;
     }
     allow(kRefining);
+    calm(c);
     const auto start = Clock::now();
     const double certificate = plan_.timing["certificate"];
     const std::size_t booked = c.stages().size();
@@ -450,6 +460,21 @@ class Planner {
     book(c, booked);
     ++plan_.refined;
     plan_.timing["finish"] += seconds_since(start) - (plan_.timing["certificate"] - certificate);
+  }
+
+  // Where a speed limit is all that keeps a long motion, springs may swing along it at no cost in time, and more finely
+  // than any mesh or rows of many seconds could hold. A trace of link acceleration stills them; what the plan is judged
+  // by is the objective that was asked for.
+  void calm(Continuation& c) {
+    constexpr double kTrace = 0.01;  // [s^4/rad^2]; a motion of 30 s takes 0.2 % longer for it
+    if (!only_time(c.problem().weights) || duration_of(c) < kLong) return;
+    Problem& problem = calm_problems_.emplace_back(c.problem());
+    problem.weights.link_acceleration = kTrace;
+    Continuation calmer = continuation(problem, c.label + ", calm");
+    calmer.start = c.start;
+    const bool found = calmer.begin(guess_from(c.solution().motion, c.solution().durations, duration_of(c)), patience_);
+    book(calmer);
+    if (found) c = std::move(calmer);
   }
 
   // Whether the candidate that was found last is worth refining, beside those before it.
@@ -505,8 +530,8 @@ class Planner {
 
   // Motions of many seconds are refined to thousands of intervals. How long the fastest takes is known to a per cent
   // before; where it may not take nearly as long, that is enough to say so.
+  static constexpr double kLong = 8;  // [s] coarse meshes of longer motions do not resolve how the springs swing
   bool far_too_long(const Continuation& c) const {
-    constexpr double kLong = 8;    // [s] coarse meshes of longer motions do not resolve how the springs swing
     constexpr double kFar = 1.15;  // times the longest duration
     const double duration = duration_of(c);
     return only_time(problem_.weights) && duration > kLong && duration > kFar * problem_.duration.max;
@@ -621,7 +646,7 @@ class Planner {
   const Problem* solved_ = nullptr;          // the one of them that the plan is for
   const PlanOptions& options_;
   ContinuationSettings settings_;
-  double work_ = 0, allowed_ = 0, most_work_ = 0;  // [s] see kMostWork; of the present phase; of all
+  double work_ = 0, allowed_ = 0, most_work_ = 0;  // [s] done; allowed in the present phase; of all
   const Clock::time_point began_ = Clock::now();
   const std::clock_t began_cpu_ = std::clock();
   bool stopped_ = false, deadline_passed_ = false;
@@ -633,11 +658,13 @@ class Planner {
     std::vector<double> durations;
   };
   std::vector<Candidate> candidates_;     // in the order in which they were found
+  std::deque<Problem> calm_problems_;     // of long motions, see calm()
   std::deque<Problem> fastest_problems_;  // of the fastest motions
   std::optional<Continuation> fastest_;   // once it was looked for, the shortest that there is
   bool fastest_certified_ = false;
   const Problem* fastest_of_ = nullptr;  // what it is the fastest motion of
   std::optional<Problem> asked_;         // that one, with the duration that was asked for
+  std::optional<Limits> carried_with_;   // limits with which it was found to swing up
   std::vector<SolveStatus> failures_;
   std::string obstacle_;  // what a start without solution failed at
   std::string failure_;   // why a solution could not be published

@@ -37,6 +37,9 @@ struct PlanOptions {
   double deadline = 0;  // [s] of wall time; 0: none
   std::string linear_solver = "stage";
   int starts = 0;  // 0: the default for the objective
+  // What a request may take where no deadline says more, in the optimiser's work (SolveReport::work) and not in time,
+  // so that the same request comes to the same plan on a busy machine too; more starts may take more in proportion. [s]
+  double most_work = 60;
   // Solution of a neighbouring request (Plan::solution): tried first, and instead of everything else if it leads to a
   // certified plan; null: none.
   std::shared_ptr<const Collocated> warm;

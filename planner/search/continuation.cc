@@ -192,6 +192,7 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   const int usual = coarse_intervals(*problem_, guess.duration());
   Smoothing smoothest = levels(*problem_).front();
   smoothest.regularisation *= trace_factor;
+  smoothest.friction_width *= width_factor;
   const CollocationSetup setup{settings_.scheme,
                                uniform_mesh(guess.durations, static_cast<int>(std::lround(mesh_factor * usual))),
                                smoothest,
@@ -360,9 +361,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
       if (cost[k] > allowed) errors[k] = std::max(errors[k], worth_splitting);
     }
   }
-  std::vector<int> pieces =
-      pieces_wanted(solution_.motion, errors, tolerance, settings_.scheme.order, settings_.shortest_interval);
-  if (static_cast<std::size_t>(std::accumulate(pieces.begin(), pieces.end(), 0)) > most_intervals()) return setup;
+  std::vector<int> pieces = affordable_pieces(errors, tolerance);
   Cuts cuts = equal_cuts(pieces);
   for (std::size_t k = 0; k < cuts.size(); ++k) {
     const double shortest = settings_.shortest_interval / solution_.motion.intervals[k].duration;
@@ -376,6 +375,20 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   setup.margins = inherited(setup.margins, pieces);
   setup.creep = inherited(setup.creep, pieces);
   return setup;
+}
+
+// As many as are wanted; where that is more than there may be, the worst intervals only.
+std::vector<int> Continuation::affordable_pieces(const std::vector<double>& errors, double tolerance) const {
+  constexpr double kLessExact = 1.5;
+  const auto count = [](const std::vector<int>& pieces) {
+    return static_cast<std::size_t>(std::accumulate(pieces.begin(), pieces.end(), 0));
+  };
+  std::vector<int> pieces;
+  do {
+    pieces = pieces_wanted(solution_.motion, errors, tolerance, settings_.scheme.order, settings_.shortest_interval);
+    tolerance *= kLessExact;
+  } while (count(pieces) > std::max(most_intervals(), errors.size()));
+  return pieces;
 }
 
 SolveOptions Continuation::warm(const std::string& what) {
@@ -436,7 +449,7 @@ bool Continuation::keep_margins(const std::vector<LimitCheck>& checks) {
   std::vector<PerLimit> more(solution_.setup.mesh.size(), PerLimit(limit_scales(*problem_).size(), 0.0));
   for (const LimitCheck& check : checks) {
     const double limit = check.limit * (1 - kBackOff);
-    if (check.passed || check.reached <= limit) continue;
+    if (check.passed || check.reached <= check.limit) continue;
     const std::size_t at = solution_.motion.interval_at(check.time);
     for (std::size_t k = at > 0 ? at - 1 : 0; k < std::min(at + 2, more.size()); ++k) {
       for (const std::size_t i : indices_of(*problem_, check.name, check.joint)) more[k][i] = check.reached - limit;

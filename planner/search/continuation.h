@@ -66,7 +66,8 @@ class Continuation {
   bool polish();
 
   // The same where a certificate found limits of the published rows exceeded: interpolation between rows can do what
-  // the collocation polynomial does not. False when there was nothing to do, or no solution.
+  // the collocation polynomial does not. (What exceeds them in a rollout only is not exact enough.) False when there
+  // was nothing to do, or no solution.
   bool keep_margins(const std::vector<LimitCheck>& checks);
 
   // Solves again with motors kept from resting where they cannot (creep.h). False when there was nothing to do, or no
@@ -86,6 +87,7 @@ class Continuation {
   int start = 1;            // how many starts had been tried with this one
   double mesh_factor = 1;   // on the number of intervals of the first mesh
   double trace_factor = 1;  // on the trace of effort of the first solution: more of it is easier to solve
+  double width_factor = 1;  // on the width of the first solution's friction law: less of it is nearer to the exact law
   // finish() gives up when a level shows that the motion will not be published for less than that.
   double to_beat = kNoLimit;
 
@@ -109,6 +111,7 @@ class Continuation {
   bool reach_level(const Smoothing& level, int halvings);
   bool attempt_level(const std::string& what, const CollocationSetup& setup);
   std::size_t most_intervals() const;
+  std::vector<int> affordable_pieces(const std::vector<double>& errors, double tolerance) const;
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
   bool attempt_or_forget(const std::string& what, const CollocationSetup& setup);
   bool attempt_anew(const std::string& what, const CollocationSetup& setup);

@@ -218,6 +218,21 @@ std::vector<Way> ways_along_tip_path(const Problem& problem) {
   return ways;
 }
 
+Guess winding_up_guess(Guess guess, const Pair<double>& back) {
+  constexpr double kWindingUp = 0.5;  // share of the time
+  guess.name = "winding up, " + guess.name;
+  guess.state = [state = guess.state, back](double s) {
+    State<double> x = state(s);
+    const double swing = s < kWindingUp ? std::sin(std::numbers::pi * s / kWindingUp) : 0;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      x.q[j] -= swing * swing * back[j];
+      x.theta[j] -= swing * swing * back[j];
+    }
+    return x;
+  };
+  return guess;
+}
+
 Guess displaced_guess(const Problem& problem, double duration, double size, std::uint64_t seed) {
   Guess guess = straight_guess(problem, duration);
   guess.name = "displaced";

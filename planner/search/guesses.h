@@ -31,6 +31,9 @@ Guess displaced_guess(const Problem& problem, double duration, double size, std:
 // Another guess, displaced by such a detour; its springs stay as deflected as they were.
 Guess displaced_guess(Guess guess, double size, std::uint64_t seed);
 
+// The guess with its links going this far [rad] the other way first, as whoever takes a swing does.
+Guess winding_up_guess(Guess guess, const Pair<double>& back);
+
 // The guess in what remains of its time when it waits for these shares of it first, and at last.
 Guess waiting_guess(Guess guess, double first, double last);
 

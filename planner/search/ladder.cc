@@ -3,22 +3,32 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <utility>
 
 #include "planner/problem/relaxable.h"
+#include "planner/problem/statics.h"
 
 namespace fjr {
 namespace {
 
 constexpr int kPatience = 300;       // iterations of one attempt
 constexpr int kMorePatience = 1200;  // what has to swing up first took up to 630
+constexpr int kMoreSwings = 600;     // of a step towards tighter limits that comes to swing once more
 constexpr double kMoreEffort = 10;   // times the usual trace of it
 constexpr std::size_t kPatientStarts = 2;
-constexpr double kCoarser = 0.5, kFiner = 2;  // times the usual number of intervals
-constexpr double kRelaxed[] = {0.5, 3};       // shares by which limits are relaxed at first
-constexpr double kTightening = 0.4;           // of that share, step by step
-constexpr double kNearlyTight = 0.1;          // from there the limits themselves are tried
-constexpr int kHalvings = 4;                  // of steps that could not be taken
+constexpr double kCoarser = 0.5, kFiner = 2;    // times the usual number of intervals
+constexpr double kRelaxed[] = {0.5, 3};         // shares by which limits are relaxed at first
+constexpr double kEasilyCarried = 1.05;         // times what carrying the arm takes
+constexpr double kWindingUp[] = {0.4, 0.2, 0};  // shares of the way that links go the other way first
+constexpr double kLongestInterval = 0.03;  // [s] in the mean of a mesh that is still fine enough for a longer motion
+constexpr double kFirstStep = 0.05;        // of the factor of the limits
+constexpr double kLongerStep = 1.25;       // times the last one, after one that could be taken
+constexpr double kGrowth = 0.06;           // share by which the motion may take longer after a step, by the last one
+constexpr double kShortestStep = 2e-3;     // of those that could not be taken
+// A motor that creeps finds less friction in a smoothed law: what is lifted so is not lifted with the exact one.
+constexpr double kSharper = 0.1;  // times the usual width
 
 std::optional<Continuation> begun(Continuation c, const SolveTools& tools, const Guess& guess, int patience) {
   const bool solved = !tools.interrupted() && c.begin(guess, patience);
@@ -40,30 +50,126 @@ std::optional<Continuation> attempt_patiently(const Problem& problem, const Solv
   return begun(std::move(c), tools, guess, kMorePatience);
 }
 
-// A step that cannot be taken is halved. The relaxed problems only have to live as long as their solution is the start
-// of the next.
-std::optional<Continuation> tighten(const Problem& problem, const SolveTools& tools, Guess guess, double share) {
-  double reached = kNoLimit, target = share;
-  for (int failures = 0; failures <= kHalvings;) {
-    const Problem looser = relaxed(problem, target);
-    const std::string label = target > 0 ? fmt::format("limits relaxed by {:.3g} %", 100 * target) : "elastic";
-    const auto next = attempt(target > 0 ? looser : problem, tools, label, guess);
-    if (next && target == 0) return next;
-    if (!next && target == share) return std::nullopt;
+// From a smoothed solution, or from another problem's, on a new mesh.
+std::optional<Continuation> sharpened(const Problem& problem, const SolveTools& tools, const std::string& label,
+                                      const Collocated& from, double mesh_factor = 1) {
+  Continuation c = tools.continuation(problem, label);
+  c.width_factor = kSharper;
+  c.mesh_factor = mesh_factor;
+  return begun(std::move(c), tools, guess_from(from.motion, from.durations, from.motion.duration()), kMoreSwings);
+}
+
+// From a solution of a neighbouring problem: on its mesh where that will do, or else from the start again.
+std::optional<Continuation> follow(const Problem& problem, const SolveTools& tools, const std::string& label,
+                                   const Collocated& from) {
+  const double duration = from.motion.duration();
+  if (duration / static_cast<double>(from.setup.mesh.size()) <= kLongestInterval) {
+    Continuation c = tools.continuation(problem, label);
+    const bool solved = !tools.interrupted() && c.adopt(from, duration);
+    tools.book(c);
+    if (solved) return c;
+  }
+  return sharpened(problem, tools, label, from);
+}
+
+// The problem with limits that are easier to keep, by more with a larger factor.
+using Eased = std::function<Problem(double factor)>;
+
+double duration_of(const Collocated& solution) { return solution.motion.duration(); }
+
+// A motion that keeps the limits relaxed by that factor; with a factor of 1 it keeps the problem's.
+struct Reached {
+  Continuation motion;
+  double factor;
+};
+
+// Step by step towards the problem's own limits, each solution starting the next, as far as that goes. The eased
+// problems only have to live as long as their solution is the start of the next.
+Reached tighten(const Problem& problem, const SolveTools& tools, const Eased& eased, Reached from, double longest) {
+  double step = kFirstStep;
+  while (from.factor > 1 && step >= kShortestStep && !tools.interrupted()) {
+    const double target = std::max(1.0, from.factor / (1 + step));
+    const Problem easier = eased(target);
+    const std::string label =
+        target > 1 ? fmt::format("limits relaxed by {:.3g} %", 100 * (target - 1)) : "limits tightened step by step";
+    auto next = follow(target > 1 ? easier : problem, tools, label, from.motion.solution());
+    if (next && target > 1 && duration_of(next->solution()) > longest) break;  // and tighter limits take longer
     if (next) {
-      const Collocated& solution = next->solution();
-      guess = guess_from(solution.motion, solution.durations, solution.motion.duration());
-      reached = target;
-      target = reached > kNearlyTight ? kTightening * reached : 0;
+      const double longer = std::log(duration_of(next->solution()) / duration_of(from.motion.solution()));
+      const double growth = longer / std::log(from.factor / target);
+      from = {std::move(*next), target};
+      step = std::min(kLongerStep * step, kGrowth / std::max(growth, 1e-9));
     } else {
-      ++failures;
-      target = (reached + target) / 2;
+      step = std::min(step, from.factor - 1) / 2;
     }
   }
-  return std::nullopt;
+  return from;
+}
+
+std::optional<Continuation> tighten_all(const Problem& problem, const SolveTools& tools, const Guess& guess,
+                                        double share) {
+  const Eased eased = [&](double factor) { return relaxed(problem, factor - 1); };
+  const Problem easiest = eased(1 + share);
+  auto easy = attempt(easiest, tools, fmt::format("limits relaxed by {:.3g} %", 100 * share), guess);
+  if (!easy) return std::nullopt;
+  Reached reached = tighten(problem, tools, eased, {std::move(*easy), 1 + share}, kNoLimit);
+  if (reached.factor > 1) return std::nullopt;
+  return std::move(reached.motion);
+}
+
+// Factors of the limits that carrying the arm slowly takes, at least 1.
+struct ToCarry {
+  Pair<double> torque, deflection;
+
+  double most() const { return std::max({torque[0], torque[1], deflection[0], deflection[1]}); }
+};
+
+ToCarry factors_to_carry(const Problem& problem) {
+  const Carrying needs = carrying(problem);
+  ToCarry factors{};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    factors.torque[j] = std::max(1.0, needs.torque[j] / problem.limits.torque[j]);
+    factors.deflection[j] = std::max(1.0, needs.deflection[j] / problem.limits.spring_deflection[j]);
+  }
+  return factors;
 }
 
 }  // namespace
+
+bool can_be_carried(const Problem& problem) { return factors_to_carry(problem).most() == 1; }
+
+SwungUp swing_up(const Problem& problem, double longest, const SolveTools& tools, Fallbacks& tried) {
+  ++tried.swinging;
+  const ToCarry factors = factors_to_carry(problem);
+  const Eased eased = [&](double factor) {
+    Problem result = problem;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      if (factors.torque[j] > 1) result.limits.torque[j] *= factor;
+      if (factors.deflection[j] > 1) result.limits.spring_deflection[j] *= factor;
+    }
+    return result;
+  };
+  const double easily = kEasilyCarried * factors.most();
+  const Problem easy = eased(easily);
+  const std::string label = "limits that carry the arm";
+  const Guess straight = tools.guesses(easy).front();
+  const Pair<double> begin = straight.state(0).q, end = straight.state(1).q;
+  for (const double back : kWindingUp) {
+    if (tools.interrupted()) break;
+    const Pair<double> away{back * (end[0] - begin[0]), back * (end[1] - begin[1])};
+    auto carried = attempt(easy, tools, label, winding_up_guess(straight, away));
+    if (carried) carried = sharpened(easy, tools, label, carried->solution());
+    if (!carried) continue;
+    Reached reached = tighten(problem, tools, eased, {std::move(*carried), easily}, longest);
+    if (reached.factor > 1) return {std::nullopt, eased(reached.factor).limits};
+    // On the coarse mesh a motion may be lifted by what the mesh does not see.
+    if (auto finer = sharpened(problem, tools, "swung up, finer mesh", reached.motion.solution(), kFiner)) {
+      return {std::move(*finer), std::nullopt};
+    }
+    return {std::move(reached.motion), std::nullopt};
+  }
+  return {};
+}
 
 std::optional<Continuation> climb(const Problem& problem, const SolveTools& tools, Fallbacks& tried) {
   const std::vector<Guess> guesses = tools.guesses(problem);
@@ -82,7 +188,7 @@ std::optional<Continuation> climb(const Problem& problem, const SolveTools& tool
   for (const double share : kRelaxed) {
     if (tools.interrupted()) return std::nullopt;
     ++tried.elastic;
-    if (auto found = tighten(problem, tools, guesses.front(), share)) return found;
+    if (auto found = tighten_all(problem, tools, guesses.front(), share)) return found;
   }
   return std::nullopt;
 }

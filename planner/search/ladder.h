@@ -12,6 +12,18 @@
 
 namespace fjr {
 
+// Whether the arm could be moved slowly along the straight way, without swinging.
+bool can_be_carried(const Problem& problem);
+
+// Where it cannot, it has to be swung up. With limits that carry it a motion is soon found; those are tightened step by
+// step, each solution starting the next, and the motion comes to swing by itself, the more the tighter they are.
+// Motions of more than `longest` [s] are not followed.
+struct SwungUp {
+  std::optional<Continuation> motion;  // as good as Continuation::begin() leaves it
+  std::optional<Limits> reached;       // where there is none: the tightest limits with which there was one
+};
+SwungUp swing_up(const Problem& problem, double longest, const SolveTools& tools, Fallbacks& tried);
+
 // The first starts again with patience and more effort, a coarser mesh, a finer one, and then the elastic mode: with
 // its limits relaxed the problem is solved, and they are tightened again step by step, each solution starting the next.
 // What was tried is counted. The result is as good as Continuation::begin() leaves it; none when nothing led anywhere.

@@ -32,6 +32,7 @@ struct Fallbacks {
   int adaptive_barrier = 0;  // a warm start failed; tried again with multipliers forgotten and an adaptive barrier
   int friction_level = 0;    // a step to a sharper friction law stopped at the iteration limit
   int displaced_start = 0;   // starts beyond those that are always tried
+  int swinging = 0;          // limits that carry the arm, tightened step by step
   int patience = 0;          // a start with many more iterations, and more than a trace of effort at first
   int coarser_mesh = 0, finer_mesh = 0;
   int elastic = 0;       // limits relaxed, then tightened step by step
@@ -43,6 +44,7 @@ void visit_fallbacks(F& f, Visit&& visit) {
   visit("adaptive_barrier", f.adaptive_barrier);
   visit("friction_level", f.friction_level);
   visit("displaced_start", f.displaced_start);
+  visit("swinging", f.swinging);
   visit("patience", f.patience);
   visit("coarser_mesh", f.coarser_mesh);
   visit("finer_mesh", f.finer_mesh);

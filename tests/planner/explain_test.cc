@@ -10,9 +10,9 @@
 #include "common/input_error.h"
 #include "planner/plan.h"
 #include "planner/problem/relaxable.h"
+#include "planner/problem/statics.h"
 #include "planner/request/request.h"
 #include "planner/search/explain/slack.h"
-#include "planner/search/explain/statics.h"
 
 namespace fjr {
 namespace {

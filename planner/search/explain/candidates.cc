@@ -4,8 +4,8 @@
 
 #include "planner/analysis/analysis.h"
 #include "planner/ocp/margins.h"
+#include "planner/problem/statics.h"
 #include "planner/search/explain/slack.h"
-#include "planner/search/explain/statics.h"
 
 namespace fjr {
 namespace {

@@ -6,11 +6,11 @@
 #include <cmath>
 
 #include "planner/problem/relaxable.h"
+#include "planner/problem/statics.h"
 #include "planner/search/detours.h"
 #include "planner/search/explain/candidates.h"
 #include "planner/search/explain/search.h"
 #include "planner/search/explain/slack.h"
-#include "planner/search/explain/statics.h"
 #include "planner/search/explain/via_times.h"
 #include "planner/trajectory/trajectory.h"
 
@@ -33,8 +33,9 @@ std::string name_of(const std::string& name, int joint) {
 
 class Explanation {
  public:
-  Explanation(const Problem& problem, const Continuation* fastest, bool certified, const SolveTools& tools)
-      : problem_(problem), fastest_(fastest), certified_(certified), search_(tools) {}
+  Explanation(const Problem& problem, const Continuation* fastest, bool certified, const std::optional<Limits>& reached,
+              const SolveTools& tools)
+      : problem_(problem), fastest_(fastest), certified_(certified), reached_(reached), search_(tools) {}
 
   WhyNot run() {
     if (const NoWay barred = no_way(problem_); !barred.sentence.empty()) {
@@ -246,6 +247,7 @@ class Explanation {
   // ---- limits that no motion keeps ----
 
   void explain_limits() {
+    if (tell_reached()) return;
     const Problem loose = hurried(with_slack_everywhere(problem_));
     auto everything = search_.sketch(loose, "everything", search_.guesses(relaxed(problem_, kLoose)));
     if (everything && everything->solution().slack < kClose) {  // nearly possible: a sketch cannot tell
@@ -263,6 +265,21 @@ class Explanation {
     if (result_.relaxations.empty() && near == nullptr) return explain_by_statics();
     std::stable_sort(result_.relaxations.begin(), result_.relaxations.end(), easier);
     name_what_is_in_the_way(near);
+  }
+
+  // Where the search came to a motion with one limit relaxed, that is what it takes, about.
+  bool tell_reached() {
+    if (!reached_) return false;
+    for (const Relaxable& what : relaxables(problem_)) {
+      Limits limits = *reached_;
+      const double* limit = limit_of(limits, what.name, what.joint);
+      if (limit == nullptr || *limit == what.from) continue;
+      result_.relaxations.push_back(
+          {what.name, what.joint, what.unit, what.from, *limit, true, *limit - what.from <= what.allowed, {}});
+    }
+    if (result_.relaxations.size() != 1) result_.relaxations.clear();
+    if (!result_.relaxations.empty()) name_what_is_in_the_way(nullptr);
+    return !result_.relaxations.empty();
   }
 
   static bool easier(const Relaxation& a, const Relaxation& b) {
@@ -362,6 +379,7 @@ class Explanation {
   const Problem& problem_;
   const Continuation* fastest_;
   const bool certified_;  // the fastest
+  const std::optional<Limits> reached_;
   Search search_;
   Infeasibility result_;
   std::optional<Guess> start_;  // of a motion for the request, which turned out to be possible
@@ -385,8 +403,9 @@ Problem fastest_of(Problem problem) {
   return problem;
 }
 
-WhyNot explain(const Problem& problem, const Continuation* fastest, bool certified, const SolveTools& tools) {
-  return Explanation(problem, fastest, certified, tools).run();
+WhyNot explain(const Problem& problem, const Continuation* fastest, bool certified,
+               const std::optional<Limits>& reached, const SolveTools& tools) {
+  return Explanation(problem, fastest, certified, reached, tools).run();
 }
 
 }  // namespace fjr

@@ -46,6 +46,8 @@ struct WhyNot {
 
 // problem: what no motion was found for. `fastest`: the solution of fastest_of(problem), null if there is none.
 // certified: whether its rows are exact enough to be published; otherwise its duration is told as about what it takes.
-WhyNot explain(const Problem& problem, const Continuation* fastest, bool certified, const SolveTools& tools);
+// reached: limits with which a motion was found on the way, on a coarse mesh; none where that was not tried.
+WhyNot explain(const Problem& problem, const Continuation* fastest, bool certified,
+               const std::optional<Limits>& reached, const SolveTools& tools);
 
 }  // namespace fjr

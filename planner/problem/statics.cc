@@ -1,4 +1,4 @@
-#include "planner/search/explain/statics.h"
+#include "planner/problem/statics.h"
 
 #include <cmath>
 #include <vector>

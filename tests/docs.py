@@ -69,7 +69,9 @@ def faults(source, page):
 
 def untold(source):
     """The keys and terms that the parser knows and requests.md does not name."""
-    keys = re.findall(r'Key\{"(\w+)"', (source / "planner/request/request.h").read_text())
+    headers = [source / "planner/request/request.h", *(source / "planner/problem/task").glob("*.h")]
+    keys = [key for header in headers for key in re.findall(r'Key\{"(\w+)"', header.read_text())
+            if key != "corners"]  # in plan.json: what becomes of path.points
     limits = re.findall(r'\.name = "(\w+)"', (source / "planner/problem/quantities.h").read_text())
     terms = re.findall(r'\.name = "(\w+)"', (source / "planner/problem/objective_terms.h").read_text())
     if not keys or not limits or not terms:

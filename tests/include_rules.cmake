@@ -13,6 +13,7 @@ set(layers
   planner/nlp
   planner/collocation
   planner/trajectory
+  planner/problem/task
   planner/problem
   planner/request
   planner/control

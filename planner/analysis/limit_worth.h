@@ -123,8 +123,7 @@ class LimitWorths {
       worths_.push_back({limit.quantity->name, limit.joint, limit.quantity->unit, limit.in(problem.limits), 0, 0, {}});
     }
     for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) {
-      const char* unit = row.kind == TaskRow::Kind::kAngles ? "rad" : "m";
-      worths_.push_back({row.name, row.link, unit, row.scale, 0, 0, {}});
+      worths_.push_back({row.name, row.link, row.unit(), row.scale, 0, 0, {}});
     }
   }
 

@@ -37,8 +37,7 @@ TaskCheck& entry_of(std::vector<TaskCheck>& checks, const TaskRow& row) {
   for (TaskCheck& check : checks) {
     if (check.name == row.name && check.link == row.link) return check;
   }
-  const char* unit = row.kind == TaskRow::Kind::kAngles ? "rad" : "m";
-  checks.push_back({row.name, row.link, unit, kNoLimit, 0, true});
+  checks.push_back({row.name, row.link, row.unit(), kNoLimit, 0, true});
   return checks.back();
 }
 

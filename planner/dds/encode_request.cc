@@ -185,6 +185,7 @@ std::vector<fjr_msg_Posture> encode_path(const Request& request, fjr_msg_JointPa
 
 void encode_motion(const Request& request, WireRequest& wire) {
   if (request.method) refuse(request, "method", kForNewServices);
+  if (!request.walls.empty()) refuse(request, "walls", kForNewServices);
   fjr_msg_PlanRequest& message = wire.message.request;
   encode_start(request, message.start);
   encode_goal(request, wire.message);

@@ -263,8 +263,7 @@ std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion&
   for (std::size_t r = 0; r < rows.size(); ++r) {
     consider(kLimits + r, [&](double over, double time) {
       const std::string of_link = rows[r].link == 0 ? "" : fmt::format(" by link {}", rows[r].link);
-      const char* unit = rows[r].kind == TaskRow::Kind::kAngles ? "rad" : "m";
-      return fmt::format("{} is missed{} by {:.3g} {} at {:.3f} s", rows[r].name, of_link, over, unit, time);
+      return fmt::format("{} is missed{} by {:.3g} {} at {:.3f} s", rows[r].name, of_link, over, rows[r].unit(), time);
     });
   }
   return sentence;

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <type_traits>
 
 namespace fjr {
 namespace {
 
-constexpr double kMostTimes = 20;    // of a limit: beyond that nobody would build it
-constexpr double kMostDistance = 1;  // [m] or [rad] of regions and paths
-constexpr double kBoxSize = 0.1;     // [m] what shares of a box's growth are taken of
+constexpr double kMostTimes = 20;  // of a limit: beyond that nobody would build it
+constexpr double kBoxSize = 0.1;   // [m] what shares of a box's growth are taken of
 
 void add_limits(std::vector<Relaxable>& all, const Problem& problem) {
   const Limits robots = Limits::of(problem.robot);
@@ -22,38 +22,29 @@ void add_limits(std::vector<Relaxable>& all, const Problem& problem) {
   }
 }
 
+// As it was, but for its number.
+template <class Constraint>
+void relax(Problem& problem, const std::string& name, const Constraint& as_it_was, double value) {
+  each_constraint(problem.task, [&](const std::string& other, auto& constraint) {
+    if constexpr (std::is_same_v<std::remove_reference_t<decltype(constraint)>, Constraint>) {
+      if (other != name) return;
+      if constexpr (std::is_same_v<Constraint, JointPath>) {  // corners are passed within a part of the tolerance
+        for (Via& via : problem.via) via.tolerance *= value / constraint.tolerance;
+      }
+      constraint = as_it_was;
+      constraint.relax(value);
+    }
+  });
+}
+
 void add_task(std::vector<Relaxable>& all, const Task& task) {
-  for (std::size_t i = 0; i < task.obstacles.size(); ++i) {
-    const double size = task.obstacles[i].radius + task.obstacles[i].margin;
-    all.push_back({fmt::format("obstacles[{}]", i), 0, "m", size, -1, size, size, [i](Problem& p, double value) {
-                     Disc& disc = p.task.obstacles[i];
-                     disc.margin = std::min(disc.margin, value);
-                     disc.radius = value - disc.margin;
-                   }});
-  }
-  if (task.box) {
-    all.push_back({"tip_box", 0, "m", 0, 1, kMostDistance, kMostDistance, [box = *task.box](Problem& p, double value) {
-                     for (std::size_t i = 0; i < 2; ++i) {
-                       p.task.box->lower[i] = box.lower[i] - value;
-                       p.task.box->upper[i] = box.upper[i] + value;
-                     }
-                   }});
-  }
-  const auto add_tolerance = [&](const char* name, const char* unit, double tolerance, auto&& set) {
-    all.push_back({name, 0, unit, tolerance, 1, kMostDistance, kMostDistance - tolerance, set});
-  };
-  if (task.line) {
-    add_tolerance("tip_line", "m", task.line->tolerance, [](Problem& p, double v) { p.task.line->tolerance = v; });
-  }
-  if (task.arc) {
-    add_tolerance("tip_arc", "m", task.arc->tolerance, [](Problem& p, double v) { p.task.arc->tolerance = v; });
-  }
-  if (task.path) {
-    add_tolerance("path", "rad", task.path->tolerance, [](Problem& p, double v) {
-      for (Via& via : p.via) via.tolerance *= v / p.task.path->tolerance;
-      p.task.path->tolerance = v;
-    });
-  }
+  each_constraint(task, [&](const std::string& name, const auto& constraint) {
+    const ConstraintInfo& info = constraint.info;
+    const double from = constraint.relaxed_by(), most = info.most > 0 ? info.most : from;
+    const auto set = [name, constraint](Problem& p, double value) { relax(p, name, constraint, value); };
+    all.push_back(
+        {name, 0, info.unit, from, info.sign, most, info.sign > 0 ? most - from : most, set, &constraint.info});
+  });
 }
 
 void add_velocities(std::vector<Relaxable>& all, const Problem& problem) {

@@ -20,6 +20,7 @@ struct Relaxable {
   double most = 0;     // largest amount that means anything
   double allowed = 0;  // largest amount that a request may ask for: limits may only be tighter than the robot's
   std::function<void(Problem&, double value)> set;
+  const ConstraintInfo* constraint = nullptr;  // of the task; none: a limit or a velocity
 
   double value(double amount) const { return from + sign * amount; }
   Problem relaxed(Problem problem, double amount) const {

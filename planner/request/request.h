@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/key.h"
 #include "common/strict_yaml.h"
 #include "model/parameters.h"
 #include "planner/problem/inverse_kinematics.h"
@@ -86,6 +87,7 @@ struct Request {
   std::optional<RequestedObjective> objective;
   std::vector<RequestedVia> via;
   std::vector<Disc> obstacles;
+  std::vector<Wall> walls;
   std::optional<RequestedTip> tip;
   std::optional<RequestedPath> path;
   Limits limits;  // infinite where nothing is said
@@ -96,13 +98,6 @@ struct Request {
 };
 
 // ---- the keys ----
-
-struct Key {
-  const char* name;
-  const char* unit;     // of numbers; "" where there are none
-  const char* meaning;  // for who reads this list; docs/requests.md says more
-  bool required = false;
-};
 
 // visit(key, member), for a Request or a part of it, const or not.
 template <class R, class Visit>
@@ -115,6 +110,7 @@ void visit(R& r, Visit&& v) {
   v(Key{"objective", "1", "a preset (`fastest`, `gentle`, `efficient`) or weights of the terms"}, r.objective);
   v(Key{"via", "", "points that are passed, in this order"}, r.via);
   v(Key{"obstacles", "", "discs in the plane of motion that both links keep clear of"}, r.obstacles);
+  v(Key{"walls", "", "straight lines that both links keep to one side of"}, r.walls);
   v(Key{"tip", "", "where the tip may be: one of `box`, `line`, `arc`"}, r.tip);
   v(Key{"path", "", "straight lines in the joint angles, in place of `via`"}, r.path);
   v(Key{"limits", "", "magnitudes; they may only tighten the robot's"}, r.limits);
@@ -155,37 +151,11 @@ void visit(R& r, Visit&& v) {
 }
 
 template <class R, class Visit>
-requires std::is_same_v<std::remove_const_t<R>, Disc>
-void visit(R& r, Visit&& v) {
-  v(Key{"center", "m", "of the disc", true}, r.center);
-  v(Key{"radius", "m", "of the disc", true}, r.radius);
-  v(Key{"margin", "m", "kept beside radius and link"}, r.margin);
-}
-
-template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, RequestedTip>
 void visit(R& r, Visit&& v) {
   v(Key{"box", "m", "two corners, lower left and upper right"}, r.box);
   v(Key{"line", "", "straight, within a tolerance"}, r.line);
   v(Key{"arc", "", "of a circle, within a tolerance"}, r.arc);
-}
-
-template <class R, class Visit>
-requires std::is_same_v<std::remove_const_t<R>, TipLine>
-void visit(R& r, Visit&& v) {
-  v(Key{"from", "m", "one end", true}, r.from);
-  v(Key{"to", "m", "the other end", true}, r.to);
-  v(Key{"tolerance", "m", "distance from it, 0.0001 to 1", true}, r.tolerance);
-}
-
-template <class R, class Visit>
-requires std::is_same_v<std::remove_const_t<R>, TipArc>
-void visit(R& r, Visit&& v) {
-  v(Key{"center", "m", "of the circle", true}, r.center);
-  v(Key{"from", "m", "one end", true}, r.from);
-  v(Key{"to", "m", "the other end", true}, r.to);
-  v(Key{"tolerance", "m", "distance from it, 0.0001 to 1", true}, r.tolerance);
-  v(Key{"way", "", "`short` (the default) or `long`: which way round"}, r.way);
 }
 
 template <class R, class Visit>

@@ -4,111 +4,43 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <string_view>
+#include <tuple>
 
-#include "planner/problem/tip_path.h"
 #include "planner/request/place.h"
 
 namespace fjr {
 namespace {
 
-constexpr double kLargestCoordinate = 10;                     // [m] well beyond the reach of any arm of this size
-constexpr double kLeastTolerance = 1e-4, kMostTolerance = 1;  // [m] or [rad]; the rollout is exact to about 6e-5 m
-constexpr double kShortest = 1e-3;                            // [m] or [rad] of lines, arcs and radii
-constexpr std::size_t kMostCorners = 32;                      // as many as via points
-constexpr double kMostTurn = 3.0;                             // [rad] of an arc: half a turn has no short way
-constexpr double kMostLongTurn = 5.5;                         // [rad] the long way: a gap has to be left
-constexpr double kGapTolerances = 4;                          // that the gap left by a long arc is wide at least
-constexpr double kCornerShare = 0.1;                          // of the tolerance, in which a corner is passed
-constexpr double kOnBound = 1e-6;                             // share of a constraint's scale: as good as kept
+using task::check_between, task::distance, task::kShortest;
 
-void check_between(const Place& place, double value, double least, double most, std::string_view unit) {
-  if (value >= least && value <= most) return;
-  place.fail(fmt::format("{} is outside [{}, {}]", with_unit(value, unit), least, most));
+constexpr std::size_t kMostCorners = 32;  // as many as via points
+constexpr double kCornerShare = 0.1;      // of the tolerance, in which a corner is passed
+constexpr double kOnBound = 1e-6;         // share of a constraint's scale: as good as kept
+
+// The keys are those of the request, where the regions of the tip stand together.
+Place place_of(const Request& request, const char* key) {
+  const std::string_view name = key;
+  return name == "box" || name == "line" || name == "arc" ? Place{request, "tip"}.at(name) : Place{request, key};
 }
 
-void check_point(const Place& place, const Pair<double>& point) {
-  for (std::size_t i = 0; i < 2; ++i)
-    check_between(place.at(i), point[i], -kLargestCoordinate, kLargestCoordinate, "m");
+void check_constraints(const Request& request, const Task& task) {
+  visit_constraints(task, [&](const char* key, const auto& member) {
+    const Place place = place_of(request, key);
+    if constexpr (requires { member.size(); }) {
+      for (std::size_t i = 0; i < member.size(); ++i) member[i].check(place.at(i));
+    } else if (member) {
+      member->check(place);
+    }
+  });
 }
 
-void check_tolerance(const Place& place, double tolerance, std::string_view unit) {
-  check_between(place.at("tolerance"), tolerance, kLeastTolerance, kMostTolerance, unit);
-}
-
-double distance(const Pair<double>& a, const Pair<double>& b) { return std::hypot(a[0] - b[0], a[1] - b[1]); }
-
-void check_obstacles(const Place& place, const std::vector<Disc>& discs) {
-  if (discs.size() > kMostObstacles) {
-    place.fail(fmt::format("{} obstacles, above the {} allowed", discs.size(), kMostObstacles));
-  }
-  for (std::size_t i = 0; i < discs.size(); ++i) {
-    check_point(place.at(i).at("center"), discs[i].center);
-    check_between(place.at(i).at("radius"), discs[i].radius, 0, kLargestCoordinate, "m");
-    check_between(place.at(i).at("margin"), discs[i].margin, 0, kLargestCoordinate, "m");
-  }
-}
-
-void check_box(const Place& place, const TipBox& box) {
-  check_point(place.at(0), box.lower);
-  check_point(place.at(1), box.upper);
-  for (std::size_t i = 0; i < 2; ++i) {
-    if (box.upper[i] - box.lower[i] >= kShortest) continue;
-    place.at(1).at(i).fail(fmt::format("{} m is not above the first corner's {} m (lower left first, then upper right)",
-                                       box.upper[i], box.lower[i]));
-  }
-}
-
-void check_line(const Place& place, const TipLine& line) {
-  check_point(place.at("from"), line.from);
-  check_point(place.at("to"), line.to);
-  check_tolerance(place, line.tolerance, "m");
-  if (distance(line.from, line.to) < kShortest) place.at("to").fail("is the same point as from");
-}
-
-// Half a turn has no short way, and a long way needs a gap that is left out.
-void check_turn(const Place& place, const TipArc& arc, double radius) {
-  const bool is_long = arc.way == ArcWay::kLong;
-  const double turn = std::abs(turn_of(arc)), most = is_long ? kMostLongTurn : kMostTurn;
-  if (turn > most) {
-    place.fail(fmt::format("turns by {:.4g} rad, above the {} rad allowed{}", turn, most,
-                           is_long ? "" : "; way: long is the other way round"));
-  }
-  const double gap = (2 * std::numbers::pi - turn) * radius;
-  if (is_long && (gap < kGapTolerances * arc.tolerance || arc.tolerance > radius / 2)) {
-    place.at("tolerance")
-        .fail(fmt::format("{} m is too wide for an arc that leaves {:.4g} m of its circle", arc.tolerance, gap));
-  }
-}
-
-void check_arc(const Place& place, const TipArc& arc) {
-  check_point(place.at("center"), arc.center);
-  check_point(place.at("from"), arc.from);
-  check_point(place.at("to"), arc.to);
-  check_tolerance(place, arc.tolerance, "m");
-  const double radius = distance(arc.from, arc.center), other = distance(arc.to, arc.center);
-  if (radius < kShortest) place.at("from").fail("is the center");
-  if (std::abs(other - radius) > arc.tolerance) {
-    place.at("to").fail(
-        fmt::format("lies {:.6g} m from the center, from lies {:.6g} m from it; they may differ by the "
-                    "tolerance of {} m",
-                    other, radius, arc.tolerance));
-  }
-  if (distance(arc.from, arc.to) < kShortest) {
-    place.at("to").fail("is the same point as from; a full circle has no short way");
-  }
-  check_turn(place, arc, radius);
-}
-
-void resolve_tip(const Request& request, Task& task) {
-  const Place place{request, "tip"};
-  const auto& [box, line, arc] = *request.tip;
-  if (box) check_box(place.at("box"), *box);
-  if (line) check_line(place.at("line"), *line);
-  if (arc) check_arc(place.at("arc"), *arc);
-  task.box = box;
-  task.line = line;
-  task.arc = arc;
+void check_count(const Request& request) {
+  const std::size_t count = request.obstacles.size() + request.walls.size();
+  if (count <= kMostObstacles) return;
+  const bool discs = request.obstacles.size() >= request.walls.size();
+  Place{request, discs ? "obstacles" : "walls"}.fail(fmt::format(
+      "{} obstacles{}, above the {} allowed", count, request.walls.empty() ? "" : " and walls", kMostObstacles));
 }
 
 // A corner between start and goal becomes a via point that is passed within a part of the tolerance.
@@ -130,7 +62,7 @@ void resolve_path(const Request& request, Problem& problem) {
   }
   const std::vector<Pair<double>>& points = request.path->points;
   JointPath path{{problem.start.q}, request.path->tolerance};
-  check_tolerance(place, path.tolerance, "rad");
+  path.check(place);
   if (points.size() > kMostCorners) {
     place.at("points").fail(fmt::format("{} points, above the {} allowed", points.size(), kMostCorners));
   }
@@ -149,8 +81,8 @@ std::string broken(const Problem& problem, std::size_t segment, const Pair<doubl
     const double room = row.distance(row.value(problem.robot, posture));
     if (room >= -kOnBound * row.scale) continue;
     if (row.link > 0) {
-      return fmt::format("link {} would be {:.4g} m inside {}, its radius and margin included", row.link, -room,
-                         row.name);
+      return fmt::format("link {} would be {:.4g} m {} {}, its radius and margin included", row.link, -room,
+                         row.is_distance() ? "beyond" : "inside", row.name);
     }
     if (row.kind == TaskRow::Kind::kAngles) return fmt::format("lies {:.4g} rad off the {}", -room, row.name);
     const std::string region = row.name.substr(std::string_view("tip_").size());
@@ -202,9 +134,13 @@ void place_free_joint(Problem& problem) {
 }  // namespace
 
 void resolve_task(const Request& request, Problem& problem) {
-  problem.task.obstacles = request.obstacles;
-  check_obstacles({request, "obstacles"}, request.obstacles);
-  if (request.tip) resolve_tip(request, problem.task);
+  check_count(request);
+  Task& task = problem.task;
+  task.obstacles = request.obstacles;
+  task.walls = request.walls;
+  if (request.tip)
+    std::tie(task.box, task.line, task.arc) = std::tie(request.tip->box, request.tip->line, request.tip->arc);
+  check_constraints(request, task);
   if (request.path) resolve_path(request, problem);
 }
 

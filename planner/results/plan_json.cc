@@ -196,27 +196,36 @@ Json limits_json(const Limits& limits) {
   return json;
 }
 
+Json json_of(double value) { return value; }
+Json json_of(const Pair<double>& value) { return numbers(value); }
+Json json_of(const std::vector<Pair<double>>& values) {
+  Json list = Json::array();
+  for (const Pair<double>& value : values) list.push_back(numbers(value));
+  return list;
+}
+Json json_of(ArcWay way) { return way == ArcWay::kLong ? Json("long") : Json(nullptr); }
+Json json_of(const TipBox& box) { return {numbers(box.lower), numbers(box.upper)}; }
+
+template <class Constraint>
+Json json_of(const Constraint& constraint) {
+  Json json = Json::object();
+  visit(constraint, [&](const Key& key, const auto& member) {
+    const Json value = json_of(member);
+    if (!value.is_null()) json[key.name] = value;
+  });
+  return json;
+}
+
 // What there is to draw beside the arm.
 Json task_json(const Task& task) {
   Json json = Json::object();
-  for (const Disc& disc : task.obstacles) {
-    json["obstacles"].push_back({{"center", numbers(disc.center)}, {"radius", disc.radius}, {"margin", disc.margin}});
-  }
-  if (task.box) json["box"] = {numbers(task.box->lower), numbers(task.box->upper)};
-  if (task.line) {
-    json["line"] = {{"from", numbers(task.line->from)}, {"to", numbers(task.line->to)}};
-    json["line"]["tolerance"] = task.line->tolerance;
-  }
-  if (task.arc) {
-    json["arc"] = {
-        {"center", numbers(task.arc->center)}, {"from", numbers(task.arc->from)}, {"to", numbers(task.arc->to)}};
-    json["arc"]["tolerance"] = task.arc->tolerance;
-    if (task.arc->way == ArcWay::kLong) json["arc"]["way"] = "long";
-  }
-  if (task.path) {
-    for (const Pair<double>& corner : task.path->corners) json["path"]["corners"].push_back(numbers(corner));
-    json["path"]["tolerance"] = task.path->tolerance;
-  }
+  visit_constraints(task, [&](const char* key, const auto& member) {
+    if constexpr (requires { member.size(); }) {
+      for (const auto& constraint : member) json[key].push_back(json_of(constraint));
+    } else if (member) {
+      json[key] = json_of(*member);
+    }
+  });
   return json;
 }
 

@@ -18,7 +18,7 @@ using Json = nlohmann::ordered_json;
 constexpr const char* kPayload = "payload";
 constexpr const char* kPayloadInertia = "payload.inertia";
 
-std::string with_unit(double value, std::string_view unit) { return fmt::format("{} {}", value, unit); }
+std::string in_unit(double value, std::string_view unit) { return fmt::format("{} {}", value, unit); }
 
 std::string key_of(std::string_view name, int joint) {
   return joint == 0 ? fmt::format("limits.{}", name) : fmt::format("limits.{}[{}]", name, joint - 1);
@@ -48,27 +48,27 @@ double read(const Metadata& metadata, const std::string& key, std::string_view u
   if (valid && (value > 0 || (may_be_zero && value == 0))) return value;
   throw InputError(source, key,
                    fmt::format("'{}' must be a number {} 0 and its unit, such as '{}'", text, may_be_zero ? ">=" : ">",
-                               with_unit(0.5, unit)));
+                               in_unit(0.5, unit)));
 }
 
 }  // namespace
 
-std::string LimitInHeader::text() const { return fmt::format("{} {}", key, with_unit(value, unit)); }
+std::string LimitInHeader::text() const { return fmt::format("{} {}", key, in_unit(value, unit)); }
 
 std::string text_of(const Payload& payload) {
-  const std::string mass = with_unit(payload.mass, "kg");
-  return payload.inertia == 0 ? mass : fmt::format("{}, {}", mass, with_unit(payload.inertia, "kg m^2"));
+  const std::string mass = in_unit(payload.mass, "kg");
+  return payload.inertia == 0 ? mass : fmt::format("{}, {}", mass, in_unit(payload.inertia, "kg m^2"));
 }
 
 void tell_planned_with(const Json& plan, Metadata& metadata) {
   const Json &payload = plan.at("robot").at("payload"), &robot = plan.at("robot").at("limits");
   const double inertia = payload.at("inertia");
-  metadata[kPayload] = with_unit(payload.at("mass"), "kg");
-  if (inertia != 0) metadata[kPayloadInertia] = with_unit(inertia, "kg m^2");
+  metadata[kPayload] = in_unit(payload.at("mass"), "kg");
+  if (inertia != 0) metadata[kPayloadInertia] = in_unit(inertia, "kg m^2");
   const Json& limits = plan.at("resolved_request").at("limits");
   visit_limits([&](const char* name, int joint, const char* unit) {
     const auto limit = limit_in(limits, name, joint), of_robot = limit_in(robot, name, joint);
-    if (limit && (!of_robot || *limit < *of_robot)) metadata[key_of(name, joint)] = with_unit(*limit, unit);
+    if (limit && (!of_robot || *limit < *of_robot)) metadata[key_of(name, joint)] = in_unit(*limit, unit);
   });
 }
 

@@ -274,7 +274,7 @@ NoWay no_way(const Problem& problem) {
   }
   // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
   const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);
-  if ((problem.task.obstacles.empty() && !problem.task.box) || problem.goal.any_free()) return {};
+  if ((!keeps_clear(problem.task) && !problem.task.box) || problem.goal.any_free()) return {};
   std::vector<Pair<double>> points{problem.start.q};
   for (const Via& via : problem.via) points.push_back(via.q);
   points.push_back(problem.goal.q);

@@ -254,11 +254,11 @@ TEST(BrokenRequest, ShapeOfTheDocument) {
       {"", "empty"},
       {"# nothing\n", "empty"},
       {"fastest",
-       "must be a map with the keys robot, start, goal, duration, objective, via, obstacles, tip, path, limits, "
+       "must be a map with the keys robot, start, goal, duration, objective, via, obstacles, walls, tip, path, limits, "
        "sample_period, seed, payload, method, not the text \"fastest\""},
       {kMove + "durtion: 1",
        "unknown key \"durtion\"; allowed: robot, start, goal, duration, objective, via, obstacles, "
-       "tip, path, limits, sample_period, seed, payload, method"},
+       "walls, tip, path, limits, sample_period, seed, payload, method"},
       {kMove + "seed: 1\nseed: 2", "line 4: key \"seed\" is given twice"},
       {kGoal, "start: missing; only a request to the service may leave it out, which then starts where the arm rests"},
       {kStart, "goal: missing"},

@@ -1,16 +1,25 @@
 // Plans that have to keep more than the limits, held against plain geometry: no code of the task's rows.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "common/input_error.h"
 #include "planner/plan.h"
 #include "planner/request/request.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
 namespace {
+
+using testing::HasSubstr;
+
+Problem request(const std::string& yaml) {
+  return parse_request(yaml, "request.yaml", FJR_SOURCE_DIR "/config", FJR_SOURCE_DIR "/config/robot.yaml");
+}
 
 Plan certified(const std::string& yaml) {
   const Problem problem =
@@ -70,6 +79,59 @@ TEST(TaskPlan, BothLinksKeepClearOfADiscThatBarsTheStraightWay) {
   // The certificate looks at other instants: apart by what 50 us move the arm at 6 m/s, squared over twice the
   // distance.
   EXPECT_NEAR(std::min(result.certificate->task[0].room, result.certificate->task[1].room), clearance, 8e-6);
+}
+
+// Ends of the links, of which one is furthest beyond a straight line; seen at instants that the planner does not know.
+TEST(TaskPlan, BothLinksKeepToTheirSideOfAWall) {
+  const std::string motion = "{start: {q: [-0.8, 0]}, goal: {q: [0.8, 0]}";
+  const Plan result = certified(motion + ", walls: [{point: [0.3, -0.57], normal: [0, 2], margin: 0.005}]}"),
+             free = certified(motion + "}");
+  const auto lowest = [](const Plan& plan) {
+    const Parameters p = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
+    double least = 1;
+    look_along(plan, [&](double, const Pair<double>& q) {
+      const double elbow = -p.link.length[0] * std::cos(q[0]), tip = elbow - p.link.length[1] * std::cos(q[0] + q[1]);
+      least = std::min({least, elbow - std::max(p.link.radius[0], p.link.radius[1]), tip - p.link.radius[1]});
+    });
+    return least;
+  };
+  EXPECT_GT(lowest(result), -0.565 - kMissed);
+  EXPECT_LT(lowest(result), -0.564);  // as deep as it may
+  EXPECT_LT(lowest(free), -0.6);      // the wall is in the way
+  EXPECT_GT(result.duration, free.duration);
+  ASSERT_EQ(result.certificate->task.size(), 2u);
+  EXPECT_EQ(result.certificate->task[1].name, "walls[0]");
+  EXPECT_EQ(result.certificate->task[1].link, 2);
+  EXPECT_NEAR(result.certificate->task[1].room, lowest(result) + 0.565,
+              8e-6);  // the certificate looks at other instants
+}
+
+// Where the joints' limits leave no way round, the wall is named, and with what is named there is a motion.
+TEST(TaskPlan, AWallThatBarsEveryWayIsNamedWithWhatWouldDo) {
+  const std::string motion = "{start: {q: [-0.8, 0]}, goal: {q: [0.8, 0]}, limits: {link_position: [1.5, 0.3]}, ";
+  const Plan result = plan(request(motion + "walls: [{point: [0, -0.57], normal: [0, 1]}]}"), {});
+  ASSERT_EQ(result.status, PlanStatus::kInfeasible);
+  EXPECT_THAT(result.reason, HasSubstr("barred by walls[0]"));
+  EXPECT_THAT(result.reason, HasSubstr("walls[0] alone would have to be moved back by"));
+  const double back = result.infeasibility->relaxations.front().to;
+  EXPECT_LT(back, 0.12);
+  certified(motion + fmt::format("walls: [{{point: [0, {}], normal: [0, 1]}}]}}", -0.57 - back));
+}
+
+TEST(TaskPlan, AWallThatTheArmCannotStandBesideIsRefused) {
+  const auto refusal = [](const std::string& wall) -> std::string {
+    try {
+      request("{start: {q: [0, 0]}, goal: {q: [0.5, 0]}, walls: [" + wall + "]}");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal("{point: [0, 0.1], normal: [0, 1]}"),
+              HasSubstr("walls[0]: the base of the arm, [0, 0] m, is 0.1 m"));
+  EXPECT_THAT(refusal("{point: [0, -1], normal: [0, 0]}"), HasSubstr("walls[0].normal: has no direction"));
+  EXPECT_THAT(refusal("{point: [0, -1], normal: [0, 1], margin: -1}"), HasSubstr("walls[0].margin: -1 m is outside"));
+  EXPECT_THAT(refusal("{point: [0, -0.5], normal: [0, 1]}"), HasSubstr("start: link 2 would be"));
 }
 
 TEST(TaskPlan, TipKeepsToALine) {

@@ -68,7 +68,9 @@ ArmOcp<F> arm(double friction_width, int segments) {
   ocp.bounds = {path_bounds<F>(limits)};
   if constexpr (F.peak) bound_peaks<F>(ocp.bounds[0], problem);
   if constexpr (F.task_rows > 0) {  // a row of every kind, and lines that differ from segment to segment
-    Task task{{{{0.3, -0.2}, 0.05, 0.01}}, {}, {}, {}, {}};
+    Task task;
+    task.obstacles = {{{0.3, -0.2}, 0.05, 0.01}};
+    task.walls = {{{0.4, 0}, {-1, 0.5}, 0.01}};
     task.box = TipBox{{-0.5, -0.6}, {0.5, 0.2}};
     task.arc = TipArc{{0, 0.1}, {0, -0.5}, {0.6, 0.1}, 0.01};
     task.path = JointPath{{{0, 0}, {0.5, 1}, {1.2, 0.3}}, 0.01};
@@ -125,10 +127,10 @@ std::vector<Case> cases() {
                        [](const Case& c) { return transcribe(arm<Features{.rate = true}>(c.width, c.segments), c); }});
       }
       all.push_back({"task_arm", scheme, segments, 0.1,
-                     [](const Case& c) { return transcribe(arm<Features{.task_rows = 9}>(c.width, c.segments), c); }});
+                     [](const Case& c) { return transcribe(arm<Features{.task_rows = 11}>(c.width, c.segments), c); }});
       all.push_back({"peak_arm", scheme, segments, 0.1, [](const Case& c) {
-                       return transcribe(arm<Features{.rate = true, .task_rows = 9, .peak = true}>(c.width, c.segments),
-                                         c);
+                       return transcribe(
+                           arm<Features{.rate = true, .task_rows = 11, .peak = true}>(c.width, c.segments), c);
                      }});
       all.push_back({"van_der_pol", scheme, segments, 1, [](const Case& c) { return transcribe(van_der_pol(), c); }});
     }
@@ -396,8 +398,8 @@ TEST_P(Values, AgreeWithLoopsWrittenFromTheTables) {
     expect_naive_values(van_der_pol(), GetParam(), segments);
     expect_naive_values(arm<Features{}>(0.05, segments), GetParam(), segments);
     expect_naive_values(arm<Features{.rate = true}>(0.05, segments), GetParam(), segments);
-    expect_naive_values(arm<Features{.task_rows = 9}>(0.05, segments), GetParam(), segments);
-    expect_naive_values(arm<Features{.task_rows = 9, .peak = true}>(0.05, segments), GetParam(), segments);
+    expect_naive_values(arm<Features{.task_rows = 11}>(0.05, segments), GetParam(), segments);
+    expect_naive_values(arm<Features{.task_rows = 11, .peak = true}>(0.05, segments), GetParam(), segments);
   }
 }
 

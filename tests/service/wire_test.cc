@@ -60,7 +60,13 @@ TEST(Wire, EveryExampleArrivesAsTheSameProblem) {
   int examples = 0;
   for (const auto& entry : fs::directory_iterator(FJR_SOURCE_DIR "/config/requests")) {
     const std::string yaml = contents(entry.path());
-    EXPECT_EQ(hashes_by_wire(yaml), twice(resolved(yaml).request_hash)) << entry.path();
+    const std::string hash = resolved(yaml).request_hash;
+    if (yaml.find("\nwalls:") == std::string::npos) {
+      EXPECT_EQ(hashes_by_wire(yaml), twice(hash)) << entry.path();
+    } else {  // which the older types have no place for
+      EXPECT_EQ(resolved(as_motion_request(yaml)).request_hash, hash) << entry.path();
+      EXPECT_THROW(as_plan_request(yaml), InputError);
+    }
     ++examples;
   }
   EXPECT_GT(examples, 5);

@@ -12,7 +12,7 @@
 #include "model/flatness.h"
 #include "model/friction.h"
 #include "planner/problem/problem.h"
-#include "planner/problem/task.h"
+#include "planner/problem/task/task.h"
 
 namespace fjr {
 namespace {

@@ -126,6 +126,15 @@ const scenery = {
     disc(o.center, o.radius + o.margin, null, "#e3a9a9");
     disc(o.center, o.radius, "#f3d9d9", "#b55");
   },
+  wall: o => {  // hatched on the far side
+    const size = Math.hypot(...o.normal), [nx, ny] = o.normal.map(n => n / size), far = 3, step = 0.03;
+    const on = along => [o.at[0] - ny * along, o.at[1] + nx * along];
+    stroke([on(-far), on(far)], "#b55", 2);
+    for (let along = -far; along < far; along += step) {
+      const [x, y] = on(along);
+      stroke([[x, y], [x - 0.02 * nx - 0.02 * ny, y - 0.02 * ny + 0.02 * nx]], "#e3a9a9", 1);
+    }
+  },
   box: o => {
     const [[x0, y0], [x1, y1]] = o.corners;
     stroke([[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]], "#3a7d44", 1.2, [6, 4]);

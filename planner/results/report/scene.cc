@@ -45,6 +45,16 @@ void add_obstacles(const JsonField& obstacles, Json& scene) {
   }
 }
 
+void add_walls(const JsonField& walls, Json& scene) {
+  const std::vector<JsonField> all = walls.items();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    scene.push_back({{"kind", "wall"},
+                     {"at", all[i].at("point").pair()},
+                     {"normal", all[i].at("normal").pair()},
+                     {"label", fmt::format("walls[{}]", i)}});
+  }
+}
+
 // The short way round from one point to the other, or the long way.
 Json arc_json(const JsonField& arc) {
   const Pair<double> center = arc.at("center").pair(), from = arc.at("from").pair(), to = arc.at("to").pair();
@@ -92,6 +102,7 @@ Json scene_json(const JsonField& plan, const Parameters& robot) {
   const JsonField request = plan.at("resolved_request"), task = request.at("task");
   Json scene = Json::array();
   if (const auto obstacles = task.find("obstacles")) add_obstacles(*obstacles, scene);
+  if (const auto walls = task.find("walls")) add_walls(*walls, scene);
   add_tip(task, scene);
   if (const auto path = task.find("path")) add_path(*path, robot, scene);
   add_vias(request.at("via"), plan.at("via_times").numbers(), robot, scene);

@@ -72,16 +72,11 @@ class Explanation {
     const Relaxable& what = candidate.what;
     const double to = value_with(problem, what, slack);
     const auto time = candidate.time ? candidate.time : worst_moment(problem, what, solution->solution());
-    Relaxation named{what.name, what.joint, what.unit, what.from, to, rough, true, time};
-    if (is_of_task(what)) verify(problem, what, named);
+    Relaxation named{what.name, what.joint, what.unit, what.from, to, rough, true, time, what.constraint};
+    if (what.constraint) verify(problem, what, named);
     named.within_robot = std::abs(named.to - what.from) <= what.allowed;
     result_.relaxations.push_back(named);
     return true;
-  }
-
-  static bool is_of_task(const Relaxable& what) {
-    return what.name.starts_with("obstacles") || what.name == "tip_box" || what.name == "tip_line" ||
-           what.name == "tip_arc" || what.name == "path";
   }
 
   // A slack is minimised with rows that hold at the collocation points of a coarse mesh, and between them a motion cuts
@@ -151,7 +146,8 @@ class Explanation {
       const Problem roomier = what.relaxed(problem_, amount);
       if (!no_way(roomier).sentence.empty()) continue;
       if (!search_.solve(roomier, what.name, search_.guesses(roomier))) continue;
-      result_.relaxations.push_back({what.name, what.joint, what.unit, what.from, what.value(amount), false, true, {}});
+      result_.relaxations.push_back(
+          {what.name, what.joint, what.unit, what.from, what.value(amount), false, true, {}, what.constraint});
       return;
     }
   }
@@ -366,8 +362,9 @@ class Explanation {
       if (r.name == "all_limits") {
         text += fmt::format("; no single limit alone would do, but all together {} times as large{}",
                             enough(r.from, r.to), beyond);
-      } else if (r.name == "tip_box") {
-        text += fmt::format("; tip_box alone would have to be {} m larger on every side", enough(r.from, r.to));
+      } else if (r.constraint && r.constraint->relaxed) {
+        text += fmt::format("; {} alone would have to be {}", r.name,
+                            fmt::format(fmt::runtime(r.constraint->relaxed), enough(r.from, r.to)));
       } else {
         text += fmt::format("; {} alone would have to be {}{}{} (now {:.4g}{})", name_of(r.name, r.joint),
                             r.rough ? "about " : "", enough(r.from, r.to), unit, r.from, beyond);

@@ -18,8 +18,9 @@ struct Relaxation {
   std::string unit;
   double from = 0, to = 0;  // as asked for; the least change that was found to do, to within 4 %
   bool rough = false;  // not verified by planning, or found with friction smoothed only: `to` is about what it takes
-  bool within_robot = true;    // false: beyond what robot.yaml allows a request to ask for
-  std::optional<double> time;  // [s] when it is in the way most
+  bool within_robot = true;                    // false: beyond what robot.yaml allows a request to ask for
+  std::optional<double> time;                  // [s] when it is in the way most
+  const ConstraintInfo* constraint = nullptr;  // of the task, where it is one
 };
 
 struct Infeasibility {

@@ -36,7 +36,8 @@ void give_rows(const Problem& problem, const Relaxable& what, std::vector<double
   const std::vector<TaskRow> after = task_rows(wider.robot, wider.task, 0);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (rows[r].name != what.name) continue;
-    const double below = rows[r].lower - after[r].lower, above = after[r].upper - rows[r].upper;
+    const double moved = rows[r].number - after[r].number;  // value() counts from there
+    const double below = rows[r].lower - after[r].lower + moved, above = after[r].upper - rows[r].upper - moved;
     const double more = std::isfinite(below) ? below : above;
     give[kLimits + r] += more / kStep * size_of(what);
   }

@@ -1,62 +1,15 @@
-// What a request asks of the way beside the limits: obstacles to avoid, where the tip may be, a path to follow. The
-// place for task constraints: a new one is a member of Task, its rows in task.cc, and its keys in read_task.cc.
-//
-// A task constraint is a row, lower <= value(q) <= upper, that only sees the links' positions.
+// A row of a task constraint: lower <= value(q) <= upper, of the links' positions alone.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
-#include <optional>
+#include <limits>
 #include <string>
-#include <vector>
 
 #include "model/kinematics.h"
 #include "model/parameters.h"
 
 namespace fjr {
-
-// Both links keep `margin` away from the disc, over their whole length and radius. [m]
-struct Disc {
-  Pair<double> center{};
-  double radius = 0, margin = 0;
-};
-
-// The tip stays inside. [m]
-struct TipBox {
-  Pair<double> lower{}, upper{};
-};
-
-// The tip stays within the tolerance of the straight line between two points. [m]
-struct TipLine {
-  Pair<double> from{}, to{};
-  double tolerance = 0;
-};
-
-enum class ArcWay { kShort, kLong };
-
-// The tip stays within the tolerance of the arc about `center` that leads the short way from one point to another, or
-// the long way round. [m]
-struct TipArc {
-  Pair<double> center{}, from{}, to{};
-  double tolerance = 0;
-  ArcWay way = ArcWay::kShort;
-};
-
-// The links' angles stay within the tolerance of straight lines through the corners, one after the other. The motion
-// has one segment per line. [rad]
-struct JointPath {
-  std::vector<Pair<double>> corners;  // from the start to the goal
-  double tolerance = 0;
-};
-
-struct Task {
-  std::vector<Disc> obstacles;
-  std::optional<TipBox> box;
-  std::optional<TipLine> line;
-  std::optional<TipArc> arc;
-  std::optional<JointPath> path;
-};
 
 // Where the arm is, for rows to look at.
 template <class T>
@@ -76,17 +29,21 @@ struct TaskRow {
     kClearance1,  // (distance^2 - number^2) / (2 number) of link 1 from the point `vector`: to first order the
     kClearance2,  // clearance, and smooth where the distance itself is not; of link 2                            [m]
     kAngles,      // vector . q - number                                   [rad]
+    kElbow,       // vector . elbow - number                               [m]
   };
   Kind kind;
   Pair<double> vector;
   double number;
   double lower, upper;
   double scale;      // size of the constraint, as a limit's size is: what shares of it are taken of  [m or rad]
-  std::string name;  // in plan.json: obstacles[0], tip_box, tip_line, tip_arc, path
-  int link = 0;      // 1 or 2 for obstacles; 0: neither
+  std::string name;  // in plan.json: obstacles[0], walls[0], tip_box, tip_line, tip_arc, path
+  int link = 0;      // 1 or 2 for obstacles and walls; 0: neither
 
   template <class T>
   T value(const Parameters& robot, const Posture<T>& at) const;
+
+  const char* unit() const { return kind == Kind::kAngles ? "rad" : "m"; }
+  bool is_distance() const { return kind == Kind::kTip || kind == Kind::kElbow || kind == Kind::kAngles; }
 
   // How far it is from its bounds: negative where it is broken. [m or rad]
   double room(double value) const { return std::min(value - lower, upper - value); }
@@ -94,20 +51,11 @@ struct TaskRow {
   double distance(double value) const;
 };
 
-// The rows of a task while the motion is in `segment` of its mesh: the same kinds at every segment, in the same order.
-std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::size_t segment);
-
-// How many that are.
-std::size_t count_of_rows(const Task& task);
-inline constexpr std::size_t kMostObstacles = 64;
-inline constexpr std::size_t kMostTaskRows = 2 * kMostObstacles + 5;  // a path and a region of the tip beside them
-
 // ---- details of templates ----
 
 inline double TaskRow::distance(double value) const {
-  const bool circle = kind != Kind::kTip && kind != Kind::kAngles;
   const auto true_one = [&](double v) {
-    return circle ? std::sqrt(std::max(0.0, number * (number + 2 * v))) - number : v;
+    return !is_distance() ? std::sqrt(std::max(0.0, number * (number + 2 * v))) - number : v;
   };
   return std::min(true_one(value) - true_one(lower), true_one(upper) - true_one(value));
 }
@@ -144,6 +92,8 @@ T TaskRow::value(const Parameters& robot, const Posture<T>& at) const {
   switch (kind) {
     case Kind::kTip:
       return vector[0] * at.tip.x + vector[1] * at.tip.y - number;
+    case Kind::kElbow:
+      return vector[0] * at.elbow.x + vector[1] * at.elbow.y - number;
     case Kind::kTipRadius: {
       const T x = at.tip.x - vector[0], y = at.tip.y - vector[1];
       return from_circle(x * x + y * y);

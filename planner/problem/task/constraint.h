@@ -1,0 +1,93 @@
+// What the kinds of task constraint have in common.
+//
+// A kind is a struct with its numbers and
+//   static constexpr ConstraintInfo info;
+//   add_rows(TaskRows& to) const;            what it asks of every point of the motion
+//   template <class Place> check(place);     refuses what makes no sense: place.at(key or index), place.fail(sentence)
+//   double relaxed_by() const; relax(double) the number that gives way when the request cannot be met
+//   std::size_t count_of_rows() const        where there are not two
+// and a function visit(constraint, v) with its keys, unless it is written otherwise.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "common/key.h"
+#include "common/strict_yaml.h"
+#include "planner/problem/task/row.h"
+
+namespace fjr {
+
+struct ConstraintInfo {
+  const char* name;          // of its rows; numbered where there may be several
+  bool keeps_clear = false;  // of something in the way, and not to something to follow
+  double sign = 1;           // of the change that relaxes
+  double most = 1;           // [m] or [rad] of change that means anything; 0: as much as there is
+  const char* unit = "m";
+  const char* relaxed = nullptr;  // what would have to be, with the number; none: what it is would have to be that
+};
+
+// The rows under construction.
+struct TaskRows {
+  const Parameters& robot;
+  std::size_t segment;
+  std::string name;  // of the constraint
+  std::vector<TaskRow>& rows;
+
+  void add(TaskRow::Kind kind, const Pair<double>& vector, double number, double lower, double upper, double scale,
+           int link = 0) {
+    rows.push_back({kind, vector, number, lower, upper, scale, name, link});
+  }
+};
+
+namespace task {
+
+inline constexpr double kNone = std::numeric_limits<double>::infinity();
+inline constexpr double kLargestCoordinate = 10;  // [m] well beyond the reach of any arm of this size
+inline constexpr double kLeastTolerance = 1e-4,
+                        kMostTolerance = 1;  // [m] or [rad]; the rollout is exact to about 6e-5 m
+inline constexpr double kShortest = 1e-3;    // [m] or [rad] of lines, arcs and radii
+// A band of the full width that reaches this share of it beyond its ends stays within the full width of its segment's
+// ends too, corners included.
+inline constexpr double kAcross = 0.99, kBeyond = 0.14;
+
+inline Pair<double> difference(const Pair<double>& a, const Pair<double>& b) { return {a[0] - b[0], a[1] - b[1]}; }
+inline double dot(const Pair<double>& a, const Pair<double>& b) { return a[0] * b[0] + a[1] * b[1]; }
+inline double length(const Pair<double>& a) { return std::hypot(a[0], a[1]); }
+inline double distance(const Pair<double>& a, const Pair<double>& b) { return length(difference(a, b)); }
+
+template <class Place>
+void check_between(const Place& place, double value, double least, double most, std::string_view unit) {
+  if (value >= least && value <= most) return;
+  place.fail(fmt::format("{} is outside [{}, {}]", with_unit(value, unit), least, most));
+}
+
+template <class Place>
+void check_point(const Place& place, const Pair<double>& point) {
+  for (std::size_t i = 0; i < 2; ++i)
+    check_between(place.at(i), point[i], -kLargestCoordinate, kLargestCoordinate, "m");
+}
+
+template <class Place>
+void check_tolerance(const Place& place, double tolerance, std::string_view unit) {
+  check_between(place.at("tolerance"), tolerance, kLeastTolerance, kMostTolerance, unit);
+}
+
+// Across and along the line from one point to another, within the tolerance.
+inline void add_band(TaskRows& to, TaskRow::Kind kind, const Pair<double>& from, const Pair<double>& end,
+                     double tolerance) {
+  const Pair<double> way = difference(end, from);
+  const double far = length(way);
+  const Pair<double> along{way[0] / far, way[1] / far}, across{-along[1], along[0]};
+  to.add(kind, across, dot(across, from), -kAcross * tolerance, kAcross * tolerance, tolerance);
+  to.add(kind, along, dot(along, from), -kBeyond * tolerance, far + kBeyond * tolerance, tolerance);
+}
+
+}  // namespace task
+}  // namespace fjr

@@ -1,0 +1,32 @@
+#include "planner/problem/task/task.h"
+
+namespace fjr {
+
+std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::size_t segment) {
+  std::vector<TaskRow> rows;
+  each_constraint(task, [&](const std::string& name, const auto& constraint) {
+    TaskRows to{robot, segment, name, rows};
+    constraint.add_rows(to);
+  });
+  return rows;
+}
+
+std::size_t count_of_rows(const Task& task) {
+  std::size_t count = 0;
+  each_constraint(task, [&](const std::string&, const auto& constraint) {
+    if constexpr (requires { constraint.count_of_rows(); }) {
+      count += constraint.count_of_rows();
+    } else {
+      count += 2;
+    }
+  });
+  return count;
+}
+
+bool keeps_clear(const Task& task) {
+  bool any = false;
+  each_constraint(task, [&](const std::string&, const auto& constraint) { any = any || constraint.info.keeps_clear; });
+  return any;
+}
+
+}  // namespace fjr

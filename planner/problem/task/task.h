@@ -1,0 +1,76 @@
+// What a request asks of the motion beside the limits: what to keep clear of, where the tip may be, a path to follow.
+// The place for a new task constraint: a struct in a file of its own (constraint.h says what it has), and its member
+// and its line in visit_constraints() here. Reading, checking, hashing, optimising, margins, the certificate,
+// explanations, shadow prices, plan.json and the picture in the report go by that list.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "planner/problem/task/disc.h"
+#include "planner/problem/task/joint_path.h"
+#include "planner/problem/task/row.h"
+#include "planner/problem/task/tip_arc.h"
+#include "planner/problem/task/tip_box.h"
+#include "planner/problem/task/tip_line.h"
+#include "planner/problem/task/wall.h"
+
+namespace fjr {
+
+struct Task {
+  std::vector<Disc> obstacles;
+  std::vector<Wall> walls;
+  std::optional<TipBox> box;
+  std::optional<TipLine> line;
+  std::optional<TipArc> arc;
+  std::optional<JointPath> path;
+};
+
+// visit(key, member) for every kind, of a Task that is const or not, in the order of the rows. Members are optional, or
+// lists. key: in plan.json.
+template <class T, class Visit>
+void visit_constraints(T& task, Visit&& visit) {
+  visit("path", task.path);
+  visit("obstacles", task.obstacles);
+  visit("box", task.box);
+  visit("line", task.line);
+  visit("arc", task.arc);
+  visit("walls", task.walls);
+}
+
+// ---- what follows from the list ----
+
+template <class Constraint>
+std::string name_of(const std::optional<Constraint>&, std::size_t) {
+  return Constraint::info.name;
+}
+template <class Constraint>
+std::string name_of(const std::vector<Constraint>&, std::size_t i) {
+  return fmt::format("{}[{}]", Constraint::info.name, i);
+}
+
+// visit(name, constraint) for each that there is; name: as in messages and in plan.json, such as obstacles[0].
+template <class T, class Visit>
+void each_constraint(T& task, Visit&& visit) {
+  visit_constraints(task, [&](const char*, auto& member) {
+    if constexpr (requires { member.size(); }) {
+      for (std::size_t i = 0; i < member.size(); ++i) visit(name_of(member, i), member[i]);
+    } else if (member) {
+      visit(name_of(member, 0), *member);
+    }
+  });
+}
+
+// The rows of a task while the motion is in `segment` of its mesh: the same kinds at every segment, in the same order.
+std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::size_t segment);
+
+// How many that are.
+std::size_t count_of_rows(const Task& task);
+inline constexpr std::size_t kMostObstacles = 64;                     // discs and walls together
+inline constexpr std::size_t kMostTaskRows = 2 * kMostObstacles + 5;  // a path and a region of the tip beside them
+
+// Whether there is something to keep clear of.
+bool keeps_clear(const Task& task);
+
+}  // namespace fjr

@@ -150,12 +150,15 @@ class Adapter final : public Ipopt::TNLP {
  private:
   // Everything but the factorisations grows with what there is to evaluate and to multiply with in an iteration.
   double work_of(int iterations) const {
-    constexpr double kPerEntry = 4e-8;  // [s] of derivatives, and of variables and constraints, in one iteration
+    constexpr double kPerEntry = 2e-8;  // [s] of derivatives, and of variables and constraints, in one iteration
+    // [s] of a constraint's second derivatives: those of many task rows fall on the same few entries.
+    constexpr double kPerConstraint = 4e-7;
     constexpr double kPerMultiplication = 6.5e-10;  // [s]
     const auto entries = nlp_.jacobian_pattern.size() + nlp_.hessian_pattern.size() +
                          static_cast<std::size_t>(nlp_.variables() + nlp_.constraints());
-    return kPerEntry * static_cast<double>(entries) * iterations +
-           kPerMultiplication * (multiplications() - multiplied_before_);
+    const double each =
+        kPerEntry * static_cast<double>(entries) + kPerConstraint * static_cast<double>(nlp_.constraints());
+    return each * iterations + kPerMultiplication * (multiplications() - multiplied_before_);
   }
 
   static bool copy(const std::vector<Nlp::Entry>& pattern, Index* row, Index* col) {

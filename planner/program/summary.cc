@@ -110,7 +110,7 @@ std::string optimality(const Plan& plan) {
   if (!h.stationary()) {
     text += line("optimality",
                  fmt::format("not stationary: the Hamiltonian varies by {:.2g} % of objective / duration, {:.2g} % at "
-                             "most would count as constant: a better motion is near, and what is limiting is rough",
+                             "most would count as constant: a better motion may be near, and what is limiting is rough",
                              100 * h.spread / size, 100 * h.allowed / size));
   }
   if (o.friction_width > 0) {

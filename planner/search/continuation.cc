@@ -39,6 +39,7 @@ constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the wa
 constexpr double kWarmBarrier = 1e-7;
 constexpr int kLevelIterations = 80;   // of steps between levels that converge at all, nine of ten take less than 60
 constexpr int kRestIterations = 50;    // with rests scaled, 45
+constexpr double kRestWidth = 0.003;   // [rad/s] up to which they are: in wider laws a motor that moves seems to rest
 constexpr int kMovingIterations = 60;  // nine of ten take less than 45
 constexpr int kMovingRounds = 2;       // a refined mesh wants its nodes elsewhere, but no longer by much
 constexpr int kMoreIterations = 200;   // where they come down a slope on the way: up to 4 % less effort
@@ -210,8 +211,9 @@ bool Continuation::came_down() const {
 bool Continuation::has_rests() const { return sees_friction(problem_->weights) && !problem_->elastic; }
 
 bool Continuation::attempt_level(const std::string& what, const CollocationSetup& setup) {
-  const Collocated from =
-      has_rests() ? with_rests_scaled(*problem_, solution_, setup.smoothing.friction_width) : solution_;
+  const double width = setup.smoothing.friction_width;
+  const bool scaled = has_rests() && width <= kRestWidth;
+  const Collocated from = scaled ? with_rests_scaled(*problem_, solution_, width) : solution_;
   SolveOptions o = warm(what);
   const auto within = [&](int iterations) {
     o.max_iterations = iterations;
@@ -221,7 +223,7 @@ bool Continuation::attempt_level(const std::string& what, const CollocationSetup
     if (stages_.size() > before) stages_.back().level = true;
     return solved;
   };
-  if (within(has_rests() ? kRestIterations : kLevelIterations)) return true;
+  if (within(scaled ? kRestIterations : kLevelIterations)) return true;
   return status_ == SolveStatus::kIterationLimit && came_down() && within(kMoreIterations);
 }
 

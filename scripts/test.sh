@@ -1,7 +1,9 @@
 #!/usr/bin/env bash
-# All tests; then the fast ones again with AddressSanitizer and UndefinedBehaviorSanitizer. Presets make warnings errors.
+# Installs what they need, and runs all tests; then the fast ones again with AddressSanitizer and UndefinedBehaviorSanitizer. Presets make warnings errors.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+source scripts/packages.sh
+install_packages "${program_packages[@]}" "${test_packages[@]}"
 
 # Control ticks are real time: where other work holds up the machine, a motion is stopped for missed ticks, as it should be.
 # What fails is therefore run once more, by itself; what is wrong fails again.

@@ -1,0 +1,34 @@
+# Debian's packages: install what is missing of those named. Sourced by the other scripts.
+
+program_packages=(
+  g++ cmake ninja-build pkg-config ccache                       # build
+  libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev libssl-dev
+  libsundials-dev                                               # rollouts, virtual rig
+  libceres-dev                                                  # identification
+  libjs-chart.js                                                # reports: embedded in them
+  coinor-libipopt-dev libmumps-seq-dev libopenblas0-serial      # optimisation; BLAS with one thread
+  cyclonedds-dev cyclonedds-tools libspdlog-dev libsystemd-dev  # the planning service, its log and its watchdog
+  openssl                                                       # credentials of a secured service
+)
+test_packages=(
+  iproute2 nftables                                             # networks that lose packets
+  systemd                                                       # systemd-analyze: the units are verified
+  libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev  # tests and benchmarks
+  libfastrtps-dev fastddsgen default-jre-headless               # another DDS, to test against
+  python3 python3-venv python3-dev                              # bench/suite.py, a client in Python
+  python3-pandas octave                                         # programs that read our tables
+  clang-format clang-tidy                                       # style
+  mkdocs                                                        # docs/ as a site
+)
+
+install_packages() {
+  local missing=() as_root=() package
+  for package in "$@"; do
+    dpkg-query -W -f '${Status}' "$package" 2>/dev/null | grep -q 'install ok installed' || missing+=("$package")
+  done
+  ((${#missing[@]})) || return 0
+  echo "installing ${#missing[@]} packages: ${missing[*]}"
+  ((EUID == 0)) || as_root=(sudo)
+  "${as_root[@]}" apt-get update -q
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -qy --no-install-recommends "${missing[@]}"
+}

@@ -35,7 +35,7 @@ void compensated(benchmark::State& state) {
   for ([[maybe_unused]] auto _ : state) {
     const auto& x = points[turn ^= 1];
     benchmark::DoNotOptimize(
-        compensated_dynamics(robot, State<T>::from(x.data()), Pair<T>{x[kStates], x[kStates + 1]}));
+        compensated_dynamics(robot, State<T>::from(x.data()), Joints<T>{x[kStates], x[kStates + 1]}));
   }
 }
 
@@ -46,7 +46,8 @@ void exact(benchmark::State& state) {
   std::size_t turn = 0;
   for ([[maybe_unused]] auto _ : state) {
     const auto& x = points[turn ^= 1];
-    benchmark::DoNotOptimize(dynamics(robot, State<double>::from(x.data()), Pair<double>{x[kStates], x[kStates + 1]}));
+    benchmark::DoNotOptimize(
+        dynamics(robot, State<double>::from(x.data()), Joints<double>{x[kStates], x[kStates + 1]}));
   }
 }
 

@@ -21,7 +21,7 @@ struct Errors {  // of the links, in counts of their encoders
 };
 
 Trajectory with_rest(const Parameters& p, Trajectory plan) {
-  const Pair<double> goal = plan.samples.back().state.q;
+  const Joints<double> goal = plan.samples.back().state.q;
   plan.samples.push_back({plan.end_time() + kJumpSpacing, rest_at(p, goal), gravity_torque(p, goal)});
   return plan;
 }
@@ -55,7 +55,7 @@ std::string statistics(std::vector<double> values) {
                      values.back());
 }
 
-void scale(Pair<double>& values, double by) {
+void scale(Joints<double>& values, double by) {
   for (double& value : values) value *= by;
 }
 

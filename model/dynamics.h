@@ -21,7 +21,7 @@ inline constexpr int kStateQ = 0, kStateDq = kJoints, kStateTheta = 2 * kJoints,
 // Order of the state everywhere (vectors, files, messages): q, dq, theta, dtheta; [rad], [rad/s].
 template <class T>
 struct State {
-  Pair<T> q, dq, theta, dtheta;
+  Joints<T> q, dq, theta, dtheta;
 
   T* data() { return q.data(); }  // eight contiguous values, asserted below
   const T* data() const { return q.data(); }
@@ -48,7 +48,7 @@ inline double coupling(const Parameters& p) {
 
 // Coefficients of sin q1 and of sin(q1 + q2) in G, eq. (8), with the payload's share. [N m]
 inline constexpr double kPaperGravity = 9.8;  // [m/s^2] with which alone (6) and (7) give its alphas
-inline Pair<double> gravity_coefficients(const Parameters& p) {
+inline Joints<double> gravity_coefficients(const Parameters& p) {
   const double weight = p.payload.mass * kPaperGravity;
   return {p.link.gravity_torque[0] + weight * p.link.length[0], p.link.gravity_torque[1] + weight * p.link.length[1]};
 }
@@ -73,7 +73,7 @@ MassMatrix<T> mass_matrix(const Parameters& p, const T& q2) {
 // C(q,dq) dq [N m]. The paper prints C12 = -a dq1 sin q2 in (23); the Lagrangian (19)-(21) gives C12 = -a dq2 sin q2,
 // and only that conserves energy. This is the Lagrangian's.
 template <class T>
-Pair<T> coriolis_torque(const Parameters& p, const Pair<T>& q, const Pair<T>& dq) {
+Joints<T> coriolis_torque(const Parameters& p, const Joints<T>& q, const Joints<T>& dq) {
   using std::sin;
   const T a = coupling(p) * sin(q[1]);
   return {-a * dq[1] * (2.0 * dq[0] + dq[1]), a * dq[0] * dq[0]};
@@ -81,25 +81,25 @@ Pair<T> coriolis_torque(const Parameters& p, const Pair<T>& q, const Pair<T>& dq
 
 // G(q), eq. (8). [N m]
 template <class T>
-Pair<T> gravity_torque(const Parameters& p, const Pair<T>& q) {
+Joints<T> gravity_torque(const Parameters& p, const Joints<T>& q) {
   using std::sin;
-  const Pair<double> coefficient = gravity_coefficients(p);
+  const Joints<double> coefficient = gravity_coefficients(p);
   const T second = coefficient[1] * sin(q[0] + q[1]);
   return {coefficient[0] * sin(q[0]) + second, second};
 }
 
 // tau_c = K (theta - q). [N m]
 template <class T>
-Pair<T> spring_torque(const Parameters& p, const Pair<T>& q, const Pair<T>& theta) {
+Joints<T> spring_torque(const Parameters& p, const Joints<T>& q, const Joints<T>& theta) {
   return {p.spring.stiffness[0] * (theta[0] - q[0]), p.spring.stiffness[1] * (theta[1] - q[1])};
 }
 
 // ddq [rad/s^2] of the link side under the spring torque tau_c.
 template <class T>
-Pair<T> link_acceleration(const Parameters& p, const Pair<T>& q, const Pair<T>& dq, const Pair<T>& tau_c) {
+Joints<T> link_acceleration(const Parameters& p, const Joints<T>& q, const Joints<T>& dq, const Joints<T>& tau_c) {
   const MassMatrix<T> m = mass_matrix(p, q[1]);
-  const Pair<T> c = coriolis_torque(p, q, dq);
-  const Pair<T> g = gravity_torque(p, q);
+  const Joints<T> c = coriolis_torque(p, q, dq);
+  const Joints<T> g = gravity_torque(p, q);
   const T r1 = tau_c[0] - c[0] - g[0] - p.link.damping[0] * dq[0];
   const T r2 = tau_c[1] - c[1] - g[1] - p.link.damping[1] * dq[1];
   const T inverse_determinant = 1.0 / (m.m11 * m.m22 - m.m12 * m.m12);
@@ -109,18 +109,18 @@ Pair<T> link_acceleration(const Parameters& p, const Pair<T>& q, const Pair<T>& 
 // dddq [rad/s^3] of the link side: (1) differentiated once in time,
 //   M dddq = K (dtheta - dq) - d(C dq)/dt - D ddq - dG/dt - dM/dt ddq.
 template <class T>
-Pair<T> link_jerk(const Parameters& p, const State<T>& x, const Pair<T>& ddq) {
+Joints<T> link_jerk(const Parameters& p, const State<T>& x, const Joints<T>& ddq) {
   using std::cos;
   using std::sin;
   const T &dq1 = x.dq[0], &dq2 = x.dq[1];
   const T bend = coupling(p) * sin(x.q[1]), bend_rate = coupling(p) * cos(x.q[1]) * dq2;
-  const Pair<double> gravity = gravity_coefficients(p);
+  const Joints<double> gravity = gravity_coefficients(p);
   const T both = dq1 + dq2, second = gravity[1] * cos(x.q[0] + x.q[1]) * both;
   const T first = gravity[0] * cos(x.q[0]) * dq1;
   const T mass_rate = -bend * dq2;  // dm12/dt; dm11/dt is twice that, dm22/dt nothing
   const T c1 = -bend_rate * dq2 * (dq1 + both) - bend * (ddq[1] * (dq1 + both) + dq2 * (2.0 * ddq[0] + ddq[1]));
   const T c2 = (bend_rate * dq1 + 2.0 * bend * ddq[0]) * dq1;
-  const Pair<T> spring = spring_torque(p, x.dq, x.dtheta);  // linear: its rate
+  const Joints<T> spring = spring_torque(p, x.dq, x.dtheta);  // linear: its rate
   const T r1 = spring[0] - c1 - p.link.damping[0] * ddq[0] - first - second - mass_rate * (2.0 * ddq[0] + ddq[1]);
   const T r2 = spring[1] - c2 - p.link.damping[1] * ddq[1] - second - mass_rate * ddq[0];
   const MassMatrix<T> m = mass_matrix(p, x.q[1]);
@@ -131,8 +131,8 @@ Pair<T> link_jerk(const Parameters& p, const State<T>& x, const Pair<T>& ddq) {
 // dx/dt with the friction-compensated torque u = tau_m - tau_fm_nonlinear(dtheta), eq. (26): J ddtheta + B dtheta +
 // tau_c = u. Smooth for every finite x and u. u [N m].
 template <class T>
-State<T> compensated_dynamics(const Parameters& p, const State<T>& x, const Pair<T>& u) {
-  const Pair<T> tau_c = spring_torque(p, x.q, x.theta);
+State<T> compensated_dynamics(const Parameters& p, const State<T>& x, const Joints<T>& u) {
+  const Joints<T> tau_c = spring_torque(p, x.q, x.theta);
   State<T> f;
   f.q = x.dq;
   f.dq = link_acceleration(p, x.q, x.dq, tau_c);
@@ -145,8 +145,8 @@ State<T> compensated_dynamics(const Parameters& p, const State<T>& x, const Pair
 
 // dx/dt, eq. (1), with the exact friction law (24). tau_m [N m].
 template <class T>
-State<T> dynamics(const Parameters& p, const State<T>& x, const Pair<T>& tau_m) {
-  Pair<T> u;
+State<T> dynamics(const Parameters& p, const State<T>& x, const Joints<T>& tau_m) {
+  Joints<T> u;
   for (int j = 0; j < kJoints; ++j) {
     const auto i = static_cast<std::size_t>(j);
     u[i] = tau_m[i] - FrictionLaw::of(p, j).nonlinear(x.dtheta[i]);
@@ -160,7 +160,7 @@ T energy(const Parameters& p, const State<T>& x) {
   using std::cos;
   const MassMatrix<T> m = mass_matrix(p, x.q[1]);
   T e = 0.5 * (m.m11 * x.dq[0] * x.dq[0] + 2.0 * m.m12 * x.dq[0] * x.dq[1] + m.m22 * x.dq[1] * x.dq[1]);
-  const Pair<double> gravity = gravity_coefficients(p);
+  const Joints<double> gravity = gravity_coefficients(p);
   e += gravity[0] * (1.0 - cos(x.q[0])) + gravity[1] * (1.0 - cos(x.q[0] + x.q[1]));
   for (std::size_t j = 0; j < kJoints; ++j) {
     const T deflection = x.theta[j] - x.q[j];
@@ -170,8 +170,8 @@ T energy(const Parameters& p, const State<T>& x) {
 }
 
 // The state at rest at q: dq = dtheta = 0 and theta = q + K^-1 G(q), so that nothing moves under tau_m = G(q).
-inline State<double> rest_at(const Parameters& p, const Pair<double>& q) {
-  const Pair<double> g = gravity_torque(p, q);
+inline State<double> rest_at(const Parameters& p, const Joints<double>& q) {
+  const Joints<double> g = gravity_torque(p, q);
   return {q, {0, 0}, {q[0] + g[0] / p.spring.stiffness[0], q[1] + g[1] / p.spring.stiffness[1]}, {0, 0}};
 }
 

@@ -8,19 +8,19 @@ namespace {
 // The spring torque and two of its time derivatives: all that theta, dtheta and ddtheta need.
 using Expansion = Taylor<2>;
 
-Pair<Expansion> series_of(const Pair<double>& value, const Pair<double>& first, const Pair<double>& second) {
+Joints<Expansion> series_of(const Joints<double>& value, const Joints<double>& first, const Joints<double>& second) {
   return {Expansion::from_derivatives({value[0], first[0], second[0]}),
           Expansion::from_derivatives({value[1], first[1], second[1]})};
 }
 
 // The link side of (1), solved for tau_c.
-Pair<Expansion> required_spring_torque(const Parameters& p, const LinkMotion& motion) {
-  const Pair<Expansion> q = series_of(motion.q, motion.dq, motion.ddq);
-  const Pair<Expansion> dq = series_of(motion.dq, motion.ddq, motion.dddq);
-  const Pair<Expansion> ddq = series_of(motion.ddq, motion.dddq, motion.ddddq);
+Joints<Expansion> required_spring_torque(const Parameters& p, const LinkMotion& motion) {
+  const Joints<Expansion> q = series_of(motion.q, motion.dq, motion.ddq);
+  const Joints<Expansion> dq = series_of(motion.dq, motion.ddq, motion.dddq);
+  const Joints<Expansion> ddq = series_of(motion.ddq, motion.dddq, motion.ddddq);
   const MassMatrix<Expansion> m = mass_matrix(p, q[1]);
-  const Pair<Expansion> c = coriolis_torque(p, q, dq);
-  const Pair<Expansion> g = gravity_torque(p, q);
+  const Joints<Expansion> c = coriolis_torque(p, q, dq);
+  const Joints<Expansion> g = gravity_torque(p, q);
   return {m.m11 * ddq[0] + m.m12 * ddq[1] + c[0] + p.link.damping[0] * dq[0] + g[0],
           m.m12 * ddq[0] + m.m22 * ddq[1] + c[1] + p.link.damping[1] * dq[1] + g[1]};
 }
@@ -28,7 +28,7 @@ Pair<Expansion> required_spring_torque(const Parameters& p, const LinkMotion& mo
 }  // namespace
 
 FlatPoint from_link_motion(const Parameters& p, const LinkMotion& motion) {
-  const Pair<Expansion> tau_c = required_spring_torque(p, motion);
+  const Joints<Expansion> tau_c = required_spring_torque(p, motion);
   FlatPoint point;
   point.state.q = motion.q;
   point.state.dq = motion.dq;
@@ -47,23 +47,24 @@ FlatPoint from_link_motion(const Parameters& p, const LinkMotion& motion) {
 
 // The spring torque's k-th derivative is M times the (2+k)-th derivative of q plus what the lower ones give: one after
 // the other they follow from theta and its derivatives.
-LinkMotion link_motion(const Parameters& p, const State<double>& state, const Pair<double>& u) {
+LinkMotion link_motion(const Parameters& p, const State<double>& state, const Joints<double>& u) {
   const MassMatrix<double> m = mass_matrix(p, state.q[1]);
   const double determinant = m.m11 * m.m22 - m.m12 * m.m12;
   LinkMotion motion{state.q, state.dq, {}, {}, {}};
-  const auto solve = [&](std::size_t derivative, const Pair<double>& spring_torque) {
-    const Pair<Expansion> lower = required_spring_torque(p, motion);
+  const auto solve = [&](std::size_t derivative, const Joints<double>& spring_torque) {
+    const Joints<Expansion> lower = required_spring_torque(p, motion);
     const double first = spring_torque[0] - lower[0].derivative(derivative);
     const double second = spring_torque[1] - lower[1].derivative(derivative);
-    return Pair<double>{(m.m22 * first - m.m12 * second) / determinant, (m.m11 * second - m.m12 * first) / determinant};
+    return Joints<double>{(m.m22 * first - m.m12 * second) / determinant,
+                          (m.m11 * second - m.m12 * first) / determinant};
   };
-  const auto spring = [&](const Pair<double>& theta, const Pair<double>& q) {
-    return Pair<double>{p.spring.stiffness[0] * (theta[0] - q[0]), p.spring.stiffness[1] * (theta[1] - q[1])};
+  const auto spring = [&](const Joints<double>& theta, const Joints<double>& q) {
+    return Joints<double>{p.spring.stiffness[0] * (theta[0] - q[0]), p.spring.stiffness[1] * (theta[1] - q[1])};
   };
-  const Pair<double> tau_c = spring(state.theta, state.q);
+  const Joints<double> tau_c = spring(state.theta, state.q);
   motion.ddq = solve(0, tau_c);
   motion.dddq = solve(1, spring(state.dtheta, state.dq));
-  Pair<double> ddtheta;
+  Joints<double> ddtheta;
   for (std::size_t j = 0; j < kJoints; ++j) {
     ddtheta[j] = (u[j] - tau_c[j] - p.friction.viscous[j] * state.dtheta[j]) / p.motor.inertia[j];
   }

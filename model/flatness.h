@@ -7,13 +7,13 @@ namespace fjr {
 
 // q and its derivatives at one instant; [rad, rad/s, ...]
 struct LinkMotion {
-  Pair<double> q{}, dq{}, ddq{}, dddq{}, ddddq{};
+  Joints<double> q{}, dq{}, ddq{}, dddq{}, ddddq{};
 };
 
 struct FlatPoint {
   State<double> state;
-  Pair<double> compensated_torque;  // u = J ddtheta + B dtheta + tau_c  [N m]
-  Pair<double> torque;              // tau_m = u + tau_fm_nonlinear(dtheta), exact law  [N m]
+  Joints<double> compensated_torque;  // u = J ddtheta + B dtheta + tau_c  [N m]
+  Joints<double> torque;              // tau_m = u + tau_fm_nonlinear(dtheta), exact law  [N m]
 };
 
 // theta, dtheta and ddtheta follow from the link side of (1) and its first two time derivatives, taken exactly by
@@ -21,6 +21,6 @@ struct FlatPoint {
 FlatPoint from_link_motion(const Parameters& p, const LinkMotion& motion);
 
 // The other way round: the link motion of a state under the friction-compensated torque u [N m].
-LinkMotion link_motion(const Parameters& p, const State<double>& state, const Pair<double>& u);
+LinkMotion link_motion(const Parameters& p, const State<double>& state, const Joints<double>& u);
 
 }  // namespace fjr

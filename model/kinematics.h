@@ -1,6 +1,7 @@
 // The arm in its plane of motion: x to the right, y up, joint 1 at the origin, q = 0 hanging straight down. [m]
 #pragma once
 
+#include <array>
 #include <cmath>
 
 #include "model/parameters.h"
@@ -12,15 +13,18 @@ struct Point {
   T x, y;
 };
 
+// x, y of a point or of a vector in the plane, as users write them. [m]
+using Coordinates = std::array<double, 2>;
+
 template <class T>
-Point<T> elbow_position(const Parameters& p, const Pair<T>& q) {
+Point<T> elbow_position(const Parameters& p, const Joints<T>& q) {
   using std::cos;
   using std::sin;
   return {p.link.length[0] * sin(q[0]), -p.link.length[0] * cos(q[0])};
 }
 
 template <class T>
-Point<T> tip_position(const Parameters& p, const Pair<T>& q) {
+Point<T> tip_position(const Parameters& p, const Joints<T>& q) {
   using std::cos;
   using std::sin;
   const Point<T> elbow = elbow_position(p, q);
@@ -30,7 +34,7 @@ Point<T> tip_position(const Parameters& p, const Pair<T>& q) {
 
 // [m/s]
 template <class T>
-Point<T> tip_velocity(const Parameters& p, const Pair<T>& q, const Pair<T>& dq) {
+Point<T> tip_velocity(const Parameters& p, const Joints<T>& q, const Joints<T>& dq) {
   using std::cos;
   using std::sin;
   const T angle = q[0] + q[1], rate = dq[0] + dq[1];
@@ -40,7 +44,7 @@ Point<T> tip_velocity(const Parameters& p, const Pair<T>& q, const Pair<T>& dq) 
 
 // Squared tip speed [m^2/s^2]; depends on q2 alone, and smooth at rest where the speed itself is not.
 template <class T>
-T tip_speed_squared(const Parameters& p, const T& q2, const Pair<T>& dq) {
+T tip_speed_squared(const Parameters& p, const T& q2, const Joints<T>& dq) {
   using std::cos;
   const double l1 = p.link.length[0], l2 = p.link.length[1];
   const T rate = dq[0] + dq[1];

@@ -52,7 +52,7 @@ const Rule& rule_for(std::string_view section, std::string_view name) {
   return found == special.end() ? kPositive : found->second;
 }
 
-void check(const YamlNode& list, const Pair<double>& values, const Rule& rule, std::string_view unit) {
+void check(const YamlNode& list, const Joints<double>& values, const Rule& rule, std::string_view unit) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!rule.holds(values[j])) list.fail_at(j, fmt::format("{} must be {}", with_unit(values[j], unit), rule.text));
   }
@@ -73,7 +73,7 @@ void check_standard_error(const YamlNode& entry, std::string_view unit) {
 bool names_points(std::string_view section, std::string_view name) { return section == "link" && name == "inertia"; }
 
 // One `name: {value, unit, source, standard_error}`; of the links' inertia also `about`.
-Pair<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_view unit, bool has_points) {
+Joints<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_view unit, bool has_points) {
   std::vector<std::string_view> keys{"value", "unit", "source", "standard_error"};
   if (has_points) keys.emplace_back("about");
   entry.allow_keys(keys);
@@ -84,7 +84,7 @@ Pair<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_vie
   entry.at("source").text();
   check_standard_error(entry, unit);
   const YamlNode value = entry.at("value");
-  const Pair<double> values = value.pair(unit);
+  const Joints<double> values = value.pair(unit);
   check(value, values, rule, unit);
   return values;
 }
@@ -110,7 +110,7 @@ using Sections = std::vector<std::pair<std::string_view, std::vector<std::string
 Sections known_sections() {
   Sections sections;
   Parameters unused;
-  visit_parameters(unused, [&](std::string_view section, std::string_view name, std::string_view, Pair<double>&) {
+  visit_parameters(unused, [&](std::string_view section, std::string_view name, std::string_view, Joints<double>&) {
     if (sections.empty() || sections.back().first != section) sections.push_back({section, {}});
     sections.back().second.push_back(name);
   });
@@ -221,7 +221,7 @@ void check_mass_matrix(const YamlNode& root, const Parameters& p) {
 
 // Gravity must not be able to hang the arm beyond the deflection for which its springs are known.
 void check_springs_hold_gravity(const YamlNode& root, const Parameters& p) {
-  const Pair<double> worst{p.link.gravity_torque[0] + p.link.gravity_torque[1], p.link.gravity_torque[1]};
+  const Joints<double> worst{p.link.gravity_torque[0] + p.link.gravity_torque[1], p.link.gravity_torque[1]};
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double deflection = worst[j] / p.spring.stiffness[j];
     if (!(deflection <= p.limits.spring_deflection[j])) {
@@ -288,10 +288,11 @@ Parameters load_parameters(const fs::path& file) {
   const YamlNode root = YamlNode::load(file);
   check_keys(root);
   Parameters p{};
-  visit_parameters(p, [&](std::string_view section, std::string_view name, std::string_view unit, Pair<double>& value) {
-    if (may_be_left_out(section, name) && !root.at(section).find(name)) return;
-    value = read_entry(root.at(section).at(name), rule_for(section, name), unit, names_points(section, name));
-  });
+  visit_parameters(
+      p, [&](std::string_view section, std::string_view name, std::string_view unit, Joints<double>& value) {
+        if (may_be_left_out(section, name) && !root.at(section).find(name)) return;
+        value = read_entry(root.at(section).at(name), rule_for(section, name), unit, names_points(section, name));
+      });
   move_inertias(root, p);
   if (const auto covariance = root.find("covariance")) check_covariance(*covariance);
   check_mass_matrix(root, p);
@@ -324,12 +325,12 @@ fs::path default_robot_file() {
 
 std::string robot_hash(const Parameters& p) {
   std::vector<std::string> lines;
-  std::vector<Pair<double>> left_out;  // what there is where nothing is given
+  std::vector<Joints<double>> left_out;  // what there is where nothing is given
   const Parameters defaults{};
-  visit_parameters(defaults, [&](auto, auto, auto, const Pair<double>& value) { left_out.push_back(value); });
+  visit_parameters(defaults, [&](auto, auto, auto, const Joints<double>& value) { left_out.push_back(value); });
   std::size_t next = 0;
   visit_parameters(
-      p, [&](std::string_view section, std::string_view name, std::string_view, const Pair<double>& value) {
+      p, [&](std::string_view section, std::string_view name, std::string_view, const Joints<double>& value) {
         if (value == left_out[next++] && may_be_left_out(section, name)) return;
         for (std::size_t j = 0; j < kJoints; ++j) {
           lines.push_back(fmt::format("{}.{}[{}]={:.17g}\n", section, name, j, value[j] + 0.0));  // -0 is 0

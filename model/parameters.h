@@ -12,7 +12,7 @@ inline constexpr int kJoints = 2;
 
 // A quantity per joint: [0] is joint 1, [1] is joint 2.
 template <class T>
-using Pair = std::array<T, kJoints>;
+using Joints = std::array<T, kJoints>;
 
 // What is fixed to the tip: a point mass, with an inertia about its own centre of mass if it is no point.
 struct Payload {
@@ -26,45 +26,45 @@ struct Payload {
 // Provenance and standard errors stay in the file; see config/robot.yaml for the equation of every value.
 struct Parameters {
   struct Link {
-    Pair<double> length;          // [m]       l1, l2
-    Pair<double> mass;            // [kg]      m1, m2
-    Pair<double> com_fraction;    // [-]       alpha1, alpha2: centre of mass at alpha_i l_i from joint i
-    Pair<double> inertia;         // [kg m^2]  M1 about joint axis 1; M2 about link 2's centre of mass (17)
-    Pair<double> gravity_torque;  // [N m]     coefficients of sin(q1) and of sin(q1+q2) in (8)
-    Pair<double> damping;         // [N m s/rad] viscous link friction; the paper's model has none
-    Pair<double> radius;          // [m]       radius of the capsule around each link
+    Joints<double> length;          // [m]       l1, l2
+    Joints<double> mass;            // [kg]      m1, m2
+    Joints<double> com_fraction;    // [-]       alpha1, alpha2: centre of mass at alpha_i l_i from joint i
+    Joints<double> inertia;         // [kg m^2]  M1 about joint axis 1; M2 about link 2's centre of mass (17)
+    Joints<double> gravity_torque;  // [N m]     coefficients of sin(q1) and of sin(q1+q2) in (8)
+    Joints<double> damping;         // [N m s/rad] viscous link friction; the paper's model has none
+    Joints<double> radius;          // [m]       radius of the capsule around each link
   } link;
   struct Spring {
-    Pair<double> stiffness;  // [N m/rad]  K
+    Joints<double> stiffness;  // [N m/rad]  K
   } spring;
   struct Motor {
-    Pair<double> inertia;  // [kg m^2]  J
+    Joints<double> inertia;  // [kg m^2]  J
   } motor;
-  struct Friction {              // (24): B v + f tanh(v/eta) - f omega tanh(v/eta - h tanh(v/eta))
-    Pair<double> viscous;        // [N m s/rad]  B
-    Pair<double> amplitude;      // [N m]        f
-    Pair<double> width;          // [rad/s]      eta
-    Pair<double> second_weight;  // [-]          omega
-    Pair<double> second_shape;   // [-]          h
+  struct Friction {                // (24): B v + f tanh(v/eta) - f omega tanh(v/eta - h tanh(v/eta))
+    Joints<double> viscous;        // [N m s/rad]  B
+    Joints<double> amplitude;      // [N m]        f
+    Joints<double> width;          // [rad/s]      eta
+    Joints<double> second_weight;  // [-]          omega
+    Joints<double> second_shape;   // [-]          h
   } friction;
   struct Encoder {
-    Pair<double> motor_counts;  // [1/rev]  counts per revolution of theta
-    Pair<double> link_counts;   // [1/rev]  counts per revolution of q
+    Joints<double> motor_counts;  // [1/rev]  counts per revolution of theta
+    Joints<double> link_counts;   // [1/rev]  counts per revolution of q
   } encoder;
-  struct Limits {                    // magnitudes
-    Pair<double> torque;             // [N m]    |tau_m| in a plan
-    Pair<double> motor_velocity;     // [rad/s]  |dtheta|
-    Pair<double> link_position;      // [rad]    |q|
-    Pair<double> spring_deflection;  // [rad]    |theta - q|: beyond it the springs were not identified
+  struct Limits {                      // magnitudes
+    Joints<double> torque;             // [N m]    |tau_m| in a plan
+    Joints<double> motor_velocity;     // [rad/s]  |dtheta|
+    Joints<double> link_position;      // [rad]    |q|
+    Joints<double> spring_deflection;  // [rad]    |theta - q|: beyond it the springs were not identified
   } limits;
-  struct Feedback {                // the executor's motor-side feedback
-    Pair<double> position_gain;    // [N m/rad]
-    Pair<double> velocity_gain;    // [N m s/rad]
-    Pair<double> velocity_filter;  // [Hz]  cut-off of the low-pass on the differentiated encoder
+  struct Feedback {                  // the executor's motor-side feedback
+    Joints<double> position_gain;    // [N m/rad]
+    Joints<double> velocity_gain;    // [N m s/rad]
+    Joints<double> velocity_filter;  // [Hz]  cut-off of the low-pass on the differentiated encoder
   } feedback;
   struct Drive {
-    Pair<double> peak_torque;            // [N m]  what the drive can give, feedback included
-    Pair<double> copper_loss{0.5, 1.5};  // [W/(N m)^2]  of the windings, per squared tau_m; may be left out
+    Joints<double> peak_torque;            // [N m]  what the drive can give, feedback included
+    Joints<double> copper_loss{0.5, 1.5};  // [W/(N m)^2]  of the windings, per squared tau_m; may be left out
   } drive;
   Payload payload{};  // none, unless the file has one
 };

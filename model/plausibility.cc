@@ -87,8 +87,8 @@ class Examination {
   // (4): both coefficients follow from masses and lengths, but for one factor: the plane of motion may be inclined.
   void gravity() {
     const auto& link = p_.link;
-    const Pair<double> upright{(to_com(0) * link.mass[0] + link.length[0] * link.mass[1]) * kPaperGravity,
-                               to_com(1) * link.mass[1] * kPaperGravity};
+    const Joints<double> upright{(to_com(0) * link.mass[0] + link.length[0] * link.mass[1]) * kPaperGravity,
+                                 to_com(1) * link.mass[1] * kPaperGravity};
     const double factor = link.gravity_torque[0] / upright[0];
     if (factor > 1 + kGravity.improbable) {
       doubt("link.gravity_torque", 0, factor > 1 + kGravity.impossible,

@@ -60,7 +60,7 @@ std::vector<std::vector<Way>> task_ways(const Problem& problem) {
   const double tolerance = task.line ? task.line->tolerance : task.arc ? task.arc->tolerance : 0;
   if ((task.line || task.arc) && tolerance < kWideTipPath) return {ways_along_tip_path(problem)};
   if (task.path || (!keeps_clear(task) && !task.box && tolerance == 0)) return {};
-  std::vector<Pair<double>> points{problem.start.q};
+  std::vector<Joints<double>> points{problem.start.q};
   for (const Via& via : problem.via) points.push_back(via.q);
   points.push_back(problem.goal.q);
   std::vector<std::vector<Way>> all(1);

@@ -58,7 +58,7 @@ std::string Change::sentence() const {
 std::vector<Change> changes(const Parameters& known, const Identified& identified) {
   std::map<std::string, double> before, after;
   const auto collect = [](const Parameters& p, std::map<std::string, double>& values) {
-    visit_parameters(p, [&](const char* section, const char* name, const char*, const Pair<double>& value) {
+    visit_parameters(p, [&](const char* section, const char* name, const char*, const Joints<double>& value) {
       for (std::size_t j = 0; j < kJoints; ++j) values[fmt::format("{}.{}[{}]", section, name, j)] = value[j];
     });
   };

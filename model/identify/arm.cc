@@ -50,8 +50,8 @@ struct Inputs {
 
 Inputs inputs_of(const Parameters& p) {
   const MassMatrix<double> m = mass_matrix(p, 0.0);
-  const Pair<double>& k = p.spring.stiffness;
-  const Pair<double>& g = p.link.gravity_torque;
+  const Joints<double>& k = p.spring.stiffness;
+  const Joints<double>& g = p.link.gravity_torque;
   return {{k[0], k[1], g[0] + g[1], g[1], k[0] / m.m11, k[1] / m.m22, p.link.damping[0] / m.m11,
            p.link.damping[1] / m.m22}};
 }
@@ -89,7 +89,7 @@ Outputs outputs_of(const Parameters& p, const Inputs& in) {
 
 double* place_of(Parameters& p, const std::string& wanted) {
   double* found = nullptr;
-  visit_parameters(p, [&](const char* section, const char* name, const char*, Pair<double>& value) {
+  visit_parameters(p, [&](const char* section, const char* name, const char*, Joints<double>& value) {
     for (std::size_t j = 0; j < kJoints; ++j) {
       if (fmt::format("{}.{}[{}]", section, name, j) == wanted) found = &value[j];
     }

@@ -16,9 +16,9 @@ struct Identified {
   std::vector<std::string> names;  // "spring.stiffness[0]", ...: what they tell, in the order of the covariance
   Eigen::MatrixXd covariance;
   std::map<std::string, std::vector<const Estimate*>> from;  // by name; estimates outlive this
-  Pair<double> damping;                                      // [N m s/rad]  D of (9); not in `robot`
-  Pair<double> damping_error;                                // standard errors
-  Pair<bool> has_damping{false, false};
+  Joints<double> damping;                                    // [N m s/rad]  D of (9); not in `robot`
+  Joints<double> damping_error;                              // standard errors
+  Joints<bool> has_damping{false, false};
 };
 
 // What no estimate tells stays as in `base`, known exactly. Lengths and masses always do: they are weighed and

@@ -20,7 +20,7 @@ Estimate identify_gravity(const Log& log, int joint, const Parameters& robot) {
   fit_branches(log, points, {[](const Landing& l) { return std::sin(l.q); }, "sin q"}, title, e);
   e.charts.insert(e.charts.begin(),
                   branch_chart(title + " over q", points, {[](const Landing& l) { return l.q; }, "q [rad]"}));
-  const Pair<double>& g = robot.link.gravity_torque;
+  const Joints<double>& g = robot.link.gravity_torque;
   require_plausible(log, fmt::format("the gravity torque of joint {} [N m]", joint + 1), e.value[0],
                     joint == 0 ? g[0] + g[1] : g[1]);
   // theta plays no part in the slope, and would be used wrong later if it were.

@@ -33,9 +33,9 @@ std::string quoted(const std::string& text) {
 std::string error_text(const std::optional<double>& error) { return error ? fmt::format("{:.6g}", *error) : "null"; }
 
 struct Entry {
-  Pair<double> value;
+  Joints<double> value;
   std::string about, unit, source;
-  Pair<std::optional<double>> error;
+  Joints<std::optional<double>> error;
 };
 
 std::string format_entry(const std::string& name, const Entry& e) {
@@ -45,9 +45,9 @@ std::string format_entry(const std::string& name, const Entry& e) {
                      e.value[1], e.about, e.unit, quoted(e.source), errors);
 }
 
-Pair<std::optional<double>> errors_in(const YamlNode& entry) {
+Joints<std::optional<double>> errors_in(const YamlNode& entry) {
   const YamlNode node = entry.at("standard_error");
-  Pair<std::optional<double>> errors;
+  Joints<std::optional<double>> errors;
   if (node.is_null()) return errors;
   for (std::size_t j = 0; j < kJoints; ++j) {
     const YamlNode item = node.items()[j];
@@ -63,16 +63,15 @@ class Writer {
       : identified_(identified), base_(YamlNode::load(base)), use_damping_(use_damping) {
     // Inertias are about the points of Parameters here, whichever the base file has them about.
     const Parameters before = load_parameters(base);
-    visit_parameters(before, [&](const std::string& section, const std::string& name, auto, const Pair<double>& value) {
-      values_before_[section + "." + name] = value;
-    });
+    visit_parameters(before, [&](const std::string& section, const std::string& name, auto,
+                                 const Joints<double>& value) { values_before_[section + "." + name] = value; });
   }
 
   std::string write() {
     std::string section_before;
     text_ = "# Written by `fjr identify`. SI units; motor quantities are in link coordinates; [joint 1, joint 2].\n";
     visit_parameters(identified_.robot, [&](const std::string& section, const std::string& name,
-                                            const std::string& unit, const Pair<double>& value) {
+                                            const std::string& unit, const Joints<double>& value) {
       if (section != section_before) text_ += "\n" + section + ":\n";
       section_before = section;
       if (may_be_left_out(section, name) && !base_.at(section).find(name)) return;
@@ -95,7 +94,7 @@ class Writer {
   }
 
   void fill(const std::string& path, const YamlNode& old, Entry& entry) const {
-    const Pair<std::optional<double>> old_errors = errors_in(old);
+    const Joints<std::optional<double>> old_errors = errors_in(old);
     std::set<std::string> logs;
     std::string kept;
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -121,7 +120,7 @@ class Writer {
   }
 
   void fill_damping(const YamlNode& old, Entry& entry) const {
-    const Pair<bool>& has = identified_.has_damping;
+    const Joints<bool>& has = identified_.has_damping;
     if (!has[0] && !has[1]) return;
     std::string found;
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -156,7 +155,7 @@ class Writer {
 
   const Identified& identified_;
   YamlNode base_;
-  std::map<std::string, Pair<double>> values_before_;
+  std::map<std::string, Joints<double>> values_before_;
   bool use_damping_;
   std::string text_;
 };

@@ -75,11 +75,11 @@ Record perform_motor_inertia(const Rig& rig, int joint, const ConstantTorques& t
 
 // How each experiment is performed, for both joints.
 struct Experiments {
-  Pair<Staircase> stiffness{Staircase::of_stiffness(0), Staircase::of_stiffness(1)};
-  Pair<Staircase> gravity{Staircase::of_gravity(0), Staircase::of_gravity(1)};
-  Pair<Impulse> link_inertia{Impulse::of(0), Impulse::of(1)};
-  Pair<ConstantSpeeds> motor_friction;
-  Pair<ConstantTorques> motor_inertia{ConstantTorques::of(0), ConstantTorques::of(1)};
+  Joints<Staircase> stiffness{Staircase::of_stiffness(0), Staircase::of_stiffness(1)};
+  Joints<Staircase> gravity{Staircase::of_gravity(0), Staircase::of_gravity(1)};
+  Joints<Impulse> link_inertia{Impulse::of(0), Impulse::of(1)};
+  Joints<ConstantSpeeds> motor_friction;
+  Joints<ConstantTorques> motor_inertia{ConstantTorques::of(0), ConstantTorques::of(1)};
 
   bool operator==(const Experiments&) const = default;
   // slow: see ConstantSpeeds.

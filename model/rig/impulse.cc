@@ -25,7 +25,7 @@ Record perform_link_inertia(const Rig& rig, int joint, const Impulse& impulse) {
   mounting.links[1 - j] = LinkMount::kClamped;
   mounting.gravity = impulse.gravity;
   mounting.push = [height, j](double t) {
-    Pair<double> push{0, 0};
+    Joints<double> push{0, 0};
     const double phase = (t - kStart) / kLength;
     if (phase > 0 && phase < 1) push[j] = height * std::sin(std::numbers::pi * phase);
     return push;

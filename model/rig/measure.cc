@@ -41,10 +41,10 @@ void add_joint_columns(Log& log, const Record& record, const char* quantity, Rea
 Log measure(const Record& record, const Rig& rig) {
   const bool exact = !rig.instruments.encoders;
   Normal zeros = stream(rig, 0), torque_noise = stream(rig, 1), velocity_noise = stream(rig, 2);
-  Pair<Encoder> link{Encoder(rig.truth.encoder.link_counts[0], exact, zeros.uniform() - 0.5),
-                     Encoder(rig.truth.encoder.link_counts[1], exact, zeros.uniform() - 0.5)};
-  Pair<Encoder> motor{Encoder(rig.truth.encoder.motor_counts[0], exact, zeros.uniform() - 0.5),
-                      Encoder(rig.truth.encoder.motor_counts[1], exact, zeros.uniform() - 0.5)};
+  Joints<Encoder> link{Encoder(rig.truth.encoder.link_counts[0], exact, zeros.uniform() - 0.5),
+                       Encoder(rig.truth.encoder.link_counts[1], exact, zeros.uniform() - 0.5)};
+  Joints<Encoder> motor{Encoder(rig.truth.encoder.motor_counts[0], exact, zeros.uniform() - 0.5),
+                        Encoder(rig.truth.encoder.motor_counts[1], exact, zeros.uniform() - 0.5)};
   Log log;
   log.source = "virtual rig";
   log.metadata = record.metadata;

@@ -15,12 +15,12 @@ struct Record {
   std::map<std::string, std::string> metadata;
   std::vector<double> time;  // [s]
   std::vector<State<double>> states;
-  std::vector<Pair<double>> torques;         // tau_m [N m]
-  std::vector<Pair<double>> drive_velocity;  // as the drive measured it; empty: it played no part in the motion
-  bool log_velocity = false;                 // write the drive's velocity to the log
+  std::vector<Joints<double>> torques;         // tau_m [N m]
+  std::vector<Joints<double>> drive_velocity;  // as the drive measured it; empty: it played no part in the motion
+  bool log_velocity = false;                   // write the drive's velocity to the log
   std::map<std::string, std::vector<double>> planned;  // further columns, by name
 
-  void add(double t, const State<double>& x, const Pair<double>& tau) {
+  void add(double t, const State<double>& x, const Joints<double>& tau) {
     time.push_back(t);
     states.push_back(x);
     torques.push_back(tau);

@@ -12,17 +12,17 @@ namespace fjr {
 // 0.4 % of the largest torque of the stiffness experiment; Figs. 3 and 4 of the paper show a loop that is larger in
 // joint 1 and print no number.
 struct Hysteresis {
-  Pair<double> height{0.08, 0.015};  // [N m]  half the opening of the loop
-  Pair<double> width{0.01, 0.01};    // [rad]  deflection in which a reversal is forgotten to 1/e
+  Joints<double> height{0.08, 0.015};  // [N m]  half the opening of the loop
+  Joints<double> width{0.01, 0.01};    // [rad]  deflection in which a reversal is forgotten to 1/e
 
   bool operator==(const Hysteresis&) const = default;
 };
 
 // Assumptions, apart from the encoders.
 struct Instruments {
-  Pair<double> torque_noise{0.05, 0.02};      // [N m]    standard deviation of one sample
-  Pair<double> velocity_noise{0.005, 0.005};  // [rad/s]  of the drive's own velocity
-  bool encoders = true;                       // false: positions are read exactly, not in counts
+  Joints<double> torque_noise{0.05, 0.02};      // [N m]    standard deviation of one sample
+  Joints<double> velocity_noise{0.005, 0.005};  // [rad/s]  of the drive's own velocity
+  bool encoders = true;                         // false: positions are read exactly, not in counts
 
   bool operator==(const Instruments&) const = default;
 };
@@ -48,7 +48,7 @@ struct Rig {
     return rig;
   }
 
-  bool noisy() const { return instruments.velocity_noise != Pair<double>{0, 0}; }
+  bool noisy() const { return instruments.velocity_noise != Joints<double>{0, 0}; }
 };
 
 }  // namespace fjr

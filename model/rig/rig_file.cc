@@ -24,7 +24,7 @@ void require(const YamlNode& node, double value, const Range& range, std::string
 }
 
 // One number for both joints, or one each.
-Pair<double> number_or_pair(const YamlNode& node, std::string_view unit) {
+Joints<double> number_or_pair(const YamlNode& node, std::string_view unit) {
   if (node.is_list()) return node.pair(unit);
   const double both = node.number(unit);
   return {both, both};
@@ -35,7 +35,7 @@ template <class Store>
 void read(const YamlNode& map, std::string_view key, std::string_view unit, const Range& range, Store&& store) {
   const auto node = map.find(key);
   if (!node) return;
-  const Pair<double> values = number_or_pair(*node, unit);
+  const Joints<double> values = number_or_pair(*node, unit);
   for (std::size_t j = 0; j < kJoints; ++j) {
     require(*node, values[j], range, unit);
     store(j, values[j]);
@@ -75,7 +75,7 @@ void require_rows(const YamlNode& map, double duration, double sample_rate) {
                        kMostRows));
 }
 
-void read_staircase(const YamlNode& map, Pair<Staircase>& to) {
+void read_staircase(const YamlNode& map, Joints<Staircase>& to) {
   read(map, "steps", "1", kCount, [&](std::size_t j, double v) {
     if (v != std::floor(v)) map.at("steps").fail(fmt::format("{} is not a whole number", v));
     to[j].steps = static_cast<int>(v);
@@ -93,7 +93,7 @@ void read_staircase(const YamlNode& map, Pair<Staircase>& to) {
   }
 }
 
-void read_impulse(const YamlNode& map, Pair<Impulse>& to) {
+void read_impulse(const YamlNode& map, Joints<Impulse>& to) {
   map.allow_keys({"amplitude", "duration", "sample_rate", "gravity"});
   read(map, "amplitude", "rad", kAngle, [&](std::size_t j, double v) { to[j].amplitude = v; });
   read(map, "duration", "s", {0.5, 1e4}, [&](std::size_t j, double v) { to[j].duration = v; });
@@ -102,7 +102,7 @@ void read_impulse(const YamlNode& map, Pair<Impulse>& to) {
   for (const Impulse& i : to) require_rows(map, i.duration, i.sample_rate);
 }
 
-void read_speeds(const YamlNode& map, Pair<ConstantSpeeds>& to) {
+void read_speeds(const YamlNode& map, Joints<ConstantSpeeds>& to) {
   map.allow_keys({"speeds", "ramp", "hold", "sample_rate"});
   read_lists(map, "speeds", "rad/s", kSpeed,
              [&](std::size_t j, std::vector<double> v) { to[j].speeds = std::move(v); });
@@ -114,7 +114,7 @@ void read_speeds(const YamlNode& map, Pair<ConstantSpeeds>& to) {
   }
 }
 
-void read_torques(const YamlNode& map, Pair<ConstantTorques>& to) {
+void read_torques(const YamlNode& map, Joints<ConstantTorques>& to) {
   map.allow_keys({"torques", "rest", "push", "sample_rate"});
   read_lists(map, "torques", "N m", kTorque,
              [&](std::size_t j, std::vector<double> v) { to[j].torques = std::move(v); });

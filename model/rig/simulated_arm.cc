@@ -15,7 +15,7 @@ constexpr double kNegligible = 1e-12;                  // [s]
 
 struct RigState {
   State<double> arm;
-  Pair<double> z;  // of the hysteresis, from -1 to 1
+  Joints<double> z;  // of the hysteresis, from -1 to 1
 };
 constexpr int kSize = kStates + kJoints;
 
@@ -72,26 +72,26 @@ struct SimulatedArm::Memory {
   }
 
   // tau_c of (1) with the hysteresis of the rig.
-  Pair<double> spring(const RigState& s) const {
-    Pair<double> tau = spring_torque(rig.truth, s.arm.q, s.arm.theta);
+  Joints<double> spring(const RigState& s) const {
+    Joints<double> tau = spring_torque(rig.truth, s.arm.q, s.arm.theta);
     for (std::size_t j = 0; j < kJoints; ++j) tau[j] = removed(j) ? 0 : tau[j] + rig.hysteresis.height[j] * s.z[j];
     return tau;
   }
 
   // Link side of (1) with the torque `tau` acting; a clamp gives whatever torque it takes.
-  Pair<double> link_acceleration_under(const State<double>& x, const Pair<double>& tau) const {
+  Joints<double> link_acceleration_under(const State<double>& x, const Joints<double>& tau) const {
     if (!clamped(0) && !clamped(1)) return link_acceleration(rig.truth, x.q, x.dq, tau);
     const MassMatrix<double> m = mass_matrix(rig.truth, x.q[1]);
-    const Pair<double> c = coriolis_torque(rig.truth, x.q, x.dq), g = gravity_torque(rig.truth, x.q);
-    const Pair<double> inertia{m.m11, m.m22};
-    Pair<double> ddq{0, 0};
+    const Joints<double> c = coriolis_torque(rig.truth, x.q, x.dq), g = gravity_torque(rig.truth, x.q);
+    const Joints<double> inertia{m.m11, m.m22};
+    Joints<double> ddq{0, 0};
     for (std::size_t j = 0; j < kJoints; ++j) {
       if (!clamped(j)) ddq[j] = (tau[j] - c[j] - g[j] - rig.truth.link.damping[j] * x.dq[j]) / inertia[j];
     }
     return ddq;
   }
 
-  double motor_torque(std::size_t j, double t, const RigState& s, const Pair<double>& tau_c) const {
+  double motor_torque(std::size_t j, double t, const RigState& s, const Joints<double>& tau_c) const {
     const MotorDrive& drive = mounting.drives[j];
     if (drive.torque) return drive.torque(t, s.arm.dtheta[j]);
     const double friction = FrictionLaw::of(rig.truth, static_cast<int>(j)).torque(s.arm.dtheta[j]);
@@ -100,10 +100,10 @@ struct SimulatedArm::Memory {
 
   RigState derivative(double t, const RigState& integrated) const {
     const RigState s = with_prescribed_motors(t, integrated);
-    const Pair<double> tau_c = spring(s);
-    Pair<double> on_links = tau_c;
+    const Joints<double> tau_c = spring(s);
+    Joints<double> on_links = tau_c;
     if (mounting.push) {
-      const Pair<double> push = mounting.push(t);
+      const Joints<double> push = mounting.push(t);
       for (std::size_t j = 0; j < kJoints; ++j) on_links[j] += push[j];
     }
     RigState f{};
@@ -157,9 +157,9 @@ State<double> SimulatedArm::state() const {
   return memory_->with_prescribed_motors(memory_->time, read(memory_->y.get())).arm;
 }
 
-Pair<double> SimulatedArm::motor_torque() const {
+Joints<double> SimulatedArm::motor_torque() const {
   const RigState s = memory_->with_prescribed_motors(memory_->time, read(memory_->y.get()));
-  const Pair<double> tau_c = memory_->spring(s);
+  const Joints<double> tau_c = memory_->spring(s);
   return {memory_->motor_torque(0, memory_->time, s, tau_c), memory_->motor_torque(1, memory_->time, s, tau_c)};
 }
 

@@ -28,10 +28,10 @@ struct MotorDrive {
 };
 
 struct Mounting {
-  Pair<LinkMount> links{LinkMount::kFree, LinkMount::kFree};
+  Joints<LinkMount> links{LinkMount::kFree, LinkMount::kFree};
   bool gravity = true;  // false: the arm lies parallel to the ground
-  Pair<MotorDrive> drives{MotorDrive::still(), MotorDrive::still()};
-  std::function<Pair<double>(double time)> push;  // [N m] on the links; none: nothing pushes
+  Joints<MotorDrive> drives{MotorDrive::still(), MotorDrive::still()};
+  std::function<Joints<double>(double time)> push;  // [N m] on the links; none: nothing pushes
 };
 
 // Adams-Moulton with fixed-point iteration: the springs are not stiff, and BDF would damp the very oscillations whose
@@ -53,7 +53,7 @@ class SimulatedArm {
 
   double time() const;
   State<double> state() const;
-  Pair<double> motor_torque() const;  // tau_m [N m], what the amplifier measures
+  Joints<double> motor_torque() const;  // tau_m [N m], what the amplifier measures
 
  private:
   struct Memory;

@@ -67,7 +67,7 @@ class TorqueMode {
   void run(double duration) {
     const auto ticks = std::lround(duration * tick_rate_);
     for (long i = 0; i < ticks; ++i) {
-      Pair<double> velocity = arm_.state().dtheta;
+      Joints<double> velocity = arm_.state().dtheta;
       if (rig_.noisy()) {
         compensation_->noise = rig_.instruments.velocity_noise[j_] * noise_();
         velocity[j_] += compensation_->noise;

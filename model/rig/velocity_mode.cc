@@ -33,7 +33,7 @@ class Run {
       State<double> x{};
       x.theta[j_] = position_ + speed * (0.5 * in_ramp * in_ramp / plan_.ramp + (t - in_ramp));
       x.dtheta[j_] = speed * (in_ramp / plan_.ramp);
-      Pair<double> tau{0, 0};
+      Joints<double> tau{0, 0};
       tau[j_] = law_.torque(x.dtheta[j_]) + (t < plan_.ramp ? inertia_ * speed / plan_.ramp : 0);
       record_.add(static_cast<double>(record_.time.size()) / plan_.sample_rate, x, tau);
       planned_.push_back(x.dtheta[j_]);

@@ -33,17 +33,17 @@ struct LimitWorth {
 };
 
 struct ViaWorth {
-  double time = 0;                 // [s] where the motion passes it
-  Pair<double> q{};                // d objective / d via position, per rad
-  std::optional<Pair<double>> dq;  // per rad/s, where dq was given
-  std::optional<double> later;     // d objective / d via time where that is given, per s, the duration staying as it is
+  double time = 0;                   // [s] where the motion passes it
+  Joints<double> q{};                // d objective / d via position, per rad
+  std::optional<Joints<double>> dq;  // per rad/s, where dq was given
+  std::optional<double> later;  // d objective / d via time where that is given, per s, the duration staying as it is
 };
 
 struct Sensitivity {
   std::vector<LimitWorth> limits;  // every finite one, and every constraint of the task
   std::optional<double> duration;  // d objective / d duration, per s, where it is fixed or at a bound
   std::vector<ViaWorth> via;
-  Pair<double> goal{};  // d objective / d goal.q, per rad; a goal at rest moves with its equilibrium
+  Joints<double> goal{};  // d objective / d goal.q, per rad; a goal at rest moves with its equilibrium
 };
 
 // Pontryagin's conditions, with H = running cost + p'f and p the costate, d(cost to go)/dx.

@@ -29,15 +29,15 @@ inline bool duration_is_free(const Problem& problem, double duration) {
 }
 
 // d objective / d goal.q, 0 where free. The equilibrium of a goal at rest is theta = q + K^-1 G(q).
-inline Pair<double> goal_worth(const Problem& problem, const Vector8& by_state) {
-  Pair<double> worth{by_state(0), by_state(1)};
+inline Joints<double> goal_worth(const Problem& problem, const Vector8& by_state) {
+  Joints<double> worth{by_state(0), by_state(1)};
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (problem.goal.free[j]) worth[j] = 0;
   }
   if (!problem.goal.at_rest || problem.goal.any_free()) return worth;  // if free, theta is not given but follows
   using D = Dual<kJoints>;
-  const Pair<D> q{D::input(problem.goal.q[0], 0), D::input(problem.goal.q[1], 1)};
-  const Pair<D> gravity = gravity_torque(problem.robot, q);
+  const Joints<D> q{D::input(problem.goal.q[0], 0), D::input(problem.goal.q[1], 1)};
+  const Joints<D> gravity = gravity_torque(problem.robot, q);
   for (std::size_t i = 0; i < kJoints; ++i) {
     const D theta = q[i] + gravity[i] / problem.robot.spring.stiffness[i];
     for (std::size_t j = 0; j < kJoints; ++j) worth[j] += by_state(static_cast<int>(4 + i)) * theta.g[j];
@@ -56,7 +56,7 @@ void add_trace(const Problem& problem, const Collocated& solution, std::vector<L
   for (std::size_t k = 0; k < solution.motion.intervals.size(); ++k) {
     const auto& interval = solution.motion.intervals[k];
     for (int j = 0; j < scheme.stages(); ++j) {
-      const Pair<double> u = solution.motion.torque_in(k, interval.start + scheme.points(j) * interval.duration);
+      const Joints<double> u = solution.motion.torque_in(k, interval.start + scheme.points(j) * interval.duration);
       squares += interval.duration * scheme.b(j) * (u[0] * u[0] + u[1] * u[1]);
     }
   }
@@ -123,7 +123,7 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
     const Vector8 by_state = by_node(leg[i + 1]);
     ViaWorth via{a.node_times[leg[i + 1]], {by_state(0), by_state(1)}, {}, {}};
     if (problem.via[i].time) via.later = mean(i) - mean(i + 1);
-    if (problem.via[i].dq) via.dq = Pair<double>{by_state(2), by_state(3)};
+    if (problem.via[i].dq) via.dq = Joints<double>{by_state(2), by_state(3)};
     sensitivity.via.push_back(via);
   }
   sensitivity.goal = parts::goal_worth(problem, end);

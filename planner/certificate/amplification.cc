@@ -48,9 +48,9 @@ struct Symmetric {  // 2x2
 };
 
 // M s^2 + D s + dG/dq + K (J s^2 + B s) (J s^2 + B s + K)^-1: the spring in series with the motor that gives way.
-Symmetric dynamic_stiffness(const Parameters& p, const Pair<double>& q, double s) {
+Symmetric dynamic_stiffness(const Parameters& p, const Joints<double>& q, double s) {
   const MassMatrix<double> m = mass_matrix(p, q[1]);
-  const Pair<double> gravity = gravity_coefficients(p);
+  const Joints<double> gravity = gravity_coefficients(p);
   const double g1 = gravity[0] * std::cos(q[0]), g2 = gravity[1] * std::cos(q[0] + q[1]);
   const auto diagonal = [&](std::size_t j) {
     const double motor = (p.motor.inertia[j] * s + p.friction.viscous[j]) * s, k = p.spring.stiffness[j];
@@ -82,7 +82,7 @@ std::vector<Stretch> growth_by_gravity(const Parameters& p, const Trajectory& tr
 
 }  // namespace
 
-double gravity_growth_rate(const Parameters& p, const Pair<double>& q) {
+double gravity_growth_rate(const Parameters& p, const Joints<double>& q) {
   if (dynamic_stiffness(p, q, 0).smallest_eigenvalue() >= 0) return 0;
   // Every term increases with s, so the smallest eigenvalue does: its zero is the largest root, and bisection finds it.
   double low = 0, high = 1;

@@ -11,7 +11,7 @@ namespace fjr {
 // Rate at which the arm, in equilibrium at q with its motors free to turn against viscous friction, leaves q under
 // gravity: the largest real root s of det(M s^2 + D s + dG/dq + K (J s^2 + B s) (J s^2 + B s + K)^-1). 0 where gravity
 // holds it. [1/s]
-double gravity_growth_rate(const Parameters& p, const Pair<double>& q);
+double gravity_growth_rate(const Parameters& p, const Joints<double>& q);
 
 // Every stretch of the plan across which an open-loop run need not be exact, in the order of their ends. Two reasons:
 // - a motor whose friction law falls with speed at rest (joint 2's) stays in its unstable band for more than 0.1 s:

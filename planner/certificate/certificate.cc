@@ -18,7 +18,7 @@
 namespace fjr {
 namespace {
 
-double larger(const Pair<double>& p) { return std::max(p[0], p[1]); }
+double larger(const Joints<double>& p) { return std::max(p[0], p[1]); }
 
 // Collects what stands against a trajectory.
 class Verdict {
@@ -59,7 +59,7 @@ class Verdict {
 
   void judge_perturbed(const Perturbed& perturbed) {
     if (!perturbed.completed) return refuse("closed loop from half a count off the start: the integration broke down");
-    const auto judge = [&](const Pair<double>& link, double allowed, const std::string& when) {
+    const auto judge = [&](const Joints<double>& link, double allowed, const std::string& when) {
       if (larger(link) <= allowed) return;
       refuse(
           fmt::format("closed loop from half a count off the start: link {} is up to {:.2e} rad off the plan {}, "

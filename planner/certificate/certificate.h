@@ -14,9 +14,9 @@ namespace fjr {
 double exactness_tolerance(const Parameters& p);
 
 struct RolloutErrors {          // rollout minus plan, largest magnitude over time and joints
-  Pair<double> link{};          // [rad] per joint
-  Pair<double> motor{};         // [rad] per joint
-  Pair<double> final_link{};    // [rad] at the end
+  Joints<double> link{};        // [rad] per joint
+  Joints<double> motor{};       // [rad] per joint
+  Joints<double> final_link{};  // [rad] at the end
   double time_of_max_link = 0;  // [s]
   State<double> end{};          // where the rollout ended
   bool completed = false;       // false: the integration broke down; `failure` says why
@@ -46,15 +46,15 @@ struct OpenLoop : RolloutErrors {
 struct Perturbed {
   bool evaluated = false;  // only for what is exact from the start itself
   bool completed = false;
-  Pair<double> link{};          // [rad] rollout minus plan, largest magnitude per joint
+  Joints<double> link{};        // [rad] rollout minus plan, largest magnitude per joint
   double time_of_max_link = 0;  // [s]
-  Pair<double> after{};         // [rad] |q - q_goal|, largest in the second after an end at rest; 0 after another
+  Joints<double> after{};       // [rad] |q - q_goal|, largest in the second after an end at rest; 0 after another
 
   double max_link() const;
 };
 
 struct ClosedLoop : RolloutErrors {
-  Pair<double> feedback_torque{};  // [N m] largest magnitude per joint
+  Joints<double> feedback_torque{};  // [N m] largest magnitude per joint
   Perturbed perturbed;
 };
 
@@ -83,20 +83,20 @@ struct TaskCheck {
 
 // After the end, from where the rollouts from the exact start ended, with torque G(q_goal), over a fixed window.
 struct Residual {
-  bool evaluated = false;          // only for a trajectory that ends at rest
-  double window = 0;               // [s]
-  Pair<double> link_vibration{};   // [rad] largest |q - q_goal|, closed loop
-  Pair<double> open_loop_drift{};  // [rad] the same without feedback: motor 2 is unstable at rest
+  bool evaluated = false;            // only for a trajectory that ends at rest
+  double window = 0;                 // [s]
+  Joints<double> link_vibration{};   // [rad] largest |q - q_goal|, closed loop
+  Joints<double> open_loop_drift{};  // [rad] the same without feedback: motor 2 is unstable at rest
 };
 
 // Prediction of the run on the hardware: torque held over the tick, encoder counts, filtered differentiation,
 // motor-side feedback, drive peak torque. Reported, never part of the verdict.
 struct Tracking {
-  Pair<double> link_error{};       // [rad] largest
-  Pair<double> link_error_rms{};   // [rad]
-  Pair<double> feedback_torque{};  // [N m] largest
-  Pair<double> peak_torque{};      // [N m] largest commanded
-  bool saturated = false;          // the drive's peak torque was reached
+  Joints<double> link_error{};       // [rad] largest
+  Joints<double> link_error_rms{};   // [rad]
+  Joints<double> feedback_torque{};  // [N m] largest
+  Joints<double> peak_torque{};      // [N m] largest commanded
+  bool saturated = false;            // the drive's peak torque was reached
 };
 
 struct Certificate {

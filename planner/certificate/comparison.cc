@@ -41,7 +41,7 @@ class Recorder {
 
  private:
   void record_torque(double time, const Sample& plan, const State<double>& x) {
-    const Pair<double> feedback = drive_.feedback(plan.state, x);
+    const Joints<double> feedback = drive_.feedback(plan.state, x);
     for (std::size_t j = 0; j < kJoints; ++j) {
       raise(out_.feedback_torque[j], feedback[j], time, out_.time_of_feedback[j]);
     }
@@ -50,8 +50,8 @@ class Recorder {
   }
 
   template <class Which>
-  void raise_peaks(const State<double>& x, const Pair<double>& torque, const Which& which) {
-    const Pair<double> no_rate{};
+  void raise_peaks(const State<double>& x, const Joints<double>& torque, const Which& which) {
+    const Joints<double> no_rate{};
     raise(out_.peaks, {robot_, x, torque, no_rate}, which);
   }
 

@@ -11,13 +11,13 @@ namespace fjr {
 
 struct Comparison {
   RolloutErrors errors;
-  Pair<double> link_velocity_error{};  // [rad/s] rollout against the dq columns, largest over the instants
+  Joints<double> link_velocity_error{};  // [rad/s] rollout against the dq columns, largest over the instants
   double time_of_max_link_velocity = 0;
-  Pair<double> feedback_torque{};   // [N m] largest
-  Pair<double> time_of_feedback{};  // [s]
-  Limits peaks = Limits::all(0);    // largest magnitudes reached, with the commanded torque: plan and feedback
-  std::vector<Event> events;        // of the rollout
-  State<double> final{};            // where it ended
+  Joints<double> feedback_torque{};   // [N m] largest
+  Joints<double> time_of_feedback{};  // [s]
+  Limits peaks = Limits::all(0);      // largest magnitudes reached, with the commanded torque: plan and feedback
+  std::vector<Event> events;          // of the rollout
+  State<double> final{};              // where it ended
 };
 
 // All rows after the first, and instants between them at most 0.25 ms apart. [s]

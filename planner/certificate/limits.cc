@@ -66,7 +66,7 @@ class PublishedExtremes {
   PerIndex values_at(const Sample& sample, const Which& which) const {
     PerIndex values{};
     std::size_t next = 0;
-    const Pair<double> no_rate{};
+    const Joints<double> no_rate{};
     Quantities::visit([&](auto quantity) {
       if (which(quantity.info) && is_limited(quantity.info, limits_)) {
         const auto of_joints = quantity.value(Moment<double>{robot_, sample.state, sample.torque, no_rate});

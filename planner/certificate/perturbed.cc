@@ -14,9 +14,9 @@ namespace {
 
 // In start_offset(): the four corners of a count, and next to the start, where motor 2 leaves its rest most slowly and
 // then wanders furthest.
-constexpr Pair<double> kShifts[] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}, {1e-3, 1e-3}};
+constexpr Joints<double> kShifts[] = {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}, {1e-3, 1e-3}};
 
-State<double> shifted(const Parameters& p, State<double> x, const Pair<double>& shift) {
+State<double> shifted(const Parameters& p, State<double> x, const Joints<double>& shift) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     x.q[j] += shift[j] * start_offset(p, j);
     x.theta[j] += shift[j] * start_offset(p, j);
@@ -33,7 +33,7 @@ double energy_about(const Parameters& p, const Sample& goal, const State<double>
 }
 
 // Largest errors so far, and this.
-void keep(Pair<double>& largest, const Pair<double>& errors) {
+void keep(Joints<double>& largest, const Joints<double>& errors) {
   for (std::size_t j = 0; j < kJoints; ++j) largest[j] = std::max(largest[j], errors[j]);
 }
 
@@ -50,11 +50,11 @@ Perturbed roll_out_perturbed(const Parameters& p, const Trajectory& trajectory) 
   Perturbed worst;
   worst.evaluated = worst.completed = true;
   State<double> liveliest = last.state;
-  for (const Pair<double>& shift : kShifts) {
+  for (const Joints<double>& shift : kShifts) {
     Interpolator plan(trajectory);
     const auto observe = [&](double time, const State<double>& x) {
       const State<double> wanted = plan.at(time).state;
-      const Pair<double> error{std::abs(x.q[0] - wanted.q[0]), std::abs(x.q[1] - wanted.q[1])};
+      const Joints<double> error{std::abs(x.q[0] - wanted.q[0]), std::abs(x.q[1] - wanted.q[1])};
       if (std::max(error[0], error[1]) > worst.max_link()) worst.time_of_max_link = time;
       keep(worst.link, error);
     };

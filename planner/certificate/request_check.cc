@@ -15,7 +15,7 @@ namespace {
 constexpr double kMet = 1e-7;     // [rad], [rad/s]: a hundred times the optimiser's constraint tolerance
 constexpr double kPassed = 1e-5;  // [rad] between rows the interpolation of positions is good to 1e-6
 
-bool differ(const Pair<double>& a, const Pair<double>& b) {
+bool differ(const Joints<double>& a, const Joints<double>& b) {
   return std::max(std::abs(a[0] - b[0]), std::abs(a[1] - b[1])) > kMet;
 }
 

@@ -23,14 +23,14 @@ constexpr Accuracy kAccuracyAtRest{1e-4, 1e-6, 1e-5, 1e-5};
 // as accurate a run differed by 1.5e-7 rad.
 constexpr Accuracy kAccuracyOfTicks{1e-3, 1e-5, 1e-3, 1e-3};
 
-Pair<double> deviation(const State<double>& x, const Sample& rest) {
+Joints<double> deviation(const State<double>& x, const Sample& rest) {
   return {std::abs(x.q[0] - rest.state.q[0]), std::abs(x.q[1] - rest.state.q[1])};
 }
 
-Pair<double> largest_deviation(const Parameters& p, const State<double>& from, const Drive& drive) {
+Joints<double> largest_deviation(const Parameters& p, const State<double>& from, const Drive& drive) {
   Rollout arm(p, Limits{}, kAccuracyAtRest);
   arm.limit_step(kStep);
-  Pair<double> largest{};
+  Joints<double> largest{};
   const auto observe = [&](double, const State<double>& x) {
     for (std::size_t j = 0; j < kJoints; ++j) {
       largest[j] = std::max(largest[j], std::abs(x.q[j] - drive.held.state.q[j]));
@@ -58,7 +58,7 @@ bool is_at_rest(const Parameters& p, const Sample& row) {
   return true;
 }
 
-Pair<double> deviation_at_rest(const Parameters& p, const Sample& goal, const State<double>& from) {
+Joints<double> deviation_at_rest(const Parameters& p, const Sample& goal, const State<double>& from) {
   Sample rest = rest_of(p, goal), later = rest;
   rest.time = 0;
   later.time = kWindow;
@@ -66,12 +66,12 @@ Pair<double> deviation_at_rest(const Parameters& p, const Sample& goal, const St
   TickController controller(p, resting);
   Rollout arm(p, Limits{}, kAccuracyOfTicks);
   arm.start(0, from, Drive::holding(rest));
-  Pair<double> largest = deviation(from, rest);
+  Joints<double> largest = deviation(from, rest);
   for (int k = 0; k * kTick < kWindow; ++k) {
     const State<double>& x = arm.state();
     arm.hold(controller.command(k * kTick, {x.theta, x.q}).torque);
     if (!arm.run((k + 1) * kTick, {}, {}, {})) return {kNoLimit, kNoLimit};
-    const Pair<double> now = deviation(arm.state(), rest);
+    const Joints<double> now = deviation(arm.state(), rest);
     for (std::size_t j = 0; j < kJoints; ++j) largest[j] = std::max(largest[j], now[j]);
   }
   return largest;

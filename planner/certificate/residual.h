@@ -10,7 +10,7 @@ bool is_at_rest(const Parameters& p, const Sample& row);
 
 // How far the links come off the rest at `goal` within the window of Residual, held there by the executor's feedback,
 // with its ticks and the counts of the encoders. [rad]
-Pair<double> deviation_at_rest(const Parameters& p, const Sample& goal, const State<double>& from);
+Joints<double> deviation_at_rest(const Parameters& p, const Sample& goal, const State<double>& from);
 
 // Holds G(q_goal) for one second from the states in which the rollouts ended, with and without feedback to the rest at
 // q_goal. A breakdown of the open-loop integration leaves the drift reached so far.

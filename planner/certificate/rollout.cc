@@ -96,8 +96,8 @@ struct Rollout::Memory {
   sundials::Arkode brisk{sundials::check(ARKStepCreate(rhs, nullptr, 0, x.get(), context.get()), "ARKStepCreate")};
   sundials::Arkode stiff{sundials::check(ARKStepCreate(nullptr, rhs, 0, x.get(), context.get()), "ARKStepCreate")};
   void* active = brisk.get();
-  const Pair<double> stiff_band;  // [rad/s]
-  int steps_in_band = 0;          // without a break
+  const Joints<double> stiff_band;  // [rad/s]
+  int steps_in_band = 0;            // without a break
 
   Memory(const Parameters& p, const Limits& l, const Accuracy& accuracy);
 
@@ -110,9 +110,9 @@ struct Rollout::Memory {
   void observe_until(double until, std::span<const double>& instants, const Observer& observe);
   void record_events();
 
-  Pair<double> torque(double t, const State<double>& x_now);
+  Joints<double> torque(double t, const State<double>& x_now);
   template <class T>
-  State<T> derivative(const State<T>& x_now, const Pair<T>& tau) const {
+  State<T> derivative(const State<T>& x_now, const Joints<T>& tau) const {
     return dynamics(robot, x_now, tau);
   }
 
@@ -150,11 +150,11 @@ Rollout::Memory::Memory(const Parameters& p, const Limits& l, const Accuracy& ac
   check(ARKStepSetJacFn(stiff.get(), fill_jacobian), "ARKStepSetJacFn");
 }
 
-Pair<double> Rollout::Memory::torque(double t, const State<double>& x_now) {
-  const bool closed = drive.position_gain != Pair<double>{} || drive.velocity_gain != Pair<double>{};
+Joints<double> Rollout::Memory::torque(double t, const State<double>& x_now) {
+  const bool closed = drive.position_gain != Joints<double>{} || drive.velocity_gain != Joints<double>{};
   if (!closed) return plan ? plan->torque_at(t) : drive.held.torque;
   const Sample reference = plan ? plan->at(t) : drive.held;
-  const Pair<double> feedback = drive.feedback(reference.state, x_now);
+  const Joints<double> feedback = drive.feedback(reference.state, x_now);
   return {reference.torque[0] + feedback[0], reference.torque[1] + feedback[1]};
 }
 
@@ -171,10 +171,10 @@ int Rollout::Memory::fill_jacobian(realtype t, N_Vector x, N_Vector, SUNMatrix j
                                    N_Vector) {
   auto& m = *static_cast<Memory*>(self);
   const State<double> now = read(x);
-  const Pair<double> tau_now = m.torque(t, now);
+  const Joints<double> tau_now = m.torque(t, now);
   State<Active> active;
   for (int i = 0; i < kStates; ++i) active.data()[i] = Active::input(now.data()[i], i);
-  Pair<Active> tau;
+  Joints<Active> tau;
   for (std::size_t k = 0; k < kJoints; ++k) {
     tau[k] = tau_now[k] - m.drive.position_gain[k] * (active.theta[k] - now.theta[k]) -
              m.drive.velocity_gain[k] * (active.dtheta[k] - now.dtheta[k]);
@@ -191,12 +191,12 @@ int Rollout::Memory::roots(realtype, N_Vector x, realtype* g, void* self) {
   const auto& m = *static_cast<const Memory*>(self);
   const State<double> now = read(x);
   for (std::size_t j = 0; j < kJoints; ++j) g[j] = now.dtheta[j];
-  const Pair<double> no_torque{};
+  const Joints<double> no_torque{};
   const Moment<double> moment{m.robot, now, no_torque, no_torque};
   realtype* next = g + kReversalRoots;
   Quantities::visit([&](auto quantity) {
     if constexpr (quantity.info.of_robot && !quantity.info.sees_torque) {
-      const Pair<double> values = quantity.value(moment);
+      const Joints<double> values = quantity.value(moment);
       for (std::size_t j = 0; j < kJoints; ++j) *next++ = inside(quantity.info.in(m.limits, j), values[j]);
     }
   });
@@ -317,7 +317,7 @@ void Rollout::redirect(const Drive& drive) {
   memory_->restart();
 }
 
-void Rollout::hold(const Pair<double>& torque) {
+void Rollout::hold(const Joints<double>& torque) {
   memory_->drive.held.torque = torque;
   memory_->restart();
 }

@@ -21,8 +21,8 @@ namespace fjr {
 struct Drive {
   const Trajectory* plan = nullptr;  // outlives the rollout; none: `held`
   Sample held{};
-  Pair<double> position_gain{};  // [N m/rad]    Kp
-  Pair<double> velocity_gain{};  // [N m s/rad]  Kd
+  Joints<double> position_gain{};  // [N m/rad]    Kp
+  Joints<double> velocity_gain{};  // [N m s/rad]  Kd
 
   static Drive open_loop(const Trajectory& plan) { return {&plan, {}, {}, {}}; }
   static Drive closed_loop(const Trajectory& plan, const Parameters& p) {
@@ -34,8 +34,8 @@ struct Drive {
   }
 
   // Kp (theta_ref - theta) + Kd (dtheta_ref - dtheta). [N m]
-  Pair<double> feedback(const State<double>& reference, const State<double>& x) const {
-    Pair<double> f;
+  Joints<double> feedback(const State<double>& reference, const State<double>& x) const {
+    Joints<double> f;
     for (std::size_t j = 0; j < kJoints; ++j) {
       f[j] =
           position_gain[j] * (reference.theta[j] - x.theta[j]) + velocity_gain[j] * (reference.dtheta[j] - x.dtheta[j]);
@@ -78,7 +78,7 @@ class Rollout {
   // As start(), with the state reached so far.
   void redirect(const Drive& drive);
   // From now on another held torque, in the middle of things. With Drive::holding() only.
-  void hold(const Pair<double>& torque);
+  void hold(const Joints<double>& torque);
 
   using Observer = std::function<void(double time, const State<double>& state)>;
 

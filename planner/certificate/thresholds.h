@@ -13,7 +13,7 @@ inline constexpr double kPublishedShare = 1e-6;
 // The rollout's velocities: what exactness explains.
 inline constexpr double kRolloutVelocityShare = 1e-3;
 
-inline Pair<double> feedback_limit(const Parameters& p) {  // [N m]
+inline Joints<double> feedback_limit(const Parameters& p) {  // [N m]
   return {kFeedbackShare * p.limits.torque[0], kFeedbackShare * p.limits.torque[1]};
 }
 
@@ -24,9 +24,9 @@ inline double link_velocity_tolerance(const Parameters& p) { return exactness_to
 inline double rollout_velocity_tolerance(const Parameters& p) { return exactness_tolerance(p) / 0.005; }
 
 // What makes a tenth of the feedback allowed, through the velocity gain. [rad/s]
-inline Pair<double> motor_velocity_tolerance(const Parameters& p) {
-  const Pair<double> feedback = feedback_limit(p);
-  Pair<double> tolerance;
+inline Joints<double> motor_velocity_tolerance(const Parameters& p) {
+  const Joints<double> feedback = feedback_limit(p);
+  Joints<double> tolerance;
   for (std::size_t j = 0; j < kJoints; ++j) {
     tolerance[j] = p.feedback.velocity_gain[j] > 0 ? 0.1 * feedback[j] / p.feedback.velocity_gain[j] : 0.01;
   }

@@ -20,7 +20,7 @@ class NoAnswer : public std::runtime_error {
 
 struct ExecutionProgress {
   double time = 0, duration = 0;  // [s] within the trajectory
-  Pair<double> error{};           // [rad] of the links, by their encoders
+  Joints<double> error{};         // [rad] of the links, by their encoders
 };
 
 struct ClientOptions {

@@ -45,14 +45,14 @@ MotorFeedback::MotorFeedback(const Parameters& p, double tick)
                       VelocityFilter(p.feedback.velocity_filter[1], tick)},
       dither_{Dither(p, 0, tick), Dither(p, 1, tick)} {}
 
-void MotorFeedback::start(const Pair<double>& planned_theta, const Pair<double>& measured_theta) {
+void MotorFeedback::start(const Joints<double>& planned_theta, const Joints<double>& measured_theta) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     difference_[j] = planned_theta[j] - quantised(measured_theta[j], p_.encoder.motor_counts[j]);
     error_velocity_[j].reset(motor_error(j), 0);
   }
 }
 
-void MotorFeedback::shift_plan(const Pair<double>& by) {
+void MotorFeedback::shift_plan(const Joints<double>& by) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double before = motor_error(j);
     difference_[j] += by[j];
@@ -74,15 +74,15 @@ double MotorFeedback::link_error(std::size_t j, const Positions& planned, const 
   return std::clamp(beyond(planned.q[j] - counted, half), -of_motor, of_motor);
 }
 
-bool MotorFeedback::link_says_it_rests(std::size_t j, double link_error, const Pair<double>& planned_velocity) const {
+bool MotorFeedback::link_says_it_rests(std::size_t j, double link_error, const Joints<double>& planned_velocity) const {
   const double count = count_angle(p_.encoder.motor_counts[j]);
-  return planned_velocity == Pair<double>{} && std::abs(link_error) < count / 2 &&
+  return planned_velocity == Joints<double>{} && std::abs(link_error) < count / 2 &&
          std::abs(difference_[j]) < 1.5 * count;
 }
 
-MotorFeedback::Command MotorFeedback::command(const Positions& planned, const Pair<double>& planned_velocity,
-                                              const Positions& measured, const Pair<double>& feedforward,
-                                              const Pair<bool>& blind) {
+MotorFeedback::Command MotorFeedback::command(const Positions& planned, const Joints<double>& planned_velocity,
+                                              const Positions& measured, const Joints<double>& feedforward,
+                                              const Joints<bool>& blind) {
   Command c{};
   for (std::size_t j = 0; j < kJoints; ++j) {
     difference_[j] = planned.theta[j] - quantised(measured.theta[j], p_.encoder.motor_counts[j]);

@@ -48,36 +48,36 @@ inline constexpr double kDitherBands = 4;
 class MotorFeedback {
  public:
   struct Command {
-    Pair<double> torque;    // [N m] to the drive, within its peak torque
-    Pair<double> feedback;  // [N m] the part of it that is feedback, before clamping
+    Joints<double> torque;    // [N m] to the drive, within its peak torque
+    Joints<double> feedback;  // [N m] the part of it that is feedback, before clamping
     bool saturated;
   };
   struct Positions {
-    Pair<double> theta, q;  // [rad]
+    Joints<double> theta, q;  // [rad]
   };
 
   MotorFeedback(const Parameters& p, double tick);
 
   // Position errors now are no velocities. Measured: before quantisation.
-  void start(const Pair<double>& planned_theta, const Pair<double>& measured_theta);
+  void start(const Joints<double>& planned_theta, const Joints<double>& measured_theta);
 
   // The planned motor positions given from now on differ by so much from those before, which is no motion. [rad]
-  void shift_plan(const Pair<double>& by);
+  void shift_plan(const Joints<double>& by);
 
   // Positions at the beginning of the tick, measured ones before quantisation; planned motor velocities [rad/s];
   // feed-forward torque for the tick [N m]. Joints that are `blind` get none of the feedback.
-  Command command(const Positions& planned, const Pair<double>& planned_velocity, const Positions& measured,
-                  const Pair<double>& feedforward, const Pair<bool>& blind = {});
+  Command command(const Positions& planned, const Joints<double>& planned_velocity, const Positions& measured,
+                  const Joints<double>& feedforward, const Joints<bool>& blind = {});
 
  private:
   double motor_error(std::size_t j) const;
   double link_error(std::size_t j, const Positions& planned, const Positions& measured) const;
-  bool link_says_it_rests(std::size_t j, double link_error, const Pair<double>& planned_velocity) const;
+  bool link_says_it_rests(std::size_t j, double link_error, const Joints<double>& planned_velocity) const;
 
   Parameters p_;
-  Pair<double> difference_{};  // [rad] planned - measured of the motors, at the last tick
-  Pair<VelocityFilter> error_velocity_;
-  Pair<Dither> dither_;
+  Joints<double> difference_{};  // [rad] planned - measured of the motors, at the last tick
+  Joints<VelocityFilter> error_velocity_;
+  Joints<Dither> dither_;
 };
 
 // MotorFeedback along a trajectory: each tick commands the mean of the planned torque over the coming tick.

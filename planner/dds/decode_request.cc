@@ -21,14 +21,14 @@ class Taker {
     if (!std::isfinite(value)) refuse(field, fmt::format("{} is not finite", value));
     return value;
   }
-  Pair<double> pair(const std::string& field, const double (&value)[2]) {
+  Joints<double> pair(const std::string& field, const double (&value)[2]) {
     return {number(field + "[0]", value[0]), number(field + "[1]", value[1])};
   }
   std::optional<double> optional(const std::string& field, bool given, double value) {
     if (!given) return std::nullopt;
     return number(field, value);
   }
-  std::optional<Pair<double>> optional(const std::string& field, bool given, const double (&value)[2]) {
+  std::optional<Joints<double>> optional(const std::string& field, bool given, const double (&value)[2]) {
     if (!given) return std::nullopt;
     return pair(field, value);
   }
@@ -160,7 +160,7 @@ std::optional<RequestedTip> tip_of(Taker& take, const fjr_msg_TipPath& wire) {
 }
 
 Limits limits_of(Taker& take, const fjr_msg_TightenedLimits& wire) {
-  constexpr Pair<double> kNone{kNoLimit, kNoLimit};
+  constexpr Joints<double> kNone{kNoLimit, kNoLimit};
   Limits limits;
   limits.torque = take.optional("limits.torque", wire.has_torque, wire.torque).value_or(kNone);
   limits.torque_rate = take.optional("limits.torque_rate", wire.has_torque_rate, wire.torque_rate).value_or(kNone);

@@ -18,9 +18,9 @@ namespace {
 
 static_assert(static_cast<int>(Action::kExecute) == fjr_msg_ACTION_EXECUTE);
 
-void set_pair(const Pair<double>& pair, double (&to)[2]) { std::copy(pair.begin(), pair.end(), to); }
+void set_pair(const Joints<double>& pair, double (&to)[2]) { std::copy(pair.begin(), pair.end(), to); }
 
-void set_optional(const std::optional<Pair<double>>& pair, bool& given, double (&to)[2]) {
+void set_optional(const std::optional<Joints<double>>& pair, bool& given, double (&to)[2]) {
   given = pair.has_value();
   if (given) set_pair(*pair, to);
 }
@@ -102,7 +102,7 @@ std::vector<fjr_msg_ViaPoint> encode_vias(const Request& request, fjr_msg_PlanRe
     }
     fjr_msg_ViaPoint via{};
     set_optional(asked.time, via.has_time, via.time);
-    set_pair(asked.q.value_or(Pair<double>{}), via.q);
+    set_pair(asked.q.value_or(Joints<double>{}), via.q);
     set_optional(asked.dq, via.has_dq, via.dq);
     vias.push_back(via);
   }
@@ -152,7 +152,7 @@ void encode_tip(const Request& request, fjr_msg_TipPath& tip) {
 }
 
 // Infinite limits are those of which nothing was said.
-void set_limit(const Pair<double>& limit, bool& given, double (&to)[2]) {
+void set_limit(const Joints<double>& limit, bool& given, double (&to)[2]) {
   given = std::isfinite(limit[0]);
   if (given) set_pair(limit, to);
 }
@@ -179,7 +179,7 @@ std::vector<fjr_msg_Posture> encode_path(const Request& request, fjr_msg_JointPa
   if (!path.given) return postures;
   path.tolerance = request.path->tolerance;
   refuse_long_list(request, "path.points", request.path->points.size(), fjr_msg_MAX_PATH_POINTS);
-  for (const Pair<double>& point : request.path->points) set_pair(point, postures.emplace_back().q);
+  for (const Joints<double>& point : request.path->points) set_pair(point, postures.emplace_back().q);
   return postures;
 }
 

@@ -13,7 +13,7 @@ constexpr std::int64_t kNanoseconds = 1'000'000'000;
 
 // What one point's four lists point to.
 struct Point {
-  Pair<double> q, dq, ddq, torque;
+  Joints<double> q, dq, ddq, torque;
 };
 
 Point point_of(const Parameters& robot, const Sample& row) {
@@ -22,7 +22,7 @@ Point point_of(const Parameters& robot, const Sample& row) {
 }
 
 // Only read when written.
-dds_sequence_double list_of(Pair<double>& values) { return {kJoints, kJoints, values.data(), false}; }
+dds_sequence_double list_of(Joints<double>& values) { return {kJoints, kJoints, values.data(), false}; }
 
 builtin_interfaces_msg_dds__Duration_ duration_of(double time) {
   const auto nanoseconds = static_cast<std::int64_t>(std::llround(time * 1e9));

@@ -13,8 +13,8 @@
 namespace fjr::dds {
 namespace {
 
-void set_pair(double (&to)[2], const Pair<double>& from) { std::copy(from.begin(), from.end(), to); }
-Pair<double> pair_of(const double (&from)[2]) { return {from[0], from[1]}; }
+void set_pair(double (&to)[2], const Joints<double>& from) { std::copy(from.begin(), from.end(), to); }
+Joints<double> pair_of(const double (&from)[2]) { return {from[0], from[1]}; }
 
 // A stop of the wire and a StopMotion are the same fourteen doubles in the same order.
 static_assert(sizeof(fjr_msg_StopMotion) == sizeof(StopMotion) && std::is_trivially_copyable_v<StopMotion>);

@@ -14,13 +14,13 @@ constexpr double kSpacingRounding = 1e-9;  // [s]
 
 bool finite(const Sample& row) {
   const auto& x = row.state;
-  const auto both = [](const Pair<double>& v) { return std::isfinite(v[0]) && std::isfinite(v[1]); };
+  const auto both = [](const Joints<double>& v) { return std::isfinite(v[0]) && std::isfinite(v[1]); };
   return std::isfinite(row.time) && both(x.q) && both(x.dq) && both(x.theta) && both(x.dtheta) && both(row.torque);
 }
 
 bool at_rest(const Sample& row) {
   constexpr double kStill = 1e-4;  // [rad/s]
-  const auto still = [](const Pair<double>& v) { return std::abs(v[0]) <= kStill && std::abs(v[1]) <= kStill; };
+  const auto still = [](const Joints<double>& v) { return std::abs(v[0]) <= kStill && std::abs(v[1]) <= kStill; };
   return still(row.state.dq) && still(row.state.dtheta);
 }
 

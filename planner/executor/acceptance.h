@@ -14,11 +14,11 @@ struct Situation {
   std::int64_t started = 0, now = 0;  // [ns] since 1970, UTC
   std::int64_t halted = 0;            // likewise, when it was last told to hold or to stop
   ExecutorMode mode = ExecutorMode::kResting;
-  std::uint64_t epoch = 0;    // largest seen
-  Pair<double> q{};           // [rad] where the links are
-  Pair<double> rest_theta{};  // [rad] of the motors in equilibrium with them
-  std::string lost;           // an encoder without samples; empty: none
-  double oldest = 10;         // [s] since it was published
+  std::uint64_t epoch = 0;      // largest seen
+  Joints<double> q{};           // [rad] where the links are
+  Joints<double> rest_theta{};  // [rad] of the motors in equilibrium with them
+  std::string lost;             // an encoder without samples; empty: none
+  double oldest = 10;           // [s] since it was published
 };
 
 inline constexpr double kStartTolerance = 0.01;  // [rad] between the first row and where the links are

@@ -28,8 +28,8 @@
 namespace fjr {
 
 struct Reading {
-  Pair<std::optional<double>> theta;  // [rad] of the motors, in link coordinates
-  Pair<std::optional<double>> q;      // [rad] of the links
+  Joints<std::optional<double>> theta;  // [rad] of the motors, in link coordinates
+  Joints<std::optional<double>> q;      // [rad] of the links
 };
 
 inline constexpr int kStallTicks = 5;  // missed in a row that the plan bridges
@@ -44,7 +44,7 @@ class Arm {
 
   // [N m] in link coordinates, within the drives' peak torque; to be held until the next call. When calls stop coming
   // (the program ended, or hangs) the drives must brake by themselves, within kStallTicks.
-  virtual void command(const Pair<double>& torque) = 0;
+  virtual void command(const Joints<double>& torque) = 0;
 };
 
 }  // namespace fjr

@@ -34,10 +34,10 @@ Reading first_reading(Arm& arm) {
 
 // Where the links come to rest when the motors stand at theta: theta = q + K^-1 G(q), by iteration. The springs
 // are more than three times as stiff as gravity, so that 20 steps leave less than 1e-9 rad.
-Pair<double> resting_with(const Parameters& robot, const Pair<double>& theta) {
-  Pair<double> q = theta;
+Joints<double> resting_with(const Parameters& robot, const Joints<double>& theta) {
+  Joints<double> q = theta;
   for (int i = 0; i < 20; ++i) {
-    const Pair<double> at_rest = rest_at(robot, q).theta;
+    const Joints<double> at_rest = rest_at(robot, q).theta;
     for (std::size_t j = 0; j < kJoints; ++j) q[j] += theta[j] - at_rest[j];
   }
   return q;
@@ -61,7 +61,7 @@ Control::Control(const Parameters& robot, Arm& arm)
       observer_(robot),
       swing_stop_(robot) {
   const Reading reading = first_reading(arm);
-  const Pair<double> q{*reading.q[0], *reading.q[1]}, theta{*reading.theta[0], *reading.theta[1]};
+  const Joints<double> q{*reading.q[0], *reading.q[1]}, theta{*reading.theta[0], *reading.theta[1]};
   const State<double> rest = rest_at(robot, q);
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (std::abs(theta[j] - rest.theta[j]) <= kEncodersAgree) continue;
@@ -76,7 +76,7 @@ Control::Control(const Parameters& robot, Arm& arm)
 }
 
 // Rests at q, beginning at `time` with the motors at theta; the difference to where q wants them is faded out.
-void Control::hold_at(const Pair<double>& q, const Pair<double>& theta, double time) {
+void Control::hold_at(const Joints<double>& q, const Joints<double>& theta, double time) {
   held_.samples[0] = {time, rest_at(robot_, q), gravity_torque(robot_, q)};
   held_.samples[1] = held_.samples[0];
   held_.samples[1].time += kTick;
@@ -88,9 +88,9 @@ void Control::hold_at(const Pair<double>& q, const Pair<double>& theta, double t
   planned_ = held_.samples[0];
 }
 
-Pair<double> Control::reference() const {
+Joints<double> Control::reference() const {
   const double left = fade((time_ - began_) / kHandOver);
-  Pair<double> theta;
+  Joints<double> theta;
   for (std::size_t j = 0; j < kJoints; ++j) {
     theta[j] = planned_.state.theta[j] + offset_[j] * left + shift_[j];
   }
@@ -140,7 +140,7 @@ void Control::take_motion(bool refused) {
     finished_.put(motion);
     return;
   }
-  const Pair<double> from = reference();
+  const Joints<double> from = reference();
   motion_ = motion;
   trajectory_id_ = motion->order.id;
   mode_ = ExecutorMode::kExecuting;
@@ -151,7 +151,7 @@ void Control::take_motion(bool refused) {
   stop_ = nullptr;
   next_stop_ = kNoLimit;
   settled_ = false;
-  const Pair<double>& start = motion->trajectory.samples.front().state.theta;
+  const Joints<double>& start = motion->trajectory.samples.front().state.theta;
   for (std::size_t j = 0; j < kJoints; ++j) offset_[j] = from[j] - start[j];
   shift_ = {};
 }
@@ -175,7 +175,7 @@ void Control::supervise() {
   if (mode_ == ExecutorMode::kExecuting) supervise_execution();
   if (mode_ == ExecutorMode::kStopping) supervise_stop();
   if (lost != nullptr && !moving()) {
-    const Pair<bool> before = sensing_.motors_lost();
+    const Joints<bool> before = sensing_.motors_lost();
     sensing_.trust_again();
     if (sensing_.lost() == nullptr || sensing_.motors_lost() != before) rest_here();
   }
@@ -260,7 +260,7 @@ void Control::stop_where_it_is(int missed) {
   after_ = std::max(after_, ExecutorMode::kHolding);
   stop_ = nullptr;
   sensing_.restart();
-  const Pair<double> theta = sensing_.theta();
+  const Joints<double> theta = sensing_.theta();
   feedback_.start(theta, theta);
   hold_at(resting_with(robot_, theta), theta, time_);
   end_ = time_ + kLookAtSwing;
@@ -273,7 +273,7 @@ void Control::look_at_swing() {
   observer_.tick(sensing_.q(), sensing_.theta());
   if (!at_rest()) return;
   looking_ = false;
-  const Pair<double> theta = sensing_.theta();
+  const Joints<double> theta = sensing_.theta();
   if (sensing_.lost() != nullptr || !swing_stop_.find(time_, {observer_.q(), observer_.dq(), theta, {}})) return;
   stopping_swing_ = true;
   end_ = swing_stop_.end();
@@ -286,7 +286,7 @@ void Control::finish(ExecutorMode mode) {
   mode_ = mode;
   motion_->ended_at = sensing_.q();
   finished_.put(motion_);
-  const bool beside = shift_ != Pair<double>{} || motion_->outcome.ending == Ending::kGoalTolerance;
+  const bool beside = shift_ != Joints<double>{} || motion_->outcome.ending == Ending::kGoalTolerance;
   motion_ = nullptr;
   if (beside) return rest_here();
   hold_at(planned_.state.q, planned_.state.theta);
@@ -294,30 +294,30 @@ void Control::finish(ExecutorMode mode) {
 
 // Holds the arm where it is.
 void Control::rest_here() {
-  const Pair<double> theta = sensing_.theta();
+  const Joints<double> theta = sensing_.theta();
   feedback_.start(theta, theta);
   hold_at(sensing_.q(), theta);
-  blind_ = run_away_ ? Pair<bool>{true, true} : sensing_.motors_lost();
+  blind_ = run_away_ ? Joints<bool>{true, true} : sensing_.motors_lost();
 }
 
 // The reference goes on from `theta`, beside the path.
-void Control::move_reference(const Pair<double>& theta) {
-  const Pair<double> from = reference();
-  const Pair<double> by{theta[0] - from[0], theta[1] - from[1]};
+void Control::move_reference(const Joints<double>& theta) {
+  const Joints<double> from = reference();
+  const Joints<double> by{theta[0] - from[0], theta[1] - from[1]};
   for (std::size_t j = 0; j < kJoints; ++j) shift_[j] += by[j];
   feedback_.shift_plan(by);
 }
 
-Pair<double> Control::mean_torque() {
+Joints<double> Control::mean_torque() {
   if (looking_) return spring_torque(robot_, sensing_.q(), reference());  // what holds the motors still
   if (!stopping_swing_) return path_.mean_torque(time_, time_ + kTick);
-  const Pair<double> next = swing_stop_.at(time_ + kTick).torque;
+  const Joints<double> next = swing_stop_.at(time_ + kTick).torque;
   return {(planned_.torque[0] + next[0]) / 2, (planned_.torque[1] + next[1]) / 2};
 }
 
 void Control::drive() {
-  const Pair<double> feedforward = mean_torque(), theta = reference();
-  Pair<double> q = planned_.state.q;
+  const Joints<double> feedforward = mean_torque(), theta = reference();
+  Joints<double> q = planned_.state.q;
   for (std::size_t j = 0; j < kJoints; ++j) q[j] += shift_[j];
   command_ =
       feedback_.command({theta, q}, planned_.state.dtheta, {sensing_.theta(), sensing_.q()}, feedforward, blind_);

@@ -18,7 +18,7 @@ struct TickState {
   ExecutorMode mode = ExecutorMode::kResting;
   RequestId trajectory_id;
   double time = 0;
-  Pair<double> q{}, theta{}, dq{}, dtheta{}, planned_q{}, torque{}, feedback{};
+  Joints<double> q{}, theta{}, dq{}, dtheta{}, planned_q{}, torque{}, feedback{};
   const char* lost = nullptr;  // an encoder without samples
 };
 
@@ -55,15 +55,15 @@ class Control {
   void stop_because(const Outcome& outcome);
   void stop_where_it_is(int missed);
   void look_at_swing();
-  Pair<double> mean_torque();  // planned, until the next tick
+  Joints<double> mean_torque();  // planned, until the next tick
   void finish(ExecutorMode mode);
   void rest_here();
-  void move_reference(const Pair<double>& theta);
+  void move_reference(const Joints<double>& theta);
   void drive();
   void publish();
 
-  void hold_at(const Pair<double>& q, const Pair<double>& theta, double time = 0);
-  Pair<double> reference() const;
+  void hold_at(const Joints<double>& q, const Joints<double>& theta, double time = 0);
+  Joints<double> reference() const;
   bool at_rest() const { return time_ >= end_; }
 
   Parameters robot_;
@@ -78,8 +78,8 @@ class Control {
   double time_ = 0, end_ = 0, began_ = 0;  // [s] of the path; it rests from end_ on; of the hand-over
   double next_stop_ = 0;                   // [s] when the path changes to `stop_`
   const Trajectory* stop_ = nullptr;
-  Pair<double> offset_{}, shift_{};  // [rad] of the motors, beside the path: fading, staying
-  Pair<bool> blind_{};
+  Joints<double> offset_{}, shift_{};  // [rad] of the motors, beside the path: fading, staying
+  Joints<bool> blind_{};
   bool run_away_ = false;
 
   // After missed ticks: the motors are held and the links looked at, until the swing is stopped.

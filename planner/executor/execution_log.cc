@@ -13,7 +13,7 @@ namespace fjr {
 namespace {
 
 void add(Log& log, std::string_view quantity, std::string_view suffix, const CommandedMotion& motion,
-         const Pair<double>& (*get)(const LogRow&)) {
+         const Joints<double>& (*get)(const LogRow&)) {
   for (int joint = 0; joint < kJoints; ++joint) {
     log.names.push_back(joint_column(quantity, joint, suffix));
     std::vector<double> values;
@@ -22,7 +22,7 @@ void add(Log& log, std::string_view quantity, std::string_view suffix, const Com
   }
 }
 
-using Columns = const Pair<double>&;
+using Columns = const Joints<double>&;
 
 }  // namespace
 

@@ -20,7 +20,7 @@ void read_number(const YamlNode& root, std::string_view key, std::string_view un
 }
 
 void read_pair(const YamlNode& root, std::string_view key, std::string_view unit, double least, double most,
-               Pair<double>& to) {
+               Joints<double>& to) {
   const auto node = root.find(key);
   if (!node) return;
   to = node->pair(unit);

@@ -21,7 +21,7 @@ struct ExecutorConfig {
   Tolerances tolerances{{0.02, 0.02}, {0.005, 0.005}, 0.5, {0.05, 0.05}};  // for trajectories that name none
   bool fast = false;  // while something moves, ticks follow each other without waiting for the clock
 
-  Pair<double> start{};              // [rad] where the simulated links rest at first
+  Joints<double> start{};            // [rad] where the simulated links rest at first
   std::filesystem::path true_robot;  // what the simulated arm really is; empty: robot
   VirtualArmOptions arm;             // without `truth`
 };

@@ -8,10 +8,10 @@ namespace fjr {
 class Figures {
  public:
   struct Instant {
-    Pair<double> q, dq, theta, dtheta;  // [rad], [rad/s] measured; velocities filtered
-    Pair<double> planned_q;             // [rad]
-    Pair<double> torque, feedback;      // [N m]
-    bool moving;                        // false: after the end
+    Joints<double> q, dq, theta, dtheta;  // [rad], [rad/s] measured; velocities filtered
+    Joints<double> planned_q;             // [rad]
+    Joints<double> torque, feedback;      // [N m]
+    bool moving;                          // false: after the end
   };
   void add(const Instant& now);
 
@@ -19,8 +19,8 @@ class Figures {
   void fill(ExecutionResult& result, const Parameters& robot) const;
 
  private:
-  Pair<double> largest_{}, squares_{}, last_{}, residual_{}, feedback_{};
-  Pair<double> torque_{}, motor_velocity_{}, link_position_{}, deflection_{};
+  Joints<double> largest_{}, squares_{}, last_{}, residual_{}, feedback_{};
+  Joints<double> torque_{}, motor_velocity_{}, link_position_{}, deflection_{};
   long moving_ = 0;
 };
 

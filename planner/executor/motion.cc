@@ -32,7 +32,7 @@ Tolerances resolved(const Tolerances& given, const Tolerances& standard) {
 // The last row's torque still brakes; from there on the goal is held by its own gravity torque.
 Trajectory with_rest_after(const Parameters& robot, const std::vector<Sample>& rows) {
   Trajectory trajectory{rows, {}};
-  const Pair<double> goal = rows.back().state.q;
+  const Joints<double> goal = rows.back().state.q;
   trajectory.samples.push_back({rows.back().time + kJumpSpacing, rest_at(robot, goal), gravity_torque(robot, goal)});
   return trajectory;
 }

@@ -37,8 +37,8 @@ struct Outcome {
 };
 
 struct LogRow {
-  double time;                    // [s] of the trajectory
-  Pair<double> q, theta, torque;  // [rad] measured at `time`; [N m] commanded from then on
+  double time;                      // [s] of the trajectory
+  Joints<double> q, theta, torque;  // [rad] measured at `time`; [N m] commanded from then on
   Sample planned;
 };
 
@@ -53,8 +53,8 @@ struct CommandedMotion {
   std::vector<LogRow> log;  // capacity for the longest course of events
   Figures figures;
   Outcome outcome;
-  Pair<double> ended_at{};  // [rad] of the links
-  long missed_ticks = 0;    // during the motion
+  Joints<double> ended_at{};  // [rad] of the links
+  long missed_ticks = 0;      // during the motion
 };
 
 // Without stop motions: from any instant its own end is the way to rest.

@@ -3,9 +3,9 @@
 namespace fjr {
 namespace {
 
-constexpr Pair<const char*> kLinks{"q1", "q2"}, kMotors{"theta1", "theta2"};
+constexpr Joints<const char*> kLinks{"q1", "q2"}, kMotors{"theta1", "theta2"};
 
-Pair<VelocityFilter> filters(const Parameters& robot) {
+Joints<VelocityFilter> filters(const Parameters& robot) {
   return {VelocityFilter(robot.feedback.velocity_filter[0], kTick),
           VelocityFilter(robot.feedback.velocity_filter[1], kTick)};
 }
@@ -14,7 +14,7 @@ Pair<VelocityFilter> filters(const Parameters& robot) {
 
 Sensing::Sensing(const Parameters& robot) : link_{.filter = filters(robot)}, motor_{.filter = filters(robot)} {}
 
-void Sensing::start(const Pair<double>& q, const Pair<double>& theta) {
+void Sensing::start(const Joints<double>& q, const Joints<double>& theta) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     link_.position[j] = q[j];
     motor_.position[j] = theta[j];
@@ -23,7 +23,7 @@ void Sensing::start(const Pair<double>& q, const Pair<double>& theta) {
   }
 }
 
-void Sensing::Encoders::update(const Pair<std::optional<double>>& samples, const Pair<double>& planned) {
+void Sensing::Encoders::update(const Joints<std::optional<double>>& samples, const Joints<double>& planned) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (samples[j]) {
       missing[j] = 0;
@@ -37,7 +37,7 @@ void Sensing::Encoders::update(const Pair<std::optional<double>>& samples, const
   }
 }
 
-void Sensing::update(const Reading& reading, const Pair<double>& planned_q, const Pair<double>& planned_theta) {
+void Sensing::update(const Reading& reading, const Joints<double>& planned_q, const Joints<double>& planned_theta) {
   link_.update(reading.q, planned_q);
   motor_.update(reading.theta, planned_theta);
 }

@@ -14,29 +14,29 @@ class Sensing {
   explicit Sensing(const Parameters& robot);
 
   // At rest at these positions. [rad]
-  void start(const Pair<double>& q, const Pair<double>& theta);
+  void start(const Joints<double>& q, const Joints<double>& theta);
 
   // A sample that is missing is bridged: the plan's value and how far from it the last one was.
-  void update(const Reading& reading, const Pair<double>& planned_q, const Pair<double>& planned_theta);
+  void update(const Reading& reading, const Joints<double>& planned_q, const Joints<double>& planned_theta);
 
-  const Pair<double>& q() const { return link_.position; }
-  const Pair<double>& theta() const { return motor_.position; }
-  const Pair<double>& dq() const { return link_.velocity; }
-  const Pair<double>& dtheta() const { return motor_.velocity; }
+  const Joints<double>& q() const { return link_.position; }
+  const Joints<double>& theta() const { return motor_.position; }
+  const Joints<double>& dq() const { return link_.velocity; }
+  const Joints<double>& dtheta() const { return motor_.velocity; }
 
-  Pair<bool> motors_lost() const { return motor_.gone; }
+  Joints<bool> motors_lost() const { return motor_.gone; }
   const char* lost() const;  // "theta1", ...; null: none
   void trust_again();        // what has samples again is no longer lost
   void restart();            // at rest where it is: after a gap in time, differences say nothing about velocities
 
  private:
   struct Encoders {
-    Pair<double> position{}, velocity{}, sample{}, deviation{};
-    Pair<int> missing{};
-    Pair<bool> gone{};
-    Pair<VelocityFilter> filter;
+    Joints<double> position{}, velocity{}, sample{}, deviation{};
+    Joints<int> missing{};
+    Joints<bool> gone{};
+    Joints<VelocityFilter> filter;
 
-    void update(const Pair<std::optional<double>>& samples, const Pair<double>& planned);
+    void update(const Joints<std::optional<double>>& samples, const Joints<double>& planned);
     void restart();
   };
 

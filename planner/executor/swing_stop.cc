@@ -24,21 +24,21 @@ double natural_end(const std::array<double, 5>& start) {
   return a / 5 + b / 30 + c / 105 + d / 280;
 }
 
-Pair<StopShape> natural_shapes(const LinkMotion& from, double duration) {
-  Pair<StopShape> shapes = shapes_from(from, duration);
+Joints<StopShape> natural_shapes(const LinkMotion& from, double duration) {
+  Joints<StopShape> shapes = shapes_from(from, duration);
   for (StopShape& shape : shapes) shape.free[0] = natural_end(shape.start);
   return shapes;
 }
 
 }  // namespace
 
-void SwingObserver::start(const Pair<double>& q) {
+void SwingObserver::start(const Joints<double>& q) {
   q_ = q;
   dq_ = {};
 }
 
-void SwingObserver::tick(const Pair<double>& q, const Pair<double>& theta) {
-  const Pair<double> acceleration = link_acceleration(robot_, q, dq_, spring_torque(robot_, q, theta));
+void SwingObserver::tick(const Joints<double>& q, const Joints<double>& theta) {
+  const Joints<double> acceleration = link_acceleration(robot_, q, dq_, spring_torque(robot_, q, theta));
   for (std::size_t j = 0; j < kJoints; ++j) {
     q_[j] += dq_[j] * kTick + acceleration[j] * kTick * kTick / 2;
     dq_[j] += acceleration[j] * kTick;
@@ -62,7 +62,7 @@ bool SwingStop::find(double start, const State<double>& swinging) {
 }
 
 // Of the limits but those of the springs, which are as far out as the swing has them.
-double SwingStop::largest_share(const Pair<StopShape>& shapes, double duration) const {
+double SwingStop::largest_share(const Joints<StopShape>& shapes, double duration) const {
   double largest = 0;
   for (int n = 0; n <= kInstants; ++n) {
     const FlatPoint p = from_link_motion(robot_, in_time({table_.at(shapes[0], n), table_.at(shapes[1], n)}, duration));

@@ -17,15 +17,15 @@ class SwingObserver {
  public:
   explicit SwingObserver(const Parameters& robot) : robot_(robot) {}
 
-  void start(const Pair<double>& q);
-  void tick(const Pair<double>& q, const Pair<double>& theta);  // measured; [rad]
+  void start(const Joints<double>& q);
+  void tick(const Joints<double>& q, const Joints<double>& theta);  // measured; [rad]
 
-  const Pair<double>& q() const { return q_; }
-  const Pair<double>& dq() const { return dq_; }
+  const Joints<double>& q() const { return q_; }
+  const Joints<double>& dq() const { return dq_; }
 
  private:
   Parameters robot_;
-  Pair<double> q_{}, dq_{};
+  Joints<double> q_{}, dq_{};
 };
 
 // A motion of the arm, which is flat in q, from swinging with its motors at rest to rest: of the polynomials q(t) that
@@ -42,12 +42,12 @@ class SwingStop {
   Sample at(double time) const;  // rest at the end after it
 
  private:
-  double largest_share(const Pair<StopShape>& shapes, double duration) const;
+  double largest_share(const Joints<StopShape>& shapes, double duration) const;
 
   Parameters robot_;
   Limits limits_;
   ShapeTable table_;
-  Pair<StopShape> shapes_{};
+  Joints<StopShape> shapes_{};
   double start_ = 0, duration_ = 0;
 };
 

@@ -22,7 +22,7 @@ double hysteresis_after(double z, double change, double width) {
 
 }  // namespace
 
-VirtualArm::VirtualArm(const VirtualArmOptions& options, const Pair<double>& q)
+VirtualArm::VirtualArm(const VirtualArmOptions& options, const Joints<double>& q)
     : options_(options),
       rollout_(with_payload(options.truth, {options.payload}), Limits{}, Accuracy::of_predictions()),
       state_(rest_at(with_payload(options.truth, {options.payload}), q)) {}
@@ -49,15 +49,15 @@ Reading VirtualArm::measure() {
   return reading;
 }
 
-void VirtualArm::pass_tick(const Pair<double>& torque) {
-  if (options_.hysteresis.height == Pair<double>{}) return advance(torque, kTick);
+void VirtualArm::pass_tick(const Joints<double>& torque) {
+  if (options_.hysteresis.height == Joints<double>{}) return advance(torque, kTick);
   for (int i = 0; i < kPieces; ++i) advance(torque, kTick / kPieces);
 }
 
 // Of drives that get no commands: the motors are held against the springs, and what speed they have is taken from them.
-Pair<double> VirtualArm::braking() const {
+Joints<double> VirtualArm::braking() const {
   const Parameters& p = options_.truth;
-  Pair<double> torque;
+  Joints<double> torque;
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double held = p.spring.stiffness[j] * (state_.theta[j] - state_.q[j]);
     const double braked = held - p.motor.inertia[j] * state_.dtheta[j] / kBraked;
@@ -67,9 +67,9 @@ Pair<double> VirtualArm::braking() const {
 }
 
 // A hysteresis torque that stands still is a spring whose rest is elsewhere: tau_c = K (theta + h z / K - q).
-void VirtualArm::advance(const Pair<double>& torque, double duration) {
+void VirtualArm::advance(const Joints<double>& torque, double duration) {
   const Hysteresis& h = options_.hysteresis;
-  Pair<double> before;
+  Joints<double> before;
   State<double> x = state_;
   for (std::size_t j = 0; j < kJoints; ++j) {
     before[j] = x.theta[j] - x.q[j];

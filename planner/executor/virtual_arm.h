@@ -26,26 +26,26 @@ struct VirtualArmOptions {
 class VirtualArm : public Arm {
  public:
   // At rest at q [rad].
-  VirtualArm(const VirtualArmOptions& options, const Pair<double>& q);
+  VirtualArm(const VirtualArmOptions& options, const Joints<double>& q);
 
   // Time goes on by so many ticks: with the torque that was commanded last, and beyond kStallTicks missed ones with the
   // brakes of the drives. It stands still before the first command.
   Reading read(int ticks) override;
-  void command(const Pair<double>& torque) override { torque_ = torque; }
+  void command(const Joints<double>& torque) override { torque_ = torque; }
 
   const State<double>& state() const { return state_; }
 
  private:
-  void pass_tick(const Pair<double>& torque);
-  void advance(const Pair<double>& torque, double duration);
-  Pair<double> braking() const;
+  void pass_tick(const Joints<double>& torque);
+  void advance(const Joints<double>& torque, double duration);
+  Joints<double> braking() const;
   Reading measure();
 
   VirtualArmOptions options_;
   Rollout rollout_;
   State<double> state_;
-  std::optional<Pair<double>> torque_;  // [N m] commanded last
-  Pair<double> z_{};                    // of the hysteresis, from -1 to 1
+  std::optional<Joints<double>> torque_;  // [N m] commanded last
+  Joints<double> z_{};                    // of the hysteresis, from -1 to 1
   bool faulty_ = false;
 };
 

@@ -47,7 +47,7 @@ auto with_features(const Problem& problem, Visit&& visit) {
 // The same for problems with a slack.
 template <class Visit>
 auto with_elastic_features(const Problem& problem, Visit&& visit) {
-  const Pair<double>& rate = problem.limits.torque_rate;
+  const Joints<double>& rate = problem.limits.torque_rate;
   const std::size_t rows = count_of_rows(problem.task);
   if (rate[0] < kNoLimit || rate[1] < kNoLimit || rows > static_cast<std::size_t>(kElasticTask.task_rows)) {
     return visit.template operator()<kElasticEverything>();
@@ -100,7 +100,7 @@ NodeBounds<N> node(std::size_t index) {
 }
 
 template <int N>
-void fix(NodeBounds<N>& bounds, std::size_t first, const Pair<double>& values) {
+void fix(NodeBounds<N>& bounds, std::size_t first, const Joints<double>& values) {
   for (std::size_t j = 0; j < kJoints; ++j) bounds.lower[first + j] = bounds.upper[first + j] = values[j];
 }
 
@@ -271,7 +271,7 @@ Iterate evaluate_guess(const Transcription<ArmOcp<F>>& transcription, const Gues
     const double from = times[static_cast<std::size_t>(k)], to = times[static_cast<std::size_t>(k) + 1];
     if constexpr (!F.rate) {
       for (int end = 0; end < 2; ++end) {  // just inside the interval: a guess may jump at its ends
-        const Pair<double> u = guess.torque((from + (end == 0 ? 1e-6 : 1 - 1e-6) * (to - from)) / times.back());
+        const Joints<double> u = guess.torque((from + (end == 0 ? 1e-6 : 1 - 1e-6) * (to - from)) / times.back());
         z.segment<kControls>(transcription.u_at(k, end)) = Eigen::Map<const Eigen::Vector2d>(u.data());
       }
     }

@@ -82,11 +82,11 @@ struct ArmOcp {
 
   Parameters robot;
   Weights weights;
-  Pair<FrictionLaw> friction;               // in the torque limit and the effort
+  Joints<FrictionLaw> friction;             // in the torque limit and the effort
   std::vector<std::vector<TaskRow>> tasks;  // rows by segment; as many in each
   Array<kLimited> give{};                   // per unit of slack
   Limits limits;                            // rows of what has none are not evaluated, and squares give way by them
-  Pair<double> slower{};                    // [rad/s] per unit of slack
+  Joints<double> slower{};                  // [rad/s] per unit of slack
 
   using Bounds = PathBounds<kStates, kControls, kRows>;
   std::vector<Bounds> bounds;
@@ -106,16 +106,17 @@ struct ArmOcp {
   template <class T>
   void evaluate(int segment, const T* x, const T* u, T* f, T& cost, T* rows) const {
     const auto state = State<T>::from(x);
-    const Pair<T> compensated = F.rate ? Pair<T>{x[kArm], x[kArm + 1]} : Pair<T>{u[0], u[1]};
+    const Joints<T> compensated = F.rate ? Joints<T>{x[kArm], x[kArm + 1]} : Joints<T>{u[0], u[1]};
     const State<T> rate = compensated_dynamics(robot, state, compensated);
     for (int i = 0; i < kArm; ++i) f[i] = rate.data()[i];
     if constexpr (F.rate) {
       for (int j = 0; j < kJoints; ++j) f[kArm + j] = kRateUnit * u[j];
     }
 
-    Pair<T> torque;
+    Joints<T> torque;
     for (std::size_t j = 0; j < kJoints; ++j) torque[j] = compensated[j] + friction[j].nonlinear(state.dtheta[j]);
-    const Pair<T> torque_rate = F.rate ? Pair<T>{T(kRateUnit * u[0]), T(kRateUnit * u[1])} : Pair<T>{T(0.0), T(0.0)};
+    const Joints<T> torque_rate =
+        F.rate ? Joints<T>{T(kRateUnit * u[0]), T(kRateUnit * u[1])} : Joints<T>{T(0.0), T(0.0)};
     const Moment<T> moment{robot, state, torque, torque_rate};
     quantity_rows(moment, rows);
     if constexpr (F.task_rows > 0) task(segment, state, rows);
@@ -145,7 +146,7 @@ struct ArmOcp {
   template <class T>
   T node_cost(const CostNode& at, const T* x) const {
     const auto state = State<T>::from(x);
-    Pair<T> peak{T(0.0), T(0.0)};
+    Joints<T> peak{T(0.0), T(0.0)};
     if constexpr (F.peak) peak = {x[kPeak], x[kPeak + 1]};
     T cost = fjr::node_cost(weights, at.kind, AtNode<T>{robot, state, peak});
     if constexpr (F.elastic) {
@@ -171,7 +172,7 @@ struct ArmOcp {
 
   template <class T>
   void task(int segment, const State<T>& state, T* rows) const {
-    const Pair<T> gravity = gravity_torque(robot, state.q);
+    const Joints<T> gravity = gravity_torque(robot, state.q);
     for (std::size_t j = 0; j < kJoints; ++j) {
       rows[kEquilibrium + j] = state.theta[j] - state.q[j] - gravity[j] / robot.spring.stiffness[j];
     }
@@ -246,7 +247,7 @@ template <Features F>
 void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem) {
   using Ocp = ArmOcp<F>;
   constexpr double kRoomAbovePeak = 1e-6;  // share of the limit: a state whose bounds meet would be no variable
-  const Pair<double> holding = held_at_goal(problem);
+  const Joints<double> holding = held_at_goal(problem);
   for (std::size_t j = 0; j < kJoints; ++j) {
     b.x_lower[Ocp::kPeak + j] = std::min(holding[j], problem.limits.torque[j] * (1 - kRoomAbovePeak));
     b.x_upper[Ocp::kPeak + j] = problem.limits.torque[j];
@@ -286,13 +287,13 @@ ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
   // the optimiser then fills it with chatter that samples cannot carry; other terms leave it undetermined elsewhere. A
   // trace of effort picks the calm one.
   if (!settles_torque(problem.weights)) {
-    const Pair<double>& limit = problem.limits.torque;
+    const Joints<double>& limit = problem.limits.torque;
     ocp.regularisation = regularisation * size_of(problem.weights) / (limit[0] * limit[0] + limit[1] * limit[1]);
   }
   if constexpr (F.elastic) {
     std::copy(problem.elastic->give.begin(), problem.elastic->give.end(), ocp.give.begin());
     if (const auto at = problem.elastic->slower) {
-      const Pair<double> asked = *at < problem.via.size() ? *problem.via[*at].dq : problem.goal.dq;
+      const Joints<double> asked = *at < problem.via.size() ? *problem.via[*at].dq : problem.goal.dq;
       ocp.slower = asked;
     }
   }

@@ -23,8 +23,8 @@ struct CollocationSetup {
   Scheme scheme;
   Mesh mesh;
   Smoothing smoothing{};
-  std::vector<PerLimit> margins{};    // per interval, taken off each limit (margins.h); empty: none
-  std::vector<Pair<double>> creep{};  // [rad/s] per interval, see creep.h; empty: none
+  std::vector<PerLimit> margins{};      // per interval, taken off each limit (margins.h); empty: none
+  std::vector<Joints<double>> creep{};  // [rad/s] per interval, see creep.h; empty: none
 };
 
 struct Collocated {

@@ -13,9 +13,9 @@ namespace fjr {
 // A motion as a function of the share s in [0, 1] of its duration. It need not satisfy anything.
 struct Guess {
   std::string name;
-  std::vector<double> durations;               // [s] of the segments
-  std::function<State<double>(double)> state;  // s -> state
-  std::function<Pair<double>(double)> torque;  // s -> friction-compensated torque [N m]
+  std::vector<double> durations;                 // [s] of the segments
+  std::function<State<double>(double)> state;    // s -> state
+  std::function<Joints<double>(double)> torque;  // s -> friction-compensated torque [N m]
 
   double duration() const { return std::accumulate(durations.begin(), durations.end(), 0.0); }
 };

@@ -19,20 +19,20 @@ constexpr double kMost = 0.5;         // share of a limit that a margin may take
 constexpr double kRunThrough = 0.1;   // share of a task's scale
 constexpr double kWindow = 0.03;      // share of the duration around a given state that lies on a limit
 
-Pair<double> sum(const Pair<double>& a, const Pair<double>& b) { return {a[0] + b[0], a[1] + b[1]}; }
+Joints<double> sum(const Joints<double>& a, const Joints<double>& b) { return {a[0] + b[0], a[1] + b[1]}; }
 
 // Largest magnitude of everything that is limited, on one interval.
-Limits reached_in(const Problem& problem, const Pair<FrictionLaw>& friction, const Motion& motion, std::size_t k) {
+Limits reached_in(const Problem& problem, const Joints<FrictionLaw>& friction, const Motion& motion, std::size_t k) {
   Limits reached = Limits::all(0);
   const auto& interval = motion.intervals[k];
   const auto limited = [&](const QuantityInfo& info) { return is_limited(info, problem.limits); };
   const auto limited_torque = [&](const QuantityInfo& info) { return info.sees_torque && limited(info); };
-  Pair<double> u_before{}, friction_before{};
+  Joints<double> u_before{}, friction_before{};
   for (int i = 0; i <= kProbes; ++i) {
     const double time = interval.start + interval.duration * i / kProbes;
     const State<double> x = motion.state_in(k, time);
-    const Pair<double> u = motion.torque_in(k, time);
-    Pair<double> now, torque, rate{};
+    const Joints<double> u = motion.torque_in(k, time);
+    Joints<double> now, torque, rate{};
     for (std::size_t j = 0; j < kJoints; ++j) {
       now[j] = friction[j].nonlinear(x.dtheta[j]);
       torque[j] = u[j] + now[j];
@@ -40,7 +40,7 @@ Limits reached_in(const Problem& problem, const Pair<FrictionLaw>& friction, con
     }
     raise(reached, {problem.robot, x, torque, rate}, limited);
     if (i > 0) {  // a step of the law may lie anywhere between the probes
-      const Pair<double> later = sum(u, friction_before), earlier = sum(u_before, now);
+      const Joints<double> later = sum(u, friction_before), earlier = sum(u_before, now);
       raise(reached, {problem.robot, x, later, rate}, limited_torque);
       raise(reached, {problem.robot, x, earlier, rate}, limited_torque);
     }
@@ -82,7 +82,7 @@ struct Given {
 
 Given given_at(const Problem& problem, double place, std::size_t segment, const State<double>& x) {
   Limits needs = Limits::all(0);
-  const Pair<double> nothing{};
+  const Joints<double> nothing{};
   raise(needs, {problem.robot, x, nothing, nothing}, [](const QuantityInfo&) { return true; });
   Given given{place, {}};
   for (const LimitName& name : kLimitNames) given.room.push_back(name.in(problem.limits) - name.in(needs));
@@ -102,12 +102,12 @@ std::vector<Given> given_states(const Problem& problem) {
       std::fill(given.back().room.begin() + kLimits, given.back().room.end(), kNoLimit);
       continue;
     }
-    const Pair<double> dq = via.dq.value_or(Pair<double>{0, 0});
+    const Joints<double> dq = via.dq.value_or(Joints<double>{0, 0});
     given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, dq, via.q, {0, 0}}));
   }
   const Goal& goal = problem.goal;
   if (goal.any_free()) return given;
-  const Pair<double> still{0, 0};
+  const Joints<double> still{0, 0};
   const auto end = static_cast<double>(segment_count(problem));
   given.push_back(given_at(problem, end, segment_count(problem) - 1,
                            {goal.q, goal.dq, goal.theta.value_or(goal.q), goal.dtheta.value_or(still)}));
@@ -202,7 +202,7 @@ std::vector<Kept> kept_limits(const Problem& problem, const Mesh& mesh, const st
 
 std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep,
                                double slack) {
-  const Pair<FrictionLaw> friction{FrictionLaw::of(problem.robot, 0), FrictionLaw::of(problem.robot, 1)};
+  const Joints<FrictionLaw> friction{FrictionLaw::of(problem.robot, 0), FrictionLaw::of(problem.robot, 1)};
   const Frame frame(problem);
   const auto rows = rows_by_segment(problem);
   const std::vector<double> nodes = places(mesh);

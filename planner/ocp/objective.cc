@@ -11,7 +11,7 @@ template <class Term>
 double integral_over(const Problem& problem, const Trajectory& trajectory) {
   const auto running = [&robot = problem.robot](const Sample& s) {
     const State<double>& x = s.state;
-    const Pair<double> ddq = link_acceleration(robot, x.q, x.dq, spring_torque(robot, x.q, x.theta));
+    const Joints<double> ddq = link_acceleration(robot, x.q, x.dq, spring_torque(robot, x.q, x.theta));
     return Term::running(Instant<double>{robot, x, ddq, s.torque});
   };
   const auto& rows = trajectory.samples;

@@ -47,8 +47,8 @@ class Sampler {
     return {time, motion_.state_in(interval, time), torque(interval, time)};
   }
 
-  Pair<double> torque(std::size_t interval, double time) const {
-    Pair<double> tau = motion_.torque_in(interval, time);
+  Joints<double> torque(std::size_t interval, double time) const {
+    Joints<double> tau = motion_.torque_in(interval, time);
     const State<double> x = motion_.state_in(interval, time);
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double limit = problem_.limits.torque[j];
@@ -71,7 +71,7 @@ class Sampler {
       const double node = motion_.intervals[k + 1].start;
       if (std::abs(node - time) < kJumpSpacing && jumps(k, node)) {
         const double done = std::clamp(0.5 - (node - time) / kJumpSpacing, 0.0, 1.0);
-        const Pair<double> after = torque(k + 1, node);
+        const Joints<double> after = torque(k + 1, node);
         for (std::size_t j = 0; j < kJoints; ++j) here.torque[j] += done * (after[j] - here.torque[j]);
         add(row(k, time - kJumpSpacing));
       }
@@ -101,7 +101,7 @@ class Sampler {
   }
 
   bool jumps(std::size_t k, double node) const {
-    const Pair<double> before = torque(k, node), after = torque(k + 1, node);
+    const Joints<double> before = torque(k, node), after = torque(k + 1, node);
     // The chord over the next row would lose up to jump * period / 2 of impulse.
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double impulse = std::abs(after[j] - before[j]) * problem_.sample_period / 2;
@@ -113,12 +113,12 @@ class Sampler {
   // Adds pairs inside (from, to) until chords carry the torque's impulse.
   void smooth(double from, double to) {
     if (to - from < 2 * kShortestPiece) return reversals(from, to);
-    const Pair<double> first = torque(motion_.interval_at(from), from), last = torque(interval_before(to), to);
-    Pair<double> impulse{0, 0};
+    const Joints<double> first = torque(motion_.interval_at(from), from), last = torque(interval_before(to), to);
+    Joints<double> impulse{0, 0};
     double worst = 0, split = 0.5 * (from + to);
     for (int i = 1; i < kProbes; ++i) {
       const double s = static_cast<double>(i) / kProbes, time = from + s * (to - from);
-      const Pair<double> tau = torque(motion_.interval_at(time), time);
+      const Joints<double> tau = torque(motion_.interval_at(time), time);
       for (std::size_t j = 0; j < kJoints; ++j) {
         const double miss = (tau[j] - first[j] - s * (last[j] - first[j])) / problem_.robot.motor.inertia[j];
         impulse[j] += std::abs(miss) * (to - from) / kProbes;
@@ -167,7 +167,7 @@ class Sampler {
   const Problem& problem_;
   const Motion& motion_;
   double velocity_error_;  // [rad/s] that linear interpolation of the torque between two rows may make
-  Pair<FrictionLaw> friction_;
+  Joints<FrictionLaw> friction_;
   Trajectory trajectory_;
 };
 

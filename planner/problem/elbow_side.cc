@@ -34,7 +34,7 @@ Band of_box(const TipBox& box) {
 }
 
 // Of the points of a line or an arc, with the tolerance round them.
-Band of_points(const char* region, const std::vector<Pair<double>>& points, double tolerance) {
+Band of_points(const char* region, const std::vector<Coordinates>& points, double tolerance) {
   Band band{region, kNoLimit, 0};
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double away = std::hypot(points[i][0], points[i][1]);
@@ -63,7 +63,7 @@ const char* side(double q2) { return std::sin(q2) < 0 ? "left" : "right"; }  // 
 std::string barred_elbow(const Problem& problem) {
   const auto band = band_of(problem.task);
   if (!band || problem.goal.free[1]) return "";
-  const Pair<double> within = reach(problem.robot);
+  const std::array<double, 2> within = reach(problem.robot);
   const bool stretches = band->furthest > within[1] - kSameDistance;
   const bool folds = band->nearest < within[0] + kSameDistance;
   std::vector<double> bends{problem.start.q[1]};

@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "model/kinematics.h"
 #include "model/parameters.h"
 
 namespace fjr {
@@ -13,15 +14,15 @@ enum class Elbow { kAny, kLeft, kRight };
 
 // All q [rad] with |q_j| <= limit_j that put the tip at `tip` [m]: up to two elbows, and full turns of joint 1 where
 // the limits leave room for them. Nearest to `near` (largest angle) first. Empty when there is none.
-std::vector<Pair<double>> inverse_kinematics(const Parameters& robot, const Pair<double>& tip, Elbow elbow,
-                                             const Pair<double>& limit, const Pair<double>& near);
+std::vector<Joints<double>> inverse_kinematics(const Parameters& robot, const Coordinates& tip, Elbow elbow,
+                                               const Joints<double>& limit, const Joints<double>& near);
 
 // The distances of the tip from the base [m] that the links' lengths allow: nearest and furthest.
-Pair<double> reach(const Parameters& robot);
+std::array<double, 2> reach(const Parameters& robot);
 
 // Link velocities [rad/s] that move the tip at `velocity` [m/s]; none where the arm is stretched or folded, within
 // 0.01 rad, and the tip cannot move in every direction.
-std::optional<Pair<double>> inverse_velocity(const Parameters& robot, const Pair<double>& q,
-                                             const Pair<double>& velocity);
+std::optional<Joints<double>> inverse_velocity(const Parameters& robot, const Joints<double>& q,
+                                               const Coordinates& velocity);
 
 }  // namespace fjr

@@ -23,12 +23,12 @@ double TorqueRate::published(const Published& p) {
     constexpr int kPieces = 8;  // chords of an eighth: u is linear, or bends with a collocation polynomial
     for (int i = 0; i < kPieces; ++i) {
       const double h = interval.duration / kPieces, from = interval.start + i * h;
-      const Pair<double> a = motion.torque_in(k, from), b = motion.torque_in(k, from + h);
+      const Joints<double> a = motion.torque_in(k, from), b = motion.torque_in(k, from + h);
       for (std::size_t j = 0; j < kJoints; ++j) sum += (b[j] - a[j]) * (b[j] - a[j]) / h;
     }
     if (k + 1 == motion.intervals.size()) continue;
     const double node = motion.intervals[k + 1].start;
-    const Pair<double> before = motion.torque_in(k, node), after = motion.torque_in(k + 1, node);
+    const Joints<double> before = motion.torque_in(k, node), after = motion.torque_in(k + 1, node);
     for (std::size_t j = 0; j < kJoints; ++j) {
       if (std::abs(after[j] - before[j]) > 1e-6) return std::numeric_limits<double>::infinity();
     }
@@ -37,14 +37,14 @@ double TorqueRate::published(const Published& p) {
 }
 
 double PeakTorque::published(const Published& p) {
-  Pair<double> peak{0, 0};
+  Joints<double> peak{0, 0};
   for (const Sample& row : p.rows.samples) {
     for (std::size_t j = 0; j < kJoints; ++j) peak[j] = std::max(peak[j], std::abs(row.torque[j]));
   }
   // Where the motion ends at rest the motors go on holding the arm there.
   const State<double>& last = p.rows.samples.back().state;
   const bool rests = sum_of_squares(last.dq) + sum_of_squares(last.dtheta) < kStill * kStill;
-  const Pair<double> held = gravity_torque(p.robot, last.q);
+  const Joints<double> held = gravity_torque(p.robot, last.q);
   for (std::size_t j = 0; j < kJoints && rests; ++j) peak[j] = std::max(peak[j], std::abs(held[j]));
   return peak[0] + peak[1];
 }

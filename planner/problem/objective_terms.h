@@ -47,9 +47,9 @@ template <class T>
 struct Instant {
   const Parameters& robot;
   const State<T>& x;
-  const Pair<T>& ddq;     // [rad/s^2]
-  const Pair<T>& torque;  // tau_m [N m]
-  double kink = 0;        // [W] width over which the corner of max(0, .) is rounded; 0: not at all
+  const Joints<T>& ddq;     // [rad/s^2]
+  const Joints<T>& torque;  // tau_m [N m]
+  double kink = 0;          // [W] width over which the corner of max(0, .) is rounded; 0: not at all
 };
 
 // One node of a motion: what at_node() sees.
@@ -57,7 +57,7 @@ template <class T>
 struct AtNode {
   const Parameters& robot;
   const State<T>& x;
-  const Pair<T>& peak;  // bounds on |tau_m| all the way [N m]
+  const Joints<T>& peak;  // bounds on |tau_m| all the way [N m]
 };
 enum class Node { kRelease, kGoal };
 
@@ -70,7 +70,7 @@ struct Published {
 };
 
 template <class T>
-T sum_of_squares(const Pair<T>& v) {
+T sum_of_squares(const Joints<T>& v) {
   return v[0] * v[0] + v[1] * v[1];
 }
 
@@ -153,7 +153,7 @@ struct Copper {
                                  .settles_torque = true};
   template <class T>
   static T running(const Instant<T>& at) {
-    const Pair<double>& loss = at.robot.drive.copper_loss;
+    const Joints<double>& loss = at.robot.drive.copper_loss;
     return loss[0] * at.torque[0] * at.torque[0] + loss[1] * at.torque[1] * at.torque[1];
   }
 };

@@ -18,22 +18,22 @@
 namespace fjr {
 
 struct Goal {
-  Pair<double> q{};                    // [rad]
-  Pair<bool> free{};                   // joints that may end anywhere; their q is where a guess would put them
-  Pair<double> dq{};                   // [rad/s]
-  bool dq_free = false;                // dq and the motors may be anything
-  std::optional<Pair<double>> theta;   // [rad]; none: free
-  std::optional<Pair<double>> dtheta;  // [rad/s]; none: free
-  bool at_rest = true;                 // dq = dtheta = 0 and theta in equilibrium (given, unless a joint is free)
+  Joints<double> q{};                    // [rad]
+  Joints<bool> free{};                   // joints that may end anywhere; their q is where a guess would put them
+  Joints<double> dq{};                   // [rad/s]
+  bool dq_free = false;                  // dq and the motors may be anything
+  std::optional<Joints<double>> theta;   // [rad]; none: free
+  std::optional<Joints<double>> dtheta;  // [rad/s]; none: free
+  bool at_rest = true;                   // dq = dtheta = 0 and theta in equilibrium (given, unless a joint is free)
 
   bool any_free() const { return free[0] || free[1]; }
 };
 
 struct Via {
-  std::optional<double> time;      // [s] after the start, strictly increasing over the vias; none: any time
-  Pair<double> q{};                // [rad]
-  std::optional<Pair<double>> dq;  // [rad/s]
-  double tolerance = 0;            // [rad] of each angle
+  std::optional<double> time;        // [s] after the start, strictly increasing over the vias; none: any time
+  Joints<double> q{};                // [rad]
+  std::optional<Joints<double>> dq;  // [rad/s]
+  double tolerance = 0;              // [rad] of each angle
 };
 
 inline constexpr double kShortestDuration = 0.02, kLongestDuration = 120;  // [s] that may be asked for
@@ -75,9 +75,9 @@ struct Problem {
 
 // What holding the goal takes of each motor once the arm is there, |G(q)| [N m]; 0 where the goal moves or leaves a
 // joint free.
-inline Pair<double> held_at_goal(const Problem& problem) {
+inline Joints<double> held_at_goal(const Problem& problem) {
   if (!problem.goal.at_rest || problem.goal.any_free()) return {0, 0};
-  const Pair<double> gravity = gravity_torque(problem.robot, problem.goal.q);
+  const Joints<double> gravity = gravity_torque(problem.robot, problem.goal.q);
   return {std::abs(gravity[0]), std::abs(gravity[1])};
 }
 

@@ -21,13 +21,13 @@ inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 // Limits of one plan: robot.yaml's, tightened by the request. Magnitudes; also whatever else there is one number of for
 // each limit.
 struct Limits {
-  Pair<double> torque{kNoLimit, kNoLimit};             // [N m]    |tau_m|
-  Pair<double> motor_velocity{kNoLimit, kNoLimit};     // [rad/s]  |dtheta|
-  Pair<double> link_position{kNoLimit, kNoLimit};      // [rad]    |q|
-  Pair<double> spring_deflection{kNoLimit, kNoLimit};  // [rad]    |theta - q|
-  Pair<double> torque_rate{kNoLimit, kNoLimit};        // [N m/s]  |du/dt| of the friction-compensated torque
-  double tip_speed = kNoLimit;                         // [m/s]
-  Pair<double> motor_power{kNoLimit, kNoLimit};        // [W]      |tau_m dtheta|
+  Joints<double> torque{kNoLimit, kNoLimit};             // [N m]    |tau_m|
+  Joints<double> motor_velocity{kNoLimit, kNoLimit};     // [rad/s]  |dtheta|
+  Joints<double> link_position{kNoLimit, kNoLimit};      // [rad]    |q|
+  Joints<double> spring_deflection{kNoLimit, kNoLimit};  // [rad]    |theta - q|
+  Joints<double> torque_rate{kNoLimit, kNoLimit};        // [N m/s]  |du/dt| of the friction-compensated torque
+  double tip_speed = kNoLimit;                           // [m/s]
+  Joints<double> motor_power{kNoLimit, kNoLimit};        // [W]      |tau_m dtheta|
 
   static Limits of(const Parameters& p);
   static Limits all(double value) noexcept;
@@ -61,10 +61,10 @@ struct QuantityInfo {
   const char* name;
   const char* unit;
   const char* meaning;
-  Pair<double> Limits::*per_joint = nullptr;  // either this
-  double Limits::*of_tip = nullptr;           // or this
+  Joints<double> Limits::*per_joint = nullptr;  // either this
+  double Limits::*of_tip = nullptr;             // or this
   // The limit in robot.yaml that a request may tighten; none: only requests limit it.
-  Pair<double> Parameters::Limits::*of_robot = nullptr;
+  Joints<double> Parameters::Limits::*of_robot = nullptr;
   BoundOn bound = BoundOn::kRow;
   int state = 0;             // with BoundOn::kState: the first joint's
   bool sees_torque = false;  // tau_m, and not the state alone
@@ -91,8 +91,8 @@ template <class T>
 struct Moment {
   const Parameters& robot;
   const State<T>& x;
-  const Pair<T>& torque;       // tau_m [N m]
-  const Pair<T>& torque_rate;  // du/dt [N m/s]
+  const Joints<T>& torque;       // tau_m [N m]
+  const Joints<T>& torque_rate;  // du/dt [N m/s]
 };
 
 struct Torque {
@@ -105,7 +105,7 @@ struct Torque {
                                      .degree = 1,
                                      .of_first_version = true};
   template <class T>
-  static Pair<T> value(const Moment<T>& at) {
+  static Joints<T> value(const Moment<T>& at) {
     return at.torque;
   }
 };
@@ -123,7 +123,7 @@ struct MotorVelocity {
                                      .in_rollout = InRollout::kVelocity,
                                      .of_first_version = true};
   template <class T>
-  static Pair<T> value(const Moment<T>& at) {
+  static Joints<T> value(const Moment<T>& at) {
     return at.x.dtheta;
   }
 };
@@ -142,7 +142,7 @@ struct LinkPosition {
                                      .place = true,
                                      .of_first_version = true};
   template <class T>
-  static Pair<T> value(const Moment<T>& at) {
+  static Joints<T> value(const Moment<T>& at) {
     return at.x.q;
   }
 };
@@ -157,7 +157,7 @@ struct SpringDeflection {
                                      .in_rollout = InRollout::kPosition,
                                      .of_first_version = true};
   template <class T>
-  static Pair<T> value(const Moment<T>& at) {
+  static Joints<T> value(const Moment<T>& at) {
     return {at.x.theta[0] - at.x.q[0], at.x.theta[1] - at.x.q[1]};
   }
 };
@@ -171,7 +171,7 @@ struct LimitedTorqueRate {
                                      .bound = BoundOn::kControl,
                                      .of_first_version = true};
   template <class T>
-  static Pair<T> value(const Moment<T>& at) {
+  static Joints<T> value(const Moment<T>& at) {
     return at.torque_rate;
   }
 };
@@ -199,7 +199,7 @@ struct MotorPower {
                                      .sees_torque = true,
                                      .degree = 3};
   template <class T>
-  static Pair<T> value(const Moment<T>& at) {
+  static Joints<T> value(const Moment<T>& at) {
     return {at.torque[0] * at.x.dtheta[0], at.torque[1] * at.x.dtheta[1]};
   }
 };

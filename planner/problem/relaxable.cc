@@ -48,18 +48,18 @@ void add_task(std::vector<Relaxable>& all, const Task& task) {
 }
 
 void add_velocities(std::vector<Relaxable>& all, const Problem& problem) {
-  const auto add = [&](const std::string& name, const Pair<double>& dq, auto&& target) {
+  const auto add = [&](const std::string& name, const Joints<double>& dq, auto&& target) {
     if (dq[0] == 0 && dq[1] == 0) return;
     all.push_back({name, 0, "times", 1, -1, 1, 1, [dq, target](Problem& p, double value) {
-                     target(p) = Pair<double>{value * dq[0], value * dq[1]};
+                     target(p) = Joints<double>{value * dq[0], value * dq[1]};
                    }});
   };
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
     if (!problem.via[i].dq) continue;
-    add(fmt::format("via[{}].dq", i), *problem.via[i].dq, [i](Problem& p) -> Pair<double>& { return *p.via[i].dq; });
+    add(fmt::format("via[{}].dq", i), *problem.via[i].dq, [i](Problem& p) -> Joints<double>& { return *p.via[i].dq; });
   }
   if (!problem.goal.theta && !problem.goal.dtheta) {
-    add("goal.dq", problem.goal.dq, [](Problem& p) -> Pair<double>& { return p.goal.dq; });
+    add("goal.dq", problem.goal.dq, [](Problem& p) -> Joints<double>& { return p.goal.dq; });
   }
 }
 

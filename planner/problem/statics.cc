@@ -7,15 +7,15 @@ namespace fjr {
 
 Carrying carrying(const Problem& problem) {
   constexpr int kPieces = 200;
-  std::vector<Pair<double>> points{problem.start.q};
+  std::vector<Joints<double>> points{problem.start.q};
   for (const Via& via : problem.via) points.push_back(via.q);
   points.push_back(problem.goal.q);
   Carrying most;
   for (std::size_t s = 0; s + 1 < points.size(); ++s) {
     for (int i = 0; i <= kPieces; ++i) {
-      Pair<double> q{};
+      Joints<double> q{};
       for (std::size_t j = 0; j < kJoints; ++j) q[j] = std::lerp(points[s][j], points[s + 1][j], i / double{kPieces});
-      const Pair<double> gravity = gravity_torque(problem.robot, q);
+      const Joints<double> gravity = gravity_torque(problem.robot, q);
       for (std::size_t j = 0; j < kJoints; ++j) {
         if (!(std::abs(gravity[j]) > most.torque[j])) continue;
         most.torque[j] = std::abs(gravity[j]);

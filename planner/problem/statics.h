@@ -8,9 +8,9 @@ namespace fjr {
 // The most that gravity takes of each joint anywhere on the straight lines in the joint angles from the start through
 // the via points to the goal: what a motion that dawdles along them cannot do without.
 struct Carrying {
-  Pair<double> torque{};         // [N m]
-  Pair<double> deflection{};     // [rad]
-  Pair<Pair<double>> posture{};  // [rad] of each joint's largest, the link angles
+  Joints<double> torque{};           // [N m]
+  Joints<double> deflection{};       // [rad]
+  Joints<Joints<double>> posture{};  // [rad] of each joint's largest, the link angles
 };
 Carrying carrying(const Problem& problem);
 

@@ -8,8 +8,8 @@ namespace {
 constexpr int kPieces = 400;
 
 template <class Path>
-std::vector<Pair<double>> points(const Path& path) {
-  std::vector<Pair<double>> result;
+std::vector<Coordinates> points(const Path& path) {
+  std::vector<Coordinates> result;
   for (int i = 0; i <= kPieces; ++i)
     result.push_back(along(path, path.from, path.to, static_cast<double>(i) / kPieces));
   return result;
@@ -17,17 +17,17 @@ std::vector<Pair<double>> points(const Path& path) {
 
 }  // namespace
 
-Pair<double> along(const TipLine&, const Pair<double>& from, const Pair<double>& to, double share) {
+Coordinates along(const TipLine&, const Coordinates& from, const Coordinates& to, double share) {
   return {std::lerp(from[0], to[0], share), std::lerp(from[1], to[1], share)};
 }
 
-Pair<double> along(const TipArc& arc, const Pair<double>& from, const Pair<double>& to, double share) {
+Coordinates along(const TipArc& arc, const Coordinates& from, const Coordinates& to, double share) {
   const double radius = std::hypot(arc.from[0] - arc.center[0], arc.from[1] - arc.center[1]);
   const double angle = arc.angle_of(from) + share * turn_between(arc, from, to);
   return {arc.center[0] + radius * std::cos(angle), arc.center[1] + radius * std::sin(angle)};
 }
 
-std::vector<Pair<double>> points_along(const TipLine& line) { return points(line); }
-std::vector<Pair<double>> points_along(const TipArc& arc) { return points(arc); }
+std::vector<Coordinates> points_along(const TipLine& line) { return points(line); }
+std::vector<Coordinates> points_along(const TipArc& arc) { return points(arc); }
 
 }  // namespace fjr

@@ -32,7 +32,7 @@ struct ExperimentArguments {
   std::vector<double> torque_noise, hysteresis, link_damping;  // two values each; empty: the rig's own
 };
 
-void override_with(Pair<double>& pair, const std::string& option, const std::vector<double>& given) {
+void override_with(Joints<double>& pair, const std::string& option, const std::vector<double>& given) {
   if (given.empty()) return;
   for (std::size_t j = 0; j < kJoints; ++j) {
     const bool allowed = given[j] >= 0 && std::isfinite(given[j]);

@@ -151,7 +151,7 @@ std::string summary(const ExecutionResult& r) {
   std::string text = fmt::format("  execution   code {} {}, trajectory {}\n", static_cast<int>(r.code), name(r.code),
                                  to_text(r.trajectory_id));
   if (r.code > ResultCode::kPathToleranceViolated && r.code < ResultCode::kSuccessful) return text;  // it never moved
-  const auto line = [&](const char* what, const Pair<double>& pair, const char* unit) {
+  const auto line = [&](const char* what, const Joints<double>& pair, const char* unit) {
     text += fmt::format("    {:<22}{:.3g} and {:.3g} {}\n", what, pair[0], pair[1], unit);
   };
   line("link error", r.link_error, "rad at most");

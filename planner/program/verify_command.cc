@@ -110,7 +110,7 @@ void check_completeness(const Trajectory& trajectory, Certificate& certificate) 
 // What an executor asks for first: that the arm rests at either end.
 std::string motion_of(const char* verb, const Parameters& robot, const Sample& row) {
   if (is_at_rest(robot, row)) return fmt::format("{} at rest", verb);
-  const Pair<double>& dq = row.state.dq;
+  const Joints<double>& dq = row.state.dq;
   return fmt::format("{} MOVING, links at {:.4g} and {:.4g} rad/s", verb, dq[0], dq[1]);
 }
 

@@ -12,10 +12,10 @@ namespace fjr {
 
 // As in ros2_control's joint_trajectory_controller; 0: the executor's default.
 struct Tolerances {
-  Pair<double> path{};              // [rad] of the links, at any instant
-  Pair<double> goal{};              // [rad] of the links, at the end
-  double goal_time = 0;             // [s] allowed beyond the end to get within `goal`
-  Pair<double> stopped_velocity{};  // [rad/s]
+  Joints<double> path{};              // [rad] of the links, at any instant
+  Joints<double> goal{};              // [rad] of the links, at the end
+  double goal_time = 0;               // [s] allowed beyond the end to get within `goal`
+  Joints<double> stopped_velocity{};  // [rad/s]
 };
 
 // Who vouches for it; planner/protocol/signature.h.
@@ -31,7 +31,7 @@ struct TrajectoryOrder {
   std::int64_t published = 0;  // [ns] since 1970 by the executor's clock: its stamp when it was published
   std::string robot_hash, request_hash;
   bool certified = false, ends_at_rest = false;
-  Pair<double> certified_error{},
+  Joints<double> certified_error{},
       predicted_error{};  // [rad] of the links: allowed by the certificate; for the executor
   Tolerances tolerances;
   std::vector<Sample> rows;
@@ -54,11 +54,11 @@ struct ExecutorState {
   ExecutorMode mode = ExecutorMode::kResting;
   RequestId trajectory_id;
   std::uint64_t epoch = 0;
-  std::int64_t stamp = 0;                  // [ns] since 1970 by a clock that is not stepped while the executor runs
-  double time = 0;                         // [s] within the trajectory
-  Pair<double> q{}, theta{}, planned_q{};  // [rad] by the encoders; planned
-  Pair<double> dq{}, dtheta{};             // [rad/s] filtered differentiation
-  Pair<double> torque{}, feedback{};       // [N m] commanded, and the part of it that is feedback
+  std::int64_t stamp = 0;                    // [ns] since 1970 by a clock that is not stepped while the executor runs
+  double time = 0;                           // [s] within the trajectory
+  Joints<double> q{}, theta{}, planned_q{};  // [rad] by the encoders; planned
+  Joints<double> dq{}, dtheta{};             // [rad/s] filtered differentiation
+  Joints<double> torque{}, feedback{};       // [N m] commanded, and the part of it that is feedback
 };
 
 enum class ResultCode : std::int32_t {  // FollowJointTrajectory's
@@ -84,9 +84,9 @@ struct ExecutionResult {
   RequestId trajectory_id;
   ResultCode code = ResultCode::kSuccessful;
   std::string sentence;
-  Pair<double> link_error{}, link_error_rms{}, final_link_error{};  // [rad]
-  Pair<double> residual_vibration{};                                // [rad] largest |q - goal| after the end
-  Pair<double> feedback_torque{};                                   // [N m] largest
+  Joints<double> link_error{}, link_error_rms{}, final_link_error{};  // [rad]
+  Joints<double> residual_vibration{};                                // [rad] largest |q - goal| after the end
+  Joints<double> feedback_torque{};                                   // [N m] largest
   std::vector<LimitMargin> limits;
   std::string log_file;  // on the executor's machine; empty: none
 };

@@ -96,7 +96,7 @@ struct Order {
 
 // Of a certified trajectory's links [rad]: what the certificate allows, and what it predicts for the executor.
 struct LinkErrors {
-  Pair<double> certified{}, predicted{};
+  Joints<double> certified{}, predicted{};
 };
 
 struct Reply {

@@ -34,7 +34,7 @@ std::string text_of(double value) { return fmt::format("{}", value); }
 std::string text_of(std::uint64_t value) { return fmt::format("{}", value); }
 std::string text_of(bool value) { return value ? "true" : "false"; }
 std::string text_of(const std::string& value) { return quoted_flow(value); }
-std::string text_of(const Pair<double>& value) { return fmt::format("[{}, {}]", value[0], value[1]); }
+std::string text_of(const Joints<double>& value) { return fmt::format("[{}, {}]", value[0], value[1]); }
 
 template <Worded Choice>
 std::string text_of(Choice value) {

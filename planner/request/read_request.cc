@@ -22,7 +22,7 @@ void read(const YamlNode& node, const char* unit, RequestedDuration& duration);
 void read(const YamlNode& node, const char* unit, RequestedTip& tip);
 
 void read(const YamlNode& node, const char* unit, double& value) { value = node.number(unit); }
-void read(const YamlNode& node, const char* unit, Pair<double>& value) { value = node.pair(unit); }
+void read(const YamlNode& node, const char* unit, Joints<double>& value) { value = node.pair(unit); }
 void read(const YamlNode& node, const char*, std::uint64_t& value) { value = node.whole_number(); }
 void read(const YamlNode& node, const char*, std::string& value) { value = node.text(); }
 
@@ -48,7 +48,7 @@ void read(const YamlNode& node, const char* unit, AnglesOrFree& angles) {
   const std::vector<YamlNode> items = node.is_list() ? node.items() : std::vector<YamlNode>{};
   const auto is_free = [](const YamlNode& item) { return item.says("free"); };
   if (items.size() != kJoints || std::none_of(items.begin(), items.end(), is_free)) {
-    const Pair<double> both = node.pair(unit);
+    const Joints<double> both = node.pair(unit);
     std::copy(both.begin(), both.end(), angles.begin());
     return;
   }

@@ -24,7 +24,7 @@ namespace fjr {
 
 // A state at the start: at rest unless velocities are given.
 struct RequestedStart {
-  std::optional<Pair<double>> q, dq, theta, dtheta;
+  std::optional<Joints<double>> q, dq, theta, dtheta;
 
   bool empty() const { return !q && !dq && !theta && !dtheta; }
 };
@@ -34,17 +34,17 @@ using AnglesOrFree = std::array<std::optional<double>, kJoints>;
 
 struct VelocityOrFree {
   bool free = false;
-  Pair<double> value{};
+  Joints<double> value{};
 };
 
 // Either q, with what belongs to it, or tip.
 struct RequestedGoal {
   std::optional<AnglesOrFree> q;
   std::optional<VelocityOrFree> dq;
-  std::optional<Pair<double>> theta, dtheta;
-  std::optional<Pair<double>> tip;
+  std::optional<Joints<double>> theta, dtheta;
+  std::optional<Coordinates> tip;
   std::optional<Elbow> elbow;
-  std::optional<Pair<double>> tip_velocity;
+  std::optional<Coordinates> tip_velocity;
 };
 
 // Fixed where both are the same; free where there is neither.
@@ -62,7 +62,7 @@ struct RequestedObjective {
 
 struct RequestedVia {
   std::optional<double> time;
-  std::optional<Pair<double>> q, dq;
+  std::optional<Joints<double>> q, dq;
   bool release = false;
 };
 
@@ -74,7 +74,7 @@ struct RequestedTip {
 };
 
 struct RequestedPath {
-  std::vector<Pair<double>> points;
+  std::vector<Joints<double>> points;
   double tolerance = 0;
 };
 

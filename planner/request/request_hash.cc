@@ -16,10 +16,10 @@ class HashLines {
   void add(const std::string& name, double value) {
     lines_.push_back(fmt::format("{}={:.17g}\n", name, value + 0.0));  // -0 is 0
   }
-  void add(const std::string& name, const Pair<double>& pair) {
+  void add(const std::string& name, const Joints<double>& pair) {
     for (std::size_t j = 0; j < kJoints; ++j) add(fmt::format("{}[{}]", name, j), pair[j]);
   }
-  void add(const std::string& name, const std::optional<Pair<double>>& pair) {
+  void add(const std::string& name, const std::optional<Joints<double>>& pair) {
     pair ? add(name, *pair) : add_text(name, "free");
   }
   void add_text(const std::string& name, std::string_view text) {

@@ -161,14 +161,14 @@ void check_angle(const Place& angles, std::size_t j, double angle, const Limits&
   if (std::abs(angle) > limit) angles.at(j).fail(fmt::format("{} rad is outside [{}, {}]", angle, -limit, limit));
 }
 
-Pair<double> checked_angles(const Place& state, const std::optional<Pair<double>>& q, const Limits& limits) {
+Joints<double> checked_angles(const Place& state, const std::optional<Joints<double>>& q, const Limits& limits) {
   if (!q) state.at("q").fail("missing");
   for (std::size_t j = 0; j < kJoints; ++j) check_angle(state.at("q"), j, (*q)[j], limits);
   return *q;
 }
 
 // The robot has no limit on link velocities; this one only keeps the absurd from reaching the arithmetic.
-Pair<double> checked_velocity(const Place& state, const Pair<double>& dq) {
+Joints<double> checked_velocity(const Place& state, const Joints<double>& dq) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (std::abs(dq[j]) > kLargestLinkVelocity) {
       state.at("dq").at(j).fail(
@@ -178,13 +178,14 @@ Pair<double> checked_velocity(const Place& state, const Pair<double>& dq) {
   return dq;
 }
 
-bool is_zero(const Pair<double>& v) { return v[0] == 0 && v[1] == 0; }
+bool is_zero(const Joints<double>& v) { return v[0] == 0 && v[1] == 0; }
 
-bool same_angles(const Pair<double>& a, const Pair<double>& b) {
+bool same_angles(const Joints<double>& a, const Joints<double>& b) {
   return std::abs(a[0] - b[0]) <= kSameAngle && std::abs(a[1] - b[1]) <= kSameAngle;
 }
 
-void check_tip_speed(const StatePlace& state, const Problem& problem, const Pair<double>& q, const Pair<double>& dq) {
+void check_tip_speed(const StatePlace& state, const Problem& problem, const Joints<double>& q,
+                     const Joints<double>& dq) {
   const double speed = std::sqrt(std::max(0.0, tip_speed_squared(problem.robot, q[1], dq)));
   if (speed <= problem.limits.tip_speed) return;
   state.place.first_of({{"dq", state.dq}})
@@ -197,8 +198,8 @@ std::string with_load(const Problem& problem) {
   return mass > 0 ? fmt::format(" with the payload of {} kg", mass) : "";
 }
 
-void check_deflection(const StatePlace& state, const Problem& problem, const Pair<double>& q,
-                      const Pair<double>& theta) {
+void check_deflection(const StatePlace& state, const Problem& problem, const Joints<double>& q,
+                      const Joints<double>& theta) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double deflection = std::abs(theta[j] - q[j]), limit = problem.limits.spring_deflection[j];
     if (deflection <= limit) continue;
@@ -208,7 +209,7 @@ void check_deflection(const StatePlace& state, const Problem& problem, const Pai
   }
 }
 
-void check_motor_velocity(const StatePlace& state, const Problem& problem, const Pair<double>& dtheta) {
+void check_motor_velocity(const StatePlace& state, const Problem& problem, const Joints<double>& dtheta) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double speed = std::abs(dtheta[j]), limit = problem.limits.motor_velocity[j];
     if (speed <= limit) continue;
@@ -219,8 +220,8 @@ void check_motor_velocity(const StatePlace& state, const Problem& problem, const
 }
 
 // Resting at q needs G(q) from the motors, without end.
-void check_holding(const StatePlace& state, const Problem& problem, const Pair<double>& q) {
-  const Pair<double> gravity = gravity_torque(problem.robot, q);
+void check_holding(const StatePlace& state, const Problem& problem, const Joints<double>& q) {
+  const Joints<double> gravity = gravity_torque(problem.robot, q);
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double torque = std::abs(gravity[j]), limit = problem.limits.torque[j];
     if (torque <= limit) continue;
@@ -234,11 +235,11 @@ void check_holding(const StatePlace& state, const Problem& problem, const Pair<d
 void check_holding_somewhere(const Place& place, const Problem& problem, const Goal& goal) {
   constexpr int kAngles = 2000;
   const std::size_t free = goal.free[0] ? 0 : 1, given = 1 - free;
-  Pair<double> q = goal.q;
+  Joints<double> q = goal.q;
   double least = kNoLimit;  // [N m] of the joint that is given
   for (int i = 0; i <= kAngles; ++i) {
     q[free] = std::lerp(-1.0, 1.0, i / double{kAngles}) * problem.limits.link_position[free];
-    const Pair<double> gravity = gravity_torque(problem.robot, q);
+    const Joints<double> gravity = gravity_torque(problem.robot, q);
     if (std::abs(gravity[free]) <= problem.limits.torque[free]) least = std::min(least, std::abs(gravity[given]));
   }
   if (least <= problem.limits.torque[given]) return;
@@ -255,8 +256,8 @@ void resolve_start(const Request& request, Problem& problem) {
   }
   const RequestedStart& start = *request.start;
   const StatePlace state{place, true, start.dq.has_value(), start.theta.has_value(), start.dtheta.has_value()};
-  const Pair<double> q = checked_angles(place, start.q, problem.limits);
-  const Pair<double> dq = checked_velocity(place, start.dq.value_or(Pair<double>{}));
+  const Joints<double> q = checked_angles(place, start.q, problem.limits);
+  const Joints<double> dq = checked_velocity(place, start.dq.value_or(Joints<double>{}));
   const State<double> rest = rest_at(problem.robot, q);
   // At rest flatness gives the same but for rounding, and rest should be rest exactly.
   problem.start = is_zero(dq) ? rest : from_link_motion(problem.robot, {.q = q, .dq = dq}).state;
@@ -335,7 +336,7 @@ void resolve_joint_goal(const Request& request, Problem& problem) {
 }
 
 // The goal at q; none, and `why`, when the arm cannot be there.
-std::optional<Goal> tip_goal(const Request& request, const Problem& problem, const Pair<double>& q,
+std::optional<Goal> tip_goal(const Request& request, const Problem& problem, const Joints<double>& q,
                              std::optional<InputError>& why) {
   const Place place{request, "goal"};
   Goal goal;
@@ -361,8 +362,8 @@ std::optional<Goal> tip_goal(const Request& request, const Problem& problem, con
   }
 }
 
-void check_reach(const Place& place, const Parameters& robot, const Pair<double>& tip) {
-  const Pair<double> within = reach(robot);
+void check_reach(const Place& place, const Parameters& robot, const Joints<double>& tip) {
+  const Joints<double> within = reach(robot);
   const double away = std::hypot(tip[0], tip[1]);
   if (away >= within[0] - kSameAngle && away <= within[1] + kSameAngle) return;  // as near in metres
   place.fail(fmt::format("[{}, {}] m is {:.6g} m from the base; the arm reaches from {:.6g} to {:.6g} m", tip[0],
@@ -378,12 +379,12 @@ void resolve_tip_goal(const Request& request, Problem& problem) {
                                           {"theta", asked.theta.has_value()},
                                           {"dtheta", asked.dtheta.has_value()}});
   if (misplaced.field != place.field) misplaced.fail("does not go with goal.tip, which decides it");
-  const Pair<double>& tip = *asked.tip;
+  const Joints<double>& tip = *asked.tip;
   check_reach(place.at("tip"), problem.robot, tip);
   const Elbow elbow = asked.elbow.value_or(Elbow::kAny);
   std::optional<InputError> why;
   std::vector<Goal> goals;
-  for (const Pair<double>& q :
+  for (const Joints<double>& q :
        inverse_kinematics(problem.robot, tip, elbow, problem.limits.link_position, problem.start.q)) {
     if (const auto goal = tip_goal(request, problem, q, why)) goals.push_back(*goal);
   }
@@ -422,7 +423,7 @@ Via resolve_via(const Place& place, const RequestedVia& asked, const Problem& pr
 // A link goes no further than its motor at full speed, and the spring from one end of its range to the other.
 void check_via_times(const Place& vias, const Problem& problem) {
   double time = 0;
-  Pair<double> q = problem.start.q;
+  Joints<double> q = problem.start.q;
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
     const Via& via = problem.via[i];
     if (!via.time) continue;

@@ -44,7 +44,7 @@ void check_count(const Request& request) {
 }
 
 // A corner between start and goal becomes a via point that is passed within a part of the tolerance.
-void add_corner(const Place& place, const Pair<double>& q, JointPath& path, Problem& problem) {
+void add_corner(const Place& place, const Joints<double>& q, JointPath& path, Problem& problem) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double limit = problem.limits.link_position[j];
     check_between(place.at(j), q[j], -limit, limit, "rad");
@@ -60,7 +60,7 @@ void resolve_path(const Request& request, Problem& problem) {
   if (problem.goal.any_free() || !problem.other_goals.empty()) {
     place.fail("needs a goal that is one place; give goal.q with two angles");
   }
-  const std::vector<Pair<double>>& points = request.path->points;
+  const std::vector<Joints<double>>& points = request.path->points;
   JointPath path{{problem.start.q}, request.path->tolerance};
   path.check(place);
   if (points.size() > kMostCorners) {
@@ -75,7 +75,7 @@ void resolve_path(const Request& request, Problem& problem) {
 }
 
 // What is wrong at q, empty if nothing is.
-std::string broken(const Problem& problem, std::size_t segment, const Pair<double>& q) {
+std::string broken(const Problem& problem, std::size_t segment, const Joints<double>& q) {
   const auto posture = Posture<double>::of(problem.robot, q);
   for (const TaskRow& row : task_rows(problem.robot, problem.task, segment)) {
     const double room = row.distance(row.value(problem.robot, posture));
@@ -93,9 +93,9 @@ std::string broken(const Problem& problem, std::size_t segment, const Pair<doubl
 }
 
 // What a motion from q with velocity dq leaves at once, because q lies on its bound; empty if nothing.
-std::string leaves(const Problem& problem, std::size_t segment, const Pair<double>& q, const Pair<double>& dq) {
+std::string leaves(const Problem& problem, std::size_t segment, const Joints<double>& q, const Joints<double>& dq) {
   constexpr double kMoment = 1e-6;  // [s]
-  const auto moved = [&](double time) { return Pair<double>{q[0] + time * dq[0], q[1] + time * dq[1]}; };
+  const auto moved = [&](double time) { return Joints<double>{q[0] + time * dq[0], q[1] + time * dq[1]}; };
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double limit = problem.limits.link_position[j];
     if (std::abs(q[j]) >= limit && std::abs(moved(kMoment)[j]) > limit * (1 + 1e-12)) {
@@ -117,12 +117,12 @@ void place_free_joint(Problem& problem) {
   constexpr int kAngles = 400;
   const std::size_t last = problem.via.size();
   if (broken(problem, last, problem.goal.q).empty()) return;
-  const Pair<double> before = problem.via.empty() ? problem.start.q : problem.via.back().q;
+  const Joints<double> before = problem.via.empty() ? problem.start.q : problem.via.back().q;
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!problem.goal.free[j]) continue;
     double nearest = kNoLimit;
     for (int i = -kAngles; i <= kAngles; ++i) {
-      Pair<double> q = problem.goal.q;
+      Joints<double> q = problem.goal.q;
       q[j] = problem.limits.link_position[j] * i / kAngles;
       if (std::abs(q[j] - before[j]) >= nearest || !broken(problem, last, q).empty()) continue;
       nearest = std::abs(q[j] - before[j]);

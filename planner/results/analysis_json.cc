@@ -21,9 +21,9 @@ Json number(double value, int digits = 6) {
   return std::strtod(fmt::format("{:.{}e}", value, digits - 1).c_str(), nullptr);
 }
 Json time(double value) { return std::round(value * 1e7) / 1e7; }
-Json numbers(const Pair<double>& values) { return Json::array({number(values[0]), number(values[1])}); }
+Json numbers(const Joints<double>& values) { return Json::array({number(values[0]), number(values[1])}); }
 Json number_or_null(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
-Json numbers_or_null(const std::optional<Pair<double>>& v) { return v ? numbers(*v) : Json(nullptr); }
+Json numbers_or_null(const std::optional<Joints<double>>& v) { return v ? numbers(*v) : Json(nullptr); }
 
 Json stretches(std::vector<LimitWorth::Stretch> active) {
   const auto length = [](const LimitWorth::Stretch& s) { return s.end - s.begin; };
@@ -44,7 +44,7 @@ Json costate(const State<double>& p) {
 // Columns, of every n-th interval.
 Json along_json(const std::vector<Optimality::Along>& along) {
   Json json{{"time", Json::array()}, {"hamiltonian", Json::array()}};
-  const auto add = [&json](const std::string& name, const Pair<double>& values) {
+  const auto add = [&json](const std::string& name, const Joints<double>& values) {
     for (std::size_t j = 0; j < kJoints; ++j)
       json["costate"][fmt::format("{}{}", name, j + 1)].push_back(number(values[j]));
   };

@@ -15,7 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-Json numbers(const Pair<double>& values) { return Json::array({number(values[0]), number(values[1])}); }
+Json numbers(const Joints<double>& values) { return Json::array({number(values[0]), number(values[1])}); }
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 Json numbers(const std::map<std::string, double>& values) {
@@ -162,7 +162,7 @@ Json state_json(const State<double>& state, bool at_rest) {
           {"at_rest", at_rest}};
 }
 
-Json numbers_or_null(const std::optional<Pair<double>>& values) { return values ? numbers(*values) : Json(nullptr); }
+Json numbers_or_null(const std::optional<Joints<double>>& values) { return values ? numbers(*values) : Json(nullptr); }
 
 Json goal_json(const Goal& goal) {
   Json q = numbers(goal.q);
@@ -197,10 +197,10 @@ Json limits_json(const Limits& limits) {
 }
 
 Json json_of(double value) { return value; }
-Json json_of(const Pair<double>& value) { return numbers(value); }
-Json json_of(const std::vector<Pair<double>>& values) {
+Json json_of(const Joints<double>& value) { return numbers(value); }
+Json json_of(const std::vector<Joints<double>>& values) {
   Json list = Json::array();
-  for (const Pair<double>& value : values) list.push_back(numbers(value));
+  for (const Joints<double>& value : values) list.push_back(numbers(value));
   return list;
 }
 Json json_of(ArcWay way) { return way == ArcWay::kLong ? Json("long") : Json(nullptr); }
@@ -250,7 +250,7 @@ Json resolved_request_json(const Problem& problem) {
 
 Json robot_json(const Parameters& robot) {
   Json json = Json::object();
-  visit_parameters(robot, [&](const char* section, const char* name, const char*, const Pair<double>& values) {
+  visit_parameters(robot, [&](const char* section, const char* name, const char*, const Joints<double>& values) {
     json[section][name] = numbers(values);
   });
   json["payload"] = {{"mass", robot.payload.mass}, {"inertia", robot.payload.inertia}};

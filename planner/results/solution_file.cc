@@ -78,8 +78,8 @@ Collocated solution_of(const json& file) {
   CollocationSetup setup{find_scheme(file.at("scheme").get<std::string>()), mesh_of(file.at("mesh"))};
   setup.smoothing = {finite(file.at("friction_width").get<double>()), finite(file.at("regularisation").get<double>())};
   setup.margins = margins_of(file.at("margins"), setup.mesh.size());
-  setup.creep = rows_of<Pair<double>, kJoints>(file.at("creep"), setup.mesh.size(),
-                                               [](Pair<double>& pair) { return pair.data(); });
+  setup.creep = rows_of<Joints<double>, kJoints>(file.at("creep"), setup.mesh.size(),
+                                                 [](Joints<double>& pair) { return pair.data(); });
   Collocated solution{std::move(setup), {}, {}, {}};
   solution.report.iterate = {vector_of(file.at("x")), vector_of(file.at("lambda")), vector_of(file.at("z_lower")),
                              vector_of(file.at("z_upper"))};

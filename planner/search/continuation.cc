@@ -83,7 +83,7 @@ double squared_torque(const Motion& motion) {
     const auto& interval = motion.intervals[k];
     const double weights[] = {1.0 / 6, 4.0 / 6, 1.0 / 6};  // Simpson's rule
     for (int i = 0; i < 3; ++i) {
-      const Pair<double> u = motion.torque_in(k, interval.start + 0.5 * i * interval.duration);
+      const Joints<double> u = motion.torque_in(k, interval.start + 0.5 * i * interval.duration);
       sum += weights[i] * interval.duration * (u[0] * u[0] + u[1] * u[1]);
     }
   }
@@ -355,7 +355,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
     }
   }
   if (sees_friction(problem_->weights)) {
-    Pair<FrictionLaw> law{FrictionLaw::of(problem_->robot, 0), FrictionLaw::of(problem_->robot, 1)};
+    Joints<FrictionLaw> law{FrictionLaw::of(problem_->robot, 0), FrictionLaw::of(problem_->robot, 1)};
     for (FrictionLaw& l : law) l = l.smoothed(setup.smoothing.friction_width);
     const std::vector<double> cost = cost_errors(*problem_, law, settings_.scheme, solution_.motion);
     const double allowed = kCostTolerance * std::abs(solution_.report.objective);
@@ -467,7 +467,7 @@ bool Continuation::creep() {
   bool any = false;
   for (int round = 0; round < kCreepRounds; ++round) {  // what is kept out of one interval may settle in the next
     CollocationSetup setup = solution_.setup;
-    const std::vector<Pair<double>> wanted = creep_through_rests(*problem_, solution_.motion);
+    const std::vector<Joints<double>> wanted = creep_through_rests(*problem_, solution_.motion);
     setup.creep.resize(wanted.size(), {0, 0});
     bool more = false;
     for (std::size_t k = 0; k < wanted.size(); ++k) {

@@ -22,9 +22,9 @@ bool rests(const Motion& motion, std::size_t interval, std::size_t joint, double
 
 }  // namespace
 
-std::vector<Pair<double>> creep_through_rests(const Problem& problem, const Motion& motion) {
+std::vector<Joints<double>> creep_through_rests(const Problem& problem, const Motion& motion) {
   const std::size_t count = motion.intervals.size();
-  std::vector<Pair<double>> creep(count, {0, 0});
+  std::vector<Joints<double>> creep(count, {0, 0});
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double band = FrictionLaw::of(problem.robot, static_cast<int>(j)).unstable_band();
     if (band == 0 || !std::isfinite(band)) continue;

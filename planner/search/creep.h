@@ -13,6 +13,6 @@ namespace fjr {
 // little faster than the band it is stable, and a few milliradians further at the end of a long wait. Returns the
 // velocity [rad/s] that each motor is to keep at least, with its sign, per interval; 0 where nothing is asked. Start
 // and goal are left alone.
-std::vector<Pair<double>> creep_through_rests(const Problem& problem, const Motion& motion);
+std::vector<Joints<double>> creep_through_rests(const Problem& problem, const Motion& motion);
 
 }  // namespace fjr

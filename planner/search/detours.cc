@@ -51,20 +51,20 @@ class Grid {
   double room(std::size_t c) const { return room_[c]; }
   bool free(std::size_t c) const { return room_[c] >= 0; }
 
-  Pair<double> q_of(std::size_t c) const {
+  Joints<double> q_of(std::size_t c) const {
     const int i = static_cast<int>(c) / size_[1], j = static_cast<int>(c) % size_[1];
     return {-limit_[0] + 2 * limit_[0] * i / (size_[0] - 1), -limit_[1] + 2 * limit_[1] * j / (size_[1] - 1)};
   }
 
   // The nearest cell; with `only_free` among the free ones round it, for what is given lies between cells.
-  std::size_t cell_of(const Pair<double>& q, bool only_free) const {
+  std::size_t cell_of(const Joints<double>& q, bool only_free) const {
     const Cell at{nearest(q[0], 0), nearest(q[1], 1)};
     std::size_t best = index(at);
     double least = kInfinity;
     for (int i = at.i - 2; i <= at.i + 2; ++i) {
       for (int j = at.j - 2; j <= at.j + 2; ++j) {
         if (!inside({i, j})) continue;
-        const Pair<double> cell = q_of(index({i, j}));
+        const Joints<double> cell = q_of(index({i, j}));
         const double away = std::hypot(cell[0] - q[0], cell[1] - q[1]);
         if (away < least && (!only_free || free(index({i, j})))) {
           least = away;
@@ -82,7 +82,7 @@ class Grid {
     for (int di = -1; di <= 1; ++di) {
       for (int dj = -1; dj <= 1; ++dj) {
         if ((di == 0 && dj == 0) || !inside({i + di, j + dj})) continue;
-        const Pair<double> a = q_of(c), b = q_of(index({i + di, j + dj}));
+        const Joints<double> a = q_of(c), b = q_of(index({i + di, j + dj}));
         visit(index({i + di, j + dj}), std::hypot((b[0] - a[0]) / speed_[0], (b[1] - a[1]) / speed_[1]));
       }
     }
@@ -93,7 +93,7 @@ class Grid {
   // Makes the middle of a way dear, so that the next one goes elsewhere.
   void discourage(const Way& way, double near) {
     for (std::size_t c = 0; c < cells(); ++c) {
-      const Pair<double> q = q_of(c);
+      const Joints<double> q = q_of(c);
       for (std::size_t k = way.size() / 5; k < way.size() - way.size() / 5; ++k) {
         if (std::hypot(way[k][0] - q[0], way[k][1] - q[1]) < near) {
           cost_[c] = kDiscouraged;
@@ -104,7 +104,7 @@ class Grid {
   }
 
  private:
-  static double room_at(const Parameters& robot, const std::vector<TaskRow>& rows, const Pair<double>& q) {
+  static double room_at(const Parameters& robot, const std::vector<TaskRow>& rows, const Joints<double>& q) {
     const auto posture = Posture<double>::of(robot, q);
     double room = kInfinity;
     for (const TaskRow& row : rows) room = std::min(room, row.distance(row.value(robot, posture)));
@@ -118,7 +118,7 @@ class Grid {
   bool inside(Cell c) const { return c.i >= 0 && c.i < size_[0] && c.j >= 0 && c.j < size_[1]; }
   std::size_t index(Cell c) const { return static_cast<std::size_t>(c.i * size_[1] + c.j); }
 
-  Pair<double> limit_, speed_;
+  Joints<double> limit_, speed_;
   std::array<int, 2> size_{};
   std::vector<double> room_, cost_;
 };
@@ -170,7 +170,8 @@ std::vector<std::size_t> roomiest(const Grid& grid, std::size_t from, std::size_
       [&](double value, std::size_t, std::size_t next, double) { return std::min(value, grid.room(next)); });
 }
 
-Way way_of(const Grid& grid, const std::vector<std::size_t>& cells, const Pair<double>& from, const Pair<double>& to) {
+Way way_of(const Grid& grid, const std::vector<std::size_t>& cells, const Joints<double>& from,
+           const Joints<double>& to) {
   Way way{from};
   for (std::size_t k = 1; k + 1 < cells.size(); ++k) way.push_back(grid.q_of(cells[k]));
   way.push_back(to);
@@ -178,10 +179,10 @@ Way way_of(const Grid& grid, const std::vector<std::size_t>& cells, const Pair<d
 }
 
 // Twice the angle that the closed polygon turns round a point, over 2 pi: its winding number.
-int winding(const Way& polygon, const Pair<double>& point) {
+int winding(const Way& polygon, const Joints<double>& point) {
   int turns = 0;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Pair<double>&a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+    const Joints<double>&a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
     const double side = (b[0] - a[0]) * (point[1] - a[1]) - (point[0] - a[0]) * (b[1] - a[1]);
     if (a[1] <= point[1] && b[1] > point[1] && side > 0) ++turns;
     if (a[1] > point[1] && b[1] <= point[1] && side < 0) --turns;
@@ -202,7 +203,7 @@ bool same_way(const Grid& grid, const Way& a, const Way& b) {
 std::vector<std::string> broken_on(const Problem& problem, std::size_t segment, const Way& way) {
   std::set<std::string> names;
   const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
-  for (const Pair<double>& q : way) {
+  for (const Joints<double>& q : way) {
     const auto posture = Posture<double>::of(problem.robot, q);
     for (const TaskRow& row : rows) {
       if (row.room(row.value(problem.robot, posture)) < 0) names.insert(row.name);
@@ -213,7 +214,7 @@ std::vector<std::string> broken_on(const Problem& problem, std::size_t segment, 
 
 }  // namespace
 
-Detours find_detours(const Problem& problem, std::size_t segment, const Pair<double>& from, const Pair<double>& to,
+Detours find_detours(const Problem& problem, std::size_t segment, const Joints<double>& from, const Joints<double>& to,
                      std::size_t most, double spacing) {
   Grid grid(problem, segment, spacing);
   Detours found;
@@ -249,10 +250,10 @@ std::string beyond_reach(const Problem& problem) {
   const double tolerance = task.line ? task.line->tolerance : task.arc->tolerance;
   const Point<double> begin = tip_position(problem.robot, problem.start.q),
                       end = tip_position(problem.robot, problem.goal.q);
-  const Pair<double> from{begin.x, begin.y}, to{end.x, end.y};
+  const Joints<double> from{begin.x, begin.y}, to{end.x, end.y};
   for (int i = 0; i <= kPieces; ++i) {
     const double s = static_cast<double>(i) / kPieces;
-    const Pair<double> tip = task.line ? along(*task.line, from, to, s) : along(*task.arc, from, to, s);
+    const Coordinates tip = task.line ? along(*task.line, from, to, s) : along(*task.arc, from, to, s);
     const double away = std::hypot(tip[0], tip[1]);
     if (away > nearest - tolerance && away < furthest + tolerance) continue;
     return fmt::format(
@@ -275,7 +276,7 @@ NoWay no_way(const Problem& problem) {
   // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
   const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);
   if ((!keeps_clear(problem.task) && !problem.task.box) || problem.goal.any_free()) return {};
-  std::vector<Pair<double>> points{problem.start.q};
+  std::vector<Joints<double>> points{problem.start.q};
   for (const Via& via : problem.via) points.push_back(via.q);
   points.push_back(problem.goal.q);
   for (std::size_t s = 0; s + 1 < points.size(); ++s) {

@@ -28,7 +28,7 @@ inline constexpr double kWideTipPath = 0.08;
 
 // Between two postures of the motion's segment; at most `most` ways. Only obstacles, boxes and wide lines and arcs are
 // looked at: others, and paths, are narrower than a grid.
-Detours find_detours(const Problem& problem, std::size_t segment, const Pair<double>& from, const Pair<double>& to,
+Detours find_detours(const Problem& problem, std::size_t segment, const Joints<double>& from, const Joints<double>& to,
                      std::size_t most, double spacing = kCoarseGrid);
 
 // Why there is no way at all within the limits of the joints.

@@ -17,18 +17,18 @@ namespace {
 // The points the motion passes, with their shares of the duration.
 struct Waypoint {
   double share;
-  Pair<double> q;
+  Joints<double> q;
 };
 
 // What the tip goes when both joints turn evenly. [m]
-double tip_way(const Problem& problem, const Pair<double>& from, const Pair<double>& to) {
+double tip_way(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
   constexpr int kPieces = 32;
   double way = 0;
   Point<double> last = tip_position(problem.robot, from);
   for (int i = 1; i <= kPieces; ++i) {
     const double share = static_cast<double>(i) / kPieces;
     const Point<double> tip =
-        tip_position(problem.robot, Pair<double>{std::lerp(from[0], to[0], share), std::lerp(from[1], to[1], share)});
+        tip_position(problem.robot, Joints<double>{std::lerp(from[0], to[0], share), std::lerp(from[1], to[1], share)});
     way += std::hypot(tip.x - last.x, tip.y - last.y);
     last = tip;
   }
@@ -36,10 +36,10 @@ double tip_way(const Problem& problem, const Pair<double>& from, const Pair<doub
 }
 
 // How long one leg takes by itself [s]: what the limits of torque and speed allow a rigid arm, roughly.
-double leg_time(const Problem& problem, const Pair<double>& from, const Pair<double>& to) {
+double leg_time(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
   double time = 0.02;
   const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
-  const Pair<double> inertia{stretched.m11, stretched.m22};
+  const Joints<double> inertia{stretched.m11, stretched.m22};
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double distance = std::abs(to[j] - from[j]);
     const double acceleration = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
@@ -51,8 +51,8 @@ double leg_time(const Problem& problem, const Pair<double>& from, const Pair<dou
   return time;
 }
 
-std::vector<Pair<double>> points_of(const Problem& problem) {
-  std::vector<Pair<double>> points{problem.start.q};
+std::vector<Joints<double>> points_of(const Problem& problem) {
+  std::vector<Joints<double>> points{problem.start.q};
   for (const Via& via : problem.via) points.push_back(via.q);
   points.push_back(problem.goal.q);
   return points;
@@ -87,7 +87,7 @@ std::size_t leg_of(const std::vector<Waypoint>& points, double s) {
   return leg;
 }
 
-Pair<double> between(const Pair<double>& a, const Pair<double>& b, double share) {
+Joints<double> between(const Joints<double>& a, const Joints<double>& b, double share) {
   return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])};
 }
 
@@ -117,16 +117,16 @@ Way averaged(const Way& way) {
 }
 
 // A smooth random detour of about the given size [rad] over s = 0 ... 1, of nothing at both ends.
-std::function<Pair<double>(double)> detour_of(double size, std::uint64_t seed) {
+std::function<Joints<double>(double)> detour_of(double size, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   // The engine's bits are the same everywhere; std's distributions are not.
   const auto uniform = [&random] { return static_cast<double>(random() >> 11) * 0x1p-53 * 2 - 1; };
-  std::array<Pair<double>, 3> amplitude;  // of sin(pi s), sin(2 pi s), sin(3 pi s)
+  std::array<Joints<double>, 3> amplitude;  // of sin(pi s), sin(2 pi s), sin(3 pi s)
   for (std::size_t k = 0; k < amplitude.size(); ++k) {
     for (double& a : amplitude[k]) a = size * uniform() / static_cast<double>(k + 1);
   }
   return [amplitude](double s) {
-    Pair<double> away{0, 0};
+    Joints<double> away{0, 0};
     for (std::size_t k = 0; k < amplitude.size(); ++k) {
       const double shape = std::sin(static_cast<double>(k + 1) * std::numbers::pi * s);
       for (std::size_t j = 0; j < kJoints; ++j) away[j] += amplitude[k][j] * shape;
@@ -143,12 +143,12 @@ Guess straight_guess(const Problem& problem, double duration) {
   const auto state = [points, robot = problem.robot](double s) {
     const std::size_t leg = leg_of(points, s);
     const double inside = (s - points[leg].share) / (points[leg + 1].share - points[leg].share);
-    Pair<double> q;
+    Joints<double> q;
     for (std::size_t j = 0; j < kJoints; ++j)
       q[j] = points[leg].q[j] + inside * (points[leg + 1].q[j] - points[leg].q[j]);
     return rest_at(robot, q);
   };
-  return {"straight", durations, state, [](double) { return Pair<double>{0, 0}; }};
+  return {"straight", durations, state, [](double) { return Joints<double>{0, 0}; }};
 }
 
 Guess minimum_jerk_guess(const Problem& problem, double duration) {
@@ -192,7 +192,7 @@ Guess way_guess(const Problem& problem, double duration, const std::vector<Way>&
     const std::size_t k = std::min(static_cast<std::size_t>(at), kPoints - 2);
     return rest_at(robot, between(rounded[leg][k], rounded[leg][k + 1], at - static_cast<double>(k)));
   };
-  return {"round obstacles", durations, state, [](double) { return Pair<double>{0, 0}; }};
+  return {"round obstacles", durations, state, [](double) { return Joints<double>{0, 0}; }};
 }
 
 std::vector<Way> ways_along_tip_path(const Problem& problem) {
@@ -202,11 +202,11 @@ std::vector<Way> ways_along_tip_path(const Problem& problem) {
   for (std::size_t leg = 0; leg + 1 < points.size(); ++leg) {
     const Point<double> begin = tip_position(problem.robot, points[leg]),
                         end = tip_position(problem.robot, points[leg + 1]);
-    const Pair<double> from{begin.x, begin.y}, to{end.x, end.y};
+    const Joints<double> from{begin.x, begin.y}, to{end.x, end.y};
     Way way{points[leg]};
     for (int i = 1; i < kPieces; ++i) {
       const double s = static_cast<double>(i) / kPieces;
-      const Pair<double> tip =
+      const Joints<double> tip =
           problem.task.arc ? along(*problem.task.arc, from, to, s) : along(*problem.task.line, from, to, s);
       const auto postures =
           inverse_kinematics(problem.robot, tip, Elbow::kAny, problem.limits.link_position, way.back());
@@ -218,7 +218,7 @@ std::vector<Way> ways_along_tip_path(const Problem& problem) {
   return ways;
 }
 
-Guess winding_up_guess(Guess guess, const Pair<double>& back) {
+Guess winding_up_guess(Guess guess, const Joints<double>& back) {
   constexpr double kWindingUp = 0.5;  // share of the time
   guess.name = "winding up, " + guess.name;
   guess.state = [state = guess.state, back](double s) {
@@ -237,7 +237,7 @@ Guess displaced_guess(const Problem& problem, double duration, double size, std:
   Guess guess = straight_guess(problem, duration);
   guess.name = "displaced";
   guess.state = [straight = guess.state, detour = detour_of(size, seed), robot = problem.robot](double s) {
-    const Pair<double> q = straight(s).q, away = detour(s);
+    const Joints<double> q = straight(s).q, away = detour(s);
     return rest_at(robot, {q[0] + away[0], q[1] + away[1]});
   };
   return guess;
@@ -247,7 +247,7 @@ Guess displaced_guess(Guess guess, double size, std::uint64_t seed) {
   guess.name = "displaced, " + guess.name;
   guess.state = [state = guess.state, detour = detour_of(size, seed)](double s) {
     State<double> x = state(s);
-    const Pair<double> away = detour(s);
+    const Joints<double> away = detour(s);
     for (std::size_t j = 0; j < kJoints; ++j) {
       x.q[j] += away[j];
       x.theta[j] += away[j];

@@ -17,7 +17,7 @@ Guess straight_guess(const Problem& problem, double duration);
 Guess minimum_jerk_guess(const Problem& problem, double duration);
 
 // Link angles one after the other [rad], with straight lines between.
-using Way = std::vector<Pair<double>>;
+using Way = std::vector<Joints<double>>;
 
 // Along one way per segment, corners rounded, theta in static equilibrium, at rest, zero torque.
 Guess way_guess(const Problem& problem, double duration, const std::vector<Way>& ways);
@@ -32,7 +32,7 @@ Guess displaced_guess(const Problem& problem, double duration, double size, std:
 Guess displaced_guess(Guess guess, double size, std::uint64_t seed);
 
 // The guess with its links going this far [rad] the other way first, as whoever takes a swing does.
-Guess winding_up_guess(Guess guess, const Pair<double>& back);
+Guess winding_up_guess(Guess guess, const Joints<double>& back);
 
 // The guess in what remains of its time when it waits for these shares of it first, and at last.
 Guess waiting_guess(Guess guess, double first, double last);

@@ -119,7 +119,7 @@ std::optional<Continuation> tighten_all(const Problem& problem, const SolveTools
 
 // Factors of the limits that carrying the arm slowly takes, at least 1.
 struct ToCarry {
-  Pair<double> torque, deflection;
+  Joints<double> torque, deflection;
 
   double most() const { return std::max({torque[0], torque[1], deflection[0], deflection[1]}); }
 };
@@ -153,10 +153,10 @@ SwungUp swing_up(const Problem& problem, double longest, const SolveTools& tools
   const Problem easy = eased(easily);
   const std::string label = "limits that carry the arm";
   const Guess straight = tools.guesses(easy).front();
-  const Pair<double> begin = straight.state(0).q, end = straight.state(1).q;
+  const Joints<double> begin = straight.state(0).q, end = straight.state(1).q;
   for (const double back : kWindingUp) {
     if (tools.interrupted()) break;
-    const Pair<double> away{back * (end[0] - begin[0]), back * (end[1] - begin[1])};
+    const Joints<double> away{back * (end[0] - begin[0]), back * (end[1] - begin[1])};
     auto carried = attempt(easy, tools, label, winding_up_guess(straight, away));
     if (carried) carried = sharpened(easy, tools, label, carried->solution());
     if (!carried) continue;

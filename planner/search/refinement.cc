@@ -53,7 +53,7 @@ std::vector<double> interval_errors(const Parameters& robot, const Motion& motio
   return errors;
 }
 
-std::vector<double> cost_errors(const Problem& problem, const Pair<FrictionLaw>& friction, const Scheme& scheme,
+std::vector<double> cost_errors(const Problem& problem, const Joints<FrictionLaw>& friction, const Scheme& scheme,
                                 const Motion& motion) {
   constexpr int kPieces = 32;  // midpoint rule: fine enough to tell whether the scheme's few points are
   const Parameters& robot = problem.robot;
@@ -63,9 +63,9 @@ std::vector<double> cost_errors(const Problem& problem, const Pair<FrictionLaw>&
     const auto cost = [&](double c) {
       const double time = interval.start + c * interval.duration;
       const State<double> x = motion.state_in(k, time);
-      Pair<double> torque = motion.torque_in(k, time);
+      Joints<double> torque = motion.torque_in(k, time);
       for (std::size_t j = 0; j < kJoints; ++j) torque[j] += friction[j].nonlinear(x.dtheta[j]);
-      const Pair<double> ddq = link_acceleration(robot, x.q, x.dq, spring_torque(robot, x.q, x.theta));
+      const Joints<double> ddq = link_acceleration(robot, x.q, x.dq, spring_torque(robot, x.q, x.theta));
       return running_cost(problem.weights, Instant<double>{robot, x, ddq, torque});
     };
     double difference = 0;

@@ -24,7 +24,7 @@ double error_size(const State<double>& difference);
 
 // Error of the scheme's quadrature of the objective's running cost on each interval, tau_m = u + nonlinear friction of
 // the law given: where a motor creeps through the friction law, the torque bends between the collocation points.
-std::vector<double> cost_errors(const Problem& problem, const Pair<FrictionLaw>& friction, const Scheme& scheme,
+std::vector<double> cost_errors(const Problem& problem, const Joints<FrictionLaw>& friction, const Scheme& scheme,
                                 const Motion& motion);
 
 // Into how many pieces (1, 2 or 4) each interval is to be split: those whose error exceeds `tolerance`, in four where

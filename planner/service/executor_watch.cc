@@ -38,8 +38,8 @@ bool at_rest(ExecutorMode mode) { return mode == ExecutorMode::kResting || mode 
 
 // The position that is held rather than the encoders' word: a chain of motions must not pick up a count each time. Only
 // an arm that is somewhere else altogether starts from where it is.
-Pair<double> held_position(const ExecutorState& state) {
-  Pair<double> q = state.planned_q;
+Joints<double> held_position(const ExecutorState& state) {
+  Joints<double> q = state.planned_q;
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!(std::abs(q[j] - state.q[j]) <= kSameAsHeld)) q[j] = state.q[j];
   }
@@ -102,7 +102,7 @@ bool ExecutorWatch::about_to_move() const {
   return published_ && !runs_or_ran(*published_) && Clock::now() - published_at_ < kTaken;
 }
 
-std::variant<Pair<double>, std::string> ExecutorWatch::rest() const {
+std::variant<Joints<double>, std::string> ExecutorWatch::rest() const {
   if (speakers_.empty()) return fmt::format("no executor of robot {} says where the arm is", robot_id_);
   if (auto why = twice()) return *std::move(why);
   const auto& [source, state, heard] = speakers_.back();

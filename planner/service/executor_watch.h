@@ -37,7 +37,7 @@ class ExecutorWatch {
   std::optional<std::string> twice() const;
 
   // Link positions [rad] at rest, or one sentence on why there are none.
-  std::variant<Pair<double>, std::string> rest() const;
+  std::variant<Joints<double>, std::string> rest() const;
 
  private:
   struct Speaker {

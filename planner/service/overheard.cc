@@ -11,7 +11,7 @@ void complete_overheard(Reply& reply) {
     const auto& request = plan.at("resolved_request");
     const auto& certificate = plan.at("certificate");
     const double tolerance = certificate.at("tolerance_rad").get<double>();
-    reply.errors = {{tolerance, tolerance}, certificate.at("tracking").at("link_error_rad").get<Pair<double>>()};
+    reply.errors = {{tolerance, tolerance}, certificate.at("tracking").at("link_error_rad").get<Joints<double>>()};
     reply.rest_to_rest = request.at("start").at("at_rest").get<bool>() && request.at("goal").at("at_rest").get<bool>();
   } catch (const nlohmann::json::exception&) {
     reply.rest_to_rest = false;  // of another version, or not from a service

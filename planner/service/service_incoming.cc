@@ -103,7 +103,7 @@ std::optional<Refusal> Service::resolve_start(Request& request) const {
   if (motion_pending()) return refused("an earlier request is still to move the arm");
   const auto rest = executor_.rest();
   if (const auto* why = std::get_if<std::string>(&rest)) return refused(*why);
-  request.start.emplace().q = std::get<Pair<double>>(rest);
+  request.start.emplace().q = std::get<Joints<double>>(rest);
   return std::nullopt;
 }
 

@@ -60,14 +60,14 @@ class Search {
     return worst_ <= kAllowed;
   }
 
-  Pair<std::array<double, kShapes>> free() const {
-    const Pair<StopShape> s = with(free_);
+  Joints<std::array<double, kShapes>> free() const {
+    const Joints<StopShape> s = with(free_);
     return {s[0].free, s[1].free};
   }
 
  private:
-  Pair<StopShape> with(const Free& free) const {
-    Pair<StopShape> s = shapes_;
+  Joints<StopShape> with(const Free& free) const {
+    Joints<StopShape> s = shapes_;
     for (int j = 0; j < kJoints; ++j) {
       for (int i = 0; i < count_; ++i) {
         s[static_cast<std::size_t>(j)].free[static_cast<std::size_t>(i)] = free[j * count_ + i];
@@ -78,7 +78,7 @@ class Search {
 
   Excess measure(const Free& free) {
     static const ShapeTable table(kNodes);
-    const Pair<StopShape> s = with(free);
+    const Joints<StopShape> s = with(free);
     Excess excess;
     worst_ = 0;
     for (int n = 1; n <= kNodes; ++n) {
@@ -115,7 +115,7 @@ class Search {
 
   const Parameters& robot_;
   const Limits& limits_;
-  Pair<StopShape> shapes_;
+  Joints<StopShape> shapes_;
   double duration_;
   int count_;
   Free free_;
@@ -123,7 +123,7 @@ class Search {
 };
 
 LinkMotion motion_of(const Parameters& robot, const Sample& from) {
-  Pair<double> u;
+  Joints<double> u;
   for (std::size_t j = 0; j < kJoints; ++j) {
     u[j] = from.torque[j] - FrictionLaw::of(robot, static_cast<int>(j)).nonlinear(from.state.dtheta[j]);
   }
@@ -134,7 +134,7 @@ LinkMotion motion_of(const Parameters& robot, const Sample& from) {
 // jump where a motor reverses, where a motor starts and comes to rest.
 class Rows {
  public:
-  Rows(const Parameters& robot, const Pair<StopShape>& shapes, double start, double duration)
+  Rows(const Parameters& robot, const Joints<StopShape>& shapes, double start, double duration)
       : robot_(robot), shapes_(shapes), start_(start), duration_(duration) {}
 
   std::vector<Sample> every_millisecond() const {
@@ -183,7 +183,7 @@ class Rows {
   }
 
   const Parameters& robot_;
-  const Pair<StopShape>& shapes_;
+  const Joints<StopShape>& shapes_;
   double start_, duration_;
 };
 
@@ -262,7 +262,7 @@ std::optional<StopMotion> find_stop(const Parameters& robot, const Sample& from,
 }
 
 Trajectory stop_rows(const Parameters& robot, const Sample& from, const StopMotion& stop) {
-  Pair<StopShape> shapes = shapes_from(motion_of(robot, from), stop.duration);
+  Joints<StopShape> shapes = shapes_from(motion_of(robot, from), stop.duration);
   for (std::size_t j = 0; j < kJoints; ++j) shapes[j].free = stop.free[j];
   const Rows rows(robot, shapes, from.time, stop.duration);
   const std::vector<Sample> coarse = rows.every_millisecond();

@@ -25,9 +25,9 @@ Limits stop_limits(const Parameters& robot);
 
 // What determines a stop, beside the plan that it leaves: the rows follow from it (stop_rows).
 struct StopMotion {
-  double time = 0;                           // [s] of the plan, when it begins
-  double duration = 0;                       // [s]; 0: no stop is over sooner than the plan itself
-  Pair<std::array<double, kShapes>> free{};  // StopShape::free of the joints
+  double time = 0;                             // [s] of the plan, when it begins
+  double duration = 0;                         // [s]; 0: no stop is over sooner than the plan itself
+  Joints<std::array<double, kShapes>> free{};  // StopShape::free of the joints
 };
 
 inline constexpr double kShortestStop = 0.05, kLongestStop = 1.5;  // [s]

@@ -113,7 +113,7 @@ Derivatives evaluate(const StopShape& shape, double s) {
   return d;
 }
 
-LinkMotion in_time(const Pair<Derivatives>& derivatives, double duration) {
+LinkMotion in_time(const Joints<Derivatives>& derivatives, double duration) {
   LinkMotion m;
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double h = duration;
@@ -126,8 +126,8 @@ LinkMotion in_time(const Pair<Derivatives>& derivatives, double duration) {
   return m;
 }
 
-Pair<StopShape> shapes_from(const LinkMotion& m, double duration) {
-  Pair<StopShape> shapes;
+Joints<StopShape> shapes_from(const LinkMotion& m, double duration) {
+  Joints<StopShape> shapes;
   const double h = duration;
   for (std::size_t j = 0; j < kJoints; ++j) {
     shapes[j].start = {m.q[j], m.dq[j] * h, m.ddq[j] * h * h, m.dddq[j] * h * h * h, m.ddddq[j] * h * h * h * h};

@@ -37,9 +37,9 @@ class ShapeTable {
 Derivatives evaluate(const StopShape& shape, double s);
 
 // `derivatives` in s at the duration `duration` [s], as derivatives in time.
-LinkMotion in_time(const Pair<Derivatives>& derivatives, double duration);
+LinkMotion in_time(const Joints<Derivatives>& derivatives, double duration);
 
 // From a link motion, all free numbers zero.
-Pair<StopShape> shapes_from(const LinkMotion& motion, double duration);
+Joints<StopShape> shapes_from(const LinkMotion& motion, double duration);
 
 }  // namespace fjr

@@ -7,7 +7,7 @@ namespace {
 
 double between(double from, double to, double fraction) { return from + fraction * (to - from); }
 
-Pair<double> linear_torque(const Sample& a, const Sample& b, double fraction) {
+Joints<double> linear_torque(const Sample& a, const Sample& b, double fraction) {
   return {between(a.torque[0], b.torque[0], fraction), between(a.torque[1], b.torque[1], fraction)};
 }
 
@@ -59,24 +59,24 @@ Sample Interpolator::at(double time) {
   return out;
 }
 
-Pair<double> Interpolator::torque_at(double time) {
+Joints<double> Interpolator::torque_at(double time) {
   const std::size_t k = interval(time);
   const Sample& a = trajectory_->samples[k];
   const Sample& b = trajectory_->samples[k + 1];
   return linear_torque(a, b, fraction_of(a, b, time));
 }
 
-Pair<double> Interpolator::mean_torque(double from, double to) {
+Joints<double> Interpolator::mean_torque(double from, double to) {
   const std::vector<Sample>& rows = trajectory_->samples;
   if (!(to > from)) return torque_at(from);
-  Pair<double> area{};
-  Pair<double> left = torque_at(from);
+  Joints<double> area{};
+  Joints<double> left = torque_at(from);
   double at = from;
   for (std::size_t k = from < rows.front().time ? 0 : interval(from) + 1; at < to; ++k) {
     // Before the first row and beyond the last the torque stays as it is, as everywhere in this class.
     const bool inside = k < rows.size() && rows[k].time < to;
     const double next = inside ? std::max(rows[k].time, at) : to;
-    const Pair<double> right = inside ? rows[k].torque : torque_at(to);
+    const Joints<double> right = inside ? rows[k].torque : torque_at(to);
     for (std::size_t j = 0; j < kJoints; ++j) area[j] += 0.5 * (left[j] + right[j]) * (next - at);
     left = right;
     at = next;

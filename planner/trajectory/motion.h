@@ -35,12 +35,12 @@ struct Motion {
     return x;
   }
   // Compensated torque u.
-  Pair<double> torque_in(std::size_t interval, double time) const {
+  Joints<double> torque_in(std::size_t interval, double time) const {
     const Eigen::Vector2d u = polynomial(intervals[interval].torque, interval, time);
     return {u(0), u(1)};
   }
   State<double> state_at(double time) const { return state_in(interval_at(time), time); }
-  Pair<double> torque_at(double time) const { return torque_in(interval_at(time), time); }
+  Joints<double> torque_at(double time) const { return torque_in(interval_at(time), time); }
 
  private:
   template <int kRows>

@@ -15,9 +15,9 @@ inline constexpr std::size_t kMaxRows = 32768;
 inline constexpr double kJumpSpacing = 1e-6;  // [s] between the two rows of a torque jump
 
 struct Sample {
-  double time = 0;        // [s]
-  State<double> state{};  // [rad], [rad/s]
-  Pair<double> torque{};  // tau_m [N m]
+  double time = 0;          // [s]
+  State<double> state{};    // [rad], [rad/s]
+  Joints<double> torque{};  // tau_m [N m]
 };
 
 // Between rows the torque is linear and positions are cubic Hermite (velocities: their derivative).
@@ -35,9 +35,9 @@ class Interpolator {
  public:
   explicit Interpolator(const Trajectory& trajectory) : trajectory_(&trajectory) {}
   Sample at(double time);
-  Pair<double> torque_at(double time);
+  Joints<double> torque_at(double time);
   // Mean of the piecewise linear torque over [from, to], what a drive that holds one value per tick is given.
-  Pair<double> mean_torque(double from, double to);
+  Joints<double> mean_torque(double from, double to);
 
  private:
   std::size_t interval(double time);

@@ -25,16 +25,16 @@ const Parameters& robot() {
   return p;
 }
 
-const Pair<double> kFrom{0.3, 0.2}, kTo{0.9, -0.3};
+const Joints<double> kFrom{0.3, 0.2}, kTo{0.9, -0.3};
 
-TrajectoryOrder order(const Pair<double>& from, const Pair<double>& to, double duration) {
+TrajectoryOrder order(const Joints<double>& from, const Joints<double>& to, double duration) {
   TrajectoryOrder order;
   order.id.number = 7;
   order.rows = flat_motion(robot(), from, to, duration).samples;
   return order;
 }
 
-std::unique_ptr<CommandedMotion> without_stops(const Pair<double>& from, const Pair<double>& to,
+std::unique_ptr<CommandedMotion> without_stops(const Joints<double>& from, const Joints<double>& to,
                                                double duration = 0.6) {
   return prepare_without_stops(robot(), order(from, to, duration), ExecutorConfig{}.tolerances);
 }
@@ -56,7 +56,7 @@ std::unique_ptr<CommandedMotion> motion() {
 
 // Arm and control, and what became of motions.
 struct Rig {
-  explicit Rig(VirtualArmOptions options = {}, const Pair<double>& q = kFrom) : arm(with_truth(options), q) {}
+  explicit Rig(VirtualArmOptions options = {}, const Joints<double>& q = kFrom) : arm(with_truth(options), q) {}
 
   static VirtualArmOptions with_truth(VirtualArmOptions options) {
     if (options.truth.link.length[0] == 0) options.truth = robot();
@@ -121,7 +121,7 @@ TEST(Control, RunsAMotionAndRestsAtItsGoal) {
 // counts.
 TEST(Control, TracksBetterThanPredicted) {
   struct Move {
-    Pair<double> from, to;
+    Joints<double> from, to;
     double duration;
   };
   for (const Move& move : {Move{{0.3, 0.2}, {0.9, -0.3}, 0.6}, Move{{1.2, -0.8}, {0.1, 0.4}, 0.9},
@@ -151,7 +151,7 @@ TEST(Control, TracksBetterThanPredicted) {
 
 // A motor within its count is brought to where the link encoder sees it, and motor 2 does not leave its rest.
 TEST(Control, RestsWithinHalfACountOfTheLinkEncoder) {
-  for (const Pair<double> q : {Pair<double>{0.3, 0.2}, Pair<double>{1.2, -0.8}, Pair<double>{-2, 1}}) {
+  for (const Joints<double> q : {Joints<double>{0.3, 0.2}, Joints<double>{1.2, -0.8}, Joints<double>{-2, 1}}) {
     Rig rig({}, q);
     rig.run(0.5);
     for (int i = 0; i < 200; ++i) {
@@ -187,7 +187,7 @@ TEST(Control, HoldsFromAnyTick) {
       }
     }
     for (std::size_t j = 0; j < kJoints; ++j) EXPECT_LT(result.residual_vibration[j], 2e-3) << tick;
-    const Pair<double> held = rig.state.q;
+    const Joints<double> held = rig.state.q;
     rig.run(0.5);
     for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(rig.state.q[j], held[j], 1e-3);
   }
@@ -289,7 +289,7 @@ class Gaps : public Arm {
     if (missing > 0 && missing-- > 0) reading.theta[1].reset();
     return reading;
   }
-  void command(const Pair<double>& torque) override { arm_.command(torque); }
+  void command(const Joints<double>& torque) override { arm_.command(torque); }
   int missing = 0;
 
  private:
@@ -363,14 +363,14 @@ TEST(Control, StopsWhereItIsAfterMoreMissedTicks) {
       ASSERT_TRUE(rig.control.begin(move.get()));
       rig.run(at);
       rig.control.tick(1 + missed);
-      const Pair<double> found = rig.arm.state().q;
+      const Joints<double> found = rig.arm.state().q;
       const ExecutionResult result = rig.finish(*move);
       EXPECT_EQ(result.code, ResultCode::kPathToleranceViolated);
       EXPECT_THAT(result.sentence, HasSubstr(std::to_string(missed) + " control ticks in a row were missed at"));
       EXPECT_EQ(move->missed_ticks, missed);
       EXPECT_EQ(rig.state.mode, ExecutorMode::kHolding);
       for (std::size_t i = 1; i < move->log.size(); ++i) ASSERT_GT(move->log[i].time, move->log[i - 1].time);
-      const Pair<double> held = rig.state.planned_q;
+      const Joints<double> held = rig.state.planned_q;
       for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(held[j], found[j], 0.4);  // 2.5 rad/s for 0.16 s
       for (int i = 0; i < 60; ++i) {                                                  // longer than a swing
         rig.run(0.01);
@@ -412,7 +412,7 @@ TEST(Control, HoldsTheMotorsAfterMissedTicksWithoutAnEncoder) {
   for (int i = 0; i < 300; ++i) control.tick();
   gaps.missing = 1500;
   control.tick(1 + 40);
-  const Pair<double> found = arm.state().theta;
+  const Joints<double> found = arm.state().theta;
   for (int i = 0; i < 1200; ++i) control.tick();
   EXPECT_TRUE(control.finished());
   EXPECT_NEAR(arm.state().theta[0], found[0], 0.02);  // what friction holds against the gain
@@ -443,7 +443,7 @@ TEST(VirtualArm, HangsLowerWithAPayloadAndTurnsBackLateWithHysteresis) {
   EXPECT_NEAR(m.m22 - before.m22, 0.2 * 0.305 * 0.305, 1e-12);
 
   VirtualArm plain({.truth = robot()}, kFrom), sticky({.truth = robot(), .hysteresis = Hysteresis{}}, kFrom);
-  const Pair<double> more{gravity_torque(robot(), kFrom)[0] + 2, gravity_torque(robot(), kFrom)[1]};
+  const Joints<double> more{gravity_torque(robot(), kFrom)[0] + 2, gravity_torque(robot(), kFrom)[1]};
   for (int i = 0; i < 100; ++i) {
     plain.command(more);
     sticky.command(more);

@@ -42,8 +42,8 @@ using testing::AnyOf;
 using testing::HasSubstr;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
-const Pair<double> kFrom{0.3, 0.2}, kTo{0.9, -0.3};
-const Pair<double> kBeyond{0.9, -0.9};  // from kFrom in 3 and 5 s, motor 2 rests nowhere for long: certified
+const Joints<double> kFrom{0.3, 0.2}, kTo{0.9, -0.3};
+const Joints<double> kBeyond{0.9, -0.9};  // from kFrom in 3 and 5 s, motor 2 rests nowhere for long: certified
 
 const Parameters& robot() {
   static const Parameters p = load_parameters(default_robot_file());
@@ -149,7 +149,7 @@ class Cell {
         trajectories_(participant_, participant_.handle()) {}
 
   // A flat motion under a new id, as a service would publish it.
-  TrajectoryOrder order(const Pair<double>& from, const Pair<double>& to, double duration) {
+  TrajectoryOrder order(const Joints<double>& from, const Joints<double>& to, double duration) {
     TrajectoryOrder order;
     order.robot_id = "arm";
     order.id = me_;
@@ -174,7 +174,7 @@ class Cell {
     EXPECT_TRUE(trajectories_2_->write(dds::encode_2(order)));
     return order.id;
   }
-  RequestId publish(const Pair<double>& from, const Pair<double>& to, double duration) {
+  RequestId publish(const Joints<double>& from, const Joints<double>& to, double duration) {
     return publish(order(from, to, duration));
   }
 
@@ -211,7 +211,7 @@ class Cell {
 
   ExecutorState state;
   std::map<RequestId, std::vector<ExecutionResult>> results;
-  Pair<double> farthest{};  // [rad] from kFrom
+  Joints<double> farthest{};  // [rad] from kFrom
 
  private:
   void listen() {
@@ -287,10 +287,10 @@ TEST_F(ExecutorTest, MovesTheArmAndThenRefusesToStartFromElsewhere) {
   // The service tells the executor what the certificate predicts, and it does about as well.
   const auto predicted = nlohmann::json::parse(contents(path("out") / "plan.json"))
                              .at("/certificate/tracking/link_error_rad"_json_pointer)
-                             .get<Pair<double>>();
+                             .get<Joints<double>>();
   const std::string said = fmt::format("predicted=({:.2e}, {:.2e})", predicted[0], predicted[1]);
   EXPECT_THAT(arm->output(), HasSubstr(said));
-  Pair<double> measured{};
+  Joints<double> measured{};
   ASSERT_EQ(std::sscanf(first.output().substr(first.output().find("link error")).c_str(), "link error %lf and %lf",
                         &measured[0], &measured[1]),
             2);
@@ -311,7 +311,7 @@ TEST_F(ExecutorTest, MovesTheArmAndThenRefusesToStartFromElsewhere) {
 TEST_F(ExecutorTest, BelievesNobody) {
   const auto arm = executor();
   ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
-  const auto refused = [this](auto change, const Pair<double>& to, const std::string& sentence) {
+  const auto refused = [this](auto change, const Joints<double>& to, const std::string& sentence) {
     TrajectoryOrder order = cell().order(kFrom, to, 1.2);
     change(order.rows);
     const ExecutionResult result = cell().result(cell().publish(order));
@@ -629,9 +629,9 @@ TEST_F(ExecutorTest, HoldsWhenTheArmIsNotTheOneThatWasPlannedFor) {
 TEST_F(ExecutorTest, DoesNotBeginElsewhereThanItWouldHaveWhenItWasAsked) {
   const auto arm = executor({"--payload", "0.5"});
   ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
-  const Pair<double> from = cell().state.q;
+  const Joints<double> from = cell().state.q;
   const ExecutionResult result = cell().result(cell().publish(from, kBeyond, 5));  // over a second to prepare
-  const Pair<double> then = cell().state.q;
+  const Joints<double> then = cell().state.q;
   EXPECT_EQ(result.code, ResultCode::kInvalidGoal)
       << from[0] << " " << from[1] << " then " << then[0] << " " << then[1];
   EXPECT_THAT(result.sentence, HasSubstr("when it could have begun: starts at q"));

@@ -21,14 +21,14 @@ inline double smooth_step(double s, int k) {
   return sum;
 }
 
-inline Trajectory flat_motion(const Parameters& robot, const Pair<double>& from, const Pair<double>& to,
+inline Trajectory flat_motion(const Parameters& robot, const Joints<double>& from, const Joints<double>& to,
                               double duration) {
   Trajectory trajectory;
   const int rows = static_cast<int>(std::lround(duration / 1e-3));
   for (int i = 0; i <= rows; ++i) {
     const double s = static_cast<double>(i) / rows;
     const auto derivative = [&](int k) {
-      Pair<double> value;
+      Joints<double> value;
       for (std::size_t j = 0; j < kJoints; ++j) {
         value[j] = (k == 0 ? from[j] : 0) + (to[j] - from[j]) * smooth_step(s, k) / std::pow(duration, k);
       }

@@ -178,7 +178,7 @@ TYPED_TEST(Composition, PatternCoversEveryNonZero) {
 RC_GTEST_PROP(Pattern, CoversTheDynamics, ()) {
   static const Parameters p = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   const State<double> x = any_state();
-  const Pair<double> u = pair_between(-12, 12);
+  const Joints<double> u = pair_between(-12, 12);
   const auto evaluate = [&]<class D>(D) {
     State<D> state;
     for (int i = 0; i < kStates; ++i) state.data()[i] = D::input(x.data()[i], i);

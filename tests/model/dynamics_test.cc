@@ -52,13 +52,13 @@ T potential_energy_21(const Parameters& p, const T& q1, const T& q2) {
 }
 
 // d/dt (dK/d dq) - dK/dq = K_dq,dq ddq + K_dq,q dq - K_q, the derivatives of (19) taken by Dual2.
-Pair<double> inertial_torque(const Parameters& p, const Pair<double>& q, const Pair<double>& dq,
-                             const Pair<double>& ddq) {
+Joints<double> inertial_torque(const Parameters& p, const Joints<double>& q, const Joints<double>& dq,
+                               const Joints<double>& ddq) {
   using D = Dual2<4>;  // q1, q2, dq1, dq2
   const D q2 = D::input(q[1], 1), dq1 = D::input(dq[0], 2), dq2 = D::input(dq[1], 3);
   const D k = kinetic_energy_19(p, q2, dq1, dq2);
   const auto hessian = [&k](std::size_t i, std::size_t j) { return k.second(i, j); };
-  Pair<double> torque{};
+  Joints<double> torque{};
   for (std::size_t i = 0; i < kJoints; ++i) {
     torque[i] = -k.g[i];
     for (std::size_t j = 0; j < kJoints; ++j) torque[i] += hessian(2 + i, 2 + j) * ddq[j] + hessian(2 + i, j) * dq[j];
@@ -73,17 +73,17 @@ Pair<double> inertial_torque(const Parameters& p, const Pair<double>& q, const P
 constexpr double kTorqueRounding = 1e-12;
 
 RC_GTEST_PROP(Lagrangian, MassMatrixAndCoriolisTorqueFollowFromKineticEnergy, ()) {
-  const Pair<double> q = pair_between(-3.2, 3.2), dq = pair_between(-8, 8), ddq = pair_between(-100, 100);
+  const Joints<double> q = pair_between(-3.2, 3.2), dq = pair_between(-8, 8), ddq = pair_between(-100, 100);
   const MassMatrix<double> m = mass_matrix(robot(), q[1]);
-  const Pair<double> c = coriolis_torque(robot(), q, dq), expected = inertial_torque(robot(), q, dq, ddq);
+  const Joints<double> c = coriolis_torque(robot(), q, dq), expected = inertial_torque(robot(), q, dq, ddq);
   RC_ASSERT(std::abs(m.m11 * ddq[0] + m.m12 * ddq[1] + c[0] - expected[0]) < kTorqueRounding);
   RC_ASSERT(std::abs(m.m12 * ddq[0] + m.m22 * ddq[1] + c[1] - expected[1]) < kTorqueRounding);
 }
 
 RC_GTEST_PROP(Lagrangian, GravityIsTheGradientOfThePotential, ()) {
-  const Pair<double> q = pair_between(-7, 7);
+  const Joints<double> q = pair_between(-7, 7);
   const auto potential = potential_energy_21(robot(), Dual<2>::input(q[0], 0), Dual<2>::input(q[1], 1));
-  const Pair<double> g = gravity_torque(robot(), q);
+  const Joints<double> g = gravity_torque(robot(), q);
   RC_ASSERT(std::abs(g[0] - potential.g[0]) < 1e-14);  // two sines of at most 7 N m: a few roundings
   RC_ASSERT(std::abs(g[1] - potential.g[1]) < 1e-14);
 }
@@ -91,8 +91,8 @@ RC_GTEST_PROP(Lagrangian, GravityIsTheGradientOfThePotential, ()) {
 RC_GTEST_PROP(Lagrangian, LinkAccelerationBalancesEveryTorque, ()) {
   const Parameters p = complete();
   const State<double> x = any_state();
-  const Pair<double> tau_c = spring_torque(p, x.q, x.theta), g = gravity_torque(p, x.q);
-  const Pair<double> inertial = inertial_torque(p, x.q, x.dq, link_acceleration(p, x.q, x.dq, tau_c));
+  const Joints<double> tau_c = spring_torque(p, x.q, x.theta), g = gravity_torque(p, x.q);
+  const Joints<double> inertial = inertial_torque(p, x.q, x.dq, link_acceleration(p, x.q, x.dq, tau_c));
   for (std::size_t j = 0; j < kJoints; ++j) {
     RC_ASSERT(std::abs(inertial[j] + p.link.damping[j] * x.dq[j] + g[j] - tau_c[j]) < kTorqueRounding);
   }
@@ -121,7 +121,7 @@ RC_GTEST_PROP(Lagrangian, LinkJerkIsTheRateOfTheAcceleration, ()) {
   p.payload = {0.2, 0.001};
   const State<double> x = any_state();
   const LinkMotion motion = link_motion(p, x, {0, 0});
-  const Pair<double> jerk = link_jerk(p, x, motion.ddq);
+  const Joints<double> jerk = link_jerk(p, x, motion.ddq);
   for (std::size_t j = 0; j < kJoints; ++j) {
     RC_ASSERT(std::abs(jerk[j] - motion.dddq[j]) < 1e-10 * (1 + std::abs(motion.dddq[j])));
   }
@@ -134,33 +134,33 @@ RC_GTEST_PROP(Lagrangian, LinkJerkIsTheRateOfTheAcceleration, ()) {
 struct Bodies {
   const Parameters& p;
 
-  static Pair<double> towards(double angle, double length) {
+  static Joints<double> towards(double angle, double length) {
     return {length * std::sin(angle), -length * std::cos(angle)};
   }
-  static Pair<double> sum(const Pair<double>& a, const Pair<double>& b) { return {a[0] + b[0], a[1] + b[1]}; }
-  Pair<double> elbow(const Pair<double>& q) const { return towards(q[0], p.link.length[0]); }
-  Pair<double> centre2(const Pair<double>& q) const {
+  static Joints<double> sum(const Joints<double>& a, const Joints<double>& b) { return {a[0] + b[0], a[1] + b[1]}; }
+  Joints<double> elbow(const Joints<double>& q) const { return towards(q[0], p.link.length[0]); }
+  Joints<double> centre2(const Joints<double>& q) const {
     return sum(elbow(q), towards(q[0] + q[1], p.link.com_fraction[1] * p.link.length[1]));
   }
-  Pair<double> tip(const Pair<double>& q) const { return sum(elbow(q), towards(q[0] + q[1], p.link.length[1])); }
+  Joints<double> tip(const Joints<double>& q) const { return sum(elbow(q), towards(q[0] + q[1], p.link.length[1])); }
 
   template <class Place>
-  double half_squared_speed(const Place& place, const Pair<double>& q, const Pair<double>& dq) const {
+  double half_squared_speed(const Place& place, const Joints<double>& q, const Joints<double>& dq) const {
     constexpr double kStep = 1e-4;  // [s] of central differences, whose error is (0.1 rad/ms)^2 / 6 of the speed
     const auto at = [&](double t) { return place({q[0] + t * dq[0], q[1] + t * dq[1]}); };
-    const Pair<double> after = at(kStep), before = at(-kStep);
+    const Joints<double> after = at(kStep), before = at(-kStep);
     const double vx = (after[0] - before[0]) / (2 * kStep), vy = (after[1] - before[1]) / (2 * kStep);
     return 0.5 * (vx * vx + vy * vy);
   }
-  double kinetic(const Pair<double>& q, const Pair<double>& dq) const {
+  double kinetic(const Joints<double>& q, const Joints<double>& dq) const {
     const double spin = dq[0] + dq[1];
     return 0.5 * p.link.inertia[0] * dq[0] * dq[0] +  // (18)'s M1: link 1 about its axis
            0.5 * (p.link.inertia[1] + p.payload.inertia) * spin * spin +
-           p.link.mass[1] * half_squared_speed([this](const Pair<double>& at) { return centre2(at); }, q, dq) +
-           p.payload.mass * half_squared_speed([this](const Pair<double>& at) { return tip(at); }, q, dq);
+           p.link.mass[1] * half_squared_speed([this](const Joints<double>& at) { return centre2(at); }, q, dq) +
+           p.payload.mass * half_squared_speed([this](const Joints<double>& at) { return tip(at); }, q, dq);
   }
   // Heights against hanging down; of the links by (8), whose coefficients are rounded.
-  double potential(const Pair<double>& q) const {
+  double potential(const Joints<double>& q) const {
     const double height = tip(q)[1] + p.link.length[0] + p.link.length[1];
     return p.link.gravity_torque[0] * (1 - std::cos(q[0])) + p.link.gravity_torque[1] * (1 - std::cos(q[0] + q[1])) +
            p.payload.mass * 9.8 * height;
@@ -185,10 +185,10 @@ RC_GTEST_PROP(WithPayload, EnergyIsThatOfTheBodies, ()) {
 RC_GTEST_PROP(WithPayload, GravityIsTheGradientOfTheBodiesPotential, ()) {
   const Parameters p = loaded(robot());
   const Bodies bodies{p};
-  const Pair<double> q = pair_between(-4, 4), g = gravity_torque(p, q);
+  const Joints<double> q = pair_between(-4, 4), g = gravity_torque(p, q);
   constexpr double kStep = 1e-5;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    Pair<double> after = q, before = q;
+    Joints<double> after = q, before = q;
     after[j] += kStep;
     before[j] -= kStep;
     const double slope = (bodies.potential(after) - bodies.potential(before)) / (2 * kStep);
@@ -208,7 +208,7 @@ RC_GTEST_PROP(WithPayload, MassMatrixIsPositiveDefinite, ()) {
 RC_GTEST_PROP(Energy, ChangesByThePowerOfDriveAndFriction, ()) {
   const Parameters p = complete();
   const State<double> x = any_state();
-  const Pair<double> tau = pair_between(-12, 12);
+  const Joints<double> tau = pair_between(-12, 12);
   State<Dual<8>> active;
   for (int i = 0; i < kStates; ++i) active.data()[i] = Dual<8>::input(x.data()[i], i);
   const Dual<8> e = energy(p, active);
@@ -266,8 +266,8 @@ TEST(WithPayload, EnergyIsConservedWithoutFrictionAndInput) {
 template <class Coriolis>
 State<double> own_dynamics(const Parameters& p, const State<double>& x, const Coriolis& coriolis) {
   const MassMatrix<double> m = mass_matrix(p, x.q[1]);
-  const Pair<double> c = coriolis(x.q[1], x.dq[0], x.dq[1]), g = gravity_torque(p, x.q);
-  const Pair<double> tau_c = spring_torque(p, x.q, x.theta);
+  const Joints<double> c = coriolis(x.q[1], x.dq[0], x.dq[1]), g = gravity_torque(p, x.q);
+  const Joints<double> tau_c = spring_torque(p, x.q, x.theta);
   const double r1 = tau_c[0] - c[0] - g[0], r2 = tau_c[1] - c[1] - g[1], det = m.m11 * m.m22 - m.m12 * m.m12;
   return {x.dq,
           {(m.m22 * r1 - m.m12 * r2) / det, (m.m11 * r2 - m.m12 * r1) / det},
@@ -279,8 +279,8 @@ TEST(Energy, IsNotConservedByThePrintedCoriolisMatrix) {
   const Parameters p = conservative();
   const double a = coupling(p);
   const auto with_c12 = [a](double c12_rate, double q2, double dq1, double dq2) {  // (23), C12 = -a c12_rate sin q2
-    return Pair<double>{-2 * a * dq2 * std::sin(q2) * dq1 - a * c12_rate * std::sin(q2) * dq2,
-                        a * dq1 * std::sin(q2) * dq1};
+    return Joints<double>{-2 * a * dq2 * std::sin(q2) * dq1 - a * c12_rate * std::sin(q2) * dq2,
+                          a * dq1 * std::sin(q2) * dq1};
   };
   const auto printed = [&](const State<double>& x) {
     return own_dynamics(p, x, [&](double q2, double dq1, double dq2) { return with_c12(dq1, q2, dq1, dq2); });
@@ -297,7 +297,7 @@ TEST(Energy, IsNotConservedByThePrintedCoriolisMatrix) {
 // ---- rest ----
 
 RC_GTEST_PROP(Rest, IsAnEquilibriumUnderTheTorqueOfGravity, ()) {
-  const Pair<double> q = pair_between(-3.2, 3.2);
+  const Joints<double> q = pair_between(-3.2, 3.2);
   const State<double> x = rest_at(robot(), q);
   const State<double> rate = dynamics(robot(), x, gravity_torque(robot(), q));
   RC_ASSERT(x.q == q);
@@ -314,7 +314,7 @@ TEST(Rest, HangsStraightDown) {
 // ---- one formula for every scalar ----
 
 template <class D>
-State<D> active_dynamics(const Parameters& p, const State<double>& x, const Pair<double>& tau) {
+State<D> active_dynamics(const Parameters& p, const State<double>& x, const Joints<double>& tau) {
   State<D> state;
   for (int i = 0; i < kStates; ++i) state.data()[i] = D::input(x.data()[i], i);
   return dynamics(p, state, {D::input(tau[0], kStates), D::input(tau[1], kStates + 1)});
@@ -323,7 +323,7 @@ State<D> active_dynamics(const Parameters& p, const State<double>& x, const Pair
 RC_GTEST_PROP(Dynamics, HaveTheSameValueForEveryScalar, ()) {
   const Parameters p = complete();
   const State<double> x = any_state();
-  const Pair<double> tau = pair_between(-12, 12);
+  const Joints<double> tau = pair_between(-12, 12);
   const State<double> plain = dynamics(p, x, tau);
   const auto first = active_dynamics<Dual<10>>(p, x, tau);
   const auto second = active_dynamics<Dual2<10>>(p, x, tau);
@@ -340,8 +340,8 @@ RC_GTEST_PROP(Dynamics, HaveTheSameValueForEveryScalar, ()) {
 
 RC_GTEST_PROP(Dynamics, CompensatedTorqueTakesTheFrictionOut, ()) {
   const State<double> x = any_state();
-  const Pair<double> u = pair_between(-12, 12);
-  Pair<double> tau = u;
+  const Joints<double> u = pair_between(-12, 12);
+  Joints<double> tau = u;
   for (int j = 0; j < kJoints; ++j) {
     tau[static_cast<std::size_t>(j)] += FrictionLaw::of(robot(), j).nonlinear(x.dtheta[static_cast<std::size_t>(j)]);
   }

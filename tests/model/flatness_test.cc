@@ -45,8 +45,8 @@ LinkMotion motion_at(double t) {
   constexpr Sine kFirst[]{{0.3, 0.7, 2.1, 0.4}, {0, 0.2, 5.3, 1.7}};
   constexpr Sine kSecond[]{{-0.5, 0.9, 2.9, -0.8}, {0, 0.15, 6.1, 0.2}};
   const auto joints = [&](int k) {
-    return Pair<double>{kFirst[0].derivative(k, t) + kFirst[1].derivative(k, t),
-                        kSecond[0].derivative(k, t) + kSecond[1].derivative(k, t)};
+    return Joints<double>{kFirst[0].derivative(k, t) + kFirst[1].derivative(k, t),
+                          kSecond[0].derivative(k, t) + kSecond[1].derivative(k, t)};
   };
   return {joints(0), joints(1), joints(2), joints(3), joints(4)};
 }
@@ -93,10 +93,10 @@ TEST(Flatness, LinkStateIsPassedThrough) {
 
 TEST(Flatness, RestIsTheStaticEquilibrium) {
   const Parameters p = robot_with_damping();
-  const Pair<double> q{1.2, -0.8};
+  const Joints<double> q{1.2, -0.8};
   const FlatPoint point = from_link_motion(p, {.q = q});
   const State<double> rest = rest_at(p, q);
-  const Pair<double> gravity = gravity_torque(p, q);
+  const Joints<double> gravity = gravity_torque(p, q);
   for (std::size_t j = 0; j < kJoints; ++j) {
     EXPECT_NEAR(point.state.theta[j], rest.theta[j], 1e-15);
     EXPECT_EQ(point.state.dtheta[j], 0);

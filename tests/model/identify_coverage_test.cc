@@ -14,8 +14,8 @@ namespace {
 Parameters another_arm(std::mt19937_64& random) {
   Parameters p = consistent_robot();
   std::uniform_real_distribution<double> factor(0.8, 1.25);
-  for (Pair<double>* value : {&p.spring.stiffness, &p.motor.inertia, &p.friction.viscous, &p.friction.amplitude,
-                              &p.friction.width, &p.friction.second_weight, &p.friction.second_shape}) {
+  for (Joints<double>* value : {&p.spring.stiffness, &p.motor.inertia, &p.friction.viscous, &p.friction.amplitude,
+                                &p.friction.width, &p.friction.second_weight, &p.friction.second_shape}) {
     for (double& v : *value) v *= factor(random);
   }
   return p;
@@ -25,7 +25,7 @@ Parameters another_arm(std::mt19937_64& random) {
 Parameters wrong_by_half(const Parameters& truth, std::mt19937_64& random) {
   Parameters p = truth;
   std::uniform_real_distribution<double> factor(1.1, 1.5);
-  for (Pair<double>* value :
+  for (Joints<double>* value :
        {&p.spring.stiffness, &p.link.gravity_torque, &p.link.inertia, &p.motor.inertia, &p.friction.viscous,
         &p.friction.amplitude, &p.friction.width, &p.friction.second_weight, &p.friction.second_shape}) {
     for (double& v : *value) v *= random() % 2 == 0 ? factor(random) : 1 / factor(random);

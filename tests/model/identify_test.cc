@@ -385,7 +385,7 @@ TEST_F(RobotFile, IsCompleteAndLoads) {
   EXPECT_EQ(robot_hash(load_parameters(write(text))), robot_hash(found.robot));
   EXPECT_THAT(text, HasSubstr("identified: gravity.csv sha256 0123abcd"));
   EXPECT_THAT(text, HasSubstr("identified but not used: joint 1: 0.25"));
-  EXPECT_EQ(load_parameters(write(text)).link.damping, (Pair<double>{0, 0}));
+  EXPECT_EQ(load_parameters(write(text)).link.damping, (Joints<double>{0, 0}));
   const Parameters damped = load_parameters(write(format_robot(found, kRobot, true)));
   EXPECT_NEAR(damped.link.damping[0], 0.2516, 1e-3);
   EXPECT_NEAR(damped.link.damping[1], 0.01, 1e-4);

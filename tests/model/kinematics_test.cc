@@ -28,7 +28,7 @@ TEST(Kinematics, HangsStraightDownAtZeroAndTurnsCounterClockwise) {
 }
 
 TEST(Kinematics, LinksKeepTheirLength) {
-  const Pair<double> q{0.7, -1.9};
+  const Joints<double> q{0.7, -1.9};
   const auto elbow = elbow_position(robot(), q), tip = tip_position(robot(), q);
   EXPECT_NEAR(std::hypot(elbow.x, elbow.y), robot().link.length[0], kRounding);
   EXPECT_NEAR(std::hypot(tip.x - elbow.x, tip.y - elbow.y), robot().link.length[1], kRounding);
@@ -36,7 +36,7 @@ TEST(Kinematics, LinksKeepTheirLength) {
 
 RC_GTEST_PROP(Kinematics, TipVelocityIsTheDerivativeOfItsPosition, ()) {
   using D = Dual<1>;  // in time
-  const Pair<double> q = pair_between(-3.2, 3.2), dq = pair_between(-8, 8);
+  const Joints<double> q = pair_between(-3.2, 3.2), dq = pair_between(-8, 8);
   const D time = D::input(0, 0);
   const auto tip = tip_position<D>(robot(), {q[0] + dq[0] * time, q[1] + dq[1] * time});
   const auto velocity = tip_velocity(robot(), q, dq);
@@ -45,7 +45,7 @@ RC_GTEST_PROP(Kinematics, TipVelocityIsTheDerivativeOfItsPosition, ()) {
 }
 
 RC_GTEST_PROP(Kinematics, TipSpeedSquaredIsThatOfTheVelocity, ()) {
-  const Pair<double> q = pair_between(-3.2, 3.2), dq = pair_between(-8, 8);
+  const Joints<double> q = pair_between(-3.2, 3.2), dq = pair_between(-8, 8);
   const auto velocity = tip_velocity(robot(), q, dq);
   const double expected = velocity.x * velocity.x + velocity.y * velocity.y;
   RC_ASSERT(std::abs(tip_speed_squared(robot(), q[1], dq) - expected) < 10 * kRounding);

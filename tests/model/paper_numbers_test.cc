@@ -72,34 +72,34 @@ TEST(PaperNumbers, OneCountPerTickIsWhatTheDesignSays) {
 
 TEST(PaperNumbers, RobotFileHoldsThePrintedOnes) {
   const Parameters p = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
-  EXPECT_EQ(p.link.length, (Pair<double>{kL1, kL2}));
-  EXPECT_EQ(p.link.mass, (Pair<double>{kM1, kM2}));
-  EXPECT_EQ(p.link.com_fraction, (Pair<double>{kAlpha1, kAlpha2}));
-  EXPECT_EQ(p.link.inertia, (Pair<double>{0.0915, 7.1672e-3}));
-  EXPECT_EQ(p.link.gravity_torque, (Pair<double>{6.17, 0.53}));
-  EXPECT_EQ(p.link.damping, (Pair<double>{0, 0}));
-  EXPECT_EQ(p.spring.stiffness, (Pair<double>{kStiffness1, kStiffness2}));
-  EXPECT_EQ(p.motor.inertia, (Pair<double>{0.0686, 0.0145}));
-  EXPECT_EQ(p.friction.viscous, (Pair<double>{0.4968, 0.5051}));
-  EXPECT_EQ(p.friction.amplitude, (Pair<double>{1.123, 0.8607}));
-  EXPECT_EQ(p.friction.width, (Pair<double>{0.9505, 0.0174}));
-  EXPECT_EQ(p.friction.second_weight, (Pair<double>{-0.7154, -0.1019}));
-  EXPECT_EQ(p.friction.second_shape, (Pair<double>{-6539.2, 11.9636}));
-  EXPECT_EQ(p.encoder.motor_counts, (Pair<double>{4000, 2000}));
-  EXPECT_EQ(p.encoder.link_counts, (Pair<double>{65536, 65536}));
-  EXPECT_EQ(p.limits.spring_deflection, (Pair<double>{0.3864, 0.2262}));
+  EXPECT_EQ(p.link.length, (Joints<double>{kL1, kL2}));
+  EXPECT_EQ(p.link.mass, (Joints<double>{kM1, kM2}));
+  EXPECT_EQ(p.link.com_fraction, (Joints<double>{kAlpha1, kAlpha2}));
+  EXPECT_EQ(p.link.inertia, (Joints<double>{0.0915, 7.1672e-3}));
+  EXPECT_EQ(p.link.gravity_torque, (Joints<double>{6.17, 0.53}));
+  EXPECT_EQ(p.link.damping, (Joints<double>{0, 0}));
+  EXPECT_EQ(p.spring.stiffness, (Joints<double>{kStiffness1, kStiffness2}));
+  EXPECT_EQ(p.motor.inertia, (Joints<double>{0.0686, 0.0145}));
+  EXPECT_EQ(p.friction.viscous, (Joints<double>{0.4968, 0.5051}));
+  EXPECT_EQ(p.friction.amplitude, (Joints<double>{1.123, 0.8607}));
+  EXPECT_EQ(p.friction.width, (Joints<double>{0.9505, 0.0174}));
+  EXPECT_EQ(p.friction.second_weight, (Joints<double>{-0.7154, -0.1019}));
+  EXPECT_EQ(p.friction.second_shape, (Joints<double>{-6539.2, 11.9636}));
+  EXPECT_EQ(p.encoder.motor_counts, (Joints<double>{4000, 2000}));
+  EXPECT_EQ(p.encoder.link_counts, (Joints<double>{65536, 65536}));
+  EXPECT_EQ(p.limits.spring_deflection, (Joints<double>{0.3864, 0.2262}));
 }
 
 TEST(PaperNumbers, RobotFileHoldsTheAssumptionsOfTheDesign) {
   const Parameters p = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
-  EXPECT_EQ(p.limits.torque, (Pair<double>{12, 5}));
-  EXPECT_EQ(p.limits.motor_velocity, (Pair<double>{6, 8}));
-  EXPECT_EQ(p.limits.link_position, (Pair<double>{3.2, 2.6}));
-  EXPECT_EQ(p.drive.peak_torque, (Pair<double>{14.4, 6}));
-  EXPECT_EQ(p.feedback.position_gain, (Pair<double>{50, 20}));
-  EXPECT_EQ(p.feedback.velocity_gain, (Pair<double>{2, 0.5}));
-  EXPECT_EQ(p.feedback.velocity_filter, (Pair<double>{30, 30}));
-  EXPECT_EQ(p.link.radius, (Pair<double>{0.03, 0.025}));
+  EXPECT_EQ(p.limits.torque, (Joints<double>{12, 5}));
+  EXPECT_EQ(p.limits.motor_velocity, (Joints<double>{6, 8}));
+  EXPECT_EQ(p.limits.link_position, (Joints<double>{3.2, 2.6}));
+  EXPECT_EQ(p.drive.peak_torque, (Joints<double>{14.4, 6}));
+  EXPECT_EQ(p.feedback.position_gain, (Joints<double>{50, 20}));
+  EXPECT_EQ(p.feedback.velocity_gain, (Joints<double>{2, 0.5}));
+  EXPECT_EQ(p.feedback.velocity_filter, (Joints<double>{30, 30}));
+  EXPECT_EQ(p.link.radius, (Joints<double>{0.03, 0.025}));
 }
 
 }  // namespace

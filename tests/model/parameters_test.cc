@@ -85,7 +85,7 @@ TEST(Sha256, GivesThePublishedTestVectors) {  // FIPS 180-2, appendix B
 
 TEST(Parameters, ShippedRobotHasThePapersConstants) {
   const Parameters p = load_parameters(kShipped);
-  using P = Pair<double>;
+  using P = Joints<double>;
   EXPECT_EQ(p.link.length, (P{0.345, 0.305}));
   EXPECT_EQ(p.link.mass, (P{1.570, 0.660}));
   EXPECT_EQ(p.link.com_fraction, (P{0.7420, 0.2687}));
@@ -105,7 +105,7 @@ TEST(Parameters, ShippedRobotHasThePapersConstants) {
 
 TEST(Parameters, ShippedRobotHasTheAssumptionsOfTheDesign) {
   const Parameters p = load_parameters(kShipped);
-  using P = Pair<double>;
+  using P = Joints<double>;
   EXPECT_EQ(p.link.damping, (P{0, 0}));
   EXPECT_EQ(p.link.radius, (P{0.03, 0.025}));
   EXPECT_EQ(p.limits.torque, (P{12, 5}));
@@ -130,7 +130,7 @@ TEST(Parameters, ShippedConstantsAgreeWithEachOther) {
 TEST(Parameters, EveryShippedValueSaysWhereItIsFrom) {
   const YamlNode root = YamlNode::load(kShipped);
   Parameters p;
-  visit_parameters(p, [&](const char* section, const char* name, const char*, Pair<double>&) {
+  visit_parameters(p, [&](const char* section, const char* name, const char*, Joints<double>&) {
     const std::string source = root.at(section).at(name).at("source").text();
     EXPECT_TRUE(source.starts_with("paper ") || source.starts_with("assumption: ")) << section << "." << name;
   });
@@ -338,7 +338,7 @@ TEST(RobotHash, IsTheShaOfSortedNamesAndValues) {
   Parameters p{};
   EXPECT_EQ(robot_hash(p), "897f70a47a7da44346f1bb7f90f9e12ae35425f8612820e2d5ce2392906b6438");
   int n = 0;
-  visit_parameters(p, [&](const char*, const char*, const char*, Pair<double>& value) {
+  visit_parameters(p, [&](const char*, const char*, const char*, Joints<double>& value) {
     value = {n + 0.1, n + 0.2};
     ++n;
   });
@@ -350,7 +350,7 @@ TEST(RobotHash, IsTheShaOfSortedNamesAndValues) {
 TEST(RobotHash, DependsOnEveryValueAndOnNothingElse) {
   const Parameters shipped = load_parameters(kShipped);
   Parameters changed = shipped;
-  visit_parameters(changed, [&](const char* section, const char* name, const char*, Pair<double>& value) {
+  visit_parameters(changed, [&](const char* section, const char* name, const char*, Joints<double>& value) {
     for (double& v : value) {
       const double before = v;
       v = std::nextafter(v, 1e9);

@@ -21,11 +21,12 @@ inline Parameters consistent_robot() {
 
 inline double parameter(const Parameters& p, const std::string& wanted) {
   double found = 0;
-  visit_parameters(p, [&](const std::string& section, const std::string& name, const char*, const Pair<double>& value) {
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      if (section + "." + name + "[" + std::to_string(j) + "]" == wanted) found = value[j];
-    }
-  });
+  visit_parameters(p,
+                   [&](const std::string& section, const std::string& name, const char*, const Joints<double>& value) {
+                     for (std::size_t j = 0; j < kJoints; ++j) {
+                       if (section + "." + name + "[" + std::to_string(j) + "]" == wanted) found = value[j];
+                     }
+                   });
   return found;
 }
 

@@ -59,7 +59,7 @@ TEST(Grid, EveryCombinationIsARequest) {
   EXPECT_THAT(names(points), ElementsAre("g_-0.3_free", "g_-0.3_2", "g_0_free", "g_0_2", "g_0.3_free", "g_0.3_2"));
   const Problem problem = parse_request(points[1].yaml, points[1].name + ".yaml", ".", default_robot_file());
   EXPECT_EQ(problem.name, "g_-0.3_2");
-  EXPECT_EQ(problem.goal.q, (Pair<double>{-0.3, 0.1}));
+  EXPECT_EQ(problem.goal.q, (Joints<double>{-0.3, 0.1}));
   EXPECT_EQ(problem.duration.max, 2);
   EXPECT_EQ(points[1].axes, (Json{{"goal.q[0]", -0.3}, {"duration", 2}}));
 }
@@ -72,7 +72,7 @@ TEST(Grid, ValuesMayBeWordsListsAndMaps) {
                                          "g_objective3_q1_1", "g_objective3_q1_2"));
   const Problem problem = parse_request(points[5].yaml, "g.yaml", ".", default_robot_file());
   EXPECT_EQ(problem.weights.effort, 1);
-  EXPECT_EQ(problem.goal.q, (Pair<double>{1, 0.5}));
+  EXPECT_EQ(problem.goal.q, (Joints<double>{1, 0.5}));
   EXPECT_EQ(problem.seed, 2u);
 }
 

@@ -46,7 +46,7 @@ Limits robot_limits() {
 
 // ---- an independent integrator: classical Runge-Kutta, small fixed steps, smaller ones within the friction step ----
 
-using Torque = std::function<Pair<double>(double, const State<double>&)>;
+using Torque = std::function<Joints<double>(double, const State<double>&)>;
 
 State<double> plus(const State<double>& x, double a, const State<double>& f) {
   State<double> r = x;
@@ -75,13 +75,13 @@ State<double> integrate(const Torque& tau, double from, double to, State<double>
 
 // ---- trajectories ----
 
-Pair<double> smooth_torque(double t) {
+Joints<double> smooth_torque(double t) {
   const double s = std::sin(2 * pi * t / 0.43);
   return {5 * s, 1.5 * s};
 }
 
 // Rows every `period` whose states follow exactly from their piecewise linear torque.
-Trajectory exact_trajectory(const std::function<Pair<double>(double)>& torque, double duration, double period) {
+Trajectory exact_trajectory(const std::function<Joints<double>(double)>& torque, double duration, double period) {
   Trajectory trajectory;
   const int rows = static_cast<int>(std::lround(duration / period));
   Sample row{0, rest_at(robot(), {0.1, -0.2}), torque(0)};
@@ -90,8 +90,8 @@ Trajectory exact_trajectory(const std::function<Pair<double>(double)>& torque, d
     const Sample next{k * period, {}, torque(k * period)};
     const auto linear = [&](double t, const State<double>&) {
       const double s = (t - row.time) / (next.time - row.time);
-      return Pair<double>{row.torque[0] + s * (next.torque[0] - row.torque[0]),
-                          row.torque[1] + s * (next.torque[1] - row.torque[1])};
+      return Joints<double>{row.torque[0] + s * (next.torque[0] - row.torque[0]),
+                            row.torque[1] + s * (next.torque[1] - row.torque[1])};
     };
     const State<double> x = integrate(linear, row.time, next.time, row.state);
     row = next;
@@ -107,7 +107,7 @@ const Trajectory& reference_trajectory() {
 }
 
 // At rest at q for a while, with exactly the right torque.
-Trajectory resting(const Pair<double>& q, double duration) {
+Trajectory resting(const Joints<double>& q, double duration) {
   Trajectory trajectory;
   const int rows = static_cast<int>(std::lround(duration / 1e-3));
   for (int k = 0; k <= rows; ++k) {
@@ -224,20 +224,20 @@ TEST(Certificate, OneCountIsTheBoundary) {
 // ---- the figures agree with fixed steps ----
 
 struct FixedSteps {
-  Pair<double> link{}, motor{}, final_link{}, feedback{};
+  Joints<double> link{}, motor{}, final_link{}, feedback{};
 };
 
-FixedSteps by_fixed_steps(const Trajectory& trajectory, const Pair<double>& kp, const Pair<double>& kd) {
+FixedSteps by_fixed_steps(const Trajectory& trajectory, const Joints<double>& kp, const Joints<double>& kd) {
   FixedSteps out;
   Interpolator plan(trajectory);
   const auto feedback = [&](double t, const State<double>& x) {
     const State<double> wanted = plan.at(t).state;
-    return Pair<double>{kp[0] * (wanted.theta[0] - x.theta[0]) + kd[0] * (wanted.dtheta[0] - x.dtheta[0]),
-                        kp[1] * (wanted.theta[1] - x.theta[1]) + kd[1] * (wanted.dtheta[1] - x.dtheta[1])};
+    return Joints<double>{kp[0] * (wanted.theta[0] - x.theta[0]) + kd[0] * (wanted.dtheta[0] - x.dtheta[0]),
+                          kp[1] * (wanted.theta[1] - x.theta[1]) + kd[1] * (wanted.dtheta[1] - x.dtheta[1])};
   };
   const Torque tau = [&](double t, const State<double>& x) {
-    const Pair<double> planned = plan.torque_at(t), f = feedback(t, x);
-    return Pair<double>{planned[0] + f[0], planned[1] + f[1]};
+    const Joints<double> planned = plan.torque_at(t), f = feedback(t, x);
+    return Joints<double>{planned[0] + f[0], planned[1] + f[1]};
   };
   State<double> x = trajectory.samples.front().state;
   for (std::size_t k = 1; k < trajectory.samples.size(); ++k) {
@@ -271,15 +271,15 @@ TEST(Certificate, FiguresAgreeWithFixedSteps) {
 
 // Largest feedback torque over all steps of 2e-8 to 4e-6 s: where motor 1 passes through its friction step, peaks are
 // shorter than instants are apart.
-Pair<double> largest_feedback(const Trajectory& trajectory) {
+Joints<double> largest_feedback(const Trajectory& trajectory) {
   Interpolator plan(trajectory);
   const Drive closed = Drive::closed_loop(trajectory, robot());
-  Pair<double> largest{};
+  Joints<double> largest{};
   const Torque tau = [&](double t, const State<double>& x) {
     const Sample planned = plan.at(t);
-    const Pair<double> f = closed.feedback(planned.state, x);
+    const Joints<double> f = closed.feedback(planned.state, x);
     for (std::size_t j = 0; j < kJoints; ++j) largest[j] = std::max(largest[j], std::abs(f[j]));
-    return Pair<double>{planned.torque[0] + f[0], planned.torque[1] + f[1]};
+    return Joints<double>{planned.torque[0] + f[0], planned.torque[1] + f[1]};
   };
   integrate(tau, trajectory.start_time(), trajectory.end_time(), trajectory.samples.front().state);
   return largest;
@@ -287,8 +287,8 @@ Pair<double> largest_feedback(const Trajectory& trajectory) {
 
 TEST(Certificate, FeedbackPeaksBetweenTheInstantsAreTold) {
   const Trajectory& trajectory = reference_trajectory();
-  const Pair<double> told = certificate_of(trajectory).closed_loop.feedback_torque;
-  const Pair<double> expected = largest_feedback(trajectory);
+  const Joints<double> told = certificate_of(trajectory).closed_loop.feedback_torque;
+  const Joints<double> expected = largest_feedback(trajectory);
   for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(told[j], expected[j], 0.05 * expected[j]);
 }
 
@@ -401,9 +401,9 @@ TEST(Amplification, BandIsWhereTheCompleteLawFalls) {
 }
 
 // Jacobian at rest of the complete arm without the nonlinear friction, by central differences.
-Eigen::MatrixXd linearised_arm(const Pair<double>& q) {
+Eigen::MatrixXd linearised_arm(const Joints<double>& q) {
   const State<double> rest = rest_at(robot(), q);
-  const Pair<double> u = gravity_torque(robot(), q);
+  const Joints<double> u = gravity_torque(robot(), q);
   Eigen::MatrixXd a(kStates, kStates);
   for (int i = 0; i < kStates; ++i) {
     State<double> up = rest, down = rest;
@@ -417,7 +417,7 @@ Eigen::MatrixXd linearised_arm(const Pair<double>& q) {
 
 // det(s I - A) is zero at the largest real eigenvalue and positive beyond it.
 TEST(Amplification, GrowthRateIsTheLargestRealEigenvalueOfTheCompleteArm) {
-  for (const Pair<double> q : {Pair<double>{pi, 0}, {2.0, 0.3}, {1.8, -1.0}, {0.2, pi}, {0.3, 0.4}}) {
+  for (const Joints<double> q : {Joints<double>{pi, 0}, {2.0, 0.3}, {1.8, -1.0}, {0.2, pi}, {0.3, 0.4}}) {
     const Eigen::MatrixXd a = linearised_arm(q);
     const auto characteristic = [&](double s) {
       return (s * Eigen::MatrixXd::Identity(kStates, kStates) - a).partialPivLu().determinant();
@@ -433,7 +433,7 @@ TEST(Amplification, GrowthRateIsTheLargestRealEigenvalueOfTheCompleteArm) {
 }
 
 // At q with motors that move out of their bands, for `duration`.
-Trajectory moving_at(const Pair<double>& q, double duration) {
+Trajectory moving_at(const Joints<double>& q, double duration) {
   Trajectory trajectory = resting(q, duration);
   all([](Sample& row) { row.state.dtheta = {0.01, 0.01}; })(trajectory.samples);
   return trajectory;
@@ -502,7 +502,7 @@ Trajectory swing_with_motor_two_at_rest(double duration) {
   Trajectory trajectory;
   State<double> x = rest_at(robot(), {0.1, -0.2});
   const auto torque = [](double t, const State<double>& at) {
-    return Pair<double>{smooth_torque(t)[0], spring_torque(robot(), at.q, at.theta)[1]};
+    return Joints<double>{smooth_torque(t)[0], spring_torque(robot(), at.q, at.theta)[1]};
   };
   trajectory.samples.push_back({0, x, torque(0, x)});
   const double still = x.theta[1];
@@ -546,7 +546,7 @@ TEST(Certificate, RestOfMotorTwoIsCertifiedInClosedLoop) {
 // ---- from elsewhere than exactly the start ----
 
 // Off by so many counts of the link encoders, the motors with the links.
-State<double> moved(State<double> x, const Pair<double>& counts) {
+State<double> moved(State<double> x, const Joints<double>& counts) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     x.q[j] += counts[j] * count_angle(robot().encoder.link_counts[j]);
     x.theta[j] += counts[j] * count_angle(robot().encoder.link_counts[j]);
@@ -557,12 +557,12 @@ State<double> moved(State<double> x, const Pair<double>& counts) {
 // With ticks, counts of all encoders, and friction that falls with speed at rest. The seed is that of the instability:
 // without the dither link 2 comes off by 2.5 to 3.4 counts. The swing itself takes 0.07.
 TEST(Feedback, HoldsTheArmWithinATenthOfACount) {
-  for (const Pair<double> q : {Pair<double>{0, 0}, {0.5, 0.3}, {1.2, -0.8}, {-2.0, 1.5}, {pi, 0}}) {
+  for (const Joints<double> q : {Joints<double>{0, 0}, {0.5, 0.3}, {1.2, -0.8}, {-2.0, 1.5}, {pi, 0}}) {
     const Sample goal{0, rest_at(robot(), q), gravity_torque(robot(), q)};
     for (const double sign : {-1.0, 1.0}) {
       State<double> beside = goal.state;
       beside.theta[1] += sign * 1e-9;
-      const Pair<double> deviation = deviation_at_rest(robot(), goal, beside);
+      const Joints<double> deviation = deviation_at_rest(robot(), goal, beside);
       for (const double d : deviation) EXPECT_LT(d, 0.1 * exactness_tolerance(robot())) << q[0] << ", " << q[1];
     }
   }
@@ -595,9 +595,9 @@ double deviation_with(const Sample& goal, const MotorFeedback::Positions& beside
 // The zeros of the motors' encoders may be a count off, and those of the links' half a count: that is no more than
 // where in a count the goal is.
 TEST(Feedback, HoldsTheArmWithEncodersACountOff) {
-  const Pair<double>& motors = robot().encoder.motor_counts;
+  const Joints<double>& motors = robot().encoder.motor_counts;
   const double motor_1 = count_angle(motors[0]), motor_2 = count_angle(motors[1]), link = exactness_tolerance(robot());
-  const Pair<double> q{1.2, -0.8};
+  const Joints<double> q{1.2, -0.8};
   const Sample goal{0, rest_at(robot(), q), gravity_torque(robot(), q)};
   for (const double sign : {-1.0, 1.0}) {
     EXPECT_LT(deviation_with(goal, {{sign * motor_1, 0}, {0, 0}}), 0.5) << sign;
@@ -614,10 +614,10 @@ TEST(Feedback, HoldsTheArmWithEncodersACountOff) {
 TEST(Feedback, HoldsTheArmFromACountOff) {
   for (double at = 0; at < 1; at += 0.125) {
     const double count = exactness_tolerance(robot());
-    const Pair<double> q{0.5 + at * count, 0.3 + 2 * at * count};
+    const Joints<double> q{0.5 + at * count, 0.3 + 2 * at * count};
     const Sample goal{0, rest_at(robot(), q), gravity_torque(robot(), q)};
-    for (const Pair<double> off : {Pair<double>{0.5, -0.5}, {1, 1}, {1, -1}, {-1, 1}}) {
-      const Pair<double> deviation = deviation_at_rest(robot(), goal, moved(goal.state, off));
+    for (const Joints<double> off : {Joints<double>{0.5, -0.5}, {1, 1}, {1, -1}, {-1, 1}}) {
+      const Joints<double> deviation = deviation_at_rest(robot(), goal, moved(goal.state, off));
       for (std::size_t j = 0; j < kJoints; ++j) {
         EXPECT_LT(deviation[j], (std::abs(off[j]) + 0.1) * count) << at << " " << off[0] << ", " << off[1];
       }
@@ -658,7 +658,7 @@ TEST(Dither, BeginsAfterSomeTicksOfRestAndAddsNothingInTheMean) {
 }
 
 // Torque of joint 2 for errors of this many counts of its motor and of its link.
-double feedback_at(double motor_counts, double link_counts, const Pair<double>& planned_velocity = {1, 1}) {
+double feedback_at(double motor_counts, double link_counts, const Joints<double>& planned_velocity = {1, 1}) {
   const Parameters& p = robot();
   MotorFeedback feedback(p, kTick);
   const MotorFeedback::Positions planned{{0, 0}, {0, 0}},
@@ -683,7 +683,7 @@ TEST(Feedback, KnowsNothingWithinACountAndTheLinkTellsWithinTheMotors) {
 
 // The map over one tick of the linearised arm, of the filters, and of torques that come one tick late; friction is that
 // of motors in motion, B. Spectral radius below 1: stable.
-double spectral_radius_of_a_tick(const Parameters& p, const Pair<double>& q) {
+double spectral_radius_of_a_tick(const Parameters& p, const Joints<double>& q) {
   constexpr int kLast = kStates, kVelocity = kLast + 2, kTorque = kVelocity + 2, kSize = kTorque + 2;
   Eigen::MatrixXd continuous = Eigen::MatrixXd::Zero(kStates + 2, kStates + 2);
   continuous.topLeftCorner(kStates, kStates) = linearised_arm(q);
@@ -711,7 +711,7 @@ TEST(Feedback, OfMotorTwoIsStableUpToTenTimesItsGainsAndATickLate) {
     p.feedback.position_gain[1] *= factor;
     p.feedback.velocity_gain[1] *= factor;
     double largest = 0;
-    for (const Pair<double> q : {Pair<double>{0, 0}, {1.2, -0.8}, {0.3, 1.57}, {0, 2.6}}) {
+    for (const Joints<double> q : {Joints<double>{0, 0}, {1.2, -0.8}, {0.3, 1.57}, {0, 2.6}}) {
       largest = std::max(largest, spectral_radius_of_a_tick(p, q));
     }
     return largest;
@@ -750,13 +750,13 @@ TEST(Certificate, AnArmThatWandersAfterTheEndIsRefused) {
 TEST(Certificate, FromHalfACountOffAgreesWithFixedSteps) {
   const Trajectory& trajectory = reference_trajectory();
   const Drive closed = Drive::closed_loop(trajectory, robot());
-  Pair<double> worst{};
-  for (const Pair<double> signs : {Pair<double>{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
+  Joints<double> worst{};
+  for (const Joints<double> signs : {Joints<double>{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
     Interpolator plan(trajectory);
     const Torque tau = [&](double t, const State<double>& x) {
       const Sample planned = plan.at(t);
-      const Pair<double> f = closed.feedback(planned.state, x);
-      return Pair<double>{planned.torque[0] + f[0], planned.torque[1] + f[1]};
+      const Joints<double> f = closed.feedback(planned.state, x);
+      return Joints<double>{planned.torque[0] + f[0], planned.torque[1] + f[1]};
     };
     State<double> x = trajectory.samples.front().state;
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -800,7 +800,7 @@ TEST(Certificate, RestOfMotorOneNeedsNoExcuse) {
 // slope(0)/J2 = 365/s: the deviation of a motor at rest grows by e^3.65 in 10 ms, as long as it stays far inside the
 // band.
 TEST(Rollout, MotorTwoLeavesRestExponentially) {
-  const Sample rest{0, rest_at(robot(), {0.5, 0.3}), gravity_torque(robot(), Pair<double>{0.5, 0.3})};
+  const Sample rest{0, rest_at(robot(), {0.5, 0.3}), gravity_torque(robot(), Joints<double>{0.5, 0.3})};
   Accuracy accuracy = Accuracy::of_certificates();
   accuracy.motor_velocity = accuracy.link_velocity = accuracy.position = 1e-16;
   Rollout rollout(robot(), Limits{}, accuracy);
@@ -1029,7 +1029,7 @@ TEST(Tracking, CommandsThePlannedMeanWhenTheArmIsWhereItShouldBe) {
   for (int k = 0; k < 430; ++k) {
     const double t = k * kTick;
     const TickController::Command command = controller.command(t, {at.at(t).state.theta, at.at(t).state.q});
-    const Pair<double> mean = at.mean_torque(t, t + kTick);
+    const Joints<double> mean = at.mean_torque(t, t + kTick);
     for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(command.torque[j], mean[j], 1e-4);
     EXPECT_FALSE(command.saturated);
   }

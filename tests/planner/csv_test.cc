@@ -101,11 +101,11 @@ TEST(Csv, EveryColumnArrivesWhereItBelongs) {
   ASSERT_EQ(trajectory.samples.size(), 2u);
   const Sample& s = trajectory.samples[1];
   EXPECT_EQ(s.time, 0.5);
-  EXPECT_EQ(s.state.q, (Pair<double>{1, 2}));
-  EXPECT_EQ(s.state.dq, (Pair<double>{3, 4}));
-  EXPECT_EQ(s.state.theta, (Pair<double>{5, 6}));
-  EXPECT_EQ(s.state.dtheta, (Pair<double>{7, 8}));
-  EXPECT_EQ(s.torque, (Pair<double>{9, 10}));
+  EXPECT_EQ(s.state.q, (Joints<double>{1, 2}));
+  EXPECT_EQ(s.state.dq, (Joints<double>{3, 4}));
+  EXPECT_EQ(s.state.theta, (Joints<double>{5, 6}));
+  EXPECT_EQ(s.state.dtheta, (Joints<double>{7, 8}));
+  EXPECT_EQ(s.torque, (Joints<double>{9, 10}));
 }
 
 TEST(Csv, RoundTripKeepsEveryBit) {

@@ -85,11 +85,11 @@ std::string refusal(const std::string& yaml) {
 
 TEST(Explain, WhatCannotBeHeldIsRefusedWithWhatHoldingTakes) {
   const Parameters robot = request("{start: {q: [0.0, 0.0]}, goal: {q: [0.1, 0.0]}}").robot;
-  const double at_goal = gravity_torque(robot, Pair<double>{1.5, 0.0})[0];
+  const double at_goal = gravity_torque(robot, Joints<double>{1.5, 0.0})[0];
   EXPECT_THAT(refusal("{start: {q: [0.0, 0.0]}, goal: {q: [1.5, 0.0]}, limits: {torque: [5, 4]}}"),
               HasSubstr("takes " + std::to_string(at_goal).substr(0, 6)));
   // Link 2 helps most where it points back as far as it goes.
-  const double folded = gravity_torque(robot, Pair<double>{1.5, -robot.limits.link_position[1]})[0];
+  const double folded = gravity_torque(robot, Joints<double>{1.5, -robot.limits.link_position[1]})[0];
   EXPECT_THAT(refusal("{start: {q: [0.0, 0.0]}, goal: {q: [1.5, free]}, limits: {torque: [5, 4]}}"),
               HasSubstr("takes at least " + std::to_string(folded).substr(0, 6)));
   EXPECT_EQ(refusal("{start: {q: [0.0, 0.0]}, goal: {q: [1.5, free]}, limits: {torque: [5.7, 4]}}"), "accepted");
@@ -99,7 +99,7 @@ TEST(Explain, WhatCannotBeHeldIsRefusedWithWhatHoldingTakes) {
 TEST(Explain, CarryingTakesTheGravityOfTheWorstPosture) {
   const Problem problem = request("{start: {q: [0.0, 0.0]}, goal: {q: [3.14159265, 0.0]}}");
   const Carrying needs = carrying(problem);
-  const Pair<double> g = gravity_coefficients(problem.robot);
+  const Joints<double> g = gravity_coefficients(problem.robot);
   EXPECT_NEAR(needs.torque[0], g[0] + g[1], 1e-4);  // a grid of 0.016 rad misses the top by cos(0.008)
   EXPECT_NEAR(needs.torque[1], g[1], 1e-4);
   EXPECT_NEAR(needs.posture[0][0], std::numbers::pi / 2, 0.01);

@@ -24,9 +24,9 @@ const std::string kReach = "{start: {q: [0, 0]}, goal: {q: [0.5, -0.3]}, objecti
 
 // Seen every 10 us, which no part of the planner looks at: the power is cubic between rows 1 ms apart, so a maximum is
 // missed by less than 1e-4 of what bends it within a row.
-Pair<double> largest_power(const Trajectory& trajectory) {
+Joints<double> largest_power(const Trajectory& trajectory) {
   Interpolator at(trajectory);
-  Pair<double> largest{};
+  Joints<double> largest{};
   for (double t = 0; t <= trajectory.end_time(); t += 1e-5) {
     const Sample s = at.at(t);
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -42,7 +42,7 @@ TEST(MotorPower, IsKeptBetweenRowsAndReached) {
   ASSERT_EQ(free.status, PlanStatus::kCertified);
   ASSERT_EQ(limited.status, PlanStatus::kCertified) << limited.reason;
   EXPECT_GT(largest_power(*free.trajectory)[0], 25);
-  const Pair<double> power = largest_power(*limited.trajectory);
+  const Joints<double> power = largest_power(*limited.trajectory);
   EXPECT_LE(power[0], 20 * (1 + 1e-6));
   EXPECT_LE(power[1], 12 * (1 + 1e-6));
   EXPECT_GT(power[0], 20 * 0.998);  // the back-off and the margins take less

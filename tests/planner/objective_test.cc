@@ -40,7 +40,7 @@ double integral(const Trajectory& rows, const std::function<double(const Sample&
   return sum;
 }
 
-double squared(const Pair<double>& v) { return v[0] * v[0] + v[1] * v[1]; }
+double squared(const Joints<double>& v) { return v[0] * v[0] + v[1] * v[1]; }
 
 // Link velocities of the rows, differentiated twice by central differences over 1 ms.
 double jerk_by_differences(const Trajectory& rows) {
@@ -66,7 +66,7 @@ TEST(Objective, PeakTorqueCountsWhatHoldingTheGoalTakes) {
   options.starts = 1;
   const Plan result = plan(problem, options);
   ASSERT_EQ(result.status, PlanStatus::kCertified) << result.reason;
-  const Pair<double> held = gravity_torque(problem.robot, problem.goal.q);
+  const Joints<double> held = gravity_torque(problem.robot, problem.goal.q);
   double needed = 0;
   for (std::size_t j = 0; j < kJoints; ++j) {
     double peak = std::abs(held[j]);
@@ -78,7 +78,7 @@ TEST(Objective, PeakTorqueCountsWhatHoldingTheGoalTakes) {
 
 TEST(Objective, WhatHoldingTakesCountsForRowsThatEndAtRestAlone) {
   const Problem problem = request("{start: {q: [0.0, 0.0]}, goal: {q: [1.0, 0.2]}, objective: {time: 1}}");
-  const Pair<double> held = gravity_torque(problem.robot, problem.goal.q);
+  const Joints<double> held = gravity_torque(problem.robot, problem.goal.q);
   Trajectory rows;
   rows.samples = {{0, problem.start, {0.5, 0.1}}, {1, rest_at(problem.robot, problem.goal.q), {0.2, 0.1}}};
   const auto peak = [&](double speed) {

@@ -27,7 +27,7 @@ const Parameters& robot() {
 // The collocation solution of an initial value problem on equal steps, u linear in time throughout: stages by fixed
 // point iteration (the steps are short enough to contract).
 Motion simulated(const Scheme& scheme, int steps, double duration) {
-  const auto torque = [&](double t) { return Pair<double>{2 - 3 * t / duration, -0.5 + 1.5 * t / duration}; };
+  const auto torque = [&](double t) { return Joints<double>{2 - 3 * t / duration, -0.5 + 1.5 * t / duration}; };
   Motion motion;
   const State<double> start = rest_at(robot(), {0.2, -0.3});
   Vector8 node = Eigen::Map<const Vector8>(start.data());
@@ -47,7 +47,7 @@ Motion simulated(const Scheme& scheme, int steps, double duration) {
                               Eigen::MatrixXd::Zero(kControls, 2)};
     interval.state.col(0) = node;
     for (int d = 0; d < scheme.stages(); ++d) interval.state.col(d + 1) = h / (d + 1) * f * scheme.lagrange.col(d);
-    const Pair<double> begin = torque(k * h), end = torque((k + 1) * h);
+    const Joints<double> begin = torque(k * h), end = torque((k + 1) * h);
     interval.torque << begin[0], end[0] - begin[0], begin[1], end[1] - begin[1];
     motion.intervals.push_back(interval);
     node = y.col(scheme.stages() - 1);

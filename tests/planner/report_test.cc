@@ -64,7 +64,7 @@ TEST_P(Profiles, LeadFromRestToRestAndAreTheirOwnDerivatives) {
 // after the end is what stiffness leaves, acceleration / frequency^2, and the millisecond in which friction sets in.
 TEST_P(Profiles, LeaveNoResidualOnAStiffArm) {
   Parameters robot = load_parameters(kRobot);
-  const Pair<double> from{0.2, -0.3}, to{1.0, 0.5};
+  const Joints<double> from{0.2, -0.3}, to{1.0, 0.5};
   const ElasticRun soft = run_on_elastic_arm(robot, rigid_reference(robot, GetParam(), from, to, 0.8));
   for (double& stiffness : robot.spring.stiffness) stiffness *= 1e4;
   const Trajectory reference = rigid_reference(robot, GetParam(), from, to, 0.8);
@@ -87,7 +87,7 @@ TEST_P(Profiles, ResidualIsThatOfTheLinearisedArm) {
   Parameters robot = load_parameters(kRobot);
   robot.feedback.position_gain = {2e5, 2e5};  // 1e-4 of compliance left
   robot.feedback.velocity_gain = {200, 100};
-  const Pair<double> from{-0.04, 0.03}, to{0.03, -0.03};
+  const Joints<double> from{-0.04, 0.03}, to{0.03, -0.03};
   constexpr double kDuration = 0.3;
 
   const MassMatrix<double> m = mass_matrix(robot, to[1]);
@@ -115,7 +115,7 @@ TEST_P(Profiles, ResidualIsThatOfTheLinearisedArm) {
     amplitude[static_cast<std::size_t>(i)] =
         -modes.eigenvectors().col(i).dot(pull) * transform / std::pow(frequency, 3);
   }
-  Pair<double> expected{};
+  Joints<double> expected{};
   for (double t = kDuration; t < kDuration + kWatchedAfterEnd; t += 1e-4) {
     for (std::size_t j = 0; j < kJoints; ++j) {
       double off = 0;
@@ -251,14 +251,15 @@ TEST(Scene, HoldsWhatTheRequestAsksForOnTheWay) {
       scene[0],
       Json({{"kind", "disc"}, {"center", {0.3, -0.7}}, {"radius", 0.05}, {"margin", 0.01}, {"label", "obstacles[0]"}}));
   EXPECT_EQ(scene[1]["corners"], Json({{-0.7, -0.7}, {0.7, 0.3}}));
-  const Point<double> tip = tip_position(load_parameters(kRobot), Pair<double>{0.7, -0.2});
+  const Point<double> tip = tip_position(load_parameters(kRobot), Joints<double>{0.7, -0.2});
   EXPECT_EQ(scene[2]["kind"], "point");
   expect_at(scene[2]["at"], tip.x, tip.y);
 }
 
 TEST(Scene, ArcsLeadTheShortWayFromOnePointToTheOther) {
   const Parameters robot = load_parameters(kRobot);
-  const Point<double> from = tip_position(robot, Pair<double>{0, 0}), to = tip_position(robot, Pair<double>{1.2, -0.8});
+  const Point<double> from = tip_position(robot, Joints<double>{0, 0}),
+                      to = tip_position(robot, Joints<double>{1.2, -0.8});
   const double x = 0.5 * (from.x + to.x), y = 0.5 * (from.y + to.y);  // and a little aside: the way is then decided
   const double cx = x + 0.3 * (to.y - from.y), cy = y - 0.3 * (to.x - from.x);
   const Json scene =
@@ -281,7 +282,7 @@ TEST(Scene, PathsAreCurvesOfTheTipThroughTheirCorners) {
   const Json& points = scene[0]["points"];
   ASSERT_EQ(points.size(), 42U);
   const Parameters robot = load_parameters(kRobot);
-  const Point<double> corner = tip_position(robot, Pair<double>{0.5, 0.3});
+  const Point<double> corner = tip_position(robot, Joints<double>{0.5, 0.3});
   expect_at(points[0], 0, -robot.link.length[0] - robot.link.length[1]);
   expect_at(points[20], corner.x, corner.y);
   expect_at(points[21], corner.x, corner.y);

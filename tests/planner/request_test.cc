@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using ::testing::StartsWith;
-using P = Pair<double>;
+using P = Joints<double>;
 
 const fs::path kRobot = fs::path(FJR_SOURCE_DIR) / "config/robot.yaml";
 

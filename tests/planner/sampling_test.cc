@@ -49,8 +49,8 @@ Motion made(const std::vector<double>& nodes) {
 
 std::vector<double> uneven_nodes() { return {0, 0.0313, 0.0655, 0.1001, 0.14217, 0.1777, 0.2, 0.2345}; }
 
-Pair<double> exact_torque(const Motion& motion, std::size_t interval, double time) {
-  Pair<double> tau = motion.torque_in(interval, time);
+Joints<double> exact_torque(const Motion& motion, std::size_t interval, double time) {
+  Joints<double> tau = motion.torque_in(interval, time);
   const State<double> x = motion.state_in(interval, time);
   for (int j = 0; j < kJoints; ++j) {
     tau[static_cast<std::size_t>(j)] += FrictionLaw::of(robot(), j).nonlinear(x.dtheta[static_cast<std::size_t>(j)]);
@@ -98,9 +98,9 @@ TEST(Sampling, RowsHoldTheStateAndTorqueOfTheMotion) {
     if (k > 0 && row.time - motion.intervals[k].start < 0.4 * kJumpSpacing) --k;
     const State<double> x = motion.state_in(k, row.time);
     for (int i = 0; i < kStates; ++i) EXPECT_NEAR(row.state.data()[i], x.data()[i], 1e-13) << row.time;
-    Pair<double> tau = exact_torque(motion, k, row.time);
+    Joints<double> tau = exact_torque(motion, k, row.time);
     if (k + 1 < motion.intervals.size() && std::abs(motion.intervals[k + 1].start - row.time) < 0.4 * kJumpSpacing) {
-      const Pair<double> after = exact_torque(motion, k + 1, row.time);  // rows at a node hold the middle of the jump
+      const Joints<double> after = exact_torque(motion, k + 1, row.time);  // rows at a node hold the middle of the jump
       for (std::size_t j = 0; j < kJoints; ++j) tau[j] = 0.5 * (tau[j] + after[j]);
     }
     // A rounding of dtheta (1e-16 rad/s) times the steepest slope of the friction law (5,500 N m s/rad).
@@ -138,7 +138,7 @@ TEST(Sampling, JumpsAtNodesBecomePairs) {
   for (std::size_t k = 1; k + 1 < nodes.size(); ++k) {  // 0.2 is a multiple of the period as well
     const auto pair = pair_at(rows, nodes[k]);
     ASSERT_EQ(pair.size(), 2u) << nodes[k];
-    const Pair<double> before = exact_torque(motion, k - 1, nodes[k]), after = exact_torque(motion, k, nodes[k]);
+    const Joints<double> before = exact_torque(motion, k - 1, nodes[k]), after = exact_torque(motion, k, nodes[k]);
     for (std::size_t j = 0; j < kJoints; ++j) {
       EXPECT_NEAR(pair[0].torque[j], before[j], 1e-3);  // u and friction change by less in a microsecond
       EXPECT_NEAR(pair[1].torque[j], after[j], 1e-3);
@@ -147,15 +147,15 @@ TEST(Sampling, JumpsAtNodesBecomePairs) {
 }
 
 // What is wanted between two times: int of u + exact friction, by a fine midpoint rule between the nodes.
-Pair<double> impulse(const Motion& motion, double from, double to, int pieces = 2000) {
-  Pair<double> sum{0, 0};
+Joints<double> impulse(const Motion& motion, double from, double to, int pieces = 2000) {
+  Joints<double> sum{0, 0};
   double at = from;
   for (std::size_t k = motion.interval_at(from); at < to; ++k) {
     const double node = k + 1 < motion.intervals.size() ? std::min(motion.intervals[k + 1].start, to) : to;
     // 2000 of half a microsecond, in which friction crosses a twentieth of its step
     const double h = (node - at) / pieces;
     for (int i = 0; i < pieces && h > 0; ++i) {
-      const Pair<double> tau = exact_torque(motion, k, at + (i + 0.5) * h);
+      const Joints<double> tau = exact_torque(motion, k, at + (i + 0.5) * h);
       for (std::size_t j = 0; j < kJoints; ++j) sum[j] += h * tau[j];
     }
     at = std::max(node, at);
@@ -171,10 +171,10 @@ struct Missed {
 Missed missed(const Motion& motion, double velocity_error = kRowVelocityError, int pieces = 2000) {
   const auto rows = sample(problem(), motion, velocity_error).samples;
   Missed missed;
-  Pair<double> total{0, 0}, period{0, 0};
+  Joints<double> total{0, 0}, period{0, 0};
   for (std::size_t i = 0; i + 1 < rows.size(); ++i) {
     const double h = rows[i + 1].time - rows[i].time;
-    const Pair<double> wanted = impulse(motion, rows[i].time, rows[i + 1].time, pieces);
+    const Joints<double> wanted = impulse(motion, rows[i].time, rows[i + 1].time, pieces);
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double miss = 0.5 * h * (rows[i].torque[j] + rows[i + 1].torque[j]) - wanted[j];
       period[j] += miss / robot().motor.inertia[j];

@@ -79,7 +79,7 @@ TEST(Arc, LeadsTheLongWayRoundWhereThatIsAskedFor) {
     for (const TaskRow& row : rows) least = std::min(least, row.room(row.value(problem.robot, at)));
     return least;
   };
-  for (const Pair<double>& point : points_along(arc)) {
+  for (const Joints<double>& point : points_along(arc)) {
     EXPECT_GE(room(std::atan2(point[1] - arc.center[1], point[0] - arc.center[0])), 0);
   }
   for (const double gap : {0.1, 0.4, 0.8, 1.2, 1.47}) EXPECT_LT(room(gap), 0) << gap;
@@ -93,7 +93,7 @@ const std::string kWideArc =
     "{start: {q: [-0.5798, 1.9285]}, via: [{q: [1.9694, -1.1509]}], goal: {q: [free, -2.2149]}, "
     "tip: {arc: {center: [-0.1730, 0.0086], from: [0.1085, -0.3558], to: [0.2823, 0.0773], tolerance: 0.4102}}}";
 
-double room_at(const Problem& problem, const Pair<double>& q) {
+double room_at(const Problem& problem, const Joints<double>& q) {
   double least = kNoLimit;
   const auto at = Posture<double>::of(problem.robot, q);
   for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) {
@@ -105,11 +105,11 @@ double room_at(const Problem& problem, const Pair<double>& q) {
 TEST(WideArc, IsARegionThatWaysAreFoundThrough) {
   const Problem problem = request(kWideArc);
   EXPECT_GE(room_at(problem, problem.goal.q), 0) << "of the joint that may end anywhere";
-  const std::vector<Pair<double>> points{problem.start.q, problem.via[0].q, problem.goal.q};
+  const std::vector<Joints<double>> points{problem.start.q, problem.via[0].q, problem.goal.q};
   for (std::size_t s = 0; s < 2; ++s) {
     const Detours detours = find_detours(problem, s, points[s], points[s + 1], 1);
     ASSERT_FALSE(detours.ways.empty());
-    for (const Pair<double>& q : detours.ways[0]) EXPECT_GE(room_at(problem, q), 0) << q[0] << ' ' << q[1];
+    for (const Joints<double>& q : detours.ways[0]) EXPECT_GE(room_at(problem, q), 0) << q[0] << ' ' << q[1];
   }
 }
 

@@ -37,7 +37,7 @@ Trajectory with_stop(const Trajectory& plan, const Trajectory& stop) {
 
 // Of the executor's controller, ticks and encoders included.
 struct Ticked {
-  Pair<double> error{}, vibration{}, torque{};
+  Joints<double> error{}, vibration{}, torque{};
 };
 
 Ticked run_ticks(const Trajectory& all, double end) {
@@ -124,7 +124,7 @@ TEST(StopMotion, LeavesTheLinksStillFromAnyInstantOfAFastPlan) {
 
 // What would be left if the links were simply braked: the same motion, its spring torque forgotten.
 TEST(StopMotion, IsRefusedWhenItLeavesTheLinksSwinging) {
-  const Sample start{0, rest_at(robot(), {0.3, 0.2}), gravity_torque(robot(), Pair<double>{0.3, 0.2})};
+  const Sample start{0, rest_at(robot(), {0.3, 0.2}), gravity_torque(robot(), Joints<double>{0.3, 0.2})};
   Sample moving = start;
   moving.state.dq = moving.state.dtheta = {1, -1};
   const auto found = find_stop(robot(), moving, 0, 1);
@@ -144,7 +144,7 @@ TEST(StopMotion, SaysWhenThereIsNone) {
 }
 
 TEST(StopShape, AtRestStaysAtRest) {
-  const Sample still{0, rest_at(robot(), {0.3, 0.2}), gravity_torque(robot(), Pair<double>{0.3, 0.2})};
+  const Sample still{0, rest_at(robot(), {0.3, 0.2}), gravity_torque(robot(), Joints<double>{0.3, 0.2})};
   const auto stop = find_stop(robot(), still, 0, 1);
   ASSERT_TRUE(stop);
   for (const Sample& row : stop_rows(robot(), still, *stop).samples) {

@@ -34,8 +34,8 @@ using Point2 = std::array<double, 2>;
 // The paper's link lengths and the shipped radii. [m]
 constexpr double kLength1 = 0.345, kLength2 = 0.305, kRadius1 = 0.03, kRadius2 = 0.025;
 
-Point2 elbow(const Pair<double>& q) { return {kLength1 * std::sin(q[0]), -kLength1 * std::cos(q[0])}; }
-Point2 tip(const Pair<double>& q) {
+Point2 elbow(const Joints<double>& q) { return {kLength1 * std::sin(q[0]), -kLength1 * std::cos(q[0])}; }
+Point2 tip(const Joints<double>& q) {
   const Point2 e = elbow(q);
   return {e[0] + kLength2 * std::sin(q[0] + q[1]), e[1] - kLength2 * std::cos(q[0] + q[1])};
 }
@@ -59,7 +59,7 @@ constexpr double kMissed = 1e-6;  // [m]
 
 double least_clearance(const Plan& plan, const Point2& centre, double radius) {
   double least = 1;
-  look_along(plan, [&](double, const Pair<double>& q) {
+  look_along(plan, [&](double, const Joints<double>& q) {
     least = std::min({least, from_segment(centre, {0, 0}, elbow(q)) - radius - kRadius1,
                       from_segment(centre, elbow(q), tip(q)) - radius - kRadius2});
   });
@@ -89,7 +89,7 @@ TEST(TaskPlan, BothLinksKeepToTheirSideOfAWall) {
   const auto lowest = [](const Plan& plan) {
     const Parameters p = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
     double least = 1;
-    look_along(plan, [&](double, const Pair<double>& q) {
+    look_along(plan, [&](double, const Joints<double>& q) {
       const double elbow = -p.link.length[0] * std::cos(q[0]), tip = elbow - p.link.length[1] * std::cos(q[0] + q[1]);
       least = std::min({least, elbow - std::max(p.link.radius[0], p.link.radius[1]), tip - p.link.radius[1]});
     });
@@ -141,7 +141,7 @@ TEST(TaskPlan, TipKeepsToALine) {
       "tip: {line: {from: [0.42206, -0.46756], to: [0.45, -0.1], tolerance: 0.002}}}");
   double furthest = 0;
   look_along(result,
-             [&](double, const Pair<double>& q) { furthest = std::max(furthest, from_segment(tip(q), from, to)); });
+             [&](double, const Joints<double>& q) { furthest = std::max(furthest, from_segment(tip(q), from, to)); });
   EXPECT_LT(furthest, 0.002 + kMissed);
   EXPECT_GT(furthest, 0.0018);  // a faster motion uses what it is given
 }
@@ -156,7 +156,7 @@ TEST(TaskPlan, TipKeepsToAnArcBeyondHalfATurn) {
       "tolerance: 0.02, way: long}}}");
   double furthest = 0, turned = 0;
   std::optional<double> before;
-  look_along(result, [&](double, const Pair<double>& q) {
+  look_along(result, [&](double, const Joints<double>& q) {
     const Point2 at = tip(q);
     furthest = std::max(furthest, std::abs(std::hypot(at[0] - center[0], at[1] - center[1]) - radius));
     const double angle = std::atan2(at[1] - center[1], at[0] - center[0]);
@@ -174,7 +174,7 @@ TEST(TaskPlan, AnglesFollowAPathCornerByCorner) {
   ASSERT_EQ(result.via_times.size(), 2u);
   std::array<double, 4> nearest;
   nearest.fill(1);
-  look_along(result, [&](double, const Pair<double>& q) {
+  look_along(result, [&](double, const Joints<double>& q) {
     double off = 1;
     for (std::size_t k = 0; k + 1 < corners.size(); ++k)
       off = std::min(off, from_segment(q, corners[k], corners[k + 1]));
@@ -192,7 +192,7 @@ TEST(TaskPlan, FreeViaTimesAreTheBestOnes) {
   const Plan free = certified(head + "via: [{q: [0.6, 0.4]}, {q: [1, 0]}]}");
   ASSERT_EQ(free.via_times.size(), 2u);
   Interpolator at(*free.trajectory);
-  const Pair<double> first = at.at(free.via_times[0]).state.q, second = at.at(free.via_times[1]).state.q;
+  const Joints<double> first = at.at(free.via_times[0]).state.q, second = at.at(free.via_times[1]).state.q;
   EXPECT_NEAR(first[0], 0.6, 1e-6);  // interpolation between rows
   EXPECT_NEAR(first[1], 0.4, 1e-6);
   EXPECT_NEAR(second[0], 1, 1e-6);

@@ -163,7 +163,7 @@ TEST_F(ExecuteTest, WithoutAStartItIsWhereTheArmRests) {
   const Reply second = answer_to(back);
   ASSERT_EQ(second.state, ReplyState::kSolved) << second.why.sentence;
   // The goal that is held, to the last bit: not what the encoders count.
-  EXPECT_EQ(second.rows.front().state.q, (Pair<double>{0.42, 0.08}));
+  EXPECT_EQ(second.rows.front().state.q, (Joints<double>{0.42, 0.08}));
   wait_for("finished id=" + text(back.id) + " code=0");
 }
 

@@ -230,11 +230,11 @@ ExecutorState resting() {
 TEST(ExecutorWatch, TheArmRestsWhereItIsHeld) {
   ExecutorWatch watch("arm", "mine");
   watch.heard(resting());
-  EXPECT_EQ(std::get<Pair<double>>(watch.rest()), (Pair<double>{0.42, 0.08}));
+  EXPECT_EQ(std::get<Joints<double>>(watch.rest()), (Joints<double>{0.42, 0.08}));
   ExecutorState pushed = resting();
   pushed.q[1] = 0.15;
   watch.heard(pushed);
-  EXPECT_EQ(std::get<Pair<double>>(watch.rest()), (Pair<double>{0.42, 0.15}));
+  EXPECT_EQ(std::get<Joints<double>>(watch.rest()), (Joints<double>{0.42, 0.15}));
 }
 
 TEST(ExecutorWatch, SaysWhyThereIsNoRest) {
@@ -279,7 +279,7 @@ TEST(ExecutorWatch, AStateGetsOldBySteadyTime) {
   watch.heard(resting(), 0, now - 2s);
   EXPECT_EQ(std::get<std::string>(watch.rest()), "the executor's last word is 2.0 s old");
   watch.heard(resting(), 0, now);
-  EXPECT_TRUE(std::holds_alternative<Pair<double>>(watch.rest()));
+  EXPECT_TRUE(std::holds_alternative<Joints<double>>(watch.rest()));
   // One that is not heard any more is not counted, for another one was started in its place.
   watch.heard(resting(), 0, now - 1s);
   watch.heard(resting(), 1, now);

@@ -35,7 +35,7 @@ TEST_F(ServiceTest, PlansAnArcTheLongWayRound) {
   ASSERT_EQ(reply.state, ReplyState::kSolved) << reply.why.sentence;
   double leftmost = 1;  // the short way round passes on the right
   for (const Sample& row : reply.rows) {
-    const Pair<double>& q = row.state.q;
+    const Joints<double>& q = row.state.q;
     leftmost = std::min(leftmost, 0.345 * std::sin(q[0]) + 0.305 * std::sin(q[0] + q[1]));
   }
   EXPECT_NEAR(leftmost, 0.32 - 0.1, 0.03);

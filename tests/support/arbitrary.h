@@ -20,7 +20,7 @@ inline double between(double low, double high) {
   return low + (high - low) * step / kSteps;
 }
 
-inline Pair<double> pair_between(double low, double high) { return {between(low, high), between(low, high)}; }
+inline Joints<double> pair_between(double low, double high) { return {between(low, high), between(low, high)}; }
 
 // The size of states that plans pass through: any link position, and the limits of robot.yaml on the rest.
 inline State<double> any_state() {

@@ -74,13 +74,13 @@ Polynomial progress(bool rest_at_start, bool rest_at_goal) {
 }
 
 struct Witness {
-  Pair<Polynomial> q;  // of the share of the duration
+  Joints<Polynomial> q;  // of the share of the duration
   double duration = 1;
 
   FlatPoint at(const Parameters& robot, double c) const {
     LinkMotion m;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      Pair<double>* const parts[] = {&m.q, &m.dq, &m.ddq, &m.dddq, &m.ddddq};
+      Joints<double>* const parts[] = {&m.q, &m.dq, &m.ddq, &m.dddq, &m.ddddq};
       for (int order = 0; order <= 4; ++order) {
         (*parts[order])[j] = derivative(q[j], order, c) / std::pow(duration, order);
       }
@@ -165,7 +165,7 @@ std::optional<Witness> draw_witness(Draw& draw, const Parameters& robot, const E
   return witness;
 }
 
-std::string numbers(const Pair<double>& pair) { return fmt::format("[{:.17g}, {:.17g}]", pair[0], pair[1]); }
+std::string numbers(const Joints<double>& pair) { return fmt::format("[{:.17g}, {:.17g}]", pair[0], pair[1]); }
 
 // The request's parts, in the order in which they are drawn.
 class Writer {
@@ -339,7 +339,7 @@ class Writer {
 
   void add_tip_region(bool box) {
     const Point<double> from = tip_position(robot_, state(0).q), to = tip_position(robot_, state(1).q);
-    Pair<double> lower{kNoLimit, kNoLimit}, upper{-kNoLimit, -kNoLimit};
+    Joints<double> lower{kNoLimit, kNoLimit}, upper{-kNoLimit, -kNoLimit};
     for (int i = 0; i <= kProbes; ++i) {
       const Point<double> tip = tip_position(robot_, state(share(i)).q);
       lower = {std::min(lower[0], tip.x), std::min(lower[1], tip.y)};
@@ -357,8 +357,8 @@ class Writer {
     // A line, or an arc that bulges to one side of it; its tolerance is the largest distance from it.
     const bool arc = draw_.chance(0.4);
     const double away = draw_.between(0.3, 3) * (draw_.chance(0.5) ? 1 : -1);  // of the centre, in halves of the chord
-    const Pair<double> center{(from.x + to.x) / 2 - away * (to.y - from.y) / 2,
-                              (from.y + to.y) / 2 + away * (to.x - from.x) / 2};
+    const Joints<double> center{(from.x + to.x) / 2 - away * (to.y - from.y) / 2,
+                                (from.y + to.y) / 2 + away * (to.x - from.x) / 2};
     double tolerance = 1e-3;  // [m]
     for (; tolerance < 0.8; tolerance *= 1.2) {
       if (arc) task.arc = TipArc{center, {from.x, from.y}, {to.x, to.y}, tolerance};
@@ -380,7 +380,7 @@ class Writer {
     add("limits:");
     for (const QuantityInfo& quantity : Quantities::infos) {
       if (quantity.of_tip || !draw_.chance(quantity.of_robot ? 0.5 : 0.3)) continue;
-      Pair<double>& limit = limits.*quantity.per_joint;
+      Joints<double>& limit = limits.*quantity.per_joint;
       for (std::size_t j = 0; j < kJoints; ++j) {
         limit[j] = std::min(quantity.in(robots, j), quantity.in(most_, j) * draw_.between(1.03, 1.6) + 0.01);
       }

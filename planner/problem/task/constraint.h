@@ -40,8 +40,8 @@ struct TaskRows {
   std::string name;  // of the constraint
   std::vector<TaskRow>& rows;
 
-  void add(TaskRow::Kind kind, const Pair<double>& vector, double number, double lower, double upper, double scale,
-           int link = 0) {
+  void add(TaskRow::Kind kind, const std::array<double, 2>& vector, double number, double lower, double upper,
+           double scale, int link = 0) {
     rows.push_back({kind, vector, number, lower, upper, scale, name, link});
   }
 };
@@ -57,10 +57,13 @@ inline constexpr double kShortest = 1e-3;    // [m] or [rad] of lines, arcs and 
 // ends too, corners included.
 inline constexpr double kAcross = 0.99, kBeyond = 0.14;
 
-inline Pair<double> difference(const Pair<double>& a, const Pair<double>& b) { return {a[0] - b[0], a[1] - b[1]}; }
-inline double dot(const Pair<double>& a, const Pair<double>& b) { return a[0] * b[0] + a[1] * b[1]; }
-inline double length(const Pair<double>& a) { return std::hypot(a[0], a[1]); }
-inline double distance(const Pair<double>& a, const Pair<double>& b) { return length(difference(a, b)); }
+// Coordinates, or the angles of the joints.
+using Two = std::array<double, 2>;
+
+inline Two difference(const Two& a, const Two& b) { return {a[0] - b[0], a[1] - b[1]}; }
+inline double dot(const Two& a, const Two& b) { return a[0] * b[0] + a[1] * b[1]; }
+inline double length(const Two& a) { return std::hypot(a[0], a[1]); }
+inline double distance(const Two& a, const Two& b) { return length(difference(a, b)); }
 
 template <class Place>
 void check_between(const Place& place, double value, double least, double most, std::string_view unit) {
@@ -69,7 +72,7 @@ void check_between(const Place& place, double value, double least, double most, 
 }
 
 template <class Place>
-void check_point(const Place& place, const Pair<double>& point) {
+void check_point(const Place& place, const Coordinates& point) {
   for (std::size_t i = 0; i < 2; ++i)
     check_between(place.at(i), point[i], -kLargestCoordinate, kLargestCoordinate, "m");
 }
@@ -80,11 +83,10 @@ void check_tolerance(const Place& place, double tolerance, std::string_view unit
 }
 
 // Across and along the line from one point to another, within the tolerance.
-inline void add_band(TaskRows& to, TaskRow::Kind kind, const Pair<double>& from, const Pair<double>& end,
-                     double tolerance) {
-  const Pair<double> way = difference(end, from);
+inline void add_band(TaskRows& to, TaskRow::Kind kind, const Two& from, const Two& end, double tolerance) {
+  const Two way = difference(end, from);
   const double far = length(way);
-  const Pair<double> along{way[0] / far, way[1] / far}, across{-along[1], along[0]};
+  const Two along{way[0] / far, way[1] / far}, across{-along[1], along[0]};
   to.add(kind, across, dot(across, from), -kAcross * tolerance, kAcross * tolerance, tolerance);
   to.add(kind, along, dot(along, from), -kBeyond * tolerance, far + kBeyond * tolerance, tolerance);
 }

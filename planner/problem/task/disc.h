@@ -9,7 +9,7 @@ namespace fjr {
 
 // `margin` is kept over the links' whole length, beside their radius. [m]
 struct Disc {
-  Pair<double> center{};
+  Coordinates center{};
   double radius = 0, margin = 0;
 
   static constexpr ConstraintInfo info{.name = "obstacles", .keeps_clear = true, .sign = -1, .most = 0};

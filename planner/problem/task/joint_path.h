@@ -7,7 +7,7 @@ namespace fjr {
 
 // Through the corners, one after the other. The motion has one segment per line. [rad]
 struct JointPath {
-  std::vector<Pair<double>> corners;  // from the start to the goal
+  std::vector<Joints<double>> corners;  // from the start to the goal
   double tolerance = 0;
 
   static constexpr ConstraintInfo info{.name = "path", .unit = "rad"};

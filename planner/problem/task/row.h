@@ -14,10 +14,10 @@ namespace fjr {
 // Where the arm is, for rows to look at.
 template <class T>
 struct Posture {
-  Pair<T> q;
+  Joints<T> q;
   Point<T> elbow, tip;
 
-  static Posture of(const Parameters& robot, const Pair<T>& q) {
+  static Posture of(const Parameters& robot, const Joints<T>& q) {
     return {q, elbow_position(robot, q), tip_position(robot, q)};
   }
 };
@@ -32,7 +32,7 @@ struct TaskRow {
     kElbow,       // vector . elbow - number                               [m]
   };
   Kind kind;
-  Pair<double> vector;
+  std::array<double, 2> vector;  // of coordinates, or of the joints' angles
   double number;
   double lower, upper;
   double scale;      // size of the constraint, as a limit's size is: what shares of it are taken of  [m or rad]
@@ -71,7 +71,7 @@ double value_of(const T& x) {
 
 // Squared distance of the point p from the segment of the given length from `begin` to `end`. [m^2]
 template <class T>
-T squared_distance(const Pair<double>& p, const Point<T>& begin, const Point<T>& end, double length) {
+T squared_distance(const Coordinates& p, const Point<T>& begin, const Point<T>& end, double length) {
   const T to_x = p[0] - begin.x, to_y = p[1] - begin.y;
   const T along_x = (end.x - begin.x) * (1 / length), along_y = (end.y - begin.y) * (1 / length);
   const double along = value_of(to_x) * value_of(along_x) + value_of(to_y) * value_of(along_y);

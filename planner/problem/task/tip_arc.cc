@@ -19,10 +19,9 @@ constexpr double kGapTolerances = 4;   // that the gap left by a long arc is wid
 // Beyond half a turn both lines across would cut the arc itself. What it leaves of the circle, less than half a turn,
 // is then barred by a disc about its middle that reaches nearly to both ends.
 void add_gap(TaskRows& rows, const TipArc& arc, double radius) {
-  const Pair<double> chord{(arc.from[0] + arc.to[0]) / 2 - arc.center[0],
-                           (arc.from[1] + arc.to[1]) / 2 - arc.center[1]};
-  const Pair<double> middle{arc.center[0] + chord[0] * radius / length(chord),
-                            arc.center[1] + chord[1] * radius / length(chord)};
+  const Coordinates chord{(arc.from[0] + arc.to[0]) / 2 - arc.center[0], (arc.from[1] + arc.to[1]) / 2 - arc.center[1]};
+  const Coordinates middle{arc.center[0] + chord[0] * radius / length(chord),
+                           arc.center[1] + chord[1] * radius / length(chord)};
   const double apart =
       std::min(length(difference(arc.from, middle)), length(difference(arc.to, middle))) - kBeyond * arc.tolerance;
   rows.add(Kind::kTipRadius, middle, apart, 0, kNone, arc.tolerance);
@@ -30,17 +29,17 @@ void add_gap(TaskRows& rows, const TipArc& arc, double radius) {
 
 // Near the circle, after the line across it at one end and before the one at the other.
 void add_arc(TaskRows& rows, const TipArc& arc) {
-  const Pair<double> first = difference(arc.from, arc.center), last = difference(arc.to, arc.center);
+  const Coordinates first = difference(arc.from, arc.center), last = difference(arc.to, arc.center);
   const double radius = length(first), band = kAcross * arc.tolerance, beyond = kBeyond * arc.tolerance;
   const auto from_circle = [radius](double r) { return (r * r - radius * radius) / (2 * radius); };
   rows.add(Kind::kTipRadius, arc.center, radius, radius > band ? from_circle(radius - band) : -kNone,
            from_circle(radius + band), arc.tolerance);
   if (arc.way == ArcWay::kLong) return add_gap(rows, arc, radius);
   const double turn = first[0] * last[1] - first[1] * last[0] > 0 ? 1 : -1;
-  const auto onward = [turn](const Pair<double>& r) {
-    return Pair<double>{-turn * r[1] / length(r), turn * r[0] / length(r)};
+  const auto onward = [turn](const Coordinates& r) {
+    return Coordinates{-turn * r[1] / length(r), turn * r[0] / length(r)};
   };
-  const Pair<double> at_from = onward(first), at_to = onward(last);
+  const Coordinates at_from = onward(first), at_to = onward(last);
   rows.add(Kind::kTip, at_from, dot(at_from, arc.from), -beyond, kNone, arc.tolerance);
   rows.add(Kind::kTip, at_to, dot(at_to, arc.to), -kNone, beyond, arc.tolerance);
 }
@@ -49,7 +48,7 @@ void add_arc(TaskRows& rows, const TipArc& arc) {
 
 void TipArc::add_rows(TaskRows& rows) const { add_arc(rows, *this); }
 
-double turn_between(const TipArc& arc, const Pair<double>& from, const Pair<double>& to) {
+double turn_between(const TipArc& arc, const Coordinates& from, const Coordinates& to) {
   const auto shortest = [](double angle) { return std::remainder(angle, 2 * std::numbers::pi); };
   const double turn = shortest(arc.angle_of(to) - arc.angle_of(from));
   if (arc.way == ArcWay::kShort) return turn;
@@ -58,7 +57,7 @@ double turn_between(const TipArc& arc, const Pair<double>& from, const Pair<doub
   return std::remainder(turn - onward, 2 * std::numbers::pi) + onward;
 }
 
-double TipArc::angle_of(const Pair<double>& point) const {
+double TipArc::angle_of(const Coordinates& point) const {
   return std::atan2(point[1] - center[1], point[0] - center[0]);
 }
 

@@ -9,7 +9,7 @@ enum class ArcWay { kShort, kLong };
 
 // About `center`, the short way from one point to another, or the long way round. [m]
 struct TipArc {
-  Pair<double> center{}, from{}, to{};
+  Coordinates center{}, from{}, to{};
   double tolerance = 0;
   ArcWay way = ArcWay::kShort;
 
@@ -25,13 +25,13 @@ struct TipArc {
   void relax(double wider) { tolerance = wider; }
 
   // Of a point as seen from the centre. [rad]
-  double angle_of(const Pair<double>& point) const;
+  double angle_of(const Coordinates& point) const;
   // The angle that it turns by, counterclockwise positive. [rad]
   double turn() const;
 };
 
 // The angle from one point to another as seen from the centre, the way round that the arc goes. [rad]
-double turn_between(const TipArc& arc, const Pair<double>& from, const Pair<double>& to);
+double turn_between(const TipArc& arc, const Coordinates& from, const Coordinates& to);
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, TipArc>

@@ -7,14 +7,14 @@ namespace fjr {
 
 // [m]
 struct TipBox {
-  Pair<double> lower{}, upper{};
+  Coordinates lower{}, upper{};
 
   static constexpr ConstraintInfo info{.name = "tip_box", .relaxed = "{} m larger on every side"};
 
   void add_rows(TaskRows& to) const {
     constexpr double kScale = 0.1;  // [m] a box has no size of its own that matters: the arm's
     for (std::size_t i = 0; i < 2; ++i) {
-      const Pair<double> axis{i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0};
+      const Coordinates axis{i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0};
       to.add(TaskRow::Kind::kTip, axis, 0, lower[i], upper[i], kScale);
     }
   }

@@ -7,7 +7,7 @@ namespace fjr {
 
 // Between two points. [m]
 struct TipLine {
-  Pair<double> from{}, to{};
+  Coordinates from{}, to{};
   double tolerance = 0;
 
   static constexpr ConstraintInfo info{.name = "tip_line"};

@@ -10,7 +10,7 @@ namespace fjr {
 // The line goes through `point`; `normal`, of any length, points to where the arm may be. `margin` is kept beside the
 // links' radius. [m]
 struct Wall {
-  Pair<double> point{}, normal{};
+  Coordinates point{}, normal{};
   double margin = 0;
 
   static constexpr ConstraintInfo info{.name = "walls", .keeps_clear = true, .relaxed = "moved back by {} m"};
@@ -19,8 +19,8 @@ struct Wall {
   // the thicker of the links, and the tip by the second.
   void add_rows(TaskRows& to) const {
     const double size = task::length(normal);
-    const Pair<double> away{normal[0] / size, normal[1] / size};
-    const Pair<double>& radius = to.robot.link.radius;
+    const Coordinates away{normal[0] / size, normal[1] / size};
+    const Joints<double>& radius = to.robot.link.radius;
     const double through = task::dot(away, point);
     for (int link = 1; link <= kJoints; ++link) {
       const double apart = margin + (link == 1 ? std::max(radius[0], radius[1]) : radius[1]);

@@ -18,7 +18,7 @@ double commanded(const Sample& s, std::size_t j) { return s.torque[j]; }
 Cell against_limit(double value, double limit) { return cell(number_text(value), value > limit * 1.005 ? "over" : ""); }
 
 void add_peaks(Rows& rows, const std::vector<ComparedMotion>& motions, const std::vector<ReachedLimit>& limits,
-               const std::string& name, const std::string& label, Pair<double> ElasticRun::*peak) {
+               const std::string& name, const std::string& label, Joints<double> ElasticRun::*peak) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const ReachedLimit* limit = find_limit(limits, name, static_cast<int>(j + 1));
     const double allowed = limit == nullptr ? INFINITY : limit->limit;

@@ -48,7 +48,7 @@ class JsonField {
     if (!json_->is_number()) fail("must be a number or null");
     return json_->get<double>();
   }
-  Pair<double> pair() const {
+  Joints<double> pair() const {
     const std::vector<JsonField> both = items();
     if (both.size() != kJoints) fail("must be a list of two numbers");
     return {both[0].number(), both[1].number()};

@@ -28,7 +28,7 @@ double deflection(const Sample& s, std::size_t j) { return s.state.theta[j] - s.
 double torque(const Sample& s, std::size_t j) { return s.torque[j]; }
 
 void add_joints(Chart& chart, const std::vector<Sample>& samples, const std::string& what, Quantity quantity,
-                const Pair<const char*>& colours, Style style = Style::kLine) {
+                const Joints<const char*>& colours, Style style = Style::kLine) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     chart.series.push_back(series_of(fmt::format("{} {}", what, j + 1), colours[j], samples, quantity, j, style));
   }
@@ -68,7 +68,7 @@ Chart tip_speed_chart(const Parameters& robot, const Trajectory& trajectory, con
 std::vector<Chart> further_charts(const PlanRecord& record, const std::vector<ReachedLimit>& limits) {
   constexpr std::array<std::string_view, 5> kElsewhere{"torque", "motor_velocity", "link_position", "spring_deflection",
                                                        "tip_speed"};
-  const Pair<double> no_rate{};
+  const Joints<double> no_rate{};
   std::vector<Chart> charts;
   Quantities::visit([&](auto quantity) {
     const QuantityInfo& info = quantity.info;
@@ -116,7 +116,7 @@ std::vector<Chart> motion_charts(const PlanRecord& record, const std::vector<Rea
 }
 
 double short_number(double value) { return std::stod(fmt::format("{:.6g}", value)); }
-Json pair_json(const Pair<double>& values) { return {values[0], values[1]}; }
+Json pair_json(const Joints<double>& values) { return {values[0], values[1]}; }
 
 // Columns over time, thinned out to what an animation can show.
 Json motion_json(const std::string& name, const std::vector<Sample>& samples) {

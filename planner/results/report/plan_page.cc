@@ -94,7 +94,7 @@ std::vector<Cell> rollout_row(const std::string& name, const JsonField& loop, do
 
 void add_after_and_on_hardware(ChartPage& page, const JsonField& certificate) {
   const auto both = [](const JsonField& values) {
-    const Pair<double> pair = values.pair();
+    const Joints<double> pair = values.pair();
     return fmt::format("{} and {}", number_text(pair[0], 3), number_text(pair[1], 3));
   };
   Rows rows{{cell("feedback torque in the closed loop (N m)"),

@@ -26,7 +26,7 @@ Json read_json(const fs::path& file) {
 Parameters read_robot(const JsonField& plan) {
   const JsonField robot = plan.at("robot");
   Parameters p{};
-  visit_parameters(p, [&](const char* section, const char* name, const char*, Pair<double>& values) {
+  visit_parameters(p, [&](const char* section, const char* name, const char*, Joints<double>& values) {
     values = robot.at(section).at(name).pair();
   });
   if (const auto payload = robot.find("payload")) {

@@ -30,13 +30,13 @@ Along minimum_jerk(double c) {
 // Reference and torque at `along`, on the straight way between two rests.
 class StraightWay {
  public:
-  StraightWay(const Parameters& p, const Pair<double>& from, const Pair<double>& to, double duration)
+  StraightWay(const Parameters& p, const Joints<double>& from, const Joints<double>& to, double duration)
       : p_(p), from_(rest_at(p, from)), to_(rest_at(p, to)), duration_(duration) {}
 
   Sample at(double time, const Along& a) const {
     Sample row;
     row.time = time;
-    Pair<double> ddq, ddtheta;
+    Joints<double> ddq, ddtheta;
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double links = to_.q[j] - from_.q[j], motors = to_.theta[j] - from_.theta[j];
       row.state.q[j] = from_.q[j] + links * a.position;
@@ -51,11 +51,11 @@ class StraightWay {
   }
 
  private:
-  Pair<double> rigid_inverse_dynamics(const State<double>& x, const Pair<double>& ddq,
-                                      const Pair<double>& ddtheta) const {
+  Joints<double> rigid_inverse_dynamics(const State<double>& x, const Joints<double>& ddq,
+                                        const Joints<double>& ddtheta) const {
     const MassMatrix<double> m = mass_matrix(p_, x.q[1]);
-    const Pair<double> c = coriolis_torque(p_, x.q, x.dq), g = gravity_torque(p_, x.q);
-    Pair<double> torque{m.m11 * ddq[0] + m.m12 * ddq[1], m.m12 * ddq[0] + m.m22 * ddq[1]};
+    const Joints<double> c = coriolis_torque(p_, x.q, x.dq), g = gravity_torque(p_, x.q);
+    Joints<double> torque{m.m11 * ddq[0] + m.m12 * ddq[1], m.m12 * ddq[0] + m.m22 * ddq[1]};
     for (std::size_t j = 0; j < kJoints; ++j) {
       torque[j] += c[j] + g[j] + p_.link.damping[j] * x.dq[j] + p_.motor.inertia[j] * ddtheta[j] +
                    FrictionLaw::of(p_, static_cast<int>(j)).torque(x.dtheta[j]);
@@ -68,7 +68,7 @@ class StraightWay {
   double duration_;
 };
 
-void raise(Pair<double>& largest, std::size_t j, double value) { largest[j] = std::max(largest[j], std::abs(value)); }
+void raise(Joints<double>& largest, std::size_t j, double value) { largest[j] = std::max(largest[j], std::abs(value)); }
 
 // Collects a run's samples and peaks.
 class Recorder {
@@ -78,7 +78,7 @@ class Recorder {
 
   void follow(double time, const State<double>& x, const Drive& drive) {
     const Sample reference = drive.plan != nullptr ? plan_.at(time) : drive.held;
-    const Pair<double> feedback = drive.feedback(reference.state, x);
+    const Joints<double> feedback = drive.feedback(reference.state, x);
     const Sample now{time, x, {reference.torque[0] + feedback[0], reference.torque[1] + feedback[1]}};
     for (std::size_t j = 0; j < kJoints; ++j) {
       raise(run_.peak_torque, j, now.torque[j]);
@@ -112,7 +112,7 @@ Along along(Profile profile, double c) {
   return profile == Profile::kMinimumJerk ? minimum_jerk(share) : trapezoid(share);
 }
 
-Trajectory rigid_reference(const Parameters& p, Profile profile, const Pair<double>& from, const Pair<double>& to,
+Trajectory rigid_reference(const Parameters& p, Profile profile, const Joints<double>& from, const Joints<double>& to,
                            double duration) {
   const int third = static_cast<int>(std::ceil(duration / (3 * kPeriod))), rows = 3 * third;
   const StraightWay way(p, from, to, duration);

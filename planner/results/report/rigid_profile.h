@@ -28,7 +28,7 @@ Along along(Profile profile, double c);
 // one body per joint) with gravity and the exact friction law. At both ends motors and torque are those of the true
 // rest, springs included, so that nothing but the elasticity on the way is left out. Torque jumps with the trapezoid's
 // acceleration. duration [s] > 0.
-Trajectory rigid_reference(const Parameters& p, Profile profile, const Pair<double>& from, const Pair<double>& to,
+Trajectory rigid_reference(const Parameters& p, Profile profile, const Joints<double>& from, const Joints<double>& to,
                            double duration);
 
 inline constexpr double kWatchedAfterEnd = 1;  // [s]
@@ -36,11 +36,11 @@ inline constexpr double kSettled = 1e-3;       // [rad] ten counts of the link e
 
 // One run on the exact elastic model.
 struct ElasticRun {
-  std::vector<Sample> samples;            // state reached and torque commanded, to kWatchedAfterEnd after the end
-  Pair<double> peak_torque{};             // [N m], unbounded: what the drive would have to give
-  Pair<double> peak_motor_velocity{};     // [rad/s]
-  Pair<double> peak_spring_deflection{};  // [rad]
-  Pair<double> residual{};                // [rad] largest |q - q_goal| after the end
+  std::vector<Sample> samples;              // state reached and torque commanded, to kWatchedAfterEnd after the end
+  Joints<double> peak_torque{};             // [N m], unbounded: what the drive would have to give
+  Joints<double> peak_motor_velocity{};     // [rad/s]
+  Joints<double> peak_spring_deflection{};  // [rad]
+  Joints<double> residual{};                // [rad] largest |q - q_goal| after the end
   double settling_time = 0;  // [s] after the end until both links stay within kSettled; infinite: not while watched
   std::string failure;       // of the integration; empty: none
 };

@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr int kPiecesOfPath = 20;  // drawn of each line in joint space
 
-Json tip_at(const Parameters& robot, const Pair<double>& q) {
+Json tip_at(const Parameters& robot, const Joints<double>& q) {
   const Point<double> tip = tip_position(robot, q);
   return {tip.x, tip.y};
 }
@@ -57,7 +57,7 @@ void add_walls(const JsonField& walls, Json& scene) {
 
 // The short way round from one point to the other, or the long way.
 Json arc_json(const JsonField& arc) {
-  const Pair<double> center = arc.at("center").pair(), from = arc.at("from").pair(), to = arc.at("to").pair();
+  const Coordinates center = arc.at("center").pair(), from = arc.at("from").pair(), to = arc.at("to").pair();
   const double begin = std::atan2(from[1] - center[1], from[0] - center[0]);
   const double least = std::remainder(std::atan2(to[1] - center[1], to[0] - center[0]) - begin, 2 * std::numbers::pi);
   const double turn = arc.find("way") ? least - std::copysign(2 * std::numbers::pi, least) : least;
@@ -87,7 +87,7 @@ void add_path(const JsonField& path, const Parameters& robot, Json& scene) {
   const std::vector<JsonField> corners = path.at("corners").items();
   Json points = Json::array();
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-    const Pair<double> from = corners[i].pair(), to = corners[i + 1].pair();
+    const Joints<double> from = corners[i].pair(), to = corners[i + 1].pair();
     for (int k = 0; k <= kPiecesOfPath; ++k) {
       const double share = static_cast<double>(k) / kPiecesOfPath;
       points.push_back(tip_at(robot, {from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])}));

@@ -36,7 +36,7 @@ constexpr double kOnePercentMore = 0.01;
 std::string stretches(const JsonField& active) {
   std::string text;
   for (const JsonField& stretch : active.items()) {
-    const Pair<double> times = stretch.pair();
+    const Joints<double> times = stretch.pair();
     text += fmt::format("{}{:.4f} to {:.4f}", text.empty() ? "" : ", ", times[0], times[1]);
   }
   return text;
@@ -67,7 +67,7 @@ void add_limits(ChartPage& page, const JsonField& all, const Gain& gain) {
 
 void add_pair(Rows& rows, const std::string& name, const JsonField& values, const Gain& gain, const char* unit) {
   if (values.is_null()) return;
-  const Pair<double> pair = values.pair();
+  const Joints<double> pair = values.pair();
   for (std::size_t j = 0; j < kJoints; ++j) {
     rows.push_back({cell(fmt::format("{} {}", name, j + 1)), gain.per_thousandth(unit, pair[j])});
   }

@@ -9,7 +9,7 @@
 
 namespace fjr {
 
-inline constexpr Pair<const char*> kJointColour{"#1f77b4", "#d9660f"}, kMotorColour{"#8cbbdc", "#f2b183"};
+inline constexpr Joints<const char*> kJointColour{"#1f77b4", "#d9660f"}, kMotorColour{"#8cbbdc", "#f2b183"};
 
 using Quantity = double (*)(const Sample& sample, std::size_t joint);
 

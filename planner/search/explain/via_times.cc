@@ -16,7 +16,7 @@ Problem up_to(const Problem& problem, std::size_t i) {
   const Via& via = problem.via[i];
   result.goal = Goal{};
   result.goal.q = via.q;
-  result.goal.dq = via.dq.value_or(Pair<double>{});
+  result.goal.dq = via.dq.value_or(Joints<double>{});
   result.goal.dq_free = !via.dq;
   result.goal.at_rest = false;
   result.other_goals.clear();

@@ -64,6 +64,9 @@ void Service::hear(dds::Relayed relayed) {
   const auto now = Clock::now();
   const auto heard = now - duration_of(relayed.silence);
   const RequestId id = relayed.order.id;
+  // A copy that comes after the answer, to whoever listens, is no request of its own.
+  const bool told = cache_.find(id) && port_.clients().listens(id);
+  if (told && ownership_.answers_for(relayed.order.robot_id)) return;
   note_what_it_needs(relayed.order);
   if (!answers(relayed.order)) {
     keep(std::move(relayed.order), now, heard, false);

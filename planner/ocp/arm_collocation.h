@@ -183,13 +183,18 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
   return bounds;
 }
 
-// Rows are not asked at the start, which is given; where u is a state, it is not.
+// Rows are not asked at the start, which is given; where u is a state, it is not. A limit that gives way by a slack is
+// left to its rows.
 template <Features F>
 void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
+  const auto limit_that_stays = [&](std::string_view name, const Joints<double>& limit, std::size_t j) {
+    return problem.elastic && problem.elastic->give[first_limit_of(name) + j] > 0 ? kNoLimit : limit[j];
+  };
   for (std::size_t j = 0; j < kJoints; ++j) {
-    if (problem.elastic && problem.elastic->give[first_limit_of("torque") + j] > 0) continue;
-    const double by_power = problem.limits.motor_power[j] / std::abs(problem.start.dtheta[j]);
-    const double limit = std::min(problem.limits.torque[j], by_power) * (1 - kBackOff);
+    const double by_power =
+        limit_that_stays("motor_power", problem.limits.motor_power, j) / std::abs(problem.start.dtheta[j]);
+    const double limit = std::min(limit_that_stays("torque", problem.limits.torque, j), by_power) * (1 - kBackOff);
+    if (limit == kNoLimit) continue;
     const double friction = ocp.friction[j].nonlinear(problem.start.dtheta[j]);
     ocp.at_nodes.front().lower[ArmOcp<F>::kArm + j] = -limit - friction;
     ocp.at_nodes.front().upper[ArmOcp<F>::kArm + j] = limit - friction;

@@ -8,7 +8,6 @@
 namespace fjr {
 namespace {
 
-constexpr int kMotorVelocity = 6;  // among the states
 // In widths of the law: up to here a motor rests, from there it moves; tanh(2) is 0.96.
 constexpr double kResting = 2, kMoving = 6;
 
@@ -33,7 +32,7 @@ void scale_rests(const Problem& problem, Collocated& solution, double width) {
     const double after = rising_width(law.smoothed(width));
     for (int k = 0; k < t.intervals(); ++k) {
       for (int i = 0; i < t.scheme().stages(); ++i) {
-        double& velocity = x(t.x_at(k, i) + kMotorVelocity + j);
+        double& velocity = x(t.x_at(k, i) + kStateDtheta + j);
         if (t.x_at(k, i) != t.node_at(k)) velocity = scaled(velocity, before, after);
       }
     }

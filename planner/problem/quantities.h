@@ -5,6 +5,7 @@
 // Formulas are templated on the scalar, for exact derivatives.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -29,8 +30,8 @@ struct Limits {
   double tip_speed = kNoLimit;                           // [m/s]
   Joints<double> motor_power{kNoLimit, kNoLimit};        // [W]      |tau_m dtheta|
 
-  static Limits of(const Parameters& p);
-  static Limits all(double value) noexcept;
+  static Limits of(const Parameters& p);     // robot.yaml's; infinite where only requests limit
+  static Limits all(double value) noexcept;  // each of them the same number, whatever its unit
 
   bool operator==(const Limits&) const = default;
 };
@@ -60,7 +61,6 @@ enum class InRollout {
 struct QuantityInfo {
   const char* name;
   const char* unit;
-  const char* meaning;
   Joints<double> Limits::*per_joint = nullptr;  // either this
   double Limits::*of_tip = nullptr;             // or this
   // The limit in robot.yaml that a request may tighten; none: only requests limit it.
@@ -80,6 +80,7 @@ struct QuantityInfo {
   bool of_first_version = false;
 
   constexpr std::size_t count() const { return of_tip ? 1 : kJoints; }
+  // Its number in `limits`, of joint index j; the tip's for any j.
   double& in(Limits& limits, std::size_t j) const { return of_tip ? limits.*of_tip : (limits.*per_joint)[j]; }
   double in(const Limits& limits, std::size_t j) const { return of_tip ? limits.*of_tip : (limits.*per_joint)[j]; }
   // Of what value() gives.
@@ -98,7 +99,6 @@ struct Moment {
 struct Torque {
   static constexpr QuantityInfo info{.name = "torque",
                                      .unit = "N m",
-                                     .meaning = "of each motor, |tau_m|",
                                      .per_joint = &Limits::torque,
                                      .of_robot = &Parameters::Limits::torque,
                                      .sees_torque = true,
@@ -113,7 +113,6 @@ struct Torque {
 struct MotorVelocity {
   static constexpr QuantityInfo info{.name = "motor_velocity",
                                      .unit = "rad/s",
-                                     .meaning = "of each motor after its gear, |dtheta|",
                                      .per_joint = &Limits::motor_velocity,
                                      .of_robot = &Parameters::Limits::motor_velocity,
                                      .bound = BoundOn::kState,
@@ -131,7 +130,6 @@ struct MotorVelocity {
 struct LinkPosition {
   static constexpr QuantityInfo info{.name = "link_position",
                                      .unit = "rad",
-                                     .meaning = "of each link, |q|",
                                      .per_joint = &Limits::link_position,
                                      .of_robot = &Parameters::Limits::link_position,
                                      .bound = BoundOn::kState,
@@ -150,7 +148,6 @@ struct LinkPosition {
 struct SpringDeflection {
   static constexpr QuantityInfo info{.name = "spring_deflection",
                                      .unit = "rad",
-                                     .meaning = "of each spring, |theta - q|",
                                      .per_joint = &Limits::spring_deflection,
                                      .of_robot = &Parameters::Limits::spring_deflection,
                                      .degree = 3,
@@ -166,7 +163,6 @@ struct SpringDeflection {
 struct LimitedTorqueRate {
   static constexpr QuantityInfo info{.name = "torque_rate",
                                      .unit = "N m/s",
-                                     .meaning = "of the friction-compensated torque, |du/dt|",
                                      .per_joint = &Limits::torque_rate,
                                      .bound = BoundOn::kControl,
                                      .of_first_version = true};
@@ -179,7 +175,6 @@ struct LimitedTorqueRate {
 struct LimitedTipSpeed {
   static constexpr QuantityInfo info{.name = "tip_speed",
                                      .unit = "m/s",
-                                     .meaning = "of the tip",
                                      .of_tip = &Limits::tip_speed,
                                      .squared = true,
                                      .in_rollout = InRollout::kVelocity,
@@ -192,12 +187,8 @@ struct LimitedTipSpeed {
 
 // Mechanical power, given or taken back.
 struct MotorPower {
-  static constexpr QuantityInfo info{.name = "motor_power",
-                                     .unit = "W",
-                                     .meaning = "of each motor, given or taken back, |tau_m dtheta|",
-                                     .per_joint = &Limits::motor_power,
-                                     .sees_torque = true,
-                                     .degree = 3};
+  static constexpr QuantityInfo info{
+      .name = "motor_power", .unit = "W", .per_joint = &Limits::motor_power, .sees_torque = true, .degree = 3};
   template <class T>
   static Joints<T> value(const Moment<T>& at) {
     return {at.torque[0] * at.x.dtheta[0], at.torque[1] * at.x.dtheta[1]};

@@ -69,9 +69,15 @@ std::string terms(const Problem& problem, const Plan& plan, bool that_count) {
   return text;
 }
 
+// Two digits, and no exponent where it is more than 100.
+std::string percent(double share) {
+  const double percents = 100 * share;
+  return std::abs(percents) < 99.5 ? fmt::format("{:.2g} %", percents) : fmt::format("{:.0f} %", percents);
+}
+
 std::string gain(const Problem& problem, const Plan& plan, double objective) {
   if (only_time(problem.weights)) return fmt::format("{:.3g} ms", 1e3 * objective / problem.weights.time);
-  return fmt::format("{:.3g} ({:.2g} %)", objective, 100 * objective / std::abs(plan.objective));
+  return fmt::format("{:.3g} ({})", objective, percent(objective / std::abs(plan.objective)));
 }
 
 // The limits that cost most, and the duration where it is given: to first order, from the multipliers.
@@ -109,9 +115,9 @@ std::string optimality(const Plan& plan) {
   std::string text;
   if (!h.stationary()) {
     text += line("optimality",
-                 fmt::format("not stationary: the Hamiltonian varies by {:.2g} % of objective / duration, {:.2g} % at "
+                 fmt::format("not stationary: the Hamiltonian varies by {} of objective / duration, {} at "
                              "most would count as constant: a better motion may be near, and what is limiting is rough",
-                             100 * h.spread / size, 100 * h.allowed / size));
+                             percent(h.spread / size), percent(h.allowed / size)));
   }
   if (o.friction_width > 0) {
     text += line("friction", fmt::format("optimised with the law smoothed to {:.2g} rad/s; published, and judged, with "
@@ -124,8 +130,8 @@ std::string optimality(const Plan& plan) {
 // As the starts met them, before the best were refined.
 std::string minima(const Plan& plan) {
   const double best = plan.minima.front(), spread = plan.minima.back() - best;
-  return fmt::format("{} met, from {:.6g} to {:.6g} ({:.2g} % apart) on their first meshes", plan.minima.size(), best,
-                     plan.minima.back(), 100 * spread / std::max(std::abs(best), 1e-300));
+  return fmt::format("{} met, from {:.6g} to {:.6g} ({} apart) on their first meshes", plan.minima.size(), best,
+                     plan.minima.back(), percent(spread / std::max(std::abs(best), 1e-300)));
 }
 
 std::string effort(const Plan& plan) {

@@ -2,32 +2,36 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 
 namespace fjr {
 namespace {
 
-bool is_assumed(const Estimate& e, const std::string& name) {
-  return std::find(e.assumed.begin(), e.assumed.end(), name) != e.assumed.end();
+// The experiment; where both are the same one, its log too.
+std::string told_by(const Estimate& e, const Estimate& other) {
+  if (e.procedure != other.procedure) return e.procedure;
+  return fmt::format("{} ({})", e.procedure, std::filesystem::path(e.log).filename().string());
 }
 
 // `name` means the same in every procedure that has it.
 void compare(const Estimate& a, const Estimate& b, std::vector<Agreement>& found) {
-  if (a.joint != b.joint || a.procedure == b.procedure) return;
+  if (a.joint != b.joint) return;
   for (std::size_t i = 0; i < a.names.size(); ++i) {
     const std::string& name = a.names[i];
-    if (b.index(name) < 0 || is_assumed(a, name) || is_assumed(b, name)) continue;
-    found.push_back({fmt::format("{}, joint {}", name, a.joint + 1), a.units[i], a.procedure, b.procedure, a.at(name),
-                     a.standard_error(name), b.at(name), b.standard_error(name)});
+    if (b.index(name) < 0 || a.is_assumed(name) || b.is_assumed(name)) continue;
+    found.push_back({fmt::format("{}, joint {}", name, a.joint + 1), a.units[i], told_by(a, b), told_by(b, a),
+                     a.at(name), a.standard_error(name), b.at(name), b.standard_error(name)});
   }
 }
 
 }  // namespace
 
 double Agreement::standard_errors_apart() const {
-  return std::abs(first_value - second_value) / std::hypot(first_error, second_error);
+  if (first_value == second_value) return 0;
+  const double apart = std::abs(first_value - second_value) / std::hypot(first_error, second_error);
+  return std::isnan(apart) ? HUGE_VAL : apart;
 }
 
 std::string Agreement::sentence() const {

@@ -15,15 +15,15 @@ inline constexpr double kDoubtfulApart = 3, kContradictoryApart = 10;
 // Times what was known: a factor of 1.5, less the noise of a log in which a column is in error by just that.
 inline constexpr double kLargeChange = 1.45;
 
-// One parameter that two experiments on the same joint tell, such as B: the slope of friction over speed (IV-E), and
-// the final speed of a push (IV-F).
+// One parameter that two logs on the same joint tell: of the same experiment, or of two, such as B, which is the slope
+// of friction over speed (IV-E) and decides the final speed of a push (IV-F).
 struct Agreement {
   std::string parameter;  // "viscous, joint 1"
   std::string unit;
-  std::string first, second;  // the procedures
+  std::string first, second;  // the procedures; of the same one, with the logs
   double first_value = 0, first_error = 0, second_value = 0, second_error = 0;
 
-  double standard_errors_apart() const;
+  double standard_errors_apart() const;  // infinite where a value or an error is not a number
   std::string sentence() const;
 };
 

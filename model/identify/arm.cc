@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <utility>
 
 #include "common/dual.h"
 #include "model/dynamics.h"
+#include "model/identify/repeated.h"
 
 namespace fjr {
 namespace {
@@ -45,7 +45,7 @@ std::array<T, kOutputs> arm_parameters(const Parameters& p, const std::array<T, 
 struct Inputs {
   std::array<double, kInputs> value;
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(kInputs, kInputs);
-  std::array<const Estimate*, kInputs> from{};
+  std::array<const Repeated*, kInputs> from{};
 };
 
 Inputs inputs_of(const Parameters& p) {
@@ -56,12 +56,13 @@ Inputs inputs_of(const Parameters& p) {
            p.link.damping[1] / m.m22}};
 }
 
-void take(Inputs& in, const Estimate& e, std::initializer_list<std::size_t> places) {
+void take(Inputs& in, const Repeated& repeated, std::initializer_list<std::size_t> places) {
+  const Estimate& e = repeated.estimate;
   std::vector<Eigen::Index> rows;
   for (const std::size_t place : places) {
     const std::size_t at = place + static_cast<std::size_t>(e.joint);
     in.value[at] = e.value[static_cast<Eigen::Index>(rows.size())];
-    in.from[at] = &e;
+    in.from[at] = &repeated;
     rows.push_back(static_cast<Eigen::Index>(at));
   }
   in.covariance(rows, rows) = e.covariance;
@@ -109,8 +110,7 @@ std::vector<MotorParameter> motor_parameters(const Estimate& e) {
   std::vector<MotorParameter> found;
   if (e.procedure != "motor_friction") return found;
   for (const std::string& name : e.names) {
-    const bool assumed = std::find(e.assumed.begin(), e.assumed.end(), name) != e.assumed.end();
-    found.push_back({fmt::format("friction.{}[{}]", name, e.joint), e.index(name), assumed});
+    found.push_back({fmt::format("friction.{}[{}]", name, e.joint), e.index(name), e.is_assumed(name)});
   }
   return found;
 }
@@ -139,19 +139,22 @@ void tell_arm(const Inputs& in, const Outputs& out, Identified& result) {
     told.push_back(row);
     for (std::size_t k = 0; k < kInputs; ++k) {
       const bool matters = out.jacobian(row, static_cast<Eigen::Index>(k)) != 0;
-      if (matters && in.from[k] != nullptr) result.from[kOutputNames[i]].push_back(in.from[k]);
+      if (!matters || in.from[k] == nullptr) continue;
+      std::vector<const Estimate*>& from = result.from[kOutputNames[i]];
+      from.insert(from.end(), in.from[k]->logs.begin(), in.from[k]->logs.end());
     }
   }
   append(result.covariance, covariance(told, told));
 }
 
-void tell_motor(const Estimate& e, Identified& result) {
+void tell_motor(const Repeated& repeated, Identified& result) {
+  const Estimate& e = repeated.estimate;
   std::vector<Eigen::Index> told;
   for (const MotorParameter& parameter : motor_parameters(e)) {
     *place_of(result.robot, parameter.name) = e.value[parameter.row];
     if (parameter.assumed) continue;
     result.names.push_back(parameter.name);
-    result.from[parameter.name].push_back(&e);
+    result.from[parameter.name] = repeated.logs;
     told.push_back(parameter.row);
   }
   append(result.covariance, e.covariance(told, told));
@@ -161,15 +164,17 @@ void tell_motor(const Estimate& e, Identified& result) {
 
 Identified combine(const Parameters& base, const std::vector<Estimate>& estimates) {
   Inputs in = inputs_of(base);
-  for (const Estimate& e : estimates) {
-    if (e.procedure == "stiffness") take(in, e, {kStiffness});
-    if (e.procedure == "gravity") take(in, e, {kSlope});
-    if (e.procedure == "link_inertia") take(in, e, {kRate, kDecay});
+  const std::vector<Repeated> all = combine_repeated(estimates);
+  for (const Repeated& one : all) {
+    const std::string& procedure = one.estimate.procedure;
+    if (procedure == "stiffness") take(in, one, {kStiffness});
+    if (procedure == "gravity") take(in, one, {kSlope});
+    if (procedure == "link_inertia") take(in, one, {kRate, kDecay});
   }
   Identified result;
   result.robot = base;
   tell_arm(in, outputs_of(base, in), result);
-  for (const Estimate& e : estimates) tell_motor(e, result);
+  for (const Repeated& one : all) tell_motor(one, result);
   return result;
 }
 

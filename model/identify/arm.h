@@ -21,8 +21,9 @@ struct Identified {
   Joints<bool> has_damping{false, false};
 };
 
-// What no estimate tells stays as in `base`, known exactly. Lengths and masses always do: they are weighed and
-// measured. Covariances are propagated linearly, with exact derivatives.
+// Several logs of one experiment count as one (repeated.h). What no estimate tells stays as in `base`, known exactly.
+// Lengths and masses always do: they are weighed and measured. Covariances are propagated linearly, with exact
+// derivatives.
 Identified combine(const Parameters& base, const std::vector<Estimate>& estimates);
 
 }  // namespace fjr

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -32,6 +33,9 @@ struct Estimate {
       if (names[i] == name) return static_cast<Eigen::Index>(i);
     }
     return -1;
+  }
+  bool is_assumed(const std::string& name) const {
+    return std::find(assumed.begin(), assumed.end(), name) != assumed.end();
   }
   double at(const std::string& name) const { return value[index(name)]; }
   double standard_error(const std::string& name) const { return std::sqrt(covariance(index(name), index(name))); }

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <filesystem>
 
 #include "common/chart_page.h"
@@ -14,7 +13,7 @@ std::vector<std::vector<std::string>> table(const Estimate& e) {
   std::vector<std::vector<std::string>> rows = {{"parameter", "value", "standard error", "95 % interval", "unit"}};
   for (std::size_t i = 0; i < e.names.size(); ++i) {
     const double value = e.value[static_cast<Eigen::Index>(i)], error = e.standard_error(e.names[i]);
-    const bool assumed = std::find(e.assumed.begin(), e.assumed.end(), e.names[i]) != e.assumed.end();
+    const bool assumed = e.is_assumed(e.names[i]);
     rows.push_back({e.names[i], fmt::format("{:.6g}", value), assumed ? "assumed" : fmt::format("{:.2g}", error),
                     assumed ? "" : fmt::format("{:.6g} to {:.6g}", value - 1.96 * error, value + 1.96 * error),
                     e.units[i]});
@@ -35,7 +34,7 @@ void add_section(const Estimate& e, ChartPage& page) {
 
 void add_agreement(const std::vector<Agreement>& agreements, ChartPage& page) {
   if (agreements.empty()) return;
-  page.add_heading("What two experiments say");
+  page.add_heading("What two logs say");
   std::vector<std::vector<std::string>> rows = {
       {"parameter", "by", "value", "by", "value", "unit", "standard errors apart"}};
   for (const Agreement& a : agreements) {

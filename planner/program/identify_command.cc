@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <algorithm>
 #include <filesystem>
 #include <iterator>
 #include <memory>
@@ -15,6 +14,7 @@
 #include "model/identify/agreement.h"
 #include "model/identify/arm.h"
 #include "model/identify/procedures.h"
+#include "model/identify/repeated.h"
 #include "model/identify/report.h"
 #include "model/identify/robot_file.h"
 #include "planner/program/commands.h"
@@ -54,17 +54,31 @@ int joint_of(const Log& log, const IdentifyArguments& options) {
   throw InputError(log.source, "# joint", "is missing or neither 1 nor 2; --joint says it too");
 }
 
-std::string text_of(const Estimate& e) {
+std::string parameters_text(const Estimate& e) {
   std::string text = fmt::format("{}, joint {} ({})\n", e.procedure, e.joint + 1, e.log);
   for (std::size_t i = 0; i < e.names.size(); ++i) {
     const double error = e.standard_error(e.names[i]);
-    const bool assumed = std::find(e.assumed.begin(), e.assumed.end(), e.names[i]) != e.assumed.end();
+    const bool assumed = e.is_assumed(e.names[i]);
     text += fmt::format("  {:<24} {:>12.6g}  {:<12} {}\n", e.names[i], e.value[static_cast<Eigen::Index>(i)],
                         e.units[i], assumed ? "assumed" : fmt::format("+- {:.2g} (95 %: {:.2g})", error, 1.96 * error));
   }
+  return text;
+}
+
+std::string text_of(const Estimate& e) {
+  std::string text = parameters_text(e);
   text += fmt::format("  {:<24} {} points, residual {:.3g} {}, R^2 {:.8f}\n", "fit", e.points, e.residual_rms,
                       e.residual_unit, e.r_squared);
   for (const std::string& warning : e.warnings) text += "  warning: " + warning + "\n";
+  return text;
+}
+
+// What several logs of one experiment come to together, which is what robot.yaml has.
+std::string combined_text(const std::vector<Repeated>& all) {
+  std::string text;
+  for (const Repeated& r : all) {
+    if (r.logs.size() > 1) text += "together: " + parameters_text(r.estimate);
+  }
   return text;
 }
 
@@ -72,8 +86,7 @@ nlohmann::ordered_json json_of(const Estimate& e) {
   nlohmann::ordered_json json{{"procedure", e.procedure}, {"joint", e.joint + 1}, {"log", e.log}, {"sha256", e.hash}};
   for (std::size_t i = 0; i < e.names.size(); ++i) {
     nlohmann::ordered_json value{{"value", e.value[static_cast<Eigen::Index>(i)]}, {"unit", e.units[i]}};
-    const bool assumed = std::find(e.assumed.begin(), e.assumed.end(), e.names[i]) != e.assumed.end();
-    if (assumed) {
+    if (e.is_assumed(e.names[i])) {
       value["assumed"] = true;
     } else {
       value["standard_error"] = e.standard_error(e.names[i]);
@@ -138,13 +151,13 @@ void tell_doubts(const std::vector<Agreement>& all, const std::vector<Change>& c
   }
 }
 
-// One of the two experiments is wrong, and nobody knows which: a column doubled, another unit, the wrong file.
+// One of the two logs is wrong, and nobody knows which: a column doubled, another unit, the wrong file.
 void refuse_contradictions(const IdentifyArguments& options, const std::vector<Agreement>& all) {
   if (options.accept_inconsistent) return;
   for (const Agreement& a : all) {
     if (a.standard_errors_apart() < kContradictoryApart) continue;
     throw InputError(options.logs.front(), "",
-                     fmt::format("the experiments contradict each other: {}; below {:g} is allowed, and more with "
+                     fmt::format("the logs contradict each other: {}; below {:g} is allowed, and more with "
                                  "--accept-inconsistent",
                                  a.sentence(), kContradictoryApart));
   }
@@ -172,7 +185,7 @@ int run(const IdentifyArguments& options) {
   if (options.json) fmt::print("{}", json_text(json));
   const std::vector<Agreement> agreeing = agreements(estimates);
   const std::vector<Change> changed = changes(robot, combine(robot, estimates));
-  if (!options.json) fmt::print("{}", consistency_table(agreeing));
+  if (!options.json) fmt::print("{}{}", combined_text(combine_repeated(estimates)), consistency_table(agreeing));
   tell_doubts(agreeing, changed);
   const fs::path report = report_file(options);
   if (!report.empty()) write_file(report, format_identification_report(estimates, changed));
@@ -208,7 +221,7 @@ void add_identify(CLI::App& app, int& exit_code) {
       ->take_all();
   command->add_flag("--link-damping", options->link_damping, "Write the identified link damping as the model's");
   command->add_flag("--accept-inconsistent", options->accept_inconsistent,
-                    "Write robot.yaml even where two experiments contradict each other");
+                    "Write robot.yaml even where two logs contradict each other");
   command->add_flag("--json", options->json, "Only JSON on stdout");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -10,29 +10,6 @@
 namespace fjr {
 namespace {
 
-// An arm of its own: everything that is identified up to a fifth away from the shipped one, as consistent.
-Parameters another_arm(std::mt19937_64& random) {
-  Parameters p = consistent_robot();
-  std::uniform_real_distribution<double> factor(0.8, 1.25);
-  for (Joints<double>* value : {&p.spring.stiffness, &p.motor.inertia, &p.friction.viscous, &p.friction.amplitude,
-                                &p.friction.width, &p.friction.second_weight, &p.friction.second_shape}) {
-    for (double& v : *value) v *= factor(random);
-  }
-  return p;
-}
-
-// What somebody believes who is 10 to 50 % wrong about everything that is identified.
-Parameters wrong_by_half(const Parameters& truth, std::mt19937_64& random) {
-  Parameters p = truth;
-  std::uniform_real_distribution<double> factor(1.1, 1.5);
-  for (Joints<double>* value :
-       {&p.spring.stiffness, &p.link.gravity_torque, &p.link.inertia, &p.motor.inertia, &p.friction.viscous,
-        &p.friction.amplitude, &p.friction.width, &p.friction.second_weight, &p.friction.second_shape}) {
-    for (double& v : *value) v *= random() % 2 == 0 ? factor(random) : 1 / factor(random);
-  }
-  return p;
-}
-
 std::vector<Estimate> at_full_length(const Rig& rig, bool slow_speeds, const Parameters& believed) {
   std::vector<Estimate> estimates;
   for (const char* name : kExperiments) {

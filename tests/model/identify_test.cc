@@ -13,6 +13,7 @@
 #include "model/friction.h"
 #include "model/identify/agreement.h"
 #include "model/identify/fit.h"
+#include "model/identify/repeated.h"
 #include "model/identify/report.h"
 #include "model/identify/robot_file.h"
 #include "model/rig/normal.h"
@@ -26,22 +27,17 @@ using testing::HasSubstr;
 
 const std::string kRobot = FJR_SOURCE_DIR "/config/robot.yaml";
 
-std::vector<Estimate> estimates_of(const Rig& rig, bool slow_speeds) {
-  std::vector<Estimate> estimates;
-  for (const NamedRecord& r : short_experiments(rig, slow_speeds)) {
-    estimates.push_back(identify(r.name, measure(r.record, rig), r.joint, rig.truth));
-  }
-  return estimates;
-}
-
-// Logs of one noisy lab, made once.
-const Log& noisy_log(const std::string& name, int joint) {
-  static const Rig rig = Rig::of(load_parameters(kRobot));
-  static const std::vector<NamedRecord> records = short_experiments(rig, false);
+// Logs of one noisy lab, made once; another seed is another day, with other noise.
+const Log& noisy_log(const std::string& name, int joint, std::uint64_t seed = 1) {
+  static const Rig shipped = Rig::of(load_parameters(kRobot));
+  static const std::vector<NamedRecord> records = short_experiments(shipped, false);
   static std::map<std::string, Log> logs;
+  Rig rig = shipped;
+  rig.seed = seed;
   for (const NamedRecord& r : records) {
     if (r.name == name && r.joint == joint) {
-      return logs.try_emplace(name + std::to_string(joint), measure(r.record, rig)).first->second;
+      return logs.try_emplace(name + std::to_string(joint) + std::to_string(seed), measure(r.record, rig))
+          .first->second;
     }
   }
   throw std::logic_error("no log of " + name);
@@ -144,9 +140,14 @@ TEST(RobustMean, ForgetsOutliersAndKeepsCounts) {
 }
 
 TEST(Identify, IdealLogsGiveTheTruth) {
-  const Rig rig = Rig::ideal(consistent_robot());
-  const std::vector<Estimate> estimates = estimates_of(rig, true);
-  const Identified found = combine(rig.truth, estimates);
+  std::mt19937_64 random(4);
+  const Rig rig = Rig::ideal(another_arm(random));
+  const Parameters believed = wrong_by_half(rig.truth, random);
+  std::vector<Estimate> estimates;
+  for (const NamedRecord& r : short_experiments(rig, true)) {
+    estimates.push_back(identify(r.name, measure(r.record, rig), r.joint, believed));
+  }
+  const Identified found = combine(believed, estimates);
   EXPECT_EQ(found.names.size(), 20U);
   for (const std::string& name : found.names) {
     const double truth = parameter(rig.truth, name);
@@ -432,6 +433,77 @@ TEST(Agreement, ADoubledTorqueContradictsTheOtherExperiment) {
   EXPECT_THAT(found[0].sentence(), HasSubstr("motor_inertia says 0.99"));
 }
 
+// ---- several logs of one experiment ----
+
+Log stiffness_log(std::uint64_t seed) {
+  Log log = noisy_log("stiffness", 0, seed);
+  log.source = "stiffness_" + std::to_string(seed) + ".csv";
+  return log;
+}
+
+TEST(Repeated, LogsOfOneExperimentAreComparedAndCombinedByTheirWeights) {
+  const std::vector<Estimate> two = {identify_quietly("stiffness", stiffness_log(1), 0),
+                                     identify_quietly("stiffness", stiffness_log(2), 0)};
+  const std::vector<Agreement> found = agreements(two);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_LT(found[0].standard_errors_apart(), kDoubtfulApart);
+  EXPECT_EQ(found[0].first, "stiffness (stiffness_1.csv)");
+  EXPECT_EQ(found[0].second, "stiffness (stiffness_2.csv)");
+  const Identified both = combine(load_parameters(kRobot), two);
+  EXPECT_EQ(both.names, std::vector<std::string>{"spring.stiffness[0]"});
+  EXPECT_EQ(both.from.at("spring.stiffness[0]").size(), 2U);
+  const double a = 1 / two[0].covariance(0, 0), b = 1 / two[1].covariance(0, 0);
+  const double mean = (a * two[0].value[0] + b * two[1].value[0]) / (a + b);
+  const double chi_square = std::pow(two[0].value[0] - two[1].value[0], 2) / (1 / a + 1 / b);
+  EXPECT_NEAR(both.robot.spring.stiffness[0], mean, 1e-12 * mean);
+  EXPECT_NEAR(both.covariance(0, 0), std::max(chi_square, 1.0) / (a + b), 1e-9 / (a + b));
+}
+
+// Two that contradict each other are no more certain together than half of what they differ by.
+TEST(Repeated, LogsThatContradictEachOtherAreSaidAndDoubted) {
+  const std::vector<Estimate> two = {identify_quietly("stiffness", stiffness_log(1), 0),
+                                     identify_quietly("stiffness", scaled(stiffness_log(2), "tau1", 1.2), 0)};
+  const std::vector<Agreement> found = agreements(two);
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_GT(found[0].standard_errors_apart(), kContradictoryApart);
+  const double apart = std::abs(two[0].value[0] - two[1].value[0]);
+  EXPECT_GT(std::sqrt(combine(load_parameters(kRobot), two).covariance(0, 0)), 0.45 * apart);
+}
+
+TEST(Repeated, ALogWithCreepingSpeedsAddsWhatAnotherLeavesOpen) {
+  const Rig rig = Rig::of(load_parameters(kRobot));
+  const Log slow = measure(perform_motor_friction(rig, 0, ConstantSpeeds::of(0, true)), rig);
+  const std::vector<Estimate> two = {identify_quietly("motor_friction", noisy_log("motor_friction", 0), 0),
+                                     identify_quietly("motor_friction", slow, 0)};
+  ASSERT_FALSE(two[0].assumed.empty());
+  ASSERT_TRUE(two[1].assumed.empty());
+  const Estimate both = combine_repeated(two).front().estimate;
+  EXPECT_TRUE(both.assumed.empty());
+  EXPECT_NEAR(both.at("second_shape"), -6539.2, 4 * both.standard_error("second_shape"));
+  for (const char* name : {"viscous", "amplitude", "width"}) {
+    EXPECT_LE(both.standard_error(name), 1.0001 * two[0].standard_error(name)) << name;
+    EXPECT_LE(both.standard_error(name), 1.0001 * two[1].standard_error(name)) << name;
+  }
+}
+
+TEST(Repeated, TheSameLogTwiceIsRefused) {
+  Log log = stiffness_log(1);
+  log.hash = "0123abcd";
+  const std::vector<Estimate> same = {identify_quietly("stiffness", log, 0), identify_quietly("stiffness", log, 0)};
+  EXPECT_THROW(combine_repeated(same), InputError);
+}
+
+TEST(Repeated, WhatIsNoNumberAgreesWithNothing) {
+  std::vector<Estimate> two = {identify_quietly("stiffness", stiffness_log(1), 0),
+                               identify_quietly("stiffness", stiffness_log(2), 0)};
+  two[1].covariance(0, 0) = NAN;
+  EXPECT_GT(agreements(two).front().standard_errors_apart(), kContradictoryApart);
+  EXPECT_THROW(combine_repeated(two), InputError);
+  two[1].covariance(0, 0) = 0;
+  EXPECT_THROW(combine_repeated(two), InputError);
+  EXPECT_EQ((Agreement{"B", "", "a", "b", 0.5, 0, 0.5, 0}.standard_errors_apart()), 0);
+}
+
 // What no other experiment contradicts is told by the robot known before.
 TEST(Agreement, AColumnInErrorIsALargeChange) {
   const auto large_changes = [](const std::string& name, const Log& log) {
@@ -484,7 +556,7 @@ TEST(Report, RedrawsThePapersFiguresWithResiduals) {
   EXPECT_EQ(count_of("<canvas id='chart", html), count_of("\"x_label\":", html));  // each has its data
   for (const char* part : {"#e377c2", "#2ca02c", "#d62728", "#111111",             // the paper's branches
                            "\"logarithmic_x\":true", "ln q peak", "envelope", "h is not determined", "h &lt; -",
-                           "What two experiments say", "viscous, joint 1", "Against the robot known before"}) {
+                           "What two logs say", "viscous, joint 1", "Against the robot known before"}) {
     EXPECT_THAT(html, HasSubstr(part));
   }
 }

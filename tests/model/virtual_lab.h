@@ -1,6 +1,7 @@
 // Logs of the virtual rig for the identification's tests.
 #pragma once
 
+#include <random>
 #include <string>
 #include <vector>
 
@@ -10,12 +11,44 @@
 
 namespace fjr {
 
-// The shipped robot with the alphas that (6) and (7) give without the paper's rounding to four digits.
+// The alphas that (6) and (7) give.
+inline void set_com_fraction(Parameters::Link& l) {
+  l.com_fraction = {(l.gravity_torque[0] / (kPaperGravity * l.length[0]) - l.mass[1]) / l.mass[0],
+                    l.gravity_torque[1] / (kPaperGravity * l.mass[1] * l.length[1])};
+}
+
+// The shipped robot without the paper's rounding of the alphas to four digits.
 inline Parameters consistent_robot() {
   Parameters p = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
-  const Parameters::Link& l = p.link;
-  p.link.com_fraction = {(l.gravity_torque[0] / (kPaperGravity * l.length[0]) - l.mass[1]) / l.mass[0],
-                         l.gravity_torque[1] / (kPaperGravity * l.mass[1] * l.length[1])};
+  set_com_fraction(p.link);
+  return p;
+}
+
+inline std::vector<Joints<double>*> identified_parameters(Parameters& p) {
+  return {&p.spring.stiffness, &p.link.gravity_torque,    &p.link.inertia,
+          &p.motor.inertia,    &p.friction.viscous,       &p.friction.amplitude,
+          &p.friction.width,   &p.friction.second_weight, &p.friction.second_shape};
+}
+
+// An arm of its own: everything that is identified up to a fifth away from the shipped one.
+inline Parameters another_arm(std::mt19937_64& random) {
+  Parameters p = consistent_robot();
+  std::uniform_real_distribution<double> factor(0.8, 1.2);
+  for (Joints<double>* value : identified_parameters(p)) {
+    for (double& v : *value) v *= factor(random);
+  }
+  set_com_fraction(p.link);
+  return p;
+}
+
+// What somebody believes who is 10 to 50 % wrong about everything that is identified.
+inline Parameters wrong_by_half(const Parameters& truth, std::mt19937_64& random) {
+  Parameters p = truth;
+  std::uniform_real_distribution<double> factor(1.1, 1.5);
+  for (Joints<double>* value : identified_parameters(p)) {
+    for (double& v : *value) v *= random() % 2 == 0 ? factor(random) : 1 / factor(random);
+  }
+  set_com_fraction(p.link);
   return p;
 }
 

@@ -432,6 +432,42 @@ TEST_F(Cli, ExperimentAndIdentifyRefuseBadInput) {
   EXPECT_FALSE(fs::exists(path("robot.yaml")));
 }
 
+TEST_F(Cli, LogsThatContradictEachOtherAreRefusedUnlessAccepted) {
+  std::string other = contents(FJR_SOURCE_DIR "/config/robot.yaml");
+  const std::string inertia = "inertia: {value: [0.0686, 0.0145]";
+  ASSERT_NE(other.find(inertia), std::string::npos);
+  other.replace(other.find(inertia), inertia.size(), "inertia: {value: [0.0686, 0.0160]");
+  write("other.yaml", other);
+  const std::vector<std::string> push = {"experiment", "motor_inertia", "--joint", "2"};
+  const auto perform = [&](const std::string& log, const std::string& seed, const std::string& robot) {
+    std::vector<std::string> words = push;
+    words.insert(words.end(), {"--out", log, "--seed", seed, "--robot", robot});
+    return run(words).exit_code;
+  };
+  ASSERT_EQ(perform("a.csv", "1", FJR_SOURCE_DIR "/config/robot.yaml"), 0);
+  ASSERT_EQ(perform("b.csv", "2", FJR_SOURCE_DIR "/config/robot.yaml"), 0);
+  ASSERT_EQ(perform("c.csv", "3", "other.yaml"), 0);
+
+  const Result agreeing = run({"identify", "motor_inertia", "a.csv", "b.csv", "--out", "ab.yaml"});
+  EXPECT_EQ(agreeing.exit_code, 0);
+  EXPECT_EQ(agreeing.err, "");
+  EXPECT_THAT(agreeing.out, AllOf(HasSubstr("together: motor_inertia, joint 2 (a.csv, b.csv)"),
+                                  HasSubstr("inertia, joint 2: motor_inertia (a.csv) says 0.0145")));
+  EXPECT_THAT(contents(path("ab.yaml")), AllOf(HasSubstr("a.csv sha256"), HasSubstr("b.csv sha256")));
+
+  const Result refused = run({"identify", "motor_inertia", "a.csv", "c.csv", "--out", "ac.yaml"});
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err,
+              AllOf(HasSubstr("the logs contradict each other: inertia, joint 2"), HasSubstr("--accept-inconsistent")));
+  EXPECT_FALSE(fs::exists(path("ac.yaml")));
+
+  const Result accepted =
+      run({"identify", "motor_inertia", "a.csv", "c.csv", "--out", "ac.yaml", "--accept-inconsistent"});
+  EXPECT_EQ(accepted.exit_code, 0);
+  EXPECT_THAT(accepted.err, HasSubstr("fjr: warning: inertia, joint 2"));
+  EXPECT_TRUE(fs::exists(path("ac.yaml")));
+}
+
 TEST_F(Cli, ReportComesFromTheFolderAlone) {
   write("good.yaml", kGood);
   EXPECT_EQ(run({"plan", "good.yaml", "--out", "out", "--report"}).exit_code, 0);

@@ -1,11 +1,13 @@
-// Requests that another instance is to answer, kept in case it will not, and passed on to it in case it has not heard
-// them. Bounded; of whoever has most the oldest go first.
+// Requests, and cancellations, that another instance is to answer: kept in case it will not, and passed on to it in
+// case it has not heard them. A cancellation is kept without its request, too, for the two come on different topics,
+// and what was cancelled must not be done when it comes. Bounded; of whoever has most the oldest go first.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <chrono>
 #include <deque>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <utility>
@@ -20,8 +22,9 @@ class Backlog {
   using Clock = std::chrono::steady_clock;
   struct Entry {
     Order order;
-    Clock::time_point arrived, heard;  // heard: the last sign of life of its client
+    Clock::time_point arrived{}, heard{};  // heard: the last sign of life of its client
     bool cancelled = false;
+    bool asked = true;  // false: only its cancellation has come, and of the order only id, robot and origin are known
     std::size_t relayed = 0;  // how often it was passed on
     Clock::time_point relay_at = Clock::time_point::max();
   };
@@ -32,30 +35,34 @@ class Backlog {
   std::optional<Order> add(Order order, Clock::time_point arrived, Clock::time_point heard, bool relay) {
     if (const auto known = find(order.id); known != entries_.end()) {
       known->heard = std::max(known->heard, heard);
+      if (!known->asked) known->order = std::move(order);
+      known->asked = true;
       if (relay) known->relay_at = std::min(known->relay_at, arrived + kPauses.front());
       return std::nullopt;
     }
-    std::optional<Order> dropped;
-    if (entries_.size() >= most_) {
-      const auto oldest = oldest_of_whoever_has_most();
-      dropped = std::move(oldest->order);
-      entries_.erase(oldest);
-    }
+    std::optional<Order> dropped = make_room();
     entries_.push_back(
-        {std::move(order), arrived, heard, false, 0, relay ? arrived + kPauses.front() : Clock::time_point::max()});
+        {.order = std::move(order), .arrived = arrived, .heard = heard, .relay_at = relay_from(arrived, relay)});
     return dropped;
   }
-  void cancel(const RequestId& id, bool relay) {
-    const auto found = find(id);
-    if (found == entries_.end()) return;
+  // The same for a cancellation: of an order its id, robot and origin are enough.
+  std::optional<Order> cancel(Order order, Clock::time_point arrived, bool relay) {
+    std::optional<Order> dropped;
+    auto found = find(order.id);
+    if (found == entries_.end()) {
+      dropped = make_room();
+      entries_.push_back({.order = std::move(order), .arrived = arrived, .asked = false});
+      found = std::prev(entries_.end());
+    }
     found->cancelled = true;
-    if (!relay) return;
-    found->relayed = 0;
-    found->relay_at = Clock::now() + kPauses.front();
+    if (relay) found->relayed = 0;
+    if (relay) found->relay_at = relay_from(arrived, true);
+    return dropped;
   }
-  // Somebody has it in hand.
+  // Somebody has it in hand. Whether that one has heard of its cancellation only the final reply tells.
   void accepted(const RequestId& id) {
-    if (const auto found = find(id); found != entries_.end()) found->relay_at = Clock::time_point::max();
+    const auto found = find(id);
+    if (found != entries_.end() && !found->cancelled) found->relay_at = Clock::time_point::max();
   }
   // By whom it was asked; all zero: unknown here.
   Origin answered(const RequestId& id) {
@@ -108,6 +115,18 @@ class Backlog {
       std::chrono::milliseconds(500), std::chrono::milliseconds(1000)};
   static constexpr std::size_t kAtOnce = 64;
 
+  static Clock::time_point relay_from(Clock::time_point arrived, bool relay) {
+    return relay ? arrived + kPauses.front() : Clock::time_point::max();
+  }
+  // What is dropped for it, if that was asked for.
+  std::optional<Order> make_room() {
+    std::optional<Order> dropped;
+    if (entries_.size() < most_) return dropped;
+    const auto oldest = oldest_of_whoever_has_most();
+    if (oldest->asked) dropped = std::move(oldest->order);
+    entries_.erase(oldest);
+    return dropped;
+  }
   std::deque<Entry>::iterator find(const RequestId& id) {
     return std::find_if(entries_.begin(), entries_.end(), [&](const Entry& entry) { return entry.order.id == id; });
   }

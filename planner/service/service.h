@@ -46,9 +46,12 @@ class Service {
   bool fill_inbox(Clock::duration most);
   void receive(Order order);
   bool answers(const Order& order) const;
+  bool answers(const Backlog::Entry& entry) const;
   bool knows_executor() const;
   void note_what_it_needs(Order& order) const;
   void keep(Order order, Clock::time_point arrived, Clock::time_point heard, bool relay);
+  void keep_cancel(const dds::ServicePort::Cancel& wanted, bool relay);
+  void no_room_for(const std::optional<Order>& dropped);
   // heard: the last sign of life of its client.
   void admit(Order order, Clock::time_point arrived, Clock::time_point heard);
   Served served() const;
@@ -59,6 +62,7 @@ class Service {
   bool in_hand(const RequestId& id) const;
   bool motion_pending() const;
   void cancel(const dds::ServicePort::Cancel& wanted);
+  bool answers_cancel(const std::string& robot_id) const;
   void cancel_waiting(const Backlog::Entry& entry);
 
   // Whose client is still there.
@@ -77,7 +81,10 @@ class Service {
   ServiceStatus status() const;
   std::chrono::nanoseconds time_to_next() const;
   void end();
-  std::vector<Order> last_requests();
+  void take_last_cancels();
+  std::vector<Backlog::Entry> last_requests();
+  void conclude(const Backlog::Entry& entry);
+  void refuse_at_end(const Backlog::Entry& last);
   void hand_over();
 
   // Other instances, and the executor.

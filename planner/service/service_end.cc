@@ -18,6 +18,7 @@ constexpr std::size_t kRelayedAtOnce = 128;
 // With a standby nothing needs to be asked for again: it knows the requests and takes over.
 void Service::end() {
   tell_stopping();
+  take_last_cancels();
   const bool handing_over = ownership_.has_standby();
   const auto farewell = [this](const Job& job) {
     give_up(job, ReplyState::kCancelled, Reason::kShuttingDown, "the service is shutting down; send the request again");
@@ -27,10 +28,7 @@ void Service::end() {
   } else {
     for (const Job* job : solvers_.jobs()) farewell(*job);
     while (!queue_.empty()) farewell(queue_.pop());
-    for (const Order& order : last_requests()) {
-      if (!ownership_.answers_for(order.robot_id)) continue;
-      reject(order, {Reason::kShuttingDown, "", "the service is shutting down; send the request again"});
-    }
+    for (const Backlog::Entry& last : last_requests()) refuse_at_end(last);
   }
   const auto over = Clock::now() + kFarewell;
   for (outbox_.deliver(); !outbox_.empty() && Clock::now() < over; outbox_.deliver()) {
@@ -53,16 +51,35 @@ void Service::hand_over() {
   for (const Order* order : orders_in_hand()) {
     relay({*order, seconds(now - presence_.last_heard(order->id)), false});
   }
-  for (Order& order : last_requests()) relay({std::move(order), 0, false});
+  for (const Backlog::Entry& last : last_requests()) {
+    if (!cache_.find(last.order.id)) relay({last.order, 0, last.cancelled});
+  }
   await_taken();
 }
 
-std::vector<Order> Service::last_requests() {
-  std::vector<Order> last;
+// What has come by now: a standby that is told of a request must not do what its client has cancelled.
+void Service::take_last_cancels() {
   (void)fill_inbox(kFarewell);  // however many more keep coming
-  while (auto order = inbox_.next()) last.push_back(std::move(*order));
-  const auto ours = [this](const Backlog::Entry& entry) { return ownership_.answers_for(entry.order.robot_id); };
-  for (Backlog::Entry& entry : backlog_.take_if(ours)) last.push_back(std::move(entry.order));
+  const auto over = Clock::now() + kFarewell;
+  for (auto cancels = port_.take_cancels(); !cancels.empty() && Clock::now() < over; cancels = port_.take_cancels()) {
+    for (const auto& wanted : cancels) cancel(wanted);
+  }
+}
+
+void Service::refuse_at_end(const Backlog::Entry& last) {
+  if (!ownership_.answers_for(last.order.robot_id)) return;
+  if (last.cancelled) return conclude(last);
+  if (const SharedReply answered = cache_.find(last.order.id)) return post(answered);
+  reject(last.order, {Reason::kShuttingDown, "", "the service is shutting down; send the request again"});
+}
+
+// What nobody has answered, and, after a take-over, what was cancelled meanwhile.
+std::vector<Backlog::Entry> Service::last_requests() {
+  const auto ours = [this](const Backlog::Entry& entry) {
+    return entry.asked ? ownership_.answers_for(entry.order.robot_id) : answers_cancel(entry.order.robot_id);
+  };
+  std::vector<Backlog::Entry> last = backlog_.take_if(ours);
+  while (auto order = inbox_.next()) last.push_back({.order = std::move(*order)});
   return last;
 }
 

@@ -52,7 +52,20 @@ void Service::receive(Order order) {
 
 // Until it can be answered, here or by another instance.
 void Service::keep(Order order, Clock::time_point arrived, Clock::time_point heard, bool relay) {
-  const auto dropped = backlog_.add(std::move(order), arrived, heard, relay);
+  no_room_for(backlog_.add(std::move(order), arrived, heard, relay));
+}
+
+// In case it is this instance that has to answer when the request comes, or when the one that has it is gone.
+void Service::keep_cancel(const dds::ServicePort::Cancel& wanted, bool relay) {
+  if (cache_.find(wanted.id)) return;
+  Order cancelled;
+  cancelled.id = wanted.id;
+  cancelled.robot_id = wanted.robot_id.value_or("");
+  cancelled.origin = wanted.origin;
+  no_room_for(backlog_.cancel(std::move(cancelled), Clock::now(), relay));
+}
+
+void Service::no_room_for(const std::optional<Order>& dropped) {
   if (!dropped || !ownership_.answers_for(dropped->robot_id)) return;
   reject(*dropped, {Reason::kQueueFull, "",
                     fmt::format("more than {} requests wait for the executor to be met", backlog_.capacity())});
@@ -72,10 +85,17 @@ void Service::note_what_it_needs(Order& order) const {
 bool Service::answers(const Order& order) const {
   return ownership_.answers_for(order.robot_id) && (!order.needs_executor || knows_executor());
 }
+bool Service::answers(const Backlog::Entry& entry) const {
+  return entry.asked ? answers(entry.order) : answers_cancel(entry.order.robot_id);
+}
 
 void Service::admit(Order order, Clock::time_point arrived, Clock::time_point heard) {
   presence_.heard(order.id, heard);
   if (repeat(order)) return;
+  const auto its_cancel = [&](const Backlog::Entry& entry) { return entry.cancelled && entry.order.id == order.id; };
+  if (!backlog_.take_if(its_cancel).empty()) {
+    return conclude({.order = std::move(order), .arrived = arrived, .cancelled = true});
+  }
   tally_.received();
   if (auto refusal = refusal_of_terms(order, served())) return reject(order, std::move(*refusal));
   if (const auto twice = executor_.twice(); twice && executes(order)) {
@@ -149,13 +169,12 @@ bool Service::repeat(const Order& order) {
 
 void Service::cancel(const dds::ServicePort::Cancel& wanted) {
   const RequestId& id = wanted.id;
-  if (!ownership_.owner()) return backlog_.cancel(id, true);
+  if (!ownership_.owner()) return keep_cancel(wanted, true);
   const auto waits_for_executor = [&](const Backlog::Entry& entry) {
-    return entry.order.id == id && ownership_.answers_for(entry.order.robot_id);
+    return entry.asked && entry.order.id == id && ownership_.answers_for(entry.order.robot_id);
   };
-  if (auto waiting = backlog_.take_if(waits_for_executor); !waiting.empty()) return cancel_waiting(waiting.front());
-  backlog_.cancel(id, false);  // it is another robot's
-  if (const SharedReply reply = cache_.find(id)) return post(reply);
+  if (const auto waiting = backlog_.take_if(waits_for_executor); !waiting.empty()) return conclude(waiting.front());
+  if (const SharedReply answered = cache_.find(id)) return post(answered);
   const auto is_it = [&](const Job& job) { return job.order.id == id; };
   if (const auto job = queue_.remove_if(is_it)) {
     return give_up(*job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it waited");
@@ -163,10 +182,7 @@ void Service::cancel(const dds::ServicePort::Cancel& wanted) {
   if (const auto job = solvers_.stop_if(is_it)) {
     return give_up(*job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it was solved");
   }
-  // Where several robots are served and it does not say which, another owner may know what this one does not.
-  const bool says_which = wanted.robot_id && !wanted.robot_id->empty();
-  const bool ours = says_which ? ownership_.answers_for(*wanted.robot_id) : ownership_.robots().size() == 1;
-  if (!ours) return;
+  if (!answers_cancel(wanted.robot_id.value_or(""))) return keep_cancel(wanted, false);
   // It may still be on its way, for the two come on different topics.
   Job unknown;
   unknown.order.id = id;
@@ -174,12 +190,20 @@ void Service::cancel(const dds::ServicePort::Cancel& wanted) {
   give_up(unknown, ReplyState::kCancelled, Reason::kCancelled, "cancelled before it arrived");
 }
 
-void Service::cancel_waiting(const Backlog::Entry& entry) {
+// Of a request that is not known. Where several robots are served and it does not say which, another owner may know it.
+bool Service::answers_cancel(const std::string& robot_id) const {
+  if (!robot_id.empty()) return ownership_.answers_for(robot_id);
+  return ownership_.owner() && ownership_.robots().size() == 1;
+}
+
+// A cancelled request that was not in hand.
+void Service::conclude(const Backlog::Entry& entry) {
   if (repeat(entry.order)) return;
   Job job;
   job.order = entry.order;
   job.arrived = entry.arrived;
-  give_up(job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it waited");
+  give_up(job, ReplyState::kCancelled, Reason::kCancelled,
+          entry.asked ? "cancelled while it waited" : "cancelled before it arrived");
 }
 
 }  // namespace fjr

@@ -16,6 +16,9 @@ namespace {
 constexpr std::size_t kAnsweredAtOnce =
     4;  // of what was remembered, in a turn; a document takes up to 40 ms to be read
 
+// False: another instance tells of a cancellation alone.
+bool asks(const Order& order) { return order.action != Action::kPlan || !order.yaml.empty(); }
+
 }  // namespace
 
 void Service::listen_to_others() {
@@ -67,13 +70,16 @@ void Service::hear(dds::Relayed relayed) {
   // A copy that comes after the answer, to whoever listens, is no request of its own.
   const bool told = cache_.find(id) && port_.clients().listens(id);
   if (told && ownership_.answers_for(relayed.order.robot_id)) return;
+  const dds::ServicePort::Cancel wanted{id, relayed.order.robot_id, relayed.order.origin};
+  if (relayed.cancelled && !asks(relayed.order)) {
+    return ownership_.owner() ? cancel(wanted) : keep_cancel(wanted, false);
+  }
   note_what_it_needs(relayed.order);
   if (!answers(relayed.order)) {
     keep(std::move(relayed.order), now, heard, false);
-    if (relayed.cancelled) backlog_.cancel(id, false);
+    if (relayed.cancelled) keep_cancel(wanted, false);
     return;
   }
-  const dds::ServicePort::Cancel wanted{id, relayed.order.robot_id, relayed.order.origin};
   if (refused_lately_.contains(id, now)) return;  // its client has been told; to ask again is the client's to decide
   admit(std::move(relayed.order), now, heard);
   if (relayed.cancelled) cancel(wanted);
@@ -133,11 +139,11 @@ void Service::take_over() {
 void Service::answer_backlog() {
   std::size_t count = 0;
   const auto ours = [&](const Backlog::Entry& entry) {
-    return count < kAnsweredAtOnce && answers(entry.order) && ++count > 0;
+    return count < kAnsweredAtOnce && answers(entry) && ++count > 0;
   };
   for (Backlog::Entry& entry : backlog_.take_if(ours)) {
     const auto heard = entry.heard < took_over_at_ ? Clock::time_point{} : entry.heard;
-    entry.cancelled ? cancel_waiting(entry) : admit(std::move(entry.order), entry.arrived, heard);
+    entry.cancelled ? conclude(entry) : admit(std::move(entry.order), entry.arrived, heard);
   }
   answering_ = count == kAnsweredAtOnce;
 }

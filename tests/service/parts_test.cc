@@ -210,12 +210,45 @@ TEST(Backlog, RemembersTheLatestUnanswered) {
   order.id.number = 3;
   backlog.answered(order.id);
   order.id.number = 4;
-  backlog.cancel(order.id, false);
+  EXPECT_FALSE(backlog.cancel(order, {}, false));
   const auto entries = backlog.take_if([](const Backlog::Entry&) { return true; });
   ASSERT_EQ(entries.size(), 2u);
   EXPECT_EQ(entries[0].order.id.number, 2u);
   EXPECT_FALSE(entries[0].cancelled);
   EXPECT_TRUE(entries[1].cancelled);
+}
+
+// In whatever order the two come.
+TEST(Backlog, ARequestStaysCancelled) {
+  Backlog backlog(3);
+  Order cancelled, asked;
+  cancelled.origin[0] = asked.origin[0] = 1;
+  asked.yaml = "goal: {q: [0, 0]}";
+  backlog.cancel(cancelled, {}, true);
+  backlog.accepted(asked.id);  // by somebody who may know nothing of the cancellation
+  EXPECT_LT(backlog.next_relay(), Backlog::Clock::time_point::max());
+  backlog.add(asked, {}, {}, true);
+  const auto entries = backlog.take_if([](const Backlog::Entry&) { return true; });
+  ASSERT_EQ(entries.size(), 1u);
+  EXPECT_TRUE(entries[0].cancelled);
+  EXPECT_TRUE(entries[0].asked);
+  EXPECT_EQ(entries[0].order.yaml, asked.yaml);
+}
+
+// Whoever cancels what nobody knows, as often as it likes, costs others nothing, and its own latest are kept.
+TEST(Backlog, CancellationsOfOneTakeNoPlaceFromAnother) {
+  Backlog backlog(4);
+  Order healthy, flood;
+  healthy.origin[0] = 1;
+  flood.origin[0] = 2;
+  backlog.add(healthy, {}, {}, false);
+  for (flood.id.number = 1; flood.id.number < 100; ++flood.id.number) {
+    EXPECT_FALSE(backlog.cancel(flood, {}, false));  // nobody has asked for what is dropped
+  }
+  const auto entries = backlog.take_if([](const Backlog::Entry&) { return true; });
+  ASSERT_EQ(entries.size(), 4u);
+  EXPECT_EQ(entries[0].order.origin, healthy.origin);
+  EXPECT_EQ(entries[3].order.id.number, 99u);
 }
 
 ExecutorState resting() {

@@ -318,6 +318,86 @@ TEST_F(ClientDeathTest, AClientSaysHowLongItsRequestOutlivesIt) {
   wait_until_executed(*executor_);
 }
 
+// ---- what was cancelled is not done, whoever heard of it, and in whatever order ----
+
+class CancelledTest : public StandbyTest {
+ protected:
+  // Said by a participant of its own that is gone again before the one who is stopped can meet it.
+  void cancel_in_passing(const RequestId& id) {
+    dds::ClientPort passing(dds::Participant(domain_), new_client());
+    const auto began = Clock::now();
+    while (!passing.served() && seconds_since(began) < 10) passing.wait(milliseconds(5));
+    EXPECT_TRUE(passing.cancel(id, "arm"));
+    std::this_thread::sleep_for(milliseconds(100));
+  }
+  void stop(Process& instance) {
+    instance.send(SIGSTOP);
+    wait_until([&] {
+      return contents("/proc/" + std::to_string(instance.pid()) + "/stat").find(") T ") != std::string::npos;
+    });
+  }
+  void expect_cancelled(const RequestId& id) {
+    const Reply reply = final_reply(id);
+    EXPECT_EQ(reply.state, ReplyState::kCancelled) << reply.why.sentence;
+    EXPECT_EQ(reply.why.reason, Reason::kCancelled) << reply.why.sentence;
+  }
+};
+
+// The standby hears the cancel alone, and the request comes when it has taken over.
+TEST_F(CancelledTest, BeforeTheRequestHasReachedWhoTakesOver) {
+  start_both();
+  const Instance executor = start_executor();
+  settle();
+  const Order late = to_be_executed();
+  stop(*a_);
+  cancel(late.id, "arm");
+  wait_until([&] { return epoch("b") > 0; });
+  a_->send(SIGKILL);
+  send(late);
+  expect_cancelled(late.id);
+  EXPECT_EQ(heard_["b"].solving, 0u);
+  EXPECT_EQ(count(executor->output(), "executing id="), 0u) << executor->output();
+}
+
+// The owner has the request and cannot have heard the cancel: the standby, which knows nothing else of it, passes it
+// on.
+TEST_F(CancelledTest, WhereTheOwnerCannotHaveHeard) {
+  a_ = start("a");
+  connect();
+  wait_until([&] { return owner() == "a"; });
+  const Order slow = order(kSlow);
+  send(slow);
+  wait_until_solving("a");
+  b_ = start("b");
+  wait_until([&] { return heard_.contains("b"); });
+  settle();
+  stop(*a_);
+  cancel_in_passing(slow.id);
+  a_->send(SIGCONT);
+  expect_cancelled(slow.id);
+  EXPECT_GT(epoch("a"), 0u);
+}
+
+// Who takes over has many cancels to answer, a few in each turn, and is ended in the middle of that.
+TEST_F(CancelledTest, WhenTheServiceEndsBeforeItHasAnsweredThemAll) {
+  constexpr int kCancelled = 60;  // with the owner stopped the client's writer has room for about 100 requests
+  start_both();
+  for (const auto began = Clock::now(); seconds_since(began) < 2;) listen();  // nobody waits for an executor any more
+  stop(*a_);
+  std::vector<RequestId> cancelled;
+  for (int i = 0; i < kCancelled; ++i) {
+    const Order one = order(kSlow);
+    send(one);
+    cancel(one.id, "arm");
+    cancelled.push_back(one.id);
+    std::this_thread::sleep_for(milliseconds(1));  // the writer of cancels keeps the last 16 for who is slow
+  }
+  wait_until([&] { return epoch("b") > 0; });
+  b_->send(SIGTERM);
+  a_->send(SIGKILL);
+  for (const RequestId& id : cancelled) expect_cancelled(id);
+}
+
 TEST_F(StandbyTest, AnEndingOwnerHandsOver) {
   start_both();
   const Order one = order(kFast), two = order(kFast);

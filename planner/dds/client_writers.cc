@@ -1,52 +1,89 @@
 #include "planner/dds/client_writers.h"
 
+#include <algorithm>
+#include <thread>
+#include <vector>
+
 #include "planner/dds/wire_reply.h"
 
 namespace fjr::dds {
 namespace {
 
-// Writers are kept while somebody listens. Beyond the first number the least recently used client that has everything
-// makes room, and is met anew when it returns; the second is never exceeded.
-constexpr std::size_t kUsualClients = 128, kMostClients = 1024;
+// Writers are kept while somebody listens. Beyond the first number the participant's least recently used client that
+// has everything makes room, and is met anew when it returns. The second is for participants whose clients do not take
+// what they were sent: they get no more writers. So it is with the third, which all share evenly, so that whoever is
+// new gets some.
+constexpr std::size_t kUsualOfOne = 128, kMostOfOne = 256, kMostShared = 1024;
+constexpr std::chrono::milliseconds kLookAgain{50};  // whether there is room by now; looking takes up to 3 ms
 
 }  // namespace
 
-ClientWriters::Client::Client(const Participant& participant, const std::string& partition)
-    : publisher(participant.publisher(partition)),
+ClientWriters::Client::Client(const Participant& participant, const std::string& partition, const Origin& of)
+    : origin(of),
+      publisher(participant.publisher(partition)),
       replies(participant, publisher.handle()),
       progress(participant, publisher.handle()) {}
 
+// Those that wait for their readers, which is up to a second, wait at the same time.
+ClientWriters::~ClientWriters() {
+  std::vector<std::jthread> waiting;
+  for (auto next = clients_.begin(); next != clients_.end();) {
+    const auto client = next++;
+    if (client->second.replies.flush(0)) continue;
+    waiting.emplace_back([node = clients_.extract(client)]() mutable { node = {}; });
+  }
+}
+
 // Deleting a writer whose reader lacks something would wait for the reader.
-void ClientWriters::make_room() {
+bool ClientWriters::make_room_of(const Origin& origin) {
   auto oldest = clients_.end();
   for (auto client = clients_.begin(); client != clients_.end(); ++client) {
+    if (client->second.origin != origin) continue;
     if (oldest != clients_.end() && client->second.last_used > oldest->second.last_used) continue;
     if (client->second.replies.flush(0)) oldest = client;
   }
-  if (oldest != clients_.end()) clients_.erase(oldest);
+  if (oldest == clients_.end()) return false;
+  clients_.erase(oldest);
+  return true;
 }
 
-ClientWriters::Client* ClientWriters::client(const RequestId& id) {
-  auto found = clients_.find(id.client);
-  if (found == clients_.end()) {
-    if (clients_.size() >= kUsualClients) make_room();
-    if (clients_.size() >= kMostClients) return nullptr;
-    found = clients_.try_emplace(id.client, participant_, client_name(id)).first;
-  }
+bool ClientWriters::may_make_one_for(const Origin& origin) {
+  const auto now = Clock::now();
+  std::erase_if(full_, [&](const auto& full) { return now - full.second > kLookAgain; });
+  if (full_.contains(origin)) return false;
+  std::map<Origin, std::size_t> counts{{origin, 0}};
+  for (const auto& [name, client] : clients_) ++counts[client.origin];
+  const std::size_t most = std::clamp<std::size_t>(kMostShared / counts.size(), 1, kMostOfOne);
+  const std::size_t has = counts[origin];
+  const bool may = has < std::min(kUsualOfOne, most) || make_room_of(origin) || has < most;
+  if (!may) full_[origin] = now;
+  return may;
+}
+
+ClientWriters::Client* ClientWriters::find(const RequestId& id) {
+  const auto found = clients_.find(id.client);
+  if (found == clients_.end()) return nullptr;
   found->second.last_used = ++uses_;
   return &found->second;
+}
+
+ClientWriters::Client* ClientWriters::find_or_make(const Reply& reply) {
+  if (clients_.contains(reply.id.client) || !may_make_one_for(reply.origin)) return find(reply.id);
+  clients_.try_emplace(reply.id.client, participant_, client_name(reply.id), reply.origin);
+  return find(reply.id);
 }
 
 bool ClientWriters::look() {
   if (!listeners_.look()) return false;
   std::erase_if(clients_, [&](const auto& client) { return !listens({client.first, 0}); });
+  full_.clear();
   return true;
 }
 
 // One that was full is tried again only when it has taken everything: trying means serialising.
 Sent ClientWriters::send(const Reply& reply) {
   if (!listens(reply.id)) return Sent::kNobodyListens;
-  Client* to = client(reply.id);
+  Client* to = find_or_make(reply);
   if (to == nullptr || (to->full && !to->replies.flush(0))) return Sent::kNoRoom;
   to->full = !to->replies.write(encode(reply));
   if (to->full) return Sent::kNoRoom;
@@ -56,7 +93,7 @@ Sent ClientWriters::send(const Reply& reply) {
 
 void ClientWriters::send(const ProgressReport& report) {
   if (!listens(report.id)) return;
-  if (Client* to = client(report.id)) (void)to->progress.write(encode(report));
+  if (Client* to = find(report.id)) (void)to->progress.write(encode(report));
 }
 
 void ClientWriters::tell_standbys(const Reply& reply) {

@@ -1,5 +1,6 @@
 // The service's writers, one pair per client in the client's own partition. None of them ever waits, and there is none
-// for whom nobody listens.
+// for whom nobody listens. Their number is bounded for each participant that asks, so that one who uses many ids takes
+// no writer from another.
 #pragma once
 
 #include <array>
@@ -26,6 +27,9 @@ class ClientWriters {
 
   explicit ClientWriters(const Participant& participant)
       : participant_(participant), listeners_(participant), to_standbys_(participant, "nobody") {}
+  ~ClientWriters();
+  ClientWriters(const ClientWriters&) = delete;
+  ClientWriters& operator=(const ClientWriters&) = delete;
 
   Sent send(const Reply& reply);
   void send(const ProgressReport& report);  // disposable
@@ -46,8 +50,9 @@ class ClientWriters {
 
  private:
   struct Client {
-    Client(const Participant& participant, const std::string& partition);
+    Client(const Participant& participant, const std::string& partition, const Origin& origin = {});
 
+    const Origin origin;  // whose first request it answered
     Entity publisher;
     Writer<fjr_msg_PlanReply> replies;
     Writer<fjr_msg_PlanStatus> progress;
@@ -57,12 +62,15 @@ class ClientWriters {
   };
   using Clients = std::map<decltype(RequestId::client), Client>;
 
-  Client* client(const RequestId& id);
-  void make_room();
+  Client* find(const RequestId& id);
+  Client* find_or_make(const Reply& reply);
+  bool may_make_one_for(const Origin& origin);
+  bool make_room_of(const Origin& origin);
 
   const Participant& participant_;
   Listeners listeners_;
   Clients clients_;
+  std::map<Origin, Clock::time_point> full_;  // participants that had no room then
   Client to_standbys_;
   std::uint64_t uses_ = 0;
 };

@@ -6,6 +6,8 @@
 #include <set>
 #include <thread>
 
+#include "planner/dds/client_writers.h"
+#include "planner/dds/reader.h"
 #include "planner/dds/wire_request.h"
 #include "planner/dds/writer.h"
 #include "planner/service/memory.h"
@@ -196,6 +198,81 @@ TEST_F(FloodTest, TenThousandIdsThatNobodyListensForCostTheOthersNothing) {
   EXPECT_LT(seconds_since(asked), 3);
 }
 
+// ---- writers of replies, of which there is one per id that somebody listens for ----
+
+// Listens for every reply and, being stopped, acknowledges none: this program again.
+int deaf_listener(unsigned domain) {
+  const dds::Participant participant(domain);
+  const dds::Entity everywhere = participant.subscriber("*");
+  const dds::Reader<fjr_msg_PlanReply> replies(participant, everywhere.handle());
+  std::this_thread::sleep_for(milliseconds(200));  // to be met
+  std::raise(SIGSTOP);
+  return 0;
+}
+
+class WritersTest : public ServiceTest {
+ protected:
+  // Somebody else, who listens and takes what comes.
+  struct Listener {
+    Listener(unsigned domain, const std::string& partition)
+        : participant(domain),
+          subscriber(participant.subscriber(partition)),
+          replies(participant, subscriber.handle()) {}
+    dds::Participant participant;
+    dds::Entity subscriber;
+    dds::Reader<fjr_msg_PlanReply> replies;
+  };
+
+  dds::Sent reply(const RequestId& id, std::uint8_t participant) {
+    Reply reply;
+    reply.id = id;
+    reply.origin[0] = participant;
+    return writers_->send(reply);
+  }
+  void wait_until_listens(const RequestId& id) {
+    const auto began = Clock::now();
+    for (; !writers_->listens(id) && seconds_since(began) < 10; (void)writers_->look())
+      std::this_thread::sleep_for(milliseconds(1));
+    ASSERT_TRUE(writers_->listens(id));
+  }
+
+  const dds::Participant service_{domain_};
+  std::optional<dds::ClientWriters> writers_{service_};
+};
+
+// 300 are more than there can be of one. Being deleted, those that wait for their readers do so together.
+TEST_F(WritersTest, OfIdsThatTakeNothingLeaveOthersTheirs) {
+  Process deaf({"/proc/self/exe", "deaf-listener", domain()}, path("deaf"));
+  wait_until_listens(new_client());
+  while (!stopped(deaf)) std::this_thread::sleep_for(milliseconds(5));
+  const auto start_again = [&] {
+    const auto began = Clock::now();
+    writers_.emplace(service_);
+    wait_until_listens(new_client());
+    return seconds_since(began);
+  };
+  EXPECT_EQ(reply(new_client(), 1), dds::Sent::kYes);
+  const double end_of_one = start_again();
+  int made = 0;
+  for (int i = 0; i < 300; ++i) made += reply(new_client(), 1) == dds::Sent::kYes ? 1 : 0;
+  EXPECT_LT(made, 300);
+  const RequestId healthy = new_client();
+  const Listener listener(domain_, client_name(healthy));
+  EXPECT_EQ(reply(healthy, 2), dds::Sent::kYes);
+  EXPECT_LT(start_again(), 5 * end_of_one);
+}
+
+// Those who have everything make room for others of the same participant only, as the 128 of one that are kept tell.
+TEST_F(WritersTest, OfIdsThatTakeEverythingLeaveOthersTheirs) {
+  const Listener everybody(domain_, "*");
+  wait_until_listens(new_client());
+  const RequestId healthy = new_client(), first = new_client();
+  EXPECT_EQ(reply(healthy, 2), dds::Sent::kYes);
+  for (int i = 0; i < 200; ++i) EXPECT_EQ(reply(i == 0 ? first : new_client(), 1), dds::Sent::kYes);
+  EXPECT_TRUE(writers_->acknowledged(healthy));
+  EXPECT_FALSE(writers_->acknowledged(first));
+}
+
 }  // namespace
 }  // namespace fjr
 
@@ -203,6 +280,9 @@ int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
   if (argc == 4 && std::string(argv[1]) == "stopped-client") {
     return fjr::stopped_client(static_cast<unsigned>(std::stoul(argv[2])), std::stoul(argv[3]));
+  }
+  if (argc == 3 && std::string(argv[1]) == "deaf-listener") {
+    return fjr::deaf_listener(static_cast<unsigned>(std::stoul(argv[2])));
   }
   return RUN_ALL_TESTS();
 }

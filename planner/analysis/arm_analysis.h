@@ -102,11 +102,12 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
   const Vector8 start = by_node(0), end = by_node(leg.back());
   optimality.costate_start = State<double>::from(start.data());
   optimality.costate_end = State<double>::from(Vector8(-end).data());
-  for (std::size_t k = 0; k < a.hamiltonian.size(); ++k) {
+  const std::vector<double> along = conserved_along(a, leg);
+  for (std::size_t k = 0; k < along.size(); ++k) {
     const Eigen::VectorXd p =
         scale * costates(t, iterate.lambda, static_cast<int>(k)).transpose() * solution.setup.scheme.b;
     optimality.along.push_back(
-        {(a.node_times[k] + a.node_times[k + 1]) / 2, scale * a.hamiltonian[k], State<double>::from(p.data())});
+        {(a.node_times[k] + a.node_times[k + 1]) / 2, scale * along[k], State<double>::from(p.data())});
   }
 
   Sensitivity& sensitivity = result.sensitivity;

@@ -13,13 +13,12 @@ NodeTimes node_times_of(const Problem& problem, const Collocated& solution) {
   const auto t = arm_collocation::transcribe<F>(problem, solution.setup);
   Adjoint a;
   a.node_times = t.mesh().node_times(solution.durations);
-  for (int k = 0; k < t.intervals(); ++k) {
-    a.hamiltonian.push_back(adjoint_detail::mean_hamiltonian(t, solution.report.iterate, k));
-  }
+  a.hamiltonian = hamiltonians(t, solution.report.iterate);
+  a.conserved = a.hamiltonian;  // what nodes that move make constant
   const std::vector<std::size_t> legs = arm_analysis::legs(problem, t.mesh());
   NodeTimes result{hamiltonian(a, legs).spread, allowed_spread(solution.report.objective, a.node_times.back()), {}};
   for (std::size_t k = 1; k < a.hamiltonian.size(); ++k) {
-    const bool jumps = std::abs(a.hamiltonian[k] - a.hamiltonian[k - 1]) > result.allowed;
+    const bool jumps = std::abs(a.conserved[k] - a.conserved[k - 1]) > result.allowed;
     if (jumps && !std::binary_search(legs.begin(), legs.end(), k)) result.jumps.push_back(k);
   }
   return result;

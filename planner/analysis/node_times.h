@@ -10,7 +10,7 @@
 namespace fjr {
 
 struct NodeTimes {
-  double spread = 0;               // of H, as in Optimality::Hamiltonian
+  double spread = 0;               // of H, whatever it jumps by
   double allowed = 0;              // of it
   std::vector<std::size_t> jumps;  // inner nodes, not via points, where H jumps by more than that
 };

@@ -21,11 +21,39 @@ inline double allowed_spread(double objective, double duration) {
   return kShare * std::abs(objective) / duration;
 }
 
-// Mean of H over the intervals first, ..., last - 1, weighted by their durations.
-inline double mean_hamiltonian(const Adjoint& a, std::size_t first, std::size_t last) {
+// Of one value per interval: over the intervals first, ..., last - 1, weighted by their durations.
+inline double mean_over(const Adjoint& a, const std::vector<double>& values, std::size_t first, std::size_t last) {
   double integral = 0;
-  for (std::size_t k = first; k < last; ++k) integral += a.hamiltonian[k] * (a.node_times[k + 1] - a.node_times[k]);
+  for (std::size_t k = first; k < last; ++k) integral += values[k] * (a.node_times[k + 1] - a.node_times[k]);
   return integral / (a.node_times[last] - a.node_times[first]);
+}
+
+// Of H.
+inline double mean_hamiltonian(const Adjoint& a, std::size_t first, std::size_t last) {
+  return mean_over(a, a.hamiltonian, first, last);
+}
+
+// Square of the deviations from the leg's mean, integrated over it.
+inline double variation(const Adjoint& a, const std::vector<double>& values, std::size_t first, std::size_t last) {
+  const double mean = mean_over(a, values, first, last);
+  double squares = 0;
+  for (std::size_t k = first; k < last; ++k) {
+    squares += (values[k] - mean) * (values[k] - mean) * (a.node_times[k + 1] - a.node_times[k]);
+  }
+  return squares;
+}
+
+// On each leg H itself, or H without what limits explain of its jumps, whichever varies less, and in the mean H: where
+// the first is constant no node wants to be elsewhere, where the second is, none does but for the limits asked there.
+inline std::vector<double> conserved_along(const Adjoint& a, const std::vector<std::size_t>& legs) {
+  std::vector<double> along = a.hamiltonian;
+  for (std::size_t leg = 0; leg + 1 < legs.size(); ++leg) {
+    const std::size_t first = legs[leg], last = legs[leg + 1];
+    if (variation(a, a.conserved, first, last) >= variation(a, a.hamiltonian, first, last)) continue;
+    const double shift = mean_hamiltonian(a, first, last) - mean_over(a, a.conserved, first, last);
+    for (std::size_t k = first; k < last; ++k) along[k] = a.conserved[k] + shift;
+  }
+  return along;
 }
 
 // legs: first intervals of the stretches within which H is constant, and the number of intervals; {0, n} without via
@@ -34,10 +62,11 @@ inline Optimality::Hamiltonian hamiltonian(const Adjoint& a, const std::vector<s
   Optimality::Hamiltonian result;
   result.mean = mean_hamiltonian(a, 0, a.hamiltonian.size());
   double squares = 0;
+  const std::vector<double> along = conserved_along(a, legs);
   for (std::size_t leg = 0; leg + 1 < legs.size(); ++leg) {
     const double mean = mean_hamiltonian(a, legs[leg], legs[leg + 1]);
     for (std::size_t k = legs[leg]; k < legs[leg + 1]; ++k) {
-      const double deviation = std::abs(a.hamiltonian[k] - mean);
+      const double deviation = std::abs(along[k] - mean);
       squares += deviation * deviation * (a.node_times[k + 1] - a.node_times[k]);
       if (deviation <= result.largest) continue;
       result.largest = deviation;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "planner/collocation/costates.h"
+#include "planner/collocation/sampled_limits.h"
 #include "planner/collocation/transcription.h"
 #include "planner/nlp/ipopt.h"
 
@@ -17,7 +18,8 @@ struct Adjoint {
   // The same with the multipliers of the defects alone: for a control, dH/du integrated over the stages that see it.
   Eigen::VectorXd hamiltonian_gradient;
   Eigen::VectorXd control_weight;   // [s] per variable: the integral of its share in u; 0 where it is no control
-  std::vector<double> hamiltonian;  // mean of H over each interval: d Lagrangian / d interval's duration
+  std::vector<double> hamiltonian;  // see hamiltonians()
+  std::vector<double> conserved;    // see conserved()
   std::vector<double> node_times;   // [s]
 };
 
@@ -50,6 +52,27 @@ double mean_hamiltonian(const Transcription<Ocp>& t, const Iterate& solution, in
 
 }  // namespace adjoint_detail
 
+// Mean of H over each interval: d Lagrangian / d interval's duration.
+template <class Ocp>
+std::vector<double> hamiltonians(const Transcription<Ocp>& t, const Iterate& solution) {
+  std::vector<double> all;
+  for (int k = 0; k < t.intervals(); ++k) all.push_back(adjoint_detail::mean_hamiltonian(t, solution, k));
+  return all;
+}
+
+// H less what it jumps by at nodes because limits are asked at instants that move with them (sampled_limits.h): up to a
+// constant, what an optimum conserves.
+template <class Ocp>
+std::vector<double> conserved(const Transcription<Ocp>& t, const Iterate& solution,
+                              const std::vector<double>& hamiltonian) {
+  const std::vector<SampledLimits> limits = sampled_limits(t, solution);
+  std::vector<double> all{hamiltonian.front()};
+  for (std::size_t k = 1; k < hamiltonian.size(); ++k) {
+    all.push_back(all.back() - limits[k].left_of(hamiltonian[k - 1] - hamiltonian[k]));
+  }
+  return all;
+}
+
 // Costs one evaluation of the first derivatives.
 template <class Ocp>
 Adjoint adjoint(const Transcription<Ocp>& t, const Iterate& solution) {
@@ -71,8 +94,9 @@ Adjoint adjoint(const Transcription<Ocp>& t, const Iterate& solution) {
   for (int k = 0; k < t.intervals(); ++k) {
     const double h = t.step(solution.x, k);
     for (int end = 0; end < 2; ++end) a.control_weight.segment(t.u_at(k, end), Ocp::kControls).array() = h * share(end);
-    a.hamiltonian.push_back(adjoint_detail::mean_hamiltonian(t, solution, k));
   }
+  a.hamiltonian = hamiltonians(t, solution);
+  a.conserved = conserved(t, solution, a.hamiltonian);
   a.node_times = t.mesh().node_times(t.durations(solution.x));
   return a;
 }

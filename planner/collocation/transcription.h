@@ -138,6 +138,11 @@ class Transcription final : public Nlp {
     return p;
   }
 
+  // The same with their derivatives by the state and the control of that stage.
+  const Point<Dual<kV>>& derivatives_at(const In& z, int k, int j) const {
+    return first_derivatives(z)[index(k * stages_ + j)];
+  }
+
   double objective(const In& z) const override {
     double total = 0;
     for (int s = 0; s < mesh_.segments(); ++s) total += ocp_.time_weight * z(duration_at(s));

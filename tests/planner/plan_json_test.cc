@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planner/plan.h"
+#include "planner/program/summary.h"
 #include "planner/results/analysis_json.h"
 
 namespace fjr {
@@ -18,6 +19,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -150,6 +152,25 @@ TEST(PlanJson, SaysWhatLimitsWhatAndHowOptimalItIs) {
   EXPECT_THAT(optimality["costate"]["end"]["dtheta"], ElementsAre(0.5, 0.25));
   EXPECT_EQ(json["mesh"]["node_times"], Json::array({0, 0.1, 0.43}));
   EXPECT_EQ(json["mesh"]["errors"], Json::array({1e-6, 2.35e-8}));
+}
+
+// Of 0.43 s / 0.43 s = 1 the Hamiltonian may vary by `allowed`.
+TEST(PlanJson, WhatIsNotStationaryIsToldThereAndInTheSummary) {
+  Plan plan = some_plan();
+  const Problem problem = some_problem();
+  EXPECT_THAT(summary(problem, plan), testing::Not(HasSubstr("stationary")));
+  EXPECT_THAT(summary(problem, plan), HasSubstr("  friction    optimised with the law smoothed to 0.003 rad/s"));
+  plan.analysis->optimality.hamiltonian.spread = 0.034;
+  plan.analysis->optimality.hamiltonian.allowed = 0.02;
+  plan.analysis->optimality.friction_width = 0;
+  const Json told = plan_json(problem, plan)["optimality"]["hamiltonian"];
+  EXPECT_EQ(told["stationary"], false);
+  EXPECT_EQ(told["spread"], 0.034);
+  EXPECT_EQ(told["allowed"], 0.02);
+  EXPECT_THAT(summary(problem, plan),
+              HasSubstr("  optimality  not stationary: the Hamiltonian varies by 3.4 % of objective / duration, 2 % at "
+                        "most would count as constant"));
+  EXPECT_THAT(summary(problem, plan), testing::Not(HasSubstr("friction  ")));
 }
 
 TEST(PlanJson, AFineMeshIsToldInAtMostSoManyNumbers) {

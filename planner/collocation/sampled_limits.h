@@ -1,0 +1,110 @@
+// What it is worth at which instants limits are asked.
+//
+// Limits hold at collocation points only, and a node that moves takes the points beside it along. Where the limited
+// quantity passes a point at the rate dg/dt with the multiplier mu, a motion that stays as it is in time changes what
+// the limit asks there by mu dg/dt per second that the point moves. That is part of d objective / d (time of a node),
+// and says nothing about the motion: between the points the limit holds as well.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include "planner/collocation/transcription.h"
+#include "planner/nlp/ipopt.h"
+
+namespace fjr {
+
+// d objective / d (time of a node) by what limits ask at the points that move with it. Where controls jump at the node,
+// rates do, too, and it lies between what the rates before and after tell.
+struct SampledLimits {
+  double before = 0, after = 0;
+
+  // What of `slope` = d objective / d (time of the node) limits do not explain. Less than all of it may be theirs:
+  // nodes that were moved lie where the motion and the limits cancel.
+  double left_of(double slope) const {
+    return slope - std::clamp(slope, std::min({before, after, 0.0}), std::max({before, after, 0.0}));
+  }
+  void add(double both) { before += both, after += both; }
+};
+
+namespace sampled_limits_detail {
+
+template <class Ocp>
+class Sampling {
+ public:
+  Sampling(const Transcription<Ocp>& t, const Iterate& solution)
+      : t_(t), solution_(solution), nodes_(static_cast<std::size_t>(t.intervals()) + 1) {}
+
+  std::vector<SampledLimits> run() && {
+    const int last = t_.scheme().stages() - 1;
+    for (int k = 0; k < t_.intervals(); ++k) {
+      for (int i = 0; i < kU; ++i) {
+        for (int end = 0; end < 2; ++end) node(k + end).add(multiplier(t_.u_at(k, end) + i) * control_rate(k, i));
+      }
+      for (int j = 0; j <= last; ++j) {
+        const Rates rates = t_.values(solution_.x, k, j).f;
+        const bool at_start = j == 0 && t_.scheme().starts_at_node;
+        const double by_state = at_start || j == last ? 0 : of_state(k, j, rates);
+        const double change = of_control(k, j, rates) + by_state, share = t_.scheme().points(j);
+        node(k).add((1 - share) * change);
+        node(k + 1).add(share * change);
+      }
+      node(k + 1).before += of_state(k, last, t_.values(solution_.x, k, last).f);
+      const bool same = k + 1 == t_.intervals() || !t_.scheme().starts_at_node;
+      node(k + 1).after +=
+          of_state(k, last, same ? t_.values(solution_.x, k, last).f : t_.values(solution_.x, k + 1, 0).f);
+    }
+    return std::move(nodes_);
+  }
+
+ private:
+  static constexpr int kX = Transcription<Ocp>::kX, kU = Transcription<Ocp>::kU, kC = Transcription<Ocp>::kC;
+  using Rates = std::array<double, static_cast<std::size_t>(kX)>;  // dx/dt
+
+  SampledLimits& node(int k) { return nodes_[static_cast<std::size_t>(k)]; }
+  // Of the bounds on a variable.
+  double multiplier(int at) const {
+    return solution_.z_upper.size() == 0 ? 0 : solution_.z_upper(at) - solution_.z_lower(at);
+  }
+  double control_rate(int k, int i) const {
+    return (solution_.x(t_.u_at(k, 1) + i) - solution_.x(t_.u_at(k, 0) + i)) / t_.step(solution_.x, k);
+  }
+
+  // Multipliers times rates of what is asked of the state alone.
+  double of_state(int k, int j, const Rates& rates) const {
+    double sum = 0;
+    for (int i = 0; i < kX; ++i) sum += multiplier(t_.x_at(k, j) + i) * rates[static_cast<std::size_t>(i)];
+    return sum + of_rows(k, j, rates, false);
+  }
+  double of_control(int k, int j, const Rates& rates) const { return of_rows(k, j, rates, true); }
+
+  double of_rows(int k, int j, const Rates& rates, bool with_control) const {
+    double sum = 0;
+    for (int c = 0; c < kC; ++c) {
+      const int row = t_.path_row(k, j, c);
+      if (row < 0 || Ocp::kRowUsesControl[static_cast<std::size_t>(c)] != with_control) continue;
+      const auto& slope = t_.derivatives_at(solution_.x, k, j).rows[static_cast<std::size_t>(c)].g;
+      double rate = 0;
+      for (int i = 0; i < kX; ++i) rate += slope[static_cast<std::size_t>(i)] * rates[static_cast<std::size_t>(i)];
+      for (int i = 0; i < kU; ++i) rate += slope[static_cast<std::size_t>(kX + i)] * control_rate(k, i);
+      sum += solution_.lambda(row) * rate;
+    }
+    return sum;
+  }
+
+  const Transcription<Ocp>& t_;
+  const Iterate& solution_;
+  std::vector<SampledLimits> nodes_;
+};
+
+}  // namespace sampled_limits_detail
+
+// One per node.
+template <class Ocp>
+std::vector<SampledLimits> sampled_limits(const Transcription<Ocp>& t, const Iterate& solution) {
+  return sampled_limits_detail::Sampling<Ocp>(t, solution).run();
+}
+
+}  // namespace fjr

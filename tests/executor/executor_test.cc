@@ -576,12 +576,30 @@ TEST_F(ExecutorTest, GivesEveryTrajectoryOneResult) {
   }
 }
 
+// As they come when it was kept from looking: here by being stopped, otherwise by the disk.
+TEST_F(ExecutorTest, GivesEachOfManyThatComeTogetherAResult) {
+  const auto arm = executor();
+  ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
+  std::vector<TrajectoryOrder> orders;
+  for (int i = 0; i < 40; ++i) {  // of two rows each, for which the writer has room
+    orders.push_back(cell().order(kFrom, kTo, 1));
+    orders.back().rows.resize(2);
+  }
+  arm->send(SIGSTOP);
+  for (const TrajectoryOrder& order : orders) cell().publish(order);
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  arm->send(SIGCONT);
+  for (const auto* one : {&orders.back(), &orders.front()}) (void)cell().result(one->id);
+  cell().listen_for(0.3);
+  for (const TrajectoryOrder& order : orders) EXPECT_EQ(cell().results[order.id].size(), 1U) << order.id.number;
+}
+
 // Its process is stopped for 3 s in mid-motion: the drives brake meanwhile, and the motion does not go on.
 TEST_F(ExecutorTest, StopsWhenItsTicksAreMissed) {
   const auto arm = executor();
   ASSERT_TRUE(cell().wait_for(ExecutorMode::kResting));
   const RequestId id = cell().publish(kFrom, kTo, 1.5);
-  ASSERT_TRUE(cell().wait_for_time(0.5));
+  ASSERT_TRUE(cell().wait_for_time(0.2));  // the sooner, the less a busy machine does the same itself
   arm->send(SIGSTOP);
   std::this_thread::sleep_for(std::chrono::seconds(3));
   arm->send(SIGCONT);
@@ -596,9 +614,13 @@ TEST_F(ExecutorTest, StopsWhenItsTicksAreMissed) {
   const std::string ticks = read_log(result.log_file).metadata.at("missed_ticks");
   EXPECT_GE(std::stoi(ticks), missed);
 
-  // Of the next motion, only its own.
-  const ExecutionResult next = cell().result(cell().publish(cell().state.planned_q, kFrom, 1));
-  if (next.code != ResultCode::kSuccessful) return;  // the links may still swing
+  // Of the next motion, only its own. Not every one from there can be published exactly.
+  ExecutionResult next;
+  for (int i = 0; i < 8 && next.log_file.empty(); ++i) {
+    const Joints<double> to{kTo[0] - 0.05 * i, kTo[1] - 0.1 * i};
+    next = cell().result(cell().publish(cell().state.planned_q, to, 1.2));
+  }
+  ASSERT_FALSE(next.log_file.empty()) << next.sentence;
   EXPECT_LT(std::stoi(read_log(next.log_file).metadata.at("missed_ticks")), missed);
 }
 

@@ -1,8 +1,8 @@
 """Runs every command of docs/service.md, as it stands there.  guide.py SOURCE_FOLDER BUILD_FOLDER build|run
 
 What is before `fjr serve` builds the clients, in BUILD_FOLDER/guide and with the network as it is. The rest runs in a
-network namespace of its own that has a second interface, on which nobody is to be found. Where pip finds no packages
-Python's commands are left out.
+network namespace of its own that has a second interface, on which nobody is to be found. Where no cyclonedds can be
+imported, as where pip finds no packages, Python's commands are left out; whatever else is wrong with them fails.
 """
 
 import os
@@ -49,6 +49,11 @@ def untold(source, page):
     return [name for name in [*constants, *topics] if name != "NONE" and not re.search(rf"\b(\w+_)?{name}\b", page)]
 
 
+def imports(folder, environment):
+    python = folder / "out" / environment / "bin" / "python"
+    return python.exists() and subprocess.run([python, "-c", "import cyclonedds.idl"]).returncode == 0
+
+
 def build_clients(source, folder, commands):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
@@ -59,7 +64,8 @@ def build_clients(source, folder, commands):
         if len(client.read_text().splitlines()) > 80:
             sys.exit(f"{client} is longer than the page says")
     for block in commands:
-        if run(folder, "set -e\n" + block).returncode != 0 and "pip install" not in block:
+        failed = run(folder, "set -e\n" + block).returncode != 0
+        if failed and ("pip install" not in block or imports(folder, "python/venv")):
             sys.exit("this does not build a client")
     # What Cyclone DDS 11 says of its types once ended the service and the executor.
     run(folder, "python3 -m venv out/newer && out/newer/bin/pip install -q cyclonedds==11.0.1")
@@ -67,7 +73,7 @@ def build_clients(source, folder, commands):
 
 def run_clients(folder, commands):
     """Has all clients refused as well; and looks for what they printed as often as it has to be there."""
-    python, newer = ((folder / "out" / name / "bin" / "pubsub").exists() for name in ("python/venv", "newer"))
+    python, newer = (imports(folder, name) for name in ("python/venv", "newer"))
     clients = ["out/c/client out/beyond.yaml", "out/cpp/client out/beyond.yaml"]
     if python:
         clients.append(PYTHON.format("python/venv", "beyond"))

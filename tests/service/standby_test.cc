@@ -296,6 +296,27 @@ TEST_F(ClientDeathTest, OfClientAndOwnerAtTheSameInstant) {
   EXPECT_EQ(heard_["b"].received, 1u);
 }
 
+// What is only planned leaves with its client, too, whether it waits or is being solved; others have their turn. The
+// worker is stopped: it need not compute what is thrown away.
+TEST_F(ClientDeathTest, OfOneWhoWantsPlansOnly) {
+  a_ = start("a");
+  connect();
+  for (const pid_t worker : a_->children()) ::kill(worker, SIGSTOP);
+  write("slow.yaml", kSlow);
+  std::vector<Instance> clients;
+  for (const std::string name : {"one", "two", "three"}) {
+    clients.push_back(
+        start_fjr({"request", path("slow.yaml"), "--out", path(name), "--domain", domain()}, name + ".log"));
+  }
+  wait_until([&] { return heard_["a"].solving == 1 && heard_["a"].queued == 2; });
+  const Order mine = order(kFast);
+  send(mine);
+  for (const Instance& client : clients) client->send(SIGKILL);
+  EXPECT_EQ(final_reply(mine.id).state, ReplyState::kSolved);
+  wait_until([&] { return heard_["a"].cancelled == 3; });
+  EXPECT_EQ(heard_["a"].solving + heard_["a"].queued, 0u);
+}
+
 TEST_F(ClientDeathTest, AClientSaysHowLongItsRequestOutlivesIt) {
   a_ = start("a");
   connect();
@@ -322,24 +343,17 @@ TEST_F(ClientDeathTest, AClientSaysHowLongItsRequestOutlivesIt) {
 
 class CancelledTest : public StandbyTest {
  protected:
-  // Said by a participant of its own that is gone again before the one who is stopped can meet it.
-  void cancel_in_passing(const RequestId& id) {
-    dds::ClientPort passing(dds::Participant(domain_), new_client());
-    const auto began = Clock::now();
-    while (!passing.served() && seconds_since(began) < 10) passing.wait(milliseconds(5));
-    EXPECT_TRUE(passing.cancel(id, "arm"));
-    std::this_thread::sleep_for(milliseconds(100));
-  }
   void stop(Process& instance) {
     instance.send(SIGSTOP);
     wait_until([&] {
       return contents("/proc/" + std::to_string(instance.pid()) + "/stat").find(") T ") != std::string::npos;
     });
   }
-  void expect_cancelled(const RequestId& id) {
+  std::string expect_cancelled(const RequestId& id) {
     const Reply reply = final_reply(id);
     EXPECT_EQ(reply.state, ReplyState::kCancelled) << reply.why.sentence;
     EXPECT_EQ(reply.why.reason, Reason::kCancelled) << reply.why.sentence;
+    return reply.why.sentence;
   }
 };
 
@@ -372,10 +386,10 @@ TEST_F(CancelledTest, WhereTheOwnerCannotHaveHeard) {
   wait_until([&] { return heard_.contains("b"); });
   settle();
   stop(*a_);
-  cancel_in_passing(slow.id);
+  Process passing({FJR_FIRST_REQUESTS, domain(), "cancel", to_text(slow.id)}, path("passing"));  // gone before it wakes
+  EXPECT_EQ(passing.wait(), 0);
   a_->send(SIGCONT);
-  expect_cancelled(slow.id);
-  EXPECT_GT(epoch("a"), 0u);
+  EXPECT_EQ(expect_cancelled(slow.id), "cancelled while it was solved");
 }
 
 // Who takes over has many cancels to answer, a few in each turn, and is ended in the middle of that.

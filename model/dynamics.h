@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 
 #include "model/friction.h"
 #include "model/parameters.h"
@@ -23,17 +24,36 @@ template <class T>
 struct State {
   Joints<T> q, dq, theta, dtheta;
 
-  T* data() { return q.data(); }  // eight contiguous values, asserted below
-  const T* data() const { return q.data(); }
+  // Its numbers in that order, by index.
+  T& operator[](std::size_t i) { return part(*this, i / kJoints)[i % kJoints]; }
+  const T& operator[](std::size_t i) const { return part(*this, i / kJoints)[i % kJoints]; }
 
   template <class From>
   static State from(const From* x) {
     State s;
-    for (int i = 0; i < kStates; ++i) s.data()[i] = x[i];
+    for (std::size_t i = 0; i < kStates; ++i) s[i] = x[i];
     return s;
   }
+  template <class To>
+  void copy_to(To* x) const {
+    for (std::size_t i = 0; i < kStates; ++i) x[i] = (*this)[i];
+  }
+
+ private:
+  template <class S>
+  static auto& part(S& s, std::size_t k) {
+    switch (k) {
+      case kStateQ / kJoints:
+        return s.q;
+      case kStateDq / kJoints:
+        return s.dq;
+      case kStateTheta / kJoints:
+        return s.theta;
+      default:
+        return s.dtheta;
+    }
+  }
 };
-static_assert(sizeof(State<double>) == kStates * sizeof(double));
 
 // Mass matrix (23), symmetric. [kg m^2]
 template <class T>

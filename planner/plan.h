@@ -12,8 +12,8 @@
 #include "planner/certificate/certificate.h"
 #include "planner/nlp/solve_cost.h"
 #include "planner/problem/problem.h"
+#include "planner/search/account.h"
 #include "planner/search/explain/explain.h"
-#include "planner/search/record.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {

@@ -26,7 +26,7 @@ RigState read(N_Vector v) {
 
 void write(const RigState& s, N_Vector v) {
   double* y = N_VGetArrayPointer(v);
-  std::copy_n(s.arm.data(), kStates, y);
+  s.arm.copy_to(y);
   std::copy_n(s.z.data(), kJoints, y + kStates);
 }
 

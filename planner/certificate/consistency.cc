@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "planner/certificate/certificate.h"
@@ -16,7 +17,9 @@ constexpr double kLongestTrajectory = 5e-3 * kMaxRows;
 
 bool finite(const Sample& row) {
   const auto is_finite = [](double value) { return std::isfinite(value); };
-  return is_finite(row.time) && std::all_of(row.state.data(), row.state.data() + kStates, is_finite) &&
+  std::array<double, kStates> state{};
+  row.state.copy_to(state.data());
+  return is_finite(row.time) && std::all_of(state.begin(), state.end(), is_finite) &&
          std::all_of(row.torque.begin(), row.torque.end(), is_finite);
 }
 

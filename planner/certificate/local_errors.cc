@@ -13,13 +13,13 @@ constexpr double kSteep = 100;  // [N m/s]
 
 State<double> infinite() {
   State<double> x;
-  std::fill_n(x.data(), kStates, kNoLimit);
+  for (std::size_t i = 0; i < kStates; ++i) x[i] = kNoLimit;
   return x;
 }
 
 State<double> difference(const State<double>& a, const State<double>& b) {
   State<double> d;
-  for (int i = 0; i < kStates; ++i) d.data()[i] = a.data()[i] - b.data()[i];
+  for (int i = 0; i < kStates; ++i) d[i] = a[i] - b[i];
   return d;
 }
 

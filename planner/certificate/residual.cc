@@ -53,7 +53,7 @@ Sample rest_of(const Parameters& p, const Sample& goal) {
 bool is_at_rest(const Parameters& p, const Sample& row) {
   const State<double> rest = rest_at(p, row.state.q);
   for (int i = 0; i < kStates; ++i) {
-    if (!(std::abs(row.state.data()[i] - rest.data()[i]) <= kEquilibrium)) return false;
+    if (!(std::abs(row.state[i] - rest[i]) <= kEquilibrium)) return false;
   }
   return true;
 }

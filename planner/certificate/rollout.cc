@@ -37,10 +37,13 @@ using Active = Dual<kStates>;
 
 State<double> read(N_Vector v) { return State<double>::from(N_VGetArrayPointer(v)); }
 
-void write(const State<double>& x, N_Vector v) { std::copy_n(x.data(), kStates, N_VGetArrayPointer(v)); }
+void write(const State<double>& x, N_Vector v) { x.copy_to(N_VGetArrayPointer(v)); }
 
 bool finite(const State<double>& x) {
-  return std::all_of(x.data(), x.data() + kStates, [](double value) { return std::isfinite(value); });
+  for (std::size_t i = 0; i < kStates; ++i) {
+    if (!std::isfinite(x[i])) return false;
+  }
+  return true;
 }
 
 // A vector whose sums of several vectors are one loop instead of many.
@@ -173,7 +176,7 @@ int Rollout::Memory::fill_jacobian(realtype t, N_Vector x, N_Vector, SUNMatrix j
   const State<double> now = read(x);
   const Joints<double> tau_now = m.torque(t, now);
   State<Active> active;
-  for (int i = 0; i < kStates; ++i) active.data()[i] = Active::input(now.data()[i], i);
+  for (int i = 0; i < kStates; ++i) active[i] = Active::input(now[i], i);
   Joints<Active> tau;
   for (std::size_t k = 0; k < kJoints; ++k) {
     tau[k] = tau_now[k] - m.drive.position_gain[k] * (active.theta[k] - now.theta[k]) -
@@ -182,7 +185,7 @@ int Rollout::Memory::fill_jacobian(realtype t, N_Vector x, N_Vector, SUNMatrix j
   const State<Active> f = m.derivative(active, tau);
   for (int column = 0; column < kStates; ++column) {
     realtype* entries = SM_COLUMN_D(j, column);
-    for (int row = 0; row < kStates; ++row) entries[row] = f.data()[row].g[static_cast<std::size_t>(column)];
+    for (int row = 0; row < kStates; ++row) entries[row] = f[row].g[static_cast<std::size_t>(column)];
   }
   return 0;
 }

@@ -112,7 +112,7 @@ template <int N>
 std::vector<NodeBounds<N>> node_bounds(const Problem& problem, const Mesh& mesh) {
   std::vector<NodeBounds<N>> bounds;
   auto start = node<N>(0);
-  for (std::size_t i = 0; i < kStates; ++i) start.lower[i] = start.upper[i] = problem.start.data()[i];
+  for (std::size_t i = 0; i < kStates; ++i) start.lower[i] = start.upper[i] = problem.start[i];
   bounds.push_back(start);
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
     const Via& via = problem.via[i];
@@ -261,7 +261,7 @@ Iterate evaluate_guess(const Transcription<ArmOcp<F>>& transcription, const Gues
   Eigen::VectorXd z = Eigen::VectorXd::Zero(transcription.variables());
   const auto put = [&](int at, double s) {
     const State<double> x = guess.state(s);
-    z.segment<kStates>(at) = Eigen::Map<const Eigen::Matrix<double, kStates, 1>>(x.data());
+    x.copy_to(&z[at]);
     if constexpr (F.rate)
       z.segment<kControls>(at + kStates) = Eigen::Map<const Eigen::Vector2d>(guess.torque(s).data());
     if constexpr (F.peak) {

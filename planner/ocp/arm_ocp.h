@@ -108,7 +108,7 @@ struct ArmOcp {
     const auto state = State<T>::from(x);
     const Joints<T> compensated = F.rate ? Joints<T>{x[kArm], x[kArm + 1]} : Joints<T>{u[0], u[1]};
     const State<T> rate = compensated_dynamics(robot, state, compensated);
-    for (int i = 0; i < kArm; ++i) f[i] = rate.data()[i];
+    for (int i = 0; i < kArm; ++i) f[i] = rate[i];
     if constexpr (F.rate) {
       for (int j = 0; j < kJoints; ++j) f[kArm + j] = kRateUnit * u[j];
     }

@@ -112,21 +112,17 @@ bool any_same(const std::vector<double>& minima, double objective) {
   });
 }
 
-Continuation::Continuation(const Problem& problem, ContinuationSettings settings, Interrupted interrupted,
-                           std::function<void(const Progress&)> on_progress)
-    : problem_(&problem),
-      settings_(std::move(settings)),
-      interrupted_(std::move(interrupted)),
-      on_progress_(std::move(on_progress)) {}
+Continuation::Continuation(std::shared_ptr<const Problem> problem, Session& session, std::string label)
+    : problem_(std::move(problem)), session_(&session), label_(std::move(label)) {}
 
 SolveOptions Continuation::options(const std::string& what) {
   SolveOptions o;
-  o.linear_solver = settings_.linear_solver;
-  o.max_iterations = settings_.warm_iterations;
+  o.linear_solver = settings().linear_solver;
+  o.max_iterations = settings().warm_iterations;
   o.monitor = [this, what, told = 0.0](const IterationInfo& info) mutable {
-    if (on_progress_) on_progress_({what, iterations_ + info.iteration, info.objective, info.violation});
+    session_->tell({what, info.iteration, info.objective, info.violation});
     const double more = info.work - std::exchange(told, info.work);
-    return !interrupted_(more);
+    return !session_->interrupted(more);
   };
   return o;
 }
@@ -159,7 +155,7 @@ bool Continuation::attempt(const std::string& what, const CollocationSetup& setu
 
 // What failed from the present solution fails again and is not tried again.
 bool Continuation::attempt_once(const std::string& what, Attempt attempt, const std::function<Collocated()>& solve) {
-  if (interrupted_(0)) {
+  if (session_->interrupted()) {
     status_ = SolveStatus::kStopped;
     return false;
   }
@@ -170,10 +166,10 @@ bool Continuation::attempt_once(const std::string& what, Attempt attempt, const 
   }
   Collocated next = solve();
   const std::size_t intervals = next.setup.mesh.size();
-  iterations_ += next.report.iterations;
   status_ = next.report.status;
   stages_.push_back({what, static_cast<int>(intervals), next.report.iterations, next.report.objective,
                      name(next.report.status), next.report.cost, next.report.work});
+  session_->add(stages_.back());
   if (!next.report.solved()) {
     attempt.status = status_;
     failed_.push_back(std::move(attempt));
@@ -187,14 +183,14 @@ bool Continuation::attempt_once(const std::string& what, Attempt attempt, const 
 }
 
 bool Continuation::cold(const Guess& guess, int most_iterations) {
-  const std::string what = fmt::format("{}, {}", label, guess.name);
+  const std::string what = fmt::format("{}, {}", label_, guess.name);
   SolveOptions o = options(what);
   o.max_iterations = most_iterations;
   const int usual = coarse_intervals(*problem_, guess.duration());
   Smoothing smoothest = levels(*problem_).front();
   smoothest.regularisation *= trace_factor;
   smoothest.friction_width *= width_factor;
-  const CollocationSetup setup{settings_.scheme,
+  const CollocationSetup setup{settings().scheme,
                                uniform_mesh(guess.durations, static_cast<int>(std::lround(mesh_factor * usual))),
                                smoothest,
                                {}};
@@ -220,7 +216,7 @@ bool Continuation::attempt_level(const std::string& what, const CollocationSetup
     const std::size_t before = stages_.size();
     const bool solved = attempt_once(what, {setup, Attempt::kWarm, o.max_iterations, o.initial_barrier},
                                      [&] { return collocate(*problem_, setup, from, o); });
-    if (stages_.size() > before) stages_.back().level = true;
+    if (stages_.size() > before && status_ == SolveStatus::kIterationLimit) ++session_->fallbacks().friction_level;
     return solved;
   };
   if (within(scaled ? kRestIterations : kLevelIterations)) return true;
@@ -233,7 +229,7 @@ bool Continuation::move_nodes() {
   if (!has_rests()) return false;
   const NodeTimes times = node_times(*problem_, solution_);
   if (times.spread <= times.allowed || times.jumps.empty()) return false;
-  const std::string what = fmt::format("{}, {} nodes moved", label, times.jumps.size());
+  const std::string what = fmt::format("{}, {} nodes moved", label_, times.jumps.size());
   SolveOptions o = warm(what);
   o.max_iterations = kMovingIterations;
   return attempt_once(what, {solution_.setup, Attempt::kMovingNodes, o.max_iterations, o.initial_barrier},
@@ -251,7 +247,7 @@ bool Continuation::polish_on_moved_nodes() {
 
 // A step that is too large is taken in two.
 bool Continuation::reach_level(const Smoothing& level, int halvings) {
-  const std::string what = fmt::format("{}, friction width {:.2g} rad/s", label, level.friction_width);
+  const std::string what = fmt::format("{}, friction width {:.2g} rad/s", label_, level.friction_width);
   CollocationSetup setup =
       refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
   const Smoothing from = setup.smoothing;
@@ -325,7 +321,7 @@ bool Continuation::begin(const Guess& guess, int most_iterations, const std::vec
   const CollocationSetup setup =
       refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
   if (setup.mesh.size() != solution_.setup.mesh.size())
-    attempt_or_forget(fmt::format("{}, {} intervals", label, setup.mesh.size()), setup);
+    attempt_or_forget(fmt::format("{}, {} intervals", label_, setup.mesh.size()), setup);
   return status_ != SolveStatus::kStopped;
 }
 
@@ -334,7 +330,7 @@ bool Continuation::begin(const Guess& guess, int most_iterations, const std::vec
 // are placed on both sides of that, while halving takes three rounds more to come as near.
 CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const {
   const double worth_splitting = 1.5 * tolerance,
-               worth_quartering = std::pow(2, settings_.scheme.order + 2) * tolerance;
+               worth_quartering = std::pow(2, settings().scheme.order + 2) * tolerance;
   const std::vector<PerLimit> excess =
       excesses(*problem_, solution_.setup.mesh, solution_.motion, kKeep, solution_.slack);
   const PerLimit scales = limit_scales(*problem_);
@@ -357,7 +353,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   if (sees_friction(problem_->weights)) {
     Joints<FrictionLaw> law{FrictionLaw::of(problem_->robot, 0), FrictionLaw::of(problem_->robot, 1)};
     for (FrictionLaw& l : law) l = l.smoothed(setup.smoothing.friction_width);
-    const std::vector<double> cost = cost_errors(*problem_, law, settings_.scheme, solution_.motion);
+    const std::vector<double> cost = cost_errors(*problem_, law, settings().scheme, solution_.motion);
     const double allowed = kCostTolerance * std::abs(solution_.report.objective);
     for (std::size_t k = 0; k < errors.size(); ++k) {
       if (cost[k] > allowed) errors[k] = std::max(errors[k], worth_splitting);
@@ -366,7 +362,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   std::vector<int> pieces = affordable_pieces(errors, tolerance);
   Cuts cuts = equal_cuts(pieces);
   for (std::size_t k = 0; k < cuts.size(); ++k) {
-    const double shortest = settings_.shortest_interval / solution_.motion.intervals[k].duration;
+    const double shortest = settings().shortest_interval / solution_.motion.intervals[k].duration;
     for (const double step : steps[k]) cut_around(cuts[k], step, shortest);
     pieces[k] = static_cast<int>(cuts[k].size()) + 1;
   }
@@ -387,7 +383,7 @@ std::vector<int> Continuation::affordable_pieces(const std::vector<double>& erro
   };
   std::vector<int> pieces;
   do {
-    pieces = pieces_wanted(solution_.motion, errors, tolerance, settings_.scheme.order, settings_.shortest_interval);
+    pieces = pieces_wanted(solution_.motion, errors, tolerance, settings().scheme.order, settings().shortest_interval);
     tolerance *= kLessExact;
   } while (count(pieces) > std::max(most_intervals(), errors.size()));
   return pieces;
@@ -405,7 +401,7 @@ SolveOptions Continuation::warm(const std::string& what) {
 std::size_t Continuation::most_intervals() const {
   constexpr double kRowsAnyway = 20;
   const double rows = static_cast<double>(count_of_rows(problem_->task));
-  return static_cast<std::size_t>(static_cast<double>(settings_.most_intervals) * kRowsAnyway / (kRowsAnyway + rows));
+  return static_cast<std::size_t>(static_cast<double>(settings().most_intervals) * kRowsAnyway / (kRowsAnyway + rows));
 }
 
 bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup) {
@@ -418,14 +414,14 @@ bool Continuation::attempt_anew(const std::string& what, const CollocationSetup&
   const Guess guess = guess_from(solution_.motion, solution_.durations, solution_.motion.duration());
   const std::size_t solves = stages_.size();
   const bool solved = attempt(what + ", again", setup, &guess, options(what + ", again"));
-  if (stages_.size() > solves) stages_.back().forgetful = true;
+  if (stages_.size() > solves) ++session_->fallbacks().adaptive_barrier;
   return solved;
 }
 
 bool Continuation::refine(const std::vector<double>& errors) {
-  const CollocationSetup setup = refined(solution_.setup, errors, std::min(settings_.mesh_tolerance, bulk_of(errors)));
+  const CollocationSetup setup = refined(solution_.setup, errors, std::min(settings().mesh_tolerance, bulk_of(errors)));
   if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
-  return attempt_or_forget(fmt::format("{}, {} intervals", label, setup.mesh.size()), setup);
+  return attempt_or_forget(fmt::format("{}, {} intervals", label_, setup.mesh.size()), setup);
 }
 
 bool Continuation::polish() {
@@ -435,10 +431,10 @@ bool Continuation::polish() {
     const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
     const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion, keep, solution_.slack),
                              *problem_, growth);
-    setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), settings_.mesh_tolerance);
+    setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), settings().mesh_tolerance);
     const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
     if (!wider && !finer) return true;
-    const std::string what = fmt::format("{}, {} intervals{}", label, setup.mesh.size(), wider ? " and margins" : "");
+    const std::string what = fmt::format("{}, {} intervals{}", label_, setup.mesh.size(), wider ? " and margins" : "");
     if (!attempt_or_forget(what, setup)) {
       ++failures_to_polish_;
       return status_ != SolveStatus::kStopped;
@@ -459,7 +455,7 @@ bool Continuation::keep_margins(const std::vector<LimitCheck>& checks) {
   }
   CollocationSetup setup = solution_.setup;
   if (!widen(setup.margins, more, *problem_)) return false;
-  const std::string what = fmt::format("{}, margins from the certificate", label);
+  const std::string what = fmt::format("{}, margins from the certificate", label_);
   return attempt(what, setup, nullptr, warm(what)) && polish();
 }
 
@@ -478,7 +474,7 @@ bool Continuation::creep() {
       }
     }
     if (!more) return any;
-    const std::string what = fmt::format("{}, no unstable rest", label);
+    const std::string what = fmt::format("{}, no unstable rest", label_);
     if (!attempt(what, setup, nullptr, warm(what))) return false;
     any = true;
   }
@@ -486,7 +482,7 @@ bool Continuation::creep() {
 }
 
 bool Continuation::adopt(const Collocated& other, double duration) {
-  const std::string what = label + ", stretched";
+  const std::string what = label_ + ", stretched";
   const Guess guess = guess_from(other.motion, other.durations, duration);
   return attempt(what, other.setup, &guess, options(what));
 }
@@ -503,7 +499,7 @@ bool Continuation::resume(const Collocated& neighbour) {
   if (limits > kLimits || (!setup.margins.empty() && setup.margins.front().size() != limits)) {
     setup.margins.clear();
   }
-  const std::string what = label + ", moved";
+  const std::string what = label_ + ", moved";
   // What the small barrier makes crawl along its bounds, a larger one pushes off: one of nine neighbours needed that.
   for (const double barrier : {kWarmBarrier, 10 * kWarmBarrier}) {
     SolveOptions o = warm(what);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,32 +11,17 @@
 #include "planner/ocp/collocate.h"
 #include "planner/problem/problem.h"
 #include "planner/search/guesses.h"
-#include "planner/search/record.h"
+#include "planner/search/session.h"
 
 namespace fjr {
-
-struct ContinuationSettings {
-  Scheme scheme = hermite_simpson();
-  double mesh_tolerance = 3e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
-  double shortest_interval = 2.5e-4;  // [s] refinement stops there: a switch inside costs less than the tolerance
-  int warm_iterations = 150;
-  // Beyond that a mesh is not refined, beyond fewer where a task adds rows: memory grows with it, by 70 kB an interval
-  // without a task.
-  std::size_t most_intervals = 2500;
-  std::string linear_solver = "stage";
-};
-
-// What stops everything: asked before every solve and in every iteration, and told the work [s] since it was asked last
-// (SolveReport::work).
-using Interrupted = std::function<bool(double work)>;
 
 // Whether one of these minima is this one, by their objectives on the same mesh.
 bool any_same(const std::vector<double>& minima, double objective);
 
 class Continuation {
  public:
-  Continuation(const Problem& problem, ContinuationSettings settings, Interrupted interrupted,
-               std::function<void(const Progress&)> on_progress);
+  // label: of this start, for progress and stages. The session outlives it.
+  Continuation(std::shared_ptr<const Problem> problem, Session& session, std::string label);
 
   // Solves with the smoothest friction law, on a coarse mesh from the guess and then on a refined one: what the starts
   // are compared by. False when there is no solution; status() says how it ended.
@@ -74,16 +60,15 @@ class Continuation {
   // solution.
   bool creep();
 
-  const Problem& problem() const { return *problem_; }
+  const std::shared_ptr<const Problem>& problem() const { return problem_; }
+  const std::string& label() const { return label_; }
   const Collocated& solution() const { return solution_; }
   SolveStatus status() const { return status_; }
   // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.
   const std::string& obstacle() const { return obstacle_; }
   const std::vector<SolverStage>& stages() const { return stages_; }
   int solutions() const { return solutions_; }  // that were found so far, each in place of the one before
-  int iterations() const { return iterations_; }
 
-  std::string label;        // of this start, for progress and stages
   int start = 1;            // how many starts had been tried with this one
   double mesh_factor = 1;   // on the number of intervals of the first mesh
   double trace_factor = 1;  // on the trace of effort of the first solution: more of it is easier to solve
@@ -118,20 +103,19 @@ class Continuation {
   bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, const SolveOptions& options);
   bool attempt_once(const std::string& what, Attempt attempt, const std::function<Collocated()>& solve);
   bool has_rests() const;
+  const ContinuationSettings& settings() const { return session_->options().settings; }
   SolveOptions options(const std::string& what);
   SolveOptions warm(const std::string& what);
 
-  const Problem* problem_;  // outlives this
-  ContinuationSettings settings_;
-  Interrupted interrupted_;
-  std::function<void(const Progress&)> on_progress_;
+  std::shared_ptr<const Problem> problem_;
+  Session* session_;
+  std::string label_;
   Collocated solution_;
   SolveStatus status_ = SolveStatus::kFailed;
   std::string obstacle_;
   std::vector<Attempt> failed_;  // from the present solution
   std::vector<SolverStage> stages_;
   int solutions_ = 0;
-  int iterations_ = 0;
   int failures_to_polish_ = 0;
 };
 

@@ -9,6 +9,7 @@
 
 #include "planner/problem/relaxable.h"
 #include "planner/problem/statics.h"
+#include "planner/search/starts.h"
 
 namespace fjr {
 namespace {
@@ -30,46 +31,44 @@ constexpr double kShortestStep = 2e-3;     // of those that could not be taken
 // A motor that creeps finds less friction in a smoothed law: what is lifted so is not lifted with the exact one.
 constexpr double kSharper = 0.1;  // times the usual width
 
-std::optional<Continuation> begun(Continuation c, const SolveTools& tools, const Guess& guess, int patience) {
-  const bool solved = !tools.interrupted() && c.begin(guess, patience);
-  tools.book(c);
-  if (!solved) return std::nullopt;
+using SharedProblem = std::shared_ptr<const Problem>;
+
+std::optional<Continuation> begun(Continuation c, Session& session, const Guess& guess, int patience) {
+  if (session.interrupted() || !c.begin(guess, patience)) return std::nullopt;
   return c;
 }
 
-std::optional<Continuation> attempt(const Problem& problem, const SolveTools& tools, const std::string& label,
+std::optional<Continuation> attempt(const SharedProblem& problem, Session& session, const std::string& label,
                                     const Guess& guess, double mesh_factor = 1) {
-  Continuation c = tools.continuation(problem, label);
+  Continuation c(problem, session, label);
   c.mesh_factor = mesh_factor;
-  return begun(std::move(c), tools, guess, kPatience);
+  return begun(std::move(c), session, guess, kPatience);
 }
 
-std::optional<Continuation> attempt_patiently(const Problem& problem, const SolveTools& tools, const Guess& guess) {
-  Continuation c = tools.continuation(problem, "with patience");
+std::optional<Continuation> attempt_patiently(const SharedProblem& problem, Session& session, const Guess& guess) {
+  Continuation c(problem, session, "with patience");
   c.trace_factor = kMoreEffort;
-  return begun(std::move(c), tools, guess, kMorePatience);
+  return begun(std::move(c), session, guess, kMorePatience);
 }
 
 // From a smoothed solution, or from another problem's, on a new mesh.
-std::optional<Continuation> sharpened(const Problem& problem, const SolveTools& tools, const std::string& label,
+std::optional<Continuation> sharpened(const SharedProblem& problem, Session& session, const std::string& label,
                                       const Collocated& from, double mesh_factor = 1) {
-  Continuation c = tools.continuation(problem, label);
+  Continuation c(problem, session, label);
   c.width_factor = kSharper;
   c.mesh_factor = mesh_factor;
-  return begun(std::move(c), tools, guess_from(from.motion, from.durations, from.motion.duration()), kMoreSwings);
+  return begun(std::move(c), session, guess_from(from.motion, from.durations, from.motion.duration()), kMoreSwings);
 }
 
 // From a solution of a neighbouring problem: on its mesh where that will do, or else from the start again.
-std::optional<Continuation> follow(const Problem& problem, const SolveTools& tools, const std::string& label,
+std::optional<Continuation> follow(const SharedProblem& problem, Session& session, const std::string& label,
                                    const Collocated& from) {
   const double duration = from.motion.duration();
   if (duration / static_cast<double>(from.setup.mesh.size()) <= kLongestInterval) {
-    Continuation c = tools.continuation(problem, label);
-    const bool solved = !tools.interrupted() && c.adopt(from, duration);
-    tools.book(c);
-    if (solved) return c;
+    Continuation c(problem, session, label);
+    if (!session.interrupted() && c.adopt(from, duration)) return c;
   }
-  return sharpened(problem, tools, label, from);
+  return sharpened(problem, session, label, from);
 }
 
 // The problem with limits that are easier to keep, by more with a larger factor.
@@ -83,16 +82,15 @@ struct Reached {
   double factor;
 };
 
-// Step by step towards the problem's own limits, each solution starting the next, as far as that goes. The eased
-// problems only have to live as long as their solution is the start of the next.
-Reached tighten(const Problem& problem, const SolveTools& tools, const Eased& eased, Reached from, double longest) {
+// Step by step towards the problem's own limits, each solution starting the next, as far as that goes.
+Reached tighten(const SharedProblem& problem, Session& session, const Eased& eased, Reached from, double longest) {
   double step = kFirstStep;
-  while (from.factor > 1 && step >= kShortestStep && !tools.interrupted()) {
+  while (from.factor > 1 && step >= kShortestStep && !session.interrupted()) {
     const double target = std::max(1.0, from.factor / (1 + step));
-    const Problem easier = eased(target);
+    const SharedProblem tighter = target > 1 ? std::make_shared<const Problem>(eased(target)) : problem;
     const std::string label =
         target > 1 ? fmt::format("limits relaxed by {:.3g} %", 100 * (target - 1)) : "limits tightened step by step";
-    auto next = follow(target > 1 ? easier : problem, tools, label, from.motion.solution());
+    auto next = follow(tighter, session, label, from.motion.solution());
     if (next && target > 1 && duration_of(next->solution()) > longest) break;  // and tighter limits take longer
     if (next) {
       const double longer = std::log(duration_of(next->solution()) / duration_of(from.motion.solution()));
@@ -106,13 +104,13 @@ Reached tighten(const Problem& problem, const SolveTools& tools, const Eased& ea
   return from;
 }
 
-std::optional<Continuation> tighten_all(const Problem& problem, const SolveTools& tools, const Guess& guess,
+std::optional<Continuation> tighten_all(const SharedProblem& problem, Session& session, const Guess& guess,
                                         double share) {
-  const Eased eased = [&](double factor) { return relaxed(problem, factor - 1); };
-  const Problem easiest = eased(1 + share);
-  auto easy = attempt(easiest, tools, fmt::format("limits relaxed by {:.3g} %", 100 * share), guess);
+  const Eased eased = [&](double factor) { return relaxed(*problem, factor - 1); };
+  const auto easiest = std::make_shared<const Problem>(eased(1 + share));
+  auto easy = attempt(easiest, session, fmt::format("limits relaxed by {:.3g} %", 100 * share), guess);
   if (!easy) return std::nullopt;
-  Reached reached = tighten(problem, tools, eased, {std::move(*easy), 1 + share}, kNoLimit);
+  Reached reached = tighten(problem, session, eased, {std::move(*easy), 1 + share}, kNoLimit);
   if (reached.factor > 1) return std::nullopt;
   return std::move(reached.motion);
 }
@@ -138,11 +136,11 @@ ToCarry factors_to_carry(const Problem& problem) {
 
 bool can_be_carried(const Problem& problem) { return factors_to_carry(problem).most() == 1; }
 
-SwungUp swing_up(const Problem& problem, double longest, const SolveTools& tools, Fallbacks& tried) {
-  ++tried.swinging;
-  const ToCarry factors = factors_to_carry(problem);
+SwungUp swing_up(const SharedProblem& problem, double longest, Session& session) {
+  ++session.fallbacks().swinging;
+  const ToCarry factors = factors_to_carry(*problem);
   const Eased eased = [&](double factor) {
-    Problem result = problem;
+    Problem result = *problem;
     for (std::size_t j = 0; j < kJoints; ++j) {
       if (factors.torque[j] > 1) result.limits.torque[j] *= factor;
       if (factors.deflection[j] > 1) result.limits.spring_deflection[j] *= factor;
@@ -150,20 +148,20 @@ SwungUp swing_up(const Problem& problem, double longest, const SolveTools& tools
     return result;
   };
   const double easily = kEasilyCarried * factors.most();
-  const Problem easy = eased(easily);
+  const auto easy = std::make_shared<const Problem>(eased(easily));
   const std::string label = "limits that carry the arm";
-  const Guess straight = tools.guesses(easy).front();
+  const Guess straight = first_guesses(*easy).front();
   const Joints<double> begin = straight.state(0).q, end = straight.state(1).q;
   for (const double back : kWindingUp) {
-    if (tools.interrupted()) break;
+    if (session.interrupted()) break;
     const Joints<double> away{back * (end[0] - begin[0]), back * (end[1] - begin[1])};
-    auto carried = attempt(easy, tools, label, winding_up_guess(straight, away));
-    if (carried) carried = sharpened(easy, tools, label, carried->solution());
+    auto carried = attempt(easy, session, label, winding_up_guess(straight, away));
+    if (carried) carried = sharpened(easy, session, label, carried->solution());
     if (!carried) continue;
-    Reached reached = tighten(problem, tools, eased, {std::move(*carried), easily}, longest);
+    Reached reached = tighten(problem, session, eased, {std::move(*carried), easily}, longest);
     if (reached.factor > 1) return {std::nullopt, eased(reached.factor).limits};
     // On the coarse mesh a motion may be lifted by what the mesh does not see.
-    if (auto finer = sharpened(problem, tools, "swung up, finer mesh", reached.motion.solution(), kFiner)) {
+    if (auto finer = sharpened(problem, session, "swung up, finer mesh", reached.motion.solution(), kFiner)) {
       return {std::move(*finer), std::nullopt};
     }
     return {std::move(reached.motion), std::nullopt};
@@ -171,24 +169,25 @@ SwungUp swing_up(const Problem& problem, double longest, const SolveTools& tools
   return {};
 }
 
-std::optional<Continuation> climb(const Problem& problem, const SolveTools& tools, Fallbacks& tried) {
-  const std::vector<Guess> guesses = tools.guesses(problem);
-  for (std::size_t i = 0; i < std::min(kPatientStarts, guesses.size()) && !tools.interrupted(); ++i) {
+std::optional<Continuation> climb(const SharedProblem& problem, Session& session) {
+  Fallbacks& tried = session.fallbacks();
+  const std::vector<Guess> guesses = first_guesses(*problem);
+  for (std::size_t i = 0; i < std::min(kPatientStarts, guesses.size()) && !session.interrupted(); ++i) {
     ++tried.patience;
-    if (auto found = attempt_patiently(problem, tools, guesses[i])) return found;
+    if (auto found = attempt_patiently(problem, session, guesses[i])) return found;
   }
   const std::pair<double, int*> meshes[] = {{kCoarser, &tried.coarser_mesh}, {kFiner, &tried.finer_mesh}};
   for (const auto& [factor, count] : meshes) {
-    if (tools.interrupted()) return std::nullopt;
+    if (session.interrupted()) return std::nullopt;
     ++*count;
-    if (auto found = attempt(problem, tools, factor < 1 ? "coarser mesh" : "finer mesh", guesses.front(), factor)) {
+    if (auto found = attempt(problem, session, factor < 1 ? "coarser mesh" : "finer mesh", guesses.front(), factor)) {
       return found;
     }
   }
   for (const double share : kRelaxed) {
-    if (tools.interrupted()) return std::nullopt;
+    if (session.interrupted()) return std::nullopt;
     ++tried.elastic;
-    if (auto found = tighten_all(problem, tools, guesses.front(), share)) return found;
+    if (auto found = tighten_all(problem, session, guesses.front(), share)) return found;
   }
   return std::nullopt;
 }

@@ -1,14 +1,13 @@
 // What is tried, in this order, when no start leads anywhere.
 //
-// Before it come more starts, displaced at random, and the fastest motion stretched to the time there is (plan.cc);
+// Before it come more starts, displaced at random, and the fastest motion stretched to the time there is (motions.cc);
 // within a continuation a warm start that failed is tried again with an adaptive barrier (continuation.cc).
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "planner/search/continuation.h"
-#include "planner/search/record.h"
-#include "planner/search/solve_tools.h"
 
 namespace fjr {
 
@@ -22,11 +21,12 @@ struct SwungUp {
   std::optional<Continuation> motion;  // as good as Continuation::begin() leaves it
   std::optional<Limits> reached;       // where there is none: the tightest limits with which there was one
 };
-SwungUp swing_up(const Problem& problem, double longest, const SolveTools& tools, Fallbacks& tried);
+SwungUp swing_up(const std::shared_ptr<const Problem>& problem, double longest, Session& session);
 
 // The first starts again with patience and more effort, a coarser mesh, a finer one, and then the elastic mode: with
 // its limits relaxed the problem is solved, and they are tightened again step by step, each solution starting the next.
-// What was tried is counted. The result is as good as Continuation::begin() leaves it; none when nothing led anywhere.
-std::optional<Continuation> climb(const Problem& problem, const SolveTools& tools, Fallbacks& tried);
+// What was tried is counted in Session::fallbacks(). The result is as good as Continuation::begin() leaves it; none
+// when nothing led anywhere.
+std::optional<Continuation> climb(const std::shared_ptr<const Problem>& problem, Session& session);
 
 }  // namespace fjr

@@ -10,7 +10,9 @@ using Vector8 = Eigen::Matrix<double, kStates, 1>;
 
 Vector8 rate(const Parameters& robot, const Motion& motion, std::size_t k, double time, const Vector8& x) {
   const auto f = compensated_dynamics(robot, State<double>::from(x.data()), motion.torque_in(k, time));
-  return Eigen::Map<const Vector8>(f.data());
+  Vector8 derivative;
+  f.copy_to(derivative.data());
+  return derivative;
 }
 
 // Classical Runge-Kutta over interval k. Substeps short enough that its own error is far below a collocation step's.
@@ -47,7 +49,7 @@ std::vector<double> interval_errors(const Parameters& robot, const Motion& motio
     State<double> difference = integrate_interval(robot, motion, k);
     const auto& interval = motion.intervals[k];
     const State<double> planned = motion.state_in(k, interval.start + interval.duration);
-    for (int i = 0; i < kStates; ++i) difference.data()[i] -= planned.data()[i];
+    for (int i = 0; i < kStates; ++i) difference[i] -= planned[i];
     errors.push_back(error_size(difference));
   }
   return errors;

@@ -35,7 +35,7 @@ Sample to_sample(const Values& values) {
 Values to_values(const Sample& sample) {
   Values values;
   values[0] = sample.time;
-  std::copy_n(sample.state.data(), kStates, &values[1]);
+  sample.state.copy_to(&values[1]);
   std::copy_n(sample.torque.data(), kControls, &values[1 + kStates]);
   return values;
 }

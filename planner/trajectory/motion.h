@@ -30,9 +30,8 @@ struct Motion {
   }
 
   State<double> state_in(std::size_t interval, double time) const {
-    State<double> x;
-    Eigen::Map<Eigen::Matrix<double, kStates, 1>>(x.data()) = polynomial(intervals[interval].state, interval, time);
-    return x;
+    const Eigen::Matrix<double, kStates, 1> x = polynomial(intervals[interval].state, interval, time);
+    return State<double>::from(x.data());
   }
   // Compensated torque u.
   Joints<double> torque_in(std::size_t interval, double time) const {

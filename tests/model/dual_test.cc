@@ -181,7 +181,7 @@ RC_GTEST_PROP(Pattern, CoversTheDynamics, ()) {
   const Joints<double> u = pair_between(-12, 12);
   const auto evaluate = [&]<class D>(D) {
     State<D> state;
-    for (int i = 0; i < kStates; ++i) state.data()[i] = D::input(x.data()[i], i);
+    for (int i = 0; i < kStates; ++i) state[i] = D::input(x[i], i);
     return compensated_dynamics(p, state, {D::input(u[0], 8), D::input(u[1], 9)});
   };
   const auto pattern = evaluate(Pattern<10>{});
@@ -189,10 +189,9 @@ RC_GTEST_PROP(Pattern, CoversTheDynamics, ()) {
   for (int c = 0; c < kStates; ++c) {
     for (int i = 0; i < 10; ++i) {
       const auto row = static_cast<std::size_t>(i);
-      RC_ASSERT(values.data()[c].g[row] == 0 || pattern.data()[c].depends_on(i));
+      RC_ASSERT(values[c].g[row] == 0 || pattern[c].depends_on(i));
       for (int j = 0; j < 10; ++j) {
-        RC_ASSERT(hessian_entry(values.data()[c], row, static_cast<std::size_t>(j)) == 0 ||
-                  pattern.data()[c].curved_in(i, j));
+        RC_ASSERT(hessian_entry(values[c], row, static_cast<std::size_t>(j)) == 0 || pattern[c].curved_in(i, j));
       }
     }
   }
@@ -231,7 +230,7 @@ TEST(Pattern, FunctionsAreCurvedInEveryPairOfTheirInputs) {
 TEST(Pattern, MotorRowsOfTheDynamicsHaveNoCurvature) {
   static const Parameters p = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   State<Pattern<10>> x;
-  for (int i = 0; i < kStates; ++i) x.data()[i] = Pattern<10>::input(1, i);
+  for (int i = 0; i < kStates; ++i) x[i] = Pattern<10>::input(1, i);
   const auto f = compensated_dynamics(p, x, {Pattern<10>::input(1, 8), Pattern<10>::input(1, 9)});
   for (std::size_t j = 0; j < kJoints; ++j) {
     for (const auto& row : f.dtheta[j].h) EXPECT_EQ(row, 0u);

@@ -210,11 +210,11 @@ RC_GTEST_PROP(Energy, ChangesByThePowerOfDriveAndFriction, ()) {
   const State<double> x = any_state();
   const Joints<double> tau = pair_between(-12, 12);
   State<Dual<8>> active;
-  for (int i = 0; i < kStates; ++i) active.data()[i] = Dual<8>::input(x.data()[i], i);
+  for (int i = 0; i < kStates; ++i) active[i] = Dual<8>::input(x[i], i);
   const Dual<8> e = energy(p, active);
   const State<double> rate = dynamics(p, x, tau);
   double change = 0, power = 0;
-  for (int i = 0; i < kStates; ++i) change += e.g[static_cast<std::size_t>(i)] * rate.data()[i];
+  for (int i = 0; i < kStates; ++i) change += e.g[static_cast<std::size_t>(i)] * rate[i];
   for (int j = 0; j < kJoints; ++j) {
     const auto i = static_cast<std::size_t>(j);
     power += (tau[i] - FrictionLaw::of(p, j).torque(x.dtheta[i])) * x.dtheta[i] - p.link.damping[i] * x.dq[i] * x.dq[i];
@@ -224,7 +224,7 @@ RC_GTEST_PROP(Energy, ChangesByThePowerOfDriveAndFriction, ()) {
 
 State<double> plus(const State<double>& x, double a, const State<double>& f) {
   State<double> r = x;
-  for (int i = 0; i < kStates; ++i) r.data()[i] += a * f.data()[i];
+  for (int i = 0; i < kStates; ++i) r[i] += a * f[i];
   return r;
 }
 
@@ -303,12 +303,12 @@ RC_GTEST_PROP(Rest, IsAnEquilibriumUnderTheTorqueOfGravity, ()) {
   RC_ASSERT(x.q == q);
   // theta - q loses 2e-16 K (rad, N m/rad) to rounding; over the smallest inertia, 0.0116 kg m^2, that is 1e-12
   // rad/s^2.
-  for (int i = 0; i < kStates; ++i) RC_ASSERT(std::abs(rate.data()[i]) < 1e-11);
+  for (int i = 0; i < kStates; ++i) RC_ASSERT(std::abs(rate[i]) < 1e-11);
 }
 
 TEST(Rest, HangsStraightDown) {
   const State<double> x = rest_at(robot(), {0, 0});
-  for (int i = 0; i < kStates; ++i) EXPECT_EQ(x.data()[i], 0);
+  for (int i = 0; i < kStates; ++i) EXPECT_EQ(x[i], 0);
 }
 
 // ---- one formula for every scalar ----
@@ -316,7 +316,7 @@ TEST(Rest, HangsStraightDown) {
 template <class D>
 State<D> active_dynamics(const Parameters& p, const State<double>& x, const Joints<double>& tau) {
   State<D> state;
-  for (int i = 0; i < kStates; ++i) state.data()[i] = D::input(x.data()[i], i);
+  for (int i = 0; i < kStates; ++i) state[i] = D::input(x[i], i);
   return dynamics(p, state, {D::input(tau[0], kStates), D::input(tau[1], kStates + 1)});
 }
 
@@ -329,11 +329,11 @@ RC_GTEST_PROP(Dynamics, HaveTheSameValueForEveryScalar, ()) {
   const auto second = active_dynamics<Dual2<10>>(p, x, tau);
   for (int i = 0; i < kStates; ++i) {
     // Division is a product with the inverse there: roundings of accelerations up to 1e4 rad/s^2.
-    const double rounding = 1e-14 * (1e3 + std::abs(plain.data()[i]));
-    RC_ASSERT(std::abs(first.data()[i].v - plain.data()[i]) < rounding);
-    RC_ASSERT(std::abs(second.data()[i].v - plain.data()[i]) < rounding);
+    const double rounding = 1e-14 * (1e3 + std::abs(plain[i]));
+    RC_ASSERT(std::abs(first[i].v - plain[i]) < rounding);
+    RC_ASSERT(std::abs(second[i].v - plain[i]) < rounding);
     for (std::size_t k = 0; k < 10; ++k) {
-      RC_ASSERT(std::abs(first.data()[i].g[k] - second.data()[i].g[k]) <= 1e-12 * (1 + std::abs(first.data()[i].g[k])));
+      RC_ASSERT(std::abs(first[i].g[k] - second[i].g[k]) <= 1e-12 * (1 + std::abs(first[i].g[k])));
     }
   }
 }
@@ -347,7 +347,7 @@ RC_GTEST_PROP(Dynamics, CompensatedTorqueTakesTheFrictionOut, ()) {
   }
   const State<double> a = dynamics(robot(), x, tau), b = compensated_dynamics(robot(), x, u);
   // One rounding of 14 N m over the smallest motor inertia, 0.0145 kg m^2.
-  for (int i = 0; i < kStates; ++i) RC_ASSERT(std::abs(a.data()[i] - b.data()[i]) < 1e-12);
+  for (int i = 0; i < kStates; ++i) RC_ASSERT(std::abs(a[i] - b[i]) < 1e-12);
 }
 
 }  // namespace

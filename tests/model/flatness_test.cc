@@ -58,7 +58,7 @@ double state_rate(const Parameters& p, double t, int i) {
   for (int k = 1; k <= 3; ++k) {
     const FlatPoint after = from_link_motion(p, motion_at(t + k * kStep));
     const FlatPoint before = from_link_motion(p, motion_at(t - k * kStep));
-    rate += kWeights[k - 1] * (after.state.data()[i] - before.state.data()[i]) / kStep;
+    rate += kWeights[k - 1] * (after.state[i] - before.state[i]) / kStep;
   }
   return rate;
 }
@@ -69,7 +69,7 @@ TEST(Flatness, DynamicsReturnTheTimeDerivativeOfTheFlatState) {
     const FlatPoint point = from_link_motion(p, motion_at(t));
     const State<double> rate = dynamics(p, point.state, point.torque);
     for (int i = 0; i < kStates; ++i) {
-      EXPECT_NEAR(rate.data()[i], state_rate(p, t, i), 1e-7) << "t = " << t << ", component " << i;
+      EXPECT_NEAR(rate[i], state_rate(p, t, i), 1e-7) << "t = " << t << ", component " << i;
     }
   }
 }

@@ -50,7 +50,7 @@ using Torque = std::function<Joints<double>(double, const State<double>&)>;
 
 State<double> plus(const State<double>& x, double a, const State<double>& f) {
   State<double> r = x;
-  for (int i = 0; i < kStates; ++i) r.data()[i] += a * f.data()[i];
+  for (int i = 0; i < kStates; ++i) r[i] += a * f[i];
   return r;
 }
 
@@ -407,10 +407,10 @@ Eigen::MatrixXd linearised_arm(const Joints<double>& q) {
   Eigen::MatrixXd a(kStates, kStates);
   for (int i = 0; i < kStates; ++i) {
     State<double> up = rest, down = rest;
-    up.data()[i] += 1e-5;
-    down.data()[i] -= 1e-5;
+    up[i] += 1e-5;
+    down[i] -= 1e-5;
     const State<double> f1 = compensated_dynamics(robot(), up, u), f0 = compensated_dynamics(robot(), down, u);
-    for (int k = 0; k < kStates; ++k) a(k, i) = (f1.data()[k] - f0.data()[k]) / 2e-5;
+    for (int k = 0; k < kStates; ++k) a(k, i) = (f1[k] - f0[k]) / 2e-5;
   }
   return a;
 }
@@ -946,9 +946,9 @@ TEST(LocalErrors, SitWhereTheForgeryIsAndNowhereElse) {
   ASSERT_EQ(errors.size(), 43u);
   for (std::size_t k = 0; k < errors.size(); ++k) {
     for (int i = 0; i < kStates; ++i) {
-      const double expected = k == 10 ? end.data()[i] - trajectory.samples[110].state.data()[i] : 0;
+      const double expected = k == 10 ? end[i] - trajectory.samples[110].state[i] : 0;
       const bool velocity = i % 4 >= 2;
-      EXPECT_NEAR(errors[k].data()[i], expected, velocity ? 1e-5 : 2e-7) << k << ", " << i;
+      EXPECT_NEAR(errors[k][i], expected, velocity ? 1e-5 : 2e-7) << k << ", " << i;
     }
   }
   EXPECT_GT(std::abs(errors[10].dtheta[1]), 1e-4);

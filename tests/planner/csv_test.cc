@@ -81,7 +81,7 @@ Trajectory random_trajectory(std::uint64_t seed) {
   for (int row = 0; row < 50; ++row) {
     Sample sample;
     sample.time = 0.001 * row + 1e-4 * std::uniform_real_distribution<>(0, 1)(random);
-    for (int i = 0; i < kStates; ++i) sample.state.data()[i] = any_finite_double(random);
+    for (int i = 0; i < kStates; ++i) sample.state[i] = any_finite_double(random);
     sample.torque = {any_finite_double(random), -0.0};
     trajectory.samples.push_back(sample);
   }
@@ -92,7 +92,7 @@ bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == s
 
 bool same_bits(const Sample& a, const Sample& b) {
   bool same = same_bits(a.time, b.time) && same_bits(a.torque[0], b.torque[0]) && same_bits(a.torque[1], b.torque[1]);
-  for (int i = 0; i < kStates; ++i) same = same && same_bits(a.state.data()[i], b.state.data()[i]);
+  for (int i = 0; i < kStates; ++i) same = same && same_bits(a.state[i], b.state[i]);
   return same;
 }
 

@@ -41,7 +41,7 @@ void expect_sound(const Problem& problem, const Plan& plan) {
                 problem.limits.spring_deflection[j] * (1 + 1e-6));
     }
   }
-  for (int i = 0; i < kStates; ++i) EXPECT_EQ(rows.front().state.data()[i], problem.start.data()[i]);
+  for (int i = 0; i < kStates; ++i) EXPECT_EQ(rows.front().state[i], problem.start[i]);
   for (std::size_t j = 0; j < kJoints; ++j) {
     EXPECT_NEAR(rows.back().state.q[j], problem.goal.q[j], 1e-8);  // ten times the optimiser's constraint tolerance
     EXPECT_NEAR(rows.back().state.dq[j], problem.goal.dq[j], 1e-8);

@@ -30,7 +30,8 @@ Motion simulated(const Scheme& scheme, int steps, double duration) {
   const auto torque = [&](double t) { return Joints<double>{2 - 3 * t / duration, -0.5 + 1.5 * t / duration}; };
   Motion motion;
   const State<double> start = rest_at(robot(), {0.2, -0.3});
-  Vector8 node = Eigen::Map<const Vector8>(start.data());
+  Vector8 node;
+  start.copy_to(node.data());
   const double h = duration / steps;
   for (int k = 0; k < steps; ++k) {
     Eigen::Matrix<double, kStates, Eigen::Dynamic> y = node.replicate(1, scheme.stages()), f = y;
@@ -39,7 +40,7 @@ Motion simulated(const Scheme& scheme, int steps, double duration) {
         const Vector8 stage = y.col(j);
         const auto rate =
             compensated_dynamics(robot(), State<double>::from(stage.data()), torque(h * (k + scheme.points(j))));
-        f.col(j) = Eigen::Map<const Vector8>(rate.data());
+        rate.copy_to(f.col(j).data());
       }
       y = node.replicate(1, scheme.stages()) + h * f * scheme.A.transpose();
     }

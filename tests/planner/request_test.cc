@@ -565,7 +565,7 @@ TEST(RequestHash, DependsOnWhatIsMeantAndNotOnHowItIsWritten) {
 
 // A valid Problem promises what the planner relies on, whatever text it came from.
 void expect_sound(const Problem& p) {
-  for (int i = 0; i < kStates; ++i) EXPECT_TRUE(std::isfinite(p.start.data()[i]));
+  for (int i = 0; i < kStates; ++i) EXPECT_TRUE(std::isfinite(p.start[i]));
   for (std::size_t j = 0; j < kJoints; ++j) {
     EXPECT_LE(std::abs(p.goal.q[j]), p.limits.link_position[j]);
     EXPECT_LE(p.limits.torque[j], p.robot.limits.torque[j]);

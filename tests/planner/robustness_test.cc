@@ -2,11 +2,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
 
 #include "planner/plan.h"
 #include "planner/request/request.h"
 #include "planner/search/guesses.h"
 #include "planner/search/ladder.h"
+#include "planner/search/session.h"
 #include "support/random_requests.h"
 
 namespace fjr {
@@ -57,24 +59,18 @@ TEST(Robustness, ASwingComesWhileLimitsAreTightened) {
                          "lift.yaml", robot);
   };
   EXPECT_TRUE(can_be_carried(lift("6.8")));
-  const Problem problem = lift("6.1");
-  EXPECT_FALSE(can_be_carried(problem));
-  const SolveTools tools{[](const Problem& p, const std::string& label) {
-                           Continuation c(p, {}, [](double) { return false; }, {});
-                           c.label = label;
-                           return c;
-                         },
-                         [](const Problem& p) { return std::vector{minimum_jerk_guess(p, duration_guess(p))}; },
-                         [](const Continuation&) {}, [] { return false; }};
-  Fallbacks tried;
-  const SwungUp swung = swing_up(problem, problem.duration.max, tools, tried);
+  const auto problem = std::make_shared<const Problem>(lift("6.1"));
+  EXPECT_FALSE(can_be_carried(*problem));
+  Session session({});
+  session.allow(1);
+  const SwungUp swung = swing_up(problem, problem->duration.max, session);
   ASSERT_TRUE(swung.motion);
   const Motion& motion = swung.motion->solution().motion;
   EXPECT_LT(motion.duration(), 2.0);
   double back = 0;  // [rad]
   for (double t = 0; t < motion.duration(); t += 0.01) back = std::min(back, motion.state_at(t).q[0]);
   EXPECT_LT(back, -0.5);
-  EXPECT_EQ(&swung.motion->problem(), &problem) << "the motion is of a problem with other limits";
+  EXPECT_EQ(swung.motion->problem(), problem) << "the motion is of a problem with other limits";
 }
 
 // Where more intervals are wanted than there may be, the worst are split, and not none.
@@ -82,9 +78,11 @@ TEST(Robustness, AMeshThatMayNotGrowAsWantedGrowsWhereItErrsMost) {
   constexpr std::size_t kMost = 28;  // the first mesh has 25, and four times as many are wanted
   const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   const Problem problem = parse_request("start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n", "reach.yaml", robot);
-  ContinuationSettings settings;
-  settings.most_intervals = kMost;
-  Continuation c(problem, settings, [](double) { return false; }, {});
+  SessionOptions options;
+  options.settings.most_intervals = kMost;
+  Session session(options);
+  session.allow(1);
+  Continuation c(std::make_shared<const Problem>(problem), session, "");
   ASSERT_TRUE(c.begin(minimum_jerk_guess(problem, duration_guess(problem)), 400));
   std::vector<double> errors(c.solution().setup.mesh.size(), 1e-3);
   ASSERT_LT(errors.size(), kMost);

@@ -70,8 +70,8 @@ TEST(Sampling, RowsIncreaseAndReachFromStartToEnd) {
   EXPECT_EQ(rows.back().time, motion.duration());
   const State<double> first = motion.state_in(0, 0), last = motion.state_in(6, motion.duration());
   for (int i = 0; i < kStates; ++i) {
-    EXPECT_EQ(rows.front().state.data()[i], first.data()[i]);
-    EXPECT_EQ(rows.back().state.data()[i], last.data()[i]);
+    EXPECT_EQ(rows.front().state[i], first[i]);
+    EXPECT_EQ(rows.back().state[i], last[i]);
   }
 }
 
@@ -97,7 +97,7 @@ TEST(Sampling, RowsHoldTheStateAndTorqueOfTheMotion) {
     std::size_t k = motion.interval_at(row.time);
     if (k > 0 && row.time - motion.intervals[k].start < 0.4 * kJumpSpacing) --k;
     const State<double> x = motion.state_in(k, row.time);
-    for (int i = 0; i < kStates; ++i) EXPECT_NEAR(row.state.data()[i], x.data()[i], 1e-13) << row.time;
+    for (int i = 0; i < kStates; ++i) EXPECT_NEAR(row.state[i], x[i], 1e-13) << row.time;
     Joints<double> tau = exact_torque(motion, k, row.time);
     if (k + 1 < motion.intervals.size() && std::abs(motion.intervals[k + 1].start - row.time) < 0.4 * kJumpSpacing) {
       const Joints<double> after = exact_torque(motion, k + 1, row.time);  // rows at a node hold the middle of the jump

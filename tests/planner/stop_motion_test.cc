@@ -64,13 +64,13 @@ Ticked run_ticks(const Trajectory& all, double end) {
 }
 
 void expect_continuous(const Sample& plan, const Sample& stop, double time) {
-  for (int i = 0; i < kStates; ++i) EXPECT_NEAR(stop.state.data()[i], plan.state.data()[i], 1e-9) << time << " " << i;
+  for (int i = 0; i < kStates; ++i) EXPECT_NEAR(stop.state[i], plan.state[i], 1e-9) << time << " " << i;
   for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(stop.torque[j], plan.torque[j], 1e-6) << time;
 }
 
 void expect_rest(const Sample& last) {
   const State<double> rest = rest_at(robot(), last.state.q);
-  for (int i = 0; i < kStates; ++i) EXPECT_NEAR(last.state.data()[i], rest.data()[i], 1e-12);
+  for (int i = 0; i < kStates; ++i) EXPECT_NEAR(last.state[i], rest[i], 1e-12);
 }
 
 TEST(StopMotion, LeavesTheLinksStillFromAnyInstantOfAFastPlan) {

@@ -56,9 +56,9 @@ std::optional<double> worst_moment(const Problem& problem, const Relaxable& what
 }
 
 std::vector<Candidate> active_in(const Continuation& fastest) {
-  const Analysis analysis = analyse(fastest.problem(), fastest.solution(), 1);
+  const Analysis analysis = analyse(*fastest.problem(), fastest.solution(), 1);
   std::vector<Candidate> candidates;
-  for (const Relaxable& what : relaxables(fastest.problem())) {
+  for (const Relaxable& what : relaxables(*fastest.problem())) {
     Candidate candidate{what, {}, 0};
     double longest = 0;
     for (const LimitWorth& limit : analysis.sensitivity.limits) {

@@ -12,6 +12,7 @@
 #include "planner/search/explain/search.h"
 #include "planner/search/explain/slack.h"
 #include "planner/search/explain/via_times.h"
+#include "planner/search/fastest.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -34,8 +35,8 @@ std::string name_of(const std::string& name, int joint) {
 class Explanation {
  public:
   Explanation(const Problem& problem, const Continuation* fastest, bool certified, const std::optional<Limits>& reached,
-              const SolveTools& tools)
-      : problem_(problem), fastest_(fastest), certified_(certified), reached_(reached), search_(tools) {}
+              Session& session)
+      : problem_(problem), fastest_(fastest), certified_(certified), reached_(reached), search_(session) {}
 
   WhyNot run() {
     if (const NoWay barred = no_way(problem_); !barred.sentence.empty()) {
@@ -392,17 +393,9 @@ std::string enough(double from, double to) {
   return fmt::format("{:.4g}", told);
 }
 
-Problem fastest_of(Problem problem) {
-  problem.weights = Weights{};
-  problem.weights.time = 1;
-  problem.duration = {kShortestDuration, kLongestDuration};
-  for (Via& via : problem.via) via.time.reset();
-  return problem;
-}
-
 WhyNot explain(const Problem& problem, const Continuation* fastest, bool certified,
-               const std::optional<Limits>& reached, const SolveTools& tools) {
-  return Explanation(problem, fastest, certified, reached, tools).run();
+               const std::optional<Limits>& reached, Session& session) {
+  return Explanation(problem, fastest, certified, reached, session).run();
 }
 
 }  // namespace fjr

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "planner/problem/problem.h"
+#include "planner/search/continuation.h"
 #include "planner/search/guesses.h"
-#include "planner/search/solve_tools.h"
 
 namespace fjr {
 
@@ -32,9 +32,6 @@ struct Infeasibility {
   std::optional<double> shortest_duration;  // [s] within the limits, where there is one
 };
 
-// The same request for the fastest motion, whatever time it takes, via points passed at any time.
-Problem fastest_of(Problem problem);
-
 // `to` in four digits, rounded so that the change from `from` is never less than it was.
 std::string enough(double from, double to);
 
@@ -49,6 +46,6 @@ struct WhyNot {
 // certified: whether its rows are exact enough to be published; otherwise its duration is told as about what it takes.
 // reached: limits with which a motion was found on the way, on a coarse mesh; none where that was not tried.
 WhyNot explain(const Problem& problem, const Continuation* fastest, bool certified,
-               const std::optional<Limits>& reached, const SolveTools& tools);
+               const std::optional<Limits>& reached, Session& session);
 
 }  // namespace fjr

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "planner/ocp/margins.h"
+#include "planner/search/starts.h"
 
 namespace fjr {
 namespace {
@@ -19,14 +20,9 @@ Guess guess_of(const Continuation& solution) {
 }
 
 std::vector<Guess> Search::guesses(const Problem& problem) const {
-  std::vector<Guess> all = tools_.guesses(problem);
+  std::vector<Guess> all = first_guesses(problem);
   if (all.size() > kGuesses) all.erase(all.begin() + kGuesses, all.end());
   return all;
-}
-
-void Search::book(const Continuation& c) {
-  tools_.book(c);
-  for (const SolverStage& stage : c.stages()) spent_ += stage.work;
 }
 
 bool Search::finish(Continuation& c, Exactness exactness) {
@@ -34,7 +30,7 @@ bool Search::finish(Continuation& c, Exactness exactness) {
   if (exactness == Exactness::kExactFriction) return c.follow_levels();
   if (!c.finish()) return false;
   const Collocated& found = c.solution();
-  for (const PerLimit& over : excesses(c.problem(), found.setup.mesh, found.motion, 0)) {
+  for (const PerLimit& over : excesses(*c.problem(), found.setup.mesh, found.motion, 0)) {
     if (std::any_of(over.begin(), over.end(), [](double by) { return by > 0; })) return false;
   }
   return true;
@@ -42,15 +38,14 @@ bool Search::finish(Continuation& c, Exactness exactness) {
 
 std::optional<Continuation> Search::solve(const Problem& problem, const std::string& what,
                                           const std::vector<Guess>& guesses, Exactness exactness) {
-  const Problem& kept = problems_.emplace_back(problem);
+  const auto kept = std::make_shared<const Problem>(problem);
   last_sketch_.reset();
   for (const Guess& guess : guesses) {
     if (over()) break;
-    Continuation c = tools_.continuation(kept, "why not: " + what);
-    const bool coarse = exactness != Exactness::kKeepsLimits && kept.task.obstacles.empty();
+    Continuation c(kept, session_, "why not: " + what);
+    const bool coarse = exactness != Exactness::kKeepsLimits && kept->task.obstacles.empty();
     if (coarse) c.mesh_factor = std::min(1.0, kUsual / guess.duration());
     const bool sketched = c.begin(guess, kPatience), solved = sketched && finish(c, exactness);
-    book(c);
     if (solved) return c;
     if (sketched) last_sketch_ = std::move(c);
   }

@@ -2,7 +2,6 @@
 // optimiser's work and not in time, so that the same request is told the same every time.
 #pragma once
 
-#include <deque>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,18 +9,18 @@
 #include "planner/problem/problem.h"
 #include "planner/search/continuation.h"
 #include "planner/search/guesses.h"
-#include "planner/search/solve_tools.h"
+#include "planner/search/session.h"
 
 namespace fjr {
 
 class Search {
  public:
-  explicit Search(const SolveTools& tools) : tools_(tools) {}
+  explicit Search(Session& session) : session_(session), work_before_(session.account().work) {}
 
   // Nothing more will be solved: interrupted, or the budget is spent.
-  bool over() const { return tools_.interrupted() || spent_ >= kBudget; }
+  bool over() const { return session_.interrupted() || session_.account().work - work_before_ >= kBudget; }
 
-  // The first solution from one of these guesses, with the exact friction law; the problem is kept as long as this is.
+  // The first solution from one of these guesses, with the exact friction law.
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses);
 
   // The same on a mesh and with margins that keep every limit between the collocation points too.
@@ -44,12 +43,10 @@ class Search {
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
                                     Exactness exactness);
   static bool finish(Continuation& c, Exactness exactness);
-  void book(const Continuation& c);
 
-  const SolveTools& tools_;
-  std::deque<Problem> problems_;
+  Session& session_;
+  const double work_before_;  // [s]
   std::optional<Continuation> last_sketch_;
-  double spent_ = 0;
 };
 
 // A solution as the start of a neighbouring problem.

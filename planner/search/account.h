@@ -1,7 +1,9 @@
-// What a search tells while it runs, and what is kept of it.
+// What a search tells while it runs, and the account of what it did.
 #pragma once
 
+#include <map>
 #include <string>
+#include <vector>
 
 #include "planner/nlp/solve_cost.h"
 
@@ -22,9 +24,7 @@ struct SolverStage {
   double objective = 0;
   std::string status;
   SolveCost cost{};
-  double work = 0;         // SolveReport::work
-  bool level = false;      // a step to a sharper friction law
-  bool forgetful = false;  // a warm start that failed, tried again without multipliers and with an adaptive barrier
+  double work = 0;  // SolveReport::work
 };
 
 // How often what usually works did not, and what was tried then (planner/search/ladder.h has the order).
@@ -51,5 +51,15 @@ void visit_fallbacks(F& f, Visit&& visit) {
   visit("elastic", f.elastic);
   visit("from_fastest", f.from_fastest);
 }
+
+struct Account {
+  std::vector<SolverStage> stages;  // in the order in which they were solved
+  int iterations = 0;               // of all of them
+  SolveCost cost;                   // likewise
+  double work = 0;                  // likewise [s], SolveReport::work
+  Fallbacks fallbacks;
+  bool cut_by_work = false;              // a phase ended where it may take no more
+  std::map<std::string, double> timing;  // [s] of wall time by part; none is counted twice
+};
 
 }  // namespace fjr

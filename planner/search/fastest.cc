@@ -1,0 +1,81 @@
+#include "planner/search/fastest.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "planner/search/follow.h"
+#include "planner/search/starts.h"
+
+namespace fjr {
+namespace {
+
+double duration_of(const Continuation& c) { return c.solution().motion.duration(); }
+
+// The first that takes no more than `allowed` [s], or else the shortest; certified where it takes longer and can be
+// published, for how long it takes is then told.
+std::optional<Fastest> find_fastest(const std::shared_ptr<const Problem>& alternative, double allowed, Findings& found,
+                                    Session& session) {
+  const auto hurried = std::make_shared<const Problem>(fastest_of(*alternative));
+  std::optional<Fastest> shortest;
+  std::vector<double> known;  // minima
+  for (const Guess& guess : first_guesses(*hurried)) {
+    if (session.interrupted() || (shortest && shortest->duration() <= allowed)) break;
+    Continuation c(hurried, session, "fastest");
+    if (!c.begin(guess, found.patience, known)) continue;
+    known.push_back(c.stages().front().objective);
+    if (!c.finish()) continue;
+    bool certified = false;
+    if (duration_of(c) > allowed) {
+      const PublishResult published = publish(c, found.asked, session);
+      certified = published.certified();
+      if (!published.failure.empty()) found.failure = published.failure;
+    }
+    if (!shortest || duration_of(c) < shortest->duration()) shortest = Fastest{std::move(c), certified, alternative};
+  }
+  return shortest;
+}
+
+}  // namespace
+
+Problem fastest_of(Problem problem) {
+  problem.weights = Weights{};
+  problem.weights.time = 1;
+  problem.duration = {kShortestDuration, kLongestDuration};
+  for (Via& via : problem.via) via.time.reset();
+  return problem;
+}
+
+void try_from_fastest(const std::shared_ptr<const Problem>& alternative, Findings& found, Session& session) {
+  const double allowed = alternative->duration.max;
+  if (!found.candidates.empty() || session.interrupted()) return;
+  const bool was_tried = only_time(alternative->weights) && alternative->duration.min <= kShortestDuration;
+  if (was_tried) return;
+  ++session.fallbacks().from_fastest;
+  const std::optional<Fastest> shortest = find_fastest(alternative, allowed, found, session);
+  if (!shortest) return;
+  if (!found.fastest || shortest->duration() < found.fastest->duration()) found.fastest = shortest;
+  if (shortest->duration() > allowed || any_timed(*alternative)) return;
+  const double duration = std::clamp(shortest->duration(), alternative->duration.min, allowed);
+  const Collocated& solution = shortest->motion.solution();
+  try_start(alternative, guess_from(solution.motion, solution.durations, duration), "from the fastest", found, session);
+  if (found.candidates.empty() && !session.interrupted()) adopt_fastest(found, session);
+}
+
+bool hurries(const Findings& found) {
+  constexpr double kHardlyMore = 1.05;  // times the shortest duration
+  return found.fastest && !any_timed(found.asked) && !only_time(found.asked.weights) &&
+         found.asked.duration.max < kHardlyMore * found.fastest->duration();
+}
+
+void adopt_fastest(Findings& found, Session& session) {
+  Fastest& fastest = *found.fastest;
+  Continuation c(fastest.alternative, session, "from the fastest, exact");
+  const bool finished = fastest.motion.finish();
+  const Duration& allowed = found.asked.duration;
+  if (!finished || fastest.duration() > allowed.max) return;
+  const double duration = std::clamp(fastest.duration(), allowed.min, allowed.max);
+  if (c.adopt(fastest.motion.solution(), duration)) follow(std::move(c), found, session);
+}
+
+}  // namespace fjr

@@ -1,0 +1,49 @@
+#include "planner/search/findings.h"
+
+#include <utility>
+
+namespace fjr {
+namespace {
+
+// The objective is divided by its size, for the optimiser's tolerances and regularisation are meant for objectives of
+// order 1 to 100 while weights may be of any size.
+//
+// The fastest motion is looked for whatever it takes, and what it takes is then compared with what is allowed: right
+// above the minimum a smoothed problem, whose minimum is some per cent longer, has no motion at all.
+std::vector<std::shared_ptr<const Problem>> alternatives_of(const Problem& asked, double scale) {
+  Problem scaled = asked;
+  if (only_time(asked.weights)) scaled.duration.max = kLongestDuration;
+  for (const TermInfo& term : Terms::infos) scaled.weights.*term.weight /= scale;
+  std::vector<std::shared_ptr<const Problem>> all{std::make_shared<const Problem>(scaled)};
+  for (const Goal& goal : asked.other_goals) {
+    Problem other = scaled;
+    other.goal = goal;
+    all.push_back(std::make_shared<const Problem>(std::move(other)));
+  }
+  return all;
+}
+
+}  // namespace
+
+Findings::Findings(const Problem& request)
+    : asked(request), scale(size_of(request.weights)), alternatives(alternatives_of(request, scale)) {}
+
+bool Findings::keep(const Continuation& c, PublishResult published) {
+  if (!published.failure.empty()) failure = published.failure;
+  if (!published.last) return false;
+  const bool certifies = published.certified();
+  if (published.last->too_long) {
+    note_fastest(c, certifies);
+    return false;
+  }
+  if (!certified() || (certifies && published.last->objective < best->objective)) best = std::move(published.last);
+  return certifies;
+}
+
+void Findings::note_fastest(const Continuation& c, bool certifies) {
+  const bool same = fastest && fastest->alternative == c.problem() && fastest->motion.label() == c.label();
+  if (fastest && !same && fastest->duration() <= c.solution().motion.duration()) return;
+  fastest = Fastest{c, certifies, c.problem()};
+}
+
+}  // namespace fjr

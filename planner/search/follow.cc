@@ -1,0 +1,110 @@
+#include "planner/search/follow.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace fjr {
+namespace {
+
+constexpr double kRefining = 0.8;    // of the work that a request may take, for finding and refining; the rest explains
+constexpr int kLeastPatience = 100;  // iterations of a start
+
+// Which solutions are refined to the end.
+struct Finishing {
+  double within;  // relative distance from the best coarse objective that refining may make up
+  int most;
+};
+
+// Where friction weighs, what it does while it is smooth tells little: of seven first, the fourth has come to 3 % less
+// effort than the first. `starts` more than the usual ones add as many: whatever would be refined without them is
+// refined with them too, so that more starts never come to less.
+Finishing finishing(const Weights& weights, int starts) {
+  const int more = std::max(0, starts - starts_worth_trying(weights));
+  return sees_friction(weights) ? Finishing{0.05, 5 + more} : Finishing{0.02, 3 + more};
+}
+
+// Whether the candidate that was found last is worth refining, beside those before it.
+bool last_promises(const Findings& found) {
+  std::vector<CoarseSolution> best_first;
+  for (const CoarseMotion& c : found.candidates) best_first.push_back(c.coarse);
+  std::stable_sort(best_first.begin(), best_first.end(),
+                   [](const CoarseSolution& a, const CoarseSolution& b) { return a.objective < b.objective; });
+  const Weights& weights = found.asked.weights;
+  const std::vector<bool> worth = worth_refining(best_first, finishing(weights, 0).within,
+                                                 [&](int starts) { return finishing(weights, starts).most; });
+  const int last = found.candidates.back().coarse.start;
+  for (std::size_t i = 0; i < worth.size(); ++i) {
+    if (best_first[i].start == last) return worth[i];
+  }
+  return true;
+}
+
+double duration_of(const Continuation& c) { return c.solution().motion.duration(); }
+
+// Motions of many seconds are refined to thousands of intervals. How long the fastest takes is known to a per cent
+// before; where it may not take nearly as long, that is enough to say so.
+bool far_too_long(const Continuation& c, const Problem& asked) {
+  constexpr double kFar = 1.15;  // times the longest duration
+  const double duration = duration_of(c);
+  return only_time(asked.weights) && duration > kLongMotion && duration > kFar * asked.duration.max;
+}
+
+// Where a speed limit is all that keeps a long motion, springs may swing along it at no cost in time, and more finely
+// than any mesh or rows of many seconds could hold. A trace of link acceleration stills them; what the plan is judged
+// by is the objective that was asked for.
+Continuation calm(Continuation c, int patience, Session& session) {
+  constexpr double kTrace = 0.01;  // [s^4/rad^2]; a motion of 30 s takes 0.2 % longer for it
+  if (!only_time(c.problem()->weights) || duration_of(c) < kLongMotion) return c;
+  Problem problem = *c.problem();
+  problem.weights.link_acceleration = kTrace;
+  Continuation calmer(std::make_shared<const Problem>(std::move(problem)), session, c.label() + ", calm");
+  calmer.start = c.start;
+  const Collocated& hasty = c.solution();
+  const bool solved = calmer.begin(guess_from(hasty.motion, hasty.durations, duration_of(c)), patience);
+  return solved ? calmer : c;
+}
+
+}  // namespace
+
+void follow(Continuation c, Findings& found, Session& session) {
+  const Collocated& coarse = c.solution();
+  found.candidates.push_back({c.problem(), {coarse.report.objective, c.start}, coarse.motion, coarse.durations});
+  if ((found.certified() && !last_promises(found)) || session.interrupted()) return;
+  if (far_too_long(c, found.asked)) {
+    found.note_fastest(c, false);
+    return;
+  }
+  session.allow(kRefining);
+  c = calm(std::move(c), found.patience, session);
+  const Timed timed(session, "finish");
+  if (found.certified()) c.to_beat = found.best->objective / found.scale;
+  if (c.finish()) {
+    PublishResult published = publish(c, found.asked, session);
+    found.keep(c, std::move(published));
+  }
+  ++found.refined;
+}
+
+bool try_start(const std::shared_ptr<const Problem>& alternative, const Guess& guess, const std::string& label,
+               Findings& found, Session& session) {
+  Continuation c(alternative, session, label);
+  const bool solved = c.begin(guess, found.patience, found.minima);
+  c.start = ++found.starts;
+  if (!solved) {
+    const bool met_before = c.status() == SolveStatus::kOptimal || c.status() == SolveStatus::kAcceptable;
+    if (met_before) return true;
+    if (c.status() == SolveStatus::kInfeasible) found.a_start_was_infeasible = true;
+    if (!c.obstacle().empty()) found.obstacle = "; in the last attempt " + c.obstacle();
+    return false;
+  }
+  // What is much harder than what was found already is given up early; counted in iterations, so that it is the same
+  // every time.
+  const SolverStage& first = c.stages().front();
+  found.patience = std::min(found.patience, std::max(kLeastPatience, 2 * first.iterations));
+  found.minima.push_back(first.objective);
+  follow(std::move(c), found, session);
+  return true;
+}
+
+}  // namespace fjr

@@ -1,0 +1,12 @@
+// All starts of a request, and what is tried where none of them leads anywhere.
+#pragma once
+
+#include "planner/search/findings.h"
+
+namespace fjr {
+
+// Every start on a coarse mesh; what converges to something promising is refined before the next: so what so many
+// starts come to, more of them come to as well. count: of starts; 0: as many as the objective wants.
+void find_motions(int count, Findings& found, Session& session);
+
+}  // namespace fjr

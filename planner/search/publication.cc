@@ -1,0 +1,88 @@
+#include "planner/search/publication.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "planner/certificate/request_check.h"
+#include "planner/ocp/objective.h"
+#include "planner/ocp/sampling.h"
+#include "planner/search/refinement.h"
+
+namespace fjr {
+namespace {
+
+constexpr int kRounds = 6;              // of refining one solution for the sake of its certificate
+constexpr double kSameDuration = 1e-9;  // share by which a duration may differ from its bound, for rounding
+constexpr double kFinerRows = 0.25;     // of what linear interpolation between rows may miss, each time
+
+Publication with_certificate(const Continuation& c, const Problem& asked, Trajectory trajectory) {
+  const Collocated& solution = c.solution();
+  Publication p{.problem = c.problem(), .solution = solution, .trajectory = std::move(trajectory)};
+  p.certificate = judge(asked.robot, asked.limits, p.trajectory);
+  check_against_request(*c.problem(), segment_ends(solution.durations), p.trajectory, p.certificate);
+  p.terms = objective_terms(asked, solution, p.trajectory);
+  p.objective = weighted_sum(asked.weights, p.terms);
+  p.too_long = p.trajectory.end_time() > asked.duration.max * (1 + kSameDuration);
+  p.trajectory.metadata["robot_hash"] = robot_hash(asked.robot);
+  p.trajectory.metadata["request_hash"] = asked.request_hash;
+  return p;
+}
+
+// Local errors of the published rows against the exact model; where the rollout has no answer, the mesh's own
+// estimate. [rad] per interval
+std::vector<double> rollout_errors(const Parameters& robot, const Collocated& solution, const Trajectory& trajectory) {
+  std::vector<double> errors = interval_errors(robot, solution.motion);
+  const auto local = local_errors(robot, trajectory, solution.setup.mesh.node_times(solution.durations));
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    if (const double size = error_size(local[k]); std::isfinite(size)) errors[k] = std::max(errors[k], size);
+  }
+  return errors;
+}
+
+}  // namespace
+
+PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
+  PublishResult published;
+  double row_error = kRowVelocityError;
+  std::size_t rows = 0;
+  for (int round = 0; round < kRounds && !session.interrupted(); ++round) {
+    {
+      const Timed timed(session, "certificate");
+      Trajectory trajectory = sample(asked, c.solution().motion, row_error);
+      if (trajectory.samples.size() > kMaxRows) {
+        published.failure =
+            fmt::format("the trajectory needs {} rows, more than the {} allowed: a longer sample_period would do",
+                        trajectory.samples.size(), kMaxRows);
+        return published;
+      }
+      published.last = with_certificate(c, asked, std::move(trajectory));
+    }
+    if (published.certified()) break;
+    const Publication& refused = *published.last;
+    const int solutions = c.solutions();
+    // A limit that only the rows exceed wants a margin; a rest where the arm cannot rest, motion; the rest, accuracy,
+    // of the solution and of the rows.
+    if (!c.keep_margins(refused.certificate.limits) && !c.creep()) {
+      c.refine(rollout_errors(asked.robot, refused.solution, refused.trajectory));
+      row_error *= kFinerRows;
+    }
+    c.polish();
+    // Neither another motion nor finer rows of this one: the next verdict would be the same.
+    if (c.solutions() == solutions && refused.trajectory.samples.size() == rows) break;
+    rows = refused.trajectory.samples.size();
+  }
+  return published;
+}
+
+std::vector<double> segment_ends(const std::vector<double>& durations) {
+  std::vector<double> ends;
+  std::partial_sum(durations.begin(), durations.end(), std::back_inserter(ends));
+  return ends;
+}
+
+}  // namespace fjr

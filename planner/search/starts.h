@@ -1,0 +1,25 @@
+// Where the optimiser starts from, one after another.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "planner/problem/problem.h"
+#include "planner/search/guesses.h"
+
+namespace fjr {
+
+// The first k of them are the same however many there are.
+struct Starts {
+  std::vector<Guess> guesses;
+  std::size_t guided = 0;  // the first so many are made for the request, the others displaced at random
+  std::size_t always = 0;  // the first so many are tried in any case, the others until one leads somewhere
+};
+
+// At least `count` of them.
+Starts starts_of(const Problem& problem, int count);
+
+// The first of them, for whoever solves a neighbouring problem.
+std::vector<Guess> first_guesses(const Problem& problem);
+
+}  // namespace fjr

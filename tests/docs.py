@@ -1,7 +1,7 @@
-"""Holds README.md and docs/ to what they say.  docs.py check SOURCE | run SOURCE BUILD | --linked SOURCE
+"""Holds README.md and docs/ to what they say.  docs.py check SOURCE BUILD | run SOURCE BUILD | --linked SOURCE
 
-check: every link, every heading linked to and every file that a page names is there, and requests.md names every key of a
-request.
+check: every link, every heading linked to and every file that a page names is there, and requests.md has the table of keys
+that `fjr keys` prints.
 run: every ```sh block is run, in a scratch copy for each page, and every ```yaml block with a request is planned; a ```text
 block behind a ```sh block begins its lines as the output does. Blocks behind `<!-- not run: reason -->` are left alone, and
 so is service.md, whose commands service/guide.py runs.
@@ -67,23 +67,12 @@ def faults(source, page):
             yield f"names {name}, which is not there"
 
 
-def untold(source):
-    """The keys and terms that the parser knows and requests.md does not name."""
-    headers = [source / "planner/request/request.h", *(source / "planner/problem/task").glob("*.h")]
-    keys = [key for header in headers for key in re.findall(r'Key\{"(\w+)"', header.read_text())
-            if key != "corners"]  # in plan.json: what becomes of path.points
-    limits = re.findall(r'\.name = "(\w+)"', (source / "planner/problem/quantities.h").read_text())
-    terms = re.findall(r'\.name = "(\w+)"', (source / "planner/problem/objective_terms.h").read_text())
-    if not keys or not limits or not terms:
-        sys.exit("neither a request's keys nor the terms of its objective are found where they were")
-    page = (source / "docs" / "requests.md").read_text()
-    return [name for name in sorted({*keys, *limits, *terms}) if not re.search(rf"`[^`\n]*\b{name}\b[^`\n]*`", page)]
-
-
-def check(source):
-    wrong = [f"docs/requests.md does not name {name}" for name in untold(source)]
-    wrong += [f"{page.relative_to(source)} {fault}" for group in pages(source) for page in group
+def check(source, build):
+    wrong = [f"{page.relative_to(source)} {fault}" for group in pages(source) for page in group
              for fault in faults(source, page)]
+    table = subprocess.run([build / "fjr", "keys"], check=True, capture_output=True, text=True).stdout
+    if table not in (source / "docs" / "requests.md").read_text():
+        wrong.append("docs/requests.md has another table of keys than what `build/fjr keys` prints: put that there")
     sys.exit("\n".join(wrong) if wrong else 0)
 
 

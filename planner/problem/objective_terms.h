@@ -34,6 +34,7 @@ struct Weights {
 struct TermInfo {
   const char* name;
   const char* unit;
+  const char* meaning;  // for the list of keys; integrals are summed over the joints
   double Weights::*weight;
   double size = 1;              // of what it adds up to in a second, roughly: what makes weights comparable
   int starts = 1;               // that it is worth trying: more where there are more minima
@@ -82,7 +83,8 @@ T positive_part(const T& v, double width) {
 }
 
 struct Time {
-  static constexpr TermInfo info{.name = "time", .unit = "s", .weight = &Weights::time};
+  static constexpr TermInfo info{
+      .name = "time", .unit = "s", .meaning = "duration of the motion", .weight = &Weights::time};
   static double published(const Published& p) { return p.rows.end_time() - p.rows.start_time(); }
 };
 
@@ -90,6 +92,7 @@ struct Time {
 struct Effort {
   static constexpr TermInfo info{.name = "effort",
                                  .unit = "N^2 m^2 s",
+                                 .meaning = "integral of tau_m^2",
                                  .weight = &Weights::effort,
                                  .starts = 12,
                                  .sees_friction = true,
@@ -103,19 +106,25 @@ struct Effort {
 // int (du/dt)^2 of the friction-compensated torque, whose rate is then the control (Features::rate in arm_ocp.h). Of
 // the motion instead of the rows, and infinite where u jumps.
 struct TorqueRate {
-  static constexpr TermInfo info{.name = "torque_rate",
-                                 .unit = "N^2 m^2/s",
-                                 .weight = &Weights::torque_rate,
-                                 .size = 1e4,
-                                 .starts = 4,
-                                 .settles_torque = true};
+  static constexpr TermInfo info{
+      .name = "torque_rate",
+      .unit = "N^2 m^2/s",
+      .meaning = "integral of (du/dt)^2, of the friction-compensated torque; u is then continuous",
+      .weight = &Weights::torque_rate,
+      .size = 1e4,
+      .starts = 4,
+      .settles_torque = true};
   static double published(const Published& p);
 };
 
 // int ddq^2
 struct LinkAcceleration {
-  static constexpr TermInfo info{
-      .name = "link_acceleration", .unit = "rad^2/s^3", .weight = &Weights::link_acceleration, .size = 10, .starts = 4};
+  static constexpr TermInfo info{.name = "link_acceleration",
+                                 .unit = "rad^2/s^3",
+                                 .meaning = "integral of ddq^2",
+                                 .weight = &Weights::link_acceleration,
+                                 .size = 10,
+                                 .starts = 4};
   template <class T>
   static T running(const Instant<T>& at) {
     return sum_of_squares(at.ddq);
@@ -124,8 +133,12 @@ struct LinkAcceleration {
 
 // int dddq^2
 struct LinkJerk {
-  static constexpr TermInfo info{
-      .name = "link_jerk", .unit = "rad^2/s^5", .weight = &Weights::link_jerk, .size = 1e3, .starts = 4};
+  static constexpr TermInfo info{.name = "link_jerk",
+                                 .unit = "rad^2/s^5",
+                                 .meaning = "integral of (d^3q/dt^3)^2",
+                                 .weight = &Weights::link_jerk,
+                                 .size = 1e3,
+                                 .starts = 4};
   template <class T>
   static T running(const Instant<T>& at) {
     return sum_of_squares(link_jerk(at.robot, at.x, at.ddq));
@@ -134,8 +147,12 @@ struct LinkJerk {
 
 // int max(0, tau_m dtheta): what the motors give, and nothing for what they take back.
 struct Energy {
-  static constexpr TermInfo info{
-      .name = "energy", .unit = "J", .weight = &Weights::energy, .starts = 12, .sees_friction = true};
+  static constexpr TermInfo info{.name = "energy",
+                                 .unit = "J",
+                                 .meaning = "integral of max(0, tau_m dtheta), what the motors give",
+                                 .weight = &Weights::energy,
+                                 .starts = 12,
+                                 .sees_friction = true};
   template <class T>
   static T running(const Instant<T>& at) {
     return positive_part(T(at.torque[0] * at.x.dtheta[0]), at.kink) +
@@ -145,12 +162,14 @@ struct Energy {
 
 // int of what heats the windings: robot.yaml's copper_loss times tau_m^2.
 struct Copper {
-  static constexpr TermInfo info{.name = "copper",
-                                 .unit = "J",
-                                 .weight = &Weights::copper,
-                                 .starts = 12,
-                                 .sees_friction = true,
-                                 .settles_torque = true};
+  static constexpr TermInfo info{
+      .name = "copper",
+      .unit = "J",
+      .meaning = "integral of copper_loss tau_m^2, what heats the windings; copper_loss is in robot.yaml",
+      .weight = &Weights::copper,
+      .starts = 12,
+      .sees_friction = true,
+      .settles_torque = true};
   template <class T>
   static T running(const Instant<T>& at) {
     const Joints<double>& loss = at.robot.drive.copper_loss;
@@ -161,8 +180,12 @@ struct Copper {
 // max |tau_m|, summed over the joints, with what holding a goal at rest takes afterwards. A bound on it is then a state
 // of its own (Features::peak in arm_ocp.h).
 struct PeakTorque {
-  static constexpr TermInfo info{
-      .name = "peak_torque", .unit = "N m", .weight = &Weights::peak_torque, .size = 10, .starts = 4};
+  static constexpr TermInfo info{.name = "peak_torque",
+                                 .unit = "N m",
+                                 .meaning = "largest |tau_m|, with what holding a goal at rest takes",
+                                 .weight = &Weights::peak_torque,
+                                 .size = 10,
+                                 .starts = 4};
   static constexpr Node node = Node::kGoal;
   template <class T>
   static T at_node(const AtNode<T>& at) {
@@ -173,8 +196,12 @@ struct PeakTorque {
 
 // The tip's speed where something is let go (Problem::release): what a throw wants.
 struct TipSpeed {
-  static constexpr TermInfo info{
-      .name = "tip_speed", .unit = "m/s", .weight = &Weights::tip_speed, .starts = 4, .reward = true};
+  static constexpr TermInfo info{.name = "tip_speed",
+                                 .unit = "m/s",
+                                 .meaning = "speed of the tip at the release; a reward, which counts negatively",
+                                 .weight = &Weights::tip_speed,
+                                 .starts = 4,
+                                 .reward = true};
   static constexpr Node node = Node::kRelease;
   static constexpr double kRounding = 0.1;  // [m/s] of the speed's corner at rest; still monotone in the speed
   template <class T>

@@ -61,6 +61,7 @@ enum class InRollout {
 struct QuantityInfo {
   const char* name;
   const char* unit;
+  const char* meaning;                          // for the list of keys
   Joints<double> Limits::*per_joint = nullptr;  // either this
   double Limits::*of_tip = nullptr;             // or this
   // The limit in robot.yaml that a request may tighten; none: only requests limit it.
@@ -99,6 +100,7 @@ struct Moment {
 struct Torque {
   static constexpr QuantityInfo info{.name = "torque",
                                      .unit = "N m",
+                                     .meaning = "of each motor, |tau_m|",
                                      .per_joint = &Limits::torque,
                                      .of_robot = &Parameters::Limits::torque,
                                      .sees_torque = true,
@@ -113,6 +115,7 @@ struct Torque {
 struct MotorVelocity {
   static constexpr QuantityInfo info{.name = "motor_velocity",
                                      .unit = "rad/s",
+                                     .meaning = "of each motor after its gear, |dtheta|",
                                      .per_joint = &Limits::motor_velocity,
                                      .of_robot = &Parameters::Limits::motor_velocity,
                                      .bound = BoundOn::kState,
@@ -130,6 +133,7 @@ struct MotorVelocity {
 struct LinkPosition {
   static constexpr QuantityInfo info{.name = "link_position",
                                      .unit = "rad",
+                                     .meaning = "of each link, |q|",
                                      .per_joint = &Limits::link_position,
                                      .of_robot = &Parameters::Limits::link_position,
                                      .bound = BoundOn::kState,
@@ -148,6 +152,7 @@ struct LinkPosition {
 struct SpringDeflection {
   static constexpr QuantityInfo info{.name = "spring_deflection",
                                      .unit = "rad",
+                                     .meaning = "of each spring, |theta - q|",
                                      .per_joint = &Limits::spring_deflection,
                                      .of_robot = &Parameters::Limits::spring_deflection,
                                      .degree = 3,
@@ -163,6 +168,7 @@ struct SpringDeflection {
 struct LimitedTorqueRate {
   static constexpr QuantityInfo info{.name = "torque_rate",
                                      .unit = "N m/s",
+                                     .meaning = "of the friction-compensated torque, |du/dt|",
                                      .per_joint = &Limits::torque_rate,
                                      .bound = BoundOn::kControl,
                                      .of_first_version = true};
@@ -175,6 +181,7 @@ struct LimitedTorqueRate {
 struct LimitedTipSpeed {
   static constexpr QuantityInfo info{.name = "tip_speed",
                                      .unit = "m/s",
+                                     .meaning = "of the tip",
                                      .of_tip = &Limits::tip_speed,
                                      .squared = true,
                                      .in_rollout = InRollout::kVelocity,
@@ -187,8 +194,12 @@ struct LimitedTipSpeed {
 
 // Mechanical power, given or taken back.
 struct MotorPower {
-  static constexpr QuantityInfo info{
-      .name = "motor_power", .unit = "W", .per_joint = &Limits::motor_power, .sees_torque = true, .degree = 3};
+  static constexpr QuantityInfo info{.name = "motor_power",
+                                     .unit = "W",
+                                     .meaning = "of each motor, given or taken back, |tau_m dtheta|",
+                                     .per_joint = &Limits::motor_power,
+                                     .sees_torque = true,
+                                     .degree = 3};
   template <class T>
   static Joints<T> value(const Moment<T>& at) {
     return {at.torque[0] * at.x.dtheta[0], at.torque[1] * at.x.dtheta[1]};

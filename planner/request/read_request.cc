@@ -116,7 +116,7 @@ void read_keys(const YamlNode& node, R& r) {
   visit(r, [&](const Key& key, auto&) { names.emplace_back(key.name); });
   node.allow_keys(names);
   visit(r, [&](const Key& key, auto& member) {
-    if (const auto given = key.required ? node.at(key.name) : node.find(key.name)) read(*given, key.unit, member);
+    if (const auto given = key.required() ? node.at(key.name) : node.find(key.name)) read(*given, key.unit, member);
   });
 }
 

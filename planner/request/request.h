@@ -103,73 +103,96 @@ struct Request {
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, Request>
 void visit(R& r, Visit&& v) {
-  v(Key{"robot", "", "robot.yaml, relative to the request's file; without it the one shipped with fjr"}, r.robot);
-  v(Key{"start", "", "state at the start; a service starts where the arm rests when it is left out"}, r.start);
-  v(Key{"goal", "", "state at the end, or where the tip is to be", true}, r.goal);
-  v(Key{"duration", "s", "a number; `free` (the default); or `{min, max}`"}, r.duration);
-  v(Key{"objective", "1", "a preset (`fastest`, `gentle`, `efficient`) or weights of the terms"}, r.objective);
-  v(Key{"via", "", "points that are passed, in this order"}, r.via);
-  v(Key{"obstacles", "", "discs in the plane of motion that both links keep clear of"}, r.obstacles);
-  v(Key{"walls", "", "straight lines that both links keep to one side of"}, r.walls);
-  v(Key{"tip", "", "where the tip may be: one of `box`, `line`, `arc`"}, r.tip);
-  v(Key{"path", "", "straight lines in the joint angles, in place of `via`"}, r.path);
-  v(Key{"limits", "", "magnitudes; they may only tighten the robot's"}, r.limits);
-  v(Key{"sample_period", "s", "between published rows, 0.0005 to 0.005"}, r.sample_period);
-  v(Key{"seed", "", "of the search's random starts, a whole number"}, r.seed);
-  v(Key{"payload", "kg", "at the tip: a mass, or `{mass, inertia}` in kg and kg m^2"}, r.payload);
-  v(Key{"method", "", "`trapezoidal`, `hermite-simpson` (the default), `lobatto4` or `radau3`"}, r.method);
+  v(Key{"robot", "", "a robot.yaml, relative to the request's file; a service has its own", "the one shipped with fjr"},
+    r.robot);
+  v(Key{"start", "", "state at the start", "needed, but a service starts where the arm rests"}, r.start);
+  v(Key{"goal", "", "state at the end, or where the tip is to be", kNeeded}, r.goal);
+  v(Key{"duration", "s", "a number, `free`, or `{min, max}`", "`free`", "0.02 to 120"}, r.duration);
+  v(Key{"objective", "1", "a preset (`fastest`, `gentle`, `efficient`), or weights of the terms",
+        "`fastest`; `gentle` where the duration is fixed"},
+    r.objective);
+  v(Key{"via", "", "points that are passed, in this order", "none", "at most 32"}, r.via);
+  v(Key{"obstacles", "", "discs in the plane of motion that both links keep clear of", "none",
+        "at most 64, walls included"},
+    r.obstacles);
+  v(Key{"walls", "", "straight lines that both links keep to one side of", "none",
+        "the base is on that side; at most 64, obstacles included"},
+    r.walls);
+  v(Key{"tip", "", "where the tip may be all the way: one of `box`, `line`, `arc`", "anywhere"}, r.tip);
+  v(Key{"path", "", "straight lines in the joint angles", "none", "not beside `via`"}, r.path);
+  v(Key{"limits", "", "magnitudes that are not exceeded"}, r.limits);
+  v(Key{"sample_period", "s", "between published rows", "0.001", "0.0005 to 0.005; at most 32768 rows come of it"},
+    r.sample_period);
+  v(Key{"seed", "", "of the search's random starts", "1", "a whole number"}, r.seed);
+  v(Key{"payload", "kg", "at the tip: a mass, or `{mass, inertia}` in kg and kg m^2", "the robot's",
+        "up to 10 kg and 1 kg m^2"},
+    r.payload);
+  v(Key{"method", "", "collocation scheme ([what each is good for](performance.md#collocation-schemes))",
+        "`hermite-simpson`", "`trapezoidal`, `hermite-simpson`, `lobatto4`, `radau3`"},
+    r.method);
 }
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, RequestedStart>
 void visit(R& r, Visit&& v) {
-  v(Key{"q", "rad", "link angles"}, r.q);
-  v(Key{"dq", "rad/s", "link velocities; 0 when left out"}, r.dq);
-  v(Key{"theta", "rad", "motor angles; by equilibrium or flatness when left out"}, r.theta);
-  v(Key{"dtheta", "rad/s", "motor velocities; likewise"}, r.dtheta);
+  v(Key{"q", "rad", "link angles", "needed, but a service starts where the arm rests", "within `link_position`"}, r.q);
+  v(Key{"dq", "rad/s", "link velocities", "0", "up to 100"}, r.dq);
+  v(Key{"theta", "rad", "motor angles", "[what goes with q and dq](#start-and-goal)",
+        "within `spring_deflection` of q"},
+    r.theta);
+  v(Key{"dtheta", "rad/s", "motor velocities", "likewise", "within `motor_velocity`"}, r.dtheta);
 }
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, RequestedGoal>
 void visit(R& r, Visit&& v) {
-  v(Key{"q", "rad", "link angles; one of the two may be `free`"}, r.q);
-  v(Key{"dq", "rad/s", "link velocities, or `free`; at rest when left out"}, r.dq);
-  v(Key{"theta", "rad", "motor angles of a moving goal"}, r.theta);
-  v(Key{"dtheta", "rad/s", "motor velocities of a moving goal"}, r.dtheta);
-  v(Key{"tip", "m", "position of the tip, in place of q"}, r.tip);
-  v(Key{"elbow", "", "`any`, `left` or `right` of the line from base to tip"}, r.elbow);
-  v(Key{"tip_velocity", "m/s", "velocity of the tip at the end"}, r.tip_velocity);
+  v(Key{"q", "rad", "link angles; one of the two may be `free`", "needed, this or `goal.tip`",
+        "within `link_position`"},
+    r.q);
+  v(Key{"dq", "rad/s", "link velocities, or `free`", "0: at rest", "up to 100"}, r.dq);
+  v(Key{"theta", "rad", "motor angles of a moving goal", "free", "beside `dq` only, within `spring_deflection` of q"},
+    r.theta);
+  v(Key{"dtheta", "rad/s", "motor velocities of a moving goal", "free", "beside `dq` only, within `motor_velocity`"},
+    r.dtheta);
+  v(Key{"tip", "m", "position of the tip", "needed, this or `goal.q`", "within reach, 0.04 to 0.65 from the base"},
+    r.tip);
+  v(Key{"elbow", "", "side of the line from base to tip that the elbow is on, beside `tip`", "`any`",
+        "`any`, `left`, `right`"},
+    r.elbow);
+  v(Key{"tip_velocity", "m/s", "velocity of the tip at the end", "at rest", "beside `tip`"}, r.tip_velocity);
 }
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, RequestedVia>
 void visit(R& r, Visit&& v) {
-  v(Key{"time", "s", "when, with a fixed duration; any time when left out"}, r.time);
-  v(Key{"q", "rad", "link angles", true}, r.q);
-  v(Key{"dq", "rad/s", "link velocities; free when left out"}, r.dq);
-  v(Key{"release", "", "`true` where what is thrown is let go"}, r.release);
+  v(Key{"time", "s", "when it is passed", "any time", "with a fixed duration only; 0.001 from its neighbours"}, r.time);
+  v(Key{"q", "rad", "link angles", kNeeded, "within `link_position`"}, r.q);
+  v(Key{"dq", "rad/s", "link velocities", "free", "up to 100"}, r.dq);
+  v(Key{"release", "", "what is thrown is let go here", "at the last via point, or a moving goal",
+        "`true` at one of them"},
+    r.release);
 }
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, RequestedTip>
 void visit(R& r, Visit&& v) {
-  v(Key{"box", "m", "two corners, lower left and upper right"}, r.box);
-  v(Key{"line", "", "straight, within a tolerance"}, r.line);
-  v(Key{"arc", "", "of a circle, within a tolerance"}, r.arc);
+  v(Key{"box", "m", "`[[x, y], [x, y]]`: lower left and upper right corner"}, r.box);
+  v(Key{"line", "", "a straight line"}, r.line);
+  v(Key{"arc", "", "a part of a circle"}, r.arc);
 }
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, RequestedPath>
 void visit(R& r, Visit&& v) {
-  v(Key{"points", "rad", "corners between start and goal"}, r.points);
-  v(Key{"tolerance", "rad", "of each angle, 0.0001 to 1", true}, r.tolerance);
+  v(Key{"points", "rad", "corners between start and goal", "none", "at most 32"}, r.points);
+  v(Key{"tolerance", "rad", "of each angle", kNeeded, "0.0001 to 1"}, r.tolerance);
 }
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, RequestedDuration>
 void visit(R& r, Visit&& v) {
-  v(Key{"min", "s", "at least, 0.02 to 120"}, r.min);
-  v(Key{"max", "s", "at most, 0.02 to 120"}, r.max);
+  v(Key{"min", "s", "at least", "0.02", "0.02 to 120"}, r.min);
+  v(Key{"max", "s", "at most", "20; 120 for a `min` above 20", "0.02 to 120"}, r.max);
 }
 
 // ---- reading, writing, resolving ----

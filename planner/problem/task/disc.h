@@ -39,9 +39,9 @@ struct Disc {
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, Disc>
 void visit(R& r, Visit&& v) {
-  v(Key{"center", "m", "of the disc", true}, r.center);
-  v(Key{"radius", "m", "of the disc", true}, r.radius);
-  v(Key{"margin", "m", "kept beside radius and link"}, r.margin);
+  v(Key{"center", "m", "of the disc", kNeeded, "within 10 of the base"}, r.center);
+  v(Key{"radius", "m", "of the disc", kNeeded, "0 to 10"}, r.radius);
+  v(Key{"margin", "m", "kept beside radius and link", "0", "0 to 10"}, r.margin);
 }
 
 }  // namespace fjr

@@ -28,8 +28,8 @@ struct JointPath {
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, JointPath>
 void visit(R& r, Visit&& v) {
-  v(Key{"corners", "rad", "from the start to the goal", true}, r.corners);
-  v(Key{"tolerance", "rad", "of each angle, 0.0001 to 1", true}, r.tolerance);
+  v(Key{"corners", "rad", "from the start to the goal", kNeeded}, r.corners);
+  v(Key{"tolerance", "rad", "of each angle", kNeeded, "0.0001 to 1"}, r.tolerance);
 }
 
 }  // namespace fjr

@@ -36,11 +36,11 @@ double turn_between(const TipArc& arc, const Coordinates& from, const Coordinate
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, TipArc>
 void visit(R& r, Visit&& v) {
-  v(Key{"center", "m", "of the circle", true}, r.center);
-  v(Key{"from", "m", "one end", true}, r.from);
-  v(Key{"to", "m", "the other end", true}, r.to);
-  v(Key{"tolerance", "m", "distance from it, 0.0001 to 1", true}, r.tolerance);
-  v(Key{"way", "", "`short` (the default) or `long`: which way round"}, r.way);
+  v(Key{"center", "m", "of the circle", kNeeded}, r.center);
+  v(Key{"from", "m", "one end", kNeeded}, r.from);
+  v(Key{"to", "m", "the other end", kNeeded}, r.to);
+  v(Key{"tolerance", "m", "distance from it", kNeeded, "0.0001 to 1"}, r.tolerance);
+  v(Key{"way", "", "which way round", "`short`", "`short`: turns of up to 3 rad; `long`: up to 5.5 rad"}, r.way);
 }
 
 // ---- details of templates ----

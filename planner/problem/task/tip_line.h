@@ -29,9 +29,9 @@ struct TipLine {
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, TipLine>
 void visit(R& r, Visit&& v) {
-  v(Key{"from", "m", "one end", true}, r.from);
-  v(Key{"to", "m", "the other end", true}, r.to);
-  v(Key{"tolerance", "m", "distance from it, 0.0001 to 1", true}, r.tolerance);
+  v(Key{"from", "m", "one end", kNeeded}, r.from);
+  v(Key{"to", "m", "the other end", kNeeded}, r.to);
+  v(Key{"tolerance", "m", "distance from it", kNeeded, "0.0001 to 1"}, r.tolerance);
 }
 
 }  // namespace fjr

@@ -56,9 +56,9 @@ struct Wall {
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, Wall>
 void visit(R& r, Visit&& v) {
-  v(Key{"point", "m", "that the wall goes through", true}, r.point);
-  v(Key{"normal", "1", "points from the wall to where the arm may be; of any length", true}, r.normal);
-  v(Key{"margin", "m", "kept beside the links' radius"}, r.margin);
+  v(Key{"point", "m", "that the wall goes through", kNeeded, "within 10 of the base"}, r.point);
+  v(Key{"normal", "1", "points from the wall to where the arm may be; of any length", kNeeded}, r.normal);
+  v(Key{"margin", "m", "kept beside the links' radius", "0", "0 to 10"}, r.margin);
 }
 
 }  // namespace fjr

@@ -88,6 +88,7 @@ std::vector<Piece> open_loop_pieces(const Parameters& robot, const Trajectory& t
   std::set<double> ends{trajectory.end_time()};
   for (const Stretch& stretch : stretches) ends.insert({stretch.from, stretch.to});
   ends.erase(trajectory.start_time());
+  const Drive closed = stretches.empty() ? Drive{} : Drive::closed_loop(trajectory, robot);
   std::vector<Piece> pieces;
   double from = trajectory.start_time();
   for (const double to : ends) {
@@ -96,8 +97,9 @@ std::vector<Piece> open_loop_pieces(const Parameters& robot, const Trajectory& t
       piece.afresh |= stretch.to == from;
       if (stretch.joint == 0 || stretch.from > from || stretch.to < to) continue;
       const auto j = static_cast<std::size_t>(stretch.joint - 1);
-      piece.drive.position_gain[j] = robot.feedback.position_gain[j];
-      piece.drive.velocity_gain[j] = robot.feedback.velocity_gain[j];
+      piece.drive.position_gain[j] = closed.position_gain[j];
+      piece.drive.velocity_gain[j] = closed.velocity_gain[j];
+      piece.drive.dither = closed.dither;
     }
     pieces.push_back(piece);
     from = to;

@@ -34,8 +34,8 @@ struct Piece {
   bool afresh;  // begins in the plan's own state, not in the one reached
 };
 
-// The trajectory in open loop, but for the `stretches`: there, the motor that rests has its feedback; at their ends the
-// run begins afresh.
+// The trajectory in open loop, but for the `stretches`: there, the motor that rests has its feedback and dither; at
+// their ends the run begins afresh.
 std::vector<Piece> open_loop_pieces(const Parameters& robot, const Trajectory& trajectory,
                                     const std::vector<Stretch>& stretches);
 

@@ -24,12 +24,31 @@ State<double> shifted(const Parameters& p, State<double> x, const Joints<double>
   return x;
 }
 
-// Of the links about the goal, on springs whose motors stand. [J]
-double energy_about(const Parameters& p, const Sample& goal, const State<double>& x) {
-  const MassMatrix<double> m = mass_matrix(p, goal.state.q[1]);
-  double twice = m.m11 * x.dq[0] * x.dq[0] + 2 * m.m12 * x.dq[0] * x.dq[1] + m.m22 * x.dq[1] * x.dq[1];
-  for (std::size_t j = 0; j < kJoints; ++j) twice += p.spring.stiffness[j] * std::pow(x.q[j] - goal.state.q[j], 2);
-  return twice / 2;
+// Where the plan stays at one place, for long enough that the executor's dither begins.
+struct Rest {
+  Sample row;             // the first of it
+  double to;              // [s]
+  State<double> reached;  // by the rollout, at its beginning
+};
+
+std::vector<Rest> rests_in(const Parameters& p, const Trajectory& trajectory) {
+  constexpr double kSamePlace = 1e-5;  // [rad]
+  std::vector<Rest> rests;
+  bool resting = false;
+  for (const Sample& row : trajectory.samples) {
+    const bool rests_here = is_at_rest(p, row);
+    const auto stays = [&](std::size_t j) {
+      return std::abs(row.state.q[j] - rests.back().row.state.q[j]) < kSamePlace;
+    };
+    if (resting && rests_here && stays(0) && stays(1)) {
+      rests.back().to = row.time;
+    } else if (rests_here) {
+      rests.push_back({row, row.time, row.state});
+    }
+    resting = rests_here;
+  }
+  std::erase_if(rests, [](const Rest& rest) { return rest.to - rest.row.time <= kDitherAfter * kTick; });
+  return rests;
 }
 
 // Largest errors so far, and this.
@@ -49,22 +68,32 @@ Perturbed roll_out_perturbed(const Parameters& p, const Trajectory& trajectory) 
   arm.limit_step(longest_step(trajectory));
   Perturbed worst;
   worst.evaluated = worst.completed = true;
-  State<double> liveliest = last.state;
+  std::vector<Rest> rests = rests_in(p, trajectory);
+  const auto raise = [&](double time, const State<double>& x, const State<double>& wanted) {
+    const Joints<double> error{std::abs(x.q[0] - wanted.q[0]), std::abs(x.q[1] - wanted.q[1])};
+    if (std::max(error[0], error[1]) > worst.max_link()) worst.time_of_max_link = time;
+    keep(worst.link, error);
+  };
   for (const Joints<double>& shift : kShifts) {
     Interpolator plan(trajectory);
     const auto observe = [&](double time, const State<double>& x) {
-      const State<double> wanted = plan.at(time).state;
-      const Joints<double> error{std::abs(x.q[0] - wanted.q[0]), std::abs(x.q[1] - wanted.q[1])};
-      if (std::max(error[0], error[1]) > worst.max_link()) worst.time_of_max_link = time;
-      keep(worst.link, error);
+      raise(time, x, plan.at(time).state);
+      for (Rest& rest : rests) {
+        if (time == rest.row.time) rest.reached = x;
+      }
     };
     const State<double> start = shifted(p, first.state, shift);
     observe(first.time, start);
     arm.start(first.time, start, Drive::closed_loop(trajectory, p));
     worst.completed &= arm.run(last.time, instants, corners, observe);
-    if (!(energy_about(p, last, arm.state()) <= energy_about(p, last, liveliest))) liveliest = arm.state();
+    for (const Rest& rest : rests) {
+      worst.completed &= hold_at_rest(p, rest.row, rest.reached, rest.to - rest.row.time,
+                                      [&](double after, const State<double>& x, const Joints<double>&) {
+                                        raise(rest.row.time + after, x, rest.row.state);
+                                      });
+    }
+    if (ends_at_rest && worst.completed) keep(worst.after, deviation_at_rest(p, last, arm.state()));
   }
-  if (ends_at_rest && worst.completed) worst.after = deviation_at_rest(p, last, liveliest);
   return worst;
 }
 

@@ -10,7 +10,8 @@ double start_offset(const Parameters& p, std::size_t joint);
 
 // Rolls the trajectory out from its first row in closed loop with the whole arm, links and motors, start_offset() off
 // in either joint, all four combinations of signs, and a thousandth of that off in both. The largest errors are kept.
-// After an end at rest the executor holds the arm, from that one of their ends which has most energy about the goal.
+// Where the plan rests on the way, the executor holds the arm from where it came to, with its ticks and the counts of
+// the encoders, as it does after an end at rest. There it holds the arm, from each of their ends.
 Perturbed roll_out_perturbed(const Parameters& p, const Trajectory& trajectory);
 
 }  // namespace fjr

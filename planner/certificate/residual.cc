@@ -23,8 +23,9 @@ constexpr Accuracy kAccuracyAtRest{1e-4, 1e-6, 1e-5, 1e-5};
 // as accurate a run differed by 1.5e-7 rad.
 constexpr Accuracy kAccuracyOfTicks{1e-3, 1e-5, 1e-3, 1e-3};
 
-Joints<double> deviation(const State<double>& x, const Sample& rest) {
-  return {std::abs(x.q[0] - rest.state.q[0]), std::abs(x.q[1] - rest.state.q[1])};
+// Of the links; a rest at `goal` has its q.
+Joints<double> deviation(const State<double>& x, const Sample& goal) {
+  return {std::abs(x.q[0] - goal.state.q[0]), std::abs(x.q[1] - goal.state.q[1])};
 }
 
 Joints<double> largest_deviation(const Parameters& p, const State<double>& from, const Drive& drive) {
@@ -58,23 +59,32 @@ bool is_at_rest(const Parameters& p, const Sample& row) {
   return true;
 }
 
-Joints<double> deviation_at_rest(const Parameters& p, const Sample& goal, const State<double>& from) {
+bool hold_at_rest(const Parameters& p, const Sample& goal, const State<double>& from, double duration,
+                  const HoldObserver& observe) {
   Sample rest = rest_of(p, goal), later = rest;
   rest.time = 0;
-  later.time = kWindow;
+  later.time = duration;
   const Trajectory resting{{rest, later}, {}};
   TickController controller(p, resting);
   Rollout arm(p, Limits{}, kAccuracyOfTicks);
   arm.start(0, from, Drive::holding(rest));
-  Joints<double> largest = deviation(from, rest);
-  for (int k = 0; k * kTick < kWindow; ++k) {
-    const State<double>& x = arm.state();
-    arm.hold(controller.command(k * kTick, {x.theta, x.q}).torque);
-    if (!arm.run((k + 1) * kTick, {}, {}, {})) return {kNoLimit, kNoLimit};
-    const Joints<double> now = deviation(arm.state(), rest);
-    for (std::size_t j = 0; j < kJoints; ++j) largest[j] = std::max(largest[j], now[j]);
+  for (int k = 0; k * kTick < duration; ++k) {
+    const State<double> before = arm.state();
+    const Joints<double> torque = controller.command(k * kTick, {before.theta, before.q}).torque;
+    arm.hold(torque);
+    if (!arm.run((k + 1) * kTick, {}, {}, {})) return false;
+    observe((k + 1) * kTick, arm.state(), torque);
   }
-  return largest;
+  return true;
+}
+
+Joints<double> deviation_at_rest(const Parameters& p, const Sample& goal, const State<double>& from) {
+  Joints<double> largest = deviation(from, goal);
+  const auto keep = [&](double, const State<double>& x, const Joints<double>&) {
+    const Joints<double> now = deviation(x, goal);
+    for (std::size_t j = 0; j < kJoints; ++j) largest[j] = std::max(largest[j], now[j]);
+  };
+  return hold_at_rest(p, goal, from, kWindow, keep) ? largest : Joints<double>{kNoLimit, kNoLimit};
 }
 
 Residual roll_out_residual(const Parameters& p, const Sample& goal, const State<double>& closed_loop_end,

@@ -1,6 +1,8 @@
 // What the arm does after the end of a trajectory that ends at rest.
 #pragma once
 
+#include <functional>
+
 #include "planner/certificate/certificate.h"
 
 namespace fjr {
@@ -8,8 +10,14 @@ namespace fjr {
 // The row is an equilibrium: dq = dtheta = 0 and theta = q + K^-1 G(q), to 1e-5 rad and rad/s.
 bool is_at_rest(const Parameters& p, const Sample& row);
 
-// How far the links come off the rest at `goal` within the window of Residual, held there by the executor's feedback,
-// with its ticks and the counts of the encoders. [rad]
+// Holds the arm from `from` at the rest at `goal`, by the executor's feedback with its ticks, dither and the counts of
+// the encoders, for `duration`. [s] After every tick observe is called with the time since the beginning, the state
+// reached, and the torque that was commanded for the tick. False when the integration broke down.
+using HoldObserver = std::function<void(double time, const State<double>& x, const Joints<double>& torque)>;
+bool hold_at_rest(const Parameters& p, const Sample& goal, const State<double>& from, double duration,
+                  const HoldObserver& observe);
+
+// How far the links come off the rest at `goal` within the window of Residual, held there. [rad]
 Joints<double> deviation_at_rest(const Parameters& p, const Sample& goal, const State<double>& from);
 
 // Holds G(q_goal) for one second from the states in which the rollouts ended, with and without feedback to the rest at

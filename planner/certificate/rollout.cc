@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <iterator>
 #include <optional>
 #include <utility>
 
@@ -82,6 +83,7 @@ struct Rollout::Memory {
   Limits limits;
   Drive drive;
   std::optional<Interpolator> plan;
+  Joints<double> dither{};  // of the tick
   double time = 0;
   State<double> state{};
   std::vector<Event> events;
@@ -158,7 +160,7 @@ Joints<double> Rollout::Memory::torque(double t, const State<double>& x_now) {
   if (!closed) return plan ? plan->torque_at(t) : drive.held.torque;
   const Sample reference = plan ? plan->at(t) : drive.held;
   const Joints<double> feedback = drive.feedback(reference.state, x_now);
-  return {reference.torque[0] + feedback[0], reference.torque[1] + feedback[1]};
+  return {reference.torque[0] + feedback[0] + dither[0], reference.torque[1] + feedback[1] + dither[1]};
 }
 
 int Rollout::Memory::rhs(realtype t, N_Vector x, N_Vector dx, void* self) {
@@ -271,6 +273,10 @@ bool Rollout::Memory::run_to(double end, std::span<const double>& instants, cons
     jump_to(end, instants, observe);
     return true;
   }
+  if (drive.dither) {
+    const Joints<double> next = drive.dither->at((time + end) / 2);
+    if (next != std::exchange(dither, next)) restart();
+  }
   sundials::check(ARKStepSetStopTime(active, end), "ARKStepSetStopTime");
   bool at_root = false;
   for (; time < end; ++steps) {
@@ -316,6 +322,7 @@ void Rollout::start(double time, const State<double>& state, const Drive& drive)
 void Rollout::redirect(const Drive& drive) {
   memory_->drive = drive;
   memory_->plan.reset();
+  memory_->dither = {};
   if (drive.plan != nullptr) memory_->plan.emplace(*drive.plan);
   memory_->restart();
 }
@@ -327,7 +334,13 @@ void Rollout::hold(const Joints<double>& torque) {
 
 bool Rollout::run(double end, std::span<const double> instants, std::span<const double> stops,
                   const Observer& observe) {
-  for (const double stop : stops) {
+  std::vector<double> all(stops.begin(), stops.end());
+  if (memory_->drive.dither) {
+    const std::vector<double>& steps = memory_->drive.dither->steps();
+    all.clear();
+    std::merge(stops.begin(), stops.end(), steps.begin(), steps.end(), std::back_inserter(all));
+  }
+  for (const double stop : all) {
     if (stop - memory_->time < kNegligible) continue;
     if (end - stop < kNegligible) break;
     if (!memory_->run_to(stop, instants, observe)) return false;

@@ -11,27 +11,27 @@
 #include <vector>
 
 #include "model/dynamics.h"
+#include "planner/control/motor_feedback.h"
 #include "planner/problem/problem.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
 
 // What drives the motors: tau_m(t, x) = tau(t) + Kp (theta(t) - theta) + Kd (dtheta(t) - dtheta), where tau(t),
-// theta(t) and dtheta(t) are a trajectory's, or one sample held for ever. Open loop: both gains zero.
+// theta(t) and dtheta(t) are a trajectory's, or one sample held for ever. Open loop: both gains zero. Where the plan
+// rests the executor's dither is added in closed loop.
 struct Drive {
   const Trajectory* plan = nullptr;  // outlives the rollout; none: `held`
   Sample held{};
   Joints<double> position_gain{};  // [N m/rad]    Kp
   Joints<double> velocity_gain{};  // [N m s/rad]  Kd
+  std::shared_ptr<const PlannedDither> dither{};
 
   static Drive open_loop(const Trajectory& plan) { return {&plan, {}, {}, {}}; }
   static Drive closed_loop(const Trajectory& plan, const Parameters& p) {
-    return {&plan, {}, p.feedback.position_gain, p.feedback.velocity_gain};
+    return {&plan, {}, p.feedback.position_gain, p.feedback.velocity_gain, std::make_shared<PlannedDither>(p, plan)};
   }
   static Drive holding(const Sample& held) { return {nullptr, held, {}, {}}; }
-  static Drive regulating(const Sample& held, const Parameters& p) {
-    return {nullptr, held, p.feedback.position_gain, p.feedback.velocity_gain};
-  }
 
   // Kp (theta_ref - theta) + Kd (dtheta_ref - dtheta). [N m]
   Joints<double> feedback(const State<double>& reference, const State<double>& x) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "model/friction.h"
@@ -36,7 +37,38 @@ Dither::Dither(const Parameters& p, std::size_t joint, double tick)
 double Dither::next(double planned_velocity) {
   const bool rests = std::abs(planned_velocity) < band_;
   rested_ = rests ? rested_ + 1 : 0;
-  return rested_ > kDitherAfter ? torques_[(rested_ - kDitherAfter - 1) % kDitherPeriod] : 0;
+  return torque(swing_tick());
+}
+
+PlannedDither::PlannedDither(const Parameters& p, const Trajectory& trajectory, double tick)
+    : start_(trajectory.start_time()), tick_(tick), dither_{Dither(p, 0, tick), Dither(p, 1, tick)} {
+  Interpolator plan(trajectory);
+  for (std::size_t k = 0; start_ + static_cast<double>(k) * tick_ < trajectory.end_time(); ++k) {
+    const double now = start_ + static_cast<double>(k) * tick_;
+    const Joints<double> velocity = plan.at(now).state.dtheta;
+    bool steps = false;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const bool before = dither_[j].swing_tick() > 0;
+      dither_[j].next(velocity[j]);
+      const std::size_t swung = dither_[j].swing_tick();
+      steps |= before || swung > 0;
+      if (swung == 1) swings_[j].push_back({k, k});
+      if (swung > 0) swings_[j].back().last = k;
+    }
+    if (steps) steps_.push_back(now);
+  }
+}
+
+Joints<double> PlannedDither::at(double time) const {
+  const auto tick = static_cast<std::size_t>(std::max(0.0, std::floor((time - start_) / tick_)));
+  Joints<double> torque{};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const auto after = std::upper_bound(swings_[j].begin(), swings_[j].end(), tick,
+                                        [](std::size_t k, const Swing& swing) { return k < swing.first; });
+    if (after == swings_[j].begin() || tick > std::prev(after)->last) continue;
+    torque[j] = dither_[j].torque(tick - std::prev(after)->first + 1);
+  }
+  return torque;
 }
 
 MotorFeedback::MotorFeedback(const Parameters& p, double tick)

@@ -10,6 +10,12 @@ namespace fjr {
 
 inline constexpr double kTick = 1e-3;  // [s] of the executor
 
+inline constexpr int kDitherAfter = 5;    // [ticks] a motor that only reverses is not disturbed
+inline constexpr int kDitherPeriod = 10;  // [ticks] 100 Hz: nine times the arm's highest natural frequency
+// [-] of the swing, in half widths of the band in which the law falls (FrictionLaw::unstable_band): in the mean over a
+// swing the slope of joint 2's law is -5.3, 0, 12, 19, 29, 37 N m s/rad at 0, 1.44, 3, 4, 6, 20 of them.
+inline constexpr double kDitherBands = 4;
+
 // A torque that keeps a motor moving where it is to rest, for a friction law that falls with speed at rest (joint 2's).
 // At rest such a motor runs away, and no feedback through encoders is quick enough to see it. While it swings with a
 // few times the speeds at which the law falls, its friction rises with speed in the mean, and errors of its velocity
@@ -24,17 +30,39 @@ class Dither {
   // [rad/s] of the swing; 0: the law does not fall.
   double amplitude() const { return amplitude_; }
 
+  // The tick of the swing that next() gave last, from 1 on; 0: none.
+  std::size_t swing_tick() const { return rested_ > kDitherAfter ? rested_ - kDitherAfter : 0; }
+  // [N m] in that tick.
+  double torque(std::size_t swing_tick) const {
+    return swing_tick == 0 ? 0 : torques_[(swing_tick - 1) % torques_.size()];
+  }
+
  private:
   double band_, amplitude_;      // [rad/s]
   std::vector<double> torques_;  // [N m] one period, tick by tick
   std::size_t rested_ = 0;       // ticks
 };
 
-inline constexpr int kDitherAfter = 5;    // [ticks] a motor that only reverses is not disturbed
-inline constexpr int kDitherPeriod = 10;  // [ticks] 100 Hz: nine times the arm's highest natural frequency
-// [-] of the swing, in half widths of the band in which the law falls (FrictionLaw::unstable_band): in the mean over a
-// swing the slope of joint 2's law is -5.3, 0, 12, 19, 29, 37 N m s/rad at 0, 1.44, 3, 4, 6, 20 of them.
-inline constexpr double kDitherBands = 4;
+// What Dither gives along a trajectory, tick by tick from its first row on: it depends on the plan alone.
+class PlannedDither {
+ public:
+  PlannedDither(const Parameters& p, const Trajectory& trajectory, double tick = kTick);
+
+  // [N m] in the tick that `time` is in.
+  Joints<double> at(double time) const;
+  // Where it steps, increasing. [s]
+  const std::vector<double>& steps() const { return steps_; }
+
+ private:
+  struct Swing {
+    std::size_t first, last;  // ticks
+  };
+
+  double start_, tick_;
+  Joints<Dither> dither_;
+  Joints<std::vector<Swing>> swings_;
+  std::vector<double> steps_;
+};
 
 // Feedback from the encoders on top of a feed-forward torque, once a tick.
 // - Motors: within one count of its encoder nothing is known of a motor, so there is no error while the plan is in the

@@ -17,6 +17,7 @@
 #include "planner/certificate/amplification.h"
 #include "planner/certificate/comparison.h"
 #include "planner/certificate/limits.h"
+#include "planner/certificate/perturbed.h"
 #include "planner/certificate/residual.h"
 #include "planner/certificate/rollout.h"
 #include "planner/certificate/tracking.h"
@@ -329,7 +330,8 @@ TEST(Certificate, APulseInARestIsSeen) {
 }
 
 // Seven stages a step and little more, at least one step a row; and where motor 1 rests in the steep part of its
-// friction (80,000/s) no explicit steps, which would have to be shorter than 40 us.
+// friction (80,000/s) no explicit steps, which would have to be shorter than 40 us. Where motor 2 is kept swinging as
+// well, every tick's jump of the torque is followed at the certificate's accuracy.
 TEST(Rollout, StaysCheap) {
   const Trajectory& plan = reference_trajectory();
   Rollout rollout(robot(), Limits{}, Accuracy::of_certificates());
@@ -338,10 +340,14 @@ TEST(Rollout, StaysCheap) {
   ASSERT_TRUE(rollout.run(plan.end_time(), {}, torque_corners(plan, 0), {}));
   EXPECT_LT(rollout.evaluations(), 11000);  // 8800 for 430 rows
   const Trajectory still = resting({0.5, 0.3}, 0.1);
-  rollout.start(0, still.samples.front().state, Drive::closed_loop(still, robot()));
-  const long before = rollout.evaluations();
-  ASSERT_TRUE(rollout.run(still.end_time(), {}, torque_corners(still, 0), {}));
-  EXPECT_LT(rollout.evaluations() - before, 3000);  // 1000; explicit 20,000
+  Drive holding = Drive::closed_loop(still, robot());
+  for (const long most : {50'000L, 3000L}) {  // measured 25,000 with dither, 1000 without; explicit 20,000 without
+    rollout.start(0, still.samples.front().state, holding);
+    const long before = rollout.evaluations();
+    ASSERT_TRUE(rollout.run(still.end_time(), {}, torque_corners(still, 0), {}));
+    EXPECT_LT(rollout.evaluations() - before, most);
+    holding.dither = nullptr;
+  }
 }
 
 TEST(Rollout, ConservesEnergyWithoutFrictionAndTorque) {
@@ -543,6 +549,21 @@ TEST(Certificate, RestOfMotorTwoIsCertifiedInClosedLoop) {
   EXPECT_GT(c.residual.open_loop_drift[1], 5e-4);
 }
 
+// Without the dither motor 2 leaves its rest for a limit cycle of 1.03 counts, from whatever start that is not exactly
+// the rest.
+TEST(Certificate, ARestThatTheExecutorHoldsIsCertifiedHoweverLong) {
+  for (const Joints<double> q : {Joints<double>{0, 0}, {0.5, 0.3}}) {
+    for (const double off : {1e-12, 1e-9}) {
+      Trajectory trajectory = resting(q, 1);
+      trajectory.samples.front().state.theta[1] += off;
+      const Certificate c = certificate_of(trajectory);
+      EXPECT_THAT(c.failures, IsEmpty()) << q[0] << ", " << off;
+      EXPECT_LT(c.closed_loop.max_link(), 0.2 * c.tolerance);  // 0.06, of the swing
+      EXPECT_LT(c.closed_loop.perturbed.max_link(), 0.6 * c.tolerance);
+    }
+  }
+}
+
 // ---- from elsewhere than exactly the start ----
 
 // Off by so many counts of the link encoders, the motors with the links.
@@ -552,6 +573,33 @@ State<double> moved(State<double> x, const Joints<double>& counts) {
     x.theta[j] += counts[j] * count_angle(robot().encoder.link_counts[j]);
   }
   return x;
+}
+
+// A drive that cannot give what gravity takes: on the way the arm is rolled out with the executor's law, of which that
+// is a part, and the links fall.
+TEST(Certificate, ARestOnTheWayIsHeldAsTheExecutorDoes) {
+  Parameters weak = robot();
+  const Trajectory trajectory = resting({0.5, 0.3}, 0.1);
+  EXPECT_LT(roll_out_perturbed(weak, trajectory).max_link(), 0.6 * exactness_tolerance(weak));
+  weak.drive.peak_torque[0] = 0.5 * trajectory.samples.front().torque[0];
+  EXPECT_GT(roll_out_perturbed(weak, trajectory).max_link(), 10 * exactness_tolerance(weak));
+}
+
+// The executor holds the arm from each of the five ends.
+TEST(Certificate, AfterTheEndTheWorstOfAllEndsCounts) {
+  const Trajectory trajectory = resting({1.2, -0.8}, 0.02);
+  const Sample &first = trajectory.samples.front(), &last = trajectory.samples.back();
+  Joints<double> worst{};
+  for (const Joints<double> signs : {Joints<double>{1, 1}, {1, -1}, {-1, 1}, {-1, -1}, {1e-3, 1e-3}}) {
+    Rollout arm(robot(), Limits{}, Accuracy::of_predictions());
+    arm.limit_step(longest_step(trajectory));
+    arm.start(0, moved(first.state, {signs[0] / 2, signs[1] / 2}), Drive::closed_loop(trajectory, robot()));
+    ASSERT_TRUE(arm.run(last.time, {}, torque_corners(trajectory, kCorner), {}));
+    const Joints<double> after = deviation_at_rest(robot(), last, arm.state());
+    for (std::size_t j = 0; j < kJoints; ++j) worst[j] = std::max(worst[j], after[j]);
+  }
+  const Perturbed told = roll_out_perturbed(robot(), trajectory);
+  for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(told.after[j], worst[j], 1e-7);  // of 1e-4 that is judged
 }
 
 // With ticks, counts of all encoders, and friction that falls with speed at rest. The seed is that of the instability:
@@ -668,6 +716,25 @@ double feedback_at(double motor_counts, double link_counts, const Joints<double>
   return feedback.command(planned, planned_velocity, measured, {0, 0}).feedback[1];
 }
 
+// Two rests, between which motor 2 moves for 8 ms, and the same tick by tick.
+TEST(Dither, OfAPlanIsThatOfItsTicks) {
+  Trajectory trajectory = resting({0.3, 0.2}, 0.05);
+  for (std::size_t k = 20; k < 28; ++k) trajectory.samples[k].state.dtheta[1] = 0.01;
+  const PlannedDither planned(robot(), trajectory);
+  Dither dither(robot(), 1, kTick);
+  int steps = 0;
+  for (int k = 0; k < 50; ++k) {
+    const double torque = dither.next(trajectory.samples[static_cast<std::size_t>(k)].state.dtheta[1]);
+    steps += k >= kDitherAfter && (k < 20 || k >= 28 + kDitherAfter);
+    EXPECT_EQ(torque != 0, k >= kDitherAfter && (k < 20 || k >= 28 + kDitherAfter)) << k;
+    for (const double share : {0.01, 0.5, 0.99}) {
+      EXPECT_EQ(planned.at((k + share) * kTick), (Joints<double>{0, torque})) << k;
+    }
+  }
+  EXPECT_EQ(planned.steps().size(), static_cast<std::size_t>(steps + 1));  // each tick of it, and the end of the first
+  EXPECT_TRUE(std::is_sorted(planned.steps().begin(), planned.steps().end()));
+}
+
 TEST(Feedback, KnowsNothingWithinACountAndTheLinkTellsWithinTheMotors) {
   const Parameters& p = robot();
   const double motor = count_angle(p.encoder.motor_counts[1]), link = count_angle(p.encoder.link_counts[1]);
@@ -721,19 +788,15 @@ TEST(Feedback, OfMotorTwoIsStableUpToTenTimesItsGainsAndATickLate) {
   EXPECT_GT(radius(40), 1);
 }
 
-// Rows that are exact at rest hide that the arm wanders by 1.03 counts within a second of it.
+// Rows that are exact at rest would hide how far the arm comes off within a second of it.
 TEST(Certificate, ARestIsJudgedTheSameHoweverExactItsRowsAre) {
   for (const double off : {0.0, 1e-12}) {
     for (const double duration : {0.2, 1.0}) {
       Trajectory trajectory = resting({0, 0}, duration);
       trajectory.samples.front().state.theta[0] += off;
       const Certificate c = certificate_of(trajectory);
-      EXPECT_EQ(c.certified, duration < 1) << testing::PrintToString(c.failures);
-      if (c.certified) {
-        EXPECT_GT(c.closed_loop.perturbed.link[0], 0.49 * c.tolerance);
-      } else {
-        EXPECT_THAT(c.failures, testing::Contains(HasSubstr("link 2 is up to 9.90e-05 rad off the plan")));
-      }
+      EXPECT_THAT(c.failures, IsEmpty()) << off << ", " << duration;
+      EXPECT_GT(c.closed_loop.perturbed.link[0], 0.49 * c.tolerance);
     }
   }
 }

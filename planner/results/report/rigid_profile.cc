@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "planner/certificate/comparison.h"
+#include "planner/certificate/residual.h"
 #include "planner/certificate/rollout.h"
 
 namespace fjr {
@@ -14,7 +15,6 @@ constexpr double kPeriod = 1e-3;       // [s] at most between rows
 constexpr double kPeakVelocity = 1.5;  // of the trapezoid: 1 / (1/3 / 2 + 1/3 + 1/3 / 2)
 constexpr double kAcceleration = 4.5;  // of the trapezoid: kPeakVelocity / (1/3)
 constexpr double kAfterJump = 1e-9;    // share of the time: safely on the later side
-constexpr double kWatchPeriod = 5e-4;  // [s] after the end
 
 Along trapezoid(double c) {
   if (c < 1.0 / 3) return {kAcceleration * c * c / 2, kAcceleration * c, kAcceleration};
@@ -77,9 +77,23 @@ class Recorder {
       : plan_(reference), end_(reference.samples.back()), run_(run) {}
 
   void follow(double time, const State<double>& x, const Drive& drive) {
-    const Sample reference = drive.plan != nullptr ? plan_.at(time) : drive.held;
+    const Sample reference = plan_.at(time);
     const Joints<double> feedback = drive.feedback(reference.state, x);
-    const Sample now{time, x, {reference.torque[0] + feedback[0], reference.torque[1] + feedback[1]}};
+    record({time, x, {reference.torque[0] + feedback[0], reference.torque[1] + feedback[1]}});
+  }
+
+  void watch(double after, const State<double>& x, const Joints<double>& torque) {
+    record({end_.time + after, x, torque});
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double off = x.q[j] - end_.state.q[j];
+      raise(run_.residual, j, off);
+      if (std::abs(off) > kSettled) run_.settling_time = after;
+    }
+  }
+
+ private:
+  void record(const Sample& now) {
+    const State<double>& x = now.state;
     for (std::size_t j = 0; j < kJoints; ++j) {
       raise(run_.peak_torque, j, now.torque[j]);
       raise(run_.peak_motor_velocity, j, x.dtheta[j]);
@@ -88,16 +102,6 @@ class Recorder {
     run_.samples.push_back(now);
   }
 
-  void watch(double time, const State<double>& x, const Drive& drive) {
-    follow(time, x, drive);
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      const double off = x.q[j] - end_.state.q[j];
-      raise(run_.residual, j, off);
-      if (std::abs(off) > kSettled) run_.settling_time = time - end_.time;
-    }
-  }
-
- private:
   Interpolator plan_;
   const Sample& end_;
   ElasticRun& run_;
@@ -140,19 +144,16 @@ ElasticRun run_on_elastic_arm(const Parameters& p, const Trajectory& reference) 
               [&](double time, const State<double>& x) { record.follow(time, x, follow); });
 
   const Sample& end = reference.samples.back();
-  const Drive hold = Drive::regulating({end.time, rest_at(p, end.state.q), gravity_torque(p, end.state.q)}, p);
+  if (!followed) run.failure = arm.failure();
   bool held = false;
   if (followed) {
-    record.watch(end.time, arm.state(), hold);
-    std::vector<double> instants;
-    for (int k = 1; k * kWatchPeriod <= kWatchedAfterEnd; ++k) instants.push_back(end.time + k * kWatchPeriod);
-    arm.limit_step(kLongestStep);
-    arm.redirect(hold);
-    held = arm.run(end.time + kWatchedAfterEnd, instants, {},
-                   [&](double time, const State<double>& x) { record.watch(time, x, hold); });
+    record.watch(0, arm.state(), gravity_torque(p, end.state.q));
+    held = hold_at_rest(
+        p, end, arm.state(), kWatchedAfterEnd,
+        [&](double after, const State<double>& x, const Joints<double>& torque) { record.watch(after, x, torque); });
+    if (!held) run.failure = "the integration broke down after the end";
   }
-  if (!held) run.failure = arm.failure();
-  if (!held || run.settling_time > kWatchedAfterEnd - kWatchPeriod) {
+  if (!held || run.settling_time > kWatchedAfterEnd - kTick) {
     run.settling_time = std::numeric_limits<double>::infinity();
   }
   return run;

@@ -45,8 +45,8 @@ struct ElasticRun {
   std::string failure;       // of the integration; empty: none
 };
 
-// Follows `reference` with the executor's gains on the exact state, then holds its last row, which is a rest, with the
-// same: no dither. `reference` starts at rest.
+// Follows `reference` with the executor's gains on the exact state, then holds the rest at its last row as the
+// certificate has it (hold_at_rest). `reference` starts at rest.
 ElasticRun run_on_elastic_arm(const Parameters& p, const Trajectory& reference);
 
 }  // namespace fjr

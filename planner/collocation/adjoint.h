@@ -7,7 +7,7 @@
 #include "planner/collocation/costates.h"
 #include "planner/collocation/sampled_limits.h"
 #include "planner/collocation/transcription.h"
-#include "planner/nlp/ipopt.h"
+#include "planner/nlp/solve.h"
 
 namespace fjr {
 

@@ -10,7 +10,7 @@
 
 #include "planner/collocation/costates.h"
 #include "planner/collocation/transcription.h"
-#include "planner/nlp/ipopt.h"
+#include "planner/nlp/solve.h"
 
 namespace fjr {
 

@@ -11,6 +11,7 @@
 #include <stdexcept>
 
 #include "planner/nlp/chain/ma27.h"
+#include "planner/nlp/cpu_time.h"
 #include "planner/nlp/linear_solver.h"
 
 // Until 3.13 Ipopt's loader of solvers has a header, since then the option hsllib.
@@ -31,22 +32,6 @@ constexpr double kInfinity = 2e19;  // Ipopt takes anything beyond 1e19 as no bo
 
 Map<const VectorXd> view(const Number* data, Index size) { return {data, size}; }
 Map<VectorXd> view(Number* data, Index size) { return {data, size}; }
-
-// Of this process, since `start`. [s]
-double cpu_since(std::clock_t start) { return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC; }
-
-// Adds the CPU time of its life to a sum.
-class Timed {
- public:
-  explicit Timed(double& sum) : sum_(sum) {}
-  ~Timed() { sum_ += cpu_since(start_); }
-  Timed(const Timed&) = delete;
-  Timed& operator=(const Timed&) = delete;
-
- private:
-  double& sum_;
-  const std::clock_t start_ = std::clock();
-};
 
 class Adapter final : public Ipopt::TNLP {
  public:
@@ -99,30 +84,30 @@ class Adapter final : public Ipopt::TNLP {
   }
 
   bool eval_f(Index n, const Number* x, bool, Number& value) override {
-    const Timed timed(report.cost.evaluation);
+    const CpuTimed timed(report.cost.evaluation);
     value = nlp_.objective(view(x, n));
     return std::isfinite(value);
   }
   bool eval_grad_f(Index n, const Number* x, bool, Number* out) override {
-    const Timed timed(report.cost.evaluation);
+    const CpuTimed timed(report.cost.evaluation);
     nlp_.gradient(view(x, n), view(out, n));
     return true;
   }
   bool eval_g(Index n, const Number* x, bool, Index m, Number* out) override {
-    const Timed timed(report.cost.evaluation);
+    const CpuTimed timed(report.cost.evaluation);
     nlp_.constraint_values(view(x, n), view(out, m));
     return view(out, m).allFinite();
   }
   bool eval_jac_g(Index n, const Number* x, bool, Index, Index count, Index* row, Index* col, Number* out) override {
     if (out == nullptr) return copy(nlp_.jacobian_pattern, row, col);
-    const Timed timed(report.cost.evaluation);
+    const CpuTimed timed(report.cost.evaluation);
     nlp_.jacobian(view(x, n), view(out, count));
     return true;
   }
   bool eval_h(Index n, const Number* x, bool, Number cost_factor, Index m, const Number* lambda, bool, Index count,
               Index* row, Index* col, Number* out) override {
     if (out == nullptr) return copy(nlp_.hessian_pattern, row, col);
-    const Timed timed(report.cost.evaluation);
+    const CpuTimed timed(report.cost.evaluation);
     nlp_.hessian(view(x, n), cost_factor, view(lambda, m), view(out, count));
     return true;
   }
@@ -131,7 +116,7 @@ class Adapter final : public Ipopt::TNLP {
                              Number, Number, Number, Number, Index, const Ipopt::IpoptData*,
                              Ipopt::IpoptCalculatedQuantities*) override {
     report.iterations = iteration;
-    report.work = work_of(iteration);
+    report.work = work_of(nlp_, iteration, multiplications() - multiplied_before_);
     return !options_.monitor || options_.monitor({iteration, objective, violation, report.work});
   }
 
@@ -148,19 +133,6 @@ class Adapter final : public Ipopt::TNLP {
   }
 
  private:
-  // Everything but the factorisations grows with what there is to evaluate and to multiply with in an iteration.
-  double work_of(int iterations) const {
-    constexpr double kPerEntry = 2e-8;  // [s] of derivatives, and of variables and constraints, in one iteration
-    // [s] of a constraint's second derivatives: those of many task rows fall on the same few entries.
-    constexpr double kPerConstraint = 4e-7;
-    constexpr double kPerMultiplication = 6.5e-10;  // [s]
-    const auto entries = nlp_.jacobian_pattern.size() + nlp_.hessian_pattern.size() +
-                         static_cast<std::size_t>(nlp_.variables() + nlp_.constraints());
-    const double each =
-        kPerEntry * static_cast<double>(entries) + kPerConstraint * static_cast<double>(nlp_.constraints());
-    return each * iterations + kPerMultiplication * (multiplications() - multiplied_before_);
-  }
-
   static bool copy(const std::vector<Nlp::Entry>& pattern, Index* row, Index* col) {
     for (const auto& entry : pattern) {
       *row++ = entry.row;
@@ -296,25 +268,7 @@ double linear_algebra(Ipopt::IpoptApplication& application) {
 
 }  // namespace
 
-const char* name(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::kOptimal:
-      return "optimal";
-    case SolveStatus::kAcceptable:
-      return "acceptable";
-    case SolveStatus::kInfeasible:
-      return "infeasible";
-    case SolveStatus::kIterationLimit:
-      return "iteration_limit";
-    case SolveStatus::kStopped:
-      return "stopped";
-    case SolveStatus::kFailed:
-      return "failed";
-  }
-  return "unknown";
-}
-
-SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
+SolveReport solve_by_ipopt(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
   const std::clock_t began = std::clock();
   const int factorised = factorisations();
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();

@@ -1,68 +1,11 @@
 // Ipopt behind the Nlp seam: the only file that knows it is ipopt.cc.
 #pragma once
 
-#include <Eigen/Core>
-#include <functional>
-#include <string>
-
-#include "planner/nlp/nlp.h"
-#include "planner/nlp/solve_cost.h"
+#include "planner/nlp/solve.h"
 
 namespace fjr {
 
-enum class SolveStatus {
-  kOptimal,         // converged to `tolerance`
-  kAcceptable,      // stopped at the looser acceptable tolerance: usable, less exact
-  kInfeasible,      // converged to a point of local infeasibility
-  kIterationLimit,  // `max_iterations` reached
-  kStopped,         // the monitor said stop
-  kFailed,          // the method broke down (restoration failed, numbers not finite, ...)
-};
-
-const char* name(SolveStatus status);
-
-// A point and its multipliers; multipliers may be empty (size 0): then Ipopt estimates them.
-struct Iterate {
-  Eigen::VectorXd x, lambda, z_lower, z_upper;
-};
-
-struct IterationInfo {
-  int iteration;
-  double objective, violation;
-  double work;  // SolveReport::work so far
-};
-
-struct SolveOptions {
-  double tolerance = 1e-6;
-  double constraint_tolerance = 1e-9;  // absolute, unscaled
-  int max_iterations = 500;
-  double initial_barrier = 0.1;  // mu; small for warm starts
-  double final_barrier = 1e-9;   // with the monotone strategy; the objective is worse by about mu times the bounds
-  bool warm_start = false;       // start from the given multipliers and do not push the point off its bounds
-  std::string barrier_strategy = "adaptive";  // or "monotone"
-  std::string linear_solver = "stage";        // one of linear_solvers(), linear_solver.h
-  int print_level = 0;
-  // Called after every iteration; return false to stop.
-  std::function<bool(const IterationInfo&)> monitor;
-  Eigen::VectorXd x_scaling, g_scaling;  // empty: Ipopt's gradient-based scaling
-  double objective_scaling = 1;
-};
-
-struct SolveReport {
-  SolveStatus status = SolveStatus::kFailed;
-  Iterate iterate;
-  double objective = 0;
-  double violation = 0;  // largest unscaled constraint violation
-  int iterations = 0;
-  // What the solve took, counted in the optimiser's steps and not in time, so that it is the same every time: about
-  // seconds of one core of the machine that the weights were measured on (bench/README.md).
-  double work = 0;
-  SolveCost cost{};
-
-  bool solved() const { return status == SolveStatus::kOptimal || status == SolveStatus::kAcceptable; }
-};
-
 // Not thread-safe: Debian's MUMPS is not.
-SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options);
+SolveReport solve_by_ipopt(const Nlp& nlp, const Iterate& start, const SolveOptions& options);
 
 }  // namespace fjr

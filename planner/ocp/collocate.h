@@ -5,7 +5,7 @@
 
 #include "planner/collocation/mesh.h"
 #include "planner/collocation/scheme.h"
-#include "planner/nlp/ipopt.h"
+#include "planner/nlp/solve.h"
 #include "planner/ocp/guess.h"
 #include "planner/ocp/margins.h"
 #include "planner/problem/problem.h"

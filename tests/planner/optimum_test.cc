@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/nlp/ipopt.h"
+#include "planner/nlp/solve.h"
 #include "tests/support/double_integrator_problems.h"
 
 namespace fjr {

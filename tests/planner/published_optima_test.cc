@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "planner/nlp/ipopt.h"
+#include "planner/nlp/solve.h"
 #include "tests/support/published_problems.h"
 
 namespace fjr {

@@ -8,7 +8,7 @@
 #include <limits>
 #include <ostream>
 
-#include "planner/nlp/ipopt.h"
+#include "planner/nlp/solve.h"
 #include "planner/search/refinement.h"
 #include "tests/support/plants.h"
 

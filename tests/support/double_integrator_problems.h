@@ -2,7 +2,7 @@
 #pragma once
 
 #include "planner/collocation/transcription.h"
-#include "planner/nlp/ipopt.h"
+#include "planner/nlp/solve.h"
 #include "tests/support/plants.h"
 
 namespace fjr::double_integrator_problems {

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "planner/collocation/transcription.h"
-#include "planner/nlp/ipopt.h"
+#include "planner/nlp/solve.h"
 #include "tests/support/plants.h"
 
 namespace fjr {

@@ -1,0 +1,461 @@
+#include "planner/nlp/interior_point.h"
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "planner/nlp/cpu_time.h"
+#include "planner/nlp/filter.h"
+#include "planner/nlp/kkt_system.h"
+#include "planner/nlp/slack_form.h"
+
+namespace fjr {
+namespace {
+
+using Vector = Eigen::VectorXd;
+using Eigen::Index;
+
+constexpr double kErrorScale = 100;  // of multipliers, beyond which the errors are scaled down
+constexpr double kAcceptableTolerance = 1e-6, kAcceptableComplementarity = 1e-2;
+constexpr int kAcceptableIterations = 15;
+constexpr double kSolvedBarrier = 10;           // times mu: error of a barrier problem that counts as solved
+constexpr double kSlower = 0.2, kFaster = 1.5;  // the next mu: a factor, or a power if that is less
+constexpr double kNearBoundary = 0.99;          // least share of the way to a bound that a step may go
+constexpr double kFromBounds = 1e-2, kFromBoundsNear = 1e-4, kFromBoundsWarm = 1e-9;
+constexpr double kLeastMultiplier = 1e-9, kLargestEstimate = 1e3;
+constexpr double kMultiplierFactor = 1e10;  // by which a bound's multiplier may be off mu / slack
+constexpr int kCorrections = 4;
+constexpr double kWorthCorrecting = 0.99;  // of the violation before
+constexpr int kTinySteps = 2;              // that may follow each other
+constexpr int kPatience = 10;              // shortened steps in a row before whole ones are tried
+constexpr int kWatchedSteps = 3;
+constexpr int kSoftSteps = 10;
+constexpr double kSoftDecrease = 0.9999;
+
+double largest(const Vector& v) { return v.lpNorm<Eigen::Infinity>(); }
+
+struct Step {
+  Vector v, y, z_lower, z_upper;
+};
+
+class InteriorPoint {
+ public:
+  InteriorPoint(const Nlp& nlp, const Iterate& start, const SolveOptions& options)
+      : nlp_(nlp), options_(options), form_(scaled(nlp, start)), system_(analysed(form_)) {
+    const bool monotone = options.barrier_strategy == "monotone";
+    most_complementarity_ = monotone ? (kSolvedBarrier + 1) * options.final_barrier : 1e-4;
+    least_mu_ = std::min(options.tolerance, most_complementarity_) / (kSolvedBarrier + 1);
+    // Ipopt would begin with the initial barrier, and lower it by a little at the end where it is the final one.
+    mu_ = monotone && options.initial_barrier <= options.final_barrier ? least_mu_
+                                                                       : std::max(options.initial_barrier, least_mu_);
+    begin_at(start);
+  }
+
+  SolveReport run() {
+    report_.status = iterate();
+    report_.iterate = {form_.to_x(v_), form_.to_lambda(y_), form_.to_bound_multipliers(z_lower_),
+                       form_.to_bound_multipliers(z_upper_)};
+    report_.objective = own_objective();
+    report_.violation = form_.violation(v_, c_).own;
+    report_.work = work_of(nlp_, report_.iterations, system_.multiplications());
+    report_.cost.factorisations = system_.factorisations();
+    report_.cost.total = cpu_since(began_);
+    return std::move(report_);
+  }
+
+ private:
+  SlackForm scaled(const Nlp& nlp, const Iterate& start) {
+    const CpuTimed timed(report_.cost.evaluation);
+    return {nlp, start.x};
+  }
+  KktSystem analysed(const SlackForm& form) {
+    const CpuTimed timed(report_.cost.linear_algebra);
+    return KktSystem(form);
+  }
+
+  // ---- the start (section 3.6) ----
+
+  void begin_at(const Iterate& start) {
+    const bool near = options_.initial_barrier < 0.05;
+    v_ = form_.from_x(start.x);
+    push_off_bounds(options_.warm_start ? kFromBoundsWarm : near ? kFromBoundsNear : kFromBounds);
+    evaluate(v_, f_, c_);
+    if (options_.warm_start) {
+      y_ = form_.from_lambda(start.lambda);
+      z_lower_ = form_.from_bound_multipliers(start.z_lower);
+      z_upper_ = form_.from_bound_multipliers(start.z_upper);
+      form_.set_slack_multipliers(y_, z_lower_, z_upper_);
+    } else {
+      y_ = Vector::Zero(form_.constraints());
+      z_lower_ = near ? Vector(mu_ * to_lower()) : Vector::Ones(form_.variables());
+      z_upper_ = near ? Vector(mu_ * to_upper()) : Vector::Ones(form_.variables());
+    }
+    keep_to_bounds(form_.lower_bounded, z_lower_);
+    keep_to_bounds(form_.upper_bounded, z_upper_);
+    if (!options_.warm_start) estimate_multipliers();
+    filter_.start(merit(v_, f_, c_));
+  }
+
+  void push_off_bounds(double push) {
+    for (Index i = 0; i < form_.variables(); ++i) {
+      const double l = form_.lower(i), u = form_.upper(i), room = push * (u - l);
+      if (std::isfinite(l)) v_(i) = std::max(v_(i), l + std::min(push * std::max(1.0, std::abs(l)), room));
+      if (std::isfinite(u)) v_(i) = std::min(v_(i), u - std::min(push * std::max(1.0, std::abs(u)), room));
+    }
+  }
+
+  // Positive where there is a bound, and zero where there is none.
+  static void keep_to_bounds(const std::vector<Index>& bounded, Vector& z) {
+    Vector kept = Vector::Zero(z.size());
+    for (const Index i : bounded) kept(i) = std::max(z(i), kLeastMultiplier);
+    z = std::move(kept);
+  }
+
+  // Least squares of the gradient's residual.
+  void estimate_multipliers() {
+    differentiate();
+    const CpuTimed timed(report_.cost.linear_algebra);
+    if (!system_.factorise_projection(form_)) return;
+    Vector right = Vector::Zero(form_.variables() + form_.constraints());
+    right.head(form_.variables()) = z_lower_ - z_upper_ - gradient_;
+    const Vector y = system_.solve(form_, right).tail(form_.constraints());
+    if (largest(y) <= kLargestEstimate) y_ = y;
+  }
+
+  // ---- at the present point ----
+
+  void evaluate(const Vector& v, double& f, Vector& c) {
+    const CpuTimed timed(report_.cost.evaluation);
+    f = form_.objective(v);
+    form_.constraint_values(v, c);
+  }
+  void differentiate() {
+    const CpuTimed timed(report_.cost.evaluation);
+    form_.differentiate(v_, gradient_);
+  }
+  // Inverse slacks, zero without a bound.
+  Vector to_lower() const { return (v_ - form_.lower).cwiseInverse(); }
+  Vector to_upper() const { return (form_.upper - v_).cwiseInverse(); }
+  double own_objective() const { return f_ / form_.objective_scale(); }
+
+  Merit merit(const Vector& v, double f, const Vector& c) const {
+    double logarithms = 0;
+    for (const Index i : form_.lower_bounded) logarithms += std::log(v(i) - form_.lower(i));
+    for (const Index i : form_.upper_bounded) logarithms += std::log(form_.upper(i) - v(i));
+    return {c.lpNorm<1>(), f - mu_ * logarithms};
+  }
+
+  void find_dual_residual() {
+    dual_ = gradient_ - z_lower_ + z_upper_;
+    form_.add_transposed_jacobian(y_, dual_);
+  }
+
+  double complementarity(double mu) const {
+    double worst = 0;
+    for (const Index i : form_.lower_bounded) {
+      worst = std::max(worst, std::abs((v_(i) - form_.lower(i)) * z_lower_(i) - mu));
+    }
+    for (const Index i : form_.upper_bounded) {
+      worst = std::max(worst, std::abs((form_.upper(i) - v_(i)) * z_upper_(i) - mu));
+    }
+    return worst;
+  }
+
+  double error(double mu, double violation) const {  // (5)
+    const auto bounds = static_cast<double>(form_.lower_bounded.size() + form_.upper_bounded.size());
+    const double z = z_lower_.lpNorm<1>() + z_upper_.lpNorm<1>();
+    const auto scale = [](double sum, double count) {
+      return std::max(kErrorScale, sum / std::max(1.0, count)) / kErrorScale;
+    };
+    const double dual_scale = scale(y_.lpNorm<1>() + z, bounds + static_cast<double>(form_.constraints()));
+    return std::max({largest(dual_) / dual_scale, violation, complementarity(mu) / scale(z, bounds)});
+  }
+
+  bool converged() const {
+    const SlackForm::Violation violation = form_.violation(v_, c_);
+    return error(0, violation.scaled) <= options_.tolerance && violation.own <= options_.constraint_tolerance &&
+           largest(dual_) <= form_.objective_scale() &&
+           complementarity(0) <= most_complementarity_ * form_.objective_scale();
+  }
+  bool acceptable() const {
+    const SlackForm::Violation violation = form_.violation(v_, c_);
+    return error(0, violation.scaled) <= kAcceptableTolerance && violation.own <= 10 * options_.constraint_tolerance &&
+           complementarity(0) <= kAcceptableComplementarity * form_.objective_scale();
+  }
+
+  // ---- the iteration ----
+
+  SolveStatus iterate() {
+    for (int k = 0;; ++k) {
+      differentiate();
+      find_dual_residual();
+      report_.iterations = k;
+      if (const auto ended = why_to_end(k)) return *ended;
+      lower_barrier();
+      if (!set_up_system()) return SolveStatus::kFailed;
+      if (!advance()) return SolveStatus::kFailed;
+    }
+  }
+
+  std::optional<SolveStatus> why_to_end(int k) {
+    if (!std::isfinite(f_) || !c_.allFinite() || !dual_.allFinite()) return SolveStatus::kFailed;
+    if (converged()) return SolveStatus::kOptimal;
+    acceptable_ = acceptable() ? acceptable_ + 1 : 0;
+    if (acceptable_ >= kAcceptableIterations) return SolveStatus::kAcceptable;
+    if (k >= options_.max_iterations) return SolveStatus::kIterationLimit;
+    const double work = work_of(nlp_, k, system_.multiplications());
+    if (options_.monitor && !options_.monitor({k, own_objective(), largest(c_), work})) return SolveStatus::kStopped;
+    return std::nullopt;
+  }
+
+  void lower_barrier() {  // (7)
+    while (mu_ > least_mu_ && error(mu_, largest(c_)) <= kSolvedBarrier * mu_) {
+      mu_ = std::max(least_mu_, std::min(kSlower * mu_, std::pow(mu_, kFaster)));
+      filter_.clear();
+      watch_.reset();
+      shortened_ = 0;
+    }
+  }
+
+  bool set_up_system() {
+    {
+      const CpuTimed timed(report_.cost.evaluation);
+      form_.set_hessian(v_, y_);
+    }
+    const CpuTimed timed(report_.cost.linear_algebra);
+    return system_.factorise(form_, z_lower_.cwiseProduct(to_lower()) + z_upper_.cwiseProduct(to_upper()), mu_);
+  }
+
+  // Newton's step, for constraints whose values are c.
+  Step step_for(const Vector& c) {
+    const CpuTimed timed(report_.cost.linear_algebra);
+    const Vector lower = to_lower(), upper = to_upper();
+    Vector right(form_.variables() + form_.constraints());
+    right << mu_ * (lower - upper) - z_lower_ + z_upper_ - dual_, -c;
+    const Vector solution = system_.solve(form_, right);
+    Step step{solution.head(form_.variables()), solution.tail(form_.constraints()), {}, {}};
+    step.z_lower = lower.cwiseProduct(Vector::Constant(lower.size(), mu_) - z_lower_.cwiseProduct(step.v)) - z_lower_;
+    step.z_upper = upper.cwiseProduct(Vector::Constant(upper.size(), mu_) + z_upper_.cwiseProduct(step.v)) - z_upper_;
+    return step;
+  }
+
+  // The longest steps that stay off the bounds (15).
+  double share() const { return std::max(kNearBoundary, 1 - mu_); }
+  double longest(const Vector& dv) const {
+    double alpha = 1;
+    for (const Index i : form_.lower_bounded) {
+      if (dv(i) < 0) alpha = std::min(alpha, -share() * (v_(i) - form_.lower(i)) / dv(i));
+    }
+    for (const Index i : form_.upper_bounded) {
+      if (dv(i) > 0) alpha = std::min(alpha, share() * (form_.upper(i) - v_(i)) / dv(i));
+    }
+    return alpha;
+  }
+  double longest_for_multipliers(const Step& step) const {
+    double alpha = 1;
+    for (const Index i : form_.lower_bounded) {
+      if (step.z_lower(i) < 0) alpha = std::min(alpha, -share() * z_lower_(i) / step.z_lower(i));
+    }
+    for (const Index i : form_.upper_bounded) {
+      if (step.z_upper(i) < 0) alpha = std::min(alpha, -share() * z_upper_(i) / step.z_upper(i));
+    }
+    return alpha;
+  }
+
+  // False when no step leads anywhere.
+  bool advance() {
+    Step step = step_for(c_);
+    const double relative = (step.v.array().abs() / (1 + v_.array().abs())).maxCoeff();
+    const bool tiny = relative < 10 * std::numeric_limits<double>::epsilon();
+    tiny_steps_ = tiny ? tiny_steps_ + 1 : 0;
+    if (tiny_steps_ > kTinySteps) return false;
+    if (soft_steps_ > 0) return soft_step(step);
+    double alpha = longest(step.v);
+    if (tiny) {  // rounding decides about such a step, not the filter
+      v_ += alpha * step.v;
+      evaluate(v_, f_, c_);
+    } else {
+      filter_.look_from(merit(v_, f_, c_), slope(step));
+      if (!watch_ && shortened_ >= kPatience) watch_ = Watch{point(), step, filter_.looking_from(), alpha, 0};
+      const Search found = watch_ ? watched_search(step, alpha) : search(step, alpha);
+      if (found == Search::kNothing) {
+        filter_.leave_for_good();
+        return soft_step(step);
+      }
+      shortened_ = found == Search::kAtOnce ? 0 : shortened_ + 1;
+    }
+    const double alpha_z = longest_for_multipliers(step);
+    y_ += alpha * step.y;
+    z_lower_ += alpha_z * step.z_lower;
+    z_upper_ += alpha_z * step.z_upper;
+    keep_multipliers_near();
+    return true;
+  }
+
+  void keep_multipliers_near() {
+    keep_near(form_.lower_bounded, mu_ * to_lower(), z_lower_);
+    keep_near(form_.upper_bounded, mu_ * to_upper(), z_upper_);
+  }
+  static void keep_near(const std::vector<Index>& bounded, const Vector& central, Vector& z) {  // (16)
+    for (const Index i : bounded)
+      z(i) = std::clamp(z(i), central(i) / kMultiplierFactor, central(i) * kMultiplierFactor);
+  }
+
+  double slope(const Step& step) const { return (gradient_ - mu_ * (to_lower() - to_upper())).dot(step.v); }
+
+  // Backtracks from alpha, and goes to the first point that the filter accepts. What was taken in the end is in step
+  // and alpha.
+  enum class Search { kAtOnce, kShortened, kNothing };
+  Search search(Step& step, double& alpha) {
+    const Merit trial = try_step(alpha, step.v);
+    if (accept(trial, alpha)) return Search::kAtOnce;
+    if (trial.violation >= c_.lpNorm<1>() && correct(step, alpha, trial.violation)) return Search::kAtOnce;
+    return backtrack(step, alpha);
+  }
+  Search backtrack(const Step& step, double& alpha) {
+    const double shortest = filter_.shortest_step();
+    for (alpha /= 2; alpha >= shortest; alpha /= 2) {
+      if (accept(try_step(alpha, step.v), alpha)) return Search::kShortened;
+    }
+    return Search::kNothing;
+  }
+
+  // Where steps have been shortened for long, a few are taken whole without asking: if one of them comes to a point
+  // that is acceptable from where that began, it was worth it, and otherwise the search goes on from there (Ipopt's
+  // watchdog).
+  Search watched_search(Step& step, double& alpha) {
+    const Merit trial = try_step(alpha, step.v);
+    filter_.look_from(watch_->from);
+    if (accept(trial, watch_->alpha)) {
+      watch_.reset();
+      return Search::kAtOnce;
+    }
+    if (std::isfinite(trial.violation) && std::isfinite(trial.barrier) && ++watch_->steps <= kWatchedSteps) {
+      go_to_trial();
+      return Search::kAtOnce;
+    }
+    go_to(std::move(watch_->point));
+    step = std::move(watch_->step);
+    alpha = watch_->alpha;
+    watch_.reset();
+    shortened_ = 0;
+    return backtrack(step, alpha);
+  }
+
+  // Where no step is accepted, some are taken that come nearer to a solution of the system that Newton's method is to
+  // solve, until one is (Ipopt's soft restoration). False when they do not, either.
+  bool soft_step(const Step& step) {
+    if (++soft_steps_ > kSoftSteps) return false;
+    const double alpha = std::min(longest(step.v), longest_for_multipliers(step)), before = system_error();
+    filter_.look_from(merit(v_, f_, c_), 0);
+    const bool accepted = filter_.accepts(try_step(alpha, step.v), 0);
+    if (!std::isfinite(trial_f_) || !trial_c_.allFinite()) return false;
+    go_to_trial();
+    y_ += alpha * step.y;
+    z_lower_ += alpha * step.z_lower;
+    z_upper_ += alpha * step.z_upper;
+    differentiate();
+    find_dual_residual();
+    if (!accepted && !(system_error() <= kSoftDecrease * before)) return false;
+    if (accepted) soft_steps_ = 0;
+    keep_multipliers_near();
+    return true;
+  }
+
+  double system_error() const {
+    double products = 0;
+    for (const Index i : form_.lower_bounded) products += std::abs((v_(i) - form_.lower(i)) * z_lower_(i) - mu_);
+    for (const Index i : form_.upper_bounded) products += std::abs((form_.upper(i) - v_(i)) * z_upper_(i) - mu_);
+    const auto mean = [](double sum, auto count) { return count == 0 ? 0 : sum / static_cast<double>(count); };
+    return mean(dual_.lpNorm<1>(), dual_.size()) + mean(c_.lpNorm<1>(), c_.size()) +
+           mean(products, form_.lower_bounded.size() + form_.upper_bounded.size());
+  }
+
+  Merit try_step(double alpha, const Vector& dv) {
+    trial_ = v_ + alpha * dv;
+    evaluate(trial_, trial_f_, trial_c_);
+    return merit(trial_, trial_f_, trial_c_);
+  }
+
+  bool accept(const Merit& trial, double alpha) {
+    if (!filter_.accepts(trial, alpha)) return false;
+    filter_.leave(trial, alpha);
+    go_to_trial();
+    return true;
+  }
+  void go_to_trial() {
+    v_.swap(trial_);
+    c_.swap(trial_c_);
+    f_ = trial_f_;
+  }
+
+  struct Point {
+    Vector v, y, z_lower, z_upper, c;
+    double f;
+  };
+  Point point() const { return {v_, y_, z_lower_, z_upper_, c_, f_}; }
+  void go_to(Point&& p) {
+    v_ = std::move(p.v);
+    y_ = std::move(p.y);
+    z_lower_ = std::move(p.z_lower);
+    z_upper_ = std::move(p.z_upper);
+    c_ = std::move(p.c);
+    f_ = p.f;
+  }
+
+  // Second-order corrections of a step that adds to the violation (section 2.4).
+  bool correct(Step& step, double& alpha, double violation) {
+    const double first = alpha;
+    double before = c_.lpNorm<1>(), corrected = alpha;
+    Vector c = c_;
+    for (int i = 0; i < kCorrections && (i == 0 || violation <= kWorthCorrecting * before); ++i) {
+      c = corrected * c + trial_c_;
+      Step correction = step_for(c);
+      corrected = longest(correction.v);
+      before = violation;
+      const Merit trial = try_step(corrected, correction.v);
+      violation = trial.violation;
+      if (!accept(trial, first)) continue;
+      step = std::move(correction);
+      alpha = corrected;
+      return true;
+    }
+    return false;
+  }
+
+  const std::clock_t began_ = std::clock();
+  SolveReport report_;
+  const Nlp& nlp_;
+  const SolveOptions& options_;
+  SlackForm form_;
+  KktSystem system_;
+  Filter filter_;
+  double mu_ = 0, least_mu_ = 0, most_complementarity_ = 0;
+  Vector v_, y_, z_lower_, z_upper_;
+  double f_ = 0;
+  Vector c_, gradient_, dual_;  // at v_
+  Vector trial_, trial_c_;
+  double trial_f_ = 0;
+  int acceptable_ = 0, tiny_steps_ = 0;
+  int soft_steps_ = 0;  // since no step was accepted
+  int shortened_ = 0;   // steps in a row
+  struct Watch {
+    Point point;
+    Step step;
+    Filter::Reference from;
+    double alpha;
+    int steps;
+  };
+  std::optional<Watch> watch_;
+};
+
+}  // namespace
+
+SolveReport solve_by_interior_point(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
+  return InteriorPoint(nlp, start, options).run();
+}
+
+}  // namespace fjr

@@ -1,0 +1,92 @@
+// An Nlp as an interior-point method wants it: fixed variables are constants, inequalities have slacks, and large
+// gradients are scaled down.
+//
+//   min f(v)  subject to  c(v) = 0,  lower <= v <= upper,   v = (free variables, slacks of the inequalities)
+//
+// c has a row for every constraint of the Nlp, in its order: g_i - g_lower_i for an equality, g_i - slack for an
+// inequality.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "planner/nlp/chain/chain_ldlt.h"
+#include "planner/nlp/nlp.h"
+
+namespace fjr {
+
+// A symmetric matrix by the entries of one triangle; repeated entries add up.
+struct SymmetricEntries {
+  std::vector<int> rows, cols;
+  std::vector<double> values;
+};
+
+class SlackForm {
+ public:
+  using Vector = Eigen::VectorXd;
+
+  // Objective and constraints are scaled so that at x no gradient has an entry above 100, as Ipopt does by default. The
+  // Nlp outlives this.
+  SlackForm(const Nlp& nlp, const Vector& x);
+
+  Eigen::Index variables() const { return lower.size(); }
+  Eigen::Index constraints() const { return row_scale_.size(); }
+  Vector lower, upper;                                     // of v; +-infinity where unbounded
+  std::vector<Eigen::Index> lower_bounded, upper_bounded;  // where they are finite
+
+  // Between v with its multipliers and the problem's own variables and multipliers.
+  Vector from_x(const Vector& x) const;  // with the slacks that satisfy their rows
+  Vector to_x(const Vector& v) const;
+  Vector from_lambda(const Vector& lambda) const { return objective_scale_ * lambda.cwiseQuotient(row_scale_); }
+  Vector to_lambda(const Vector& y) const { return y.cwiseProduct(row_scale_) / objective_scale_; }
+  Vector from_bound_multipliers(const Vector& z) const;  // zero for slacks
+  Vector to_bound_multipliers(const Vector& z) const;
+  // Those of the slacks, as the rows' multipliers y want them.
+  void set_slack_multipliers(const Vector& y, Vector& z_lower, Vector& z_upper) const;
+  double objective_scale() const { return objective_scale_; }
+
+  // Largest violation of the problem's constraints: scaled, and as the problem has them.
+  struct Violation {
+    double scaled = 0, own = 0;
+  };
+  Violation violation(const Vector& v, const Vector& c) const;
+
+  double objective(const Vector& v) const;
+  void constraint_values(const Vector& v, Vector& c) const;
+
+  // The KKT matrix (H + D, J'; J, -eE) with its parts at the v they were set for last.
+  const SymmetricEntries& kkt() const { return kkt_; }
+  ChainStructure kkt_structure() const;
+  void differentiate(const Vector& v, Vector& gradient);            // the gradient of f, and J
+  void add_transposed_jacobian(const Vector& y, Vector& to) const;  // to += J' y
+  void set_hessian(const Vector& v, const Vector& y);               // H, of f + y'c
+  void clear_hessian();
+  void set_diagonal(const Vector& d, double e);
+  void multiply(const Vector& by, Vector& product) const;  // the KKT matrix times a vector
+
+ private:
+  bool inequality(Eigen::Index row) const { return slack_[static_cast<std::size_t>(row)] >= 0; }
+  Eigen::Index slack_of(Eigen::Index row) const { return slack_[static_cast<std::size_t>(row)]; }
+  const Vector& x_at(const Vector& v) const;
+  void number_variables();
+  void set_scales(const Vector& x);
+  void set_bounds();
+  void set_pattern();
+  std::size_t jacobian_begin() const { return hessian_entry_.size(); }
+  std::size_t diagonal_begin() const {
+    return kkt_.rows.size() - static_cast<std::size_t>(variables() + constraints());
+  }
+
+  const Nlp& nlp_;
+  double objective_scale_ = 1;
+  Vector row_scale_;
+  std::vector<Eigen::Index> free_;                            // the problem's variable of each free one
+  std::vector<int> place_;                                    // and the other way round, -1 for fixed ones
+  std::vector<Eigen::Index> slack_;                           // of each constraint, -1 for equalities
+  SymmetricEntries kkt_;                                      // H, J, the slacks' -1 in J, the diagonal
+  std::vector<Eigen::Index> hessian_entry_, jacobian_entry_;  // entries of the problem's patterns that are kept
+  Vector hessian_values_, jacobian_values_, gradient_;        // as the problem gives them
+  mutable Vector x_;                                          // with the fixed variables at their values
+};
+
+}  // namespace fjr

@@ -1,0 +1,66 @@
+#include "planner/nlp/solve.h"
+
+#include "planner/nlp/interior_point.h"
+#include "planner/nlp/ipopt.h"
+
+namespace fjr {
+namespace {
+
+// Whether Ipopt could do better: our method has no restoration phase, and is not asked to go on beyond its limit.
+bool broke_down(SolveStatus status) { return status == SolveStatus::kFailed; }
+
+}  // namespace
+
+const char* name(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::kOptimal:
+      return "optimal";
+    case SolveStatus::kAcceptable:
+      return "acceptable";
+    case SolveStatus::kInfeasible:
+      return "infeasible";
+    case SolveStatus::kIterationLimit:
+      return "iteration_limit";
+    case SolveStatus::kStopped:
+      return "stopped";
+    case SolveStatus::kFailed:
+      return "failed";
+  }
+  return "unknown";
+}
+
+SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
+  const bool own = options.optimiser == Optimiser::kOwn && options.linear_solver == "stage";
+  if (!own) return solve_by_ipopt(nlp, start, options);
+  SolveReport first = solve_by_interior_point(nlp, start, options);
+  if (!broke_down(first.status)) return first;
+  SolveOptions rest = options;
+  if (options.monitor) {
+    rest.monitor = [&](IterationInfo info) {
+      info.iteration += first.iterations;
+      info.work += first.work;
+      return options.monitor(info);
+    };
+  }
+  SolveReport second = solve_by_ipopt(nlp, start, rest);
+  second.iterations += first.iterations;
+  second.work += first.work;
+  second.cost += first.cost;
+  second.fell_back = true;
+  return second;
+}
+
+// Everything but the factorisations grows with what there is to evaluate and to multiply with in an iteration.
+double work_of(const Nlp& nlp, int iterations, double multiplications) {
+  constexpr double kPerEntry = 2e-8;  // [s] of derivatives, and of variables and constraints, in one iteration
+  // [s] of a constraint's second derivatives: those of many task rows fall on the same few entries.
+  constexpr double kPerConstraint = 4e-7;
+  constexpr double kPerMultiplication = 6.5e-10;  // [s]
+  const auto entries = nlp.jacobian_pattern.size() + nlp.hessian_pattern.size() +
+                       static_cast<std::size_t>(nlp.variables() + nlp.constraints());
+  const double each =
+      kPerEntry * static_cast<double>(entries) + kPerConstraint * static_cast<double>(nlp.constraints());
+  return each * iterations + kPerMultiplication * multiplications;
+}
+
+}  // namespace fjr

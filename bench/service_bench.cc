@@ -18,6 +18,8 @@
 #include "planner/dds/wire_execution.h"
 #include "planner/executor/executor_config.h"
 #include "planner/executor/realtime.h"
+#include "planner/stop/stop_motion.h"
+#include "tests/executor/flat_motion.h"
 #include "tests/support/domain.h"
 #include "tests/support/process.h"
 
@@ -291,6 +293,59 @@ void ticks(Report& report, const Options& options, const fs::path& log) {
              1e9 * static_cast<double>(stamps.size() - 1) / static_cast<double>(stamps.back() - stamps.front()), "1/s");
 }
 
+// What an executor is told of a motion, and what it says: as a service would, with the motion's stops.
+class Publisher {
+ public:
+  Publisher() : participant_(own_domain()) { waitset_.attach(states_.arrived()); }
+
+  // Waits until `holds` of the executor's last word.
+  template <class Holds>
+  void wait_until(Holds&& holds, const Process& executor) {
+    const auto began = Clock::now();
+    while (state_.robot_id.empty() || !trajectories_.has_reader() || !holds(state_)) {
+      if (seconds_since(began) > 60) throw std::runtime_error("not within 60 s:\n" + executor.output());
+      waitset_.wait(milliseconds(5));
+      states_.take_all([&](const fjr_msg_ExecutorState& message, const dds_sample_info_t& info) {
+        if (info.valid_data) state_ = dds::decode(message);
+      });
+    }
+  }
+  void publish(TrajectoryOrder order) {
+    order.id = new_client();
+    order.published = state_.stamp;
+    if (!trajectories_.write(dds::encode_2(order))) throw std::runtime_error("the executor takes no trajectory");
+  }
+
+ private:
+  dds::Participant participant_;
+  dds::Waitset waitset_{participant_};
+  dds::Reader<fjr_msg_ExecutorState> states_{participant_, participant_.handle()};
+  dds::Writer<fjr_msg_Trajectory2> trajectories_{participant_, participant_.handle()};
+  ExecutorState state_;
+};
+
+// From a motion's publication to the first word that it runs, each time of another executor.
+void starts(Report& report, const Options& options, const fs::path& log) {
+  const Parameters robot = load_parameters(default_robot_file());
+  TrajectoryOrder order;
+  order.robot_id = "arm";
+  order.robot_hash = robot_hash(robot);
+  order.certified = order.ends_at_rest = true;
+  order.rows = flat_motion(robot, {0.3, 0.2}, {0.9, -0.9}, 5).samples;
+  order.stops = stop_motions(robot, {order.rows, {}}, {});
+  std::vector<double> latency;
+  for (std::size_t i = 0; i < std::clamp<std::size_t>(options.requests / 20, 1, 10); ++i) {
+    const auto executor = start({"executor", "--start", "0.3,0.2", "--state", log.string() + ".state"}, log);
+    Publisher publisher;
+    publisher.wait_until([](const ExecutorState& s) { return s.mode == ExecutorMode::kResting; }, *executor);
+    const auto published = Clock::now();
+    publisher.publish(order);
+    publisher.wait_until([](const ExecutorState& s) { return s.mode == ExecutorMode::kExecuting; }, *executor);
+    latency.push_back(1e3 * seconds_since(published));
+  }
+  report.distribution("publication to start of a 5 s motion", latency, "ms", 50);
+}
+
 int run(const Options& options) {
   const fs::path folder = fs::temp_directory_path() / fmt::format("fjr_service_bench_{}", ::getpid());
   fs::create_directories(folder);
@@ -300,6 +355,7 @@ int run(const Options& options) {
   cancelling(report, options, folder / "cancel.log");
   memory(report, folder / "memory.log");
   ticks(report, options, folder / "executor.log");
+  starts(report, options, folder / "starts.log");
   if (!options.json.empty()) report.write(options.json);
   fs::remove_all(folder);
   return 0;

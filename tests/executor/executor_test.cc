@@ -365,7 +365,8 @@ TEST_F(ExecutorTest, BeginsAtOnceWhenTheStopMotionsComeWithIt) {
   ASSERT_TRUE(cell().wait([](const ExecutorState& s) { return s.mode == ExecutorMode::kExecuting; }));
   const auto begun = std::chrono::steady_clock::now();
   RecordProperty("start_ms", std::to_string(std::chrono::duration<double, std::milli>(begun - after).count()));
-  EXPECT_LT(begun - after, (after - before) / 4);  // what the executor would have needed to find them
+  // What the executor would have needed to find them, on the same machine with the same load; 50 ms are bench/'s.
+  EXPECT_LT(begun - after, (after - before) / 4);
   ASSERT_TRUE(cell().wait_for_time(0.3));
   Process hold = fjr({"hold"}, "hold.log");
   EXPECT_EQ(hold.wait(), 0);

@@ -1,5 +1,5 @@
 // What waits to be solved: by priority; within a priority one of each participant in turn, of one by arrival. Bounded
-// for each participant and in all.
+// for each participant.
 #pragma once
 
 #include <algorithm>
@@ -8,6 +8,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "planner/protocol/messages.h"
@@ -33,8 +34,13 @@ class JobQueue {
   // capacity: of one participant.
   explicit JobQueue(std::size_t capacity) : capacity_(capacity) {}
 
+  // Where many participants have much, each has an even share of the whole, so that whoever is new gets in.
   bool full_for(const Origin& origin) const {
-    return jobs_.size() >= kClients * capacity_ || of(origin) >= static_cast<std::ptrdiff_t>(capacity_);
+    const std::size_t most = kClients * capacity_;
+    if (jobs_.size() < most) return of(origin) >= capacity_;
+    std::set<Origin> participants{origin};
+    for (const Job& job : jobs_) participants.insert(job.order.origin);
+    return of(origin) >= std::clamp<std::size_t>(most / participants.size(), 1, capacity_);
   }
   bool empty() const { return jobs_.empty(); }
   std::size_t size() const { return jobs_.size(); }
@@ -80,8 +86,9 @@ class JobQueue {
  private:
   static constexpr std::size_t kClients = 8;  // that may use their share to the full
 
-  std::ptrdiff_t of(const Origin& origin) const {
-    return std::count_if(jobs_.begin(), jobs_.end(), [&](const Job& job) { return job.order.origin == origin; });
+  std::size_t of(const Origin& origin) const {
+    return static_cast<std::size_t>(
+        std::count_if(jobs_.begin(), jobs_.end(), [&](const Job& job) { return job.order.origin == origin; }));
   }
   std::uint64_t last_turn(const Job& job) const {
     const auto found = last_turn_.find(job.order.origin);

@@ -76,7 +76,7 @@ void Service::refuse_at_end(const Backlog::Entry& last) {
 // What nobody has answered, and, after a take-over, what was cancelled meanwhile.
 std::vector<Backlog::Entry> Service::last_requests() {
   const auto ours = [this](const Backlog::Entry& entry) {
-    return entry.asked ? ownership_.answers_for(entry.order.robot_id) : answers_cancel(entry.order.robot_id);
+    return entry.asked ? ownership_.answers_for(entry.order.robot_id) : answers(entry);
   };
   std::vector<Backlog::Entry> last = backlog_.take_if(ours);
   while (auto order = inbox_.next()) last.push_back({.order = std::move(*order)});

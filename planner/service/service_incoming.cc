@@ -61,6 +61,7 @@ void Service::keep_cancel(const dds::ServicePort::Cancel& wanted, bool relay) {
   Order cancelled;
   cancelled.id = wanted.id;
   cancelled.robot_id = wanted.robot_id.value_or("");
+  if (cancelled.robot_id.empty() && ownership_.robots().size() == 1) cancelled.robot_id = config_.robot_id;
   cancelled.origin = wanted.origin;
   no_room_for(backlog_.cancel(std::move(cancelled), Clock::now(), relay));
 }
@@ -85,8 +86,9 @@ void Service::note_what_it_needs(Order& order) const {
 bool Service::answers(const Order& order) const {
   return ownership_.answers_for(order.robot_id) && (!order.needs_executor || knows_executor());
 }
+// A cancellation alone tells of no request of another robot, which may have been answered long ago.
 bool Service::answers(const Backlog::Entry& entry) const {
-  return entry.asked ? answers(entry.order) : answers_cancel(entry.order.robot_id);
+  return entry.asked ? answers(entry.order) : ownership_.owner() && entry.order.robot_id == config_.robot_id;
 }
 
 void Service::admit(Order order, Clock::time_point arrived, Clock::time_point heard) {

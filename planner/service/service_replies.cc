@@ -64,7 +64,7 @@ void Service::give_up(const Job& job, ReplyState state, Reason reason, const std
 // same request must not count as that.
 void Service::remember(const SharedReply& reply) {
   if (lasting(reply->why.reason)) return cache_.add(reply);
-  refused_lately_.add(reply->id, Clock::now());
+  refused_lately_.add(reply->id, reply->origin, Clock::now());
 }
 
 void Service::reject(const Order& order, Refusal why) {

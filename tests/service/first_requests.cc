@@ -6,7 +6,6 @@
 
 #include <cstdlib>
 #include <string>
-#include <thread>
 
 #include "planner/dds/reader.h"
 #include "planner/dds/wire_request.h"
@@ -45,7 +44,7 @@ int cancel(unsigned domain, const RequestId& id) {
   dds::Writer<fjr_msg_MotionCancel> cancels(participant, participant.handle());
   if (!comes_true([&] { return cancels.has_reader(); })) return 1;
   if (!cancels.write({dds::encode(id), "arm"})) return 1;
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  (void)cancels.flush(DDS_MSECS(300));
   std::_Exit(0);
 }
 

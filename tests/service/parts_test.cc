@@ -283,6 +283,8 @@ TEST(ExecutorWatch, SaysWhyThereIsNoRest) {
   EXPECT_EQ(why([](State& s, auto&) { s.robot_id = "other"; }), "no executor of robot arm says where the arm is");
   EXPECT_THAT(why([](State& s, auto&) { s.robot_hash = "other"; }), HasSubstr("has hash other, the service's mine"));
   EXPECT_EQ(why([](State& s, auto&) { s.mode = ExecutorMode::kExecuting; }), "the arm is executing a trajectory");
+  EXPECT_EQ(why([](State& s, auto&) { s.mode = ExecutorMode::kPreparing; }),
+            "the arm is about to execute a trajectory");
   EXPECT_EQ(why([](State& s, auto&) { s.mode = ExecutorMode::kStopped; }),
             "the arm is stopped until it is started again");
   EXPECT_EQ(why([](State& s, auto&) { s.q[0] = s.planned_q[0] = std::numeric_limits<double>::quiet_NaN(); }),
@@ -403,14 +405,25 @@ TEST(RecentIds, AreForgottenByAgeAndByNumber) {
   const auto now = RecentIds::Clock::now();
   RecentIds ids(2, 5s);
   const RequestId first = new_client(), second = new_client(), third = new_client();
-  ids.add(first, now);
-  ids.add(second, now + 1s);
+  ids.add(first, {}, now);
+  ids.add(second, {}, now + 1s);
   EXPECT_TRUE(ids.contains(first, now + 5s));
   EXPECT_FALSE(ids.contains(first, now + 6s));
   EXPECT_FALSE(ids.contains(third, now));
-  ids.add(third, now + 2s);
+  ids.add(third, {}, now + 2s);
   EXPECT_FALSE(ids.contains(first, now + 2s));
   EXPECT_TRUE(ids.contains(second, now + 2s));
+}
+
+TEST(RecentIds, OfOneTakeNoPlaceFromAnother) {
+  const auto now = RecentIds::Clock::now();
+  RecentIds ids(3, std::chrono::seconds(5));
+  const RequestId healthy = new_client();
+  RequestId last;
+  ids.add(healthy, {1}, now);
+  for (int i = 0; i < 10; ++i) ids.add(last = new_client(), {2}, now);
+  EXPECT_TRUE(ids.contains(healthy, now));
+  EXPECT_TRUE(ids.contains(last, now));
 }
 
 }  // namespace

@@ -254,6 +254,22 @@ TEST(JobQueue, GivesEachParticipantItsTurn) {
   for (const std::uint64_t expected : {1, 9, 2, 3}) EXPECT_EQ(queue.pop().order.id.number, expected);
 }
 
+// Eight participants may use their share to the full.
+TEST(JobQueue, HasRoomForWhoeverIsNew) {
+  JobQueue queue(3);
+  const auto fill = [&](std::uint8_t participant) {
+    std::size_t room = 0;
+    Job job = job_of(1, 0);
+    job.order.origin[0] = participant;
+    for (; !queue.full_for(job.order.origin); ++room) queue.push(job);
+    return room;
+  };
+  for (std::uint8_t participant = 1; participant <= 8; ++participant) EXPECT_EQ(fill(participant), 3u);
+  EXPECT_EQ(fill(9), 2u);
+  EXPECT_EQ(fill(1), 0u);
+  for (std::uint8_t participant = 10; participant < 40; ++participant) EXPECT_GE(fill(participant), 1u);
+}
+
 TEST(ReplyCache, RefusalsCostNoTrajectory) {
   ReplyCache cache(2, 1 << 20);
   Reply reply;

@@ -9,11 +9,10 @@
 namespace fjr::dds {
 namespace {
 
-// Writers are kept while somebody listens. Beyond the first number the participant's least recently used client that
-// has everything makes room, and is met anew when it returns. The second is for participants whose clients do not take
-// what they were sent: they get no more writers. So it is with the third, which all share evenly, so that whoever is
-// new gets some.
-constexpr std::size_t kUsualOfOne = 128, kMostOfOne = 256, kMostShared = 1024;
+// Writers are kept while somebody listens. At the first number the participant's least recently used client that has
+// everything makes room, and is met anew when it returns; where none has, there are no more writers for that
+// participant. So it is at an even share of the second, where many participants have many: whoever is new gets some.
+constexpr std::size_t kMostOfOne = 128, kMostOfAll = 1024;
 constexpr std::chrono::milliseconds kLookAgain{50};  // whether there is room by now; looking takes up to 3 ms
 
 }  // namespace
@@ -53,9 +52,8 @@ bool ClientWriters::may_make_one_for(const Origin& origin) {
   if (full_.contains(origin)) return false;
   std::map<Origin, std::size_t> counts{{origin, 0}};
   for (const auto& [name, client] : clients_) ++counts[client.origin];
-  const std::size_t most = std::clamp<std::size_t>(kMostShared / counts.size(), 1, kMostOfOne);
-  const std::size_t has = counts[origin];
-  const bool may = has < std::min(kUsualOfOne, most) || make_room_of(origin) || has < most;
+  const std::size_t most = std::clamp<std::size_t>(kMostOfAll / counts.size(), 1, kMostOfOne);
+  const bool may = counts[origin] < most || make_room_of(origin);
   if (!may) full_[origin] = now;
   return may;
 }

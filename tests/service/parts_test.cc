@@ -197,6 +197,31 @@ TEST(Outbox, IsBoundedAtTheCostOfWhoIsFurthestBehind) {
   EXPECT_EQ(sent, (std::vector<std::pair<int, std::uint64_t>>{{1, 3}, {1, 4}, {2, 0}}));
 }
 
+// More than are looked at in a turn, none of which has room: whoever has is found all the same.
+TEST(Outbox, FindsWhoHasRoomAmongVeryMany) {
+  constexpr int kClients = 3000;
+  int with_room = -1;
+  std::vector<int> sent;
+  const auto number = [](const RequestId& id) { return id.client[0] * 256 + id.client[1]; };
+  Outbox outbox(
+      [&](const SharedReply& reply) {
+        if (number(reply->id) == with_room) sent.push_back(with_room);
+        return number(reply->id) == with_room;
+      },
+      64 << 20);
+  for (int i = 0; i < kClients; ++i) {
+    Reply reply;
+    reply.id.client[0] = static_cast<std::uint8_t>(i / 256);
+    reply.id.client[1] = static_cast<std::uint8_t>(i % 256);
+    outbox.post(std::make_shared<const Reply>(std::move(reply)));
+  }
+  for (with_room = kClients - 1; with_room > 0; with_room -= 1000) {
+    const std::size_t before = sent.size();
+    for (int turn = 0; turn < 4 && sent.size() == before; ++turn) deliver_when_due(outbox);
+    EXPECT_EQ(sent.size(), before + 1) << with_room;
+  }
+}
+
 TEST(Backlog, RemembersTheLatestUnanswered) {
   Backlog backlog(3);
   Order order;

@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kLinkShare = 0.5;     // of a spring's stiffness: feedback from the link's side, stable below 1
 constexpr double kDitherCounts = 0.1;  // [-] of the link's encoder: no motor swings further
-constexpr int kParts = 8;              // of a tick, over which the friction of the swing is averaged
 
 // How far `error` is beyond +-band.
 double beyond(double error, double band) { return error - std::clamp(error, -band, band); }
@@ -20,40 +19,44 @@ double beyond(double error, double band) { return error - std::clamp(error, -ban
 }  // namespace
 
 Dither::Dither(const Parameters& p, std::size_t joint, double tick)
-    : band_(FrictionLaw::of(p, static_cast<int>(joint)).unstable_band()) {
-  const FrictionLaw law = FrictionLaw::of(p, static_cast<int>(joint));
+    : law_(FrictionLaw::of(p, static_cast<int>(joint))), band_(law_.unstable_band()) {
   const double rate = 2 * std::numbers::pi / (kDitherPeriod * tick);  // [rad/s]
   amplitude_ = std::min(kDitherBands * band_, kDitherCounts * count_angle(p.encoder.link_counts[joint]) * rate);
   for (int k = 0; k < kDitherPeriod; ++k) {
-    double torque = 0;
     for (int i = 0; i < kParts; ++i) {
       const double phase = rate * tick * (k + (i + 0.5) / kParts);
-      torque += law.torque(amplitude_ * std::sin(phase)) + p.motor.inertia[joint] * amplitude_ * rate * std::cos(phase);
+      velocities_[static_cast<std::size_t>(k)][static_cast<std::size_t>(i)] = amplitude_ * std::sin(phase);
+      accelerating_[static_cast<std::size_t>(k)] +=
+          p.motor.inertia[joint] * amplitude_ * rate * std::cos(phase) / kParts;
     }
-    torques_.push_back(torque / kParts);
   }
 }
 
 double Dither::next(double planned_velocity) {
   const bool rests = std::abs(planned_velocity) < band_;
   rested_ = rests ? rested_ + 1 : 0;
-  return torque(swing_tick());
+  if (swing_tick() == 0) return 0;
+  const std::size_t k = (swing_tick() - 1) % kDitherPeriod;
+  double friction = 0;
+  for (const double velocity : velocities_[k]) friction += law_.torque(planned_velocity + velocity) / kParts;
+  return friction - law_.torque(planned_velocity) + accelerating_[k];
 }
 
 PlannedDither::PlannedDither(const Parameters& p, const Trajectory& trajectory, double tick)
-    : start_(trajectory.start_time()), tick_(tick), dither_{Dither(p, 0, tick), Dither(p, 1, tick)} {
+    : start_(trajectory.start_time()), tick_(tick) {
+  Joints<Dither> dither{Dither(p, 0, tick), Dither(p, 1, tick)};
   Interpolator plan(trajectory);
   for (std::size_t k = 0; start_ + static_cast<double>(k) * tick_ < trajectory.end_time(); ++k) {
     const double now = start_ + static_cast<double>(k) * tick_;
     const Joints<double> velocity = plan.at(now).state.dtheta;
     bool steps = false;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      const bool before = dither_[j].swing_tick() > 0;
-      dither_[j].next(velocity[j]);
-      const std::size_t swung = dither_[j].swing_tick();
+      const bool before = dither[j].swing_tick() > 0;
+      const double torque = dither[j].next(velocity[j]);
+      const std::size_t swung = dither[j].swing_tick();
       steps |= before || swung > 0;
-      if (swung == 1) swings_[j].push_back({k, k});
-      if (swung > 0) swings_[j].back().last = k;
+      if (swung == 1) swings_[j].push_back({k, {}});
+      if (swung > 0) swings_[j].back().torques.push_back(torque);
     }
     if (steps) steps_.push_back(now);
   }
@@ -65,8 +68,9 @@ Joints<double> PlannedDither::at(double time) const {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const auto after = std::upper_bound(swings_[j].begin(), swings_[j].end(), tick,
                                         [](std::size_t k, const Swing& swing) { return k < swing.first; });
-    if (after == swings_[j].begin() || tick > std::prev(after)->last) continue;
-    torque[j] = dither_[j].torque(tick - std::prev(after)->first + 1);
+    if (after == swings_[j].begin()) continue;
+    const Swing& swing = *std::prev(after);
+    if (tick - swing.first < swing.torques.size()) torque[j] = swing.torques[tick - swing.first];
   }
   return torque;
 }

@@ -1,6 +1,8 @@
 // The executor's control law.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <vector>
 
 #include "model/encoder.h"
@@ -19,12 +21,15 @@ inline constexpr double kDitherBands = 4;
 // A torque that keeps a motor moving where it is to rest, for a friction law that falls with speed at rest (joint 2's).
 // At rest such a motor runs away, and no feedback through encoders is quick enough to see it. While it swings with a
 // few times the speeds at which the law falls, its friction rises with speed in the mean, and errors of its velocity
-// decay. The swing itself moves a motor over a fifteenth of a count of its link's encoder.
+// decay. The swing itself moves a motor over a fifteenth of a count of its link's encoder. It is added to the planned
+// velocity, which may creep: the torque makes up for the difference between the friction of the two together and that
+// of the plan, which is in the planned torque.
 class Dither {
  public:
   Dither(const Parameters& p, std::size_t joint, double tick);
 
-  // [N m] for the next tick, given the planned velocity [rad/s]. 0 unless the plan has rested for kDitherAfter ticks.
+  // [N m] on top of the planned torque for the next tick, given the planned velocity [rad/s]. 0 unless the plan has
+  // rested, or crept within the band, for kDitherAfter ticks.
   double next(double planned_velocity);
 
   // [rad/s] of the swing; 0: the law does not fall.
@@ -32,15 +37,15 @@ class Dither {
 
   // The tick of the swing that next() gave last, from 1 on; 0: none.
   std::size_t swing_tick() const { return rested_ > kDitherAfter ? rested_ - kDitherAfter : 0; }
-  // [N m] in that tick.
-  double torque(std::size_t swing_tick) const {
-    return swing_tick == 0 ? 0 : torques_[(swing_tick - 1) % torques_.size()];
-  }
 
  private:
-  double band_, amplitude_;      // [rad/s]
-  std::vector<double> torques_;  // [N m] one period, tick by tick
-  std::size_t rested_ = 0;       // ticks
+  static constexpr int kParts = 8;  // of a tick, over which the friction of the swing is averaged
+
+  FrictionLaw law_;
+  double band_, amplitude_;                                             // [rad/s]
+  std::array<std::array<double, kParts>, kDitherPeriod> velocities_{};  // [rad/s] of the swing, tick by tick
+  std::array<double, kDitherPeriod> accelerating_{};                    // [N m] the motor by the swing, tick by tick
+  std::size_t rested_ = 0;                                              // ticks
 };
 
 // What Dither gives along a trajectory, tick by tick from its first row on: it depends on the plan alone.
@@ -55,11 +60,11 @@ class PlannedDither {
 
  private:
   struct Swing {
-    std::size_t first, last;  // ticks
+    std::size_t first;            // tick
+    std::vector<double> torques;  // [N m] tick by tick
   };
 
   double start_, tick_;
-  Joints<Dither> dither_;
   Joints<std::vector<Swing>> swings_;
   std::vector<double> steps_;
 };

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <ctime>
 #include <utility>
+#include <vector>
 
 #include "planner/ocp/collocate.h"
 #include "planner/ocp/margins.h"
@@ -133,15 +134,32 @@ void withdraw_rows(Plan& plan) {
   plan.certificate.reset();
 }
 
+// Whether the rows keep every limit, and the task, as they are planned: then it is exactness that they lack, and not
+// a motion.
+bool keeps_what_was_asked(const Certificate& certificate) {
+  const auto kept = [](const LimitCheck& limit) { return limit.passed || limit.reached <= limit.limit; };
+  const auto passed = [](const TaskCheck& constraint) { return constraint.passed; };
+  return std::all_of(certificate.limits.begin(), certificate.limits.end(), kept) &&
+         std::all_of(certificate.task.begin(), certificate.task.end(), passed);
+}
+
+// What may help a motion that is not exact enough.
+std::string advice(const std::vector<Relaxation>& relaxations) {
+  if (relaxations.empty()) return "";
+  const Relaxation& r = relaxations.front();
+  return fmt::format("; with {}{} of {} {} (now {:g}) it may be found", r.name,
+                     r.joint == 0 ? "" : fmt::format(" of joint {}", r.joint), enough(r.from, r.to), r.unit, r.from);
+}
+
 // Nothing certified was found, and nobody stopped the search.
 void tell_failure(const Findings& found, Plan& plan) {
-  // What is known to be impossible is that. Where only smoothed motions tell what would have to change, and a motion
-  // was found that is not exact enough, that motion is what there is, with the advice.
-  const bool only_advice = plan.infeasibility && plan.status == PlanStatus::kUncertified &&
-                           !plan.infeasibility->relaxations.empty() && plan.infeasibility->relaxations.front().rough;
   const bool nothing_converged = found.candidates.empty();
-  if (only_advice) {
-    plan.reason += "; " + plan.infeasibility->sentence;
+  const auto is_rough = [](const std::vector<Relaxation>& all) { return !all.empty() && all.front().rough; };
+  if (plan.infeasibility && plan.certificate && keeps_what_was_asked(*plan.certificate)) {
+    plan.reason += advice(plan.infeasibility->relaxations);  // what was asked is possible, and only not exact enough
+    plan.infeasibility.reset();
+  } else if (plan.infeasibility && plan.certificate && is_rough(plan.infeasibility->relaxations)) {
+    plan.reason += "; " + plan.infeasibility->sentence;  // only smoothed motions tell what would have to change
   } else if (plan.infeasibility) {
     plan.status = PlanStatus::kInfeasible;
     plan.reason = plan.infeasibility->sentence;

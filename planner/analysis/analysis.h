@@ -1,5 +1,5 @@
-// What a solution says about itself, by its multipliers: what each limit is worth, how the optimum moves with what was
-// given, and how well the conditions of optimality hold.
+// What a solution says about itself, by its multipliers: the shadow price of each limit, how the optimum moves with
+// what was given, and how well the conditions of optimality hold.
 //
 // All of it is about the problem that was optimised last: its objective has a trace of effort in minimum time
 // (make_arm_ocp()), its friction law may still be smoothed, and its limits are those less back-off and margins. Values
@@ -18,12 +18,12 @@ struct Collocated;
 
 // Derivatives of the optimal objective. An optimum changes by these to first order, as long as the same limits stay
 // active.
-struct LimitWorth {
+struct ShadowPrice {
   std::string name;  // as in the request's `limits`; of a constraint of the task: obstacles[0], tip_box, ...
   int joint = 0;     // 1 or 2, of a constraint of the task the link; 0 where there is none
   std::string unit;  // of the limit
   double limit = 0;  // of a constraint of the task: its size (TaskRow::scale)
-  double worth = 0;  // -d objective / d limit: what the objective gains with one unit more (of a constraint of the
+  double price = 0;  // -d objective / d limit: what the objective gains with one unit more (of a constraint of the
                      // task: of room); 0 where never active
   double share = 0;  // of the duration in which it is active: within 1 % of the limit as the optimiser had it
   struct Stretch {
@@ -32,7 +32,7 @@ struct LimitWorth {
   std::vector<Stretch> active;
 };
 
-struct ViaWorth {
+struct ViaPrices {
   double time = 0;                   // [s] where the motion passes it
   Joints<double> q{};                // d objective / d via position, per rad
   std::optional<Joints<double>> dq;  // per rad/s, where dq was given
@@ -40,9 +40,9 @@ struct ViaWorth {
 };
 
 struct Sensitivity {
-  std::vector<LimitWorth> limits;  // every finite one, and every constraint of the task
-  std::optional<double> duration;  // d objective / d duration, per s, where it is fixed or at a bound
-  std::vector<ViaWorth> via;
+  std::vector<ShadowPrice> limits;  // every finite one, and every constraint of the task
+  std::optional<double> duration;   // d objective / d duration, per s, where it is fixed or at a bound
+  std::vector<ViaPrices> via;
   Joints<double> goal{};  // d objective / d goal.q, per rad; a goal at rest moves with its equilibrium
 };
 

@@ -5,8 +5,8 @@
 
 #include "common/dual.h"
 #include "planner/analysis/analysis.h"
-#include "planner/analysis/limit_worth.h"
 #include "planner/analysis/optimality.h"
+#include "planner/analysis/shadow_prices.h"
 #include "planner/collocation/adjoint.h"
 #include "planner/ocp/arm_collocation.h"
 
@@ -29,26 +29,26 @@ inline bool duration_is_free(const Problem& problem, double duration) {
 }
 
 // d objective / d goal.q, 0 where free. The equilibrium of a goal at rest is theta = q + K^-1 G(q).
-inline Joints<double> goal_worth(const Problem& problem, const Vector8& by_state) {
-  Joints<double> worth{by_state(0), by_state(1)};
+inline Joints<double> price_of_goal(const Problem& problem, const Vector8& by_state) {
+  Joints<double> price{by_state(0), by_state(1)};
   for (std::size_t j = 0; j < kJoints; ++j) {
-    if (problem.goal.free[j]) worth[j] = 0;
+    if (problem.goal.free[j]) price[j] = 0;
   }
-  if (!problem.goal.at_rest || problem.goal.any_free()) return worth;  // if free, theta is not given but follows
+  if (!problem.goal.at_rest || problem.goal.any_free()) return price;  // if free, theta is not given but follows
   using D = Dual<kJoints>;
   const Joints<D> q{D::input(problem.goal.q[0], 0), D::input(problem.goal.q[1], 1)};
   const Joints<D> gravity = gravity_torque(problem.robot, q);
   for (std::size_t i = 0; i < kJoints; ++i) {
     const D theta = q[i] + gravity[i] / problem.robot.spring.stiffness[i];
-    for (std::size_t j = 0; j < kJoints; ++j) worth[j] += by_state(static_cast<int>(4 + i)) * theta.g[j];
+    for (std::size_t j = 0; j < kJoints; ++j) price[j] += by_state(static_cast<int>(4 + i)) * theta.g[j];
   }
-  return worth;
+  return price;
 }
 
 // What the trace of effort of a minimum-time problem contributes where limits are active: its weight depends on them
 // (make_arm_ocp()).
 template <Features F>
-void add_trace(const Problem& problem, const Collocated& solution, std::vector<LimitWorth>& worths) {
+void add_trace(const Problem& problem, const Collocated& solution, std::vector<ShadowPrice>& prices) {
   const double reg = solution.setup.smoothing.regularisation;
   if (make_arm_ocp<F>(problem, reg).regularisation == 0) return;
   double squares = 0;  // int u^2
@@ -60,16 +60,16 @@ void add_trace(const Problem& problem, const Collocated& solution, std::vector<L
       squares += interval.duration * scheme.b(j) * (u[0] * u[0] + u[1] * u[1]);
     }
   }
-  for (LimitWorth& worth : worths) {
+  for (ShadowPrice& price : prices) {
     Problem changed = problem;
-    double* limit = limit_of(changed.limits, worth.name, worth.joint);
-    if (limit == nullptr || worth.active.empty()) continue;
-    const double step = 1e-4 * worth.limit;
+    double* limit = limit_of(changed.limits, price.name, price.joint);
+    if (limit == nullptr || price.active.empty()) continue;
+    const double step = 1e-4 * price.limit;
     const auto weight = [&](double change) {
-      *limit = worth.limit + change;
+      *limit = price.limit + change;
       return make_arm_ocp<F>(changed, reg).regularisation;
     };
-    worth.worth -= squares * (weight(step) - weight(-step)) / (2 * step);
+    price.price -= squares * (weight(step) - weight(-step)) / (2 * step);
   }
 }
 
@@ -111,9 +111,9 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
   }
 
   Sensitivity& sensitivity = result.sensitivity;
-  sensitivity.limits = LimitWorths<F>(problem, solution.setup, t, iterate).run();
+  sensitivity.limits = ShadowPrices<F>(problem, solution.setup, t, iterate).run();
   parts::add_trace<F>(problem, solution, sensitivity.limits);
-  for (LimitWorth& worth : sensitivity.limits) worth.worth *= scale;
+  for (ShadowPrice& price : sensitivity.limits) price.price *= scale;
   const auto mean = [&](std::size_t i) { return scale * mean_hamiltonian(a, leg[i], leg[i + 1]); };
   if (parts::duration_is_free(problem, a.node_times.back())) {
     optimality.hamiltonian.expected = -scale * problem.weights.time;
@@ -122,12 +122,12 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
   }
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
     const Vector8 by_state = by_node(leg[i + 1]);
-    ViaWorth via{a.node_times[leg[i + 1]], {by_state(0), by_state(1)}, {}, {}};
+    ViaPrices via{a.node_times[leg[i + 1]], {by_state(0), by_state(1)}, {}, {}};
     if (problem.via[i].time) via.later = mean(i) - mean(i + 1);
     if (problem.via[i].dq) via.dq = Joints<double>{by_state(2), by_state(3)};
     sensitivity.via.push_back(via);
   }
-  sensitivity.goal = parts::goal_worth(problem, end);
+  sensitivity.goal = parts::price_of_goal(problem, end);
   return result;
 }
 

@@ -1,4 +1,4 @@
-// What each of the arm's limits, and of the task's constraints, is worth: the multipliers of the bounds it makes.
+// Shadow prices of the arm's limits and of the task's constraints: the multipliers of the bounds it makes.
 #pragma once
 
 #include <algorithm>
@@ -70,11 +70,11 @@ std::vector<LimitBound> limit_bounds(const Kept& kept, const PerLimit& scales) {
 }
 
 template <Features F>
-class LimitWorths {
+class ShadowPrices {
  public:
   using T = Transcription<ArmOcp<F>>;
 
-  LimitWorths(const Problem& problem, const CollocationSetup& setup, const T& t, const Iterate& solution)
+  ShadowPrices(const Problem& problem, const CollocationSetup& setup, const T& t, const Iterate& solution)
       : t_(t),
         solution_(solution),
         kept_(kept_limits(problem, setup.mesh, setup.margins)),
@@ -86,7 +86,7 @@ class LimitWorths {
     name_all(problem);
   }
 
-  std::vector<LimitWorth> run() {
+  std::vector<ShadowPrice> run() {
     const std::vector<double> nodes = t_.mesh().node_times(t_.durations(solution_.x));
     const Eigen::VectorXd& b = t_.scheme().b;
     std::vector<LimitBound> bounds;
@@ -97,22 +97,22 @@ class LimitWorths {
       for (int j = 0; j < t_.scheme().stages(); ++j) {
         const double end = j + 1 == t_.scheme().stages() ? nodes[at + 1] : time + b(j) * (nodes[at + 1] - nodes[at]);
         for (const LimitBound& bound : bounds) {
-          if (visit(k, j, bound)) worths_[bound.limit].active.push_back({time, end});
+          if (visit(k, j, bound)) prices_[bound.limit].active.push_back({time, end});
         }
         time = end;
       }
     }
-    std::vector<LimitWorth> result;
-    for (LimitWorth& worth : worths_) {
-      if (!std::isfinite(worth.limit)) continue;
-      const bool more = !result.empty() && result.back().name == worth.name && result.back().joint == worth.joint;
-      if (!more) result.push_back(worth);  // a constraint of the task may have several rows
-      if (more) result.back().worth += worth.worth;
-      if (more) std::copy(worth.active.begin(), worth.active.end(), std::back_inserter(result.back().active));
+    std::vector<ShadowPrice> result;
+    for (ShadowPrice& price : prices_) {
+      if (!std::isfinite(price.limit)) continue;
+      const bool more = !result.empty() && result.back().name == price.name && result.back().joint == price.joint;
+      if (!more) result.push_back(price);  // a constraint of the task may have several rows
+      if (more) result.back().price += price.price;
+      if (more) std::copy(price.active.begin(), price.active.end(), std::back_inserter(result.back().active));
     }
-    for (LimitWorth& worth : result) {
-      worth.active = joined(std::move(worth.active), kGap * nodes.back());
-      for (const auto& stretch : worth.active) worth.share += (stretch.end - stretch.begin) / nodes.back();
+    for (ShadowPrice& price : result) {
+      price.active = joined(std::move(price.active), kGap * nodes.back());
+      for (const auto& stretch : price.active) price.share += (stretch.end - stretch.begin) / nodes.back();
     }
     return result;
   }
@@ -120,10 +120,10 @@ class LimitWorths {
  private:
   void name_all(const Problem& problem) {
     for (const LimitName& limit : kLimitNames) {
-      worths_.push_back({limit.quantity->name, limit.joint, limit.quantity->unit, limit.in(problem.limits), 0, 0, {}});
+      prices_.push_back({limit.quantity->name, limit.joint, limit.quantity->unit, limit.in(problem.limits), 0, 0, {}});
     }
     for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) {
-      worths_.push_back({row.name, row.link, row.unit(), row.scale, 0, 0, {}});
+      prices_.push_back({row.name, row.link, row.unit(), row.scale, 0, 0, {}});
     }
   }
 
@@ -131,9 +131,9 @@ class LimitWorths {
 
   static bool same(const Kept& a, const Kept& b) { return a.limits == b.limits && a.task_rows == b.task_rows; }
 
-  static std::vector<LimitWorth::Stretch> joined(std::vector<LimitWorth::Stretch> parts, double gap) {
+  static std::vector<ShadowPrice::Stretch> joined(std::vector<ShadowPrice::Stretch> parts, double gap) {
     std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.begin < b.begin; });
-    std::vector<LimitWorth::Stretch> stretches;
+    std::vector<ShadowPrice::Stretch> stretches;
     for (const auto& part : parts) {
       if (stretches.empty() || part.begin - stretches.back().end > gap) stretches.push_back(part);
       stretches.back().end = std::max(stretches.back().end, part.end);
@@ -141,7 +141,7 @@ class LimitWorths {
     return stretches;
   }
 
-  // True where the bound is active at stage j; its multiplier is then added to the limit's worth, once.
+  // True where the bound is active at stage j; its multiplier is then added to the limit's price, once.
   bool visit(int k, int j, const LimitBound& bound) {
     if (bound.of == LimitBound::kState) return variable(t_.x_at(k, j) + bound.index, bound);
     if (bound.of == LimitBound::kRow) return row(k, j, bound);
@@ -185,7 +185,7 @@ class LimitWorths {
   }
 
   // multiplier: -d objective / d bound.
-  void add(const LimitBound& bound, double multiplier) { worths_[bound.limit].worth += multiplier * bound.slope; }
+  void add(const LimitBound& bound, double multiplier) { prices_[bound.limit].price += multiplier * bound.slope; }
 
   const T& t_;
   const Iterate& solution_;
@@ -193,7 +193,7 @@ class LimitWorths {
   PerLimit scales_;
   Eigen::VectorXd rows_;
   std::vector<char> counted_variable_, counted_row_;
-  std::vector<LimitWorth> worths_;  // in the order of PerLimit
+  std::vector<ShadowPrice> prices_;  // in the order of PerLimit
 };
 
 }  // namespace fjr

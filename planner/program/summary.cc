@@ -14,8 +14,8 @@ namespace fjr {
 namespace {
 
 constexpr std::size_t kTightest = 3;     // limits shown
-constexpr double kOnePercent = 0.01;     // of a limit: its worth is of first order
-constexpr double kWorthTelling = 0.005;  // of the objective, by the limit itself times its worth
+constexpr double kOnePercent = 0.01;     // of a limit: its shadow price is of first order
+constexpr double kPriceTelling = 0.005;  // of the objective, by the limit itself times its shadow price
 
 std::string line(std::string_view label, const std::string& text) { return fmt::format("  {:<11} {}\n", label, text); }
 
@@ -83,21 +83,21 @@ std::string gain(const Problem& problem, const Plan& plan, double objective) {
 // The limits that cost most, and the duration where it is given: to first order, from the multipliers.
 std::string what_limits(const Problem& problem, const Plan& plan) {
   const Sensitivity& sensitivity = plan.analysis->sensitivity;
-  std::vector<LimitWorth> limits;
+  std::vector<ShadowPrice> limits;
   std::copy_if(sensitivity.limits.begin(), sensitivity.limits.end(), std::back_inserter(limits),
-               [&](const LimitWorth& l) { return l.worth * l.limit > kWorthTelling * std::abs(plan.objective); });
+               [&](const ShadowPrice& l) { return l.price * l.limit > kPriceTelling * std::abs(plan.objective); });
   std::stable_sort(limits.begin(), limits.end(),
-                   [](const LimitWorth& a, const LimitWorth& b) { return a.worth * a.limit > b.worth * b.limit; });
+                   [](const ShadowPrice& a, const ShadowPrice& b) { return a.price * a.limit > b.price * b.limit; });
   limits.resize(std::min(limits.size(), kTightest));
   std::string text;
   const auto add = [&text](const std::string& sentence) { text += line(text.empty() ? "limiting" : "", sentence); };
   Limits of_request = problem.limits;
-  for (const LimitWorth& l : limits) {
+  for (const ShadowPrice& l : limits) {
     const bool of_task = limit_of(of_request, l.name, l.joint) == nullptr;
     const std::string joint = l.joint == 0 ? "" : fmt::format("{} {}", of_task ? " link" : "", l.joint);
     add(fmt::format("{}{} {:.0f} % of the time: 1 % more{}, {:.3g} {}, would save {}", l.name, joint, 100 * l.share,
                     of_task ? " room" : "", kOnePercent * l.limit, l.unit,
-                    gain(problem, plan, kOnePercent * l.limit * l.worth)));
+                    gain(problem, plan, kOnePercent * l.limit * l.price)));
   }
   if (sensitivity.duration) {
     const double slope = *sensitivity.duration, step = kOnePercent * plan.duration;

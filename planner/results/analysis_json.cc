@@ -25,8 +25,8 @@ Json numbers(const Joints<double>& values) { return Json::array({number(values[0
 Json number_or_null(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
 Json numbers_or_null(const std::optional<Joints<double>>& v) { return v ? numbers(*v) : Json(nullptr); }
 
-Json stretches(std::vector<LimitWorth::Stretch> active) {
-  const auto length = [](const LimitWorth::Stretch& s) { return s.end - s.begin; };
+Json stretches(std::vector<ShadowPrice::Stretch> active) {
+  const auto length = [](const ShadowPrice::Stretch& s) { return s.end - s.begin; };
   if (active.size() > kMostStretches) {
     std::stable_sort(active.begin(), active.end(), [&](const auto& a, const auto& b) { return length(a) > length(b); });
     active.resize(kMostStretches);
@@ -64,18 +64,18 @@ Json along_json(const std::vector<Optimality::Along>& along) {
 
 Json sensitivity_json(const Sensitivity& sensitivity) {
   Json limits = Json::array();
-  for (const LimitWorth& limit : sensitivity.limits) {
+  for (const ShadowPrice& limit : sensitivity.limits) {
     limits.push_back({{"name", limit.name},
                       {"joint", limit.joint == 0 ? Json(nullptr) : Json(limit.joint)},
                       {"limit", limit.limit},
                       {"unit", limit.unit},
-                      {"worth", number(limit.worth)},
-                      {"saved_by_1_percent", number(0.01 * limit.limit * limit.worth)},
+                      {"worth", number(limit.price)},
+                      {"saved_by_1_percent", number(0.01 * limit.limit * limit.price)},
                       {"active_share", number(limit.share)},
                       {"active", stretches(limit.active)}});
   }
   Json via = Json::array();
-  for (const ViaWorth& v : sensitivity.via) {
+  for (const ViaPrices& v : sensitivity.via) {
     via.push_back({{"time", number(v.time, 10)},
                    {"q", numbers(v.q)},
                    {"dq", numbers_or_null(v.dq)},

@@ -100,7 +100,7 @@ Json solver_json(const Plan& plan) {
                       {"status", stage.status}});
   }
   Json fallbacks = Json::object();
-  visit_fallbacks(plan.fallbacks, [&](const char* rung, int count) { fallbacks[rung] = count; });
+  visit_fallbacks(plan.fallbacks, [&](const char* name, int count) { fallbacks[name] = count; });
   Json minima = Json::array();
   for (const double objective : plan.minima) minima.push_back(number(objective));
   return {{"iterations", plan.iterations},

@@ -27,7 +27,7 @@ struct SolverStage {
   double work = 0;  // SolveReport::work
 };
 
-// How often what usually works did not, and what was tried then (planner/search/ladder.h has the order).
+// How often what usually works did not, and what was tried then (planner/search/fallbacks.h has the order).
 struct Fallbacks {
   int adaptive_barrier = 0;  // a warm start failed; tried again with multipliers forgotten and an adaptive barrier
   int friction_level = 0;    // a step to a sharper friction law stopped at the iteration limit

@@ -16,11 +16,11 @@
 namespace fjr {
 namespace {
 
-constexpr double kComfort = 0.02;   // [m] of room below which a cell is dearer
+constexpr double kComfort = 0.02;   // [m] of clearance below which a cell is dearer
 constexpr double kDearer = 2;       // by this factor where there is none
-constexpr double kDiscouraged = 6;  // factor on cells near a way that was found before
+constexpr double kDiscouraged = 6;  // factor on cells near a path that was found before
 constexpr double kNear = 0.5;       // [rad] what near means there, grown with every trial
-constexpr int kTrials = 3;          // to find one more way
+constexpr int kTrials = 3;          // to find one more path
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 struct Cell {
@@ -39,17 +39,17 @@ class Grid {
     }
     std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
     std::erase_if(rows, [](const TaskRow& row) { return row.link == 0 && row.name != "tip_box" && !is_wide(row); });
-    room_.resize(static_cast<std::size_t>(size_[0] * size_[1]));
-    for (std::size_t c = 0; c < room_.size(); ++c) room_[c] = room_at(problem.robot, rows, q_of(c));
-    cost_.assign(room_.size(), 1);
-    for (std::size_t c = 0; c < room_.size(); ++c) {
-      if (room_[c] < kComfort) cost_[c] = 1 + (kDearer - 1) * (1 - std::max(0.0, room_[c]) / kComfort);
+    clearance_.resize(static_cast<std::size_t>(size_[0] * size_[1]));
+    for (std::size_t c = 0; c < clearance_.size(); ++c) clearance_[c] = room_at(problem.robot, rows, q_of(c));
+    cost_.assign(clearance_.size(), 1);
+    for (std::size_t c = 0; c < clearance_.size(); ++c) {
+      if (clearance_[c] < kComfort) cost_[c] = 1 + (kDearer - 1) * (1 - std::max(0.0, clearance_[c]) / kComfort);
     }
   }
 
-  std::size_t cells() const { return room_.size(); }
-  double room(std::size_t c) const { return room_[c]; }
-  bool free(std::size_t c) const { return room_[c] >= 0; }
+  std::size_t cells() const { return clearance_.size(); }
+  double clearance(std::size_t c) const { return clearance_[c]; }
+  bool free(std::size_t c) const { return clearance_[c] >= 0; }
 
   Joints<double> q_of(std::size_t c) const {
     const int i = static_cast<int>(c) / size_[1], j = static_cast<int>(c) % size_[1];
@@ -90,12 +90,12 @@ class Grid {
 
   double cost(std::size_t c) const { return cost_[c]; }
 
-  // Makes the middle of a way dear, so that the next one goes elsewhere.
-  void discourage(const Way& way, double near) {
+  // Makes the middle of a path dear, so that the next one goes elsewhere.
+  void discourage(const Path& path, double near) {
     for (std::size_t c = 0; c < cells(); ++c) {
       const Joints<double> q = q_of(c);
-      for (std::size_t k = way.size() / 5; k < way.size() - way.size() / 5; ++k) {
-        if (std::hypot(way[k][0] - q[0], way[k][1] - q[1]) < near) {
+      for (std::size_t k = path.size() / 5; k < path.size() - path.size() / 5; ++k) {
+        if (std::hypot(path[k][0] - q[0], path[k][1] - q[1]) < near) {
           cost_[c] = kDiscouraged;
           break;
         }
@@ -106,9 +106,9 @@ class Grid {
  private:
   static double room_at(const Parameters& robot, const std::vector<TaskRow>& rows, const Joints<double>& q) {
     const auto posture = Posture<double>::of(robot, q);
-    double room = kInfinity;
-    for (const TaskRow& row : rows) room = std::min(room, row.distance(row.value(robot, posture)));
-    return room;
+    double clearance = kInfinity;
+    for (const TaskRow& row : rows) clearance = std::min(clearance, row.distance(row.value(robot, posture)));
+    return clearance;
   }
 
   int nearest(double angle, std::size_t axis) const {
@@ -120,7 +120,7 @@ class Grid {
 
   Joints<double> limit_, speed_;
   std::array<int, 2> size_{};
-  std::vector<double> room_, cost_;
+  std::vector<double> clearance_, cost_;
 };
 
 // Dijkstra's algorithm; better(a, b): a is the better value to have come with. extend(value, from, to, time).
@@ -164,22 +164,22 @@ std::vector<std::size_t> quickest(const Grid& grid, std::size_t from, std::size_
       });
 }
 
-std::vector<std::size_t> roomiest(const Grid& grid, std::size_t from, std::size_t to) {
+std::vector<std::size_t> widest(const Grid& grid, std::size_t from, std::size_t to) {
   return search(
       grid, from, to, kInfinity, -kInfinity, [](double a, double b) { return a > b; },
-      [&](double value, std::size_t, std::size_t next, double) { return std::min(value, grid.room(next)); });
+      [&](double value, std::size_t, std::size_t next, double) { return std::min(value, grid.clearance(next)); });
 }
 
-Way way_of(const Grid& grid, const std::vector<std::size_t>& cells, const Joints<double>& from,
-           const Joints<double>& to) {
-  Way way{from};
-  for (std::size_t k = 1; k + 1 < cells.size(); ++k) way.push_back(grid.q_of(cells[k]));
-  way.push_back(to);
-  return way;
+Path path_of(const Grid& grid, const std::vector<std::size_t>& cells, const Joints<double>& from,
+             const Joints<double>& to) {
+  Path path{from};
+  for (std::size_t k = 1; k + 1 < cells.size(); ++k) path.push_back(grid.q_of(cells[k]));
+  path.push_back(to);
+  return path;
 }
 
 // Twice the angle that the closed polygon turns round a point, over 2 pi: its winding number.
-int winding(const Way& polygon, const Joints<double>& point) {
+int winding(const Path& polygon, const Joints<double>& point) {
   int turns = 0;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const Joints<double>&a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
@@ -191,8 +191,8 @@ int winding(const Way& polygon, const Joints<double>& point) {
 }
 
 // One can be pulled into the other unless the loop they form goes round something forbidden.
-bool same_way(const Grid& grid, const Way& a, const Way& b) {
-  Way loop = a;
+bool same_path(const Grid& grid, const Path& a, const Path& b) {
+  Path loop = a;
   loop.insert(loop.end(), b.rbegin(), b.rend());
   for (std::size_t c = 0; c < grid.cells(); ++c) {
     if (!grid.free(c) && winding(loop, grid.q_of(c)) != 0) return false;
@@ -200,10 +200,10 @@ bool same_way(const Grid& grid, const Way& a, const Way& b) {
   return true;
 }
 
-std::vector<std::string> broken_on(const Problem& problem, std::size_t segment, const Way& way) {
+std::vector<std::string> broken_on(const Problem& problem, std::size_t segment, const Path& path) {
   std::set<std::string> names;
   const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
-  for (const Joints<double>& q : way) {
+  for (const Joints<double>& q : path) {
     const auto posture = Posture<double>::of(problem.robot, q);
     for (const TaskRow& row : rows) {
       if (row.room(row.value(problem.robot, posture)) < 0) names.insert(row.name);
@@ -218,21 +218,21 @@ Detours find_detours(const Problem& problem, std::size_t segment, const Joints<d
                      std::size_t most, double spacing) {
   Grid grid(problem, segment, spacing);
   Detours found;
-  const std::vector<std::size_t> best = roomiest(grid, grid.cell_of(from, false), grid.cell_of(to, false));
-  found.roomiest = way_of(grid, best, from, to);
-  found.room = kInfinity;
-  for (const std::size_t c : best) found.room = std::min(found.room, grid.room(c));
-  found.barred_by = broken_on(problem, segment, found.roomiest);
+  const std::vector<std::size_t> best = widest(grid, grid.cell_of(from, false), grid.cell_of(to, false));
+  found.widest = path_of(grid, best, from, to);
+  found.clearance = kInfinity;
+  for (const std::size_t c : best) found.clearance = std::min(found.clearance, grid.clearance(c));
+  found.barred_by = broken_on(problem, segment, found.widest);
   const std::size_t start = grid.cell_of(from, true), goal = grid.cell_of(to, true);
   if (!grid.free(start) || !grid.free(goal)) return found;
-  for (int trial = 0; trial < kTrials && found.ways.size() < most; ++trial) {
+  for (int trial = 0; trial < kTrials && found.paths.size() < most; ++trial) {
     const std::vector<std::size_t> cells = quickest(grid, start, goal);
     if (cells.empty()) break;
-    const Way way = way_of(grid, cells, from, to);
-    if (std::none_of(found.ways.begin(), found.ways.end(), [&](const Way& w) { return same_way(grid, w, way); })) {
-      found.ways.push_back(way);
+    const Path path = path_of(grid, cells, from, to);
+    if (std::none_of(found.paths.begin(), found.paths.end(), [&](const Path& w) { return same_path(grid, w, path); })) {
+      found.paths.push_back(path);
     }
-    grid.discourage(way, kNear * (1 + trial));
+    grid.discourage(path, kNear * (1 + trial));
   }
   return found;
 }
@@ -266,7 +266,7 @@ std::string beyond_reach(const Problem& problem) {
 
 }  // namespace
 
-NoWay no_way(const Problem& problem) {
+NoPath no_path(const Problem& problem) {
   if (std::string sentence = beyond_reach(problem); !sentence.empty()) {
     return {sentence, {problem.task.line ? "tip_line" : "tip_arc"}, 0};
   }
@@ -280,14 +280,14 @@ NoWay no_way(const Problem& problem) {
   for (const Via& via : problem.via) points.push_back(via.q);
   points.push_back(problem.goal.q);
   for (std::size_t s = 0; s + 1 < points.size(); ++s) {
-    if (find_detours(problem, s, points[s], points[s + 1], 0).room > 0) continue;
+    if (find_detours(problem, s, points[s], points[s + 1], 0).clearance > 0) continue;
     const Detours fine = find_detours(problem, s, points[s], points[s + 1], 0, kFineGrid);
-    if (fine.room > -doubt) continue;
+    if (fine.clearance > -doubt) continue;
     const std::string stretch = points.size() == 2 ? "from the start to the goal"
                                                    : fmt::format("on the stretch {} of {}", s + 1, points.size() - 1);
     return {fmt::format("every way {} within the joints' limits is barred by {}; {:.2g} m more room would open one",
-                        stretch, fmt::join(fine.barred_by, ", "), -fine.room),
-            fine.barred_by, -fine.room};
+                        stretch, fmt::join(fine.barred_by, ", "), -fine.clearance),
+            fine.barred_by, -fine.clearance};
   }
   return {};
 }

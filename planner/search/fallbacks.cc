@@ -1,4 +1,4 @@
-#include "planner/search/ladder.h"
+#include "planner/search/fallbacks.h"
 
 #include <fmt/format.h>
 
@@ -169,7 +169,7 @@ SwungUp swing_up(const SharedProblem& problem, double longest, Session& session)
   return {};
 }
 
-std::optional<Continuation> climb(const SharedProblem& problem, Session& session) {
+std::optional<Continuation> fall_back(const SharedProblem& problem, Session& session) {
   Fallbacks& tried = session.fallbacks();
   const std::vector<Guess> guesses = first_guesses(*problem);
   for (std::size_t i = 0; i < std::min(kPatientStarts, guesses.size()) && !session.interrupted(); ++i) {

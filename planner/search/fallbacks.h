@@ -27,6 +27,6 @@ SwungUp swing_up(const std::shared_ptr<const Problem>& problem, double longest, 
 // its limits relaxed the problem is solved, and they are tightened again step by step, each solution starting the next.
 // What was tried is counted in Session::fallbacks(). The result is as good as Continuation::begin() leaves it; none
 // when nothing led anywhere.
-std::optional<Continuation> climb(const std::shared_ptr<const Problem>& problem, Session& session);
+std::optional<Continuation> fall_back(const std::shared_ptr<const Problem>& problem, Session& session);
 
 }  // namespace fjr

@@ -23,16 +23,16 @@ struct Waypoint {
 // What the tip goes when both joints turn evenly. [m]
 double tip_way(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
   constexpr int kPieces = 32;
-  double way = 0;
+  double path = 0;
   Point<double> last = tip_position(problem.robot, from);
   for (int i = 1; i <= kPieces; ++i) {
     const double share = static_cast<double>(i) / kPieces;
     const Point<double> tip =
         tip_position(problem.robot, Joints<double>{std::lerp(from[0], to[0], share), std::lerp(from[1], to[1], share)});
-    way += std::hypot(tip.x - last.x, tip.y - last.y);
+    path += std::hypot(tip.x - last.x, tip.y - last.y);
     last = tip;
   }
-  return way;
+  return path;
 }
 
 // How long one leg takes by itself [s]: what the limits of torque and speed allow a rigid arm, roughly.
@@ -92,26 +92,26 @@ Joints<double> between(const Joints<double>& a, const Joints<double>& b, double 
 }
 
 // Points at equal distances along a way, its ends included.
-Way resampled(const Way& way, std::size_t count) {
+Path resampled(const Path& path, std::size_t count) {
   std::vector<double> length{0};
-  for (std::size_t k = 1; k < way.size(); ++k) {
-    length.push_back(length.back() + std::hypot(way[k][0] - way[k - 1][0], way[k][1] - way[k - 1][1]));
+  for (std::size_t k = 1; k < path.size(); ++k) {
+    length.push_back(length.back() + std::hypot(path[k][0] - path[k - 1][0], path[k][1] - path[k - 1][1]));
   }
-  Way even;
+  Path even;
   std::size_t k = 0;
   for (std::size_t i = 0; i < count; ++i) {
     const double at = length.back() * static_cast<double>(i) / static_cast<double>(count - 1);
-    while (k + 2 < way.size() && length[k + 1] < at) ++k;
+    while (k + 2 < path.size() && length[k + 1] < at) ++k;
     const double piece = length[k + 1] - length[k];
-    even.push_back(between(way[k], way[k + 1], piece > 0 ? std::clamp((at - length[k]) / piece, 0.0, 1.0) : 0));
+    even.push_back(between(path[k], path[k + 1], piece > 0 ? std::clamp((at - length[k]) / piece, 0.0, 1.0) : 0));
   }
   return even;
 }
 
-Way averaged(const Way& way) {
-  Way result = way;
-  for (std::size_t k = 1; k + 1 < way.size(); ++k) {
-    for (std::size_t j = 0; j < kJoints; ++j) result[k][j] = (way[k - 1][j] + way[k][j] + way[k + 1][j]) / 3;
+Path averaged(const Path& path) {
+  Path result = path;
+  for (std::size_t k = 1; k + 1 < path.size(); ++k) {
+    for (std::size_t j = 0; j < kJoints; ++j) result[k][j] = (path[k - 1][j] + path[k][j] + path[k + 1][j]) / 3;
   }
   return result;
 }
@@ -174,14 +174,14 @@ Guess minimum_jerk_guess(const Problem& problem, double duration) {
           [flat](double s) { return flat(s).compensated_torque; }};
 }
 
-Guess way_guess(const Problem& problem, double duration, const std::vector<Way>& ways) {
+Guess path_guess(const Problem& problem, double duration, const std::vector<Path>& paths) {
   constexpr int kRounds = 3;  // of averaging neighbours: a grid's staircase becomes a slope
   constexpr std::size_t kPoints = 64;
   const std::vector<double> durations = durations_of(problem, duration);
   const auto points = waypoints(problem, durations);
-  std::vector<Way> rounded;
-  for (const Way& way : ways) {
-    Way even = resampled(way, kPoints);
+  std::vector<Path> rounded;
+  for (const Path& path : paths) {
+    Path even = resampled(path, kPoints);
     for (int round = 0; round < kRounds; ++round) even = averaged(even);
     rounded.push_back(std::move(even));
   }
@@ -195,27 +195,27 @@ Guess way_guess(const Problem& problem, double duration, const std::vector<Way>&
   return {"round obstacles", durations, state, [](double) { return Joints<double>{0, 0}; }};
 }
 
-std::vector<Way> ways_along_tip_path(const Problem& problem) {
+std::vector<Path> paths_along_tip_path(const Problem& problem) {
   constexpr int kPieces = 24;
   const auto points = points_of(problem);
-  std::vector<Way> ways;
+  std::vector<Path> paths;
   for (std::size_t leg = 0; leg + 1 < points.size(); ++leg) {
     const Point<double> begin = tip_position(problem.robot, points[leg]),
                         end = tip_position(problem.robot, points[leg + 1]);
     const Joints<double> from{begin.x, begin.y}, to{end.x, end.y};
-    Way way{points[leg]};
+    Path path{points[leg]};
     for (int i = 1; i < kPieces; ++i) {
       const double s = static_cast<double>(i) / kPieces;
       const Joints<double> tip =
           problem.task.arc ? along(*problem.task.arc, from, to, s) : along(*problem.task.line, from, to, s);
       const auto postures =
-          inverse_kinematics(problem.robot, tip, Elbow::kAny, problem.limits.link_position, way.back());
-      if (!postures.empty()) way.push_back(postures.front());
+          inverse_kinematics(problem.robot, tip, Elbow::kAny, problem.limits.link_position, path.back());
+      if (!postures.empty()) path.push_back(postures.front());
     }
-    way.push_back(points[leg + 1]);
-    ways.push_back(std::move(way));
+    path.push_back(points[leg + 1]);
+    paths.push_back(std::move(path));
   }
-  return ways;
+  return paths;
 }
 
 Guess winding_up_guess(Guess guess, const Joints<double>& back) {

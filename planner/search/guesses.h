@@ -17,13 +17,13 @@ Guess straight_guess(const Problem& problem, double duration);
 Guess minimum_jerk_guess(const Problem& problem, double duration);
 
 // Link angles one after the other [rad], with straight lines between.
-using Way = std::vector<Joints<double>>;
+using Path = std::vector<Joints<double>>;
 
-// Along one way per segment, corners rounded, theta in static equilibrium, at rest, zero torque.
-Guess way_guess(const Problem& problem, double duration, const std::vector<Way>& ways);
+// Along one path per segment, corners rounded, theta in static equilibrium, at rest, zero torque.
+Guess path_guess(const Problem& problem, double duration, const std::vector<Path>& paths);
 
-// The ways of the segments on which the tip keeps to the task's line or arc, where it has one.
-std::vector<Way> ways_along_tip_path(const Problem& problem);
+// The paths of the segments on which the tip keeps to the task's line or arc, where it has one.
+std::vector<Path> paths_along_tip_path(const Problem& problem);
 
 // The straight guess, displaced by a smooth random detour of the given size [rad]; the same seed gives the same guess.
 Guess displaced_guess(const Problem& problem, double duration, double size, std::uint64_t seed);

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "planner/search/detours.h"
+#include "planner/search/fallbacks.h"
 #include "planner/search/fastest.h"
 #include "planner/search/follow.h"
-#include "planner/search/ladder.h"
 #include "planner/search/starts.h"
 
 namespace fjr {
@@ -96,12 +96,12 @@ void find_motions(int count, Findings& found, Session& session) {
   const Timed timed(session, "starts");
   std::vector<Alternative> open;
   for (const Alternative& alternative : found.alternatives) {
-    if (no_way(*alternative).sentence.empty()) open.push_back(alternative);
+    if (no_path(*alternative).sentence.empty()) open.push_back(alternative);
   }
   try_starts(open, count > 0 ? count : starts_worth_trying(found.asked.weights), found, session);
   for (const Alternative& alternative : open) {
     if (!found.candidates.empty() || session.interrupted() || found.too_short()) break;
-    if (auto motion = climb(alternative, session)) follow(std::move(*motion), found, session);
+    if (auto motion = fall_back(alternative, session)) follow(std::move(*motion), found, session);
   }
 }
 

@@ -13,32 +13,32 @@ constexpr std::size_t kDisplaced = 2;  // starts at least, after the others
 constexpr double kFarAway = 0.8;       // [rad] that straight guesses are displaced by
 constexpr int kFirst = 4;              // starts that a neighbouring problem is worth
 
-// One way per segment: round what is in the way, both ways round where there are two; along the tip's line or arc, and
+// One path per segment: round what is in the way, on both sides where that can be; along the tip's line or arc, and
 // where that is wide through its region too. None when nothing asks for it.
-std::vector<std::vector<Way>> task_ways(const Problem& problem) {
-  constexpr std::size_t kMostWays = 3;
+std::vector<std::vector<Path>> task_paths(const Problem& problem) {
+  constexpr std::size_t kMostPaths = 3;
   const Task& task = problem.task;
   const double tolerance = task.line ? task.line->tolerance : task.arc ? task.arc->tolerance : 0;
-  if ((task.line || task.arc) && tolerance < kWideTipPath) return {ways_along_tip_path(problem)};
+  if ((task.line || task.arc) && tolerance < kWideTipPath) return {paths_along_tip_path(problem)};
   if (task.path || (!keeps_clear(task) && !task.box && tolerance == 0)) return {};
   std::vector<Joints<double>> points{problem.start.q};
   for (const Via& via : problem.via) points.push_back(via.q);
   points.push_back(problem.goal.q);
-  std::vector<std::vector<Way>> all(1);
-  std::vector<std::vector<Way>> others;  // of one segment, with its index
+  std::vector<std::vector<Path>> all(1);
+  std::vector<std::vector<Path>> others;  // of one segment, with its index
   for (std::size_t s = 0; s + 1 < points.size(); ++s) {
-    Detours detours = find_detours(problem, s, points[s], points[s + 1], kMostWays);
-    if (detours.ways.empty()) detours.ways.push_back(detours.roomiest);
-    all.front().push_back(detours.ways.front());
-    others.emplace_back(detours.ways.begin() + 1, detours.ways.end());
+    Detours detours = find_detours(problem, s, points[s], points[s + 1], kMostPaths);
+    if (detours.paths.empty()) detours.paths.push_back(detours.widest);
+    all.front().push_back(detours.paths.front());
+    others.emplace_back(detours.paths.begin() + 1, detours.paths.end());
   }
   for (std::size_t s = 0; s < others.size(); ++s) {  // one segment goes the other way round at a time
-    for (const Way& other : others[s]) {
+    for (const Path& other : others[s]) {
       all.push_back(all.front());
       all.back()[s] = other;
     }
   }
-  if (tolerance > 0) all.push_back(ways_along_tip_path(problem));
+  if (tolerance > 0) all.push_back(paths_along_tip_path(problem));
   return all;
 }
 
@@ -47,8 +47,8 @@ std::vector<std::vector<Way>> task_ways(const Problem& problem) {
 Starts starts_of(const Problem& problem, int count) {
   const double duration = duration_guess(problem);
   Starts starts;
-  for (const std::vector<Way>& ways : task_ways(problem)) {
-    starts.guesses.push_back(way_guess(problem, duration, ways));
+  for (const std::vector<Path>& paths : task_paths(problem)) {
+    starts.guesses.push_back(path_guess(problem, duration, paths));
   }
   starts.always = std::max(starts.guesses.size(), static_cast<std::size_t>(count));
   // By minimum jerk the fastest motion takes nearly half the iterations (68 in place of 118 in the median of 26

@@ -80,7 +80,7 @@ void expect_slope(double slope, double step, double here, const std::function<do
   EXPECT_LT(std::abs(right - left), 0.1 * std::abs(slope)) << "the difference says little";
 }
 
-void loosen(Problem& problem, const LimitWorth& what, double by) {
+void loosen(Problem& problem, const ShadowPrice& what, double by) {
   if (double* limit = limit_of(problem.limits, what.name, what.joint)) *limit += by;
   if (what.name != "tip_box") return;
   for (std::size_t i = 0; i < 2; ++i) {
@@ -97,9 +97,9 @@ struct Case {
 
 void PrintTo(const Case& test, std::ostream* out) { *out << test.name; }
 
-class WorthOf : public testing::TestWithParam<Case> {};
+class ShadowPriceOf : public testing::TestWithParam<Case> {};
 
-TEST_P(WorthOf, EveryLimitIsTheSlopeOfTheOptimum) {
+TEST_P(ShadowPriceOf, EveryLimitIsTheSlopeOfTheOptimum) {
   const Problem problem = request(GetParam().request);
   CollocationSetup setup{hermite_simpson(), mesh_of(problem, 40), {0.3, 0.01}};
   const PerLimit scales = limit_scales(problem);
@@ -110,7 +110,7 @@ TEST_P(WorthOf, EveryLimitIsTheSlopeOfTheOptimum) {
   }
   const Collocated here = solved(problem, setup);
   std::vector<std::pair<std::string, int>> active;
-  for (const LimitWorth& limit : analyse(problem, here, 1).sensitivity.limits) {
+  for (const ShadowPrice& limit : analyse(problem, here, 1).sensitivity.limits) {
     SCOPED_TRACE(limit.name + ' ' + std::to_string(limit.joint));
     const auto objective = [&](double change) {
       Problem changed = problem;
@@ -118,11 +118,11 @@ TEST_P(WorthOf, EveryLimitIsTheSlopeOfTheOptimum) {
       return objective_near(changed, setup, here);
     };
     const double step = 1e-3 * limit.limit;
-    if (limit.worth * limit.limit > 1e-6 * here.report.objective) {
+    if (limit.price * limit.limit > 1e-6 * here.report.objective) {
       active.emplace_back(limit.name, limit.joint);
-      expect_slope(-limit.worth, step, here.report.objective, objective);
+      expect_slope(-limit.price, step, here.report.objective, objective);
     } else {
-      EXPECT_EQ(limit.worth > 0, limit.share > 0);
+      EXPECT_EQ(limit.price > 0, limit.share > 0);
       // It is not felt: what the barrier, 1e-9 for each of some hundred bounds, makes of it.
       EXPECT_NEAR(objective(step), objective(-step), 1e-7 * here.report.objective);
     }
@@ -131,7 +131,7 @@ TEST_P(WorthOf, EveryLimitIsTheSlopeOfTheOptimum) {
 }
 
 INSTANTIATE_TEST_SUITE_P(
-    All, WorthOf,
+    All, ShadowPriceOf,
     testing::Values(
         Case{"PowerLimited", kPowerLimited, {{"motor_power", 1}}},
         Case{"MinimumTime", kQuickest, {{"torque", 1}, {"motor_velocity", 1}, {"torque_rate", 1}, {"tip_speed", 0}}},
@@ -175,18 +175,18 @@ TEST(Sensitivity, OtherLimitsChangeTheDurationAsMuchAsWasSaid) {
   };
   const Plan middle = reach(11.5, 5.85);
   ASSERT_TRUE(middle.analysis);
-  const auto worth = [&](const std::string& name) {
+  const auto price = [&](const std::string& name) {
     const auto& all = middle.analysis->sensitivity.limits;
     const auto found =
-        std::find_if(all.begin(), all.end(), [&](const LimitWorth& l) { return l.name == name && l.joint == 1; });
-    return found->worth;
+        std::find_if(all.begin(), all.end(), [&](const ShadowPrice& l) { return l.name == name && l.joint == 1; });
+    return found->price;
   };
   // Tighter less looser: second order cancels. Left are the trace of effort, meshes and barrier, 1e-4 of the time, and
   // higher orders; together 0.5 % and 4 % of the differences, measured.
   const double torque = reach(11.0, 5.85).duration - reach(12.0, 5.85).duration;
-  EXPECT_NEAR(torque, 1.0 * worth("torque"), 0.05 * torque + 1e-4 * middle.duration);
+  EXPECT_NEAR(torque, 1.0 * price("torque"), 0.05 * torque + 1e-4 * middle.duration);
   const double velocity = reach(11.5, 5.7).duration - reach(11.5, 6.0).duration;
-  EXPECT_NEAR(velocity, 0.3 * worth("motor_velocity"), 0.05 * velocity + 1e-4 * middle.duration);
+  EXPECT_NEAR(velocity, 0.3 * price("motor_velocity"), 0.05 * velocity + 1e-4 * middle.duration);
 }
 
 // What the summary, the report and plan.json tell: planned again with 1 % more of the limit, a motion is faster by that
@@ -219,8 +219,8 @@ TEST(Sensitivity, OnePercentMoreOfALimitSavesWhatIsTold) {
     const Plan more = plan(asked(1.01), options), less = plan(asked(0.99), options);
     ASSERT_TRUE(here.analysis && more.warm && less.warm);
     double told = 0;
-    for (const LimitWorth& l : here.analysis->sensitivity.limits) {
-      if (l.name == c.limit && l.joint == c.joint) told = 0.01 * l.limit * l.worth;
+    for (const ShadowPrice& l : here.analysis->sensitivity.limits) {
+      if (l.name == c.limit && l.joint == c.joint) told = 0.01 * l.limit * l.price;
     }
     EXPECT_NEAR(told, (less.duration - more.duration) / 2, 0.1 * told) << here.duration - more.duration;
   }
@@ -232,8 +232,8 @@ TEST(Sensitivity, IsInUnitsOfTheRequestsObjective) {
   };
   const Plan one = step("1"), eight = step("8");
   ASSERT_TRUE(one.analysis && eight.analysis);
-  EXPECT_GT(one.analysis->sensitivity.limits[0].worth, 0);
-  EXPECT_EQ(eight.analysis->sensitivity.limits[0].worth, 8 * one.analysis->sensitivity.limits[0].worth);
+  EXPECT_GT(one.analysis->sensitivity.limits[0].price, 0);
+  EXPECT_EQ(eight.analysis->sensitivity.limits[0].price, 8 * one.analysis->sensitivity.limits[0].price);
   EXPECT_EQ(eight.analysis->sensitivity.goal[0], 8 * one.analysis->sensitivity.goal[0]);
   EXPECT_EQ(eight.analysis->optimality.hamiltonian.spread, 8 * one.analysis->optimality.hamiltonian.spread);
   EXPECT_EQ(eight.analysis->optimality.hamiltonian.expected, -8);

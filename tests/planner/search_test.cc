@@ -108,8 +108,8 @@ TEST(WideArc, IsARegionThatWaysAreFoundThrough) {
   const std::vector<Joints<double>> points{problem.start.q, problem.via[0].q, problem.goal.q};
   for (std::size_t s = 0; s < 2; ++s) {
     const Detours detours = find_detours(problem, s, points[s], points[s + 1], 1);
-    ASSERT_FALSE(detours.ways.empty());
-    for (const Joints<double>& q : detours.ways[0]) EXPECT_GE(room_at(problem, q), 0) << q[0] << ' ' << q[1];
+    ASSERT_FALSE(detours.paths.empty());
+    for (const Joints<double>& q : detours.paths[0]) EXPECT_GE(room_at(problem, q), 0) << q[0] << ' ' << q[1];
   }
 }
 

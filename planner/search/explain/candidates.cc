@@ -61,10 +61,10 @@ std::vector<Candidate> active_in(const Continuation& fastest) {
   for (const Relaxable& what : relaxables(*fastest.problem())) {
     Candidate candidate{what, {}, 0};
     double longest = 0;
-    for (const LimitWorth& limit : analysis.sensitivity.limits) {
+    for (const ShadowPrice& limit : analysis.sensitivity.limits) {
       const bool same = limit.name == what.name && (what.joint == 0 || limit.joint == what.joint);
-      if (!same || limit.worth <= 0) continue;
-      candidate.weight += limit.worth * size_of(what);
+      if (!same || limit.price <= 0) continue;
+      candidate.weight += limit.price * size_of(what);
       for (const auto& stretch : limit.active) {
         if (stretch.end - stretch.begin <= longest) continue;
         longest = stretch.end - stretch.begin;

@@ -39,7 +39,7 @@ class Explanation {
       : problem_(problem), fastest_(fastest), certified_(certified), reached_(reached), search_(session) {}
 
   WhyNot run() {
-    if (const NoWay barred = no_way(problem_); !barred.sentence.empty()) {
+    if (const NoPath barred = no_path(problem_); !barred.sentence.empty()) {
       explain_barred(barred);
     } else if (fastest_ != nullptr && shortest() > problem_.duration.max) {
       explain_duration();
@@ -128,7 +128,7 @@ class Explanation {
 
   // ---- no way round ----
 
-  void explain_barred(const NoWay& barred) {
+  void explain_barred(const NoPath& barred) {
     result_.sentence = barred.sentence;
     if (!barred.names.empty()) result_.limit = barred.names.front();
     for (const Relaxable& what : relaxables(problem_)) {
@@ -145,7 +145,7 @@ class Explanation {
       const double amount = more * kGridRoom * missing;
       if (amount >= what.most || search_.over()) return;
       const Problem roomier = what.relaxed(problem_, amount);
-      if (!no_way(roomier).sentence.empty()) continue;
+      if (!no_path(roomier).sentence.empty()) continue;
       if (!search_.solve(roomier, what.name, search_.guesses(roomier))) continue;
       result_.relaxations.push_back(
           {what.name, what.joint, what.unit, what.from, what.value(amount), false, true, {}, what.constraint});

@@ -24,7 +24,7 @@ constexpr int kAcceptableIterations = 15;
 constexpr double kSolvedBarrier = 10;           // times mu: error of a barrier problem that counts as solved
 constexpr double kSlower = 0.2, kFaster = 1.5;  // the next mu: a factor, or a power if that is less
 constexpr double kNearBoundary = 0.99;          // least share of the way to a bound that a step may go
-constexpr double kFromBounds = 1e-2, kFromBoundsNear = 1e-4, kFromBoundsWarm = 1e-9;
+constexpr double kFromBounds = 1e-2, kFromBoundsNear = 1e-4, kFromBoundsWarm = 2e-7;  // shares
 constexpr double kLeastMultiplier = 1e-9, kLargestEstimate = 1e3;
 constexpr double kMultiplierFactor = 1e10;  // by which a bound's multiplier may be off mu / slack
 constexpr int kCorrections = 4;

@@ -9,6 +9,8 @@ namespace {
 constexpr double kPivotThreshold = 1e-8;  // Ipopt's for MA27
 constexpr double kFirstShift = 1e-4, kLeastShift = 1e-20, kMostShift = 1e20;
 constexpr double kFirstGrowth = 100, kGrowth = 8, kDecay = 3;
+// A smaller shift is not carried from one iteration to the next, or Newton's method would not converge quadratically.
+constexpr double kCarried = 1e-5;
 constexpr int kRefinements = 10;
 constexpr double kResidual = 1e-10;  // relative, that a solution may leave
 
@@ -25,11 +27,14 @@ KktSystem::Inertia KktSystem::try_with(SlackForm& form, const Vector& d, double 
   return factor_.negative_eigenvalues() == form.constraints() ? Inertia::kRight : Inertia::kWrong;
 }
 
+// Where the last iteration needed much of a shift, so will this one: it begins with less of it and not, as Ipopt does,
+// without.
 bool KktSystem::factorise(SlackForm& form, const Vector& d, double mu) {
-  double shift = 0, regularised = 0;
+  double shift = shift_ > kCarried ? shift_ / kDecay : 0, regularised = 0;
   while (shift <= kMostShift) {
     const Inertia inertia = try_with(form, d, shift, regularised);
     if (inertia == Inertia::kRight) {
+      shift_ = shift;
       if (shift > 0) last_shift_ = shift;
       return true;
     }

@@ -28,6 +28,7 @@ class KktSystem {
   Inertia try_with(SlackForm& form, const Vector& d, double shift, double regularised);
 
   ChainLdlt factor_;
+  double shift_ = 0;       // of the last factorisation
   double last_shift_ = 0;  // that was needed, if any was
   int factorisations_ = 0;
   mutable double multiplications_ = 0;

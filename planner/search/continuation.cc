@@ -392,6 +392,7 @@ std::vector<int> Continuation::affordable_pieces(const std::vector<double>& erro
 SolveOptions Continuation::warm(const std::string& what) {
   SolveOptions o = options(what);
   o.warm_start = true;
+  o.optimiser = Optimiser::kOwn;
   o.barrier_strategy = "monotone";
   o.initial_barrier = o.final_barrier = kWarmBarrier;
   return o;
@@ -505,6 +506,7 @@ bool Continuation::resume(const Collocated& neighbour) {
     SolveOptions o = warm(what);
     o.initial_barrier = o.final_barrier = barrier;
     o.max_iterations = kLevelIterations;
+    if (barrier > kWarmBarrier) o.optimiser = Optimiser::kIpopt;  // another path too
     if (attempt(what, CollocationSetup(solution_.setup), nullptr, o)) return polish_on_moved_nodes();
     if (status_ == SolveStatus::kStopped) return false;
   }

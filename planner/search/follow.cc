@@ -10,20 +10,6 @@ namespace {
 constexpr double kRefining = 0.8;    // of the work that a request may take, for finding and refining; the rest explains
 constexpr int kLeastPatience = 100;  // iterations of a start
 
-// Which solutions are refined to the end.
-struct Finishing {
-  double within;  // relative distance from the best coarse objective that refining may make up
-  int most;
-};
-
-// Where friction weighs, what it does while it is smooth tells little: of seven first, the fourth has come to 3 % less
-// effort than the first. `starts` more than the usual ones add as many: whatever would be refined without them is
-// refined with them too, so that more starts never come to less.
-Finishing finishing(const Weights& weights, int starts) {
-  const int more = std::max(0, starts - starts_worth_trying(weights));
-  return sees_friction(weights) ? Finishing{0.05, 5 + more} : Finishing{0.02, 3 + more};
-}
-
 // Whether the candidate that was found last is worth refining, beside those before it.
 bool last_promises(const Findings& found) {
   std::vector<CoarseSolution> best_first;
@@ -83,6 +69,11 @@ bool finish(Continuation c, Findings& found, Session& session) {
 }
 
 }  // namespace
+
+Finishing finishing(const Weights& weights, int starts) {
+  const int more = std::max(0, starts - starts_worth_trying(weights));
+  return sees_friction(weights) ? Finishing{0.05, 5 + more} : Finishing{0.02, 3 + more};
+}
 
 void follow(Continuation c, Findings& found, Session& session) {
   const Collocated& coarse = c.solution();

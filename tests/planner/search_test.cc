@@ -16,6 +16,7 @@
 #include "planner/problem/tip_path.h"
 #include "planner/request/request.h"
 #include "planner/search/detours.h"
+#include "planner/search/follow.h"
 #include "planner/search/worth_refining.h"
 
 namespace fjr {
@@ -183,13 +184,15 @@ TEST(Search, AViaTimeIsNamedBesideADurationThatIsTooShort) {
 
 // Of starts that come to any objectives: the sets that are refined grow with the number of starts.
 TEST(Search, WhatIsRefinedWithFewerStartsIsRefinedWithMore) {
-  const auto most = [](int starts) { return 3 + std::max(0, starts - 8); };
+  Weights weights;
+  weights.effort = 1;
+  const auto most = [&](int starts) { return finishing(weights, starts).most; };
   std::mt19937_64 random(1);
   for (int round = 0; round < 100; ++round) {
     std::vector<CoarseSolution> all;
-    for (int start = 1; start <= 12; ++start) all.push_back({10 + 1e-3 * static_cast<double>(random() % 1000), start});
+    for (int start = 1; start <= 16; ++start) all.push_back({10 + 1e-3 * static_cast<double>(random() % 1000), start});
     std::set<int> before;
-    for (int starts = 1; starts <= 12; ++starts) {
+    for (int starts = 1; starts <= 16; ++starts) {
       std::vector<CoarseSolution> found(all.begin(), all.begin() + starts);
       std::stable_sort(found.begin(), found.end(), [](auto& a, auto& b) { return a.objective < b.objective; });
       const std::vector<bool> worth = worth_refining(found, 0.05, most);
@@ -201,6 +204,30 @@ TEST(Search, WhatIsRefinedWithFewerStartsIsRefinedWithMore) {
       EXPECT_TRUE(std::includes(refined.begin(), refined.end(), before.begin(), before.end()));
       before = refined;
     }
+  }
+}
+
+// As many more are refined as there are more starts.
+TEST(Search, StartsBeyondTheUsualOnesRaiseTheCapOnRefining) {
+  Weights effort, time;
+  effort.effort = 1;
+  time.time = 1;
+  for (const Weights& weights : {effort, time}) {
+    const int usual = starts_worth_trying(weights);
+    EXPECT_EQ(finishing(weights, 1).most, finishing(weights, usual).most);
+    EXPECT_LT(finishing(weights, usual).most, 8);
+    EXPECT_EQ(finishing(weights, 40).most, finishing(weights, usual).most + 40 - usual);
+    EXPECT_EQ(finishing(weights, 40).within, finishing(weights, usual).within);
+    // All equal: the first stay the best, so that nothing but the cap decides.
+    const auto refined = [&](int starts) {
+      std::vector<CoarseSolution> found;
+      for (int start = 1; start <= starts; ++start) found.push_back({1, start});
+      const std::vector<bool> worth = worth_refining(found, finishing(weights, starts).within,
+                                                     [&](int tried) { return finishing(weights, tried).most; });
+      return std::count(worth.begin(), worth.end(), true);
+    };
+    EXPECT_EQ(refined(40), std::min(40, finishing(weights, 40).most));
+    EXPECT_GT(refined(40), refined(usual));
   }
 }
 

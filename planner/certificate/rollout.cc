@@ -98,9 +98,10 @@ struct Rollout::Memory {
   sundials::Matrix jacobian{sundials::check(SUNDenseMatrix(kStates, kStates, context.get()), "SUNDenseMatrix")};
   sundials::LinearSolver solver{
       sundials::check(SUNLinSol_Dense(x.get(), jacobian.get(), context.get()), "SUNLinSol_Dense")};
-  sundials::Arkode brisk{sundials::check(ARKStepCreate(rhs, nullptr, 0, x.get(), context.get()), "ARKStepCreate")};
+  sundials::Arkode explicit_rk{
+      sundials::check(ARKStepCreate(rhs, nullptr, 0, x.get(), context.get()), "ARKStepCreate")};
   sundials::Arkode stiff{sundials::check(ARKStepCreate(nullptr, rhs, 0, x.get(), context.get()), "ARKStepCreate")};
-  void* active = brisk.get();
+  void* active = explicit_rk.get();
   const Joints<double> stiff_band;  // [rad/s]
   int steps_in_band = 0;            // without a break
 
@@ -136,7 +137,7 @@ Rollout::Memory::Memory(const Parameters& p, const Limits& l, const Accuracy& ac
          {accuracy.motor_velocity, accuracy.motor_velocity}},
         absolute.get());
   N_VConst(0.0, x.get());
-  for (void* method : {brisk.get(), stiff.get()}) {
+  for (void* method : {explicit_rk.get(), stiff.get()}) {
     check(ARKStepSetErrHandlerFn(method, ignore_message, nullptr), "ARKStepSetErrHandlerFn");
     check(ARKStepSVtolerances(method, accuracy.relative, absolute.get()), "ARKStepSVtolerances");
     check(ARKStepSetUserData(method, this), "ARKStepSetUserData");
@@ -149,7 +150,7 @@ Rollout::Memory::Memory(const Parameters& p, const Limits& l, const Accuracy& ac
     check(ARKStepRootInit(method, kRoots, roots), "ARKStepRootInit");
     check(ARKStepSetNoInactiveRootWarn(method), "ARKStepSetNoInactiveRootWarn");  // a motor at rest is at a root
   }
-  check(ARKStepSetTableNum(brisk.get(), ARKODE_DIRK_NONE, ARKODE_DORMAND_PRINCE_7_4_5), "ARKStepSetTableNum");
+  check(ARKStepSetTableNum(explicit_rk.get(), ARKODE_DIRK_NONE, ARKODE_DORMAND_PRINCE_7_4_5), "ARKStepSetTableNum");
   check(ARKStepSetTableNum(stiff.get(), ARKODE_ARK324L2SA_DIRK_4_2_3, ARKODE_ERK_NONE), "ARKStepSetTableNum");
   check(ARKStepSetLinearSolver(stiff.get(), solver.get(), jacobian.get()), "ARKStepSetLinearSolver");
   check(ARKStepSetJacFn(stiff.get(), fill_jacobian), "ARKStepSetJacFn");
@@ -211,7 +212,7 @@ int Rollout::Memory::roots(realtype, N_Vector x, realtype* g, void* self) {
 void Rollout::Memory::begin(void* method) {
   active = method;
   write(state, x.get());
-  const bool explicitly = method == brisk.get();
+  const bool explicitly = method == explicit_rk.get();
   sundials::check(ARKStepReInit(method, explicitly ? rhs : nullptr, explicitly ? nullptr : rhs, time, x.get()),
                   "ARKStepReInit");
 }
@@ -228,7 +229,7 @@ bool Rollout::Memory::in_stiff_band() const {
 // Single steps know nothing of those before: changing the method costs little.
 void Rollout::Memory::choose_method(double end) {
   steps_in_band = in_stiff_band() ? steps_in_band + 1 : 0;
-  void* wanted = steps_in_band > kStepsOfAPassage ? stiff.get() : brisk.get();
+  void* wanted = steps_in_band > kStepsOfAPassage ? stiff.get() : explicit_rk.get();
   if (wanted == active) return;
   begin(wanted);
   sundials::check(ARKStepSetStopTime(active, end), "ARKStepSetStopTime");
@@ -315,7 +316,7 @@ void Rollout::start(double time, const State<double>& state, const Drive& drive)
   memory_->steps = 0;
   const bool rests = memory_->in_stiff_band();
   memory_->steps_in_band = rests ? kStepsOfAPassage : 0;
-  memory_->begin(rests ? memory_->stiff.get() : memory_->brisk.get());
+  memory_->begin(rests ? memory_->stiff.get() : memory_->explicit_rk.get());
   redirect(drive);
 }
 
@@ -351,7 +352,7 @@ bool Rollout::run(double end, std::span<const double> instants, std::span<const 
 void Rollout::watch_steps(Observer observe) { memory_->watch = std::move(observe); }
 
 void Rollout::limit_step(double longest) {
-  for (void* method : {memory_->brisk.get(), memory_->stiff.get()}) {
+  for (void* method : {memory_->explicit_rk.get(), memory_->stiff.get()}) {
     sundials::check(ARKStepSetMaxStep(method, longest), "ARKStepSetMaxStep");
   }
 }

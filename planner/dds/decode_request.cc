@@ -109,7 +109,8 @@ std::optional<RequestedObjective> objective_of(Taker& take, const fjr_msg_PlanRe
   }
   RequestedObjective objective;
   for (const TermInfo& term : Terms::infos) {
-    objective.weights.*term.weight = take.number(fmt::format("objective.{}", term.name), weight_in(message, term.name));
+    const auto* weight = weight_in(message, term.name);
+    if (weight) objective.weights.*term.weight = take.number(fmt::format("objective.{}", term.name), *weight);
   }
   return objective;
 }

@@ -82,7 +82,12 @@ void encode_objective(const Request& request, fjr_msg_PlanRequest2& message) {
   }
   objective.preset = fjr_msg_OBJECTIVE_WEIGHTS;
   for (const TermInfo& term : Terms::infos) {
-    weight_in(message, term.name) = request.objective->weights.*term.weight;
+    const double weight = request.objective->weights.*term.weight;
+    if (double* const place = weight_in(message, term.name)) {
+      *place = weight;
+    } else if (weight != 0) {
+      refuse(request, fmt::format("objective.{}", term.name), "cannot be said by this type of request");
+    }
   }
 }
 

@@ -24,20 +24,20 @@ struct WireRequest {
 fjr_msg_RequestId encode(const RequestId& id);
 RequestId decode(const fjr_msg_RequestId& id);
 
-// Where a message of an earlier type, const or not, has a term's weight.
+// Where a message of an earlier type, const or not, has a term's weight; null for terms that came after it.
 template <class Message>
-auto& weight_in(Message& message, std::string_view term) {
+auto weight_in(Message& message, std::string_view term) {
   auto& objective = message.request.objective;
-  if (term == "time") return objective.time;
-  if (term == "effort") return objective.effort;
-  if (term == "torque_rate") return objective.torque_rate;
-  if (term == "link_acceleration") return objective.link_acceleration;
-  if (term == "link_jerk") return objective.link_jerk;
-  if (term == "energy") return objective.energy;
-  if (term == "copper") return message.copper;
-  if (term == "peak_torque") return message.peak_torque;
-  if (term == "tip_speed") return message.tip_speed;
-  throw std::logic_error("the wire has no weight for " + std::string(term));
+  if (term == "time") return &objective.time;
+  if (term == "effort") return &objective.effort;
+  if (term == "torque_rate") return &objective.torque_rate;
+  if (term == "link_acceleration") return &objective.link_acceleration;
+  if (term == "link_jerk") return &objective.link_jerk;
+  if (term == "energy") return &objective.energy;
+  if (term == "copper") return &message.copper;
+  if (term == "peak_torque") return &message.peak_torque;
+  if (term == "tip_speed") return &message.tip_speed;
+  return decltype(&objective.time){};
 }
 
 // For services of this version. Throws InputError for a document that is no YAML map or too long.

@@ -183,8 +183,8 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
   return bounds;
 }
 
-// Rows are not asked at the start, which is given; where u is a state, it is not. A limit that gives way by a slack is
-// left to its rows.
+// Path constraints are not imposed at the start, which is given. Where u is a state it is free there, and gets bounds
+// of its own from the limits on torque and power; a limit that a slack relaxes is left to its path constraints.
 template <Features F>
 void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
   const auto limit_that_stays = [&](std::string_view name, const Joints<double>& limit, std::size_t j) {
@@ -201,7 +201,7 @@ void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
   }
 }
 
-// What the power of a motor has of a corner at standstill is rounded as its friction is: [W], and [W s/rad].
+// max(0, tau dtheta) has a corner at dtheta = 0. It is smoothed with the width of the friction law. [W], and [W s/rad]
 inline constexpr double kLeastKink = 0.01, kKinkPerWidth = 10;
 
 template <Features F>

@@ -85,8 +85,8 @@ struct ArmOcp {
   Joints<FrictionLaw> friction;             // in the torque limit and the effort
   std::vector<std::vector<TaskRow>> tasks;  // rows by segment; as many in each
   Array<kLimited> give{};                   // per unit of slack
-  Limits limits;                            // rows of what has none are not evaluated, and squares give way by them
-  Joints<double> slower{};                  // [rad/s] per unit of slack
+  Limits limits;            // path constraints without a finite one are not evaluated; slacks of squares need it
+  Joints<double> slower{};  // [rad/s] per unit of slack
 
   using Bounds = PathBounds<kStates, kControls, kRows>;
   std::vector<Bounds> bounds;

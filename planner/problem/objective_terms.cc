@@ -67,6 +67,10 @@ bool only_time(const Weights& weights) {
   return !any_with(weights, [](const TermInfo& term) { return term.weight != &Weights::time; });
 }
 
+bool has_reward(const Weights& weights) {
+  return any_with(weights, [](const TermInfo& term) { return term.reward; });
+}
+
 int starts_worth_trying(const Weights& weights) {
   int most_with_friction = 0, least = std::numeric_limits<int>::max();
   for (const TermInfo& term : Terms::infos) {

@@ -261,6 +261,7 @@ T node_cost(const Weights& weights, Node node, const AtNode<T>& at) {
 bool sees_friction(const Weights& weights);
 bool settles_torque(const Weights& weights);
 bool only_time(const Weights& weights);
+bool has_reward(const Weights& weights);
 // How many starts are worth trying: as many as friction asks for where it counts, and otherwise as the tamest of the
 // terms with several minima.
 int starts_worth_trying(const Weights& weights);

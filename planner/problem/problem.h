@@ -48,8 +48,8 @@ struct Duration {
 // way by the slack times `give`, and the slack is what is minimised, beside the weighted terms.
 struct Elastic {
   std::vector<double> give;           // of the limits by their index, then of the task's rows; each in its own unit
-  std::optional<std::size_t> slower;  // the velocity asked for there is lowered by the slack, its share: at that via
-                                      // point, or with their number at the goal
+  std::optional<std::size_t> slower;  // the velocity asked for is lowered by the slack, a fraction of it, at the
+                                      // via point of this index; via.size(): at the goal
   double most = 1;                    // the largest slack
 };
 

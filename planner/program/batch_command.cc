@@ -169,7 +169,7 @@ std::string in_words(double seconds) {
   return seconds < 90 * 60 ? fmt::format("{:.0f} min", seconds / 60) : fmt::format("{:.1f} h", seconds / 3600);
 }
 
-// What is left is taken to last as long as what is done did; what is under way is half done on the average.
+// The time that is left is estimated from the mean of the finished requests; those under way count as half finished.
 std::string progress(std::size_t done, std::size_t all, std::size_t running, Clock::time_point began) {
   const double elapsed = std::chrono::duration<double>(Clock::now() - began).count();
   const double behind = static_cast<double>(done) + static_cast<double>(running) / 2;

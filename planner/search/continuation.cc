@@ -99,7 +99,7 @@ double gain_after(double width) {
 // Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
 int coarse_intervals(const Problem& problem, double duration) {
   constexpr double kCoarseStep = 0.02;    // [s]
-  constexpr double kTunnelStep = 0.0075;  // [s] with obstacles: longer ones jump over them between collocation points
+  constexpr double kTunnelStep = 0.0075;  // [s] longer intervals jump over obstacles; a wall has no other side
   const double step = problem.task.obstacles.empty() ? kCoarseStep : kTunnelStep;
   return std::clamp(static_cast<int>(std::ceil(duration / step)), 25, 400) + 2 * static_cast<int>(problem.via.size());
 }
@@ -127,7 +127,7 @@ SolveOptions Continuation::options(const std::string& what) {
   return o;
 }
 
-// Margins of nothing are no margins.
+// Margins that are all zero are the same as none.
 bool Continuation::Attempt::same_as(const Attempt& other) const {
   const auto none = [](const PerLimit& margins) {
     return std::all_of(margins.begin(), margins.end(), [](double margin) { return margin == 0; });
@@ -313,16 +313,17 @@ bool Continuation::fade_trace() {
   return true;
 }
 
-bool Continuation::begin(const Guess& guess, int most_iterations, const std::vector<double>& known) {
-  if (!cold(guess, most_iterations) || any_same(known, solution_.report.objective)) return false;
+Begun Continuation::begin(const Guess& guess, int most_iterations, const std::vector<double>& known) {
+  if (!cold(guess, most_iterations)) return Begun::kNothing;
+  if (any_same(known, solution_.report.objective)) return Begun::kKnown;
   // Without effort the next levels refine anyway, and the multipliers change little before: a tenth fewer iterations.
   // With effort, what is a motor's rest has to be resolved while the law is smooth: objectives 0.5 % higher without.
-  if (!sees_friction(problem_->weights)) return true;
+  if (!sees_friction(problem_->weights)) return Begun::kNew;
   const CollocationSetup setup =
       refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
   if (setup.mesh.size() != solution_.setup.mesh.size())
     attempt_or_forget(fmt::format("{}, {} intervals", label_, setup.mesh.size()), setup);
-  return status_ != SolveStatus::kStopped;
+  return status_ == SolveStatus::kStopped ? Begun::kNothing : Begun::kNew;
 }
 
 // The setup with those intervals split whose error [rad] exceeds the tolerance, that exceed a limit by much, or that
@@ -340,8 +341,8 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
       const double margin = setup.margins.empty() ? 0 : setup.margins[k][i];
       const double share = (excess[k][i] + margin) / scales[i];  // zero without a limit
       if (share <= kExcessWorthSplitting) continue;
-      if (i < kJoints) {  // the torques come first
-        if (const auto reversal = reversal_in(solution_.motion, k, i)) {
+      if (const std::size_t j = i - first_limit_of("torque"); j < kJoints) {
+        if (const auto reversal = reversal_in(solution_.motion, k, j)) {
           steps[k].push_back(*reversal);
           continue;
         }
@@ -389,10 +390,12 @@ std::vector<int> Continuation::affordable_pieces(const std::vector<double>& erro
   return pieces;
 }
 
+// A reward is maximised, and its Hessian is not positive definite where the solution is: there our own method takes 1.6
+// times Ipopt's iterations (bench/README.md), and some of its solutions miss the certificate.
 SolveOptions Continuation::warm(const std::string& what) {
   SolveOptions o = options(what);
   o.warm_start = true;
-  o.optimiser = Optimiser::kOwn;
+  o.optimiser = has_reward(problem_->weights) ? Optimiser::kIpopt : Optimiser::kOwn;
   o.barrier_strategy = "monotone";
   o.initial_barrier = o.final_barrier = kWarmBarrier;
   return o;

@@ -18,15 +18,22 @@ namespace fjr {
 // Whether one of these minima is this one, by their objectives on the same mesh.
 bool any_same(const std::vector<double>& minima, double objective);
 
+// What a start came to.
+enum class Begun {
+  kNothing,  // no solution
+  kKnown,    // a minimum that was met before
+  kNew,
+};
+
 class Continuation {
  public:
   // label: of this start, for progress and stages. The session outlives it.
   Continuation(std::shared_ptr<const Problem> problem, Session& session, std::string label);
 
   // Solves with the smoothest friction law, on a coarse mesh from the guess and then on a refined one: what the starts
-  // are compared by. False when there is no solution; status() says how it ended.
-  // `known`: objectives on first meshes; a minimum among them is not refined again, and counts as no solution.
-  bool begin(const Guess& guess, int most_iterations, const std::vector<double>& known = {});
+  // are compared by. status() says how it ended. `known`: objectives on first meshes; a minimum among them is not
+  // refined again.
+  Begun begin(const Guess& guess, int most_iterations, const std::vector<double>& known = {});
 
   // From the finished solution of a neighbouring problem - other start, other goal - to this one's, on its mesh. False
   // when there is no solution that way.

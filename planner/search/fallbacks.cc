@@ -34,7 +34,7 @@ constexpr double kSharper = 0.1;  // times the usual width
 using SharedProblem = std::shared_ptr<const Problem>;
 
 std::optional<Continuation> begun(Continuation c, Session& session, const Guess& guess, int patience) {
-  if (session.interrupted() || !c.begin(guess, patience)) return std::nullopt;
+  if (session.interrupted() || c.begin(guess, patience) != Begun::kNew) return std::nullopt;
   return c;
 }
 

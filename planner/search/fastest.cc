@@ -22,7 +22,7 @@ std::optional<Fastest> find_fastest(const std::shared_ptr<const Problem>& altern
   for (const Guess& guess : first_guesses(*hurried)) {
     if (session.interrupted() || (shortest && shortest->duration() <= allowed)) break;
     Continuation c(hurried, session, "fastest");
-    if (!c.begin(guess, found.patience, known)) continue;
+    if (c.begin(guess, found.patience, known) != Begun::kNew) continue;
     known.push_back(c.stages().front().objective);
     if (!c.finish()) continue;
     bool certified = false;

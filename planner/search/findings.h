@@ -55,8 +55,8 @@ struct Findings {
   // Even the fastest motion takes longer than was asked for.
   bool too_short() const { return fastest && fastest->duration() > asked.duration.max; }
 
-  // Keeps what was published unless something better is there; what takes too long, as the fastest motion that there
-  // is. True when it is a certified plan.
+  // Stores what was published as the best, if it is better than that; what takes longer than was asked for, as the
+  // fastest motion. True when it is a certified plan.
   bool keep(const Continuation& c, PublishResult published);
 
   // A motion that is as fast as can be.

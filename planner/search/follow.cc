@@ -53,8 +53,8 @@ Continuation calmed(const Continuation& c, const Traces& traces, int patience, S
   Continuation calmer(std::make_shared<const Problem>(std::move(problem)), session, c.label() + ", calm");
   calmer.start = c.start;
   const Collocated& hasty = c.solution();
-  const bool solved = calmer.begin(guess_from(hasty.motion, hasty.durations, duration_of(c)), patience);
-  return solved ? calmer : c;
+  const Guess guess = guess_from(hasty.motion, hasty.durations, duration_of(c));
+  return calmer.begin(guess, patience) == Begun::kNew ? calmer : c;
 }
 
 // True when it was certified, even if it takes too long.
@@ -97,11 +97,10 @@ void follow(Continuation c, Findings& found, Session& session) {
 bool try_start(const std::shared_ptr<const Problem>& alternative, const Guess& guess, const std::string& label,
                Findings& found, Session& session) {
   Continuation c(alternative, session, label);
-  const bool solved = c.begin(guess, found.patience, found.minima);
+  const Begun begun = c.begin(guess, found.patience, found.minima);
   c.start = ++found.starts;
-  if (!solved) {
-    const bool met_before = c.status() == SolveStatus::kOptimal || c.status() == SolveStatus::kAcceptable;
-    if (met_before) return true;
+  if (begun == Begun::kKnown) return true;
+  if (begun == Begun::kNothing) {
     if (c.status() == SolveStatus::kInfeasible) found.a_start_was_infeasible = true;
     if (!c.obstacle().empty()) found.obstacle = "; in the last attempt " + c.obstacle();
     return false;

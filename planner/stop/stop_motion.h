@@ -61,7 +61,7 @@ std::vector<StopMotion> stop_motions(const Parameters& robot, const Trajectory& 
 // How many that are. [-]
 std::size_t count_of_stops(const Trajectory& plan);
 
-// The i-th stop of a plan, found by whom it may be: its rows, rolled out here. Empty rows: there is none, and the plan
+// The i-th stop of a plan, whoever computed it: its rows, rolled out here. Empty rows: there is none, and the plan
 // itself ends within kLongestStop. Throws NoStop, one sentence.
 Trajectory checked_stop(const Parameters& robot, const Trajectory& plan, std::size_t i, const StopMotion& stop);
 

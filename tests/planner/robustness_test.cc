@@ -94,7 +94,7 @@ TEST(Robustness, AMeshThatMayNotGrowAsWantedGrowsWhereItErrsMost) {
   Session session(options);
   session.allow(1);
   Continuation c(std::make_shared<const Problem>(problem), session, "");
-  ASSERT_TRUE(c.begin(minimum_jerk_guess(problem, duration_guess(problem)), 400));
+  ASSERT_EQ(c.begin(minimum_jerk_guess(problem, duration_guess(problem)), 400), Begun::kNew);
   std::vector<double> errors(c.solution().setup.mesh.size(), 1e-3);
   ASSERT_LT(errors.size(), kMost);
   for (std::size_t k = 1; k < errors.size(); ++k) errors[k] = 2 * errors[k - 1];

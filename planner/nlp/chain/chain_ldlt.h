@@ -77,7 +77,9 @@ class ChainLdlt {
     std::vector<Entry> diagonal, symmetric, coupling, row_diagonal;  // of two columns, of a row and a column, of a row
     int first_leaf = 0, last_leaf = 0;                               // in leaves_
     // Numbers of the present factorisation:
-    std::vector<int> column_index, row_index;  // with what was delayed, what leaves left, and rows that are none
+    // Their numbers in the whole matrix: those of this front, rows that are treated as columns, those that the front
+    // before it delayed, and columns that its leaves left.
+    std::vector<int> column_index, row_index;
     Tableau tableau;
     std::vector<int> basic_rows;  // rows of the tableau that have a basic variable
     Rows curvature;               // per such row: the basic variable's row of the symmetric matrix

@@ -30,7 +30,7 @@ struct ConstraintInfo {
   double sign = 1;           // of the change that relaxes
   double most = 1;           // [m] or [rad] of change that means anything; 0: as much as there is
   const char* unit = "m";
-  const char* relaxed = nullptr;  // what would have to be, with the number; none: what it is would have to be that
+  const char* relaxed = nullptr;  // message of a relaxation, {} the value; null: "would have to be {}"
 };
 
 // The rows under construction.

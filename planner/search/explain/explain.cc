@@ -112,8 +112,8 @@ class Explanation {
     return true;
   }
 
-  // Where there is time, first in a hurry, and then with as much more of it as the mesh has room for. Speed takes its
-  // time to be had, and in a hurry there would be less of it.
+  // Where the duration is free: first with a large weight of time, and then with as much more time as the mesh is fine
+  // enough for, since it takes time to gain speed.
   std::optional<Continuation> least(Problem elastic, const std::string& what, std::vector<Guess> guesses) {
     Duration& duration = elastic.duration;
     const double soon = kLonger * guesses.front().duration();

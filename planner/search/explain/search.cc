@@ -45,7 +45,7 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
     Continuation c(kept, session_, "why not: " + what);
     const bool coarse = exactness != Exactness::kKeepsLimits && kept->task.obstacles.empty();
     if (coarse) c.mesh_factor = std::min(1.0, kUsual / guess.duration());
-    const bool sketched = c.begin(guess, kPatience), solved = sketched && finish(c, exactness);
+    const bool sketched = c.begin(guess, kPatience) == Begun::kNew, solved = sketched && finish(c, exactness);
     if (solved) return c;
     if (sketched) last_sketch_ = std::move(c);
   }

@@ -8,7 +8,7 @@
 
 namespace fjr {
 
-// What a slack of one is of it, in its unit.
+// By how much a slack of one relaxes it, in its unit.
 double size_of(const Relaxable& what);
 
 // The problem with the least change of that one thing as its objective, beside a trace of time.
@@ -20,7 +20,7 @@ Problem with_slack_everywhere(const Problem& problem);
 // The same with time in a hurry, so that a first solution does not wander off into motions that take for ever.
 Problem hurried(Problem with_slack);
 
-// What it comes to with that slack of with_slack(problem, what), as Relaxable::from counts it.
+// Its value when it is relaxed by that slack of with_slack(problem, what), counted as Relaxable::from is.
 double value_with(const Problem& problem, const Relaxable& what, double slack);
 
 }  // namespace fjr

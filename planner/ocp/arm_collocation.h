@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "planner/collocation/adjoint.h"
 #include "planner/collocation/transcription.h"
 #include "planner/collocation/transfer.h"
 #include "planner/ocp/arm_ocp.h"
@@ -60,35 +61,6 @@ auto with_elastic_features(const Problem& problem, Visit&& visit) {
 template <Features F>
 Collocated collocate_with(const Problem& problem, const CollocationSetup& setup, const Guess* guess,
                           const Collocated* start, const SolveOptions& options);
-
-extern template class Transcription<ArmOcp<kPlain>>;
-extern template class Transcription<ArmOcp<kRateControlled>>;
-extern template class Transcription<ArmOcp<kWithTask>>;
-extern template class Transcription<ArmOcp<kRateWithTask>>;
-extern template class Transcription<ArmOcp<kWithPeak>>;
-extern template class Transcription<ArmOcp<kEverything>>;
-extern template class Transcription<ArmOcp<kElastic>>;
-extern template class Transcription<ArmOcp<kElasticTask>>;
-extern template class Transcription<ArmOcp<kElasticEverything>>;
-
-extern template Collocated collocate_with<kPlain>(const Problem&, const CollocationSetup&, const Guess*,
-                                                  const Collocated*, const SolveOptions&);
-extern template Collocated collocate_with<kRateControlled>(const Problem&, const CollocationSetup&, const Guess*,
-                                                           const Collocated*, const SolveOptions&);
-extern template Collocated collocate_with<kWithTask>(const Problem&, const CollocationSetup&, const Guess*,
-                                                     const Collocated*, const SolveOptions&);
-extern template Collocated collocate_with<kRateWithTask>(const Problem&, const CollocationSetup&, const Guess*,
-                                                         const Collocated*, const SolveOptions&);
-extern template Collocated collocate_with<kWithPeak>(const Problem&, const CollocationSetup&, const Guess*,
-                                                     const Collocated*, const SolveOptions&);
-extern template Collocated collocate_with<kEverything>(const Problem&, const CollocationSetup&, const Guess*,
-                                                       const Collocated*, const SolveOptions&);
-extern template Collocated collocate_with<kElastic>(const Problem&, const CollocationSetup&, const Guess*,
-                                                    const Collocated*, const SolveOptions&);
-extern template Collocated collocate_with<kElasticTask>(const Problem&, const CollocationSetup&, const Guess*,
-                                                        const Collocated*, const SolveOptions&);
-extern template Collocated collocate_with<kElasticEverything>(const Problem&, const CollocationSetup&, const Guess*,
-                                                              const Collocated*, const SolveOptions&);
 
 // ---- the template's parts ----
 
@@ -325,5 +297,26 @@ Collocated collocate_with(const Problem& problem, const CollocationSetup& setup,
   if (!parts::fits(before, iterate)) return {setup, {}, {}, {}};
   return parts::run(setup, transcription, Transfer<ArmOcp<F>>(before, iterate, transcription).run(), options);
 }
+
+// What files that use an instance have in common is compiled once, in the instance's own file.
+#define FJR_ARM_COLLOCATION(EXTERN, FEATURES)                                                                      \
+  EXTERN template class Transcription<ArmOcp<FEATURES>>;                                                           \
+  EXTERN template Adjoint adjoint(const Transcription<ArmOcp<FEATURES>>&, const Iterate&);                         \
+  EXTERN template Transcription<ArmOcp<FEATURES>> arm_collocation::transcribe<FEATURES>(const Problem&,            \
+                                                                                        const CollocationSetup&);  \
+  EXTERN template Collocated arm_collocation::run(const CollocationSetup&, const Transcription<ArmOcp<FEATURES>>&, \
+                                                  const Iterate&, const SolveOptions&);                            \
+  EXTERN template Collocated collocate_with<FEATURES>(const Problem&, const CollocationSetup&, const Guess*,       \
+                                                      const Collocated*, const SolveOptions&);
+
+FJR_ARM_COLLOCATION(extern, kPlain)
+FJR_ARM_COLLOCATION(extern, kRateControlled)
+FJR_ARM_COLLOCATION(extern, kWithTask)
+FJR_ARM_COLLOCATION(extern, kRateWithTask)
+FJR_ARM_COLLOCATION(extern, kWithPeak)
+FJR_ARM_COLLOCATION(extern, kEverything)
+FJR_ARM_COLLOCATION(extern, kElastic)
+FJR_ARM_COLLOCATION(extern, kElasticTask)
+FJR_ARM_COLLOCATION(extern, kElasticEverything)
 
 }  // namespace fjr

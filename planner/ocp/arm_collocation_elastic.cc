@@ -2,8 +2,6 @@
 
 namespace fjr {
 
-template class Transcription<ArmOcp<kElastic>>;
-template Collocated collocate_with<kElastic>(const Problem&, const CollocationSetup&, const Guess*, const Collocated*,
-                                             const SolveOptions&);
+FJR_ARM_COLLOCATION(, kElastic)
 
 }  // namespace fjr

@@ -2,8 +2,6 @@
 
 namespace fjr {
 
-template class Transcription<ArmOcp<kElasticEverything>>;
-template Collocated collocate_with<kElasticEverything>(const Problem&, const CollocationSetup&, const Guess*,
-                                                       const Collocated*, const SolveOptions&);
+FJR_ARM_COLLOCATION(, kElasticEverything)
 
 }  // namespace fjr

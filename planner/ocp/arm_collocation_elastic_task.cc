@@ -2,8 +2,6 @@
 
 namespace fjr {
 
-template class Transcription<ArmOcp<kElasticTask>>;
-template Collocated collocate_with<kElasticTask>(const Problem&, const CollocationSetup&, const Guess*,
-                                                 const Collocated*, const SolveOptions&);
+FJR_ARM_COLLOCATION(, kElasticTask)
 
 }  // namespace fjr

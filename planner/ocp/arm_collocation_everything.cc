@@ -2,8 +2,6 @@
 
 namespace fjr {
 
-template class Transcription<ArmOcp<kEverything>>;
-template Collocated collocate_with<kEverything>(const Problem&, const CollocationSetup&, const Guess*,
-                                                const Collocated*, const SolveOptions&);
+FJR_ARM_COLLOCATION(, kEverything)
 
 }  // namespace fjr

@@ -2,8 +2,6 @@
 
 namespace fjr {
 
-template class Transcription<ArmOcp<kWithPeak>>;
-template Collocated collocate_with<kWithPeak>(const Problem&, const CollocationSetup&, const Guess*, const Collocated*,
-                                              const SolveOptions&);
+FJR_ARM_COLLOCATION(, kWithPeak)
 
 }  // namespace fjr

@@ -2,8 +2,6 @@
 
 namespace fjr {
 
-template class Transcription<ArmOcp<kPlain>>;
-template Collocated collocate_with<kPlain>(const Problem&, const CollocationSetup&, const Guess*, const Collocated*,
-                                           const SolveOptions&);
+FJR_ARM_COLLOCATION(, kPlain)
 
 }  // namespace fjr

@@ -2,8 +2,6 @@
 
 namespace fjr {
 
-template class Transcription<ArmOcp<kRateControlled>>;
-template Collocated collocate_with<kRateControlled>(const Problem&, const CollocationSetup&, const Guess*,
-                                                    const Collocated*, const SolveOptions&);
+FJR_ARM_COLLOCATION(, kRateControlled)
 
 }  // namespace fjr

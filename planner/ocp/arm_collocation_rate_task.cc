@@ -2,8 +2,6 @@
 
 namespace fjr {
 
-template class Transcription<ArmOcp<kRateWithTask>>;
-template Collocated collocate_with<kRateWithTask>(const Problem&, const CollocationSetup&, const Guess*,
-                                                  const Collocated*, const SolveOptions&);
+FJR_ARM_COLLOCATION(, kRateWithTask)
 
 }  // namespace fjr

@@ -2,8 +2,6 @@
 
 namespace fjr {
 
-template class Transcription<ArmOcp<kWithTask>>;
-template Collocated collocate_with<kWithTask>(const Problem&, const CollocationSetup&, const Guess*, const Collocated*,
-                                              const SolveOptions&);
+FJR_ARM_COLLOCATION(, kWithTask)
 
 }  // namespace fjr

@@ -15,7 +15,7 @@ constexpr int kProbes = 16;       // pieces an interval is looked at in; polynom
 constexpr double kEnlarge = 1.2;  // margins answer an excess with a little more
 constexpr double kLeast = 1e-5;   // share of a limit: the optimiser does not see less
 constexpr double kNegligible = 1e-7;  // share of a limit: an excess below a tenth of what the certificate allows
-constexpr double kMost = 0.5;         // share of a limit that a margin may take: the bounds must not cross
+constexpr double kMostMargin = 0.5;   // fraction of a limit that a margin may take: the bounds must not cross
 constexpr double kRunThrough = 0.1;   // share of a task's scale
 constexpr double kWindow = 0.03;      // share of the duration around a given state that lies on a limit
 
@@ -281,7 +281,7 @@ bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses
       double& margin = margins[k][i];
       const double before = margin;
       margin += std::max((growth - 1) * margin, kEnlarge * excesses[k][i] + kLeast * scales[i]);
-      margin = std::min(margin, kMost * scales[i]);
+      margin = std::min(margin, kMostMargin * scales[i]);
       any = any || margin > before;
     }
   }

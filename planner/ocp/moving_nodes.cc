@@ -10,7 +10,8 @@
 namespace fjr {
 namespace {
 
-constexpr double kMost = 2;  // by which a stretch may become longer or shorter: the error of a mesh grows with it
+constexpr double kMostStretched =
+    2;  // by which a stretch may become longer or shorter: the error of a mesh grows with it
 
 // The legs of the motion, which are the segments of its mesh, cut at the nodes that move.
 struct Pieces {
@@ -91,8 +92,9 @@ Fixed<F> with_pieces(const Fixed<F>& fixed, const Pieces& pieces) {
     const auto leg = static_cast<std::size_t>(pieces.leg[p]);
     const double duration = pieces.durations[p];
     ocp.tasks.push_back(tasks[leg]);
-    ocp.durations.push_back(pieces.in_several(pieces.leg[p]) ? std::array<double, 2>{duration / kMost, duration * kMost}
-                                                             : bounds[leg]);
+    ocp.durations.push_back(pieces.in_several(pieces.leg[p])
+                                ? std::array<double, 2>{duration / kMostStretched, duration * kMostStretched}
+                                : bounds[leg]);
   }
   ocp.duration_sums = sums_of(pieces, ocp.duration_sums, bounds);
   return {std::move(ocp), fixed.scheme(), pieces.mesh};

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kShortestPiece = 2e-5;  // [s] passages shorter than this are steps to the motors
 constexpr double kStepReach = 5e-6;      // [s] to both sides of a reversal: friction has taken its step there
-constexpr int kProbes = 8;               // points at which a piece is compared with its chord
+constexpr int kChordPoints = 8;          // points at which a piece is compared with its chord
 
 class Sampler {
  public:
@@ -116,12 +116,12 @@ class Sampler {
     const Joints<double> first = torque(motion_.interval_at(from), from), last = torque(interval_before(to), to);
     Joints<double> impulse{0, 0};
     double worst = 0, split = 0.5 * (from + to);
-    for (int i = 1; i < kProbes; ++i) {
-      const double s = static_cast<double>(i) / kProbes, time = from + s * (to - from);
+    for (int i = 1; i < kChordPoints; ++i) {
+      const double s = static_cast<double>(i) / kChordPoints, time = from + s * (to - from);
       const Joints<double> tau = torque(motion_.interval_at(time), time);
       for (std::size_t j = 0; j < kJoints; ++j) {
         const double miss = (tau[j] - first[j] - s * (last[j] - first[j])) / problem_.robot.motor.inertia[j];
-        impulse[j] += std::abs(miss) * (to - from) / kProbes;
+        impulse[j] += std::abs(miss) * (to - from) / kChordPoints;
         if (std::abs(miss) > worst) {
           worst = std::abs(miss);
           split = time;

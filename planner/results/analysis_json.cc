@@ -16,14 +16,14 @@ constexpr std::size_t kMostStretches = 16;  // of one limit; the longest
 constexpr std::size_t kMostAlong = 100;     // of the intervals: plan.json travels in every reply
 
 // In as many significant digits as mean something.
-Json number(double value, int digits = 6) {
+Json rounded(double value, int digits = 6) {
   if (!std::isfinite(value)) return nullptr;
   return std::strtod(fmt::format("{:.{}e}", value, digits - 1).c_str(), nullptr);
 }
 Json time(double value) { return std::round(value * 1e7) / 1e7; }
-Json numbers(const Joints<double>& values) { return Json::array({number(values[0]), number(values[1])}); }
-Json number_or_null(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
-Json numbers_or_null(const std::optional<Joints<double>>& v) { return v ? numbers(*v) : Json(nullptr); }
+Json rounded(const Joints<double>& values) { return Json::array({rounded(values[0]), rounded(values[1])}); }
+Json rounded_or_null(const std::optional<double>& value) { return value ? rounded(*value) : Json(nullptr); }
+Json rounded_or_null(const std::optional<Joints<double>>& v) { return v ? rounded(*v) : Json(nullptr); }
 
 Json stretches(std::vector<ShadowPrice::Stretch> active) {
   const auto length = [](const ShadowPrice::Stretch& s) { return s.end - s.begin; };
@@ -38,7 +38,7 @@ Json stretches(std::vector<ShadowPrice::Stretch> active) {
 }
 
 Json costate(const State<double>& p) {
-  return {{"q", numbers(p.q)}, {"dq", numbers(p.dq)}, {"theta", numbers(p.theta)}, {"dtheta", numbers(p.dtheta)}};
+  return {{"q", rounded(p.q)}, {"dq", rounded(p.dq)}, {"theta", rounded(p.theta)}, {"dtheta", rounded(p.dtheta)}};
 }
 
 // Columns, of every n-th interval.
@@ -46,12 +46,12 @@ Json along_json(const std::vector<Optimality::Along>& along) {
   Json json{{"time", Json::array()}, {"hamiltonian", Json::array()}};
   const auto add = [&json](const std::string& name, const Joints<double>& values) {
     for (std::size_t j = 0; j < kJoints; ++j)
-      json["costate"][fmt::format("{}{}", name, j + 1)].push_back(number(values[j]));
+      json["costate"][fmt::format("{}{}", name, j + 1)].push_back(rounded(values[j]));
   };
   const std::size_t step = (along.size() + kMostAlong - 1) / kMostAlong;
   for (std::size_t k = 0; k < along.size(); k += step) {
     json["time"].push_back(time(along[k].time));
-    json["hamiltonian"].push_back(number(along[k].hamiltonian));
+    json["hamiltonian"].push_back(rounded(along[k].hamiltonian));
     add("q", along[k].costate.q);
     add("dq", along[k].costate.dq);
     add("theta", along[k].costate.theta);
@@ -69,41 +69,41 @@ Json sensitivity_json(const Sensitivity& sensitivity) {
                       {"joint", limit.joint == 0 ? Json(nullptr) : Json(limit.joint)},
                       {"limit", limit.limit},
                       {"unit", limit.unit},
-                      {"worth", number(limit.price)},
-                      {"saved_by_1_percent", number(0.01 * limit.limit * limit.price)},
-                      {"active_share", number(limit.share)},
+                      {"worth", rounded(limit.price)},
+                      {"saved_by_1_percent", rounded(0.01 * limit.limit * limit.price)},
+                      {"active_share", rounded(limit.share)},
                       {"active", stretches(limit.active)}});
   }
   Json via = Json::array();
   for (const ViaPrices& v : sensitivity.via) {
-    via.push_back({{"time", number(v.time, 10)},
-                   {"q", numbers(v.q)},
-                   {"dq", numbers_or_null(v.dq)},
-                   {"later", number_or_null(v.later)}});
+    via.push_back({{"time", rounded(v.time, 10)},
+                   {"q", rounded(v.q)},
+                   {"dq", rounded_or_null(v.dq)},
+                   {"later", rounded_or_null(v.later)}});
   }
   return {{"limits", std::move(limits)},
-          {"duration", number_or_null(sensitivity.duration)},
+          {"duration", rounded_or_null(sensitivity.duration)},
           {"via", std::move(via)},
-          {"goal", {{"q", numbers(sensitivity.goal)}}}};
+          {"goal", {{"q", rounded(sensitivity.goal)}}}};
 }
 
 Json optimality_json(const Optimality& optimality) {
   const auto& h = optimality.hamiltonian;
   const auto& s = optimality.stationarity;
   return {{"hamiltonian",
-           {{"mean", number(h.mean)},
-            {"expected", number_or_null(h.expected)},
-            {"spread", number(h.spread)},
-            {"allowed", number(h.allowed)},
+           {{"mean", rounded(h.mean)},
+            {"expected", rounded_or_null(h.expected)},
+            {"spread", rounded(h.spread)},
+            {"allowed", rounded(h.allowed)},
             {"stationary", h.stationary()},
-            {"largest_deviation", number(h.largest)},
+            {"largest_deviation", rounded(h.largest)},
             {"time", time(h.time)}}},
           {"stationarity",
-           {{"where_free", number(s.free)},
-            {"wrong_sign", number(s.wrong)},
-            {"largest", number(s.largest)},
-            {"residual", number(s.residual)}}},
-          {"friction_width", number(optimality.friction_width)},
+           {{"where_free", rounded(s.free)},
+            {"wrong_sign", rounded(s.wrong)},
+            {"largest", rounded(s.largest)},
+            {"residual", rounded(s.residual)}}},
+          {"friction_width", rounded(optimality.friction_width)},
           {"costate", {{"start", costate(optimality.costate_start)}, {"end", costate(optimality.costate_end)}}},
           {"along", along_json(optimality.along)}};
 }
@@ -114,7 +114,7 @@ Json mesh_errors_json(const std::vector<double>& node_times, const std::vector<d
   for (std::size_t k = 0; k < errors.size(); k += together) {
     const std::size_t end = std::min(k + together, errors.size());
     times.push_back(time(node_times[k]));
-    largest.push_back(number(*std::max_element(errors.data() + k, errors.data() + end), 3));
+    largest.push_back(rounded(*std::max_element(errors.data() + k, errors.data() + end), 3));
   }
   if (!errors.empty()) times.push_back(time(node_times.back()));
   return {{"node_times", std::move(times)}, {"errors", std::move(largest)}};

@@ -70,6 +70,7 @@ class Continuation {
   const std::shared_ptr<const Problem>& problem() const { return problem_; }
   const std::string& label() const { return label_; }
   const Collocated& solution() const { return solution_; }
+  double duration() const { return solution_.motion.duration(); }  // of the solution [s]
   SolveStatus status() const { return status_; }
   // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.
   const std::string& obstacle() const { return obstacle_; }

@@ -14,10 +14,10 @@
 namespace fjr {
 namespace {
 
-constexpr int kPatience = 300;       // iterations of one attempt
-constexpr int kMorePatience = 1200;  // what has to swing up first took up to 630
-constexpr int kMoreSwings = 600;     // of a step towards tighter limits that comes to swing once more
-constexpr double kMoreEffort = 10;   // times the usual trace of it
+constexpr int kUsualIterations = 300;   // iterations of one attempt
+constexpr int kSwingIterations = 1200;  // what has to swing up first took up to 630
+constexpr int kMoreSwings = 600;        // of a step towards tighter limits that comes to swing once more
+constexpr double kMoreEffort = 10;      // times the usual trace of it
 constexpr std::size_t kPatientStarts = 2;
 constexpr double kCoarser = 0.5, kFiner = 2;    // times the usual number of intervals
 constexpr double kRelaxed[] = {0.5, 3};         // shares by which limits are relaxed at first
@@ -42,13 +42,13 @@ std::optional<Continuation> attempt(const SharedProblem& problem, Session& sessi
                                     const Guess& guess, double mesh_factor = 1) {
   Continuation c(problem, session, label);
   c.mesh_factor = mesh_factor;
-  return begun(std::move(c), session, guess, kPatience);
+  return begun(std::move(c), session, guess, kUsualIterations);
 }
 
 std::optional<Continuation> attempt_patiently(const SharedProblem& problem, Session& session, const Guess& guess) {
   Continuation c(problem, session, "with patience");
   c.trace_factor = kMoreEffort;
-  return begun(std::move(c), session, guess, kMorePatience);
+  return begun(std::move(c), session, guess, kSwingIterations);
 }
 
 // From a smoothed solution, or from another problem's, on a new mesh.
@@ -74,8 +74,6 @@ std::optional<Continuation> follow(const SharedProblem& problem, Session& sessio
 // The problem with limits that are easier to keep, by more with a larger factor.
 using Eased = std::function<Problem(double factor)>;
 
-double duration_of(const Collocated& solution) { return solution.motion.duration(); }
-
 // A motion that keeps the limits relaxed by that factor; with a factor of 1 it keeps the problem's.
 struct Reached {
   Continuation motion;
@@ -91,9 +89,9 @@ Reached tighten(const SharedProblem& problem, Session& session, const Eased& eas
     const std::string label =
         target > 1 ? fmt::format("limits relaxed by {:.3g} %", 100 * (target - 1)) : "limits tightened step by step";
     auto next = follow(tighter, session, label, from.motion.solution());
-    if (next && target > 1 && duration_of(next->solution()) > longest) break;  // and tighter limits take longer
+    if (next && target > 1 && next->duration() > longest) break;  // and tighter limits take longer
     if (next) {
-      const double longer = std::log(duration_of(next->solution()) / duration_of(from.motion.solution()));
+      const double longer = std::log(next->duration() / from.motion.duration());
       const double growth = longer / std::log(from.factor / target);
       from = {std::move(*next), target};
       step = std::min(kLongerStep * step, kGrowth / std::max(growth, 1e-9));

@@ -10,8 +10,6 @@
 namespace fjr {
 namespace {
 
-double duration_of(const Continuation& c) { return c.solution().motion.duration(); }
-
 // The first that takes no more than `allowed` [s], or else the shortest; certified where it takes longer and can be
 // published, for how long it takes is then told.
 std::optional<Fastest> find_fastest(const std::shared_ptr<const Problem>& alternative, double allowed, Findings& found,
@@ -26,12 +24,12 @@ std::optional<Fastest> find_fastest(const std::shared_ptr<const Problem>& altern
     known.push_back(c.stages().front().objective);
     if (!c.finish()) continue;
     bool certified = false;
-    if (duration_of(c) > allowed) {
+    if (c.duration() > allowed) {
       const PublishResult published = publish(c, found.asked, session);
       certified = published.certified();
       if (!published.failure.empty()) found.failure = published.failure;
     }
-    if (!shortest || duration_of(c) < shortest->duration()) shortest = Fastest{std::move(c), certified, alternative};
+    if (!shortest || c.duration() < shortest->duration()) shortest = Fastest{std::move(c), certified, alternative};
   }
   return shortest;
 }

@@ -26,13 +26,11 @@ bool last_promises(const Findings& found) {
   return true;
 }
 
-double duration_of(const Continuation& c) { return c.solution().motion.duration(); }
-
 // Motions of many seconds are refined to thousands of intervals. How long the fastest takes is known to a per cent
 // before; where it may not take nearly as long, that is enough to say so.
 bool far_too_long(const Continuation& c, const Problem& asked) {
   constexpr double kFar = 1.15;  // times the longest duration
-  const double duration = duration_of(c);
+  const double duration = c.duration();
   return only_time(asked.weights) && duration > kLongMotion && duration > kFar * asked.duration.max;
 }
 
@@ -53,7 +51,7 @@ Continuation calmed(const Continuation& c, const Traces& traces, int patience, S
   Continuation calmer(std::make_shared<const Problem>(std::move(problem)), session, c.label() + ", calm");
   calmer.start = c.start;
   const Collocated& hasty = c.solution();
-  const Guess guess = guess_from(hasty.motion, hasty.durations, duration_of(c));
+  const Guess guess = guess_from(hasty.motion, hasty.durations, c.duration());
   return calmer.begin(guess, patience) == Begun::kNew ? calmer : c;
 }
 
@@ -84,7 +82,7 @@ void follow(Continuation c, Findings& found, Session& session) {
     return;
   }
   session.allow(kRefining);
-  if (!only_time(c.problem()->weights) || duration_of(c) < kLongMotion) {
+  if (!only_time(c.problem()->weights) || c.duration() < kLongMotion) {
     finish(std::move(c), found, session);
   } else {
     for (const Traces& traces : kTraces) {

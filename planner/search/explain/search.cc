@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kUsual = 1;         // [s] motions that take longer are begun with as many intervals as one of this
 constexpr std::size_t kGuesses = 2;  // of the usual ones
-constexpr int kPatience = 450;       // iterations of one start
+constexpr int kMostIterationsOfStart = 450;  // iterations of one start
 
 }  // namespace
 
@@ -45,7 +45,8 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
     Continuation c(kept, session_, "why not: " + what);
     const bool coarse = exactness != Exactness::kKeepsLimits && kept->task.obstacles.empty();
     if (coarse) c.mesh_factor = std::min(1.0, kUsual / guess.duration());
-    const bool sketched = c.begin(guess, kPatience) == Begun::kNew, solved = sketched && finish(c, exactness);
+    const bool sketched = c.begin(guess, kMostIterationsOfStart) == Begun::kNew,
+               solved = sketched && finish(c, exactness);
     if (solved) return c;
     if (sketched) last_sketch_ = std::move(c);
   }

@@ -8,11 +8,11 @@
 namespace fjr {
 namespace {
 
-constexpr double kSmallest = 0.1;  // [m, rad, ...] size of what is given as nothing, or nearly
-constexpr double kTrace = 0.003;   // of time [1/s]: enough for the motion not to dawdle
-constexpr double kHurry = 0.1;     // of time [1/s]
-constexpr double kStep = 1e-6;     // what a region's bounds are differentiated by
-constexpr double kMostSlack = 6;   // times more: beyond that nobody would build it; half of it is the start
+constexpr double kSmallest = 0.1;     // [m, rad, ...] size of what is given as nothing, or nearly
+constexpr double kTrace = 0.003;      // of time [1/s]: enough for the motion not to dawdle
+constexpr double kHurry = 0.1;        // of time [1/s]
+constexpr double kDifference = 1e-6;  // what a region's bounds are differentiated by
+constexpr double kMostSlack = 6;      // times more: beyond that nobody would build it; half of it is the start
 
 bool is_obstacle(const Relaxable& what) { return what.name.starts_with("obstacles"); }
 bool is_velocity(const Relaxable& what) { return what.unit == "times" && what.name != "all_limits"; }
@@ -32,14 +32,14 @@ void give_rows(const Problem& problem, const Relaxable& what, std::vector<double
     }
     return;
   }
-  const Problem wider = what.relaxed(problem, kStep);
+  const Problem wider = what.relaxed(problem, kDifference);
   const std::vector<TaskRow> after = task_rows(wider.robot, wider.task, 0);
   for (std::size_t r = 0; r < rows.size(); ++r) {
     if (rows[r].name != what.name) continue;
     const double moved = rows[r].number - after[r].number;  // value() counts from there
     const double below = rows[r].lower - after[r].lower + moved, above = after[r].upper - rows[r].upper - moved;
     const double more = std::isfinite(below) ? below : above;
-    give[kLimits + r] += more / kStep * size_of(what);
+    give[kLimits + r] += more / kDifference * size_of(what);
   }
 }
 

@@ -8,7 +8,7 @@
 namespace fjr {
 namespace {
 
-constexpr double kStep = 0.02;  // share of a change of time to which it is found
+constexpr double kTimeTolerance = 0.02;  // fraction of a change of time to which it is found
 
 // The fastest motion through via point i, to end there.
 Problem up_to(const Problem& problem, std::size_t i) {
@@ -53,7 +53,7 @@ std::optional<double> nearest_time(const Problem& problem, std::size_t i, std::o
   const double asked = *problem.via[i].time;
   double wrong = asked;
   double right = std::accumulate(durations.begin(), durations.begin() + static_cast<std::ptrdiff_t>(i) + 1, 0.0);
-  while (std::abs(right - wrong) > kStep * std::abs(right - asked) && !search.over()) {
+  while (std::abs(right - wrong) > kTimeTolerance * std::abs(right - asked) && !search.over()) {
     moved.via[i].time = (wrong + right) / 2;
     auto next = search.sketch(moved, name_of(i), {guess_of(*possible)});
     (next ? right : wrong) = *moved.via[i].time;

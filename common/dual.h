@@ -55,6 +55,16 @@ struct Dual2 {
   Dual2(double value, Support sees_, Support curved_) : v(value), sees(sees_), curved(curved_) {
     if (curved.first < curved.end) std::fill_n(h.data() + row(curved.first), row(curved.end) - row(curved.first), 0.0);
   }
+  // Of h only what is defined: most of it is not.
+  Dual2(const Dual2& other) : v(other.v), sees(other.sees), curved(other.curved), g(other.g) { copy_hessian(other); }
+  Dual2& operator=(const Dual2& other) {
+    v = other.v;
+    sees = other.sees;
+    curved = other.curved;
+    g = other.g;
+    copy_hessian(other);
+    return *this;
+  }
   static Dual2 input(double value, int i) {
     const auto at = static_cast<std::size_t>(i);
     Dual2 d(value, {at, at + 1}, {});
@@ -80,12 +90,39 @@ struct Dual2 {
     for (std::size_t i = d.sees.first; i < d.sees.end; ++i) g[i] += s * d.g[i];
     d.each([&](std::size_t, std::size_t, std::size_t at) { h[at] += s * d.h[at]; });
   }
+  // Adds s times what the gradients of a and b give to the Hessian of their product.
+  void accumulate_product(double s, const Dual2& a, const Dual2& b) {
+    for (std::size_t i = a.sees.first; i < a.sees.end; ++i) {
+      for (std::size_t j = b.sees.first; j < b.sees.end; ++j) {
+        const double product = s * a.g[i] * b.g[j];
+        i > j ? h[row(i) + j] += product : h[row(j) + i] += i == j ? 2 * product : product;
+      }
+    }
+  }
+
+ private:
+  void copy_hessian(const Dual2& other) {
+    if (curved.first >= curved.end) return;
+    std::copy(other.h.data() + row(curved.first), other.h.data() + row(curved.end), h.data() + row(curved.first));
+  }
 };
 
 template <class D>
 concept Differentiable = requires {
   D::kInputs;
 };
+
+// Those with a value, for closed forms; a Pattern has none.
+template <class D>
+inline constexpr bool kHasFirst = false;
+template <int N>
+inline constexpr bool kHasFirst<Dual<N>> = true;
+template <class D>
+inline constexpr bool kHasSecond = false;
+template <int N>
+inline constexpr bool kHasSecond<Dual2<N>> = true;
+template <class D>
+concept CarriesValues = kHasFirst<D> || kHasSecond<D>;
 
 // F(a) with derivatives: value f, first derivative f1, second derivative f2 at a.v.
 template <int N>
@@ -100,6 +137,33 @@ Dual2<N> chain(const Dual2<N>& a, double f, double f1, double f2) {
   Dual2<N> r(f, a.sees, a.sees);
   r.accumulate(f1, a);
   r.each([&](std::size_t i, std::size_t j, std::size_t at) { r.h[at] += f2 * a.g[i] * a.g[j]; });
+  return r;
+}
+
+// F(a_1 .. a_M) with derivatives: value f, gradient f1, Hessian f2 packed by rows of the lower triangle, at their
+// values.
+template <int N, std::size_t M>
+Dual<N> chain(const std::array<const Dual<N>*, M>& a, double f, const std::array<double, M>& f1,
+              const std::array<double, M*(M + 1) / 2>& /*f2*/) {
+  Dual<N> r(f);
+  for (std::size_t k = 0; k < M; ++k) {
+    for (std::size_t i = 0; i < N; ++i) r.g[i] += f1[k] * a[k]->g[i];
+  }
+  return r;
+}
+
+template <int N, std::size_t M>
+Dual2<N> chain(const std::array<const Dual2<N>*, M>& a, double f, const std::array<double, M>& f1,
+               const std::array<double, M*(M + 1) / 2>& f2) {
+  Support all;
+  for (const auto* input : a) all = all | input->sees;
+  Dual2<N> r(f, all, all);
+  for (std::size_t k = 0, pair = 0; k < M; ++k) {
+    r.accumulate(f1[k], *a[k]);
+    for (std::size_t l = 0; l <= k; ++l, ++pair) {
+      if (f2[pair] != 0) r.accumulate_product(l == k ? 0.5 * f2[pair] : f2[pair], *a[k], *a[l]);
+    }
+  }
   return r;
 }
 
@@ -132,12 +196,7 @@ Dual2<N> operator*(const Dual2<N>& a, const Dual2<N>& b) {
   Dual2<N> r(a.v * b.v, both, both);
   r.accumulate(b.v, a);
   r.accumulate(a.v, b);
-  for (std::size_t i = a.sees.first; i < a.sees.end; ++i) {
-    for (std::size_t j = b.sees.first; j < b.sees.end; ++j) {
-      const double product = a.g[i] * b.g[j];
-      i > j ? r.h[r.row(i) + j] += product : r.h[r.row(j) + i] += i == j ? 2 * product : product;
-    }
-  }
+  r.accumulate_product(1, a, b);
   return r;
 }
 

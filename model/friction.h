@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/dual.h"
 #include "model/parameters.h"
 
 namespace fjr {
@@ -25,6 +26,18 @@ struct FrictionLaw {
     const T s = v / width;
     const T first = tanh(s);
     return amplitude * first - amplitude * second_weight * tanh(s - second_shape * first);
+  }
+
+  // The same with derivatives, in closed form: with s = v/eta, t = tanh s, a = s - h t, u = tanh a.
+  template <CarriesValues D>
+  D nonlinear(const D& v) const {
+    const double s = v.v / width;
+    const double t = std::tanh(s), t1 = 1 - t * t, t2 = -2 * t * t1;
+    const double a = s - second_shape * t, a1 = 1 - second_shape * t1, a2 = -second_shape * t2;
+    const double u = std::tanh(a), u1 = 1 - u * u, u2 = -2 * u * u1;
+    const double first = amplitude / width * (t1 - second_weight * u1 * a1);
+    const double second = amplitude / (width * width) * (t2 - second_weight * (u2 * a1 * a1 + u1 * a2));
+    return chain(v, amplitude * t - amplitude * second_weight * u, first, second);
   }
 
   template <class T>

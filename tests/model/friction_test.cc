@@ -75,6 +75,22 @@ RC_GTEST_PROP(Friction, SlopeIsTheDerivative, ()) {
 
 // ---- figures known beforehand: tolerances are half a unit of their last digit ----
 
+// The closed form against (24) carried through dual numbers. Rounded to 1e-12 of what the narrower of the two steps,
+// which is as wide as eta / (1 + |h|), makes of the amplitude.
+RC_GTEST_PROP(Friction, HasTheDerivativesThatDualNumbersCarry, ()) {
+  const double v = any_velocity(), eps = std::pow(10.0, between(-6, 0));
+  for (int joint = 0; joint < kJoints; ++joint) {
+    const FrictionLaw f = law(joint).smoothed(eps);
+    const Dual2<1> at = Dual2<1>::input(v, 0), s = at / f.width, first = tanh(s);
+    const Dual2<1> carried = f.amplitude * first - f.amplitude * f.second_weight * tanh(s - f.second_shape * first),
+                   closed = f.nonlinear(at);
+    const double rounding = 1e-12 * f.amplitude, narrow = f.width / (1 + std::abs(f.second_shape));
+    RC_ASSERT(std::abs(closed.v - carried.v) <= rounding);
+    RC_ASSERT(std::abs(closed.g[0] - carried.g[0]) <= rounding / narrow);
+    RC_ASSERT(std::abs(closed.second(0, 0) - carried.second(0, 0)) <= rounding / (narrow * narrow));
+  }
+}
+
 TEST(Friction, OfJoint1IsAStepOfTheStatedWidthAndHeight) {
   const FrictionLaw f = law(0);
   EXPECT_NEAR(f.width / (1 - f.second_shape), 1.45e-4, 0.5e-6);

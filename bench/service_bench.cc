@@ -96,7 +96,7 @@ class Rig {
     order.id = me_;
     order.id.number = ++count_;
     order.name = "bench.yaml";
-    order.yaml = yaml;
+    order.document = yaml;
     order.action = execute ? Action::kPlanAndExecute : Action::kPlan;
     return order;
   }

@@ -23,8 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kMostPayload = 10;        // [kg] several times what the arm can hold in any posture but hanging
-constexpr double kMostPayloadInertia = 1;  // [kg m^2]
 constexpr double kMostCounts = 1e9;  // per revolution; far beyond any encoder, far below where doubles skip integers
 
 // What a single value may be. Written as the condition that holds, so that messages can quote it.

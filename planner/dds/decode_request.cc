@@ -244,7 +244,8 @@ Order decode(const fjr_msg_PlanRequest2& extended) {
   Order order = decode_terms(extended.request);
   if (order.action == Action::kExecute) return order;
   Taker take;
-  order.yaml = format_request(motion_of(take, extended));
+  order.motion = motion_of(take, extended);
+  order.motion->source = order.name;
   if (!order.refusal) order.refusal = take.refusal();
   return order;
 }
@@ -253,7 +254,7 @@ Order decode(const fjr_msg_MotionRequest& message) {
   Order order = decode_terms(message);
   order.start_within = message.start_within;
   if (!order.refusal) order.refusal = refusal_of_time("start_within", message.start_within);
-  order.yaml = raw_text_of(message.document);
+  order.document = raw_text_of(message.document);
   return order;
 }
 

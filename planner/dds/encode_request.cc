@@ -248,7 +248,7 @@ fjr_msg_MotionRequest encode(const Order& order) {
   encode_terms(order, message);
   message.start_within = order.start_within;
   if (order.action == Action::kExecute) return message;
-  const std::string document = without_robot(order.yaml, order.name);
+  const std::string document = without_robot(order.document, order.name);
   if (document.size() > fjr_msg_MAX_DOCUMENT) {
     throw InputError(order.name, "", fmt::format("larger than {} bytes without comments", fjr_msg_MAX_DOCUMENT));
   }
@@ -261,7 +261,9 @@ fjr_msg_RelayedRequest encode(const Relayed& relayed) {
   fjr_msg_RelayedRequest message{};
   encode_terms(relayed.order, message.asked);
   message.asked.start_within = relayed.order.start_within;
-  set_text(message.asked.document, relayed.order.yaml);
+  const Order& order = relayed.order;
+  const bool as_numbers = order.document.empty() && order.motion;
+  set_text(message.asked.document, as_numbers ? format_request(*order.motion) : order.document);
   if (relayed.order.refusal) {
     message.reason = static_cast<std::uint8_t>(relayed.order.refusal->reason);
     set_text(message.field, relayed.order.refusal->field);
@@ -278,7 +280,7 @@ WireRequest encode_plan_request(const Order& order) {
   fjr_msg_PlanRequest& message = wire.message.request;
   encode_terms(order, message);
   if (order.action == Action::kExecute) return wire;
-  encode_motion(read_request(YamlNode::parse(order.yaml, order.name)), wire);
+  encode_motion(read_request(YamlNode::parse(order.document, order.name)), wire);
   lend(wire.via, message.via);
   lend(wire.obstacles, message.obstacles);
   lend(wire.path, wire.message.path.points);

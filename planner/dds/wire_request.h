@@ -50,7 +50,7 @@ WireRequest encode_plan_request(const Order& order);
 bool fits_plan_request(const fjr_msg_PlanRequest2& message);
 
 // Never throws for what is on the wire: what cannot be meant (not finite, an unknown choice) becomes order.refusal. All
-// else is, or is written down as, a document, so that a request is validated in one place however it came.
+// else is for resolve() to judge, however the request came. A document is not read yet: that takes up to 40 ms.
 Order decode(const fjr_msg_MotionRequest& message);
 Order decode(const fjr_msg_PlanRequest2& message);
 Order decode(const fjr_msg_PlanRequest& message);

@@ -49,7 +49,7 @@ std::string text_of(const fs::path& file) {
 
 // The service plans for one robot; a request that names another must not be planned for it silently.
 std::string hash_of_named_robot(const Order& order, const fs::path& folder) {
-  const auto robot = YamlNode::parse(order.yaml, order.name).find("robot");
+  const auto robot = YamlNode::parse(order.document, order.name).find("robot");
   return robot ? robot_hash(load_parameters(folder / robot->text())) : "";
 }
 
@@ -83,7 +83,7 @@ Order load_order(const RequestArguments& options) {
   Order order = order_of(options);
   order.name = file.filename().string();
   order.action = options.execute ? Action::kPlanAndExecute : Action::kPlan;
-  order.yaml = text_of(file);
+  order.document = text_of(file);
   order.robot_hash = hash_of_named_robot(order, file.parent_path());
   return order;
 }

@@ -37,6 +37,16 @@ std::optional<RequestId> request_id_from(std::string_view text) {
   return id;
 }
 
+std::size_t size_of(const Order& order) {
+  std::size_t size = sizeof(Order) + order.document.size();
+  if (order.motion) {
+    const Request& r = *order.motion;
+    size += r.via.size() * sizeof(RequestedVia) + r.obstacles.size() * sizeof(Disc) + r.walls.size() * sizeof(Wall) +
+            (r.path ? r.path->points.size() * sizeof(Joints<double>) : 0);
+  }
+  return size;
+}
+
 std::size_t size_of(const Reply& reply) {
   return sizeof(Reply) + reply.plan_json.capacity() + reply.rows.capacity() * sizeof(Sample) +
          reply.stops.capacity() * sizeof(StopMotion);

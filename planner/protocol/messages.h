@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "planner/plan.h"
+#include "planner/request/request.h"
 #include "planner/stop/stop_motion.h"
 #include "planner/trajectory/trajectory.h"
 
@@ -77,20 +78,21 @@ enum class Action : std::uint8_t {
   kExecute,  // what was planned before
 };
 
-// One request on its way. The motion itself is a request document (DESIGN 5.2) on both sides.
+// One request on its way. Its motion is written as a request file is; read, it is a Request.
 struct Order {
   RequestId id;
   std::string name;
   Action action = Action::kPlan;
-  RequestId trajectory_id;  // of what was planned before; with kExecute, which has no document
-  int priority = 0;         // larger goes first
-  double budget = 0;        // [s]; 0: the service's default
-  double start_within = 0;  // [s] after its client was last alive it may still make the arm start; 0: the default
-  std::string robot_id;     // empty: whichever is served
-  std::string robot_hash;   // empty: any
-  std::string yaml;
-  Origin origin{};                 // set by the receiving side
-  bool needs_executor = false;     // set by the receiving side: it cannot be judged before the executor is known
+  RequestId trajectory_id;        // of what was planned before; with kExecute, which has no document
+  int priority = 0;               // larger goes first
+  double budget = 0;              // [s]; 0: the service's default
+  double start_within = 0;        // [s] after its client was last alive it may still make the arm start; 0: the default
+  std::string robot_id;           // empty: whichever is served
+  std::string robot_hash;         // empty: any
+  std::string document;           // of the motion; empty where it came as numbers
+  std::optional<Request> motion;  // come as numbers, or once the document was read
+  Origin origin{};                // set by the receiving side
+  bool needs_executor = false;    // set by the receiving side: it cannot be judged before the executor is known
   std::optional<Refusal> refusal;  // set by the receiving side for what cannot be meant
 };
 
@@ -115,7 +117,8 @@ struct Reply {
   bool final() const { return state != ReplyState::kAccepted; }
 };
 
-std::size_t size_of(const Reply& reply);  // [bytes] it takes
+std::size_t size_of(const Order& order);  // [bytes] it takes
+std::size_t size_of(const Reply& reply);
 
 using SharedReply = std::shared_ptr<const Reply>;  // sent, and kept for repetitions
 

@@ -57,6 +57,16 @@ Limits resolve_limits(const Request& request, const Parameters& robot) {
   return limits;
 }
 
+// Of numbers that came without a document: reading one looks at the same bounds.
+void check_payload(const Request& request) {
+  const Place place{request, "payload"};
+  const auto check = [](const Place& at, double value, double most, std::string_view unit) {
+    if (!(value >= 0 && value <= most)) at.fail(fmt::format("{} is outside [0, {}]", with_unit(value, unit), most));
+  };
+  check(place.at("mass"), request.payload->mass, kMostPayload, "kg");
+  check(place.at("inertia"), request.payload->inertia, kMostPayloadInertia, "kg m^2");
+}
+
 // ---- duration, objective, sampling ----
 
 double checked_seconds(const Place& place, double seconds) {
@@ -500,7 +510,10 @@ Problem resolve(const Request& request, const Parameters& robot) {
   Problem problem;
   problem.name = std::filesystem::path(request.source).stem().string();
   problem.robot = robot;
-  if (request.payload) problem.robot.payload = *request.payload;
+  if (request.payload) {
+    check_payload(request);
+    problem.robot.payload = *request.payload;
+  }
   problem.limits = resolve_limits(request, problem.robot);
   problem.duration = resolve_duration(request);
   problem.weights = resolve_weights(request, problem.duration);

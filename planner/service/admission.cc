@@ -15,15 +15,8 @@ constexpr const char* kOtherPayload =
 
 }  // namespace
 
-bool leaves_start_out(const Order& order) try {
-  if (order.refusal || order.action == Action::kExecute) return false;
-  return !read_request(YamlNode::parse(order.yaml, order.name)).start;
-} catch (const InputError&) {
-  return false;  // what is no request has nothing to be filled in
-}
-
-std::optional<Refusal> read_motion(Job& job) try {
-  job.request = read_request(YamlNode::parse(job.order.yaml, job.order.name));
+std::optional<Refusal> read_motion(Order& order) try {
+  if (!order.motion) order.motion = read_request(YamlNode::parse(order.document, order.name));
   return std::nullopt;
 } catch (const InputError& error) {
   return refusal_of(error);
@@ -81,13 +74,15 @@ std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot) {
   }
 }
 
-std::optional<Refusal> refusal_at_sight(const Order& order, const Served& served, const Parameters& robot) {
+std::optional<Refusal> refusal_at_sight(Order& order, const Served& served, const Parameters& robot) {
   if (auto refusal = refusal_of_terms(order, served)) return refusal;
   if (order.action == Action::kExecute) return std::nullopt;
+  if (auto refusal = read_motion(order)) return refusal;
+  if (leaves_start_out(order)) return std::nullopt;
   Job job;
   job.order = order;
-  if (auto refusal = read_motion(job)) return refusal;
-  return job.request.start ? refusal_of_motion(job, robot) : std::nullopt;
+  job.request = *order.motion;
+  return refusal_of_motion(job, robot);
 }
 
 std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedReply& planned, bool in_hand,

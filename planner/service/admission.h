@@ -21,22 +21,23 @@ struct Served {
 
 inline bool executes(const Order& order) { return order.action != Action::kPlan; }
 
-bool leaves_start_out(const Order& order);  // the motion begins wherever the arm rests
+// The motion begins wherever the arm rests. Of a motion that was read.
+inline bool leaves_start_out(const Order& order) { return order.motion && !order.motion->start; }
 
 Refusal refusal_of(const InputError& error);  // in a request document
 
 // Of whatever kind it is, before its motion is looked at.
 std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served);
 
-// Reads the motion that an order describes into its job; what is no request is refused.
-std::optional<Refusal> read_motion(Job& job);
+// Reads the order's document into order.motion, unless that was done; what is no request is refused.
+std::optional<Refusal> read_motion(Order& order);
 
 // Of a motion to be planned, whose start is given by now. What is learnt about it is put into the job.
 std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot);
 
-// What can be told without knowing where the arm rests. Of a motion whose start is left out that is what its document
-// says, and not what follows from the start.
-std::optional<Refusal> refusal_at_sight(const Order& order, const Served& served, const Parameters& robot);
+// What can be told without knowing where the arm rests; reads the motion. Of one whose start is left out that is what
+// its document says, and not what follows from the start.
+std::optional<Refusal> refusal_at_sight(Order& order, const Served& served, const Parameters& robot);
 
 // Of executing what was planned under `id`, on the served robot. planned: what became of it, if that is still known.
 std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedReply& planned, bool in_hand,

@@ -37,8 +37,6 @@ class Inbox {
   bool empty() const { return waiting_.empty(); }
 
  private:
-  static std::size_t size_of(const Order& order) { return sizeof(Order) + order.yaml.size(); }
-
   void drop_one() {
     const auto most = std::max_element(waiting_.begin(), waiting_.end(),
                                        [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });

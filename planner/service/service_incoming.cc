@@ -79,7 +79,7 @@ bool Service::knows_executor() const { return executor_.met() || Clock::now() - 
 // What is refused whatever the executor says does not wait for it.
 void Service::note_what_it_needs(Order& order) const {
   order.needs_executor =
-      !knows_executor() && (executes(order) || leaves_start_out(order)) && !refusal_at_sight(order, served(), robot_);
+      !knows_executor() && !refusal_at_sight(order, served(), robot_) && (executes(order) || leaves_start_out(order));
 }
 
 // Whether it is for this instance to answer, and this instance knows enough to do so.
@@ -107,9 +107,10 @@ void Service::admit(Order order, Clock::time_point arrived, Clock::time_point he
     return reject(order, {Reason::kQueueFull, "", fmt::format("{} requests wait already", queue_.size())});
   }
   if (order.action == Action::kExecute) return execute_planned(order, arrived);
+  if (auto refusal = read_motion(order)) return reject(order, std::move(*refusal));
   Job job;
+  job.request = *order.motion;
   job.order = std::move(order);
-  if (auto refusal = read_motion(job)) return reject(job.order, std::move(*refusal));
   if (auto refusal = resolve_start(job.request)) return reject(job.order, std::move(*refusal));
   if (auto refusal = refusal_of_motion(job, robot_)) return reject(job.order, std::move(*refusal));
   enqueue(std::move(job), arrived);

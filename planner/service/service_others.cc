@@ -17,7 +17,7 @@ constexpr std::size_t kAnsweredAtOnce =
     4;  // of what was remembered, in a turn; a document takes up to 40 ms to be read
 
 // False: another instance tells of a cancellation alone.
-bool asks(const Order& order) { return order.action != Action::kPlan || !order.yaml.empty(); }
+bool asks(const Order& order) { return order.action != Action::kPlan || order.motion || !order.document.empty(); }
 
 }  // namespace
 

@@ -238,7 +238,7 @@ TEST_F(ExecuteTest, WithoutAnExecutorTheStartIsAskedFor) {
   wait_for_executor();
   settle();
   Order plan = order(kToBack);
-  plan.yaml = "goal: {q: [0.42, 0.08]}\n";
+  plan.document = "goal: {q: [0.42, 0.08]}\n";
   EXPECT_EQ(answer_to(plan).state, ReplyState::kSolved);
   executor().send(SIGSTOP);
   std::this_thread::sleep_for(milliseconds(700));  // a state counts for half a second
@@ -252,7 +252,7 @@ TEST_F(ExecuteTest, WithoutAnExecutorTheStartIsAskedFor) {
 TEST_F(ExecuteTest, WhoAsksBeforeTheExecutorIsThereIsAnsweredOnceItIs) {
   serve();
   const Order plan = order("goal: {q: [0.42, 0.08]}\nobjective: fastest\n");
-  const Order cancelled = order(plan.yaml);
+  const Order cancelled = order(plan.document);
   send(plan);
   send(cancelled);
   std::this_thread::sleep_for(milliseconds(300));

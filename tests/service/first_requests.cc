@@ -22,7 +22,7 @@ bool answered(unsigned domain, Encode&& encode) {
   Order order;
   order.id = new_client();
   order.name = "bad.yaml";
-  order.yaml = kBadRequest;
+  order.document = kBadRequest;
   const dds::Participant participant(domain);
   const dds::Entity subscriber = participant.subscriber(client_name(order.id));
   dds::Reader<fjr_msg_PlanReply> replies(participant, subscriber.handle());

@@ -96,7 +96,7 @@ TEST_F(FloodTest, TenThousandRequestsOfOneClientAreAllAnswered) {
 int stopped_client(unsigned domain, std::uint64_t count) {
   Crowd crowd(domain, count);
   Order pattern;
-  pattern.yaml = kSlow;
+  pattern.document = kSlow;
   crowd.run(pattern, 30, [] { std::raise(SIGSTOP); });
   std::printf("sent in %.3f s, not answered within %.3f s:%s\n", crowd.sent_in(), crowd.answered_in(),
               crowd.missing().c_str());

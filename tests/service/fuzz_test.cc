@@ -43,7 +43,7 @@ class FuzzTest : public ServiceProcesses {
     Order order;
     order.id = new_client();
     order.name = "request.yaml";
-    order.yaml = yaml;
+    order.document = yaml;
     ClientOptions options;
     options.network.domain = domain_;
     options.network.allow_insecure_network = true;  // this process listens to packets, by a socket that is not DDS's

@@ -14,7 +14,7 @@ int main(int, char** argv) {
   fjr::Order order;
   order.id = new_client();
   order.name = "quick.yaml";
-  order.yaml = kQuickRequest;
+  order.document = kQuickRequest;
 
   const dds::Participant participant(static_cast<unsigned>(std::atoi(argv[1])));
   const dds::Entity subscriber = participant.subscriber(client_name(order.id));

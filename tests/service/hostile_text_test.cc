@@ -47,7 +47,7 @@ TEST_F(HostileTextTest, IsShownAsTextOnOneLine) {
   Order order;
   order.id = new_client();
   order.name = "quick.yaml";
-  order.yaml = kQuickRequest;
+  order.document = kQuickRequest;
   fjr_msg_PlanRequest request = dds::encode_plan_request(order).message.request;
   dds::set_text(request.name, kHostile);
   ASSERT_TRUE(requests.write(request));

@@ -43,7 +43,7 @@ class LossyNetworkTest : public ServiceProcesses {
     Order order;
     order.id = new_client();
     order.name = "request.yaml";
-    order.yaml = yaml;
+    order.document = yaml;
     ClientOptions options;
     options.network.domain = domain_;
     options.find = 20;

@@ -248,7 +248,7 @@ TEST(Backlog, ARequestStaysCancelled) {
   Backlog backlog(3);
   Order cancelled, asked;
   cancelled.origin[0] = asked.origin[0] = 1;
-  asked.yaml = "goal: {q: [0, 0]}";
+  asked.document = "goal: {q: [0, 0]}";
   backlog.cancel(cancelled, {}, true);
   backlog.accepted(asked.id);  // by somebody who may know nothing of the cancellation
   EXPECT_LT(backlog.next_relay(), Backlog::Clock::time_point::max());
@@ -257,7 +257,7 @@ TEST(Backlog, ARequestStaysCancelled) {
   ASSERT_EQ(entries.size(), 1u);
   EXPECT_TRUE(entries[0].cancelled);
   EXPECT_TRUE(entries[0].asked);
-  EXPECT_EQ(entries[0].order.yaml, asked.yaml);
+  EXPECT_EQ(entries[0].order.document, asked.document);
 }
 
 // Whoever cancels what nobody knows, as often as it likes, costs others nothing, and its own latest are kept.
@@ -401,8 +401,9 @@ TEST(Admission, WhatIsTooLongToBeExecutedIsRefusedAndMayBePlanned) {
   const Parameters robot = load_parameters(default_robot_file());
   Job job;
   job.order.name = "request";
-  job.order.yaml = "{start: {q: [0, 0]}, goal: {q: [0.5, 0]}, duration: 25}";
-  ASSERT_FALSE(read_motion(job));
+  job.order.document = "{start: {q: [0, 0]}, goal: {q: [0.5, 0]}, duration: 25}";
+  ASSERT_FALSE(read_motion(job.order));
+  job.request = *job.order.motion;
   EXPECT_FALSE(refusal_of_motion(job, robot));
   job.order.action = Action::kPlanAndExecute;
   const auto refusal = refusal_of_motion(job, robot);

@@ -12,7 +12,7 @@ int main(int, char** argv) {
   order.id = new_client();
   order.id.number = 1;
   order.name = argv[2];
-  order.yaml = contents(argv[2]);
+  order.document = contents(argv[2]);
   order.action = Action::kPlanAndExecute;
   dds::ClientPort port(dds::Participant(static_cast<unsigned>(std::atoi(argv[1]))), order.id);
   while (!port.served()) port.wait(std::chrono::milliseconds(5));

@@ -91,7 +91,7 @@ class ServiceTest : public testing::Test {
     order.id = me_;
     order.id.number = ++sent_;
     order.name = "request.yaml";
-    order.yaml = yaml;
+    order.document = yaml;
     return order;
   }
 

@@ -324,7 +324,7 @@ TEST_F(ClientDeathTest, AClientSaysHowLongItsRequestOutlivesIt) {
   const auto ask_and_leave = [&](double start_within, const std::string& motion) {
     Order one = to_be_executed();
     one.id = new_client();
-    one.yaml = motion;
+    one.document = motion;
     one.start_within = start_within;
     dds::ClientPort client(dds::Participant(domain_), one.id);
     while (!client.served()) client.wait(milliseconds(5));

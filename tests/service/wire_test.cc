@@ -3,7 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <functional>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "common/input_error.h"
 #include "common/strict_yaml.h"
@@ -32,7 +35,7 @@ Order order_of(const std::string& yaml) {
   Order order;
   order.id.number = 7;
   order.name = "request.yaml";
-  order.yaml = yaml;
+  order.document = yaml;
   return order;
 }
 
@@ -42,14 +45,16 @@ Problem resolved(const std::string& yaml) { return parse_request(yaml, "request.
 std::string as_motion_request(const std::string& yaml) {
   const Order received = dds::decode(dds::encode(order_of(yaml)));
   EXPECT_FALSE(received.refusal) << received.refusal->field << received.refusal->sentence;
-  return received.yaml;
+  return received.document;
 }
-std::string as_plan_request(const std::string& yaml) {
+Request as_plan_request(const std::string& yaml) {
   const dds::WireRequest wire = dds::encode_plan_request(order_of(yaml));
   const Order received = dds::decode(wire.message);
   EXPECT_FALSE(received.refusal) << received.refusal->field << received.refusal->sentence;
-  return received.yaml;
+  EXPECT_EQ(received.document, "");
+  return received.motion.value();
 }
+Problem resolved(const Request& request) { return resolve_for(request, load_parameters(default_robot_file())); }
 
 std::vector<std::string> hashes_by_wire(const std::string& yaml) {
   return {resolved(as_motion_request(yaml)).request_hash, resolved(as_plan_request(yaml)).request_hash};
@@ -70,6 +75,49 @@ TEST(Wire, EveryExampleArrivesAsTheSameProblem) {
     ++examples;
   }
   EXPECT_GT(examples, 5);
+}
+
+// What is asked in numbers meets the same bounds as what is asked in a document, in the same words.
+TEST(Wire, NumbersAreJudgedAsTheirDocument) {
+  const auto error_of = [](auto&& judged) {
+    try {
+      (void)judged();
+      return std::string("no error");
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+  };
+  const auto set_payload = [](fjr_msg_PlanRequest& message, double mass, double inertia) {
+    message.payload.given = true;
+    message.payload.mass = mass;
+    message.payload.inertia = inertia;
+  };
+  const std::vector<std::function<void(fjr_msg_PlanRequest&)>> breaks{
+      [&](auto& message) { set_payload(message, 11, 0); },
+      [&](auto& message) { set_payload(message, -0.1, 0); },
+      [&](auto& message) { set_payload(message, 0.1, 2); },
+      [](auto& message) { message.goal.q[0] = 9; },
+      [](auto& message) { message.has_sample_period = true, message.sample_period = 1; },
+      [](auto& message) { message.limits.has_torque = true, message.limits.torque[1] = -1; },
+      [](auto& message) { message.objective.preset = fjr_msg_OBJECTIVE_WEIGHTS, message.objective.time = -1; },
+      [](auto& message) { message.duration.has_min = true, message.duration.min = 1e9; },
+      [](auto& message) { message.start.has_dq = true, message.start.dq[0] = 1e3; }};
+  for (const auto& break_it : breaks) {
+    dds::WireRequest wire = dds::encode_plan_request(order_of(kShort));
+    break_it(wire.message.request);
+    const Request request = dds::decode(wire.message).motion.value();
+    const std::string error = error_of([&] { return resolved(request); });
+    EXPECT_NE(error, "no error");
+    EXPECT_EQ(error, error_of([&] { return resolved(format_request(request)); }));
+  }
+}
+
+// To another service it goes as a document, whichever type it came as.
+TEST(Wire, WhatCameAsNumbersIsPassedOnAsADocument) {
+  const dds::WireRequest wire = dds::encode_plan_request(order_of(kShort));
+  const dds::Relayed relayed = dds::decode(dds::encode(dds::Relayed{.order = dds::decode(wire.message)}));
+  EXPECT_FALSE(relayed.order.motion);
+  EXPECT_EQ(resolved(relayed.order.document).request_hash, resolved(kShort).request_hash);
 }
 
 TEST(Wire, NumbersArriveToTheLastBit) {

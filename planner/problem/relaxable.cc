@@ -10,15 +10,16 @@ namespace fjr {
 namespace {
 
 constexpr double kMostTimes = 20;  // of a limit: beyond that nobody would build it
-constexpr double kBoxSize = 0.1;   // [m] what shares of a box's growth are taken of
+constexpr double kBoxSize = 0.1;   // [m] what fractions of a box's growth are taken of
 
 void add_limits(std::vector<Relaxable>& all, const Problem& problem) {
   const Limits robots = Limits::of(problem.robot);
   for (const LimitName& name : kLimitNames) {
     const double limit = name.in(problem.limits);
     if (!std::isfinite(limit)) continue;
-    all.push_back({name.quantity->name, name.joint, name.quantity->unit, limit, 1, kMostTimes * limit,
-                   name.in(robots)-limit, [name](Problem& p, double value) { name.in(p.limits) = value; }});
+    all.push_back({RelaxableKind::kLimit, name.quantity->name, name.joint, name.quantity->unit, limit, 1,
+                   kMostTimes * limit, name.in(robots)-limit,
+                   [name](Problem& p, double value) { name.in(p.limits) = value; }, name.quantity});
   }
 }
 
@@ -42,24 +43,26 @@ void add_task(std::vector<Relaxable>& all, const Task& task) {
     const ConstraintInfo& info = constraint.info;
     const double from = constraint.relaxed_by(), most = info.most > 0 ? info.most : from;
     const auto set = [name, constraint](Problem& p, double value) { relax(p, name, constraint, value); };
-    all.push_back(
-        {name, 0, info.unit, from, info.sign, most, info.sign > 0 ? most - from : most, set, &constraint.info});
+    all.push_back({RelaxableKind::kConstraint, name, 0, info.unit, from, info.sign, most,
+                   info.sign > 0 ? most - from : most, set, nullptr, &constraint.info});
   });
 }
 
 void add_velocities(std::vector<Relaxable>& all, const Problem& problem) {
-  const auto add = [&](const std::string& name, const Joints<double>& dq, auto&& target) {
+  const auto add = [&](const std::string& name, std::size_t point, const Joints<double>& dq, auto&& target) {
     if (dq[0] == 0 && dq[1] == 0) return;
-    all.push_back({name, 0, "times", 1, -1, 1, 1, [dq, target](Problem& p, double value) {
-                     target(p) = Joints<double>{value * dq[0], value * dq[1]};
-                   }});
+    const auto set = [dq, target](Problem& p, double value) {
+      target(p) = Joints<double>{value * dq[0], value * dq[1]};
+    };
+    all.push_back({RelaxableKind::kVelocity, name, 0, "times", 1, -1, 1, 1, set, nullptr, nullptr, point});
   };
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
     if (!problem.via[i].dq) continue;
-    add(fmt::format("via[{}].dq", i), *problem.via[i].dq, [i](Problem& p) -> Joints<double>& { return *p.via[i].dq; });
+    add(fmt::format("via[{}].dq", i), i, *problem.via[i].dq,
+        [i](Problem& p) -> Joints<double>& { return *p.via[i].dq; });
   }
   if (!problem.goal.theta && !problem.goal.dtheta) {
-    add("goal.dq", problem.goal.dq, [](Problem& p) -> Joints<double>& { return p.goal.dq; });
+    add("goal.dq", problem.via.size(), problem.goal.dq, [](Problem& p) -> Joints<double>& { return p.goal.dq; });
   }
 }
 
@@ -74,11 +77,12 @@ std::vector<Relaxable> relaxables(const Problem& problem) {
 }
 
 Relaxable all_limits(const Problem& problem) {
-  Relaxable all{"all_limits", 0, "times", 1, 1, kMostTimes, 0, [limits = problem.limits](Problem& p, double factor) {
-                  for (const LimitName& name : kLimitNames) {
-                    if (!name.quantity->place) name.in(p.limits) = factor * name.in(limits);
-                  }
-                }};
+  const auto set = [limits = problem.limits](Problem& p, double factor) {
+    for (const LimitName& name : kLimitNames) {
+      if (!name.quantity->place) name.in(p.limits) = factor * name.in(limits);
+    }
+  };
+  Relaxable all{RelaxableKind::kAllLimits, "all_limits", 0, "times", 1, 1, kMostTimes, 0, set};
   all.allowed = kMostTimes;
   const Limits robots = Limits::of(problem.robot);
   for (const LimitName& name : kLimitNames) {
@@ -88,12 +92,12 @@ Relaxable all_limits(const Problem& problem) {
   return all;
 }
 
-Problem relaxed(const Problem& problem, double share) {
+Problem relaxed(const Problem& problem, double fraction) {
   Problem result = problem;
   for (const Relaxable& r : relaxables(problem)) {
-    if (r.unit == "times") continue;
+    if (r.kind == RelaxableKind::kVelocity) continue;
     const double size = r.from > 0 ? r.from : kBoxSize;
-    r.set(result, r.value(std::min(r.most, share * size)));
+    r.set(result, r.value(std::min(r.most, fraction * size)));
   }
   return result;
 }

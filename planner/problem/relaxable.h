@@ -9,8 +9,19 @@
 
 namespace fjr {
 
+// What kind of thing can be relaxed. A search for the least change also names the last two (search/explain/explain.h).
+enum class RelaxableKind {
+  kLimit,
+  kConstraint,  // of the task
+  kVelocity,    // at a via point or the goal
+  kAllLimits,   // at once
+  kDuration,
+  kViaTime,
+};
+
 // Relaxing by `amount` >= 0 never excludes a motion that was allowed before, but for velocities.
 struct Relaxable {
+  RelaxableKind kind;
   std::string name;  // torque, ..., tip_speed; obstacles[0], tip_box, tip_line, tip_arc, path; via[0].dq, goal.dq
   int joint = 0;     // 1 or 2; 0: neither
   std::string unit;
@@ -20,7 +31,9 @@ struct Relaxable {
   double most = 0;     // largest amount that means anything
   double allowed = 0;  // largest amount that a request may ask for: limits may only be tighter than the robot's
   std::function<void(Problem&, double value)> set;
-  const ConstraintInfo* constraint = nullptr;  // of the task; none: a limit or a velocity
+  const QuantityInfo* quantity = nullptr;      // of a limit
+  const ConstraintInfo* constraint = nullptr;  // of the task
+  std::size_t point = 0;                       // of a velocity: the via point, with their number the goal
 
   double value(double amount) const { return from + sign * amount; }
   Problem relaxed(Problem problem, double amount) const {
@@ -34,7 +47,7 @@ std::vector<Relaxable> relaxables(const Problem& problem);
 // What the arm can do, all of it multiplied: torque, its rate, motor and tip speeds, deflections; called all_limits.
 Relaxable all_limits(const Problem& problem);
 
-// All of them but velocities relaxed by this share of their size.
-Problem relaxed(const Problem& problem, double share);
+// All of them but velocities relaxed by this fraction of their size.
+Problem relaxed(const Problem& problem, double fraction);
 
 }  // namespace fjr

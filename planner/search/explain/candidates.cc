@@ -11,7 +11,7 @@ namespace fjr {
 namespace {
 
 constexpr std::size_t kMost = 6;    // of limits that are looked at
-constexpr double kInTheWay = 0.05;  // share of the slack by which what is in the way exceeds its limit
+constexpr double kInTheWay = 0.05;  // fraction of the slack by which what is in the way exceeds its limit
 
 void keep_heaviest(std::vector<Candidate>& candidates) {
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -19,7 +19,7 @@ void keep_heaviest(std::vector<Candidate>& candidates) {
   if (candidates.size() > kMost) candidates.resize(kMost);
 }
 
-// The largest excess as a share of the limit's size, and when that is.
+// The largest excess as a fraction of the limit's size, and when that is.
 Candidate worst_excess_of(const Problem& problem, const Relaxable& what, const Collocated& solution) {
   const auto excess = excesses(problem, solution.setup.mesh, solution.motion);
   const PerLimit scales = limit_scales(problem);
@@ -37,15 +37,15 @@ Candidate worst_excess_of(const Problem& problem, const Relaxable& what, const C
   return worst;
 }
 
-// By how much the limit is below what carrying the arm slowly takes, as a share of the limit: of limits that are
+// By how much the limit is below what carrying the arm slowly takes, as a fraction of the limit: of limits that are
 // exceeded alike, what cannot be carried is in the way, and not what swinging takes.
 double short_of_carrying(const Problem& problem, const Relaxable& what) {
   if (what.joint == 0) return 0;
   const Carrying needs = carrying(problem);
   const auto j = static_cast<std::size_t>(what.joint - 1);
   double needed = 0;
-  if (what.name == "torque") needed = needs.torque[j];
-  if (what.name == "spring_deflection") needed = needs.deflection[j];
+  if (what.quantity == &Torque::info) needed = needs.torque[j];
+  if (what.quantity == &SpringDeflection::info) needed = needs.deflection[j];
   return std::max(0.0, needed / what.from - 1);
 }
 
@@ -80,7 +80,7 @@ std::vector<Candidate> active_in(const Continuation& fastest) {
 std::vector<Candidate> candidates(const Problem& problem, const Continuation* everything) {
   std::vector<Candidate> found, all;
   for (const Relaxable& what : relaxables(problem)) {
-    if (what.unit == "times") {
+    if (what.kind == RelaxableKind::kVelocity) {
       all.push_back({what, {}, 0});
     } else if (everything != nullptr) {
       Candidate candidate = worst_excess_of(problem, what, everything->solution());

@@ -73,7 +73,7 @@ class Explanation {
     const Relaxable& what = candidate.what;
     const double to = value_with(problem, what, slack);
     const auto time = candidate.time ? candidate.time : worst_moment(problem, what, solution->solution());
-    Relaxation named{what.name, what.joint, what.unit, what.from, to, rough, true, time, what.constraint};
+    Relaxation named{what.kind, what.name, what.joint, what.unit, what.from, to, rough, true, time, what.constraint};
     if (what.constraint) verify(problem, what, named);
     named.within_robot = std::abs(named.to - what.from) <= what.allowed;
     result_.relaxations.push_back(named);
@@ -147,8 +147,16 @@ class Explanation {
       const Problem roomier = what.relaxed(problem_, amount);
       if (!no_path(roomier).sentence.empty()) continue;
       if (!search_.solve(roomier, what.name, search_.guesses(roomier))) continue;
-      result_.relaxations.push_back(
-          {what.name, what.joint, what.unit, what.from, what.value(amount), false, true, {}, what.constraint});
+      result_.relaxations.push_back({what.kind,
+                                     what.name,
+                                     what.joint,
+                                     what.unit,
+                                     what.from,
+                                     what.value(amount),
+                                     false,
+                                     true,
+                                     {},
+                                     what.constraint});
       return;
     }
   }
@@ -172,7 +180,8 @@ class Explanation {
     result_.limit = "duration";
     result_.time = allowed;
     if (!any_timed(problem_)) {
-      result_.relaxations.push_back({"duration", 0, "s", allowed, needed, !certified_, true, allowed});
+      result_.relaxations.push_back(
+          {RelaxableKind::kDuration, "duration", 0, "s", allowed, needed, !certified_, true, allowed});
     } else {
       explain_times_as_well();
     }
@@ -192,8 +201,8 @@ class Explanation {
     if (const auto kept = search_.solve(timed, "duration", search_.guesses(timed))) {
       const double needed = with_room(kept->solution().motion.duration());
       result_.sentence += fmt::format(", and {:.4f} s with the via points at their times", needed);
-      result_.relaxations.push_back(
-          {"duration", 0, "s", problem_.duration.max, needed, false, true, problem_.duration.max});
+      result_.relaxations.push_back({RelaxableKind::kDuration, "duration", 0, "s", problem_.duration.max, needed, false,
+                                     true, problem_.duration.max});
       return;
     }
     for (std::size_t i = 0; i < problem_.via.size() && !search_.over(); ++i) {
@@ -238,7 +247,8 @@ class Explanation {
 
   void move_via(std::size_t i, double time) {
     const double asked = *problem_.via[i].time;
-    result_.relaxations.push_back({fmt::format("via[{}].time", i), 0, "s", asked, time, false, true, asked});
+    result_.relaxations.push_back(
+        {RelaxableKind::kViaTime, fmt::format("via[{}].time", i), 0, "s", asked, time, false, true, asked});
   }
 
   // ---- limits that no motion keeps ----
@@ -271,8 +281,15 @@ class Explanation {
       Limits limits = *reached_;
       const double* limit = limit_of(limits, what.name, what.joint);
       if (limit == nullptr || *limit == what.from) continue;
-      result_.relaxations.push_back(
-          {what.name, what.joint, what.unit, what.from, *limit, true, *limit - what.from <= what.allowed, {}});
+      result_.relaxations.push_back({what.kind,
+                                     what.name,
+                                     what.joint,
+                                     what.unit,
+                                     what.from,
+                                     *limit,
+                                     true,
+                                     *limit - what.from <= what.allowed,
+                                     {}});
     }
     if (result_.relaxations.size() != 1) result_.relaxations.clear();
     if (!result_.relaxations.empty()) name_what_is_in_the_way(nullptr);
@@ -286,28 +303,30 @@ class Explanation {
   }
 
   void name_what_is_in_the_way(const Continuation* everything) {
+    bool velocity = false;
     if (!result_.relaxations.empty()) {
       const Relaxation& first = result_.relaxations.front();
-      if (first.name == "all_limits") {  // nothing single
+      if (first.kind == RelaxableKind::kAllLimits) {  // nothing single
         result_.sentence = "no motion found keeps every limit";
         return;
       }
       result_.limit = first.name;
       result_.joint = first.joint;
       result_.time = first.time;
+      velocity = first.kind == RelaxableKind::kVelocity;
     } else {
       for (const Candidate& worst : candidates(problem_, everything)) {
         if (!result_.limit.empty()) break;
         result_.limit = worst.what.name;
         result_.joint = worst.what.joint;
+        velocity = worst.what.kind == RelaxableKind::kVelocity;
       }
     }
     const std::string when = result_.time ? fmt::format(" at {:.3f} s", *result_.time) : "";
     result_.sentence =
-        result_.limit.ends_with(".dq")
-            ? fmt::format("no motion found within the limits moves as fast as {} asks for", result_.limit)
-            : fmt::format("no motion found keeps every limit; {} is in the way{}",
-                          name_of(result_.limit, result_.joint), when);
+        velocity ? fmt::format("no motion found within the limits moves as fast as {} asks for", result_.limit)
+                 : fmt::format("no motion found keeps every limit; {} is in the way{}",
+                               name_of(result_.limit, result_.joint), when);
     add_statics();
     if (result_.relaxations.empty() && everything != nullptr) {
       result_.sentence +=
@@ -356,11 +375,11 @@ class Explanation {
     std::string& text = result_.sentence;
     bool any = false;
     for (const Relaxation& r : result_.relaxations) {
-      if (r.name == "duration") continue;
-      const std::string unit = r.unit == "times" ? " of what it is" : " " + r.unit;
+      if (r.kind == RelaxableKind::kDuration) continue;
+      const std::string unit = r.kind == RelaxableKind::kVelocity ? " of what it is" : " " + r.unit;
       const std::string beyond = r.within_robot ? "" : ", more than the robot's";
       any = true;
-      if (r.name == "all_limits") {
+      if (r.kind == RelaxableKind::kAllLimits) {
         text += fmt::format("; no single limit alone would do, but all together {} times as large{}",
                             enough(r.from, r.to), beyond);
       } else if (r.constraint && r.constraint->relaxed) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planner/problem/problem.h"
+#include "planner/problem/relaxable.h"
 #include "planner/search/continuation.h"
 #include "planner/search/guesses.h"
 
@@ -13,6 +14,7 @@ namespace fjr {
 
 // One thing of the request that, changed alone, makes it feasible.
 struct Relaxation {
+  RelaxableKind kind;
   std::string name;  // as in problem/relaxable.h; or duration; or via[0].time
   int joint = 0;     // 1 or 2; 0: neither
   std::string unit;

@@ -14,8 +14,8 @@ constexpr double kHurry = 0.1;        // of time [1/s]
 constexpr double kDifference = 1e-6;  // what a region's bounds are differentiated by
 constexpr double kMostSlack = 6;      // times more: beyond that nobody would build it; half of it is the start
 
-bool is_obstacle(const Relaxable& what) { return what.name.starts_with("obstacles"); }
-bool is_velocity(const Relaxable& what) { return what.unit == "times" && what.name != "all_limits"; }
+bool is_obstacle(const Relaxable& what) { return what.constraint == &Disc::info; }
+bool is_velocity(const Relaxable& what) { return what.kind == RelaxableKind::kVelocity; }
 
 // Squared distance that the links keep from an obstacle's centre gives way, down to the link's own radius at a slack of
 // one: the rows are linear in it.
@@ -44,7 +44,7 @@ void give_rows(const Problem& problem, const Relaxable& what, std::vector<double
 }
 
 void give(const Problem& problem, const Relaxable& what, std::vector<double>& give) {
-  if (what.name == "all_limits") {
+  if (what.kind == RelaxableKind::kAllLimits) {
     const Limits larger = what.relaxed(problem, 1).limits;
     for (std::size_t i = 0; i < kLimits; ++i) {
       const double limit = kLimitNames[i].in(problem.limits);
@@ -53,7 +53,7 @@ void give(const Problem& problem, const Relaxable& what, std::vector<double>& gi
     return;
   }
   for (std::size_t i = 0; i < kLimits; ++i) {
-    if (kLimitNames[i].quantity->name != what.name || kLimitNames[i].joint != what.joint) continue;
+    if (kLimitNames[i].quantity != what.quantity || kLimitNames[i].joint != what.joint) continue;
     give[i] += size_of(what);
     return;
   }
@@ -68,14 +68,6 @@ Problem elastic(const Problem& problem) {
   return result;
 }
 
-// What is asked to be slower: a via point by its number, the goal by their number.
-std::size_t place_of(const Problem& problem, const Relaxable& velocity) {
-  for (std::size_t i = 0; i < problem.via.size(); ++i) {
-    if (velocity.name == "via[" + std::to_string(i) + "].dq") return i;
-  }
-  return problem.via.size();
-}
-
 }  // namespace
 
 double size_of(const Relaxable& what) { return std::max(what.from, kSmallest); }
@@ -84,7 +76,7 @@ Problem with_slack(const Problem& problem, const Relaxable& what) {
   Problem result = elastic(problem);
   Elastic& e = *result.elastic;
   if (is_velocity(what)) {
-    e.slower = place_of(problem, what);
+    e.slower = what.point;
     e.most = 1;
   } else {
     give(problem, what, e.give);

@@ -190,7 +190,7 @@ void conclude(const Findings& found, const Session& session, Plan& plan) {
     withdraw_rows(plan);
   } else if (!certified || plan.infeasibility) {
     tell_failure(found, plan);
-    plan.reason += how_far(found, session);
+    if (plan.status != PlanStatus::kInfeasible) plan.reason += how_far(found, session);
   }
 }
 

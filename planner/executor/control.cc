@@ -84,7 +84,7 @@ void Control::hold_at(const Joints<double>& q, const Joints<double>& theta, doub
   time_ = end_ = began_ = time;
   for (std::size_t j = 0; j < kJoints; ++j) offset_[j] = theta[j] - held_.samples[0].state.theta[j];
   shift_ = {};
-  looking_ = stopping_swing_ = false;
+  swing_ = Swing::kNone;
   planned_ = held_.samples[0];
 }
 
@@ -109,7 +109,8 @@ void Control::tick(int ticks) {
   follow();
   sensing_.update(reading, planned_.state.q, reference());
   if (stalled) stop_where_it_is(missed);
-  if (looking_) look_at_swing();
+  if (swing_ == Swing::kLooking) look_at_swing();
+  if (swing_ == Swing::kYielding) yield();
   supervise();
   drive();
   publish();
@@ -161,7 +162,7 @@ void Control::follow() {
     path_ = Interpolator(*stop_);
     stop_ = nullptr;
   }
-  planned_ = stopping_swing_ ? swing_stop_.at(time_) : path_.at(time_);
+  planned_ = swing_ == Swing::kStopping ? swing_stop_.at(time_) : path_.at(time_);
 }
 
 void Control::supervise() {
@@ -260,11 +261,16 @@ void Control::stop_where_it_is(int missed) {
   after_ = std::max(after_, ExecutorMode::kHolding);
   stop_ = nullptr;
   sensing_.restart();
+  yielded_until_ = time_ + kMostYielding;
+  hold_and_look();
+}
+
+void Control::hold_and_look() {
   const Joints<double> theta = sensing_.theta();
   feedback_.start(theta, theta);
   hold_at(resting_with(robot_, theta), theta, time_);
   end_ = time_ + kLookAtSwing;
-  looking_ = true;
+  swing_ = Swing::kLooking;
   observer_.start(sensing_.q());
 }
 
@@ -272,14 +278,28 @@ void Control::stop_where_it_is(int missed) {
 void Control::look_at_swing() {
   observer_.tick(sensing_.q(), sensing_.theta());
   if (!at_rest()) return;
-  looking_ = false;
+  swing_ = Swing::kNone;
+  if (sensing_.lost() != nullptr) return;
   const Joints<double> theta = sensing_.theta();
-  if (sensing_.lost() != nullptr || !swing_stop_.find(time_, {observer_.q(), observer_.dq(), theta, {}})) return;
-  stopping_swing_ = true;
-  end_ = swing_stop_.end();
-  offset_ = {};
-  feedback_.start(theta, theta);
-  planned_ = swing_stop_.at(time_);
+  if (swing_stop_.find(time_, {observer_.q(), observer_.dq(), theta, {}})) {
+    swing_ = Swing::kStopping;
+    end_ = swing_stop_.end();
+    offset_ = {};
+    feedback_.start(theta, theta);
+    planned_ = swing_stop_.at(time_);
+  } else if (time_ < yielded_until_) {
+    swing_ = Swing::kYielding;
+    looked_at_ = time_;
+  }
+}
+
+// The motors give way, and their damping takes energy out of a swing that is too large to be stopped at one go. What is
+// held is where they are.
+void Control::yield() {
+  if (time_ >= looked_at_ + kYield || sensing_.lost() != nullptr) return hold_and_look();
+  const Joints<double> theta = sensing_.theta();
+  hold_at(resting_with(robot_, theta), theta, time_);
+  swing_ = Swing::kYielding;
 }
 
 void Control::finish(ExecutorMode mode) {
@@ -309,13 +329,17 @@ void Control::move_reference(const Joints<double>& theta) {
 }
 
 Joints<double> Control::mean_torque() {
-  if (looking_) return spring_torque(robot_, sensing_.q(), reference());  // what holds the motors still
-  if (!stopping_swing_) return path_.mean_torque(time_, time_ + kTick);
+  if (swing_ == Swing::kLooking) return spring_torque(robot_, sensing_.q(), reference());  // holds the motors still
+  if (swing_ != Swing::kStopping) return path_.mean_torque(time_, time_ + kTick);
   const Joints<double> next = swing_stop_.at(time_ + kTick).torque;
   return {(planned_.torque[0] + next[0]) / 2, (planned_.torque[1] + next[1]) / 2};
 }
 
 void Control::drive() {
+  if (swing_ == Swing::kYielding) {
+    command_ = yielding_torque(robot_, sensing_.q(), sensing_.dtheta());
+    return arm_.command(command_.torque);
+  }
   const Joints<double> feedforward = mean_torque(), theta = reference();
   Joints<double> q = planned_.state.q;
   for (std::size_t j = 0; j < kJoints; ++j) q[j] += shift_[j];

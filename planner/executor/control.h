@@ -54,7 +54,9 @@ class Control {
   bool stops_run_out() const;
   void stop_because(const Outcome& outcome);
   void stop_where_it_is(int missed);
+  void hold_and_look();
   void look_at_swing();
+  void yield();
   Joints<double> mean_torque();  // planned, until the next tick
   void finish(ExecutorMode mode);
   void rest_here();
@@ -82,8 +84,11 @@ class Control {
   Joints<bool> blind_{};
   bool run_away_ = false;
 
-  // After missed ticks: the motors are held and the links looked at, until the swing is stopped.
-  bool looking_ = false, stopping_swing_ = false;
+  // After missed ticks the motors are held, and the links looked at; then their swing is stopped, or where it is too
+  // large for that, damped by motors that give way until it is not.
+  enum class Swing { kNone, kLooking, kYielding, kStopping };
+  Swing swing_ = Swing::kNone;
+  double looked_at_ = 0, yielded_until_ = 0;  // [s]
   SwingObserver observer_;
   SwingStop swing_stop_;  // what is followed instead of the path
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "planner/control/motor_feedback.h"
 #include "planner/stop/stop_motion.h"
 
 namespace fjr {
@@ -46,6 +45,22 @@ void SwingObserver::tick(const Joints<double>& q, const Joints<double>& theta) {
     q_[j] += kPosition * off;
     dq_[j] += kVelocity * off;
   }
+}
+
+// A mass m on a spring K whose other end a damper D holds: m D s^2 + m K s + K D = 0, with the damping ratio
+// sqrt(m K) / (2 D).
+MotorFeedback::Command yielding_torque(const Parameters& robot, const Joints<double>& q, const Joints<double>& dtheta) {
+  constexpr double kDampingRatio = 0.7;
+  const MassMatrix<double> mass = mass_matrix(robot, q[1]);
+  const Joints<double> inertia{mass.m11, mass.m22}, weight = gravity_torque(robot, q);
+  MotorFeedback::Command c{};
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double damping = std::sqrt(inertia[j] * robot.spring.stiffness[j]) / (2 * kDampingRatio);
+    const double peak = robot.drive.peak_torque[j], wanted = weight[j] - damping * dtheta[j];
+    c.torque[j] = std::clamp(wanted, -peak, peak);
+    c.saturated |= std::abs(wanted) > peak;
+  }
+  return c;
 }
 
 SwingStop::SwingStop(const Parameters& robot) : robot_(robot), limits_(stop_limits(robot)), table_(kInstants) {}

@@ -4,6 +4,7 @@
 
 #include <optional>
 
+#include "planner/control/motor_feedback.h"
 #include "planner/problem/problem.h"
 #include "planner/stop/stop_shape.h"
 #include "planner/trajectory/trajectory.h"
@@ -11,6 +12,7 @@
 namespace fjr {
 
 inline constexpr double kLookAtSwing = 0.06;  // [s] until the motors stand still, and the links' velocities are known
+inline constexpr double kYield = 0.1, kMostYielding = 3;  // [s] before the links are looked at again; in all
 
 // Where the links are and how fast, while the motors stand: the model goes along, corrected by the encoders.
 class SwingObserver {
@@ -50,5 +52,9 @@ class SwingStop {
   Joints<StopShape> shapes_{};
   double start_ = 0, duration_ = 0;
 };
+
+// Of motors that give way to a swing: they hold the links' weight, and brake as viscous dampers that the springs pull
+// at, matched to inertia and stiffness so that what swings on them decays fastest. Within the drive's peak torque.
+MotorFeedback::Command yielding_torque(const Parameters& robot, const Joints<double>& q, const Joints<double>& dtheta);
 
 }  // namespace fjr

@@ -50,8 +50,10 @@ void try_swinging(const Alternative& alternative, Findings& found, Session& sess
   if (swung.reached) found.carried_with = swung.reached;
 }
 
-// The alternatives take turns: what one of them came to tells how long the others are worth trying.
-void try_starts(const std::vector<Alternative>& open, int count, Findings& found, Session& session) {
+// The alternatives take turns: what one of them came to tells how long the others are worth trying. asked: as many
+// starts, whatever they come to; 0: as many as are worth trying.
+void try_starts(const std::vector<Alternative>& open, int asked, Findings& found, Session& session) {
+  const int count = asked > 0 ? asked : starts_worth_trying(found.asked.weights);
   struct Turn {
     Alternative alternative;
     Starts starts;
@@ -78,6 +80,7 @@ void try_starts(const std::vector<Alternative>& open, int count, Findings& found
       if (i >= turn.starts.guesses.size()) continue;
       const bool needed = i < turn.starts.always, given_up = !turn.led_somewhere && turn.failed >= kGivenUp;
       if (!found.candidates.empty() && (!needed || given_up)) continue;
+      if (found.candidates.empty() && asked == 0 && i >= turn.starts.enough) continue;
       if (!needed) ++session.fallbacks().displaced_start;
       const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, turn.starts.always));
       const Guess guess = guess_of_start(turn.alternative, turn.starts, i, found);
@@ -98,7 +101,7 @@ void find_motions(int count, Findings& found, Session& session) {
   for (const Alternative& alternative : found.alternatives) {
     if (no_path(*alternative).sentence.empty()) open.push_back(alternative);
   }
-  try_starts(open, count > 0 ? count : starts_worth_trying(found.asked.weights), found, session);
+  try_starts(open, count, found, session);
   for (const Alternative& alternative : open) {
     if (!found.candidates.empty() || session.interrupted() || found.too_short()) break;
     if (auto motion = fall_back(alternative, session)) follow(std::move(*motion), found, session);

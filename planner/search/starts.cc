@@ -61,8 +61,9 @@ Starts starts_of(const Problem& problem, int count) {
     starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), 0, kWaiting));
   }
   starts.guided = starts.guesses.size();
-  const std::size_t enough = std::max(starts.always, starts.guesses.size() + kDisplaced);
-  for (std::uint64_t i = 2; starts.guesses.size() < enough; ++i) {
+  starts.enough = starts.guided + kDisplaced;
+  const std::size_t count_of_all = std::max(starts.always, starts.enough);
+  for (std::uint64_t i = 2; starts.guesses.size() < count_of_all; ++i) {
     starts.guesses.push_back(displaced_guess(problem, duration, kFarAway, problem.seed * 1000 + i));
   }
   return starts;

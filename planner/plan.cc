@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <chrono>
-#include <ctime>
 #include <utility>
 #include <vector>
 
+#include "planner/nlp/cpu_time.h"
 #include "planner/ocp/collocate.h"
 #include "planner/ocp/margins.h"
 #include "planner/search/explain/explain.h"
@@ -216,7 +216,7 @@ void tell_account(const Findings& found, const Account& account, Plan& plan) {
 
 Plan plan(const Problem& problem, const PlanOptions& options) {
   const auto began = std::chrono::steady_clock::now();
-  const std::clock_t began_cpu = std::clock();
+  const double began_cpu = cpu_time();
   Session session(session_options(problem, options));
   Findings found(problem);
   Plan plan;
@@ -236,7 +236,7 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   }
   if (plan.solution && plan.trajectory) plan.analysis = analyse(*found.best->problem, *plan.solution, found.scale);
   tell_account(found, session.account(), plan);
-  plan.timing["cpu"] = static_cast<double>(std::clock() - began_cpu) / CLOCKS_PER_SEC;
+  plan.timing["cpu"] = cpu_since(began_cpu);
   plan.timing["total"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return plan;
 }

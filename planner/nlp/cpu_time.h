@@ -1,4 +1,4 @@
-// CPU time of this process, for SolveCost.
+// CPU time of this thread, for SolveCost: that of the process would count the threads that a BLAS keeps waiting.
 #pragma once
 
 #include <ctime>
@@ -6,7 +6,12 @@
 namespace fjr {
 
 // [s]
-inline double cpu_since(std::clock_t start) { return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC; }
+inline double cpu_time() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+inline double cpu_since(double start) { return cpu_time() - start; }
 
 // Adds the CPU time of its life to a sum.
 class CpuTimed {
@@ -18,7 +23,7 @@ class CpuTimed {
 
  private:
   double& sum_;
-  const std::clock_t start_ = std::clock();
+  const double start_ = cpu_time();
 };
 
 }  // namespace fjr

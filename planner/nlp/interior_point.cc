@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -426,7 +425,7 @@ class InteriorPoint {
     return false;
   }
 
-  const std::clock_t began_ = std::clock();
+  const double began_ = cpu_time();
   SolveReport report_;
   const Nlp& nlp_;
   const SolveOptions& options_;

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <stdexcept>
 
 #include "planner/nlp/chain/ma27.h"
@@ -269,7 +268,7 @@ double linear_algebra(Ipopt::IpoptApplication& application) {
 }  // namespace
 
 SolveReport solve_by_ipopt(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
-  const std::clock_t began = std::clock();
+  const double began = cpu_time();
   const int factorised = factorisations();
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
   // A problem of no known structure has no stages to factorise by.

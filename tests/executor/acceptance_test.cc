@@ -19,8 +19,9 @@ TEST(Acceptance, NeverRefusesWhatIsGenuine) {
     const Problem problem = load_request(entry.path(), default_robot_file());
     if (!problem.start_at_rest || !problem.goal.at_rest) continue;
     PlanOptions options;
-    options.starts = 1;
-    const Plan planned = plan(problem, options);
+    options.starts = 1;  // for the time it saves; where roundings make one start too few, as many as usual
+    Plan planned = plan(problem, options);
+    if (planned.status != PlanStatus::kCertified) planned = plan(problem, {});
     ASSERT_EQ(planned.status, PlanStatus::kCertified) << entry.path() << planned.reason;
     TrajectoryOrder order;
     order.robot_hash = robot_hash(problem.robot);

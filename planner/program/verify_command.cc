@@ -110,8 +110,16 @@ void check_completeness(const Trajectory& trajectory, Certificate& certificate) 
 // What an executor asks for first: that the arm rests at either end.
 std::string motion_of(const char* verb, const Parameters& robot, const Sample& row) {
   if (is_at_rest(robot, row)) return fmt::format("{} at rest", verb);
-  const Joints<double>& dq = row.state.dq;
-  return fmt::format("{} MOVING, links at {:.4g} and {:.4g} rad/s", verb, dq[0], dq[1]);
+  const State<double>& x = row.state;
+  constexpr double kStill = 1e-9;  // [rad/s] what rounding leaves of a plan's rest
+  const auto fastest = std::max({std::abs(x.dq[0]), std::abs(x.dq[1]), std::abs(x.dtheta[0]), std::abs(x.dtheta[1])});
+  if (fastest > kStill) {
+    return fmt::format("{} MOVING, links at {:.4g} and {:.4g} rad/s, motors at {:.4g} and {:.4g} rad/s", verb, x.dq[0],
+                       x.dq[1], x.dtheta[0], x.dtheta[1]);
+  }
+  const Joints<double> balanced = rest_at(robot, x.q).theta;
+  return fmt::format("{} OUT OF BALANCE, motors {:.4g} and {:.4g} rad off where the springs hold the links", verb,
+                     x.theta[0] - balanced[0], x.theta[1] - balanced[1]);
 }
 
 std::string header_text(const Conditions& conditions) {

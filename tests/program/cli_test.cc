@@ -306,7 +306,7 @@ TEST_F(Cli, VerifyTellsHowAFileStartsAndWhetherItIsComplete) {
   trajectory.samples.front().state.dq[0] = 0.5;
   write_csv(trajectory, path("t.csv"));
   EXPECT_THAT(run({"verify", "t.csv"}).out,
-              HasSubstr("(21 rows, 0.02 s, starts MOVING, links at 0.5 and 0 rad/s, ends"));
+              HasSubstr("(21 rows, 0.02 s, starts MOVING, links at 0.5 and 0 rad/s, motors at 0 and 0 rad/s, ends"));
   const Json certificate = Json::parse(run({"verify", "t.csv", "--json"}).out);
   EXPECT_EQ(certificate["starts_at_rest"], false);
   EXPECT_EQ(certificate["ends_at_rest"], true);
@@ -360,6 +360,7 @@ TEST_F(Cli, VerifyTakesPayloadAndLimitsFromTheFileAndNeverLooserOnes) {
   const Result other = run({"verify", "out/trajectory.csv", "--payload", "0.3"});
   EXPECT_EQ(other.exit_code, 4);
   EXPECT_THAT(other.err, HasSubstr("payload: it was planned with 0.1 kg, but --payload says 0.3 kg\n"));
+  EXPECT_THAT(other.out, HasSubstr("starts OUT OF BALANCE, motors "));  // still, and the springs as for 0.1 kg
   EXPECT_THAT(other.out, HasSubstr("failed      payload: it was planned with 0.1 kg"));  // before what follows from it
   EXPECT_EQ(other.err.find("another robot"), std::string::npos);
 

@@ -54,6 +54,11 @@ def imports(folder, environment):
     return python.exists() and subprocess.run([python, "-c", "import cyclonedds.idl"]).returncode == 0
 
 
+def pip_finds_packages(folder):
+    found = run(folder, "python3 -m venv out/pip && out/pip/bin/pip download -q --no-deps -d out/pip cyclonedds==11.0.1")
+    return found.returncode == 0
+
+
 def build_clients(source, folder, commands):
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir()
@@ -65,7 +70,7 @@ def build_clients(source, folder, commands):
             sys.exit(f"{client} is longer than the page says")
     for block in commands:
         failed = run(folder, "set -e\n" + block).returncode != 0
-        if failed and ("pip install" not in block or imports(folder, "python/venv")):
+        if failed and ("pip install" not in block or imports(folder, "python/venv") or pip_finds_packages(folder)):
             sys.exit("this does not build a client")
     # What Cyclone DDS 11 says of its types once ended the service and the executor.
     run(folder, "python3 -m venv out/newer && out/newer/bin/pip install -q cyclonedds==11.0.1")

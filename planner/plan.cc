@@ -177,7 +177,7 @@ void tell_failure(const Findings& found, Plan& plan) {
   }
 }
 
-void conclude(const Findings& found, const Session& session, Plan& plan) {
+void conclude(const Findings& found, Session& session, Plan& plan) {
   const bool certified = plan.status == PlanStatus::kCertified;
   if (certified && session.deadline_passed()) {  // what was certified in time is the plan
     plan.cut_by_deadline = true;
@@ -190,7 +190,8 @@ void conclude(const Findings& found, const Session& session, Plan& plan) {
     withdraw_rows(plan);
   } else if (!certified || plan.infeasibility) {
     tell_failure(found, plan);
-    if (plan.status != PlanStatus::kInfeasible) plan.reason += how_far(found, session);
+    const bool explained = plan.status == PlanStatus::kInfeasible && !session.interrupted();  // all the way
+    if (!explained) plan.reason += how_far(found, session);
   }
 }
 

@@ -119,6 +119,7 @@ TEST_F(ServiceTest, SurvivesTheDeathOfWorkers) {
   send(fast);
   kill_while_solving(0);
   EXPECT_EQ(final_reply(fast.id).state, ReplyState::kSolved);
+  status_when([](const ServiceStatus& status) { return status.solving == 0 && status.workers_lost == 1; });  // of fast
   const Order slow = order(kSlow);
   send(slow);
   kill_while_solving(1);

@@ -1,5 +1,5 @@
-// First and second derivatives of the link acceleration in closed form: an order of magnitude cheaper than carrying
-// dual numbers through it, and what most of an optimiser's evaluations consist of.
+// First and second derivatives of the link acceleration in closed form. Dual numbers carried through it took a quarter
+// of the time of an interval's Hessian more (bench/README.md).
 //
 // With a = M^-1 r, r = tau_c - C dq - D dq - G, and subscripts for derivatives (only q2 moves M):
 //   a_i  = M^-1 (r_i - M_i a),        a_ij = M^-1 (r_ij - M_i a_j - M_j a_i - M_ij a)

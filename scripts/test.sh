@@ -6,7 +6,7 @@ source scripts/packages.sh
 install_packages "${program_packages[@]}" "${test_packages[@]}"
 
 # Control ticks are real time: where other work holds up the machine, a motion is stopped for missed ticks, as it should be.
-# What fails is therefore run again when nothing else runs, up to three times; what is wrong fails every time.
+# What fails is therefore run again when nothing else runs, up to three times; what fails every time is wrong.
 run_tests() {
   ctest --preset "$1" -j "$(nproc)" && return
   wait

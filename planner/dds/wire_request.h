@@ -3,7 +3,6 @@
 
 #include <fjr_plan_request.h>
 
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>

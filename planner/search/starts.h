@@ -14,7 +14,7 @@ struct Starts {
   std::vector<Guess> guesses;
   std::size_t guided = 0;  // the first so many are made for the request, the others displaced at random
   std::size_t always = 0;  // the first so many are tried in any case, the others until one leads somewhere
-  std::size_t enough = 0;  // where so many of them led nowhere, nor would the others
+  std::size_t enough = 0;  // after so many that led nowhere no others are tried
 };
 
 // At least `count` of them.

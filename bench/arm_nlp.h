@@ -12,7 +12,7 @@ namespace fjr::bench {
 
 using ArmTranscription = Transcription<ArmOcp<Features{}>>;
 
-// Minimum time with a trace of effort and the default limits, Hermite-Simpson.
+// Minimum time with a regularisation by effort and the default limits, Hermite-Simpson.
 inline ArmTranscription arm_nlp(const Parameters& robot, int intervals) {
   Problem problem;
   problem.robot = robot;

@@ -114,7 +114,7 @@ void take_over(const Findings& found, Plan& plan) {
   plan.node_times = solution.setup.mesh.node_times(solution.durations);
   plan.interval_errors = interval_errors(found.asked.robot, solution.motion);
   plan.error_estimate = *std::max_element(plan.interval_errors.begin(), plan.interval_errors.end());
-  plan.back_off = largest_share_kept_free(found.asked, solution.setup.margins);
+  plan.back_off = largest_tightening(found.asked, solution.setup.margins);
   plan.trajectory = best.trajectory;
   plan.certificate = best.certificate;
   if (best.certificate.certified) plan.solution = std::make_shared<const Collocated>(solution);

@@ -73,7 +73,7 @@ struct Plan {
                                // far as friction is smoothed there; best first
   bool cut_by_work = false;    // the search ended where a request may take no more: with a deadline it may
   Fallbacks fallbacks;
-  double back_off = 0;  // share of each limit kept free
+  double back_off = 0;  // fraction of each limit kept free
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;
   std::shared_ptr<const Collocated> solution;  // of the certified trajectory

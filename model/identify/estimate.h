@@ -24,7 +24,7 @@ struct Estimate {
   std::size_t points = 0;   // used by the final fit
   double residual_rms = 0;  // in the unit of the fitted quantity, residual_unit
   std::string residual_unit;
-  double r_squared = 0;  // share of the variance explained
+  double r_squared = 0;  // fraction of the variance explained
   std::vector<std::string> warnings;
   std::vector<Chart> charts;  // the paper's figures, and the residuals
 

@@ -16,7 +16,7 @@
 namespace fjr {
 namespace {
 
-// A reversal is taken as forgotten after this share of the largest deflection.
+// A reversal is taken as forgotten after this fraction of the largest deflection.
 constexpr double kForgotten = 0.15;
 constexpr std::size_t kFewestLandings = 8;  // settled landings on a branch
 // The paper's, in the order of the staircase.

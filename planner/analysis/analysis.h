@@ -1,8 +1,8 @@
 // What a solution says about itself, by its multipliers: the shadow price of each limit, how the optimum moves with
 // what was given, and how well the conditions of optimality hold.
 //
-// All of it is about the problem that was optimised last: its objective has a trace of effort in minimum time
-// (make_arm_ocp()), its friction law may still be smoothed, and its limits are those less back-off and margins. Values
+// All of it is about the problem that was optimised last: its objective has a regularisation by effort in minimum time
+// (make_arm_ocp()), its friction law may still be smoothed, and its limits are those less margins. Values
 // are in units of the request's objective.
 #pragma once
 
@@ -19,13 +19,13 @@ struct Collocated;
 // Derivatives of the optimal objective. An optimum changes by these to first order, as long as the same limits stay
 // active.
 struct ShadowPrice {
-  std::string name;  // as in the request's `limits`; of a constraint of the task: obstacles[0], tip_box, ...
-  int joint = 0;     // 1 or 2, of a constraint of the task the link; 0 where there is none
-  std::string unit;  // of the limit
-  double limit = 0;  // of a constraint of the task: its size (TaskRow::scale)
-  double price = 0;  // -d objective / d limit: what the objective gains with one unit more (of a constraint of the
-                     // task: of room); 0 where never active
-  double share = 0;  // of the duration in which it is active: within 1 % of the limit as the optimiser had it
+  std::string name;     // as in the request's `limits`; of a constraint of the task: obstacles[0], tip_box, ...
+  int joint = 0;        // 1 or 2, of a constraint of the task the link; 0 where there is none
+  std::string unit;     // of the limit
+  double limit = 0;     // of a constraint of the task: its size (TaskRow::scale)
+  double price = 0;     // -d objective / d limit: what the objective gains with one unit more (of a constraint of the
+                        // task: of clearance); 0 where never active
+  double fraction = 0;  // of the duration in which it is active: within 1 % of the limit as the optimiser had it
   struct Stretch {
     double begin, end;  // [s]
   };

@@ -1,4 +1,4 @@
-// The analysis for what an instance has room for: what analyse() chooses from.
+// The analysis for what an instance supports: what analyse() chooses from.
 #pragma once
 
 #include <vector>
@@ -45,10 +45,10 @@ inline Joints<double> price_of_goal(const Problem& problem, const Vector8& by_st
   return price;
 }
 
-// What the trace of effort of a minimum-time problem contributes where limits are active: its weight depends on them
-// (make_arm_ocp()).
+// What the regularisation by effort of a minimum-time problem contributes where limits are active: its weight depends
+// on them (make_arm_ocp()).
 template <Features F>
-void add_trace(const Problem& problem, const Collocated& solution, std::vector<ShadowPrice>& prices) {
+void add_regularisation(const Problem& problem, const Collocated& solution, std::vector<ShadowPrice>& prices) {
   const double reg = solution.setup.smoothing.regularisation;
   if (make_arm_ocp<F>(problem, reg).regularisation == 0) return;
   double squares = 0;  // int u^2
@@ -112,7 +112,7 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
 
   Sensitivity& sensitivity = result.sensitivity;
   sensitivity.limits = ShadowPrices<F>(problem, solution.setup, t, iterate).run();
-  parts::add_trace<F>(problem, solution, sensitivity.limits);
+  parts::add_regularisation<F>(problem, solution, sensitivity.limits);
   for (ShadowPrice& price : sensitivity.limits) price.price *= scale;
   const auto mean = [&](std::size_t i) { return scale * mean_hamiltonian(a, leg[i], leg[i + 1]); };
   if (parts::duration_is_free(problem, a.node_times.back())) {

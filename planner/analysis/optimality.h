@@ -10,15 +10,15 @@
 
 namespace fjr {
 
-// A bound counts as active within this share of it; one that is 0, of the largest of what it bounds the sum of.
+// A bound counts as active within this fraction of it; one that is 0, of the largest of what it bounds the sum of.
 inline constexpr double kActive = 0.01;
 
-// An optimum's H is constant. A mesh leaves a spread of it, which says little as long as it is within this share of
+// An optimum's H is constant. A mesh leaves a spread of it, which says little as long as it is within this fraction of
 // objective / duration: d objective / d duration then agrees with the objectives of plans a little longer and shorter
 // (tests/planner/node_times_test.cc).
 inline double allowed_spread(double objective, double duration) {
-  constexpr double kShare = 0.02;
-  return kShare * std::abs(objective) / duration;
+  constexpr double kFraction = 0.02;
+  return kFraction * std::abs(objective) / duration;
 }
 
 // Of one value per interval: over the intervals first, ..., last - 1, weighted by their durations.

@@ -24,16 +24,16 @@ struct LimitBound {
   int index;
   bool upper;
   double value;
-  double size;   // what shares of it are taken of
-  double slope;  // d value / d limit; of a task's row: d value / d room
+  double size;   // what fractions of it are taken of
+  double slope;  // d value / d limit; of a task's row: d value / d clearance
 };
 
 // The bounds are functions of the limits of degree two at most (path_bounds()): central differences are exact.
 // scales: limit_scales().
 template <Features F>
-std::vector<LimitBound> limit_bounds(const Kept& kept, const PerLimit& scales) {
+std::vector<LimitBound> limit_bounds(const TightenedLimits& tightened, const PerLimit& scales) {
   constexpr double kStep = 1.0 / 1024;
-  const Limits& limits = kept.limits;
+  const Limits& limits = tightened.limits;
   const auto at = path_bounds<F>(limits);
   std::vector<LimitBound> bounds;
   for (std::size_t i = 0; i < kLimits; ++i) {
@@ -57,11 +57,11 @@ std::vector<LimitBound> limit_bounds(const Kept& kept, const PerLimit& scales) {
     compare(LimitBound::kRow, false, at.row_lower, low.row_lower, high.row_lower);
     compare(LimitBound::kRow, true, at.row_upper, low.row_upper, high.row_upper);
   }
-  for (std::size_t r = 0; r < kept.task_rows.size(); ++r) {
+  for (std::size_t r = 0; r < tightened.task_rows.size(); ++r) {
     const std::size_t i = kLimits + r;
     const int row = ArmOcp<F>::kTask + static_cast<int>(r);
     for (const bool upper : {false, true}) {
-      const double value = kept.task_rows[r][upper ? 1 : 0];
+      const double value = tightened.task_rows[r][upper ? 1 : 0];
       if (std::isfinite(value))
         bounds.push_back({i, LimitBound::kRow, row, upper, value, scales[i], upper ? 1.0 : -1.0});
     }
@@ -77,7 +77,7 @@ class ShadowPrices {
   ShadowPrices(const Problem& problem, const CollocationSetup& setup, const T& t, const Iterate& solution)
       : t_(t),
         solution_(solution),
-        kept_(kept_limits(problem, setup.mesh, setup.margins)),
+        tightened_(tightened_limits(problem, setup.mesh, setup.margins)),
         scales_(limit_scales(problem)) {
     counted_variable_.assign(static_cast<std::size_t>(t.variables()), 0);
     counted_row_.assign(static_cast<std::size_t>(t.constraints()), 0);
@@ -92,7 +92,7 @@ class ShadowPrices {
     std::vector<LimitBound> bounds;
     for (int k = 0; k < t_.intervals(); ++k) {
       const auto at = static_cast<std::size_t>(k);
-      if (k == 0 || !same(kept_[at], kept_[at - 1])) bounds = limit_bounds<F>(kept_[at], scales_);
+      if (k == 0 || !same(tightened_[at], tightened_[at - 1])) bounds = limit_bounds<F>(tightened_[at], scales_);
       double time = nodes[at];  // stage j stands for the time that its weight takes
       for (int j = 0; j < t_.scheme().stages(); ++j) {
         const double end = j + 1 == t_.scheme().stages() ? nodes[at + 1] : time + b(j) * (nodes[at + 1] - nodes[at]);
@@ -112,7 +112,7 @@ class ShadowPrices {
     }
     for (ShadowPrice& price : result) {
       price.active = joined(std::move(price.active), kGap * nodes.back());
-      for (const auto& stretch : price.active) price.share += (stretch.end - stretch.begin) / nodes.back();
+      for (const auto& stretch : price.active) price.fraction += (stretch.end - stretch.begin) / nodes.back();
     }
     return result;
   }
@@ -127,9 +127,11 @@ class ShadowPrices {
     }
   }
 
-  static constexpr double kGap = 0.01;  // share of the duration: shorter interruptions are passed over
+  static constexpr double kGap = 0.01;  // fraction of the duration: shorter interruptions are passed over
 
-  static bool same(const Kept& a, const Kept& b) { return a.limits == b.limits && a.task_rows == b.task_rows; }
+  static bool same(const TightenedLimits& a, const TightenedLimits& b) {
+    return a.limits == b.limits && a.task_rows == b.task_rows;
+  }
 
   static std::vector<ShadowPrice::Stretch> joined(std::vector<ShadowPrice::Stretch> parts, double gap) {
     std::stable_sort(parts.begin(), parts.end(), [](const auto& a, const auto& b) { return a.begin < b.begin; });
@@ -147,7 +149,7 @@ class ShadowPrices {
     if (bound.of == LimitBound::kRow) return row(k, j, bound);
     bool active = false;
     for (int end = 0; end < 2; ++end) {
-      if (t_.scheme().control_share(j, end) < 0.5) continue;
+      if (t_.scheme().control_fraction(j, end) < 0.5) continue;
       active = variable(t_.u_at(k, end) + bound.index, bound) || active;
     }
     return active;
@@ -189,7 +191,7 @@ class ShadowPrices {
 
   const T& t_;
   const Iterate& solution_;
-  std::vector<Kept> kept_;
+  std::vector<TightenedLimits> tightened_;
   PerLimit scales_;
   Eigen::VectorXd rows_;
   std::vector<char> counted_variable_, counted_row_;

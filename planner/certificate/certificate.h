@@ -73,11 +73,11 @@ struct LimitCheck {
 
 // One constraint of the request's task against the published rows with their interpolation.
 struct TaskCheck {
-  std::string name;  // obstacles[0], tip_box, tip_line, tip_arc, path
-  int link = 0;      // 1 or 2 for obstacles; 0: neither
-  std::string unit;  // m or rad
-  double room = 0;   // least distance from what it forbids; negative: broken
-  double time = 0;   // [s] where
+  std::string name;      // obstacles[0], tip_box, tip_line, tip_arc, path
+  int link = 0;          // 1 or 2 for obstacles; 0: neither
+  std::string unit;      // m or rad
+  double clearance = 0;  // least distance from what it forbids; negative: broken
+  double time = 0;       // [s] where
   bool passed = false;
 };
 

@@ -134,7 +134,7 @@ class PublishedExtremes {
 };
 
 bool within(const LimitCheck& c, double allowed) {
-  return c.reached <= c.limit * (1 + kPublishedShare) && c.rollout <= allowed;
+  return c.reached <= c.limit * (1 + kPublishedFraction) && c.rollout <= allowed;
 }
 
 LimitCheck check(const LimitName& name, double limit, double allowed, const Extreme& published,
@@ -162,7 +162,7 @@ Limits rollout_allowance(const Parameters& p, const Limits& limits) {
         limit = kNoLimit;
         break;
       case InRollout::kVelocity:
-        limit *= 1 + kRolloutVelocityShare;
+        limit *= 1 + kRolloutVelocityFraction;
         break;
       case InRollout::kPosition:
         limit += exactness_tolerance(p);
@@ -189,7 +189,7 @@ std::vector<LimitCheck> check_limits(const Parameters& p, const Limits& limits, 
 
 std::string violation(const LimitCheck& c) {
   const std::string whose = c.joint > 0 ? fmt::format("{} of joint {}", c.name, c.joint) : c.name;
-  if (c.reached > c.limit * (1 + kPublishedShare)) {
+  if (c.reached > c.limit * (1 + kPublishedFraction)) {
     return fmt::format("{} reaches {:.9g} at {:.6f} s, its limit is {:.9g}", whose, c.reached, c.time, c.limit);
   }
   return fmt::format("{} reaches {:.9g} in the closed-loop rollout, more than exactness explains; its limit is {:.9g}",

@@ -7,7 +7,7 @@
 namespace fjr {
 namespace {
 
-// Mesh refinement compares these errors with shares of the exactness tolerance, 1e-4 rad: 1e-7 is ample.
+// Mesh refinement compares these errors with fractions of the exactness tolerance, 1e-4 rad: 1e-7 is ample.
 constexpr Accuracy kAccuracy{1e-7, 1e-9, 1e-8, 1e-8};
 constexpr double kSteep = 100;  // [N m/s]
 

@@ -42,7 +42,7 @@ TaskCheck& entry_of(std::vector<TaskCheck>& checks, const TaskRow& row) {
 }
 
 // At the instants that rollouts are compared at, at most 0.25 ms apart: between them an acceleration of 1000 m/s^2
-// makes 8e-6 m, which is what the back-off leaves.
+// makes 8e-6 m, which is what the base margin leaves.
 std::vector<TaskCheck> check_task(const Problem& problem, const std::vector<double>& ends,
                                   const Trajectory& trajectory) {
   std::vector<TaskCheck> checks;
@@ -56,12 +56,12 @@ std::vector<TaskCheck> check_task(const Problem& problem, const std::vector<doub
     const auto posture = Posture<double>::of(problem.robot, plan.at(time).state.q);
     for (const TaskRow& row : rows[segment]) {
       TaskCheck& check = entry_of(checks, row);
-      const double room = row.distance(row.value(problem.robot, posture));
-      if (room < check.room) {
-        check.room = room;
+      const double clearance = row.distance(row.value(problem.robot, posture));
+      if (clearance < check.clearance) {
+        check.clearance = clearance;
         check.time = time;
       }
-      check.passed = check.passed && room >= -kPublishedShare * row.scale;
+      check.passed = check.passed && clearance >= -kPublishedFraction * row.scale;
     }
   }
   return checks;
@@ -99,7 +99,7 @@ void check_against_request(const Problem& problem, const std::vector<double>& en
   for (const TaskCheck& check : certificate.task) {
     if (check.passed) continue;
     fail(fmt::format("{}{} is missed by {:.3g} {} at {:.6f} s", check.name,
-                     check.link == 0 ? "" : fmt::format(" (link {})", check.link), -check.room, check.unit,
+                     check.link == 0 ? "" : fmt::format(" (link {})", check.link), -check.clearance, check.unit,
                      check.time));
   }
 }

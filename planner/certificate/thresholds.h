@@ -6,15 +6,15 @@
 
 namespace fjr {
 
-// Feedback must stay below this share of the robot's torque limit: the plan moves the arm, not the feedback.
-inline constexpr double kFeedbackShare = 0.01;
+// Feedback must stay below this fraction of the robot's torque limit: the plan moves the arm, not the feedback.
+inline constexpr double kFeedbackFraction = 0.01;
 // Published samples and what is between them: rounding only.
-inline constexpr double kPublishedShare = 1e-6;
+inline constexpr double kPublishedFraction = 1e-6;
 // The rollout's velocities: what exactness explains.
-inline constexpr double kRolloutVelocityShare = 1e-3;
+inline constexpr double kRolloutVelocityFraction = 1e-3;
 
 inline Joints<double> feedback_limit(const Parameters& p) {  // [N m]
-  return {kFeedbackShare * p.limits.torque[0], kFeedbackShare * p.limits.torque[1]};
+  return {kFeedbackFraction * p.limits.torque[0], kFeedbackFraction * p.limits.torque[1]};
 }
 
 // One encoder count within 10 ms. [rad/s]

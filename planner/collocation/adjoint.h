@@ -17,7 +17,7 @@ struct Adjoint {
   Eigen::VectorXd lagrangian;
   // The same with the multipliers of the defects alone: for a control, dH/du integrated over the stages that see it.
   Eigen::VectorXd hamiltonian_gradient;
-  Eigen::VectorXd control_weight;   // [s] per variable: the integral of its share in u; 0 where it is no control
+  Eigen::VectorXd control_weight;   // [s] per variable: the integral of its part in u; 0 where it is no control
   std::vector<double> hamiltonian;  // see hamiltonians()
   std::vector<double> conserved;    // see conserved()
   std::vector<double> node_times;   // [s]
@@ -90,10 +90,11 @@ Adjoint adjoint(const Transcription<Ocp>& t, const Iterate& solution) {
     if (defect[static_cast<std::size_t>(row)]) a.hamiltonian_gradient(col) += term;
   }
   a.control_weight = Eigen::VectorXd::Zero(t.variables());
-  const Eigen::RowVectorXd share = t.scheme().b.transpose() * t.scheme().control_share;
+  const Eigen::RowVectorXd fraction = t.scheme().b.transpose() * t.scheme().control_fraction;
   for (int k = 0; k < t.intervals(); ++k) {
     const double h = t.step(solution.x, k);
-    for (int end = 0; end < 2; ++end) a.control_weight.segment(t.u_at(k, end), Ocp::kControls).array() = h * share(end);
+    for (int end = 0; end < 2; ++end)
+      a.control_weight.segment(t.u_at(k, end), Ocp::kControls).array() = h * fraction(end);
   }
   a.hamiltonian = hamiltonians(t, solution);
   a.conserved = conserved(t, solution, a.hamiltonian);

@@ -47,9 +47,9 @@ class Sampling {
         const Rates rates = t_.values(solution_.x, k, j).f;
         const bool at_start = j == 0 && t_.scheme().starts_at_node;
         const double by_state = at_start || j == last ? 0 : of_state(k, j, rates);
-        const double change = of_control(k, j, rates) + by_state, share = t_.scheme().points(j);
-        node(k).add((1 - share) * change);
-        node(k + 1).add(share * change);
+        const double change = of_control(k, j, rates) + by_state, fraction = t_.scheme().points(j);
+        node(k).add((1 - fraction) * change);
+        node(k + 1).add(fraction * change);
       }
       node(k + 1).before += of_state(k, last, t_.values(solution_.x, k, last).f);
       const bool same = k + 1 == t_.intervals() || !t_.scheme().starts_at_node;

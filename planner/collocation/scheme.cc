@@ -38,8 +38,8 @@ Scheme collocation(std::string name, int order, const std::vector<double>& point
   for (Eigen::Index i = 0; i < s.points.size(); ++i) s.A.row(i) = integrals(s.lagrange, s.points(i)).transpose();
   s.b = integrals(s.lagrange, 1);
   s.starts_at_node = points.front() == 0;
-  s.control_share.resize(s.points.size(), 2);
-  s.control_share << Eigen::VectorXd::Ones(s.points.size()) - s.points, s.points;
+  s.control_fraction.resize(s.points.size(), 2);
+  s.control_fraction << Eigen::VectorXd::Ones(s.points.size()) - s.points, s.points;
   return s;
 }
 

@@ -23,7 +23,7 @@ struct Scheme {
   // Controls are linear on an interval, as the published torque is between its rows, and may jump at nodes. A
   // polynomial of higher degree overshoots its limits between the points where a torque switches, and samples cannot
   // carry that. Stage j sees the control (1 - c_j) u_begin + c_j u_end: s x 2.
-  Eigen::MatrixXd control_share;
+  Eigen::MatrixXd control_fraction;
 
   int stages() const { return static_cast<int>(points.size()); }
   // The Lagrange basis l_j in monomials of c: s x s, row j holds the coefficients of l_j, lowest degree first.

@@ -20,7 +20,7 @@
 // Every stage keeps its own state as variables ("separated form"): the defects
 //   y_i - y_0 - h sum_j A(i,j) f(y_j, u_j) = 0
 // are linear in f, so the Hessian of the Lagrangian is one small block per collocation point plus the durations' rows.
-// Controls are linear on their interval and may jump at every node (see Scheme::control_share).
+// Controls are linear on their interval and may jump at every node (see Scheme::control_fraction).
 //
 // Variables: x_0, then per interval u_begin, u_end and the stages' y_j, then the durations. That is the order of the
 // chain.
@@ -164,7 +164,8 @@ class Transcription final : public Nlp {
       for (int j = 0; j < stages_; ++j) {
         const auto& p = points[index(k * stages_ + j)];
         for (int i = 0; i < kV; ++i) {
-          spread(k, j, i, [&](int at, double share) { out(at) += share * h * scheme_.b(j) * p.cost.g[index(i)]; });
+          spread(k, j, i,
+                 [&](int at, double coefficient) { out(at) += coefficient * h * scheme_.b(j) * p.cost.g[index(i)]; });
         }
         out(duration_of(k)) += fraction(k) * scheme_.b(j) * p.cost.v;
       }
@@ -247,18 +248,19 @@ class Transcription final : public Nlp {
   static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
   int interval_at(int k) const { return kX + k * (2 * kU + (stages_ - first_new_) * kX); }
-  // Calls visit(variable, share) for the variables that input i of stage j, a state or a control, is made of.
+  // Calls visit(variable, coefficient) for the variables that input i of stage j, a state or a control, is made of.
   template <class Visit>
   void spread(int k, int j, int i, Visit&& visit) const {
     if (i < kX) return visit(x_at(k, j) + i, 1.0);
     for (int end = 0; end < 2; ++end) {
-      if (scheme_.control_share(j, end) != 0) visit(u_at(k, end) + i - kX, scheme_.control_share(j, end));
+      if (scheme_.control_fraction(j, end) != 0) visit(u_at(k, end) + i - kX, scheme_.control_fraction(j, end));
     }
   }
   // The state and control that stage j sees.
   Array<kV> stage_inputs(const In& z, int k, int j) const {
     Array<kV> v = filled<kV>(0);
-    for (int i = 0; i < kV; ++i) spread(k, j, i, [&](int at, double share) { v[index(i)] += share * z(at); });
+    for (int i = 0; i < kV; ++i)
+      spread(k, j, i, [&](int at, double coefficient) { v[index(i)] += coefficient * z(at); });
     return v;
   }
   const auto& bounds_in(int k) const { return ocp_.bounds.size() == 1 ? ocp_.bounds[0] : ocp_.bounds[index(k)]; }
@@ -408,7 +410,7 @@ class Transcription final : public Nlp {
         double& lower = x_lower(node_at(static_cast<int>(bounds.node)) + r);
         double& upper = x_upper(node_at(static_cast<int>(bounds.node)) + r);
         const double low = bounds.lower[index(r)], high = bounds.upper[index(r)];
-        // A value that is given is meant exactly, whatever the back-off made of the general bound.
+        // A value that is given is meant exactly, whatever margins made of the general bound.
         lower = low == high ? low : std::max(lower, low);
         upper = low == high ? high : std::min(upper, high);
       }
@@ -500,7 +502,7 @@ class Transcription final : public Nlp {
             if (!depends.depends_on(c) && !node_itself && !stage_itself) continue;
             const double own = node_itself ? -1 : stage_itself ? 1 : 0;
             const double value = own - h * scheme_.A(i, j) * f.g[index(c)];
-            spread(k, j, c, [&](int at, double share) { emit(row, at, share * value); });
+            spread(k, j, c, [&](int at, double coefficient) { emit(row, at, coefficient * value); });
           }
           node_done = node_done || j < first_new_;
         }
@@ -514,7 +516,7 @@ class Transcription final : public Nlp {
         for (int i = 0; i < kV; ++i) {
           if (structure_.rows[index(c)].depends_on(i)) {
             const double value = p[j].rows[index(c)].g[index(i)];
-            spread(k, j, i, [&](int at, double share) { emit(path_row(k, j, c), at, share * value); });
+            spread(k, j, i, [&](int at, double coefficient) { emit(path_row(k, j, c), at, coefficient * value); });
           }
         }
       }
@@ -542,10 +544,10 @@ class Transcription final : public Nlp {
     for (const auto& [a, b] : curved_pairs_) {
       const double value = block[index(a * (a + 1) / 2 + b)];
       const bool diagonal = a == b;
-      spread(k, j, a, [&, second = b](int row, double row_share) {
-        spread(k, j, second, [&](int col, double col_share) {
+      spread(k, j, a, [&, second = b](int row, double row_coefficient) {
+        spread(k, j, second, [&](int col, double col_coefficient) {
           // (a, a) spread over u_begin and u_end has two equal off-diagonal entries: the lower triangle holds one.
-          if (!diagonal || col <= row) emit(row, col, row_share * col_share * value);
+          if (!diagonal || col <= row) emit(row, col, row_coefficient * col_coefficient * value);
         });
       });
     }
@@ -557,7 +559,7 @@ class Transcription final : public Nlp {
         present = present || structure_.f[index(r)].depends_on(i);
       }
       if (!present) continue;
-      spread(k, j, i, [&](int at, double share) { emit(duration_of(k), at, share * fraction(k) * cross); });
+      spread(k, j, i, [&](int at, double coefficient) { emit(duration_of(k), at, coefficient * fraction(k) * cross); });
     }
   }
 

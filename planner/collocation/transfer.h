@@ -61,7 +61,8 @@ class Transfer {
         const double weight = t.step(x, k) * t.scheme().b(j);
         for (int r = 0; r < T::kX; ++r) w.variable(t.x_at(k, j) + r) += weight;
         for (int end = 0; end < 2; ++end) {
-          for (int r = 0; r < T::kU; ++r) w.variable(t.u_at(k, end) + r) += weight * t.scheme().control_share(j, end);
+          for (int r = 0; r < T::kU; ++r)
+            w.variable(t.u_at(k, end) + r) += weight * t.scheme().control_fraction(j, end);
         }
         for (int c = 0; c < T::kC; ++c) {
           if (t.path_row(k, j, c) < 0) continue;
@@ -81,7 +82,7 @@ class Transfer {
     result_.z_upper(to) = old_.z_upper(from);
   }
 
-  // New interval i covers [begin, end] of old interval k, in shares of it.
+  // New interval i covers [begin, end] of old interval k, in fractions of it.
   void interval(int i, int k, double begin, double end) {
     const auto state = from_.state_polynomial(old_.x, k);
     const auto control = from_.control_polynomial(old_.x, k);
@@ -153,9 +154,9 @@ class Transfer {
       hat(right) = 1;
       return hat;
     }
-    const double share = (c - points(right - 1)) / (points(right) - points(right - 1));
-    hat(right - 1) = 1 - share;
-    hat(right) = share;
+    const double fraction = (c - points(right - 1)) / (points(right) - points(right - 1));
+    hat(right - 1) = 1 - fraction;
+    hat(right) = fraction;
     return hat;
   }
 

@@ -10,7 +10,7 @@
 namespace fjr {
 namespace {
 
-constexpr double kLinkShare = 0.5;     // of a spring's stiffness: feedback from the link's side, stable below 1
+constexpr double kLinkFraction = 0.5;  // of a spring's stiffness: feedback from the link's side, stable below 1
 constexpr double kDitherCounts = 0.1;  // [-] of the link's encoder: no motor swings further
 
 // How far `error` is beyond +-band.
@@ -124,7 +124,7 @@ MotorFeedback::Command MotorFeedback::command(const Positions& planned, const Jo
     difference_[j] = planned.theta[j] - quantised(measured.theta[j], p_.encoder.motor_counts[j]);
     const double error = motor_error(j), error_velocity = error_velocity_[j].update(error);
     const double of_link = link_error(j, planned, measured);
-    if (!blind[j]) c.feedback[j] = kLinkShare * p_.spring.stiffness[j] * of_link;
+    if (!blind[j]) c.feedback[j] = kLinkFraction * p_.spring.stiffness[j] * of_link;
     if (!blind[j] && !link_says_it_rests(j, of_link, planned_velocity)) {
       c.feedback[j] += p_.feedback.position_gain[j] * error + p_.feedback.velocity_gain[j] * error_velocity;
     }

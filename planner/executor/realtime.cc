@@ -29,11 +29,11 @@ void Lateness::add(double seconds) {
   ++counts_[std::min(step, counts_.size() - 1)];
 }
 
-double Lateness::quantile(double share) const {
+double Lateness::quantile(double fraction) const {
   double below = 0;
   for (std::size_t i = 0; i < counts_.size(); ++i) {
     below += counts_[i];
-    if (below >= share * static_cast<double>(ticks_)) return static_cast<double>(i + 1) * kStep;
+    if (below >= fraction * static_cast<double>(ticks_)) return static_cast<double>(i + 1) * kStep;
   }
   return static_cast<double>(counts_.size()) * kStep;
 }

@@ -17,7 +17,7 @@ class Lateness {
   long ticks() const { return ticks_; }
   long missed() const { return missed_; }      // whole ticks that were skipped
   double largest() const { return largest_; }  // [s]
-  double quantile(double share) const;         // [s] rounded up; 20 ms for all beyond
+  double quantile(double fraction) const;      // [s] rounded up; 20 ms for all beyond
   void missed(long ticks) { missed_ += ticks; }
 
  private:

@@ -71,13 +71,13 @@ bool SwingStop::find(double start, const State<double>& swinging) {
   for (const double duration : kDurations) {
     shapes_ = natural_shapes(from, duration);
     duration_ = duration;
-    if (largest_share(shapes_, duration) <= 1) return true;
+    if (largest_fraction(shapes_, duration) <= 1) return true;
   }
   return false;
 }
 
 // Of the limits but those of the springs, which are as far out as the swing has them.
-double SwingStop::largest_share(const Joints<StopShape>& shapes, double duration) const {
+double SwingStop::largest_fraction(const Joints<StopShape>& shapes, double duration) const {
   double largest = 0;
   for (int n = 0; n <= kInstants; ++n) {
     const FlatPoint p = from_link_motion(robot_, in_time({table_.at(shapes[0], n), table_.at(shapes[1], n)}, duration));

@@ -44,7 +44,7 @@ class SwingStop {
   Sample at(double time) const;  // rest at the end after it
 
  private:
-  double largest_share(const Joints<StopShape>& shapes, double duration) const;
+  double largest_fraction(const Joints<StopShape>& shapes, double duration) const;
 
   Parameters robot_;
   Limits limits_;

@@ -38,8 +38,8 @@ class Filter {
       return false;
     const bool better = descends(alpha) && here_.violation <= small_violation_
                             ? falls_enough(trial, alpha)
-                            : at_most(trial.violation, kept_violation(), here_.violation) ||
-                                  at_most(trial.barrier, kept_barrier(), here_.barrier);
+                            : at_most(trial.violation, sufficient_violation(), here_.violation) ||
+                                  at_most(trial.barrier, sufficient_barrier(), here_.barrier);
     return better && std::all_of(entries_.begin(), entries_.end(), [&](const Merit& e) {
              return at_most(trial.violation, e.violation, e.violation) || at_most(trial.barrier, e.barrier, e.barrier);
            });
@@ -49,7 +49,7 @@ class Filter {
   void leave(const Merit& trial, double alpha) {
     if (!descends(alpha) || !falls_enough(trial, alpha)) leave_for_good();
   }
-  void leave_for_good() { entries_.push_back({kept_violation(), kept_barrier()}); }
+  void leave_for_good() { entries_.push_back({sufficient_violation(), sufficient_barrier()}); }
 
   // Below this a step is not worth trying: only a restoration could help. (23)
   double shortest_step() const {
@@ -71,8 +71,8 @@ class Filter {
   static bool at_most(double a, double b, double size) {
     return a - b <= 10 * std::numeric_limits<double>::epsilon() * std::abs(size);
   }
-  double kept_violation() const { return (1 - kGammaViolation) * here_.violation; }
-  double kept_barrier() const { return here_.barrier - kGammaBarrier * here_.violation; }
+  double sufficient_violation() const { return (1 - kGammaViolation) * here_.violation; }
+  double sufficient_barrier() const { return here_.barrier - kGammaBarrier * here_.violation; }
   // The switching condition (19) and Armijo's (20).
   bool descends(double alpha) const {
     return slope_ < 0 && alpha * std::pow(-slope_, kBarrierPower) > std::pow(here_.violation, kViolationPower);

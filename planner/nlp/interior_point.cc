@@ -20,10 +20,10 @@ using Eigen::Index;
 constexpr double kErrorScale = 100;  // of multipliers, beyond which the errors are scaled down
 constexpr double kAcceptableTolerance = 1e-6, kAcceptableComplementarity = 1e-2;
 constexpr int kAcceptableIterations = 15;
-constexpr double kSolvedBarrier = 10;           // times mu: error of a barrier problem that counts as solved
-constexpr double kSlower = 0.2, kFaster = 1.5;  // the next mu: a factor, or a power if that is less
-constexpr double kNearBoundary = 0.99;          // least share of the way to a bound that a step may go
-constexpr double kFromBounds = 1e-2, kFromBoundsNear = 1e-4, kFromBoundsWarm = 2e-7;  // shares
+constexpr double kSolvedBarrier = 10;              // times mu: error of a barrier problem that counts as solved
+constexpr double kMuFactor = 0.2, kMuPower = 1.5;  // the next mu: a factor, or a power if that is less
+constexpr double kNearBoundary = 0.99;             // least fraction of the way to a bound that a step may go
+constexpr double kFromBounds = 1e-2, kFromBoundsNear = 1e-4, kFromBoundsWarm = 2e-7;  // fractions
 constexpr double kLeastMultiplier = 1e-9, kLargestEstimate = 1e3;
 constexpr double kMultiplierFactor = 1e10;  // by which a bound's multiplier may be off mu / slack
 constexpr int kCorrections = 4;
@@ -100,9 +100,9 @@ class InteriorPoint {
 
   void push_off_bounds(double push) {
     for (Index i = 0; i < form_.variables(); ++i) {
-      const double l = form_.lower(i), u = form_.upper(i), room = push * (u - l);
-      if (std::isfinite(l)) v_(i) = std::max(v_(i), l + std::min(push * std::max(1.0, std::abs(l)), room));
-      if (std::isfinite(u)) v_(i) = std::min(v_(i), u - std::min(push * std::max(1.0, std::abs(u)), room));
+      const double l = form_.lower(i), u = form_.upper(i), most = push * (u - l);
+      if (std::isfinite(l)) v_(i) = std::max(v_(i), l + std::min(push * std::max(1.0, std::abs(l)), most));
+      if (std::isfinite(u)) v_(i) = std::min(v_(i), u - std::min(push * std::max(1.0, std::abs(u)), most));
     }
   }
 
@@ -212,7 +212,7 @@ class InteriorPoint {
 
   void lower_barrier() {  // (7)
     while (mu_ > least_mu_ && error(mu_, largest(c_)) <= kSolvedBarrier * mu_) {
-      mu_ = std::max(least_mu_, std::min(kSlower * mu_, std::pow(mu_, kFaster)));
+      mu_ = std::max(least_mu_, std::min(kMuFactor * mu_, std::pow(mu_, kMuPower)));
       filter_.clear();
       watch_.reset();
       shortened_ = 0;
@@ -242,24 +242,24 @@ class InteriorPoint {
   }
 
   // The longest steps that stay off the bounds (15).
-  double share() const { return std::max(kNearBoundary, 1 - mu_); }
+  double fraction_to_boundary() const { return std::max(kNearBoundary, 1 - mu_); }
   double longest(const Vector& dv) const {
     double alpha = 1;
     for (const Index i : form_.lower_bounded) {
-      if (dv(i) < 0) alpha = std::min(alpha, -share() * (v_(i) - form_.lower(i)) / dv(i));
+      if (dv(i) < 0) alpha = std::min(alpha, -fraction_to_boundary() * (v_(i) - form_.lower(i)) / dv(i));
     }
     for (const Index i : form_.upper_bounded) {
-      if (dv(i) > 0) alpha = std::min(alpha, share() * (form_.upper(i) - v_(i)) / dv(i));
+      if (dv(i) > 0) alpha = std::min(alpha, fraction_to_boundary() * (form_.upper(i) - v_(i)) / dv(i));
     }
     return alpha;
   }
   double longest_for_multipliers(const Step& step) const {
     double alpha = 1;
     for (const Index i : form_.lower_bounded) {
-      if (step.z_lower(i) < 0) alpha = std::min(alpha, -share() * z_lower_(i) / step.z_lower(i));
+      if (step.z_lower(i) < 0) alpha = std::min(alpha, -fraction_to_boundary() * z_lower_(i) / step.z_lower(i));
     }
     for (const Index i : form_.upper_bounded) {
-      if (step.z_upper(i) < 0) alpha = std::min(alpha, -share() * z_upper_(i) / step.z_upper(i));
+      if (step.z_upper(i) < 0) alpha = std::min(alpha, -fraction_to_boundary() * z_upper_(i) / step.z_upper(i));
     }
     return alpha;
   }

@@ -1,4 +1,4 @@
-// One optimisation of the arm, for what an instance has room for: what collocate() chooses from. Each choice is
+// One optimisation of the arm, for what an instance supports: what collocate() chooses from. Each choice is
 // compiled in a file of its own.
 #pragma once
 
@@ -22,12 +22,11 @@ inline constexpr Features kWithTask{.task_rows = 24};
 inline constexpr Features kRateWithTask{.rate = true, .task_rows = 24};
 inline constexpr Features kWithPeak{.task_rows = 24, .peak = true};
 inline constexpr Features kEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows), .peak = true};
-inline constexpr Features kElastic{.elastic = true};
-inline constexpr Features kElasticTask{.task_rows = 24, .elastic = true};
-inline constexpr Features kElasticEverything{
-    .rate = true, .task_rows = static_cast<int>(kMostTaskRows), .elastic = true};
+inline constexpr Features kSlackOnly{.slack = true};
+inline constexpr Features kSlackTask{.task_rows = 24, .slack = true};
+inline constexpr Features kSlackEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows), .slack = true};
 
-// visit<F>() with the least that has room for the problem.
+// visit<F>() with the least that supports the problem.
 template <class Visit>
 auto with_features(const Problem& problem, Visit&& visit) {
   const Limits& limits = problem.limits;
@@ -47,14 +46,14 @@ auto with_features(const Problem& problem, Visit&& visit) {
 
 // The same for problems with a slack.
 template <class Visit>
-auto with_elastic_features(const Problem& problem, Visit&& visit) {
+auto with_slack_features(const Problem& problem, Visit&& visit) {
   const Joints<double>& rate = problem.limits.torque_rate;
   const std::size_t rows = count_of_rows(problem.task);
-  if (rate[0] < kNoLimit || rate[1] < kNoLimit || rows > static_cast<std::size_t>(kElasticTask.task_rows)) {
-    return visit.template operator()<kElasticEverything>();
+  if (rate[0] < kNoLimit || rate[1] < kNoLimit || rows > static_cast<std::size_t>(kSlackTask.task_rows)) {
+    return visit.template operator()<kSlackEverything>();
   }
-  if (rows > 0 || problem.goal.any_free()) return visit.template operator()<kElasticTask>();
-  return visit.template operator()<kElastic>();
+  if (rows > 0 || problem.goal.any_free()) return visit.template operator()<kSlackTask>();
+  return visit.template operator()<kSlackOnly>();
 }
 
 // From a guess, or from an earlier solution: one of them is given.
@@ -77,7 +76,9 @@ void fix(NodeBounds<N>& bounds, std::size_t first, const Joints<double>& values)
 }
 
 // Whether the velocity of that via point, or with their number of the goal, is lowered by the slack.
-inline bool slower(const Problem& problem, std::size_t at) { return problem.elastic && problem.elastic->slower == at; }
+inline bool relaxes_velocity(const Problem& problem, std::size_t at) {
+  return problem.slack && problem.slack->velocity == at;
+}
 
 // Start, via points and goal as bounds at nodes of the mesh.
 template <int N>
@@ -93,14 +94,14 @@ std::vector<NodeBounds<N>> node_bounds(const Problem& problem, const Mesh& mesh)
       at.lower[j] = via.q[j] - via.tolerance;
       at.upper[j] = via.q[j] + via.tolerance;
     }
-    if (via.dq && !slower(problem, i)) fix(at, kStateDq, *via.dq);
+    if (via.dq && !relaxes_velocity(problem, i)) fix(at, kStateDq, *via.dq);
     bounds.push_back(at);
   }
   auto goal = node<N>(mesh.size());
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!problem.goal.free[j]) goal.lower[j] = goal.upper[j] = problem.goal.q[j];
   }
-  if (!problem.goal.dq_free && !slower(problem, problem.via.size())) fix(goal, kStateDq, problem.goal.dq);
+  if (!problem.goal.dq_free && !relaxes_velocity(problem, problem.via.size())) fix(goal, kStateDq, problem.goal.dq);
   if (problem.goal.theta) fix(goal, kStateTheta, *problem.goal.theta);
   if (problem.goal.dtheta) fix(goal, kStateDtheta, *problem.goal.dtheta);
   bounds.push_back(goal);
@@ -123,28 +124,29 @@ std::vector<RowBounds> goal_rows(const Problem& problem, const Mesh& mesh) {
 
 // A velocity that the slack lowers.
 template <Features F>
-void add_slower_rows(const Problem& problem, const Mesh& mesh, ArmOcp<F>& ocp) {
-  const auto at = problem.elastic->slower;
+void add_velocity_rows(const Problem& problem, const Mesh& mesh, ArmOcp<F>& ocp) {
+  const auto at = problem.slack->velocity;
   if (!at) return;
   const auto j_of = [](int j) { return static_cast<std::size_t>(j); };
   const std::size_t node = *at < problem.via.size() ? end_node(mesh, *at) : mesh.size();
   for (int j = 0; j < kJoints; ++j) {
-    ocp.rows_at_nodes.push_back({node, ArmOcp<F>::kSlower + j, ocp.slower[j_of(j)], ocp.slower[j_of(j)]});
+    ocp.rows_at_nodes.push_back(
+        {node, ArmOcp<F>::kRelaxedVelocity + j, ocp.velocity_relaxation[j_of(j)], ocp.velocity_relaxation[j_of(j)]});
   }
 }
 
 template <Features F>
 std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, const CollocationSetup& setup) {
   std::vector<typename ArmOcp<F>::Bounds> bounds;
-  const std::vector<Kept> kept = kept_limits(problem, setup.mesh, setup.margins);
+  const std::vector<TightenedLimits> tightened = tightened_limits(problem, setup.mesh, setup.margins);
   for (std::size_t k = 0; k < setup.mesh.size(); ++k) {
-    auto here = path_bounds<F>(kept[k].limits);
+    auto here = path_bounds<F>(tightened[k].limits);
     if constexpr (F.peak) bound_peaks<F>(here, problem);
-    for (std::size_t r = 0; r < kept[k].task_rows.size(); ++r) {
-      here.row_lower[ArmOcp<F>::kTask + r] = kept[k].task_rows[r][0];
-      here.row_upper[ArmOcp<F>::kTask + r] = kept[k].task_rows[r][1];
+    for (std::size_t r = 0; r < tightened[k].task_rows.size(); ++r) {
+      here.row_lower[ArmOcp<F>::kTask + r] = tightened[k].task_rows[r][0];
+      here.row_upper[ArmOcp<F>::kTask + r] = tightened[k].task_rows[r][1];
     }
-    if constexpr (F.elastic) bound_with_slack<F>(here, *problem.elastic);
+    if constexpr (F.slack) bound_with_slack<F>(here, *problem.slack);
     for (std::size_t j = 0; j < kJoints && !setup.creep.empty(); ++j) {
       const double creep = setup.creep[k][j];
       if (creep > 0) here.x_lower[kStateDtheta + j] = creep;
@@ -160,12 +162,12 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
 template <Features F>
 void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
   const auto limit_that_stays = [&](std::string_view name, const Joints<double>& limit, std::size_t j) {
-    return problem.elastic && problem.elastic->give[first_limit_of(name) + j] > 0 ? kNoLimit : limit[j];
+    return problem.slack && problem.slack->direction[first_limit_of(name) + j] > 0 ? kNoLimit : limit[j];
   };
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double by_power =
         limit_that_stays("motor_power", problem.limits.motor_power, j) / std::abs(problem.start.dtheta[j]);
-    const double limit = std::min(limit_that_stays("torque", problem.limits.torque, j), by_power) * (1 - kBackOff);
+    const double limit = std::min(limit_that_stays("torque", problem.limits.torque, j), by_power) * (1 - kBaseMargin);
     if (limit == kNoLimit) continue;
     const double friction = ocp.friction[j].nonlinear(problem.start.dtheta[j]);
     ocp.at_nodes.front().lower[ArmOcp<F>::kArm + j] = -limit - friction;
@@ -189,7 +191,7 @@ Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSet
   ocp.at_nodes = node_bounds<ArmOcp<F>::kStates>(problem, setup.mesh);
   if constexpr (F.rate) bound_first_torque(problem, ocp);
   if constexpr (F.task_rows > 0) ocp.rows_at_nodes = goal_rows<F>(problem, setup.mesh);
-  if constexpr (F.elastic) add_slower_rows<F>(problem, setup.mesh, ocp);
+  if constexpr (F.slack) add_velocity_rows<F>(problem, setup.mesh, ocp);
   ocp.durations = segment_durations(problem);
   ocp.duration_sums = duration_sums(problem);
   return {std::move(ocp), setup.scheme, setup.mesh};
@@ -240,7 +242,7 @@ Iterate evaluate_guess(const Transcription<ArmOcp<F>>& transcription, const Gues
       constexpr int kPeak = ArmOcp<F>::kPeak;
       z.segment<kJoints>(at + kPeak) = transcription.x_upper.template segment<kJoints>(at + kPeak);
     }
-    if constexpr (F.elastic) z(at + ArmOcp<F>::kSlack) = transcription.x_upper(at + ArmOcp<F>::kSlack) / 2;
+    if constexpr (F.slack) z(at + ArmOcp<F>::kSlack) = transcription.x_upper(at + ArmOcp<F>::kSlack) / 2;
   };
   const std::vector<double> times = transcription.mesh().node_times(guess.durations);
   put(0, 0);
@@ -270,7 +272,7 @@ Collocated run(const CollocationSetup& setup, const Transcription<ArmOcp<F>>& tr
   if (result.report.iterate.x.size() == transcription.variables()) {
     result.durations = transcription.durations(result.report.iterate.x);
     result.motion = motion_of(transcription, result.report.iterate.x);
-    if constexpr (F.elastic) result.slack = result.report.iterate.x(ArmOcp<F>::kSlack);
+    if constexpr (F.slack) result.slack = result.report.iterate.x(ArmOcp<F>::kSlack);
   }
   return result;
 }
@@ -315,8 +317,8 @@ FJR_ARM_COLLOCATION(extern, kWithTask)
 FJR_ARM_COLLOCATION(extern, kRateWithTask)
 FJR_ARM_COLLOCATION(extern, kWithPeak)
 FJR_ARM_COLLOCATION(extern, kEverything)
-FJR_ARM_COLLOCATION(extern, kElastic)
-FJR_ARM_COLLOCATION(extern, kElasticTask)
-FJR_ARM_COLLOCATION(extern, kElasticEverything)
+FJR_ARM_COLLOCATION(extern, kSlackOnly)
+FJR_ARM_COLLOCATION(extern, kSlackTask)
+FJR_ARM_COLLOCATION(extern, kSlackEverything)
 
 }  // namespace fjr

@@ -17,13 +17,13 @@
 
 namespace fjr {
 
-// What an instance has room for; what nobody asks for would only cost time.
+// What an instance supports; what nobody asks for would only cost time.
 struct Features {
-  bool rate = false;  // u is a state and its rate the control, so that u is continuous and its rate may be limited and
-                      // penalised; otherwise u is the control and may jump
-  int task_rows = 0;  // for the task's constraints; with any, goals with a free joint are possible too
-  bool peak = false;  // bounds on |tau_m| all the way are states, so that they may be penalised; needs task rows
-  bool elastic = false;  // for Problem::elastic
+  bool rate = false;   // u is a state and its rate the control, so that u is continuous and its rate may be limited and
+                       // penalised; otherwise u is the control and may jump
+  int task_rows = 0;   // for the task's constraints; with any, goals with a free joint are possible too
+  bool peak = false;   // bounds on |tau_m| all the way are states, so that they may be penalised; needs task rows
+  bool slack = false;  // for Problem::slack
 };
 
 // The first row of a quantity that is bounded as one.
@@ -48,7 +48,7 @@ struct ArmOcp {
   static constexpr int kArm = fjr::kStates;
   static constexpr int kPeak = kArm + (F.rate ? kJoints : 0);  // the first of those states
   static constexpr int kSlack = kPeak + (F.peak ? kJoints : 0);
-  static constexpr int kStates = kSlack + (F.elastic ? 1 : 0);
+  static constexpr int kStates = kSlack + (F.slack ? 1 : 0);
   static constexpr int kControls = kJoints;
   // The rows of the quantities that are bounded as rows come first: row_of() says where. kEquilibrium: theta - q -
   // G(q) / K of a joint, zero at rest. kPeakRow: peak - tau_m and peak + tau_m of both joints.
@@ -57,10 +57,10 @@ struct ArmOcp {
   static_assert(!F.peak || F.task_rows > 0);
   // With a slack: two rows for everything that is limited, value - slack and value + slack, in the order of the limits
   // and then of the task; and the velocities that may be lower.
-  static constexpr int kGive = F.task_rows > 0 ? kTask + F.task_rows : kEquilibrium;
+  static constexpr int kRelaxed = F.task_rows > 0 ? kTask + F.task_rows : kEquilibrium;
   static constexpr int kLimited = static_cast<int>(kLimits) + F.task_rows;
-  static constexpr int kSlower = kGive + 2 * kLimited;
-  static constexpr int kRows = F.elastic ? kSlower + kJoints : kGive;
+  static constexpr int kRelaxedVelocity = kRelaxed + 2 * kLimited;
+  static constexpr int kRows = F.slack ? kRelaxedVelocity + kJoints : kRelaxed;
   static constexpr auto kRowUsesControl = [] {
     std::array<bool, kRows> uses{};
     for (std::size_t i = kPeakRow; i < kTask && i < uses.size(); ++i) uses[i] = !F.rate;
@@ -68,14 +68,14 @@ struct ArmOcp {
       const QuantityInfo& info = *kLimitNames[i].quantity;
       const bool sees = info.bound == BoundOn::kControl ? F.rate : info.sees_torque && !F.rate;
       if (info.bound == BoundOn::kRow) uses[row_of(info) + kLimitNames[i].j()] = sees;
-      if (F.elastic) uses[kGive + 2 * i] = uses[kGive + 2 * i + 1] = sees;
+      if (F.slack) uses[kRelaxed + 2 * i] = uses[kRelaxed + 2 * i + 1] = sees;
     }
     return uses;
   }();
   static constexpr auto kRowOfSegment = [] {
     std::array<bool, kRows> of_segment{};
-    for (std::size_t i = kTask; i < kGive; ++i) of_segment[i] = true;
-    for (std::size_t i = kGive + 2 * kLimits; i < of_segment.size(); ++i) of_segment[i] = true;
+    for (std::size_t i = kTask; i < kRelaxed; ++i) of_segment[i] = true;
+    for (std::size_t i = kRelaxed + 2 * kLimits; i < of_segment.size(); ++i) of_segment[i] = true;
     return of_segment;
   }();
   static constexpr double kRateUnit = 100;  // [N m/s] per unit of control: keeps the controls near the states' size
@@ -84,9 +84,9 @@ struct ArmOcp {
   Weights weights;
   Joints<FrictionLaw> friction;             // in the torque limit and the effort
   std::vector<std::vector<TaskRow>> tasks;  // rows by segment; as many in each
-  Array<kLimited> give{};                   // per unit of slack
-  Limits limits;            // path constraints without a finite one are not evaluated; slacks of squares need it
-  Joints<double> slower{};  // [rad/s] per unit of slack
+  Array<kLimited> relaxation{};             // per unit of slack
+  Limits limits;  // path constraints without a finite one are not evaluated; slacks of squares need it
+  Joints<double> velocity_relaxation{};  // [rad/s] per unit of slack
 
   using Bounds = PathBounds<kStates, kControls, kRows>;
   std::vector<Bounds> bounds;
@@ -129,9 +129,9 @@ struct ArmOcp {
       }
     }
 
-    if constexpr (F.elastic) {
+    if constexpr (F.slack) {
       f[kSlack] = T(0.0);
-      give_way(moment, x[kSlack], rows);
+      relax_limits(moment, x[kSlack], rows);
     }
 
     cost = running_cost(weights, Instant<T>{robot, state, rate.dq, torque, kink});
@@ -149,7 +149,7 @@ struct ArmOcp {
     Joints<T> peak{T(0.0), T(0.0)};
     if constexpr (F.peak) peak = {x[kPeak], x[kPeak + 1]};
     T cost = fjr::node_cost(weights, at.kind, AtNode<T>{robot, state, peak});
-    if constexpr (F.elastic) {
+    if constexpr (F.slack) {
       if (at.kind == Node::kGoal) cost += x[kSlack];
     }
     return cost;
@@ -183,11 +183,11 @@ struct ArmOcp {
   }
 
   template <class T>
-  void give_way(const Moment<T>& moment, const T& slack, T* rows) const {
+  void relax_limits(const Moment<T>& moment, const T& slack, T* rows) const {
     std::size_t next = 0;
     const auto put = [&](const T& value, const T& by) {
-      rows[kGive + 2 * next] = value - by;
-      rows[kGive + 2 * next + 1] = value + by;
+      rows[kRelaxed + 2 * next] = value - by;
+      rows[kRelaxed + 2 * next + 1] = value + by;
       ++next;
     };
     Quantities::visit([&](auto quantity) {
@@ -197,13 +197,14 @@ struct ArmOcp {
       }
       const auto values = quantity.value(moment);
       for (std::size_t j = 0; j < values.size(); ++j) {
-        const T more = give[next] * slack;
+        const T more = relaxation[next] * slack;
         // (limit + more)^2 - limit^2
         put(values[j], quantity.info.squared ? T(more * (2 * quantity.info.in(limits, j) + more)) : more);
       }
     });
-    for (int r = 0; r < F.task_rows; ++r) put(rows[kTask + r], T(give[next] * slack));
-    for (std::size_t j = 0; j < kJoints; ++j) rows[kSlower + j] = moment.x.dq[j] + slower[j] * slack;
+    for (int r = 0; r < F.task_rows; ++r) put(rows[kTask + r], T(relaxation[next] * slack));
+    for (std::size_t j = 0; j < kJoints; ++j)
+      rows[kRelaxedVelocity + j] = moment.x.dq[j] + velocity_relaxation[j] * slack;
   }
 };
 
@@ -246,35 +247,35 @@ typename ArmOcp<F>::Bounds path_bounds(const Limits& limits) {
 template <Features F>
 void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem) {
   using Ocp = ArmOcp<F>;
-  constexpr double kRoomAbovePeak = 1e-6;  // share of the limit: a state whose bounds meet would be no variable
+  constexpr double kBelowPeak = 1e-6;  // fraction of the limit: a state whose bounds meet would be no variable
   const Joints<double> holding = held_at_goal(problem);
   for (std::size_t j = 0; j < kJoints; ++j) {
-    b.x_lower[Ocp::kPeak + j] = std::min(holding[j], problem.limits.torque[j] * (1 - kRoomAbovePeak));
+    b.x_lower[Ocp::kPeak + j] = std::min(holding[j], problem.limits.torque[j] * (1 - kBelowPeak));
     b.x_upper[Ocp::kPeak + j] = problem.limits.torque[j];
   }
   for (std::size_t r = Ocp::kPeakRow; r < Ocp::kTask && problem.weights.peak_torque > 0; ++r) b.row_lower[r] = 0;
 }
 
-// What gives way is bounded by the rows that see the slack.
+// What is relaxed is bounded by the rows that see the slack.
 template <Features F>
-void bound_with_slack(typename ArmOcp<F>::Bounds& b, const Elastic& elastic) {
+void bound_with_slack(typename ArmOcp<F>::Bounds& b, const Slack& slack) {
   using Ocp = ArmOcp<F>;
   b.x_lower[Ocp::kSlack] = 0;
-  b.x_upper[Ocp::kSlack] = elastic.most;
-  for (std::size_t i = 0; i < elastic.give.size(); ++i) {
-    if (elastic.give[i] == 0) continue;
+  b.x_upper[Ocp::kSlack] = slack.most;
+  for (std::size_t i = 0; i < slack.direction.size(); ++i) {
+    if (slack.direction[i] == 0) continue;
     const double unit = i < kLimits ? unit_of_bound<F>(*kLimitNames[i].quantity) : 1;
     const auto [lower, upper] = bounds_of<F>(b, i);
-    b.row_upper[Ocp::kGive + 2 * i] = unit * *upper;
-    b.row_lower[Ocp::kGive + 2 * i + 1] = unit * *lower;
+    b.row_upper[Ocp::kRelaxed + 2 * i] = unit * *upper;
+    b.row_lower[Ocp::kRelaxed + 2 * i + 1] = unit * *lower;
     *lower = -kNoLimit;
     *upper = kNoLimit;
   }
 }
 
 // The problem's plant and objective; bounds, nodes and segments depend on the mesh and are left empty. regularisation:
-// weight of a trace of effort in a minimum-time problem, as a share of the time weight; bounds what it can cost in
-// time.
+// weight of a regularisation by effort in a minimum-time problem, as a fraction of the time weight; bounds what it can
+// cost in time.
 template <Features F>
 ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
   ArmOcp<F> ocp;
@@ -285,16 +286,16 @@ ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
   for (int j = 0; j < kJoints; ++j) ocp.friction[static_cast<std::size_t>(j)] = FrictionLaw::of(problem.robot, j);
   // Minimum time leaves the torque of the joint that does not decide the time, and along velocity limits, undetermined:
   // the optimiser then fills it with chatter that samples cannot carry; other terms leave it undetermined elsewhere. A
-  // trace of effort picks the calm one.
+  // regularisation picks the calm one.
   if (!settles_torque(problem.weights)) {
     const Joints<double>& limit = problem.limits.torque;
     ocp.regularisation = regularisation * size_of(problem.weights) / (limit[0] * limit[0] + limit[1] * limit[1]);
   }
-  if constexpr (F.elastic) {
-    std::copy(problem.elastic->give.begin(), problem.elastic->give.end(), ocp.give.begin());
-    if (const auto at = problem.elastic->slower) {
+  if constexpr (F.slack) {
+    std::copy(problem.slack->direction.begin(), problem.slack->direction.end(), ocp.relaxation.begin());
+    if (const auto at = problem.slack->velocity) {
       const Joints<double> asked = *at < problem.via.size() ? *problem.via[*at].dq : problem.goal.dq;
-      ocp.slower = asked;
+      ocp.velocity_relaxation = asked;
     }
   }
   return ocp;

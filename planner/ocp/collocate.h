@@ -16,7 +16,7 @@ namespace fjr {
 // How far the problem at hand is from the one that was asked for.
 struct Smoothing {
   double friction_width = 0;     // [rad/s] of the smoothed law; 0: the exact law
-  double regularisation = 1e-3;  // weight of a trace of effort where there is none, see make_arm_ocp()
+  double regularisation = 1e-3;  // weight of a regularisation by effort where there is none, see make_arm_ocp()
 };
 
 struct CollocationSetup {
@@ -32,7 +32,7 @@ struct Collocated {
   SolveReport report;
   std::vector<double> durations;  // [s] of the mesh's segments
   Motion motion;                  // meaningful when report.solved()
-  double slack = 0;               // of an elastic problem
+  double slack = 0;               // of a problem with slack
 };
 
 // About `intervals` intervals, equal within each segment, for segments of these durations [s].

@@ -10,7 +10,7 @@
 
 namespace fjr {
 
-// A motion as a function of the share s in [0, 1] of its duration. It need not satisfy anything.
+// A motion as a function of the fraction s in [0, 1] of its duration. It need not satisfy anything.
 struct Guess {
   std::string name;
   std::vector<double> durations;                 // [s] of the segments

@@ -13,11 +13,11 @@ namespace {
 
 constexpr int kProbes = 16;       // pieces an interval is looked at in; polynomials of degree <= 4 bend little between
 constexpr double kEnlarge = 1.2;  // margins answer an excess with a little more
-constexpr double kLeast = 1e-5;   // share of a limit: the optimiser does not see less
-constexpr double kNegligible = 1e-7;  // share of a limit: an excess below a tenth of what the certificate allows
+constexpr double kLeast = 1e-5;   // fraction of a limit: the optimiser does not see less
+constexpr double kNegligible = 1e-7;  // fraction of a limit: an excess below a tenth of what the certificate allows
 constexpr double kMostMargin = 0.5;   // fraction of a limit that a margin may take: the bounds must not cross
-constexpr double kRunThrough = 0.1;   // share of a task's scale
-constexpr double kWindow = 0.03;      // share of the duration around a given state that lies on a limit
+constexpr double kRunThrough = 0.1;   // fraction of a task's scale
+constexpr double kWindow = 0.03;      // fraction of the duration around a given state that lies on a limit
 
 Joints<double> sum(const Joints<double>& a, const Joints<double>& b) { return {a[0] + b[0], a[1] + b[1]}; }
 
@@ -50,20 +50,20 @@ Limits reached_in(const Problem& problem, const Joints<FrictionLaw>& friction, c
   return reached;
 }
 
-// Least room of each of the task's rows on one interval.
-std::vector<double> room_in(const Problem& problem, const std::vector<TaskRow>& rows, const Motion& motion,
-                            std::size_t k) {
-  std::vector<double> room(rows.size(), kNoLimit);
-  if (rows.empty()) return room;
+// Least clearance of each of the task's rows on one interval.
+std::vector<double> clearance_in(const Problem& problem, const std::vector<TaskRow>& rows, const Motion& motion,
+                                 std::size_t k) {
+  std::vector<double> clearance(rows.size(), kNoLimit);
+  if (rows.empty()) return clearance;
   const auto& interval = motion.intervals[k];
   for (int i = 0; i <= kProbes; ++i) {
     const State<double> x = motion.state_in(k, interval.start + interval.duration * i / kProbes);
     const auto posture = Posture<double>::of(problem.robot, x.q);
     for (std::size_t r = 0; r < rows.size(); ++r) {
-      room[r] = std::min(room[r], rows[r].room(rows[r].value(problem.robot, posture)));
+      clearance[r] = std::min(clearance[r], rows[r].clearance(rows[r].value(problem.robot, posture)));
     }
   }
-  return room;
+  return clearance;
 }
 
 std::vector<std::vector<TaskRow>> rows_by_segment(const Problem& problem) {
@@ -74,10 +74,10 @@ std::vector<std::vector<TaskRow>> rows_by_segment(const Problem& problem) {
   return rows;
 }
 
-// A state that the request gives: where on the way, counted in segments, and what it leaves of each limit's room.
+// A state that the request gives: where on the way, counted in segments, and what it leaves of each limit's clearance.
 struct Given {
   double place;
-  PerLimit room;
+  PerLimit clearance;
 };
 
 Given given_at(const Problem& problem, double place, std::size_t segment, const State<double>& x) {
@@ -85,10 +85,10 @@ Given given_at(const Problem& problem, double place, std::size_t segment, const 
   const Joints<double> nothing{};
   raise(needs, {problem.robot, x, nothing, nothing}, [](const QuantityInfo&) { return true; });
   Given given{place, {}};
-  for (const LimitName& name : kLimitNames) given.room.push_back(name.in(problem.limits) - name.in(needs));
+  for (const LimitName& name : kLimitNames) given.clearance.push_back(name.in(problem.limits) - name.in(needs));
   const auto posture = Posture<double>::of(problem.robot, x.q);
   for (const TaskRow& row : task_rows(problem.robot, problem.task, segment)) {
-    given.room.push_back(row.room(row.value(problem.robot, posture)));
+    given.clearance.push_back(row.clearance(row.value(problem.robot, posture)));
   }
   return given;
 }
@@ -99,7 +99,7 @@ std::vector<Given> given_states(const Problem& problem) {
     const Via& via = problem.via[i];
     if (via.tolerance > 0) {  // a corner of a path gives its angles, nearly, and nothing else
       given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, {0, 0}, via.q, {0, 0}}));
-      std::fill(given.back().room.begin() + kLimits, given.back().room.end(), kNoLimit);
+      std::fill(given.back().clearance.begin() + kLimits, given.back().clearance.end(), kNoLimit);
       continue;
     }
     const Joints<double> dq = via.dq.value_or(Joints<double>{0, 0});
@@ -123,11 +123,11 @@ class Frame {
   std::size_t count() const { return scale_.size(); }
   double scale(std::size_t i) const { return scale_[i]; }
 
-  // The back-off that there is room for.
-  double back_off(std::size_t i) const {
-    double room = kBackOff * scale_[i];
-    if (std::any_of(given_.begin(), given_.end(), [&](const Given& g) { return lies_on(g, i); })) room = 0;
-    return room;
+  // The base margin, where given states leave any.
+  double base_margin(std::size_t i) const {
+    double clearance = kBaseMargin * scale_[i];
+    if (std::any_of(given_.begin(), given_.end(), [&](const Given& g) { return lies_on(g, i); })) clearance = 0;
+    return clearance;
   }
 
   // Margins cannot act on an interval, from and to counted in segments, where a given state lies on limit i, for as
@@ -142,7 +142,7 @@ class Frame {
   }
 
  private:
-  bool lies_on(const Given& given, std::size_t i) const { return given.room[i] < kBackOff * scale_[i]; }
+  bool lies_on(const Given& given, std::size_t i) const { return given.clearance[i] < kBaseMargin * scale_[i]; }
 
   const Problem& problem_;
   std::vector<Given> given_;
@@ -175,18 +175,19 @@ PerLimit limit_scales(const Problem& problem) {
   return scales;
 }
 
-std::vector<Kept> kept_limits(const Problem& problem, const Mesh& mesh, const std::vector<PerLimit>& margins) {
+std::vector<TightenedLimits> tightened_limits(const Problem& problem, const Mesh& mesh,
+                                              const std::vector<PerLimit>& margins) {
   const Frame frame(problem);
   const auto rows = rows_by_segment(problem);
   const std::vector<double> nodes = places(mesh);
-  std::vector<Kept> kept;
+  std::vector<TightenedLimits> tightened;
   for (std::size_t k = 0; k < mesh.size(); ++k) {
-    Kept here{problem.limits, {}};
+    TightenedLimits here{problem.limits, {}};
     for (const TaskRow& row : rows[static_cast<std::size_t>(mesh.intervals[k].segment)]) {
       here.task_rows.push_back({row.lower, row.upper});
     }
     for (std::size_t i = 0; i < frame.count(); ++i) {
-      double off = frame.back_off(i);
+      double off = frame.base_margin(i);
       if (!margins.empty() && !frame.held(i, nodes[k], nodes[k + 1])) off += margins[k][i];
       if (i < kLimits) {
         if (std::isfinite(off)) kLimitNames[i].in(here.limits) -= off;
@@ -195,9 +196,9 @@ std::vector<Kept> kept_limits(const Problem& problem, const Mesh& mesh, const st
         here.task_rows[i - kLimits][1] -= off;
       }
     }
-    kept.push_back(std::move(here));
+    tightened.push_back(std::move(here));
   }
-  return kept;
+  return tightened;
 }
 
 std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep,
@@ -209,15 +210,16 @@ std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const M
   std::vector<PerLimit> result;
   for (std::size_t k = 0; k < motion.intervals.size(); ++k) {
     const Limits reached = reached_in(problem, friction, motion, k);
-    const std::vector<double> room =
-        room_in(problem, rows[static_cast<std::size_t>(mesh.intervals[k].segment)], motion, k);
+    const std::vector<double> clearance =
+        clearance_in(problem, rows[static_cast<std::size_t>(mesh.intervals[k].segment)], motion, k);
     PerLimit excess(frame.count(), 0.0);
     for (std::size_t i = 0; i < frame.count(); ++i) {
       const double scale = frame.scale(i);
       const double beyond =
-          i < kLimits ? kLimitNames[i].in(reached)-kLimitNames[i].in(problem.limits) : -room[i - kLimits];
-      const double given = problem.elastic && i < problem.elastic->give.size() ? slack * problem.elastic->give[i] : 0;
-      const double over = beyond - given + keep * frame.back_off(i);
+          i < kLimits ? kLimitNames[i].in(reached)-kLimitNames[i].in(problem.limits) : -clearance[i - kLimits];
+      const double relaxed_by =
+          problem.slack && i < problem.slack->direction.size() ? slack * problem.slack->direction[i] : 0;
+      const double over = beyond - relaxed_by + keep * frame.base_margin(i);
       const bool counts = std::isfinite(scale) && over > kNegligible * scale && !frame.held(i, nodes[k], nodes[k + 1]);
       if (counts) excess[i] = over;
     }
@@ -226,15 +228,15 @@ std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const M
   return result;
 }
 
-double largest_share_kept_free(const Problem& problem, const std::vector<PerLimit>& margins) {
+double largest_tightening(const Problem& problem, const std::vector<PerLimit>& margins) {
   const PerLimit scales = limit_scales(problem);
-  double share = kBackOff;
+  double fraction = kBaseMargin;
   for (const PerLimit& margin : margins) {
     for (std::size_t i = 0; i < scales.size(); ++i) {
-      if (std::isfinite(scales[i])) share = std::max(share, kBackOff + margin[i] / scales[i]);
+      if (std::isfinite(scales[i])) fraction = std::max(fraction, kBaseMargin + margin[i] / scales[i]);
     }
   }
-  return share;
+  return fraction;
 }
 
 std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion& motion) {
@@ -245,9 +247,9 @@ std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion&
   // Calls sentence_of(over, time) for the largest excess of limit i if it is the worst so far.
   const auto consider = [&](std::size_t i, auto&& sentence_of) {
     for (std::size_t k = 0; k < excess.size(); ++k) {
-      const double share = excess[k][i] / scales[i];
-      if (!(share > worst)) continue;
-      worst = share;
+      const double fraction = excess[k][i] / scales[i];
+      if (!(fraction > worst)) continue;
+      worst = fraction;
       sentence = sentence_of(excess[k][i], motion.intervals[k].start);
     }
   };

@@ -12,8 +12,8 @@
 
 namespace fjr {
 
-// Share of each limit that is kept free everywhere: what the rollout may differ from the plan by, with room to spare.
-inline constexpr double kBackOff = 1e-4;
+// Fraction by which each limit is tightened everywhere: what the rollout may differ from the plan by, and more.
+inline constexpr double kBaseMargin = 1e-4;
 
 // A value for everything that is limited along the way: the limits by their index, then the task's rows; each
 // in its own unit.
@@ -21,25 +21,26 @@ using PerLimit = std::vector<double>;
 
 // Where the limit or the task's rows of this name and joint (or link; 0: neither) stand among them.
 std::vector<std::size_t> indices_of(const Problem& problem, std::string_view name, int joint);
-// What shares are taken of: the limit itself (infinite where there is none), the scale of a task's row.
+// What fractions are taken of: the limit itself (infinite where there is none), the scale of a task's row.
 PerLimit limit_scales(const Problem& problem);
 
 // The limits and the bounds of the task's rows as the optimiser is given them on one interval.
-struct Kept {
+struct TightenedLimits {
   Limits limits;
   std::vector<std::array<double, 2>> task_rows;
 };
 
-// On each interval of the mesh: less the back-off and the interval's margin (none when empty), but never tighter than
-// what start, via points and goal ask for themselves. Leaving a state that lies on a limit takes time, so where one
-// does, no margin acts near it, and the back-off of that limit is given up.
-std::vector<Kept> kept_limits(const Problem& problem, const Mesh& mesh, const std::vector<PerLimit>& margins);
+// On each interval of the mesh: less the base margin and the interval's margin (none when empty), but never tighter
+// than what start, via points and goal ask for themselves. Leaving a state that lies on a limit takes time, so where
+// one does, no margin acts near it, and the base margin of that limit is given up.
+std::vector<TightenedLimits> tightened_limits(const Problem& problem, const Mesh& mesh,
+                                              const std::vector<PerLimit>& margins);
 
-// By how much each limit, less a part of the back-off, is exceeded on each interval of the motion between and at the
+// By how much each limit, less a part of the base margin, is exceeded on each interval of the motion between and at the
 // collocation points, with the exact friction law (0 where it is not, and where no margin can act). A torque that
 // passes the friction law's step counts with the whole step, wherever in the interval the step lies. keep: that part.
-// slack: of an elastic problem, which the limits give way by.
-inline constexpr double kKeep = 0.8;  // leaves a fifth of the back-off to the last digits of the optimiser
+// slack: of a problem with slack, which the limits are relaxed by.
+inline constexpr double kKeep = 0.8;  // leaves a fifth of the base margin to the last digits of the optimiser
 std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep = kKeep,
                                double slack = 0);
 
@@ -52,7 +53,7 @@ std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion&
 bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses, const Problem& problem,
            double growth = 2);
 
-// Largest share of any limit that back-off and margins keep free somewhere.
-double largest_share_kept_free(const Problem& problem, const std::vector<PerLimit>& margins);
+// Largest fraction of any limit that margins keep free somewhere.
+double largest_tightening(const Problem& problem, const std::vector<PerLimit>& margins);
 
 }  // namespace fjr

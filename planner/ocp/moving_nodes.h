@@ -15,7 +15,7 @@ namespace fjr {
 
 // Solves again from `start`, a solution of this problem, with the times of these inner nodes (increasing) as variables.
 // The others keep their places between them in proportion. The result is a solution on the mesh as it came to lie.
-// Between moving nodes no stretch becomes more than twice or less than half as long. Not for elastic problems.
+// Between moving nodes no stretch becomes more than twice or less than half as long. Not for problems with slack.
 Collocated move_nodes(const Problem& problem, const Collocated& start, const std::vector<std::size_t>& nodes,
                       const SolveOptions& options);
 

@@ -44,13 +44,13 @@ struct Duration {
   bool fixed() const { return min == max; }
 };
 
-// Nothing that a request asks for, but what tells how far one is from possible (planner/search/explain): limits give
-// way by the slack times `give`, and the slack is what is minimised, beside the weighted terms.
-struct Elastic {
-  std::vector<double> give;           // of the limits by their index, then of the task's rows; each in its own unit
-  std::optional<std::size_t> slower;  // the velocity asked for is lowered by the slack, a fraction of it, at the
-                                      // via point of this index; via.size(): at the goal
-  double most = 1;                    // the largest slack
+// Nothing that a request asks for, but what tells how far one is from possible (planner/search/explain): each limit
+// is relaxed by the slack times its direction, and the slack is what is minimised, beside the weighted terms.
+struct Slack {
+  std::vector<double> direction;        // of the limits by their index, then of the task's rows; each in its own unit
+  std::optional<std::size_t> velocity;  // the velocity asked for is lowered by the slack, a fraction of it, at the
+                                        // via point of this index; via.size(): at the goal
+  double most = 1;                      // the largest slack
 };
 
 struct Problem {
@@ -65,7 +65,7 @@ struct Problem {
   std::vector<Via> via;                // in this order; the motion has a segment before each and one after the last
   std::optional<std::size_t> release;  // the via point at which what is thrown is let go; none: the goal
   Task task;
-  std::optional<Elastic> elastic;
+  std::optional<Slack> slack;
   double sample_period = 0.001;  // [s]
   std::uint64_t seed = 1;
   std::string method = "hermite-simpson";  // of collocation, a name of collocation/scheme.h

@@ -53,7 +53,7 @@ enum class Leaving {
 // What the closed-loop rollout may reach beyond the limit, where the plan keeps it.
 enum class InRollout {
   kOfPlan,    // anything: it is a property of the plan, and feedback is judged by itself
-  kVelocity,  // a share of the limit
+  kVelocity,  // a fraction of the limit
   kPosition,  // a count of the link encoder
 };
 

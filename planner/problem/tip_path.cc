@@ -17,13 +17,13 @@ std::vector<Coordinates> points(const Path& path) {
 
 }  // namespace
 
-Coordinates along(const TipLine&, const Coordinates& from, const Coordinates& to, double share) {
-  return {std::lerp(from[0], to[0], share), std::lerp(from[1], to[1], share)};
+Coordinates along(const TipLine&, const Coordinates& from, const Coordinates& to, double fraction) {
+  return {std::lerp(from[0], to[0], fraction), std::lerp(from[1], to[1], fraction)};
 }
 
-Coordinates along(const TipArc& arc, const Coordinates& from, const Coordinates& to, double share) {
+Coordinates along(const TipArc& arc, const Coordinates& from, const Coordinates& to, double fraction) {
   const double radius = std::hypot(arc.from[0] - arc.center[0], arc.from[1] - arc.center[1]);
-  const double angle = arc.angle_of(from) + share * turn_between(arc, from, to);
+  const double angle = arc.angle_of(from) + fraction * turn_between(arc, from, to);
   return {arc.center[0] + radius * std::cos(angle), arc.center[1] + radius * std::sin(angle)};
 }
 

@@ -70,8 +70,8 @@ std::string terms(const Problem& problem, const Plan& plan, bool that_count) {
 }
 
 // Two digits, and no exponent where it is more than 100.
-std::string percent(double share) {
-  const double percents = 100 * share;
+std::string percent(double fraction) {
+  const double percents = 100 * fraction;
   return std::abs(percents) < 99.5 ? fmt::format("{:.2g} %", percents) : fmt::format("{:.0f} %", percents);
 }
 
@@ -95,8 +95,8 @@ std::string what_limits(const Problem& problem, const Plan& plan) {
   for (const ShadowPrice& l : limits) {
     const bool of_task = limit_of(of_request, l.name, l.joint) == nullptr;
     const std::string joint = l.joint == 0 ? "" : fmt::format("{} {}", of_task ? " link" : "", l.joint);
-    add(fmt::format("{}{} {:.0f} % of the time: 1 % more{}, {:.3g} {}, would save {}", l.name, joint, 100 * l.share,
-                    of_task ? " room" : "", kOnePercent * l.limit, l.unit,
+    add(fmt::format("{}{} {:.0f} % of the time: 1 % more{}, {:.3g} {}, would save {}", l.name, joint, 100 * l.fraction,
+                    of_task ? " clearance" : "", kOnePercent * l.limit, l.unit,
                     gain(problem, plan, kOnePercent * l.limit * l.price)));
   }
   if (sensitivity.duration) {
@@ -175,10 +175,10 @@ std::string summary(const Certificate& certificate) {
   text += line("feedback", fmt::format("at most {:.2e} and {:.2e} N m", feedback[0], feedback[1]));
   text += tightest_limits(certificate);
   for (const TaskCheck& check : certificate.task) {
-    text += line(
-        text.find("task") == std::string::npos ? "task" : "",
-        fmt::format("{}{} keeps {:.3g} {} of room at {:.4f} s", check.name,
-                    check.link == 0 ? "" : fmt::format(" link {}", check.link), check.room, check.unit, check.time));
+    text += line(text.find("task") == std::string::npos ? "task" : "",
+                 fmt::format("{}{} keeps a clearance of {:.3g} {} at {:.4f} s", check.name,
+                             check.link == 0 ? "" : fmt::format(" link {}", check.link), check.clearance, check.unit,
+                             check.time));
   }
   if (certificate.residual.evaluated) {
     const auto& after = certificate.residual;

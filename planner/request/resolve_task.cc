@@ -15,8 +15,8 @@ namespace {
 using task::check_between, task::distance, task::kShortest;
 
 constexpr std::size_t kMostCorners = 32;  // as many as via points
-constexpr double kCornerShare = 0.1;      // of the tolerance, in which a corner is passed
-constexpr double kOnBound = 1e-6;         // share of a constraint's scale: as good as kept
+constexpr double kCornerFraction = 0.1;   // of the tolerance, in which a corner is passed
+constexpr double kOnBound = 1e-6;         // fraction of a constraint's scale: as good as kept
 
 // The keys are those of the request, where the regions of the tip stand together.
 Place place_of(const Request& request, const char* key) {
@@ -51,7 +51,7 @@ void add_corner(const Place& place, const Joints<double>& q, JointPath& path, Pr
   }
   if (distance(q, path.corners.back()) < kShortest) place.fail("is the same point as the one before it");
   path.corners.push_back(q);
-  problem.via.push_back({std::nullopt, q, std::nullopt, kCornerShare * path.tolerance});
+  problem.via.push_back({std::nullopt, q, std::nullopt, kCornerFraction * path.tolerance});
 }
 
 void resolve_path(const Request& request, Problem& problem) {
@@ -78,16 +78,16 @@ void resolve_path(const Request& request, Problem& problem) {
 std::string broken(const Problem& problem, std::size_t segment, const Joints<double>& q) {
   const auto posture = Posture<double>::of(problem.robot, q);
   for (const TaskRow& row : task_rows(problem.robot, problem.task, segment)) {
-    const double room = row.distance(row.value(problem.robot, posture));
-    if (room >= -kOnBound * row.scale) continue;
+    const double clearance = row.distance(row.value(problem.robot, posture));
+    if (clearance >= -kOnBound * row.scale) continue;
     if (row.link > 0) {
-      return fmt::format("link {} would be {:.4g} m {} {}, its radius and margin included", row.link, -room,
+      return fmt::format("link {} would be {:.4g} m {} {}, its radius and margin included", row.link, -clearance,
                          row.is_distance() ? "beyond" : "inside", row.name);
     }
-    if (row.kind == TaskRow::Kind::kAngles) return fmt::format("lies {:.4g} rad off the {}", -room, row.name);
+    if (row.kind == TaskRow::Kind::kAngles) return fmt::format("lies {:.4g} rad off the {}", -clearance, row.name);
     const std::string region = row.name.substr(std::string_view("tip_").size());
     return fmt::format("puts the tip at [{:.4g}, {:.4g}] m, {:.4g} m outside tip.{}", posture.tip.x, posture.tip.y,
-                       -room, region);
+                       -clearance, region);
   }
   return "";
 }
@@ -104,8 +104,9 @@ std::string leaves(const Problem& problem, std::size_t segment, const Joints<dou
   }
   const auto here = Posture<double>::of(problem.robot, q), soon = Posture<double>::of(problem.robot, moved(kMoment));
   for (const TaskRow& row : task_rows(problem.robot, problem.task, segment)) {
-    const double room = row.room(row.value(problem.robot, here)), then = row.room(row.value(problem.robot, soon));
-    if (room <= kOnBound * row.scale && then < room - 1e-3 * kMoment) {  // faster than 1 mm/s or 1 mrad/s
+    const double clearance = row.clearance(row.value(problem.robot, here)),
+                 then = row.clearance(row.value(problem.robot, soon));
+    if (clearance <= kOnBound * row.scale && then < clearance - 1e-3 * kMoment) {  // faster than 1 mm/s or 1 mrad/s
       return fmt::format("lies on the edge of {} and moves beyond it", row.name);
     }
   }

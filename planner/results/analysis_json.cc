@@ -71,7 +71,7 @@ Json sensitivity_json(const Sensitivity& sensitivity) {
                       {"unit", limit.unit},
                       {"worth", rounded(limit.price)},
                       {"saved_by_1_percent", rounded(0.01 * limit.limit * limit.price)},
-                      {"active_share", rounded(limit.share)},
+                      {"active_share", rounded(limit.fraction)},
                       {"active", stretches(limit.active)}});
   }
   Json via = Json::array();

@@ -70,9 +70,12 @@ Json limit_json(const LimitCheck& check) {
 }
 
 Json task_json(const TaskCheck& check) {
-  return {{"name", check.name},         {"link", check.link == 0 ? Json(nullptr) : Json(check.link)},
-          {"room", number(check.room)}, {"unit", check.unit},
-          {"time", number(check.time)}, {"passed", check.passed}};
+  return {{"name", check.name},
+          {"link", check.link == 0 ? Json(nullptr) : Json(check.link)},
+          {"room", number(check.clearance)},
+          {"unit", check.unit},
+          {"time", number(check.time)},
+          {"passed", check.passed}};
 }
 
 Json residual_json(const Residual& residual) {

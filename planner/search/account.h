@@ -33,10 +33,10 @@ struct Fallbacks {
   int friction_level = 0;    // a step to a sharper friction law stopped at the iteration limit
   int displaced_start = 0;   // starts beyond those that are always tried
   int swinging = 0;          // limits that carry the arm, tightened step by step
-  int patience = 0;          // a start with many more iterations, and more than a trace of effort at first
+  int patience = 0;          // a start with many more iterations, and more than a regularisation by effort at first
   int coarser_mesh = 0, finer_mesh = 0;
-  int elastic = 0;       // limits relaxed, then tightened step by step
-  int from_fastest = 0;  // from the fastest motion, stretched to the time there is
+  int relaxed_limits = 0;  // limits relaxed, then tightened step by step
+  int from_fastest = 0;    // from the fastest motion, stretched to the time there is
 };
 
 template <class F, class Visit>
@@ -48,7 +48,7 @@ void visit_fallbacks(F& f, Visit&& visit) {
   visit("patience", f.patience);
   visit("coarser_mesh", f.coarser_mesh);
   visit("finer_mesh", f.finer_mesh);
-  visit("elastic", f.elastic);
+  visit("elastic", f.relaxed_limits);
   visit("from_fastest", f.from_fastest);
 }
 

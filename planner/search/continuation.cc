@@ -22,50 +22,51 @@ namespace {
 
 // From smooth to exact, each solution starting the next. Effort lives in the friction's step, where a motor parks:
 // steps of about three keep every warm start within tens of iterations. Without effort the law only moves a torque
-// limit, and large steps do; there the trace of effort is what makes the first problems easy: with 0.1 of it the time
-// is up to 2 % longer; with 0.01, which remains, by 0.03 to 0.1 %, and half the iterations are enough.
-const std::vector<Smoothing>& levels(const Problem& problem) {
+// limit, and large steps do; there the regularisation by effort is what makes the first problems easy: with 0.1 of it
+// the time is up to 2 % longer; with 0.01, which remains, by 0.03 to 0.1 %, and half the iterations are enough.
+const std::vector<Smoothing>& homotopy_steps(const Problem& problem) {
   static const std::vector<Smoothing> fine{{0.1}, {0.03}, {0.01}, {0.003}, {0.001}, {0.0003}, {0}};
   static const std::vector<Smoothing> coarse{{0.1, 0.1}, {0.01, 0.1}, {0, 0.01}};
   return sees_friction(problem.weights) ? fine : coarse;
 }
 
-constexpr double kExcessWorthSplitting = 0.02;  // share of a limit beyond which a margin would cost more than intervals
-constexpr double kCostTolerance = 3e-5;         // share of the objective by which an interval may misjudge it
-constexpr double kLevelTolerance = 1e-5;        // [rad] of the meshes on the way
+constexpr double kExcessWorthSplitting =
+    0.02;                                // fraction of a limit beyond which a margin would cost more than intervals
+constexpr double kCostTolerance = 3e-5;  // fraction of the objective by which an interval may misjudge it
+constexpr double kStepTolerance = 1e-5;  // [rad] of the meshes on the way
 // A warm start is as close to its bounds as the solution before it was: a larger barrier has to push it off first, a
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
 // in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
-constexpr int kLevelIterations = 80;   // of steps between levels that converge at all, nine of ten take less than 60
+constexpr int kStepIterations = 80;    // of steps between steps that converge at all, nine of ten take less than 60
 constexpr int kRestIterations = 50;    // with rests scaled, 45
 constexpr double kRestWidth = 0.003;   // [rad/s] up to which they are: in wider laws a motor that moves seems to rest
 constexpr int kMovingIterations = 60;  // nine of ten take less than 45
 constexpr int kMovingRounds = 2;       // a refined mesh wants its nodes elsewhere, but no longer by much
 constexpr int kMoreIterations = 200;   // where they come down a slope on the way: up to 4 % less effort
-constexpr double kWorthMore = 0.005;   // share of the objective that tells a slope
+constexpr double kWorthMore = 0.005;   // fraction of the objective that tells a slope
 // From these widths [rad/s] to the exact law the objective still came down by up to 3 and 1 %, in 60 continuations of
 // seven motions: what is further behind than that will not catch up.
 constexpr double kPromisingWidth = 0.01, kToldWidth = 0.003;
 constexpr double kPromisingGain = 0.05, kToldGain = 0.02;
-constexpr int kHalvings = 2;           // of a step between levels that did not converge
+constexpr int kHalvings = 2;           // of a step between steps that did not converge
 constexpr double kSharpWidth = 1e-4;   // [rad/s] as good as the exact law, where a step is halved
 constexpr double kSameMinimum = 2e-5;  // relative difference of objectives on one mesh below which minima are one
-constexpr int kPolishRounds = 8;
-constexpr int kFailuresToPolish = 3;  // then what is there has to do: the next would fail alike, 300 iterations each
-// Rounds that want the back-off kept; what those after them leave is still inside the limits, and chasing it takes
+constexpr int kTighteningRounds = 8;
+constexpr int kFailuresToTighten = 3;  // then what is there has to do: the next would fail alike, 300 iterations each
+// Rounds that want the base margin kept; what those after them leave is still inside the limits, and chasing it takes
 // rounds in which nothing moves.
 constexpr int kEagerRounds = 2;
 constexpr double kKeepAtLast = 0.2;
 constexpr double kUnfeltGrowth = 8;  // of a margin that the optimiser did not feel
 constexpr int kCreepRounds = 3;
-constexpr double kLargestTrace = 0.05;  // share of the objective: what it costs is of second order in that
-constexpr double kFade = 0.5;           // of that, where it has to be reduced
+constexpr double kLargestRegularisation = 0.05;  // fraction of the objective: what it costs is of second order in that
+constexpr double kFade = 0.5;                    // of that, where it has to be reduced
 constexpr int kFadeRounds = 4;
 
 // The error that intervals must exceed to be the few that make most of the sum, or the many where many make it.
 double bulk_of(std::vector<double> errors) {
-  constexpr double kOthers = 0.2;  // share of the sum that the others make
+  constexpr double kOthers = 0.2;  // fraction of the sum that the others make
   const double sum = std::accumulate(errors.begin(), errors.end(), 0.0);
   std::sort(errors.begin(), errors.end());
   double others = 0;
@@ -90,7 +91,7 @@ double squared_torque(const Motion& motion) {
   return sum;
 }
 
-// The share of the objective that a solution with friction of this width [rad/s] may still come down by.
+// The fraction of the objective that a solution with friction of this width [rad/s] may still come down by.
 double gain_after(double width) {
   if (width > kPromisingWidth) return kNoLimit;
   return width > kToldWidth ? kPromisingGain : kToldGain;
@@ -187,8 +188,8 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   SolveOptions o = options(what);
   o.max_iterations = most_iterations;
   const int usual = coarse_intervals(*problem_, guess.duration());
-  Smoothing smoothest = levels(*problem_).front();
-  smoothest.regularisation *= trace_factor;
+  Smoothing smoothest = homotopy_steps(*problem_).front();
+  smoothest.regularisation *= regularisation_factor;
   smoothest.friction_width *= width_factor;
   const CollocationSetup setup{settings().scheme,
                                uniform_mesh(guess.durations, static_cast<int>(std::lround(mesh_factor * usual))),
@@ -204,9 +205,9 @@ bool Continuation::came_down() const {
 }
 
 // Whether a motor at rest may carry a load for nothing.
-bool Continuation::has_rests() const { return sees_friction(problem_->weights) && !problem_->elastic; }
+bool Continuation::has_rests() const { return sees_friction(problem_->weights) && !problem_->slack; }
 
-bool Continuation::attempt_level(const std::string& what, const CollocationSetup& setup) {
+bool Continuation::attempt_step(const std::string& what, const CollocationSetup& setup) {
   const double width = setup.smoothing.friction_width;
   const bool scaled = has_rests() && width <= kRestWidth;
   const Collocated from = scaled ? with_rests_scaled(*problem_, solution_, width) : solution_;
@@ -219,7 +220,7 @@ bool Continuation::attempt_level(const std::string& what, const CollocationSetup
     if (stages_.size() > before && status_ == SolveStatus::kIterationLimit) ++session_->fallbacks().friction_level;
     return solved;
   };
-  if (within(scaled ? kRestIterations : kLevelIterations)) return true;
+  if (within(scaled ? kRestIterations : kStepIterations)) return true;
   return status_ == SolveStatus::kIterationLimit && came_down() && within(kMoreIterations);
 }
 
@@ -237,35 +238,34 @@ bool Continuation::move_nodes() {
 }
 
 // The finer mesh that moved nodes ask for may want some of them elsewhere again. False when no usable solution is left.
-bool Continuation::polish_on_moved_nodes() {
+bool Continuation::tighten_on_moved_nodes() {
   move_nodes();
-  for (int round = 0; status_ != SolveStatus::kStopped && polish(); ++round) {
+  for (int round = 0; status_ != SolveStatus::kStopped && tighten(); ++round) {
     if (round + 1 >= kMovingRounds || !move_nodes()) return status_ != SolveStatus::kStopped;
   }
   return false;
 }
 
 // A step that is too large is taken in two.
-bool Continuation::reach_level(const Smoothing& level, int halvings) {
-  const std::string what = fmt::format("{}, friction width {:.2g} rad/s", label_, level.friction_width);
-  CollocationSetup setup =
-      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
+bool Continuation::reach_step(const Smoothing& step, int halvings) {
+  const std::string what = fmt::format("{}, friction width {:.2g} rad/s", label_, step.friction_width);
+  CollocationSetup setup = refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kStepTolerance);
   const Smoothing from = setup.smoothing;
-  setup.smoothing = level;
-  if (attempt_level(what, setup)) return true;
-  // With effort the levels are close already, and the last good one will do.
+  setup.smoothing = step;
+  if (attempt_step(what, setup)) return true;
+  // With effort the steps are close already, and the last good one will do.
   if (status_ == SolveStatus::kStopped || sees_friction(problem_->weights)) return false;
   if (halvings == 0) return attempt_anew(what, setup);
-  const double sharpest = std::max(level.friction_width, kSharpWidth);
+  const double sharpest = std::max(step.friction_width, kSharpWidth);
   const Smoothing between{std::sqrt(from.friction_width * sharpest),
-                          std::sqrt(from.regularisation * level.regularisation)};
-  return reach_level(between, halvings - 1) && reach_level(level, halvings - 1);
+                          std::sqrt(from.regularisation * step.regularisation)};
+  return reach_step(between, halvings - 1) && reach_step(step, halvings - 1);
 }
 
-// Each level's solution starts the next, on a mesh refined by what it showed. The one that would be published for the
+// Each step's solution starts the next, on a mesh refined by what it showed. The one that would be published for the
 // least, with the exact law, is kept: a sharper law usually helps, but now and then a step slips into a worse minimum
 // or fails.
-bool Continuation::follow_levels() {
+bool Continuation::follow_homotopy() {
   Collocated best = solution_;
   int best_at = solutions_;
   double least = published_objective(*problem_, best), objective = least;
@@ -277,53 +277,53 @@ bool Continuation::follow_levels() {
     best = solution_;
     best_at = solutions_;
   };
-  // What stands in the way of a level is often a mesh on which this one's motion is locked.
-  const auto reach = [&](const Smoothing& level) {
-    if (reach_level(level, kHalvings)) return true;
+  // What stands in the way of a step is often a mesh on which this one's motion is locked.
+  const auto reach = [&](const Smoothing& step) {
+    if (reach_step(step, kHalvings)) return true;
     if (status_ == SolveStatus::kStopped || !move_nodes()) return false;
     compare();
-    return reach_level(level, kHalvings);
+    return reach_step(step, kHalvings);
   };
   const double width = solution_.setup.smoothing.friction_width;
-  for (std::size_t i = 1; i < levels(*problem_).size(); ++i) {
-    const double width_of_level = levels(*problem_)[i].friction_width;
-    if (width_of_level >= width) continue;
-    if (!reach(levels(*problem_)[i])) break;
+  for (std::size_t i = 1; i < homotopy_steps(*problem_).size(); ++i) {
+    const double width_of_step = homotopy_steps(*problem_)[i].friction_width;
+    if (width_of_step >= width) continue;
+    if (!reach(homotopy_steps(*problem_)[i])) break;
     compare();
-    if (std::min(least, objective) > to_beat + gain_after(width_of_level) * std::abs(to_beat)) return false;
+    if (std::min(least, objective) > to_beat + gain_after(width_of_step) * std::abs(to_beat)) return false;
   }
   if (best_at != solutions_) failed_.clear();
   solution_ = std::move(best);
-  return status_ != SolveStatus::kStopped && fade_trace();
+  return status_ != SolveStatus::kStopped && fade_regularisation();
 }
 
-// Where the objective comes to much less than its weights let expect, the trace of effort that chooses among torques
-// would outweigh it: that is reduced until it is small beside the objective.
-bool Continuation::fade_trace() {
+// Where the objective comes to much less than its weights let expect, the regularisation by effort that chooses among
+// torques would outweigh it: that is reduced until it is small beside the objective.
+bool Continuation::fade_regularisation() {
   if (settles_torque(problem_->weights)) return true;
   for (int round = 0; round < kFadeRounds; ++round) {
-    Smoothing level = solution_.setup.smoothing;
-    const double weight = make_arm_ocp<Features{}>(*problem_, level.regularisation).regularisation;
-    const double trace = weight * squared_torque(solution_.motion);
-    const double objective = std::abs(solution_.report.objective - trace);
-    if (!(trace > kLargestTrace * objective)) return true;
-    level.regularisation *= std::max(kFade * kLargestTrace * objective / trace, 1e-3);
-    if (!reach_level(level, kHalvings)) return status_ != SolveStatus::kStopped;
+    Smoothing step = solution_.setup.smoothing;
+    const double weight = make_arm_ocp<Features{}>(*problem_, step.regularisation).regularisation;
+    const double regularisation = weight * squared_torque(solution_.motion);
+    const double objective = std::abs(solution_.report.objective - regularisation);
+    if (!(regularisation > kLargestRegularisation * objective)) return true;
+    step.regularisation *= std::max(kFade * kLargestRegularisation * objective / regularisation, 1e-3);
+    if (!reach_step(step, kHalvings)) return status_ != SolveStatus::kStopped;
   }
   return true;
 }
 
-Begun Continuation::begin(const Guess& guess, int most_iterations, const std::vector<double>& known) {
-  if (!cold(guess, most_iterations)) return Begun::kNothing;
-  if (any_same(known, solution_.report.objective)) return Begun::kKnown;
-  // Without effort the next levels refine anyway, and the multipliers change little before: a tenth fewer iterations.
+StartOutcome Continuation::begin(const Guess& guess, int most_iterations, const std::vector<double>& known) {
+  if (!cold(guess, most_iterations)) return StartOutcome::kNoSolution;
+  if (any_same(known, solution_.report.objective)) return StartOutcome::kKnown;
+  // Without effort the next steps refine anyway, and the multipliers change little before: a tenth fewer iterations.
   // With effort, what is a motor's rest has to be resolved while the law is smooth: objectives 0.5 % higher without.
-  if (!sees_friction(problem_->weights)) return Begun::kNew;
+  if (!sees_friction(problem_->weights)) return StartOutcome::kNew;
   const CollocationSetup setup =
-      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kLevelTolerance);
+      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kStepTolerance);
   if (setup.mesh.size() != solution_.setup.mesh.size())
     attempt_or_forget(fmt::format("{}, {} intervals", label_, setup.mesh.size()), setup);
-  return status_ == SolveStatus::kStopped ? Begun::kNothing : Begun::kNew;
+  return status_ == SolveStatus::kStopped ? StartOutcome::kNoSolution : StartOutcome::kNew;
 }
 
 // The setup with those intervals split whose error [rad] exceeds the tolerance, that exceed a limit by much, or that
@@ -339,8 +339,8 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   for (std::size_t k = 0; k < errors.size(); ++k) {
     for (std::size_t i = 0; i < scales.size(); ++i) {
       const double margin = setup.margins.empty() ? 0 : setup.margins[k][i];
-      const double share = (excess[k][i] + margin) / scales[i];  // zero without a limit
-      if (share <= kExcessWorthSplitting) continue;
+      const double fraction = (excess[k][i] + margin) / scales[i];  // zero without a limit
+      if (fraction <= kExcessWorthSplitting) continue;
       if (const std::size_t j = i - first_limit_of("torque"); j < kJoints) {
         if (const auto reversal = reversal_in(solution_.motion, k, j)) {
           steps[k].push_back(*reversal);
@@ -348,7 +348,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
         }
       }
       errors[k] = std::max(errors[k], worth_splitting);
-      if (share > 4 * kExcessWorthSplitting) errors[k] = std::max(errors[k], worth_quartering);
+      if (fraction > 4 * kExcessWorthSplitting) errors[k] = std::max(errors[k], worth_quartering);
     }
   }
   if (sees_friction(problem_->weights)) {
@@ -422,14 +422,14 @@ bool Continuation::attempt_anew(const std::string& what, const CollocationSetup&
   return solved;
 }
 
-bool Continuation::refine(const std::vector<double>& errors) {
+bool Continuation::split_intervals(const std::vector<double>& errors) {
   const CollocationSetup setup = refined(solution_.setup, errors, std::min(settings().mesh_tolerance, bulk_of(errors)));
   if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
   return attempt_or_forget(fmt::format("{}, {} intervals", label_, setup.mesh.size()), setup);
 }
 
-bool Continuation::polish() {
-  for (int round = 0; round < kPolishRounds && failures_to_polish_ < kFailuresToPolish; ++round) {
+bool Continuation::tighten() {
+  for (int round = 0; round < kTighteningRounds && failures_to_tighten_ < kFailuresToTighten; ++round) {
     CollocationSetup setup = solution_.setup;
     const double keep = round < kEagerRounds ? kKeep : kKeepAtLast;
     const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
@@ -440,7 +440,7 @@ bool Continuation::polish() {
     if (!wider && !finer) return true;
     const std::string what = fmt::format("{}, {} intervals{}", label_, setup.mesh.size(), wider ? " and margins" : "");
     if (!attempt_or_forget(what, setup)) {
-      ++failures_to_polish_;
+      ++failures_to_tighten_;
       return status_ != SolveStatus::kStopped;
     }
   }
@@ -450,7 +450,7 @@ bool Continuation::polish() {
 bool Continuation::keep_margins(const std::vector<LimitCheck>& checks) {
   std::vector<PerLimit> more(solution_.setup.mesh.size(), PerLimit(limit_scales(*problem_).size(), 0.0));
   for (const LimitCheck& check : checks) {
-    const double limit = check.limit * (1 - kBackOff);
+    const double limit = check.limit * (1 - kBaseMargin);
     if (check.passed || check.reached <= check.limit) continue;
     const std::size_t at = solution_.motion.interval_at(check.time);
     for (std::size_t k = at > 0 ? at - 1 : 0; k < std::min(at + 2, more.size()); ++k) {
@@ -460,7 +460,7 @@ bool Continuation::keep_margins(const std::vector<LimitCheck>& checks) {
   CollocationSetup setup = solution_.setup;
   if (!widen(setup.margins, more, *problem_)) return false;
   const std::string what = fmt::format("{}, margins from the certificate", label_);
-  return attempt(what, setup, nullptr, warm(what)) && polish();
+  return attempt(what, setup, nullptr, warm(what)) && tighten();
 }
 
 bool Continuation::creep() {
@@ -497,8 +497,9 @@ bool Continuation::resume(const Collocated& neighbour) {
   // What was fitted to the other problem and may not suit this one.
   CollocationSetup& setup = solution_.setup;
   setup.creep.clear();
-  setup.smoothing.regularisation = std::min(setup.smoothing.regularisation, levels(*problem_).back().regularisation);
-  if (!sees_friction(problem_->weights)) setup.smoothing.friction_width = levels(*problem_).back().friction_width;
+  const Smoothing& exact = homotopy_steps(*problem_).back();
+  setup.smoothing.regularisation = std::min(setup.smoothing.regularisation, exact.regularisation);
+  if (!sees_friction(problem_->weights)) setup.smoothing.friction_width = exact.friction_width;
   const std::size_t limits = limit_scales(*problem_).size();
   if (limits > kLimits || (!setup.margins.empty() && setup.margins.front().size() != limits)) {
     setup.margins.clear();
@@ -508,15 +509,15 @@ bool Continuation::resume(const Collocated& neighbour) {
   for (const double barrier : {kWarmBarrier, 10 * kWarmBarrier}) {
     SolveOptions o = warm(what);
     o.initial_barrier = o.final_barrier = barrier;
-    o.max_iterations = kLevelIterations;
+    o.max_iterations = kStepIterations;
     if (barrier > kWarmBarrier) o.optimiser = Optimiser::kIpopt;  // another path too
-    if (attempt(what, CollocationSetup(solution_.setup), nullptr, o)) return polish_on_moved_nodes();
+    if (attempt(what, CollocationSetup(solution_.setup), nullptr, o)) return tighten_on_moved_nodes();
     if (status_ == SolveStatus::kStopped) return false;
   }
   return false;
 }
 
 // Where margins cannot be had, the certificate decides about what there is.
-bool Continuation::finish() { return follow_levels() && polish_on_moved_nodes(); }
+bool Continuation::refine() { return follow_homotopy() && tighten_on_moved_nodes(); }
 
 }  // namespace fjr

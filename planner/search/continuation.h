@@ -19,9 +19,9 @@ namespace fjr {
 bool any_same(const std::vector<double>& minima, double objective);
 
 // What a start came to.
-enum class Begun {
-  kNothing,  // no solution
-  kKnown,    // a minimum that was met before
+enum class StartOutcome {
+  kNoSolution,
+  kKnown,  // a minimum that was met before
   kNew,
 };
 
@@ -33,9 +33,9 @@ class Continuation {
   // Solves with the smoothest friction law, on a coarse mesh from the guess and then on a refined one: what the starts
   // are compared by. status() says how it ended. `known`: objectives on first meshes; a minimum among them is not
   // refined again.
-  Begun begin(const Guess& guess, int most_iterations, const std::vector<double>& known = {});
+  StartOutcome begin(const Guess& guess, int most_iterations, const std::vector<double>& known = {});
 
-  // From the finished solution of a neighbouring problem - other start, other goal - to this one's, on its mesh. False
+  // From the refined solution of a neighbouring problem - other start, other goal - to this one's, on its mesh. False
   // when there is no solution that way.
   bool resume(const Collocated& neighbour);
 
@@ -44,19 +44,19 @@ class Continuation {
   bool adopt(const Collocated& other, double duration);
 
   // From there to the exact friction law, not yet minding the mesh. False when it was stopped.
-  bool follow_levels();
+  bool follow_homotopy();
 
   // From there to the exact problem, on a mesh and with margins that suit it. False when no usable solution is left.
-  bool finish();
+  bool refine();
 
   // Splits the intervals whose given errors [rad] exceed the mesh tolerance or make most of their sum, or whose limits
   // are exceeded by much, and solves again. False when there was nothing to split or no solution; the last solution
   // stays.
-  bool refine(const std::vector<double>& errors);
+  bool split_intervals(const std::vector<double>& errors);
 
   // Solves again with finer intervals and margins until the mesh is good enough and every limit holds between the
   // collocation points too. False when no usable solution is left.
-  bool polish();
+  bool tighten();
 
   // The same where a certificate found limits of the published rows exceeded: interpolation between rows can do what
   // the collocation polynomial does not. (What exceeds them in a rollout only is not exact enough.) False when there
@@ -77,11 +77,11 @@ class Continuation {
   const std::vector<SolverStage>& stages() const { return stages_; }
   int solutions() const { return solutions_; }  // that were found so far, each in place of the one before
 
-  int start = 1;            // how many starts had been tried with this one
-  double mesh_factor = 1;   // on the number of intervals of the first mesh
-  double trace_factor = 1;  // on the trace of effort of the first solution: more of it is easier to solve
+  int start = 1;                     // how many starts had been tried with this one
+  double mesh_factor = 1;            // on the number of intervals of the first mesh
+  double regularisation_factor = 1;  // on that of the first solution, by effort: with more it is easier to solve
   double width_factor = 1;  // on the width of the first solution's friction law: less of it is nearer to the exact law
-  // finish() gives up when a level shows that the motion will not be published for less than that.
+  // refine() gives up when a step shows that the motion will not be published for less than that.
   double to_beat = kNoLimit;
 
  private:
@@ -97,12 +97,12 @@ class Continuation {
   };
 
   bool cold(const Guess& guess, int most_iterations);
-  bool fade_trace();
+  bool fade_regularisation();
   bool move_nodes();
-  bool polish_on_moved_nodes();
+  bool tighten_on_moved_nodes();
   bool came_down() const;
-  bool reach_level(const Smoothing& level, int halvings);
-  bool attempt_level(const std::string& what, const CollocationSetup& setup);
+  bool reach_step(const Smoothing& step, int halvings);
+  bool attempt_step(const std::string& what, const CollocationSetup& setup);
   std::size_t most_intervals() const;
   std::vector<int> affordable_pieces(const std::vector<double>& errors, double tolerance) const;
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
@@ -124,7 +124,7 @@ class Continuation {
   std::vector<Attempt> failed_;  // from the present solution
   std::vector<SolverStage> stages_;
   int solutions_ = 0;
-  int failures_to_polish_ = 0;
+  int failures_to_tighten_ = 0;
 };
 
 }  // namespace fjr

@@ -40,7 +40,7 @@ class Grid {
     std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
     std::erase_if(rows, [](const TaskRow& row) { return row.link == 0 && row.name != "tip_box" && !is_wide(row); });
     clearance_.resize(static_cast<std::size_t>(size_[0] * size_[1]));
-    for (std::size_t c = 0; c < clearance_.size(); ++c) clearance_[c] = room_at(problem.robot, rows, q_of(c));
+    for (std::size_t c = 0; c < clearance_.size(); ++c) clearance_[c] = clearance_at(problem.robot, rows, q_of(c));
     cost_.assign(clearance_.size(), 1);
     for (std::size_t c = 0; c < clearance_.size(); ++c) {
       if (clearance_[c] < kComfort) cost_[c] = 1 + (kDearer - 1) * (1 - std::max(0.0, clearance_[c]) / kComfort);
@@ -104,7 +104,7 @@ class Grid {
   }
 
  private:
-  static double room_at(const Parameters& robot, const std::vector<TaskRow>& rows, const Joints<double>& q) {
+  static double clearance_at(const Parameters& robot, const std::vector<TaskRow>& rows, const Joints<double>& q) {
     const auto posture = Posture<double>::of(robot, q);
     double clearance = kInfinity;
     for (const TaskRow& row : rows) clearance = std::min(clearance, row.distance(row.value(robot, posture)));
@@ -112,8 +112,8 @@ class Grid {
   }
 
   int nearest(double angle, std::size_t axis) const {
-    const double share = (angle + limit_[axis]) / (2 * limit_[axis]);
-    return std::clamp(static_cast<int>(std::lround(share * (size_[axis] - 1))), 0, size_[axis] - 1);
+    const double fraction = (angle + limit_[axis]) / (2 * limit_[axis]);
+    return std::clamp(static_cast<int>(std::lround(fraction * (size_[axis] - 1))), 0, size_[axis] - 1);
   }
   bool inside(Cell c) const { return c.i >= 0 && c.i < size_[0] && c.j >= 0 && c.j < size_[1]; }
   std::size_t index(Cell c) const { return static_cast<std::size_t>(c.i * size_[1] + c.j); }
@@ -206,7 +206,7 @@ std::vector<std::string> broken_on(const Problem& problem, std::size_t segment, 
   for (const Joints<double>& q : path) {
     const auto posture = Posture<double>::of(problem.robot, q);
     for (const TaskRow& row : rows) {
-      if (row.room(row.value(problem.robot, posture)) < 0) names.insert(row.name);
+      if (row.clearance(row.value(problem.robot, posture)) < 0) names.insert(row.name);
     }
   }
   return {names.begin(), names.end()};
@@ -285,9 +285,10 @@ NoPath no_path(const Problem& problem) {
     if (fine.clearance > -doubt) continue;
     const std::string stretch = points.size() == 2 ? "from the start to the goal"
                                                    : fmt::format("on the stretch {} of {}", s + 1, points.size() - 1);
-    return {fmt::format("every way {} within the joints' limits is barred by {}; {:.2g} m more room would open one",
-                        stretch, fmt::join(fine.barred_by, ", "), -fine.clearance),
-            fine.barred_by, -fine.clearance};
+    return {
+        fmt::format("every way {} within the joints' limits is barred by {}; {:.2g} m more clearance would open one",
+                    stretch, fmt::join(fine.barred_by, ", "), -fine.clearance),
+        fine.barred_by, -fine.clearance};
   }
   return {};
 }

@@ -17,24 +17,24 @@ namespace {
 constexpr int kUsualIterations = 300;   // iterations of one attempt
 constexpr int kSwingIterations = 1200;  // what has to swing up first took up to 630
 constexpr int kMoreSwings = 600;        // of a step towards tighter limits that comes to swing once more
-constexpr double kMoreEffort = 10;      // times the usual trace of it
+constexpr double kMoreEffort = 10;      // times the usual regularisation
 constexpr std::size_t kPatientStarts = 2;
 constexpr double kCoarser = 0.5, kFiner = 2;    // times the usual number of intervals
-constexpr double kRelaxed[] = {0.5, 3};         // shares by which limits are relaxed at first
+constexpr double kRelaxed[] = {0.5, 3};         // fractions by which limits are relaxed at first
 constexpr double kEasilyCarried = 1.05;         // times what carrying the arm takes
-constexpr double kWindingUp[] = {0.4, 0.2, 0};  // shares of the way that links go the other way first
+constexpr double kWindingUp[] = {0.4, 0.2, 0};  // fractions of the way that links go the other way first
 constexpr double kLongestInterval = 0.03;  // [s] in the mean of a mesh that is still fine enough for a longer motion
 constexpr double kFirstStep = 0.05;        // of the factor of the limits
 constexpr double kLongerStep = 1.25;       // times the last one, after one that could be taken
-constexpr double kGrowth = 0.06;           // share by which the motion may take longer after a step, by the last one
+constexpr double kGrowth = 0.06;           // fraction by which the motion may take longer after a step, by the last one
 constexpr double kShortestStep = 2e-3;     // of those that could not be taken
 // A motor that creeps finds less friction in a smoothed law: what is lifted so is not lifted with the exact one.
 constexpr double kSharper = 0.1;  // times the usual width
 
 using SharedProblem = std::shared_ptr<const Problem>;
 
-std::optional<Continuation> begun(Continuation c, Session& session, const Guess& guess, int patience) {
-  if (session.interrupted() || c.begin(guess, patience) != Begun::kNew) return std::nullopt;
+std::optional<Continuation> try_to_begin(Continuation c, Session& session, const Guess& guess, int patience) {
+  if (session.interrupted() || c.begin(guess, patience) != StartOutcome::kNew) return std::nullopt;
   return c;
 }
 
@@ -42,13 +42,13 @@ std::optional<Continuation> attempt(const SharedProblem& problem, Session& sessi
                                     const Guess& guess, double mesh_factor = 1) {
   Continuation c(problem, session, label);
   c.mesh_factor = mesh_factor;
-  return begun(std::move(c), session, guess, kUsualIterations);
+  return try_to_begin(std::move(c), session, guess, kUsualIterations);
 }
 
 std::optional<Continuation> attempt_patiently(const SharedProblem& problem, Session& session, const Guess& guess) {
   Continuation c(problem, session, "with patience");
-  c.trace_factor = kMoreEffort;
-  return begun(std::move(c), session, guess, kSwingIterations);
+  c.regularisation_factor = kMoreEffort;
+  return try_to_begin(std::move(c), session, guess, kSwingIterations);
 }
 
 // From a smoothed solution, or from another problem's, on a new mesh.
@@ -57,7 +57,8 @@ std::optional<Continuation> sharpened(const SharedProblem& problem, Session& ses
   Continuation c(problem, session, label);
   c.width_factor = kSharper;
   c.mesh_factor = mesh_factor;
-  return begun(std::move(c), session, guess_from(from.motion, from.durations, from.motion.duration()), kMoreSwings);
+  return try_to_begin(std::move(c), session, guess_from(from.motion, from.durations, from.motion.duration()),
+                      kMoreSwings);
 }
 
 // From a solution of a neighbouring problem: on its mesh where that will do, or else from the start again.
@@ -103,12 +104,12 @@ Reached tighten(const SharedProblem& problem, Session& session, const Eased& eas
 }
 
 std::optional<Continuation> tighten_all(const SharedProblem& problem, Session& session, const Guess& guess,
-                                        double share) {
+                                        double fraction) {
   const Eased eased = [&](double factor) { return relaxed(*problem, factor - 1); };
-  const auto easiest = std::make_shared<const Problem>(eased(1 + share));
-  auto easy = attempt(easiest, session, fmt::format("limits relaxed by {:.3g} %", 100 * share), guess);
+  const auto easiest = std::make_shared<const Problem>(eased(1 + fraction));
+  auto easy = attempt(easiest, session, fmt::format("limits relaxed by {:.3g} %", 100 * fraction), guess);
   if (!easy) return std::nullopt;
-  Reached reached = tighten(problem, session, eased, {std::move(*easy), 1 + share}, kNoLimit);
+  Reached reached = tighten(problem, session, eased, {std::move(*easy), 1 + fraction}, kNoLimit);
   if (reached.factor > 1) return std::nullopt;
   return std::move(reached.motion);
 }
@@ -182,10 +183,10 @@ std::optional<Continuation> fall_back(const SharedProblem& problem, Session& ses
       return found;
     }
   }
-  for (const double share : kRelaxed) {
+  for (const double fraction : kRelaxed) {
     if (session.interrupted()) return std::nullopt;
-    ++tried.elastic;
-    if (auto found = tighten_all(problem, session, guesses.front(), share)) return found;
+    ++tried.relaxed_limits;
+    if (auto found = tighten_all(problem, session, guesses.front(), fraction)) return found;
   }
   return std::nullopt;
 }

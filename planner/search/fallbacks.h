@@ -23,7 +23,7 @@ struct SwungUp {
 };
 SwungUp swing_up(const std::shared_ptr<const Problem>& problem, double longest, Session& session);
 
-// The first starts again with patience and more effort, a coarser mesh, a finer one, and then the elastic mode: with
+// The first starts again with patience and more effort, a coarser mesh, a finer one, and then relaxation: with
 // its limits relaxed the problem is solved, and they are tightened again step by step, each solution starting the next.
 // What was tried is counted in Session::fallbacks(). The result is as good as Continuation::begin() leaves it; none
 // when nothing led anywhere.

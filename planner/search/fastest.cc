@@ -20,9 +20,9 @@ std::optional<Fastest> find_fastest(const std::shared_ptr<const Problem>& altern
   for (const Guess& guess : first_guesses(*hurried)) {
     if (session.interrupted() || (shortest && shortest->duration() <= allowed)) break;
     Continuation c(hurried, session, "fastest");
-    if (c.begin(guess, found.patience, known) != Begun::kNew) continue;
+    if (c.begin(guess, found.patience, known) != StartOutcome::kNew) continue;
     known.push_back(c.stages().front().objective);
-    if (!c.finish()) continue;
+    if (!c.refine()) continue;
     bool certified = false;
     if (c.duration() > allowed) {
       const PublishResult published = publish(c, found.asked, session);
@@ -69,9 +69,9 @@ bool hurries(const Findings& found) {
 void adopt_fastest(Findings& found, Session& session) {
   Fastest& fastest = *found.fastest;
   Continuation c(fastest.alternative, session, "from the fastest, exact");
-  const bool finished = fastest.motion.finish();
+  const bool refined = fastest.motion.refine();
   const Duration& allowed = found.asked.duration;
-  if (!finished || fastest.duration() > allowed.max) return;
+  if (!refined || fastest.duration() > allowed.max) return;
   const double duration = std::clamp(fastest.duration(), allowed.min, allowed.max);
   if (c.adopt(fastest.motion.solution(), duration)) follow(std::move(c), found, session);
 }

@@ -12,7 +12,7 @@ namespace fjr {
 inline constexpr double kLongMotion = 8;
 
 // Which solutions are refined to the end.
-struct Finishing {
+struct Refining {
   double within;  // relative distance from the best coarse objective that refining may make up
   int most;
 };
@@ -20,7 +20,7 @@ struct Finishing {
 // Where friction weighs, what it does while it is smooth tells little: of seven first, the fourth has come to 3 % less
 // effort than the first. `starts` more than the usual ones add as many: whatever would be refined without them is
 // refined with them too, so that more starts never come to less.
-Finishing finishing(const Weights& weights, int starts);
+Refining refining(const Weights& weights, int starts);
 
 // Notes a motion that was found on a coarse mesh, and refines and publishes it if it promises something: the best
 // certified one is the plan. While nothing is certified, everything is worth it.

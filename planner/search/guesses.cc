@@ -14,9 +14,9 @@
 namespace fjr {
 namespace {
 
-// The points the motion passes, with their shares of the duration.
+// The points the motion passes, with their fractions of the duration.
 struct Waypoint {
-  double share;
+  double fraction;
   Joints<double> q;
 };
 
@@ -26,9 +26,9 @@ double tip_way(const Problem& problem, const Joints<double>& from, const Joints<
   double path = 0;
   Point<double> last = tip_position(problem.robot, from);
   for (int i = 1; i <= kPieces; ++i) {
-    const double share = static_cast<double>(i) / kPieces;
-    const Point<double> tip =
-        tip_position(problem.robot, Joints<double>{std::lerp(from[0], to[0], share), std::lerp(from[1], to[1], share)});
+    const double fraction = static_cast<double>(i) / kPieces;
+    const Point<double> tip = tip_position(
+        problem.robot, Joints<double>{std::lerp(from[0], to[0], fraction), std::lerp(from[1], to[1], fraction)});
     path += std::hypot(tip.x - last.x, tip.y - last.y);
     last = tip;
   }
@@ -83,12 +83,12 @@ std::vector<Waypoint> waypoints(const Problem& problem, const std::vector<double
 
 std::size_t leg_of(const std::vector<Waypoint>& points, double s) {
   std::size_t leg = 0;
-  while (leg + 2 < points.size() && s >= points[leg + 1].share) ++leg;
+  while (leg + 2 < points.size() && s >= points[leg + 1].fraction) ++leg;
   return leg;
 }
 
-Joints<double> between(const Joints<double>& a, const Joints<double>& b, double share) {
-  return {a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])};
+Joints<double> between(const Joints<double>& a, const Joints<double>& b, double fraction) {
+  return {a[0] + fraction * (b[0] - a[0]), a[1] + fraction * (b[1] - a[1])};
 }
 
 // Points at equal distances along a way, its ends included.
@@ -142,7 +142,7 @@ Guess straight_guess(const Problem& problem, double duration) {
   const auto points = waypoints(problem, durations);
   const auto state = [points, robot = problem.robot](double s) {
     const std::size_t leg = leg_of(points, s);
-    const double inside = (s - points[leg].share) / (points[leg + 1].share - points[leg].share);
+    const double inside = (s - points[leg].fraction) / (points[leg + 1].fraction - points[leg].fraction);
     Joints<double> q;
     for (std::size_t j = 0; j < kJoints; ++j)
       q[j] = points[leg].q[j] + inside * (points[leg + 1].q[j] - points[leg].q[j]);
@@ -157,8 +157,8 @@ Guess minimum_jerk_guess(const Problem& problem, double duration) {
   // Flash & Hogan, Journal of Neuroscience 5(7), 1985: q = 10 s^3 - 15 s^4 + 6 s^5 from rest to rest.
   const auto flat = [points, duration, robot = problem.robot](double s) {
     const std::size_t leg = leg_of(points, s);
-    const double share = points[leg + 1].share - points[leg].share, time = share * duration;
-    const double c = (s - points[leg].share) / share;
+    const double fraction = points[leg + 1].fraction - points[leg].fraction, time = fraction * duration;
+    const double c = (s - points[leg].fraction) / fraction;
     LinkMotion m;
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double d = points[leg + 1].q[j] - points[leg].q[j];
@@ -187,7 +187,7 @@ Guess path_guess(const Problem& problem, double duration, const std::vector<Path
   }
   const auto state = [points, rounded, robot = problem.robot](double s) {
     const std::size_t leg = leg_of(points, s);
-    const double inside = (s - points[leg].share) / (points[leg + 1].share - points[leg].share);
+    const double inside = (s - points[leg].fraction) / (points[leg + 1].fraction - points[leg].fraction);
     const double at = std::clamp(inside, 0.0, 1.0) * (kPoints - 1);
     const std::size_t k = std::min(static_cast<std::size_t>(at), kPoints - 2);
     return rest_at(robot, between(rounded[leg][k], rounded[leg][k + 1], at - static_cast<double>(k)));
@@ -219,7 +219,7 @@ std::vector<Path> paths_along_tip_path(const Problem& problem) {
 }
 
 Guess winding_up_guess(Guess guess, const Joints<double>& back) {
-  constexpr double kWindingUp = 0.5;  // share of the time
+  constexpr double kWindingUp = 0.5;  // fraction of the time
   guess.name = "winding up, " + guess.name;
   guess.state = [state = guess.state, back](double s) {
     State<double> x = state(s);

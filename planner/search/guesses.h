@@ -34,7 +34,7 @@ Guess displaced_guess(Guess guess, double size, std::uint64_t seed);
 // The guess with its links going this far [rad] the other way first, as whoever takes a swing does.
 Guess winding_up_guess(Guess guess, const Joints<double>& back);
 
-// The guess in what remains of its time when it waits for these shares of it first, and at last.
+// The guess in what remains of its time when it waits for these fractions of it first, and at last.
 Guess waiting_guess(Guess guess, double first, double last);
 
 // A motion that was solved before, with segments of these durations, stretched to `duration`.

@@ -17,7 +17,7 @@ namespace fjr {
 namespace {
 
 constexpr int kRounds = 6;              // of refining one solution for the sake of its certificate
-constexpr double kSameDuration = 1e-9;  // share by which a duration may differ from its bound, for rounding
+constexpr double kSameDuration = 1e-9;  // fraction by which a duration may differ from its bound, for rounding
 constexpr double kFinerRows = 0.25;     // of what linear interpolation between rows may miss, each time
 
 Publication with_certificate(const Continuation& c, const Problem& asked, Trajectory trajectory) {
@@ -68,10 +68,10 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
     // A limit that only the rows exceed wants a margin; a rest where the arm cannot rest, motion; the rest, accuracy,
     // of the solution and of the rows.
     if (!c.keep_margins(refused.certificate.limits) && !c.creep()) {
-      c.refine(rollout_errors(asked.robot, refused.solution, refused.trajectory));
+      c.split_intervals(rollout_errors(asked.robot, refused.solution, refused.trajectory));
       row_error *= kFinerRows;
     }
-    c.polish();
+    c.tighten();
     // Neither another motion nor finer rows of this one: the next verdict would be the same.
     if (c.solutions() == solutions && refused.trajectory.samples.size() == rows) break;
     rows = refused.trajectory.samples.size();

@@ -117,8 +117,8 @@ Cuts equal_cuts(const std::vector<int>& pieces) {
 std::optional<double> reversal_in(const Motion& motion, std::size_t k, std::size_t joint) {
   constexpr int kProbes = 16, kBisections = 30;
   const auto& interval = motion.intervals[k];
-  const auto velocity = [&](double share) {
-    return motion.state_in(k, interval.start + share * interval.duration).dtheta[joint];
+  const auto velocity = [&](double fraction) {
+    return motion.state_in(k, interval.start + fraction * interval.duration).dtheta[joint];
   };
   for (int i = 0; i < kProbes; ++i) {
     double from = static_cast<double>(i) / kProbes, to = static_cast<double>(i + 1) / kProbes;
@@ -133,10 +133,10 @@ std::optional<double> reversal_in(const Motion& motion, std::size_t k, std::size
   return {};
 }
 
-void cut_around(std::vector<double>& cuts, double share, double shortest) {
+void cut_around(std::vector<double>& cuts, double fraction, double shortest) {
   constexpr double kApart = 0.05;  // the place moves with the next solution: too near, and it has to be cut again
   if (shortest > 0.7) return;
-  const double half = 0.5 * std::max(kApart, shortest), from = share - half, to = share + half;
+  const double half = 0.5 * std::max(kApart, shortest), from = fraction - half, to = fraction + half;
   const double near = 0.4 * shortest;
   std::erase_if(cuts, [&](double cut) { return cut > from - near && cut < to + near; });
   for (const double cut : {from, to}) {

@@ -35,17 +35,18 @@ std::vector<int> pieces_wanted(const Motion& motion, const std::vector<double>& 
 // Interval k in pieces[k] equal pieces.
 Mesh split(const Mesh& mesh, const std::vector<int>& pieces);
 
-// Interval k cut at cuts[k], in shares of it, increasing in (0, 1).
+// Interval k cut at cuts[k], in fractions of it, increasing in (0, 1).
 using Cuts = std::vector<std::vector<double>>;
 Mesh split(const Mesh& mesh, const Cuts& cuts);
 Cuts equal_cuts(const std::vector<int>& pieces);
 
-// Where in interval k motor `joint` reverses, as a share of it: the friction torque steps there. None: it does not.
+// Where in interval k motor `joint` reverses, as a fraction of it: the friction torque steps there. None: it does not.
 std::optional<double> reversal_in(const Motion& motion, std::size_t k, std::size_t joint);
 
-// Adds a cut on both sides of `share`, a twentieth of the interval apart but no less than `shortest` (a share, too), in
-// place of any between; none where that would be (nearly) an end of the interval, or the interval is hardly longer.
-void cut_around(std::vector<double>& cuts, double share, double shortest);
+// Adds a cut on both sides of `fraction`, a twentieth of the interval apart but no less than `shortest` (a fraction,
+// too), in place of any between; none where that would be (nearly) an end of the interval, or the interval is hardly
+// longer.
+void cut_around(std::vector<double>& cuts, double fraction, double shortest);
 
 // What was known per interval of the mesh that was split, per interval of the finer one.
 template <class T>

@@ -18,7 +18,7 @@ bool Session::interrupted(double work) {
   return stopped_ || spent;
 }
 
-void Session::allow(double share) { allowed_ = std::max(allowed_, share * options_.most_work); }
+void Session::allow(double fraction) { allowed_ = std::max(allowed_, fraction * options_.most_work); }
 
 void Session::tell(Progress progress) const {
   if (!options_.on_progress) return;

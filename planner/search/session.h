@@ -37,8 +37,8 @@ class Session {
   bool stopped() const { return stopped_; }
   bool deadline_passed() const { return deadline_passed_; }
 
-  // From here, work may come to this share of all; never to less than before. Nothing is allowed at first.
-  void allow(double share);
+  // From here, work may come to this fraction of all; never to less than before. Nothing is allowed at first.
+  void allow(double fraction);
 
   // Of the solve at work: its own iterations, and its objective as it is optimised.
   void tell(Progress progress) const;

@@ -8,7 +8,7 @@
 namespace fjr {
 namespace {
 
-constexpr double kWaiting = 0.4;       // share of the duration that a guess waits
+constexpr double kWaiting = 0.4;       // fraction of the duration that a guess waits
 constexpr std::size_t kDisplaced = 2;  // starts at least, after the others
 constexpr double kFarAway = 0.8;       // [rad] that straight guesses are displaced by
 constexpr int kFirst = 4;              // starts that a neighbouring problem is worth

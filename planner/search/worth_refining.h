@@ -15,8 +15,8 @@ struct CoarseSolution {
 };
 
 // For each of these solutions, the best first: whether it is refined. It is if it would be after any number of starts,
-// `start` or more of them: one of the `most(starts)` best by then, and within this share of the best by then. What is
-// refined with fewer starts is therefore refined with more, and more starts never come to a worse plan. The coarse
+// `start` or more of them: one of the `most(starts)` best by then, and within this fraction of the best by then. What
+// is refined with fewer starts is therefore refined with more, and more starts never come to a worse plan. The coarse
 // objectives by themselves do not tell which solution is best: 0.1 % apart, they came to 1 % more and less.
 inline std::vector<bool> worth_refining(const std::vector<CoarseSolution>& best_first, double within,
                                         const std::function<int(int starts)>& most) {

@@ -43,9 +43,9 @@ class Tally {
     ServiceStatus status = counts_;
     std::vector<double> sorted = latencies_;
     std::sort(sorted.begin(), sorted.end());
-    status.latency_p50 = share_below(sorted, 0.50);
-    status.latency_p90 = share_below(sorted, 0.90);
-    status.latency_p99 = share_below(sorted, 0.99);
+    status.latency_p50 = quantile(sorted, 0.50);
+    status.latency_p90 = quantile(sorted, 0.90);
+    status.latency_p99 = quantile(sorted, 0.99);
     return status;
   }
 
@@ -60,9 +60,9 @@ class Tally {
       oldest_ = (oldest_ + 1) % kRemembered;
     }
   }
-  static double share_below(const std::vector<double>& sorted, double share) {
+  static double quantile(const std::vector<double>& sorted, double fraction) {
     if (sorted.empty()) return 0;
-    return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1) + 0.5)];
+    return sorted[static_cast<std::size_t>(fraction * static_cast<double>(sorted.size() - 1) + 0.5)];
   }
 
   ServiceStatus counts_;

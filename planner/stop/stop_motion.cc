@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kLonger = 1.1;                    // ratio of the durations that are tried
 constexpr double kSoon = 0.3;                      // [s] in which a plan's own end is near enough to try less
-constexpr double kAimed = 0.98, kAllowed = 0.999;  // shares of the limits: the search only looks at some instants
+constexpr double kAimed = 0.98, kAllowed = 0.999;  // fractions of the limits: the search only looks at some instants
 constexpr int kNodes = 48;                         // so many of them
 constexpr int kIterations = 15, kHopeless = 4;     // after so many, far outside, it will not come inside
 constexpr double kMissedTorque = 0.02;             // [N m] between rows
@@ -84,14 +84,14 @@ class Search {
     for (int n = 1; n <= kNodes; ++n) {
       const FlatPoint p = from_link_motion(robot_, in_time({table.at(s[0], n), table.at(s[1], n)}, duration_));
       for (std::size_t j = 0; j < kJoints; ++j) {
-        const std::array<double, 4> share{
+        const std::array<double, 4> fraction{
             p.torque[j] / limits_.torque[j], p.state.dtheta[j] / limits_.motor_velocity[j],
             p.state.q[j] / limits_.link_position[j], (p.state.theta[j] - p.state.q[j]) / limits_.spring_deflection[j]};
-        for (std::size_t k = 0; k < share.size(); ++k) {
-          const double size = std::abs(share[k]);
+        for (std::size_t k = 0; k < fraction.size(); ++k) {
+          const double size = std::abs(fraction[k]);
           worst_ = std::max(worst_, size);
           const auto row = static_cast<Eigen::Index>(8 * static_cast<std::size_t>(n - 1) + 4 * j + k);
-          excess[row] = std::copysign(std::max(0.0, size - kAimed), share[k]);
+          excess[row] = std::copysign(std::max(0.0, size - kAimed), fraction[k]);
         }
       }
     }

@@ -122,7 +122,7 @@ TEST_P(ShadowPriceOf, EveryLimitIsTheSlopeOfTheOptimum) {
       active.emplace_back(limit.name, limit.joint);
       expect_slope(-limit.price, step, here.report.objective, objective);
     } else {
-      EXPECT_EQ(limit.price > 0, limit.share > 0);
+      EXPECT_EQ(limit.price > 0, limit.fraction > 0);
       // It is not felt: what the barrier, 1e-9 for each of some hundred bounds, makes of it.
       EXPECT_NEAR(objective(step), objective(-step), 1e-7 * here.report.objective);
     }
@@ -181,8 +181,8 @@ TEST(Sensitivity, OtherLimitsChangeTheDurationAsMuchAsWasSaid) {
         std::find_if(all.begin(), all.end(), [&](const ShadowPrice& l) { return l.name == name && l.joint == 1; });
     return found->price;
   };
-  // Tighter less looser: second order cancels. Left are the trace of effort, meshes and barrier, 1e-4 of the time, and
-  // higher orders; together 0.5 % and 4 % of the differences, measured.
+  // Tighter less looser: second order cancels. Left are the regularisation by effort, meshes and barrier, 1e-4 of the
+  // time, and higher orders; together 0.5 % and 4 % of the differences, measured.
   const double torque = reach(11.0, 5.85).duration - reach(12.0, 5.85).duration;
   EXPECT_NEAR(torque, 1.0 * price("torque"), 0.05 * torque + 1e-4 * middle.duration);
   const double velocity = reach(11.5, 5.7).duration - reach(11.5, 6.0).duration;
@@ -308,13 +308,13 @@ TEST(NodeTimesOf, TheHamiltonianJumpsByWhatTheTimeOfTheNodeIsWorth) {
   for (std::size_t i = 0; i + 2 < c.setup.mesh.size(); ++i) {
     if (std::abs(h(i + 1) - h(i)) > std::abs(h(k + 1) - h(k))) k = i;
   }
-  constexpr double kShare = 1e-4;  // of the duration
+  constexpr double kFraction = 1e-4;  // of the duration
   const auto objective = [&](double share) {
     CollocationSetup moved = setup;
     moved.mesh = with_node_later(setup.mesh, k, share);
     return objective_near(problem, moved, c);
   };
-  const double slope = (objective(kShare) - objective(-kShare)) / (2 * kShare * c.motion.duration());
+  const double slope = (objective(kFraction) - objective(-kFraction)) / (2 * kFraction * c.motion.duration());
   EXPECT_NEAR(slope, h(k) - h(k + 1), 1e-3 * std::abs(slope));
 }
 

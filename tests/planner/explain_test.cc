@@ -106,7 +106,7 @@ TEST(Explain, CarryingTakesTheGravityOfTheWorstPosture) {
   EXPECT_NEAR(needs.deflection[0], needs.torque[0] / problem.robot.spring.stiffness[0], 1e-12);
 }
 
-// The rows of an obstacle that gives way and those of the smaller one say the same about every posture.
+// The rows of an obstacle that is relaxed and those of the smaller one say the same about every posture.
 TEST(Explain, AnObstacleGivesWayAsItsRadiusShrinks) {
   const Problem problem = request(
       "{start: {q: [-1.0, 0.0]}, goal: {q: [1.0, 0.0]}, obstacles: [{center: [0.0, -0.9], radius: 0.1, margin: "
@@ -115,13 +115,13 @@ TEST(Explain, AnObstacleGivesWayAsItsRadiusShrinks) {
   ASSERT_EQ(what.name, "obstacles[0]");
   const double slack = 0.4;
   const Problem smaller = what.relaxed(problem, what.from - value_with(problem, what, slack));
-  const Problem elastic = with_slack(problem, what);
+  const Problem relaxed = with_slack(problem, what);
   const auto before = task_rows(problem.robot, problem.task, 0), after = task_rows(problem.robot, smaller.task, 0);
   EXPECT_NEAR(value_with(problem, what, 1), 0, 1e-12);
   for (const double q1 : {-0.3, 0.0, 0.2}) {
     const auto posture = Posture<double>::of(problem.robot, {q1, 0.1});
     for (std::size_t r = 0; r < before.size(); ++r) {
-      const double given = slack * elastic.elastic->give[kLimits + r];
+      const double given = slack * relaxed.slack->direction[kLimits + r];
       const bool allowed = before[r].value(problem.robot, posture) + given >= 0;
       EXPECT_LE(allowed, after[r].value(problem.robot, posture) >= -1e-12) << "the told radius suffices";
     }

@@ -45,7 +45,7 @@ TEST(MotorPower, IsKeptBetweenRowsAndReached) {
   const Joints<double> power = largest_power(*limited.trajectory);
   EXPECT_LE(power[0], 20 * (1 + 1e-6));
   EXPECT_LE(power[1], 12 * (1 + 1e-6));
-  EXPECT_GT(power[0], 20 * 0.998);  // the back-off and the margins take less
+  EXPECT_GT(power[0], 20 * 0.998);  // the base margin and the margins take less
   EXPECT_GT(limited.duration, 1.005 * free.duration);
   const auto check = std::find_if(limited.certificate->limits.begin(), limited.certificate->limits.end(),
                                   [](const LimitCheck& c) { return c.name == "motor_power" && c.joint == 1; });

@@ -143,7 +143,7 @@ TEST(Objective, MinimisingATermGivesLessOfItThanMinimisingOthers) {
   for (std::size_t i = 0; i < terms.size(); ++i) {
     ASSERT_TRUE(plans[i].trajectory);
     for (std::size_t k = 0; k < terms.size(); ++k) {
-      // Acceleration and jerk may be nearly the same motion; the trace of effort costs up to a per cent.
+      // Acceleration and jerk may be nearly the same motion; the regularisation by effort costs up to a per cent.
       EXPECT_LE(plans[i].terms.at(terms[i]), 1.01 * plans[k].terms.at(terms[i])) << terms[i] << " of " << terms[k];
     }
   }
@@ -159,8 +159,8 @@ TEST(Objective, LeastJerkIsNearlyThatOfTheQuintic) {
   EXPECT_LT(slow.terms.at("link_jerk"), 1.02 * quintic);
 }
 
-// Whoever has longer may do the same, later or slower. A trace of effort that outweighed the term would not let it:
-// with one, the longer motion took 1.8 times as much.
+// Whoever has longer may do the same, later or slower. A regularisation by effort that outweighed the term would not
+// let it: with one, the longer motion took 1.8 times as much.
 TEST(Objective, TorqueRateNeedsNoMoreInALongerTime) {
   const std::string least = "objective: {torque_rate: 1}\n";
   const Plan shorter = planned("duration: 0.8\n" + least), longer = planned("duration: 1.6\n" + least);
@@ -211,7 +211,7 @@ TEST(Objective, AGoalOfFreeVelocityIsPassedAsFastAsItMayBe) {
   options.starts = 1;
   const Plan result = plan(problem, options);
   ASSERT_EQ(result.status, PlanStatus::kCertified) << result.reason;
-  // The limit is within the arm's reach, so it is what limits; the usual back-off is 1e-4 of it.
+  // The limit is within the arm's reach, so it is what limits; the usual base margin is 1e-4 of it.
   EXPECT_NEAR(result.terms.at("tip_speed"), 2.5, 2e-3);
 }
 

@@ -116,7 +116,7 @@ TEST(Plan, AMovingGoalIsReachedMoving) {
   EXPECT_FALSE(result.certificate->residual.evaluated);
 }
 
-// A state on a limit leaves no room for the usual back-off: the motion must not be slowed down to make some.
+// A state on a limit leaves no room for the usual base margin: the motion must not be slowed down to make some.
 TEST(Plan, AStartOrAGoalOnALimitIsNoObstacle) {
   const Problem start = request("{start: {q: [3.2, 0.0]}, goal: {q: [2.8, 0.3]}, objective: fastest}");
   const Problem inside = request("{start: {q: [3.19, 0.0]}, goal: {q: [2.79, 0.3]}, objective: fastest}");

@@ -183,8 +183,8 @@ Limits excess(const Problem& problem, const Motion& motion) {
   return limits;
 }
 
-// What margins.h calls "a part of the back-off" may be kept: at most all of it counts as an excess.
-constexpr double kBackedOff = 12 * kBackOff;
+// What margins.h calls "a part of the base margin" may be kept: at most all of it counts as an excess.
+constexpr double kBaseMargins = 12 * kBaseMargin;
 
 TEST(Excesses, AreNoneWellInside) {
   const auto found = excesses(limited(), {{{1.0, 0}}}, still());
@@ -196,9 +196,9 @@ TEST(Excesses, SeeATorqueBeyondItsLimitBetweenTheEnds) {
   Motion motion = still();
   // 11 + 12 c (1 - c) - friction at rest (none): 14 in the middle, 11 at both ends
   motion.intervals[0].torque.row(0) << 11, 12, -12, 0;
-  EXPECT_NEAR(excess(limited(), motion).torque[0], 2, kBackedOff);
+  EXPECT_NEAR(excess(limited(), motion).torque[0], 2, kBaseMargins);
   motion.intervals[0].torque.row(0) *= -1;
-  EXPECT_NEAR(excess(limited(), motion).torque[0], 2, kBackedOff);
+  EXPECT_NEAR(excess(limited(), motion).torque[0], 2, kBaseMargins);
 }
 
 // Motor 1 reverses somewhere within the interval: u = 11.5 is inside on the negative side of the friction step and
@@ -211,7 +211,7 @@ TEST(Excesses, SeeATorqueAcrossTheFrictionStepWhereverItFalls) {
     motion.intervals[0].state.row(6) << -0.1 * crossing, 0.1, 0, 0;  // dtheta1 [rad/s]
     const double end = law.nonlinear(0.1 * (1 - crossing));
     const double expected = std::max(0.0, 11.5 + end - 12);
-    EXPECT_NEAR(excess(limited(), motion).torque[0], expected, kBackedOff) << crossing;
+    EXPECT_NEAR(excess(limited(), motion).torque[0], expected, kBaseMargins) << crossing;
   }
 }
 
@@ -222,8 +222,8 @@ TEST(Excesses, CountTheStepWithTheTorqueOfBothSides) {
   motion.intervals[0].state.row(6) << -0.02, 0.6, 0, 0;  // reverses at c = 1/30, between the first two probes
   const double step = FrictionLaw::of(robot(), 0).nonlinear(0.01);  // 0.81 N m, soon after it
   const double found = excess(limited(), motion).torque[0];
-  EXPECT_GE(found, 12 - 8.0 / 30 + step - 12 - kBackedOff);  // what really happens
-  EXPECT_LE(found, 12 + 1.1 * step - 12);                    // what the whole step can make at most
+  EXPECT_GE(found, 12 - 8.0 / 30 + step - 12 - kBaseMargins);  // what really happens
+  EXPECT_LE(found, 12 + 1.1 * step - 12);                      // what the whole step can make at most
 }
 
 TEST(Excesses, SeeVelocityDeflectionAndTipSpeed) {
@@ -234,9 +234,9 @@ TEST(Excesses, SeeVelocityDeflectionAndTipSpeed) {
   motion.intervals[0].state.row(5) << 0, -4 * 0.25, 4 * 0.25, 0;  // theta2 - q2 peaks at -0.25
   motion.intervals[0].state.row(2) << 0, 4 * 5.0, -4 * 5.0, 0;    // dq1 peaks at 5: tip at 5 * 0.65 m/s
   const Limits found = excess(problem, motion);
-  EXPECT_NEAR(found.motor_velocity[0], 0.5, 6 * kBackOff);
-  EXPECT_NEAR(found.spring_deflection[1], 0.25 - 0.2262, kBackOff);
-  EXPECT_NEAR(found.tip_speed, 5 * 0.65 - 2, 2 * kBackOff);
+  EXPECT_NEAR(found.motor_velocity[0], 0.5, 6 * kBaseMargin);
+  EXPECT_NEAR(found.spring_deflection[1], 0.25 - 0.2262, kBaseMargin);
+  EXPECT_NEAR(found.tip_speed, 5 * 0.65 - 2, 2 * kBaseMargin);
   EXPECT_EQ(found.motor_velocity[1], 0);
   EXPECT_EQ(found.link_position[0], 0);  // no limit there
 }
@@ -272,7 +272,7 @@ TEST(Excesses, SeeAnObstacleBetweenTheEnds) {
   const PerLimit found = excesses(problem, {{{1.0, 0}}}, motion).front();
   const double apart = radius + problem.robot.link.radius[1];
   const double overlap = (apart * apart - 0.03 * 0.03) / (2 * apart);  // as TaskRow measures it
-  EXPECT_NEAR(found[kLimits + 1], overlap, kBackOff * apart);
+  EXPECT_NEAR(found[kLimits + 1], overlap, kBaseMargin * apart);
   EXPECT_EQ(found[kLimits], 0);  // link 1 is far away
 }
 

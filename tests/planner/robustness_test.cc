@@ -51,7 +51,7 @@ TEST(Robustness, WhatCannotBeLiftedIsSwungUp) {
 }
 
 // The same from limits that carry the arm, tightened step by step: the swing comes by itself. 1.9 s measured, with
-// friction smoothed and a trace of effort.
+// friction smoothed and a regularisation by effort.
 TEST(Robustness, ASwingComesWhileLimitsAreTightened) {
   const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   const auto lift = [&](const std::string& torque) {
@@ -94,12 +94,12 @@ TEST(Robustness, AMeshThatMayNotGrowAsWantedGrowsWhereItErrsMost) {
   Session session(options);
   session.allow(1);
   Continuation c(std::make_shared<const Problem>(problem), session, "");
-  ASSERT_EQ(c.begin(minimum_jerk_guess(problem, duration_guess(problem)), 400), Begun::kNew);
+  ASSERT_EQ(c.begin(minimum_jerk_guess(problem, duration_guess(problem)), 400), StartOutcome::kNew);
   std::vector<double> errors(c.solution().setup.mesh.size(), 1e-3);
   ASSERT_LT(errors.size(), kMost);
   for (std::size_t k = 1; k < errors.size(); ++k) errors[k] = 2 * errors[k - 1];
   const double last = c.solution().motion.intervals.back().duration;
-  EXPECT_TRUE(c.refine(errors));
+  EXPECT_TRUE(c.split_intervals(errors));
   EXPECT_LE(c.solution().setup.mesh.size(), kMost);
   EXPECT_LT(c.solution().motion.intervals.back().duration, 0.6 * last);
 }

@@ -73,8 +73,8 @@ TEST_P(Schemes, LagrangeBasisIsOneAtItsOwnPoint) {
 TEST_P(Schemes, ControlsAreLinearBetweenTheEnds) {
   const Scheme s = GetParam();
   for (int j = 0; j < s.stages(); ++j) {
-    EXPECT_DOUBLE_EQ(s.control_share(j, 0), 1 - s.points(j));
-    EXPECT_DOUBLE_EQ(s.control_share(j, 1), s.points(j));
+    EXPECT_DOUBLE_EQ(s.control_fraction(j, 0), 1 - s.points(j));
+    EXPECT_DOUBLE_EQ(s.control_fraction(j, 1), s.points(j));
   }
 }
 

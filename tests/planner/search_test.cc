@@ -77,7 +77,7 @@ TEST(Arc, LeadsTheLongWayRoundWhereThatIsAskedFor) {
     double least = kNoLimit;
     Posture<double> at{};
     at.tip = {arc.center[0] + 0.1 * std::cos(angle), arc.center[1] + 0.1 * std::sin(angle)};
-    for (const TaskRow& row : rows) least = std::min(least, row.room(row.value(problem.robot, at)));
+    for (const TaskRow& row : rows) least = std::min(least, row.clearance(row.value(problem.robot, at)));
     return least;
   };
   for (const Joints<double>& point : points_along(arc)) {
@@ -94,23 +94,23 @@ const std::string kWideArc =
     "{start: {q: [-0.5798, 1.9285]}, via: [{q: [1.9694, -1.1509]}], goal: {q: [free, -2.2149]}, "
     "tip: {arc: {center: [-0.1730, 0.0086], from: [0.1085, -0.3558], to: [0.2823, 0.0773], tolerance: 0.4102}}}";
 
-double room_at(const Problem& problem, const Joints<double>& q) {
+double clearance_at(const Problem& problem, const Joints<double>& q) {
   double least = kNoLimit;
   const auto at = Posture<double>::of(problem.robot, q);
   for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) {
-    least = std::min(least, row.room(row.value(problem.robot, at)));
+    least = std::min(least, row.clearance(row.value(problem.robot, at)));
   }
   return least;
 }
 
 TEST(WideArc, IsARegionThatWaysAreFoundThrough) {
   const Problem problem = request(kWideArc);
-  EXPECT_GE(room_at(problem, problem.goal.q), 0) << "of the joint that may end anywhere";
+  EXPECT_GE(clearance_at(problem, problem.goal.q), 0) << "of the joint that may end anywhere";
   const std::vector<Joints<double>> points{problem.start.q, problem.via[0].q, problem.goal.q};
   for (std::size_t s = 0; s < 2; ++s) {
     const Detours detours = find_detours(problem, s, points[s], points[s + 1], 1);
     ASSERT_FALSE(detours.paths.empty());
-    for (const Joints<double>& q : detours.paths[0]) EXPECT_GE(room_at(problem, q), 0) << q[0] << ' ' << q[1];
+    for (const Joints<double>& q : detours.paths[0]) EXPECT_GE(clearance_at(problem, q), 0) << q[0] << ' ' << q[1];
   }
 }
 
@@ -186,7 +186,7 @@ TEST(Search, AViaTimeIsNamedBesideADurationThatIsTooShort) {
 TEST(Search, WhatIsRefinedWithFewerStartsIsRefinedWithMore) {
   Weights weights;
   weights.effort = 1;
-  const auto most = [&](int starts) { return finishing(weights, starts).most; };
+  const auto most = [&](int starts) { return refining(weights, starts).most; };
   std::mt19937_64 random(1);
   for (int round = 0; round < 100; ++round) {
     std::vector<CoarseSolution> all;
@@ -214,19 +214,19 @@ TEST(Search, StartsBeyondTheUsualOnesRaiseTheCapOnRefining) {
   time.time = 1;
   for (const Weights& weights : {effort, time}) {
     const int usual = starts_worth_trying(weights);
-    EXPECT_EQ(finishing(weights, 1).most, finishing(weights, usual).most);
-    EXPECT_LT(finishing(weights, usual).most, 8);
-    EXPECT_EQ(finishing(weights, 40).most, finishing(weights, usual).most + 40 - usual);
-    EXPECT_EQ(finishing(weights, 40).within, finishing(weights, usual).within);
+    EXPECT_EQ(refining(weights, 1).most, refining(weights, usual).most);
+    EXPECT_LT(refining(weights, usual).most, 8);
+    EXPECT_EQ(refining(weights, 40).most, refining(weights, usual).most + 40 - usual);
+    EXPECT_EQ(refining(weights, 40).within, refining(weights, usual).within);
     // All equal: the first stay the best, so that nothing but the cap decides.
     const auto refined = [&](int starts) {
       std::vector<CoarseSolution> found;
       for (int start = 1; start <= starts; ++start) found.push_back({1, start});
-      const std::vector<bool> worth = worth_refining(found, finishing(weights, starts).within,
-                                                     [&](int tried) { return finishing(weights, tried).most; });
+      const std::vector<bool> worth = worth_refining(found, refining(weights, starts).within,
+                                                     [&](int tried) { return refining(weights, tried).most; });
       return std::count(worth.begin(), worth.end(), true);
     };
-    EXPECT_EQ(refined(40), std::min(40, finishing(weights, 40).most));
+    EXPECT_EQ(refined(40), std::min(40, refining(weights, 40).most));
     EXPECT_GT(refined(40), refined(usual));
   }
 }

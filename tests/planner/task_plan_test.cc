@@ -78,7 +78,7 @@ TEST(TaskPlan, BothLinksKeepClearOfADiscThatBarsTheStraightWay) {
   ASSERT_EQ(result.certificate->task.size(), 2u);
   // The certificate looks at other instants: apart by what 50 us move the arm at 6 m/s, squared over twice the
   // distance.
-  EXPECT_NEAR(std::min(result.certificate->task[0].room, result.certificate->task[1].room), clearance, 8e-6);
+  EXPECT_NEAR(std::min(result.certificate->task[0].clearance, result.certificate->task[1].clearance), clearance, 8e-6);
 }
 
 // Ends of the links, of which one is furthest beyond a straight line; seen at instants that the planner does not know.
@@ -102,7 +102,7 @@ TEST(TaskPlan, BothLinksKeepToTheirSideOfAWall) {
   ASSERT_EQ(result.certificate->task.size(), 2u);
   EXPECT_EQ(result.certificate->task[1].name, "walls[0]");
   EXPECT_EQ(result.certificate->task[1].link, 2);
-  EXPECT_NEAR(result.certificate->task[1].room, lowest(result) + 0.565,
+  EXPECT_NEAR(result.certificate->task[1].clearance, lowest(result) + 0.565,
               8e-6);  // the certificate looks at other instants
 }
 

@@ -317,7 +317,7 @@ class Writer {
       if (draw_.chance(0.3)) disc.margin = draw_.between(0, 0.03);
       Task alone;
       alone.obstacles.push_back(disc);
-      if (least_room(alone) > 0.005) task.obstacles.push_back(disc);
+      if (least_clearance(alone) > 0.005) task.obstacles.push_back(disc);
     }
     if (task.obstacles.empty()) return;
     tell("obstacles");
@@ -327,12 +327,12 @@ class Writer {
     }
   }
 
-  double least_room(const Task& task) const {
+  double least_clearance(const Task& task) const {
     double least = kNoLimit;
     const std::vector<TaskRow> rows = task_rows(robot_, task, 0);
     for (int i = 0; i <= kProbes; ++i) {
       const auto posture = Posture<double>::of(robot_, state(share(i)).q);
-      for (const TaskRow& row : rows) least = std::min(least, row.room(row.value(robot_, posture)));
+      for (const TaskRow& row : rows) least = std::min(least, row.clearance(row.value(robot_, posture)));
     }
     return least;
   }
@@ -363,7 +363,7 @@ class Writer {
     for (; tolerance < 0.8; tolerance *= 1.2) {
       if (arc) task.arc = TipArc{center, {from.x, from.y}, {to.x, to.y}, tolerance};
       if (!arc) task.line = TipLine{{from.x, from.y}, {to.x, to.y}, tolerance};
-      if (least_room(task) > 0.02 * tolerance) break;
+      if (least_clearance(task) > 0.02 * tolerance) break;
     }
     if (tolerance >= 0.8) return;
     tell(arc ? "arc" : "line");

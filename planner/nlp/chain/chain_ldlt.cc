@@ -419,7 +419,7 @@ double& ChainLdlt::row_value(const Front& front, std::span<double> b, int r) {
   return b[index(front.row_index[index(r)])];
 }
 
-// With c = B^-1 b_R the basic variables' share of the right-hand side, what is left for the others is
+// With c = B^-1 b_R the basic variables' part of the right-hand side, what is left for the others is
 //   b_N - H_NB c - Z' (b_B - H_BB c).
 void ChainLdlt::solve_forward(const Front& front, std::span<double> b) const {
   const Tableau& t = front.tableau;

@@ -36,7 +36,7 @@ class ChainLdlt {
   void analyse(std::span<const int> rows, std::span<const int> cols, const ChainStructure& structure);
 
   // Values of the entries. False when the matrix is singular to working precision, or so nearly that pivots pile up.
-  // threshold in (0, 0.5]: a pivot must exceed this share of what it would divide; larger is more stable and less
+  // threshold in (0, 0.5]: a pivot must exceed this fraction of what it would divide; larger is more stable and less
   // sparse.
   bool factorise(std::span<const double> values, double threshold);
 

@@ -22,8 +22,8 @@ class DenseLdlt {
   const double* row(int i) const { return matrix_.row(i); }
 
   // Eliminates as many of the first `candidates` rows as find a good pivot; what is left of the others' block, rows and
-  // columns from pivots() on, is their Schur complement. threshold in (0, 0.5]: a pivot must exceed this share of what
-  // it would divide. Returns the number of negative eigenvalues of what was eliminated.
+  // columns from pivots() on, is their Schur complement. threshold in (0, 0.5]: a pivot must exceed this fraction of
+  // what it would divide. Returns the number of negative eigenvalues of what was eliminated.
   int eliminate(int candidates, double threshold);
 
   // x: one number per row, in the order of index().

@@ -9,11 +9,11 @@
 namespace fjr {
 namespace {
 
-// A pivot is taken if it exceeds this share of its row, which bounds what the row's other variables are multiplied by:
-// first where there are good ones, then what the other rows find.
-constexpr std::array<double, 2> kShares{0.1, 0.01};
+// A pivot is taken if it exceeds this fraction of its row, which bounds what the row's other variables are multiplied
+// by: first where there are good ones, then what the other rows find.
+constexpr std::array<double, 2> kFractions{0.1, 0.01};
 
-// What elimination leaves of a row is nothing below this share of what there was.
+// What elimination leaves of a row is nothing below this fraction of what there was.
 constexpr double kDependent = 1e-13;
 
 FJR_VECTORISED double largest_of(const double* row, int width) {
@@ -29,10 +29,10 @@ FJR_VECTORISED double largest_of(const double* row, int width) {
 
 struct Choice {
   int column;
-  double share;
+  double fraction;
 };
 
-// The column of the largest magnitude times preference, and its share of the row.
+// The column of the largest magnitude times preference, and its fraction of the row.
 FJR_VECTORISED Choice choose(const double* row, const double* preference, const double* bounding, int width) {
   double best[kLanes] = {}, bound[kLanes] = {};
   for (int w = 0; w < width; w += kLanes) {
@@ -111,12 +111,12 @@ void Tableau::reset(int rows, int columns) {
 bool Tableau::solve_for_basis(double* preference, double* bounding) {
   size_.clear();
   for (int r = 0; r < rows(); ++r) size_.push_back(largest_of(row(r), width()));
-  for (const double least : kShares) {
+  for (const double least : kFractions) {
     for (int r = 0; r < rows(); ++r) {
       const auto at = static_cast<std::size_t>(r);
       if (basic_[at] >= 0) continue;
-      const auto [column, share] = choose(row(r), preference, bounding, width());
-      if (share < least || std::fabs(row(r)[column]) <= kDependent * size_[at]) continue;
+      const auto [column, fraction] = choose(row(r), preference, bounding, width());
+      if (fraction < least || std::fabs(row(r)[column]) <= kDependent * size_[at]) continue;
       exchange(a_.data(), rows(), width(), r, column);
       const auto c = static_cast<std::size_t>(column);
       basic_[at] = column;

@@ -4,7 +4,7 @@
 //   static constexpr ConstraintInfo info;
 //   add_rows(TaskRows& to) const;            what it asks of every point of the motion
 //   template <class Place> check(place);     refuses what makes no sense: place.at(key or index), place.fail(sentence)
-//   double relaxed_by() const; relax(double) the number that gives way when the request cannot be met
+//   double relaxed_by() const; relax(double) the number that is relaxed when the request cannot be met
 //   std::size_t count_of_rows() const        where there are not two
 // and a function visit(constraint, v) with its keys, unless it is written otherwise.
 #pragma once
@@ -53,8 +53,8 @@ inline constexpr double kLargestCoordinate = 10;  // [m] well beyond the reach o
 inline constexpr double kLeastTolerance = 1e-4,
                         kMostTolerance = 1;  // [m] or [rad]; the rollout is exact to about 6e-5 m
 inline constexpr double kShortest = 1e-3;    // [m] or [rad] of lines, arcs and radii
-// A band of the full width that reaches this share of it beyond its ends stays within the full width of its segment's
-// ends too, corners included.
+// A band of the full width that reaches this fraction of it beyond its ends stays within the full width of its
+// segment's ends too, corners included.
 inline constexpr double kAcross = 0.99, kBeyond = 0.14;
 
 // Coordinates, or the angles of the joints.

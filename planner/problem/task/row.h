@@ -35,7 +35,7 @@ struct TaskRow {
   std::array<double, 2> vector;  // of coordinates, or of the joints' angles
   double number;
   double lower, upper;
-  double scale;      // size of the constraint, as a limit's size is: what shares of it are taken of  [m or rad]
+  double scale;      // size of the constraint, as a limit's size is: what fractions of it are taken of  [m or rad]
   std::string name;  // in plan.json: obstacles[0], walls[0], tip_box, tip_line, tip_arc, path
   int link = 0;      // 1 or 2 for obstacles and walls; 0: neither
 
@@ -46,7 +46,7 @@ struct TaskRow {
   bool is_distance() const { return kind == Kind::kTip || kind == Kind::kElbow || kind == Kind::kAngles; }
 
   // How far it is from its bounds: negative where it is broken. [m or rad]
-  double room(double value) const { return std::min(value - lower, upper - value); }
+  double clearance(double value) const { return std::min(value - lower, upper - value); }
   // The same in true distance, which differs from value() well away from a circle. [m or rad]
   double distance(double value) const;
 };

@@ -58,18 +58,19 @@ void add_margins(ChartPage& page, const std::vector<ReachedLimit>& limits) {
   Rows rows{{cell("limit"), cell("allowed"), cell("reached"), cell("unit"), cell(""), cell("share"), cell("margin"),
              cell("at"), cell("closed-loop rollout")}};
   for (const ReachedLimit& l : limits) {
-    const double share = l.limit > 0 && std::isfinite(l.limit) ? 100 * l.reached / l.limit : 0;
+    const double fraction = l.limit > 0 && std::isfinite(l.limit) ? 100 * l.reached / l.limit : 0;
     const std::string css = l.passed ? "" : "over";
     rows.push_back({cell(with_joint(l.name, l.joint)), cell(number_text(l.limit)), cell(number_text(l.reached, 6), css),
-                    cell(std::string(unit_of_limit(l.name))), bar(share, css), cell(fmt::format("{:.1f} %", share)),
-                    cell(number_text(l.limit - l.reached, 3)), time_button(l.time), cell(number_text(l.rollout, 6))});
+                    cell(std::string(unit_of_limit(l.name))), bar(fraction, css),
+                    cell(fmt::format("{:.1f} %", fraction)), cell(number_text(l.limit - l.reached, 3)),
+                    time_button(l.time), cell(number_text(l.rollout, 6))});
   }
   page.add_html(html_table(rows));
 }
 
 // What the request asks for on the way.
 void add_task_margins(ChartPage& page, const JsonField& checks) {
-  Rows rows{{cell("on the way"), cell("room left"), cell("unit"), cell("at")}};
+  Rows rows{{cell("on the way"), cell("clearance"), cell("unit"), cell("at")}};
   for (const JsonField& check : checks.items()) {
     const JsonField link = check.at("link");
     const std::string of_link = link.is_null() ? "" : fmt::format(", link {}", number_text(link.number()));

@@ -14,13 +14,13 @@ function rowsAround(m, t) {
     const middle = (low + high) >> 1;
     if (m.time[middle] <= t) low = middle; else high = middle;
   }
-  const share = (t - m.time[low]) / (m.time[high] - m.time[low]);
-  return [low, high, Math.min(1, Math.max(0, share))];
+  const fraction = (t - m.time[low]) / (m.time[high] - m.time[low]);
+  return [low, high, Math.min(1, Math.max(0, fraction))];
 }
 
 function sample(m, t) {
-  const [low, high, share] = rowsAround(m, t);
-  const value = column => m[column][low] * (1 - share) + m[column][high] * share;
+  const [low, high, fraction] = rowsAround(m, t);
+  const value = column => m[column][low] * (1 - fraction) + m[column][high] * fraction;
   const pair = column => [value(column + "1"), value(column + "2")];
   return { q: pair("q"), theta: pair("theta"), dtheta: pair("dtheta"), torque: pair("tau") };
 }
@@ -82,19 +82,19 @@ function capsule(from, to, radius, fill, edge) {
 const onCanvas = angle => Math.PI / 2 - angle;
 
 // The spring between the motor's side and the link's: a zigzag along an arc.
-function spring(joint, from, to, radius, share) {
+function spring(joint, from, to, radius, fraction) {
   const steps = 16, amplitude = 0.014, points = [];
   for (let i = 0; i <= steps; ++i) {
     const off = i === 0 || i === steps ? 0 : (i % 2 ? amplitude : -amplitude);
     points.push(along(joint, from + (to - from) * i / steps, radius + off));
   }
-  const red = Math.round(200 * Math.min(1, share * share));
-  stroke(points, `rgb(${50 + red}, ${Math.round(60 - 60 * share * share)}, 60)`, 1.6);
+  const red = Math.round(200 * Math.min(1, fraction * fraction));
+  stroke(points, `rgb(${50 + red}, ${Math.round(60 - 60 * fraction * fraction)}, 60)`, 1.6);
 }
 
-// Torque on a ring around the joint: its share of the limit, and which way it turns.
+// Torque on a ring around the joint: its fraction of the limit, and which way it turns.
 function torqueRing(joint, base, torque, limit, radius, colour) {
-  const full = 1.5 * Math.PI / 2, share = Math.max(-1.15, Math.min(1.15, torque / limit));
+  const full = 1.5 * Math.PI / 2, fraction = Math.max(-1.15, Math.min(1.15, torque / limit));
   const [x, y] = place(joint), r = radius * scale;
   const ring = (to, colour, width) => {
     pen.beginPath();
@@ -106,10 +106,10 @@ function torqueRing(joint, base, torque, limit, radius, colour) {
   };
   ring(full, "#e2e2e2", 3);
   ring(-full, "#e2e2e2", 3);
-  if (Math.abs(share) < 0.01) return;
+  if (Math.abs(fraction) < 0.01) return;
   const strong = Math.abs(torque) > 1.005 * limit ? "#c00" : colour;
-  ring(share * full, strong, 4);
-  const head = onCanvas(base + share * full), way = share > 0 ? -1 : 1;  // canvas angles run the other way
+  ring(fraction * full, strong, 4);
+  const head = onCanvas(base + fraction * full), way = fraction > 0 ? -1 : 1;  // canvas angles run the other way
   const [hx, hy] = [x + r * Math.cos(head), y + r * Math.sin(head)], tangent = head + way * Math.PI / 2;
   pen.beginPath();
   pen.moveTo(hx + 9 * Math.cos(tangent), hy + 9 * Math.sin(tangent));

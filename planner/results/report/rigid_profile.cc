@@ -14,7 +14,7 @@ namespace {
 constexpr double kPeriod = 1e-3;       // [s] at most between rows
 constexpr double kPeakVelocity = 1.5;  // of the trapezoid: 1 / (1/3 / 2 + 1/3 + 1/3 / 2)
 constexpr double kAcceleration = 4.5;  // of the trapezoid: kPeakVelocity / (1/3)
-constexpr double kAfterJump = 1e-9;    // share of the time: safely on the later side
+constexpr double kAfterJump = 1e-9;    // fraction of the time: safely on the later side
 
 Along trapezoid(double c) {
   if (c < 1.0 / 3) return {kAcceleration * c * c / 2, kAcceleration * c, kAcceleration};
@@ -112,8 +112,8 @@ class Recorder {
 const char* name(Profile profile) { return profile == Profile::kMinimumJerk ? "minimum jerk" : "trapezoidal velocity"; }
 
 Along along(Profile profile, double c) {
-  const double share = std::clamp(c, 0.0, 1.0);
-  return profile == Profile::kMinimumJerk ? minimum_jerk(share) : trapezoid(share);
+  const double fraction = std::clamp(c, 0.0, 1.0);
+  return profile == Profile::kMinimumJerk ? minimum_jerk(fraction) : trapezoid(fraction);
 }
 
 Trajectory rigid_reference(const Parameters& p, Profile profile, const Joints<double>& from, const Joints<double>& to,

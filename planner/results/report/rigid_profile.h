@@ -16,7 +16,7 @@ enum class Profile {
 
 const char* name(Profile profile);
 
-// How far along the way at share c of the time, 0 to 1, and its derivatives with respect to c. Where the trapezoid's
+// How far along the way at fraction c of the time, 0 to 1, and its derivatives with respect to c. Where the trapezoid's
 // acceleration jumps, at 1/3 and 2/3, it is the later one.
 struct Along {
   double position = 0, velocity = 0, acceleration = 0;

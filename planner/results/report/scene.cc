@@ -89,8 +89,8 @@ void add_path(const JsonField& path, const Parameters& robot, Json& scene) {
   for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
     const Joints<double> from = corners[i].pair(), to = corners[i + 1].pair();
     for (int k = 0; k <= kPiecesOfPath; ++k) {
-      const double share = static_cast<double>(k) / kPiecesOfPath;
-      points.push_back(tip_at(robot, {from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])}));
+      const double fraction = static_cast<double>(k) / kPiecesOfPath;
+      points.push_back(tip_at(robot, {from[0] + fraction * (to[0] - from[0]), from[1] + fraction * (to[1] - from[1])}));
     }
   }
   if (!points.empty()) scene.push_back({{"kind", "curve"}, {"points", std::move(points)}, {"label", "path"}});

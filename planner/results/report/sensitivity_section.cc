@@ -101,9 +101,8 @@ void add_sensitivity(ChartPage& page, const JsonField& plan) {
   const Gain gain = Gain::of(plan.at("resolved_request").at("objective"));
   page.add_heading("What limits the motion");
   page.add_paragraph(
-      "By the multipliers, to first order, for 1 % of the limit. Of obstacles, walls, tip regions and paths it is room "
-      "that "
-      "there would be more of.",
+      "By the multipliers, to first order, for 1 % of the limit. Of obstacles, walls, tip regions and paths for 1 % "
+      "of the clearance or tolerance.",
       "note");
   add_limits(page, sensitivity.at("limits"), gain);
   add_givens(page, plan, gain);

@@ -18,14 +18,15 @@
 namespace fjr {
 namespace {
 
-constexpr double kRoom = 0.01;   // share of a change added to it: right at the edge there is one motion, and no plan
-constexpr double kSpare = 2e-4;  // share of a shortest duration
+constexpr double kMargin =
+    0.01;                        // fraction of a change added to it: right at the edge there is one motion, and no plan
+constexpr double kSpare = 2e-4;  // fraction of a shortest duration
 constexpr std::size_t kSpareRows = 1000;  // for what comes between the regular ones
-constexpr double kRoughRoom = 0.1;        // the same where friction stayed smooth
-constexpr double kGridRoom = 1.1;         // times the room that a grid found missing
+constexpr double kRoughMargin = 0.1;      // the same where friction stayed smooth
+constexpr double kGridMargin = 1.1;       // times the clearance that a grid found missing
 constexpr double kClose = 0.05;           // slack of a sketch that a more exact one may do without
 constexpr double kPossible = 2e-3;        // slack below which the request is possible, as far as can be told
-constexpr double kLoose = 3;              // share by which limits are relaxed for a duration to start from
+constexpr double kLoose = 3;              // fraction by which limits are relaxed for a duration to start from
 constexpr double kLonger = 2;             // times the duration of a hurried motion that the least change may take
 
 std::string name_of(const std::string& name, int joint) {
@@ -44,7 +45,7 @@ class Explanation {
     } else if (fastest_ != nullptr && shortest() > problem_.duration.max) {
       explain_duration();
     } else {
-      if (fastest_ != nullptr) result_.shortest_duration = with_room(shortest());
+      if (fastest_ != nullptr) result_.shortest_duration = rounded_up(shortest());
       explain_via_times();
       if (result_.sentence.empty() && (fastest_ == nullptr || any_timed(problem_))) explain_limits();
     }
@@ -57,19 +58,19 @@ class Explanation {
  private:
   double shortest() const { return fastest_->solution().motion.duration(); }
 
-  // What is told of a shortest duration: rounded up, and with a little to spare, so that a request for it has room.
-  static double with_room(double duration) { return std::ceil(1e4 * (1 + kSpare) * duration) / 1e4; }
+  // What is told of a shortest duration: rounded up, and with a little to spare, so that a request for it can be met.
+  static double rounded_up(double duration) { return std::ceil(1e4 * (1 + kSpare) * duration) / 1e4; }
 
   // The least change of this one thing that makes the problem possible, from these guesses.
   bool relax(const Problem& problem, const Candidate& candidate, const std::vector<Guess>& guesses) {
-    const Problem elastic = with_slack(problem, candidate.what);
-    auto solution = least(elastic, name_of(candidate.what.name, candidate.what.joint), guesses);
+    const Problem with_slack_of_it = with_slack(problem, candidate.what);
+    auto solution = least(with_slack_of_it, name_of(candidate.what.name, candidate.what.joint), guesses);
     const bool rough = !solution;
     if (rough) solution = search_.last_sketch();
     if (!solution || (rough && solution->solution().slack < kPossible)) return false;
     if (!rough && fastest_ == nullptr && is_possible(*solution)) return false;
-    const double slack = (1 + (rough ? kRoughRoom : kRoom)) * solution->solution().slack;
-    if (slack > elastic.elastic->most) return false;
+    const double slack = (1 + (rough ? kRoughMargin : kMargin)) * solution->solution().slack;
+    if (slack > with_slack_of_it.slack->most) return false;
     const Relaxable& what = candidate.what;
     const double to = value_with(problem, what, slack);
     const auto time = candidate.time ? candidate.time : worst_moment(problem, what, solution->solution());
@@ -114,16 +115,16 @@ class Explanation {
 
   // Where the duration is free: first with a large weight of time, and then with as much more time as the mesh is fine
   // enough for, since it takes time to gain speed.
-  std::optional<Continuation> least(Problem elastic, const std::string& what, std::vector<Guess> guesses) {
-    Duration& duration = elastic.duration;
+  std::optional<Continuation> least(Problem relaxed, const std::string& what, std::vector<Guess> guesses) {
+    Duration& duration = relaxed.duration;
     const double soon = kLonger * guesses.front().duration();
-    if (!any_timed(problem_) && !elastic.elastic->slower && duration.max > std::max(soon, duration.min)) {
-      const auto first = search_.sketch(hurried(elastic), what + ", hurried", guesses);
+    if (!any_timed(problem_) && !relaxed.slack->velocity && duration.max > std::max(soon, duration.min)) {
+      const auto first = search_.sketch(hurried(relaxed), what + ", hurried", guesses);
       if (!first) return std::nullopt;
       guesses = {guess_of(*first)};
       duration.max = std::clamp(kLonger * guesses.front().duration(), duration.min, duration.max);
     }
-    return search_.solve(elastic, what, guesses);
+    return search_.solve(relaxed, what, guesses);
   }
 
   // ---- no way round ----
@@ -132,21 +133,21 @@ class Explanation {
     result_.sentence = barred.sentence;
     if (!barred.names.empty()) result_.limit = barred.names.front();
     for (const Relaxable& what : relaxables(problem_)) {
-      if (std::count(barred.names.begin(), barred.names.end(), what.name) > 0) make_room(what, barred.missing);
+      if (std::count(barred.names.begin(), barred.names.end(), what.name) > 0) widen(what, barred.missing);
     }
   }
 
   // A slack finds ways between the collocation points where there is none; the grid does not. More than is missing is
   // needed where the way is between two things, for half of what one gives up is lost to the other side, and where the
   // optimiser does not find a motion along a way that is barely open.
-  void make_room(const Relaxable& what, double missing) {
+  void widen(const Relaxable& what, double missing) {
     if (missing == 0) return;
     for (const double more : {1.0, 1.5, 2.0}) {
-      const double amount = more * kGridRoom * missing;
+      const double amount = more * kGridMargin * missing;
       if (amount >= what.most || search_.over()) return;
-      const Problem roomier = what.relaxed(problem_, amount);
-      if (!no_path(roomier).sentence.empty()) continue;
-      if (!search_.solve(roomier, what.name, search_.guesses(roomier))) continue;
+      const Problem wider = what.relaxed(problem_, amount);
+      if (!no_path(wider).sentence.empty()) continue;
+      if (!search_.solve(wider, what.name, search_.guesses(wider))) continue;
       result_.relaxations.push_back({what.kind,
                                      what.name,
                                      what.joint,
@@ -165,7 +166,7 @@ class Explanation {
 
   void explain_duration() {
     const double allowed = problem_.duration.max;
-    const double needed = with_room((certified_ ? 1 : 1 + kRoom) * shortest());
+    const double needed = rounded_up((certified_ ? 1 : 1 + kMargin) * shortest());
     result_.shortest_duration = needed;
     const std::string where = allowed == kLongestByDefault ? " where nothing else is said" : "";
     result_.sentence = fmt::format(
@@ -199,7 +200,7 @@ class Explanation {
     timed.via = problem_.via;
     for (const Via& via : timed.via) timed.duration.min = via.time.value_or(timed.duration.min) + kShortestDuration;
     if (const auto kept = search_.solve(timed, "duration", search_.guesses(timed))) {
-      const double needed = with_room(kept->solution().motion.duration());
+      const double needed = rounded_up(kept->solution().motion.duration());
       result_.sentence += fmt::format(", and {:.4f} s with the via points at their times", needed);
       result_.relaxations.push_back({RelaxableKind::kDuration, "duration", 0, "s", problem_.duration.max, needed, false,
                                      true, problem_.duration.max});
@@ -211,7 +212,7 @@ class Explanation {
       if (!earliest || *earliest <= *asked) continue;
       result_.sentence += fmt::format(
           "; via[{}] is to be passed at {:.6g} s, and within the limits it cannot be passed before {:.4f} s", i, *asked,
-          with_room(*earliest));
+          rounded_up(*earliest));
       return;
     }
   }
@@ -225,7 +226,7 @@ class Explanation {
       const auto earliest = earliest_at(problem_, i, search_);
       if (!earliest || *earliest <= asked) continue;
       tell_via(i, fmt::format("within the limits it cannot be passed before {:.4f} s", *earliest));
-      if (const auto time = nearest_time(problem_, i, *earliest + kRoom * (*earliest - asked), search_)) {
+      if (const auto time = nearest_time(problem_, i, *earliest + kMargin * (*earliest - asked), search_)) {
         move_via(i, *time);
       }
     }

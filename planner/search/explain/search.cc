@@ -25,10 +25,10 @@ std::vector<Guess> Search::guesses(const Problem& problem) const {
   return all;
 }
 
-bool Search::finish(Continuation& c, Exactness exactness) {
+bool Search::refine(Continuation& c, Exactness exactness) {
   if (exactness == Exactness::kSketch) return true;
-  if (exactness == Exactness::kExactFriction) return c.follow_levels();
-  if (!c.finish()) return false;
+  if (exactness == Exactness::kExactFriction) return c.follow_homotopy();
+  if (!c.refine()) return false;
   const Collocated& found = c.solution();
   for (const PerLimit& over : excesses(*c.problem(), found.setup.mesh, found.motion, 0)) {
     if (std::any_of(over.begin(), over.end(), [](double by) { return by > 0; })) return false;
@@ -45,8 +45,8 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
     Continuation c(kept, session_, "why not: " + what);
     const bool coarse = exactness != Exactness::kKeepsLimits && kept->task.obstacles.empty();
     if (coarse) c.mesh_factor = std::min(1.0, kUsual / guess.duration());
-    const bool sketched = c.begin(guess, kMostIterationsOfStart) == Begun::kNew,
-               solved = sketched && finish(c, exactness);
+    const bool sketched = c.begin(guess, kMostIterationsOfStart) == StartOutcome::kNew,
+               solved = sketched && refine(c, exactness);
     if (solved) return c;
     if (sketched) last_sketch_ = std::move(c);
   }

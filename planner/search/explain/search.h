@@ -42,7 +42,7 @@ class Search {
   enum class Exactness { kSketch, kExactFriction, kKeepsLimits };
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
                                     Exactness exactness);
-  static bool finish(Continuation& c, Exactness exactness);
+  static bool refine(Continuation& c, Exactness exactness);
 
   Session& session_;
   const double work_before_;  // [s]

@@ -8,27 +8,27 @@
 namespace fjr {
 namespace {
 
-constexpr double kSmallest = 0.1;     // [m, rad, ...] size of what is given as nothing, or nearly
-constexpr double kTrace = 0.003;      // of time [1/s]: enough for the motion not to dawdle
-constexpr double kHurry = 0.1;        // of time [1/s]
-constexpr double kDifference = 1e-6;  // what a region's bounds are differentiated by
-constexpr double kMostSlack = 6;      // times more: beyond that nobody would build it; half of it is the start
+constexpr double kSmallest = 0.1;              // [m, rad, ...] size of what is given as nothing, or nearly
+constexpr double kTimeRegularisation = 0.003;  // of time [1/s]: enough for the motion not to dawdle
+constexpr double kHurry = 0.1;                 // of time [1/s]
+constexpr double kDifference = 1e-6;           // what a region's bounds are differentiated by
+constexpr double kMostSlack = 6;               // times more: beyond that nobody would build it; half of it is the start
 
 bool is_obstacle(const Relaxable& what) { return what.constraint == &Disc::info; }
 bool is_velocity(const Relaxable& what) { return what.kind == RelaxableKind::kVelocity; }
 
-// Squared distance that the links keep from an obstacle's centre gives way, down to the link's own radius at a slack of
-// one: the rows are linear in it.
+// Squared distance that the links keep from an obstacle's centre is relaxed, down to the link's own radius at a slack
+// of one: the rows are linear in it.
 double least_apart(const Problem& problem, const TaskRow& row) {
   return problem.robot.link.radius[static_cast<std::size_t>(row.link - 1)];
 }
 
-void give_rows(const Problem& problem, const Relaxable& what, std::vector<double>& give) {
+void relax_rows(const Problem& problem, const Relaxable& what, std::vector<double>& direction) {
   const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, 0);
   if (is_obstacle(what)) {
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const double apart = rows[r].number, least = rows[r].link > 0 ? least_apart(problem, rows[r]) : apart;
-      if (rows[r].name == what.name) give[kLimits + r] += (apart * apart - least * least) / (2 * apart);
+      if (rows[r].name == what.name) direction[kLimits + r] += (apart * apart - least * least) / (2 * apart);
     }
     return;
   }
@@ -39,32 +39,32 @@ void give_rows(const Problem& problem, const Relaxable& what, std::vector<double
     const double moved = rows[r].number - after[r].number;  // value() counts from there
     const double below = rows[r].lower - after[r].lower + moved, above = after[r].upper - rows[r].upper - moved;
     const double more = std::isfinite(below) ? below : above;
-    give[kLimits + r] += more / kDifference * size_of(what);
+    direction[kLimits + r] += more / kDifference * size_of(what);
   }
 }
 
-void give(const Problem& problem, const Relaxable& what, std::vector<double>& give) {
+void relax(const Problem& problem, const Relaxable& what, std::vector<double>& direction) {
   if (what.kind == RelaxableKind::kAllLimits) {
     const Limits larger = what.relaxed(problem, 1).limits;
     for (std::size_t i = 0; i < kLimits; ++i) {
       const double limit = kLimitNames[i].in(problem.limits);
-      if (std::isfinite(limit)) give[i] += kLimitNames[i].in(larger)-limit;
+      if (std::isfinite(limit)) direction[i] += kLimitNames[i].in(larger)-limit;
     }
     return;
   }
   for (std::size_t i = 0; i < kLimits; ++i) {
     if (kLimitNames[i].quantity != what.quantity || kLimitNames[i].joint != what.joint) continue;
-    give[i] += size_of(what);
+    direction[i] += size_of(what);
     return;
   }
-  give_rows(problem, what, give);
+  relax_rows(problem, what, direction);
 }
 
-Problem elastic(const Problem& problem) {
+Problem with_slack(const Problem& problem) {
   Problem result = problem;
-  result.weights = {.time = kTrace};
-  result.elastic.emplace();
-  result.elastic->give.assign(limit_scales(problem).size(), 0.0);
+  result.weights = {.time = kTimeRegularisation};
+  result.slack.emplace();
+  result.slack->direction.assign(limit_scales(problem).size(), 0.0);
   return result;
 }
 
@@ -73,24 +73,24 @@ Problem elastic(const Problem& problem) {
 double size_of(const Relaxable& what) { return std::max(what.from, kSmallest); }
 
 Problem with_slack(const Problem& problem, const Relaxable& what) {
-  Problem result = elastic(problem);
-  Elastic& e = *result.elastic;
+  Problem result = with_slack(problem);
+  Slack& slack = *result.slack;
   if (is_velocity(what)) {
-    e.slower = what.point;
-    e.most = 1;
+    slack.velocity = what.point;
+    slack.most = 1;
   } else {
-    give(problem, what, e.give);
-    e.most = is_obstacle(what) ? 1 : std::min(kMostSlack, what.most / size_of(what));
+    relax(problem, what, slack.direction);
+    slack.most = is_obstacle(what) ? 1 : std::min(kMostSlack, what.most / size_of(what));
   }
   return result;
 }
 
 Problem with_slack_everywhere(const Problem& problem) {
-  Problem result = elastic(problem);
+  Problem result = with_slack(problem);
   for (const Relaxable& what : relaxables(problem)) {
-    if (!is_velocity(what)) give(problem, what, result.elastic->give);
+    if (!is_velocity(what)) relax(problem, what, result.slack->direction);
   }
-  result.elastic->most = kMostSlack;
+  result.slack->most = kMostSlack;
   return result;
 }
 

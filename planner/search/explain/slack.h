@@ -1,5 +1,5 @@
-// Problems whose optimum is the least change that makes a request possible: what may change gives way by a slack
-// (Elastic in problem/problem.h), and the slack is minimised. One such problem answers what a search over values of the
+// Problems whose optimum is the least change that makes a request possible: what may change is relaxed by a slack
+// (Slack in problem/problem.h), and the slack is minimised. One such problem answers what a search over values of the
 // limit would take a dozen for, most of them without a solution.
 #pragma once
 
@@ -11,10 +11,10 @@ namespace fjr {
 // By how much a slack of one relaxes it, in its unit.
 double size_of(const Relaxable& what);
 
-// The problem with the least change of that one thing as its objective, beside a trace of time.
+// The problem with the least change of that one thing as its objective, beside a regularisation by time.
 Problem with_slack(const Problem& problem, const Relaxable& what);
 
-// The same with everything but velocities giving way at once, each in proportion to its size. [shares of it]
+// The same with everything but velocities relaxed at once, each in proportion to its size. [fractions of it]
 Problem with_slack_everywhere(const Problem& problem);
 
 // The same with time in a hurry, so that a first solution does not wander off into motions that take for ever.

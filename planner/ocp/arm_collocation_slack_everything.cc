@@ -2,6 +2,6 @@
 
 namespace fjr {
 
-FJR_ARM_COLLOCATION(, kElasticEverything)
+FJR_ARM_COLLOCATION(, kSlackEverything)
 
 }  // namespace fjr

@@ -2,6 +2,6 @@
 
 namespace fjr {
 
-FJR_ARM_COLLOCATION(, kElasticTask)
+FJR_ARM_COLLOCATION(, kSlackOnly)
 
 }  // namespace fjr

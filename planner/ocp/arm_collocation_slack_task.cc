@@ -2,6 +2,6 @@
 
 namespace fjr {
 
-FJR_ARM_COLLOCATION(, kElastic)
+FJR_ARM_COLLOCATION(, kSlackTask)
 
 }  // namespace fjr

@@ -88,17 +88,19 @@ Joints<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_v
 }
 
 // A number, or an entry like the others'.
-double read_payload_value(const YamlNode& node, double most, std::string_view unit) {
+double read_payload_value(const YamlNode& node, const PayloadBound& bound) {
   YamlNode value = node;
   if (node.is_map()) {
     node.allow_keys({"value", "unit", "source", "standard_error"});
     const YamlNode given_unit = node.at("unit");
-    if (given_unit.text() != unit) given_unit.fail(fmt::format("{} must be \"{}\"", shown(given_unit.text()), unit));
+    if (given_unit.text() != bound.unit) {
+      given_unit.fail(fmt::format("{} must be \"{}\"", shown(given_unit.text()), bound.unit));
+    }
     if (const auto source = node.find("source")) source->text();
     value = node.at("value");
   }
-  const double number = value.number(unit);
-  if (!(number >= 0 && number <= most)) value.fail(fmt::format("{} is outside [0, {}]", with_unit(number, unit), most));
+  const double number = value.number(bound.unit);
+  bound.check(value, number);
   return number;
 }
 
@@ -268,12 +270,16 @@ std::vector<fs::path> folders_near_executable() {
 
 }  // namespace
 
+std::string PayloadBound::sentence_of(double value) const {
+  return fmt::format("{} is outside [0, {}]", with_unit(value, unit), most);
+}
+
 Payload read_payload(const YamlNode& node) {
-  if (!node.is_map() || node.find("value")) return {read_payload_value(node, kMostPayload, "kg"), 0};
+  if (!node.is_map() || node.find("value")) return {read_payload_value(node, kPayloadMassBound), 0};
   node.allow_keys({"mass", "inertia"});
-  Payload payload{read_payload_value(node.at("mass"), kMostPayload, "kg"), 0};
+  Payload payload{read_payload_value(node.at("mass"), kPayloadMassBound), 0};
   if (const auto inertia = node.find("inertia")) {
-    payload.inertia = read_payload_value(*inertia, kMostPayloadInertia, "kg m^2");
+    payload.inertia = read_payload_value(*inertia, kPayloadInertiaBound);
   }
   return payload;
 }

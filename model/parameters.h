@@ -103,8 +103,19 @@ void visit_parameters(P& p, Visit&& visit) {
 // Entries that a robot.yaml may leave out have the value of a default Parameters; all others have to be given.
 bool may_be_left_out(std::string_view section, std::string_view name);
 
-inline constexpr double kMostPayload = 10;        // [kg] several times what the arm can hold in any posture but hanging
-inline constexpr double kMostPayloadInertia = 1;  // [kg m^2]
+// What a payload may be, wherever it comes from: several times what the arm can hold in any posture but hanging.
+struct PayloadBound {
+  double most;
+  const char* unit;
+
+  // place.fail(sentence) where the value is outside.
+  template <class Place>
+  void check(const Place& place, double value) const {
+    if (!(value >= 0 && value <= most)) place.fail(sentence_of(value));
+  }
+  std::string sentence_of(double value) const;
+};
+inline constexpr PayloadBound kPayloadMassBound{10, "kg"}, kPayloadInertiaBound{1, "kg m^2"};
 
 class YamlNode;
 // A payload as a robot.yaml or a request writes it: the mass [kg] alone, or {mass, inertia}; each of them a number or

@@ -5,6 +5,12 @@
 
 namespace fjr {
 
+double Carrying::of(const QuantityInfo& quantity, std::size_t joint) const {
+  if (&quantity == &Torque::info) return torque[joint];
+  if (&quantity == &SpringDeflection::info) return deflection[joint];
+  return 0;
+}
+
 Carrying carrying(const Problem& problem) {
   constexpr int kPieces = 200;
   std::vector<Joints<double>> points{problem.start.q};

@@ -11,6 +11,9 @@ struct Carrying {
   Joints<double> torque{};           // [N m]
   Joints<double> deflection{};       // [rad]
   Joints<Joints<double>> posture{};  // [rad] of each joint's largest, the link angles
+
+  // Of a limited quantity, in its unit; 0 where carrying takes none.
+  double of(const QuantityInfo& quantity, std::size_t joint) const;
 };
 Carrying carrying(const Problem& problem);
 

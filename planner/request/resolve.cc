@@ -57,14 +57,11 @@ Limits resolve_limits(const Request& request, const Parameters& robot) {
   return limits;
 }
 
-// Of numbers that came without a document: reading one looks at the same bounds.
+// A payload that came from DDS, where there is no document in which it was found to be within its bounds.
 void check_payload(const Request& request) {
   const Place place{request, "payload"};
-  const auto check = [](const Place& at, double value, double most, std::string_view unit) {
-    if (!(value >= 0 && value <= most)) at.fail(fmt::format("{} is outside [0, {}]", with_unit(value, unit), most));
-  };
-  check(place.at("mass"), request.payload->mass, kMostPayload, "kg");
-  check(place.at("inertia"), request.payload->inertia, kMostPayloadInertia, "kg m^2");
+  kPayloadMassBound.check(place.at("mass"), request.payload->mass);
+  kPayloadInertiaBound.check(place.at("inertia"), request.payload->inertia);
 }
 
 // ---- duration, objective, sampling ----

@@ -9,12 +9,20 @@
 
 namespace fjr {
 
+// What a request's work is spent on; a later phase may take more of it.
+enum class Phase {
+  kFinding,     // motions on coarse meshes
+  kRefining,    // those that promise something
+  kExplaining,  // why there is none
+};
+
 // Asked and told between iterations of the optimiser.
 struct Progress {
   std::string stage;  // "start 2 of 4, friction 0.01 rad/s, 80 intervals"
   int iteration = 0;  // over the whole plan
   double objective = 0;
-  double violation = 0;  // of the constraints, scaled
+  double violation = 0;           // of the constraints, scaled
+  Phase phase = Phase::kFinding;  // the latest so far
 };
 
 struct SolverStage {

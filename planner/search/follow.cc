@@ -7,7 +7,6 @@
 namespace fjr {
 namespace {
 
-constexpr double kRefining = 0.8;    // of the work that a request may take, for finding and refining; the rest explains
 constexpr int kLeastPatience = 100;  // iterations of a start
 
 // Whether the candidate that was found last is worth refining, beside those before it.
@@ -81,7 +80,7 @@ void follow(Continuation c, Findings& found, Session& session) {
     found.note_fastest(c, false);
     return;
   }
-  session.allow(kRefining);
+  session.enter(Phase::kRefining);
   if (!only_time(c.problem()->weights) || c.duration() < kLongMotion) {
     refine(std::move(c), found, session);
   } else {

@@ -1,9 +1,26 @@
 #include "planner/search/session.h"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 namespace fjr {
+namespace {
+
+// Of the work that a request may take, what may be done by the end of a phase.
+double allowed_by_the_end_of(Phase phase) {
+  switch (phase) {
+    case Phase::kFinding:
+      return 0.5;
+    case Phase::kRefining:
+      return 0.8;
+    case Phase::kExplaining:
+      return 1;
+  }
+  throw std::logic_error("Phase out of range");
+}
+
+}  // namespace
 
 Session::Session(SessionOptions options) : options_(std::move(options)) {}
 
@@ -18,10 +35,14 @@ bool Session::interrupted(double work) {
   return stopped_ || spent;
 }
 
-void Session::allow(double fraction) { allowed_ = std::max(allowed_, fraction * options_.most_work); }
+void Session::enter(Phase phase) {
+  phase_ = std::max(phase_, phase);
+  allowed_ = allowed_by_the_end_of(phase_) * options_.most_work;
+}
 
 void Session::tell(Progress progress) const {
   if (!options_.on_progress) return;
+  progress.phase = phase_;
   progress.iteration += account_.iterations;
   progress.objective *= options_.objective_scale;
   options_.on_progress(progress);

@@ -37,8 +37,8 @@ class Session {
   bool stopped() const { return stopped_; }
   bool deadline_passed() const { return deadline_passed_; }
 
-  // From here, work may come to this fraction of all; never to less than before. Nothing is allowed at first.
-  void allow(double fraction);
+  // From here, work may come to what this phase and those before it are allowed together. Nothing is at first.
+  void enter(Phase phase);
 
   // Of the solve at work: its own iterations, and its objective as it is optimised.
   void tell(Progress progress) const;
@@ -57,6 +57,7 @@ class Session {
   Account account_;
   const Clock::time_point began_ = Clock::now();
   double work_ = 0, allowed_ = 0;  // [s] done, with that of the solve at work; allowed in the present phase
+  Phase phase_ = Phase::kFinding;  // the latest that was entered
   bool stopped_ = false, deadline_passed_ = false;
   class Timed* innermost_ = nullptr;
 };

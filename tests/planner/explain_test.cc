@@ -56,7 +56,7 @@ constexpr double kEnough = 1.03, kTooLittle = 0.9;
 Plan without_explanation(const Problem& problem) {
   bool explaining = false;
   PlanOptions options;
-  options.on_progress = [&](const Progress& p) { explaining = p.stage.starts_with("why not"); };
+  options.on_progress = [&](const Progress& p) { explaining = p.phase == Phase::kExplaining; };
   options.cancelled = [&] { return explaining; };
   return plan(problem, options);
 }

@@ -40,12 +40,8 @@ Candidate worst_excess_of(const Problem& problem, const Relaxable& what, const C
 // By how much the limit is below what carrying the arm slowly takes, as a fraction of the limit: of limits that are
 // exceeded alike, what cannot be carried is in the way, and not what swinging takes.
 double short_of_carrying(const Problem& problem, const Relaxable& what) {
-  if (what.joint == 0) return 0;
-  const Carrying needs = carrying(problem);
-  const auto j = static_cast<std::size_t>(what.joint - 1);
-  double needed = 0;
-  if (what.quantity == &Torque::info) needed = needs.torque[j];
-  if (what.quantity == &SpringDeflection::info) needed = needs.deflection[j];
+  if (what.joint == 0 || what.quantity == nullptr) return 0;
+  const double needed = carrying(problem).of(*what.quantity, static_cast<std::size_t>(what.joint - 1));
   return std::max(0.0, needed / what.from - 1);
 }
 

@@ -29,10 +29,6 @@ constexpr double kPossible = 2e-3;        // slack below which the request is po
 constexpr double kLoose = 3;              // fraction by which limits are relaxed for a duration to start from
 constexpr double kLonger = 2;             // times the duration of a hurried motion that the least change may take
 
-std::string name_of(const std::string& name, int joint) {
-  return joint == 0 ? name : fmt::format("{} of joint {}", name, joint);
-}
-
 class Explanation {
  public:
   Explanation(const Problem& problem, const Continuation* fastest, bool certified, const std::optional<Limits>& reached,
@@ -74,25 +70,26 @@ class Explanation {
     const Relaxable& what = candidate.what;
     const double to = value_with(problem, what, slack);
     const auto time = candidate.time ? candidate.time : worst_moment(problem, what, solution->solution());
-    Relaxation named{what.kind, what.name, what.joint, what.unit, what.from, to, rough, true, time, what.constraint};
-    if (what.constraint) verify(problem, what, named);
-    named.within_robot = std::abs(named.to - what.from) <= what.allowed;
+    Relaxation named = relaxation_of(what, to);
+    named.rough = rough;
+    if (what.constraint) named = verified(problem, what, named);
+    named.time = time;
     result_.relaxations.push_back(named);
     return true;
   }
 
   // A slack is minimised with rows that hold at the collocation points of a coarse mesh, and between them a motion cuts
   // corners. So the motion is planned with the change, and where that is not enough with more of it.
-  void verify(const Problem& problem, const Relaxable& what, Relaxation& named) {
+  Relaxation verified(const Problem& problem, const Relaxable& what, Relaxation named) {
     const double amount = std::abs(named.to - what.from);
-    named.rough = true;
     for (const double more : {1.0, 1.1, 1.25, 1.5, 2.0}) {
-      if (more * amount > what.most || search_.over()) return;
-      if (!is_enough(what.relaxed(problem, more * amount), what.name)) continue;
-      named.to = what.value(more * amount);
-      named.rough = false;
-      return;
+      if (more * amount > what.most || search_.over()) break;
+      if (is_enough(what.relaxed(problem, more * amount), what.name)) {
+        return relaxation_of(what, what.value(more * amount));
+      }
     }
+    named.rough = true;
+    return named;
   }
 
   // Whether a motion within the limits takes no longer than it may, found as it would be when asked for.
@@ -148,16 +145,7 @@ class Explanation {
       const Problem wider = what.relaxed(problem_, amount);
       if (!no_path(wider).sentence.empty()) continue;
       if (!search_.solve(wider, what.name, search_.guesses(wider))) continue;
-      result_.relaxations.push_back({what.kind,
-                                     what.name,
-                                     what.joint,
-                                     what.unit,
-                                     what.from,
-                                     what.value(amount),
-                                     false,
-                                     true,
-                                     {},
-                                     what.constraint});
+      result_.relaxations.push_back(relaxation_of(what, what.value(amount)));
       return;
     }
   }
@@ -181,8 +169,8 @@ class Explanation {
     result_.limit = "duration";
     result_.time = allowed;
     if (!any_timed(problem_)) {
-      result_.relaxations.push_back(
-          {RelaxableKind::kDuration, "duration", 0, "s", allowed, needed, !certified_, true, allowed});
+      result_.relaxations.push_back(relaxation_of_time(RelaxableKind::kDuration, "duration", allowed, needed));
+      result_.relaxations.back().rough = !certified_;
     } else {
       explain_times_as_well();
     }
@@ -202,8 +190,8 @@ class Explanation {
     if (const auto kept = search_.solve(timed, "duration", search_.guesses(timed))) {
       const double needed = rounded_up(kept->solution().motion.duration());
       result_.sentence += fmt::format(", and {:.4f} s with the via points at their times", needed);
-      result_.relaxations.push_back({RelaxableKind::kDuration, "duration", 0, "s", problem_.duration.max, needed, false,
-                                     true, problem_.duration.max});
+      result_.relaxations.push_back(
+          relaxation_of_time(RelaxableKind::kDuration, "duration", problem_.duration.max, needed));
       return;
     }
     for (std::size_t i = 0; i < problem_.via.size() && !search_.over(); ++i) {
@@ -247,9 +235,8 @@ class Explanation {
   }
 
   void move_via(std::size_t i, double time) {
-    const double asked = *problem_.via[i].time;
     result_.relaxations.push_back(
-        {RelaxableKind::kViaTime, fmt::format("via[{}].time", i), 0, "s", asked, time, false, true, asked});
+        relaxation_of_time(RelaxableKind::kViaTime, fmt::format("via[{}].time", i), *problem_.via[i].time, time));
   }
 
   // ---- limits that no motion keeps ----
@@ -282,15 +269,8 @@ class Explanation {
       Limits limits = *reached_;
       const double* limit = limit_of(limits, what.name, what.joint);
       if (limit == nullptr || *limit == what.from) continue;
-      result_.relaxations.push_back({what.kind,
-                                     what.name,
-                                     what.joint,
-                                     what.unit,
-                                     what.from,
-                                     *limit,
-                                     true,
-                                     *limit - what.from <= what.allowed,
-                                     {}});
+      result_.relaxations.push_back(relaxation_of(what, *limit));
+      result_.relaxations.back().rough = true;
     }
     if (result_.relaxations.size() != 1) result_.relaxations.clear();
     if (!result_.relaxations.empty()) name_what_is_in_the_way(nullptr);
@@ -313,6 +293,7 @@ class Explanation {
       }
       result_.limit = first.name;
       result_.joint = first.joint;
+      result_.quantity = first.quantity;
       result_.time = first.time;
       velocity = first.kind == RelaxableKind::kVelocity;
     } else {
@@ -320,6 +301,7 @@ class Explanation {
         if (!result_.limit.empty()) break;
         result_.limit = worst.what.name;
         result_.joint = worst.what.joint;
+        result_.quantity = worst.what.quantity;
         velocity = worst.what.kind == RelaxableKind::kVelocity;
       }
     }
@@ -337,32 +319,27 @@ class Explanation {
 
   // ---- statics ----
 
+  // Where carrying the arm slowly takes more than the limit that is in the way.
   void add_statics() {
+    if (result_.joint == 0 || result_.quantity == nullptr) return;
+    const auto j = static_cast<std::size_t>(result_.joint - 1);
     const Carrying needs = carrying(problem_);
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      if (result_.joint != static_cast<int>(j) + 1) continue;
-      if (result_.limit == "torque" && needs.torque[j] > problem_.limits.torque[j]) add_carrying(needs, j);
-      if (result_.limit == "spring_deflection" && needs.deflection[j] > problem_.limits.spring_deflection[j]) {
-        add_carrying(needs, j);
-      }
-    }
-  }
-
-  void add_carrying(const Carrying& needs, std::size_t j) {
-    const bool torque = result_.limit == "torque";
+    const double needed = needs.of(*result_.quantity, j);
+    if (needed <= (problem_.limits.*result_.quantity->per_joint)[j]) return;
     result_.sentence += fmt::format(" (held still on the straight way, at [{:.3g}, {:.3g}] rad, it takes {:.4g} {})",
-                                    needs.posture[j][0], needs.posture[j][1],
-                                    torque ? needs.torque[j] : needs.deflection[j], torque ? "N m" : "rad");
+                                    needs.posture[j][0], needs.posture[j][1], needed, result_.quantity->unit);
   }
 
   // Where not even a motion with everything relaxed is found: what cannot be carried slowly.
   void explain_by_statics() {
     const Carrying needs = carrying(problem_);
-    const Limits& limits = problem_.limits;
     for (std::size_t j = 0; j < kJoints && result_.limit.empty(); ++j) {
-      result_.joint = static_cast<int>(j) + 1;
-      if (needs.torque[j] > limits.torque[j]) result_.limit = "torque";
-      if (needs.deflection[j] > limits.spring_deflection[j]) result_.limit = "spring_deflection";
+      for (const QuantityInfo* quantity : {&Torque::info, &SpringDeflection::info}) {
+        if (needs.of(*quantity, j) <= (problem_.limits.*quantity->per_joint)[j]) continue;
+        result_.limit = quantity->name;
+        result_.joint = static_cast<int>(j) + 1;
+        result_.quantity = quantity;
+      }
     }
     if (result_.limit.empty()) return;
     result_.sentence =
@@ -373,25 +350,13 @@ class Explanation {
   // ---- telling ----
 
   void add_relaxations_to_sentence() {
-    std::string& text = result_.sentence;
     bool any = false;
     for (const Relaxation& r : result_.relaxations) {
       if (r.kind == RelaxableKind::kDuration) continue;
-      const std::string unit = r.kind == RelaxableKind::kVelocity ? " of what it is" : " " + r.unit;
-      const std::string beyond = r.within_robot ? "" : ", more than the robot's";
       any = true;
-      if (r.kind == RelaxableKind::kAllLimits) {
-        text += fmt::format("; no single limit alone would do, but all together {} times as large{}",
-                            enough(r.from, r.to), beyond);
-      } else if (r.constraint && r.constraint->relaxed) {
-        text += fmt::format("; {} alone would have to be {}", r.name,
-                            fmt::format(fmt::runtime(r.constraint->relaxed), enough(r.from, r.to)));
-      } else {
-        text += fmt::format("; {} alone would have to be {}{}{} (now {:.4g}{})", name_of(r.name, r.joint),
-                            r.rough ? "about " : "", enough(r.from, r.to), unit, r.from, beyond);
-      }
+      result_.sentence += "; " + sentence_of(r);
     }
-    if (!any && !search_.over()) text += "; no other change of a single limit was found to do";
+    if (!any && !search_.over()) result_.sentence += "; no other change of a single limit was found to do";
   }
 
   const Problem& problem_;
@@ -404,14 +369,6 @@ class Explanation {
 };
 
 }  // namespace
-
-std::string enough(double from, double to) {
-  double told = std::stod(fmt::format("{:.4g}", to));
-  const double step = std::pow(10, std::floor(std::log10(std::abs(to))) - 3);
-  if (to > from && told < to) told += step;
-  if (to < from && told > to) told -= step;
-  return fmt::format("{:.4g}", told);
-}
 
 WhyNot explain(const Problem& problem, const Continuation* fastest, bool certified,
                const std::optional<Limits>& reached, Session& session) {

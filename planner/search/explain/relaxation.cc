@@ -1,0 +1,59 @@
+#include "planner/search/explain/relaxation.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace fjr {
+
+Relaxation relaxation_of(const Relaxable& what, double to) {
+  Relaxation r;
+  r.kind = what.kind;
+  r.name = what.name;
+  r.joint = what.joint;
+  r.unit = what.unit;
+  r.from = what.from;
+  r.to = to;
+  r.within_robot = std::abs(to - what.from) <= what.allowed;
+  r.quantity = what.quantity;
+  r.constraint = what.constraint;
+  return r;
+}
+
+Relaxation relaxation_of_time(RelaxableKind kind, const std::string& name, double from, double to) {
+  Relaxation r;
+  r.kind = kind;
+  r.name = name;
+  r.unit = "s";
+  r.from = from;
+  r.to = to;
+  r.time = from;
+  return r;
+}
+
+std::string name_of(const std::string& name, int joint) {
+  return joint == 0 ? name : fmt::format("{} of joint {}", name, joint);
+}
+
+std::string enough(double from, double to) {
+  double told = std::stod(fmt::format("{:.4g}", to));
+  const double step = std::pow(10, std::floor(std::log10(std::abs(to))) - 3);
+  if (to > from && told < to) told += step;
+  if (to < from && told > to) told -= step;
+  return fmt::format("{:.4g}", told);
+}
+
+std::string sentence_of(const Relaxation& r) {
+  const std::string beyond = r.within_robot ? "" : ", more than the robot's", to = enough(r.from, r.to);
+  if (r.kind == RelaxableKind::kAllLimits) {
+    return fmt::format("no single limit alone would do, but all together {} times as large{}", to, beyond);
+  }
+  if (r.constraint && r.constraint->relaxed) {
+    return fmt::format("{} alone would have to be {}", r.name, fmt::format(fmt::runtime(r.constraint->relaxed), to));
+  }
+  const std::string unit = r.kind == RelaxableKind::kVelocity ? " of what it is" : " " + r.unit;
+  return fmt::format("{} alone would have to be {}{}{} (now {:.4g}{})", name_of(r.name, r.joint),
+                     r.rough ? "about " : "", to, unit, r.from, beyond);
+}
+
+}  // namespace fjr

@@ -1,0 +1,37 @@
+#include "planner/search/warm_start.h"
+
+#include <fmt/format.h>
+
+#include <utility>
+
+#include "planner/search/publication.h"
+
+namespace fjr {
+
+std::string start_warm(const Collocated& neighbour, Findings& found, Session& session) {
+  const Timed timed(session, "warm");
+  if (const std::string& method = neighbour.setup.scheme.name; method != found.asked.method) {
+    return fmt::format("it was planned with method {}, and {} is asked for", method, found.asked.method);
+  }
+  std::string refusal;
+  for (const auto& alternative : found.alternatives) {
+    Continuation c(alternative, session, "from an earlier plan");
+    const bool solved = c.resume(neighbour);
+    if (solved) {
+      PublishResult published = publish(c, found.asked, session);
+      if (found.keep(c, std::move(published))) return "";
+    }
+    if (session.stopped()) return "it was stopped before anything came of it";
+    if (c.stages().empty()) {
+      refusal = "it passes another number of via points";
+    } else if (!solved) {
+      refusal = "the optimiser did not converge from it";
+    } else {
+      const std::string why = found.best ? found.best->certificate.failures.front() : std::string();
+      refusal = "what came of it was not certified: " + (found.failure.empty() ? why : found.failure);
+    }
+  }
+  return refusal;
+}
+
+}  // namespace fjr

@@ -42,6 +42,7 @@ nav:
       - Extending: docs/extending.md
       - Performance: docs/performance.md
       - Benchmarks: bench/README.md
+      - Peers: bench/peers/README.md
   - To look things up:
       - FAQ: docs/faq.md
       - Glossary: docs/glossary.md

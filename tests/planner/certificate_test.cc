@@ -22,6 +22,8 @@
 #include "planner/certificate/rollout.h"
 #include "planner/certificate/tracking.h"
 #include "planner/control/motor_feedback.h"
+#include "support/exact_trajectories.h"
+#include "support/linearised_arm.h"
 
 namespace fjr {
 namespace {
@@ -30,94 +32,6 @@ using std::numbers::pi;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
-
-const Parameters& robot() {
-  static const Parameters p = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
-  return p;
-}
-
-Limits robot_limits() {
-  Limits l;
-  l.torque = robot().limits.torque;
-  l.motor_velocity = robot().limits.motor_velocity;
-  l.link_position = robot().limits.link_position;
-  l.spring_deflection = robot().limits.spring_deflection;
-  return l;
-}
-
-// ---- an independent integrator: classical Runge-Kutta, small fixed steps, smaller ones within the friction step ----
-
-using Torque = std::function<Joints<double>(double, const State<double>&)>;
-
-State<double> plus(const State<double>& x, double a, const State<double>& f) {
-  State<double> r = x;
-  for (int i = 0; i < kStates; ++i) r[i] += a * f[i];
-  return r;
-}
-
-State<double> runge_kutta_step(const Torque& tau, double t, const State<double>& x, double h) {
-  const auto f = [&](double at, const State<double>& y) { return dynamics(robot(), y, tau(at, y)); };
-  const State<double> k1 = f(t, x), k2 = f(t + h / 2, plus(x, h / 2, k1)), k3 = f(t + h / 2, plus(x, h / 2, k2)),
-                      k4 = f(t + h, plus(x, h, k3));
-  return plus(plus(plus(plus(x, h / 6, k1), h / 3, k2), h / 3, k3), h / 6, k4);
-}
-
-State<double> integrate(const Torque& tau, double from, double to, State<double> x) {
-  constexpr double kCoarse = 4e-6, kFine = 2e-8, kNearRest = 3e-3;  // [s], [s], [rad/s]
-  double t = from;
-  while (t < to) {
-    const double slowest = std::min(std::abs(x.dtheta[0]), std::abs(x.dtheta[1]));
-    const double h = std::min(slowest < kNearRest ? kFine : kCoarse, to - t);
-    x = runge_kutta_step(tau, t, x, h);
-    t = to - t <= h ? to : t + h;
-  }
-  return x;
-}
-
-// ---- trajectories ----
-
-Joints<double> smooth_torque(double t) {
-  const double s = std::sin(2 * pi * t / 0.43);
-  return {5 * s, 1.5 * s};
-}
-
-// Rows every `period` whose states follow exactly from their piecewise linear torque.
-Trajectory exact_trajectory(const std::function<Joints<double>(double)>& torque, double duration, double period) {
-  Trajectory trajectory;
-  const int rows = static_cast<int>(std::lround(duration / period));
-  Sample row{0, rest_at(robot(), {0.1, -0.2}), torque(0)};
-  trajectory.samples.push_back(row);
-  for (int k = 1; k <= rows; ++k) {
-    const Sample next{k * period, {}, torque(k * period)};
-    const auto linear = [&](double t, const State<double>&) {
-      const double s = (t - row.time) / (next.time - row.time);
-      return Joints<double>{row.torque[0] + s * (next.torque[0] - row.torque[0]),
-                            row.torque[1] + s * (next.torque[1] - row.torque[1])};
-    };
-    const State<double> x = integrate(linear, row.time, next.time, row.state);
-    row = next;
-    row.state = x;
-    trajectory.samples.push_back(row);
-  }
-  return trajectory;
-}
-
-const Trajectory& reference_trajectory() {
-  static const Trajectory trajectory = exact_trajectory(smooth_torque, 0.43, 1e-3);
-  return trajectory;
-}
-
-// At rest at q for a while, with exactly the right torque.
-Trajectory resting(const Joints<double>& q, double duration) {
-  Trajectory trajectory;
-  const int rows = static_cast<int>(std::lround(duration / 1e-3));
-  for (int k = 0; k <= rows; ++k) {
-    trajectory.samples.push_back({k * 1e-3, rest_at(robot(), q), gravity_torque(robot(), q)});
-  }
-  return trajectory;
-}
-
-Certificate certificate_of(const Trajectory& trajectory) { return certify(robot(), robot_limits(), trajectory); }
 
 // ---- exact trajectories pass ----
 
@@ -236,7 +150,7 @@ FixedSteps by_fixed_steps(const Trajectory& trajectory, const Joints<double>& kp
     return Joints<double>{kp[0] * (wanted.theta[0] - x.theta[0]) + kd[0] * (wanted.dtheta[0] - x.dtheta[0]),
                           kp[1] * (wanted.theta[1] - x.theta[1]) + kd[1] * (wanted.dtheta[1] - x.dtheta[1])};
   };
-  const Torque tau = [&](double t, const State<double>& x) {
+  const TorqueLaw tau = [&](double t, const State<double>& x) {
     const Joints<double> planned = plan.torque_at(t), f = feedback(t, x);
     return Joints<double>{planned[0] + f[0], planned[1] + f[1]};
   };
@@ -276,7 +190,7 @@ Joints<double> largest_feedback(const Trajectory& trajectory) {
   Interpolator plan(trajectory);
   const Drive closed = Drive::closed_loop(trajectory, robot());
   Joints<double> largest{};
-  const Torque tau = [&](double t, const State<double>& x) {
+  const TorqueLaw tau = [&](double t, const State<double>& x) {
     const Sample planned = plan.at(t);
     const Joints<double> f = closed.feedback(planned.state, x);
     for (std::size_t j = 0; j < kJoints; ++j) largest[j] = std::max(largest[j], std::abs(f[j]));
@@ -404,21 +318,6 @@ TEST(Amplification, BandIsWhereTheCompleteLawFalls) {
   const double band = second.unstable_band();
   EXPECT_NEAR(band, 5.08e-4, 1e-6);
   EXPECT_NEAR(second.torque(band), -1.77e-3, 1e-5);
-}
-
-// Jacobian at rest of the complete arm without the nonlinear friction, by central differences.
-Eigen::MatrixXd linearised_arm(const Joints<double>& q) {
-  const State<double> rest = rest_at(robot(), q);
-  const Joints<double> u = gravity_torque(robot(), q);
-  Eigen::MatrixXd a(kStates, kStates);
-  for (int i = 0; i < kStates; ++i) {
-    State<double> up = rest, down = rest;
-    up[i] += 1e-5;
-    down[i] -= 1e-5;
-    const State<double> f1 = compensated_dynamics(robot(), up, u), f0 = compensated_dynamics(robot(), down, u);
-    for (int k = 0; k < kStates; ++k) a(k, i) = (f1[k] - f0[k]) / 2e-5;
-  }
-  return a;
 }
 
 // det(s I - A) is zero at the largest real eigenvalue and positive beyond it.
@@ -566,15 +465,6 @@ TEST(Certificate, ARestThatTheExecutorHoldsIsCertifiedHoweverLong) {
 
 // ---- from elsewhere than exactly the start ----
 
-// Off by so many counts of the link encoders, the motors with the links.
-State<double> moved(State<double> x, const Joints<double>& counts) {
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    x.q[j] += counts[j] * count_angle(robot().encoder.link_counts[j]);
-    x.theta[j] += counts[j] * count_angle(robot().encoder.link_counts[j]);
-  }
-  return x;
-}
-
 // A drive that cannot give what gravity takes: on the way the arm is rolled out with the executor's law, of which that
 // is a part, and the links fall.
 TEST(Certificate, ARestOnTheWayIsHeldAsTheExecutorDoes) {
@@ -600,208 +490,6 @@ TEST(Certificate, AfterTheEndTheWorstOfAllEndsCounts) {
   }
   const Perturbed told = roll_out_perturbed(robot(), trajectory);
   for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(told.after[j], worst[j], 1e-7);  // of 1e-4 that is judged
-}
-
-// With ticks, counts of all encoders, and friction that falls with speed at rest. The seed is that of the instability:
-// without the dither link 2 comes off by 2.5 to 3.4 counts. The swing itself takes 0.07.
-TEST(Feedback, HoldsTheArmWithinATenthOfACount) {
-  for (const Joints<double> q : {Joints<double>{0, 0}, {0.5, 0.3}, {1.2, -0.8}, {-2.0, 1.5}, {pi, 0}}) {
-    const Sample goal{0, rest_at(robot(), q), gravity_torque(robot(), q)};
-    for (const double sign : {-1.0, 1.0}) {
-      State<double> beside = goal.state;
-      beside.theta[1] += sign * 1e-9;
-      const Joints<double> deviation = deviation_at_rest(robot(), goal, beside);
-      for (const double d : deviation) EXPECT_LT(d, 0.1 * exactness_tolerance(robot())) << q[0] << ", " << q[1];
-    }
-  }
-}
-
-// Held for a second with what the encoders read beside the truth: the largest deviation, in counts of the link encoder.
-double deviation_with(const Sample& goal, const MotorFeedback::Positions& beside) {
-  Sample later = goal;
-  later.time = 1;
-  const Trajectory resting{{goal, later}, {}};
-  TickController controller(robot(), resting);
-  Rollout arm(robot(), Limits{}, Accuracy::of_predictions());
-  arm.start(0, goal.state, Drive::holding(goal));
-  double largest = 0;
-  for (int k = 0; k < 1000; ++k) {
-    MotorFeedback::Positions read{arm.state().theta, arm.state().q};
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      read.theta[j] += beside.theta[j];
-      read.q[j] += beside.q[j];
-    }
-    arm.hold(controller.command(k * kTick, read).torque);
-    EXPECT_TRUE(arm.run((k + 1) * kTick, {}, {}, {}));
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      largest = std::max(largest, std::abs(arm.state().q[j] - goal.state.q[j]) / exactness_tolerance(robot()));
-    }
-  }
-  return largest;
-}
-
-// The zeros of the motors' encoders may be a count off, and those of the links' half a count: that is no more than
-// where in a count the goal is.
-TEST(Feedback, HoldsTheArmWithEncodersACountOff) {
-  const Joints<double>& motors = robot().encoder.motor_counts;
-  const double motor_1 = count_angle(motors[0]), motor_2 = count_angle(motors[1]), link = exactness_tolerance(robot());
-  const Joints<double> q{1.2, -0.8};
-  const Sample goal{0, rest_at(robot(), q), gravity_torque(robot(), q)};
-  for (const double sign : {-1.0, 1.0}) {
-    EXPECT_LT(deviation_with(goal, {{sign * motor_1, 0}, {0, 0}}), 0.5) << sign;
-    EXPECT_LT(deviation_with(goal, {{0, sign * motor_2}, {0, 0}}), 0.5) << sign;
-    EXPECT_LT(deviation_with(goal, {{0, 0}, {sign * link / 2, 0}}), 0.5) << sign;
-    EXPECT_LT(deviation_with(goal, {{0, 0}, {0, sign * link / 2}}), 0.5) << sign;
-    // A whole one is pulled at for ever, and moves link 2, whose motor's friction yields, by what is wrong.
-    EXPECT_LT(deviation_with(goal, {{0, 0}, {sign * link, 0}}), 0.5) << sign;
-    EXPECT_LT(deviation_with(goal, {{0, 0}, {0, sign * link}}), 1) << sign;
-  }
-}
-
-// A count off at first: it gets no worse, wherever in a count the goal is.
-TEST(Feedback, HoldsTheArmFromACountOff) {
-  for (double at = 0; at < 1; at += 0.125) {
-    const double count = exactness_tolerance(robot());
-    const Joints<double> q{0.5 + at * count, 0.3 + 2 * at * count};
-    const Sample goal{0, rest_at(robot(), q), gravity_torque(robot(), q)};
-    for (const Joints<double> off : {Joints<double>{0.5, -0.5}, {1, 1}, {1, -1}, {-1, 1}}) {
-      const Joints<double> deviation = deviation_at_rest(robot(), goal, moved(goal.state, off));
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        EXPECT_LT(deviation[j], (std::abs(off[j]) + 0.1) * count) << at << " " << off[0] << ", " << off[1];
-      }
-    }
-  }
-}
-
-// Why it is stable: the slope of joint 2's law in the mean over a swing, which is what errors of its velocity see.
-TEST(Dither, MakesFrictionRiseWithSpeedInTheMean) {
-  const FrictionLaw law = FrictionLaw::of(robot(), 1);
-  const auto mean_slope = [&](double bands) {
-    double sum = 0;
-    for (int k = 0; k < 1000; ++k) sum += law.slope(bands * law.unstable_band() * std::sin(2 * pi * (k + 0.5) / 1000));
-    return sum / 1000;
-  };
-  EXPECT_LT(mean_slope(1.4), 0);
-  EXPECT_GT(mean_slope(1.6), 0);
-  EXPECT_GT(mean_slope(kDitherBands), 15);
-  EXPECT_NEAR(Dither(robot(), 1, kTick).amplitude(), kDitherBands * law.unstable_band(), 1e-12);
-  EXPECT_EQ(Dither(robot(), 0, kTick).amplitude(), 0);
-}
-
-TEST(Dither, BeginsAfterSomeTicksOfRestAndAddsNothingInTheMean) {
-  Dither dither(robot(), 1, kTick), of_joint_1(robot(), 0, kTick);
-  for (int k = 0; k < kDitherAfter; ++k) EXPECT_EQ(dither.next(0), 0);
-  double sum = 0, largest = 0;
-  for (int k = 0; k < kDitherPeriod; ++k) {
-    const double torque = dither.next(0);
-    sum += torque;
-    largest = std::max(largest, std::abs(torque));
-    EXPECT_EQ(of_joint_1.next(0), 0);
-  }
-  EXPECT_NEAR(sum, 0, 1e-12);
-  EXPECT_GT(largest, 0.02);  // friction at 2e-3 rad/s
-  EXPECT_LT(largest, 0.05);  // a hundredth of the torque limit
-  EXPECT_EQ(dither.next(0.01), 0);
-  EXPECT_EQ(dither.next(0), 0);
-}
-
-// Where the plan creeps, planned torque and dither are together the friction at planned and swing velocity, in the mean
-// over a swing; the mean by the midpoint rule with 1000 points, eight a tick differ from it by less than 1e-6 N m.
-TEST(Dither, MakesUpForTheFrictionOfAMotorThatCreeps) {
-  const FrictionLaw law = FrictionLaw::of(robot(), 1);
-  const double creep = 0.7 * law.unstable_band();  // [rad/s]
-  Dither dither(robot(), 1, kTick);
-  for (int k = 0; k < kDitherAfter; ++k) EXPECT_EQ(dither.next(creep), 0);
-  double commanded = 0, friction = 0;
-  for (int k = 0; k < kDitherPeriod; ++k) commanded += (law.torque(creep) + dither.next(creep)) / kDitherPeriod;
-  for (int k = 0; k < 1000; ++k) {
-    friction += law.torque(creep + dither.amplitude() * std::sin(2 * pi * (k + 0.5) / 1000)) / 1000;
-  }
-  EXPECT_NEAR(commanded, friction, 1e-6);
-  EXPECT_GT(std::abs(friction - law.torque(creep)), 1e-3);  // what would be missing
-}
-
-// Torque of joint 2 for errors of this many counts of its motor and of its link.
-double feedback_at(double motor_counts, double link_counts, const Joints<double>& planned_velocity = {1, 1}) {
-  const Parameters& p = robot();
-  MotorFeedback feedback(p, kTick);
-  const MotorFeedback::Positions planned{{0, 0}, {0, 0}},
-      measured{{0, -motor_counts * count_angle(p.encoder.motor_counts[1])},
-               {0, -link_counts * count_angle(p.encoder.link_counts[1])}};
-  feedback.start(planned.theta, measured.theta);
-  return feedback.command(planned, planned_velocity, measured, {0, 0}).feedback[1];
-}
-
-// Two rests, between which motor 2 moves for 8 ms, and the same tick by tick.
-TEST(Dither, OfAPlanIsThatOfItsTicks) {
-  Trajectory trajectory = resting({0.3, 0.2}, 0.05);
-  for (std::size_t k = 20; k < 28; ++k) trajectory.samples[k].state.dtheta[1] = 0.01;
-  const PlannedDither planned(robot(), trajectory);
-  Dither dither(robot(), 1, kTick);
-  int steps = 0;
-  for (int k = 0; k < 50; ++k) {
-    const double torque = dither.next(trajectory.samples[static_cast<std::size_t>(k)].state.dtheta[1]);
-    steps += k >= kDitherAfter && (k < 20 || k >= 28 + kDitherAfter);
-    EXPECT_EQ(torque != 0, k >= kDitherAfter && (k < 20 || k >= 28 + kDitherAfter)) << k;
-    for (const double share : {0.01, 0.5, 0.99}) {
-      EXPECT_EQ(planned.at((k + share) * kTick), (Joints<double>{0, torque})) << k;
-    }
-  }
-  EXPECT_EQ(planned.steps().size(), static_cast<std::size_t>(steps + 1));  // each tick of it, and the end of the first
-  EXPECT_TRUE(std::is_sorted(planned.steps().begin(), planned.steps().end()));
-}
-
-TEST(Feedback, KnowsNothingWithinACountAndTheLinkTellsWithinTheMotors) {
-  const Parameters& p = robot();
-  const double motor = count_angle(p.encoder.motor_counts[1]), link = count_angle(p.encoder.link_counts[1]);
-  EXPECT_EQ(feedback_at(0.49, 0.49), 0);
-  EXPECT_NEAR(feedback_at(2, 0), p.feedback.position_gain[1] * 2 * motor, 1e-9);
-  EXPECT_NEAR(feedback_at(0, 3), 0.5 * p.spring.stiffness[1] * 2.5 * link, 1e-9);
-  EXPECT_NEAR(feedback_at(0, 100), 0.5 * p.spring.stiffness[1] * 0.5 * motor, 1e-9);
-  EXPECT_NEAR(feedback_at(0, -100), -feedback_at(0, 100), 1e-15);
-  EXPECT_EQ(feedback_at(1.4, 0.4, {0, 0}), 0);  // at rest
-  EXPECT_NEAR(feedback_at(1.4, 20, {0, 0}), feedback_at(1.4, 20), 1e-15);
-  EXPECT_NEAR(feedback_at(1.6, 0.4, {0, 0}), p.feedback.position_gain[1] * 2 * motor, 1e-9);
-}
-
-// The map over one tick of the linearised arm, of the filters, and of torques that come one tick late; friction is that
-// of motors in motion, B. Spectral radius below 1: stable.
-double spectral_radius_of_a_tick(const Parameters& p, const Joints<double>& q) {
-  constexpr int kLast = kStates, kVelocity = kLast + 2, kTorque = kVelocity + 2, kSize = kTorque + 2;
-  Eigen::MatrixXd continuous = Eigen::MatrixXd::Zero(kStates + 2, kStates + 2);
-  continuous.topLeftCorner(kStates, kStates) = linearised_arm(q);
-  for (int j = 0; j < kJoints; ++j) continuous(6 + j, kStates + j) = 1 / p.motor.inertia[static_cast<std::size_t>(j)];
-  const Eigen::MatrixXd over_a_tick = (continuous * kTick).exp();
-  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(kSize, kSize);
-  map.topLeftCorner(kStates, kStates) = over_a_tick.topLeftCorner(kStates, kStates);
-  map.block(0, kTorque, kStates, 2) = over_a_tick.topRightCorner(kStates, 2);
-  for (int j = 0; j < kJoints; ++j) {
-    const auto i = static_cast<std::size_t>(j);
-    const double keep = std::exp(-2 * pi * p.feedback.velocity_filter[i] * kTick);
-    map(kLast + j, 4 + j) = 1;
-    map(kVelocity + j, kVelocity + j) = keep;
-    map(kVelocity + j, 4 + j) = (1 - keep) / kTick;
-    map(kVelocity + j, kLast + j) = -(1 - keep) / kTick;
-    map.row(kTorque + j) = -p.feedback.velocity_gain[i] * map.row(kVelocity + j);
-    map(kTorque + j, 4 + j) -= p.feedback.position_gain[i];
-  }
-  return map.eigenvalues().cwiseAbs().maxCoeff();
-}
-
-TEST(Feedback, OfMotorTwoIsStableUpToTenTimesItsGainsAndATickLate) {
-  const auto radius = [](double factor) {
-    Parameters p = robot();
-    p.feedback.position_gain[1] *= factor;
-    p.feedback.velocity_gain[1] *= factor;
-    double largest = 0;
-    for (const Joints<double> q : {Joints<double>{0, 0}, {1.2, -0.8}, {0.3, 1.57}, {0, 2.6}}) {
-      largest = std::max(largest, spectral_radius_of_a_tick(p, q));
-    }
-    return largest;
-  };
-  EXPECT_LT(radius(1), 0.9996);  // the slowest is link 1's swing
-  EXPECT_LT(radius(10), 1);
-  EXPECT_GT(radius(40), 1);
 }
 
 // Rows that are exact at rest would hide how far the arm comes off within a second of it.
@@ -832,7 +520,7 @@ TEST(Certificate, FromHalfACountOffAgreesWithFixedSteps) {
   Joints<double> worst{};
   for (const Joints<double> signs : {Joints<double>{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
     Interpolator plan(trajectory);
-    const Torque tau = [&](double t, const State<double>& x) {
+    const TorqueLaw tau = [&](double t, const State<double>& x) {
       const Sample planned = plan.at(t);
       const Joints<double> f = closed.feedback(planned.state, x);
       return Joints<double>{planned.torque[0] + f[0], planned.torque[1] + f[1]};
@@ -898,111 +586,6 @@ TEST(Rollout, MotorTwoLeavesRestExponentially) {
   EXPECT_NEAR(rate, 365, 10);
 }
 
-// ---- limits between the rows ----
-
-Sample row_at(double time, double q, double dq, double dtheta) {
-  Sample row;
-  row.time = time;
-  row.state.q = {q, 0};
-  row.state.dq = {dq, 0};
-  row.state.theta = {q, 0};
-  row.state.dtheta = {dtheta, 0};
-  return row;
-}
-
-LimitCheck named(const std::vector<LimitCheck>& checks, const std::string& name, int joint) {
-  for (const LimitCheck& check : checks) {
-    if (check.name == name && check.joint == joint) return check;
-  }
-  ADD_FAILURE() << "no check of " << name;
-  return {};
-}
-
-TEST(LimitChecks, FindExtremesBetweenTheRowsExactly) {
-  // q: 0 -> 0 in 1 s with slopes 4 and -4: q = 4 s (1 - s), 1 at the middle. theta: slopes 0 and 0 over a step of 0.4:
-  // velocity 6 * 0.4 s (1 - s), 0.6 at the middle; both rows' columns say 0.
-  Trajectory trajectory;
-  trajectory.samples = {row_at(0, 0, 4, 0), row_at(1, 0, -4, 0)};
-  trajectory.samples[1].state.theta = {0.4, 0};
-  Limits limits;
-  limits.link_position = {0.99, kNoLimit};
-  limits.motor_velocity = {0.6, kNoLimit};
-  limits.spring_deflection = {2, kNoLimit};
-  const std::vector<LimitCheck> checks = check_limits(robot(), limits, trajectory, {});
-  ASSERT_EQ(checks.size(), 3u);
-  EXPECT_NEAR(named(checks, "link_position", 1).reached, 1, 1e-12);
-  EXPECT_NEAR(named(checks, "link_position", 1).time, 0.5, 1e-12);
-  EXPECT_FALSE(named(checks, "link_position", 1).passed);
-  EXPECT_THAT(violation(named(checks, "link_position", 1)),
-              HasSubstr("link_position of joint 1 reaches 1 at 0.500000 s"));
-  EXPECT_NEAR(named(checks, "motor_velocity", 1).reached, 0.6, 1e-12);
-  EXPECT_TRUE(named(checks, "motor_velocity", 1).passed);  // on the limit, to rounding
-  double sampled = 0;                                      // theta - q = 0.4 (3 s^2 - 2 s^3) - 4 s (1 - s)
-  for (int i = 0; i <= 100000; ++i) {
-    const double s = i * 1e-5;
-    sampled = std::max(sampled, std::abs(0.4 * s * s * (3 - 2 * s) - 4 * s * (1 - s)));
-  }
-  EXPECT_NEAR(named(checks, "spring_deflection", 1).reached, sampled, 1e-8);
-}
-
-TEST(LimitChecks, AllowAMillionthAndNoMore) {
-  Limits limits;
-  limits.torque = {5, kNoLimit};
-  for (const auto& [torque, passes] : {std::pair{5 * (1 + 0.9e-6), true}, {5 * (1 + 1.1e-6), false}, {-5.1, false}}) {
-    Trajectory trajectory = resting({0, 0}, 0.01);
-    trajectory.samples[4].torque[0] = torque;
-    EXPECT_EQ(check_limits(robot(), limits, trajectory, {})[0].passed, passes) << torque;
-  }
-}
-
-TEST(LimitChecks, ALimitOnlyTheRolloutExceedsIsRefused) {
-  Trajectory trajectory = resting({0, 0}, 0.01);
-  Limits limits;
-  limits.motor_velocity = {6, 8};
-  Comparison rollout;
-  rollout.peaks.motor_velocity = {6.005, 8.009};
-  const std::vector<LimitCheck> checks = check_limits(robot(), limits, trajectory, rollout);
-  EXPECT_TRUE(checks[0].passed);   // 0.1 % of 6 is 0.006
-  EXPECT_FALSE(checks[1].passed);  // 0.1 % of 8 is 0.008
-  EXPECT_THAT(violation(checks[1]), HasSubstr("closed-loop rollout"));
-  Comparison brief;
-  brief.events = {{0.005, &Quantities::infos[1], 1}};
-  EXPECT_FALSE(check_limits(robot(), limits, trajectory, brief)[0].passed);
-}
-
-TEST(LimitChecks, TorqueRateIsThatOfTheCompensatedTorque) {
-  // u = 3 t + 1 for joint 1 while its motor reverses: tau jumps by the friction, in a pair of rows.
-  const FrictionLaw law = FrictionLaw::of(robot(), 0);
-  Trajectory trajectory;
-  for (const double t : {0.0, 1e-3, 2e-3, 2.4e-3 - 5e-7, 2.4e-3 + 5e-7, 3e-3, 4e-3}) {
-    Sample row;
-    row.time = t;
-    row.state.dtheta[0] = 20 * (t - 2.4e-3);
-    row.torque[0] = 3 * t + 1 + law.nonlinear(row.state.dtheta[0]);
-    trajectory.samples.push_back(row);
-  }
-  Limits limits;
-  limits.torque_rate = {3, kNoLimit};
-  const std::vector<LimitCheck> checks = check_limits(robot(), limits, trajectory, {});
-  ASSERT_EQ(checks.size(), 1u);
-  EXPECT_NEAR(checks[0].reached, 3, 1e-9);
-  EXPECT_TRUE(checks[0].passed);
-  trajectory.samples[5].torque[0] += 1e-3;
-  EXPECT_NEAR(check_limits(robot(), limits, trajectory, {})[0].reached, 3 + 1e-3 / (0.6e-3 - 5e-7), 1e-6);
-}
-
-TEST(LimitChecks, TipSpeedIsThatOfBothLinks) {
-  Trajectory trajectory;
-  trajectory.samples = {row_at(0, 0, 2, 0), row_at(0.1, 0.2, 2, 0)};
-  Limits limits;
-  limits.tip_speed = 1.2;
-  const std::vector<LimitCheck> checks = check_limits(robot(), limits, trajectory, {});
-  ASSERT_EQ(checks.size(), 1u);
-  EXPECT_EQ(checks[0].joint, 0);
-  EXPECT_NEAR(checks[0].reached, 2 * (0.345 + 0.305), 1e-9);  // stretched out, turning about joint 1
-  EXPECT_FALSE(checks[0].passed);
-}
-
 TEST(Certificate, NamesTheLimitThatIsExceeded) {
   Limits limits = robot_limits();
   limits.spring_deflection[1] = 0.01;
@@ -1019,7 +602,7 @@ TEST(LocalErrors, SitWhereTheForgeryIsAndNowhereElse) {
   for (std::size_t k = 0; k <= 430; k += 10) times.push_back(trajectory.samples[k].time);
   trajectory.samples[105].torque[1] += 0.1;
   Interpolator plan(trajectory);
-  const Torque tau = [&](double t, const State<double>&) { return plan.torque_at(t); };
+  const TorqueLaw tau = [&](double t, const State<double>&) { return plan.torque_at(t); };
   const State<double> end = integrate(tau, times[10], times[11], trajectory.samples[100].state);
   const std::vector<State<double>> errors = local_errors(robot(), trajectory, times);
   ASSERT_EQ(errors.size(), 43u);
@@ -1045,93 +628,6 @@ TEST(LocalErrors, DoNotMindTimesThatDifferByRounding) {
   for (const State<double>& error : local_errors(robot(), trajectory, times)) EXPECT_LT(std::abs(error.q[0]), 1e-4);
   for (double& t : times) t = trajectory.samples[99].time + 3e-17;
   for (const State<double>& error : local_errors(robot(), trajectory, times)) EXPECT_EQ(error.q[0], 0);
-}
-
-// ---- interpolation ----
-
-TEST(Interpolator, FollowsACubicExactlyAndItsTorqueLinearly) {
-  const auto cubic = [](double t) { return 1 + t * (2 + t * (-3 + t * 4)); };
-  const auto slope = [](double t) { return 2 + t * (-6 + t * 12); };
-  Trajectory trajectory;
-  for (const double t : {0.0, 0.3, 0.300001, 1.0}) {
-    Sample row;
-    row.time = t;
-    row.state = {{cubic(t), 0}, {slope(t), 0}, {0, -cubic(t)}, {0, -slope(t)}};
-    row.torque = {t < 0.3000005 ? t : 7 - t, 2 * t};
-    trajectory.samples.push_back(row);
-  }
-  Interpolator at(trajectory);
-  for (const double t : {0.9, 0.0, 0.1, 0.29, 0.3, 0.3000005, 0.31, 1.0, 0.5}) {  // in any order
-    const Sample s = at.at(t);
-    EXPECT_NEAR(s.state.q[0], cubic(t), 1e-14);
-    EXPECT_NEAR(s.state.dq[0], slope(t), 1e-9);  // cancellation within the jump: 1e-16 / 1e-6
-    EXPECT_NEAR(s.state.theta[1], -cubic(t), 1e-14);
-    EXPECT_NEAR(s.state.dtheta[1], -slope(t), 1e-9);
-    EXPECT_NEAR(s.torque[1], 2 * t, 1e-14);
-    EXPECT_EQ(at.torque_at(t), s.torque);
-  }
-  EXPECT_NEAR(at.torque_at(0.15)[0], 0.15, 1e-15);
-  EXPECT_NEAR(at.torque_at(0.7)[0], 6.3, 1e-12);
-  EXPECT_EQ(at.at(-1).state.q[0], 1);
-  EXPECT_NEAR(at.at(2).state.q[0], cubic(1), 1e-15);
-  EXPECT_EQ(at.torque_at(2)[0], 6);
-}
-
-TEST(Interpolator, MeansAreExactOverJumpsAndBeyondTheEnds) {
-  Trajectory trajectory;
-  for (const auto& [time, tau] : {std::pair{1.0, 0.0}, {2.0, 2.0}, {2.000001, -2.0}, {3.0, 0.0}}) {
-    Sample row;
-    row.time = time;
-    row.torque = {tau, 5};
-    trajectory.samples.push_back(row);
-  }
-  Interpolator at(trajectory);
-  EXPECT_NEAR(at.mean_torque(1, 2)[0], 1, 1e-12);
-  EXPECT_NEAR(at.mean_torque(1, 3)[0], 0, 1e-6);
-  EXPECT_NEAR(at.mean_torque(1.25, 1.75)[0], 1, 1e-12);
-  EXPECT_NEAR(at.mean_torque(1.5, 2.5)[0], (0.75 - 0.75) / 1.0, 2e-6);
-  EXPECT_NEAR(at.mean_torque(2.5, 4.5)[0], -0.125, 1e-6);  // zero after the end
-  EXPECT_NEAR(at.mean_torque(0, 2)[0], 0.5, 1e-12);        // zero before the start
-  EXPECT_NEAR(at.mean_torque(5, 6)[0], 0, 1e-15);
-  EXPECT_NEAR(at.mean_torque(2.7, 2.7)[0], at.torque_at(2.7)[0], 1e-15);
-  EXPECT_NEAR(at.mean_torque(0, 6)[1], 5, 1e-12);
-}
-
-// ---- the executor's law ----
-
-TEST(Tracking, CommandsThePlannedMeanWhenTheArmIsWhereItShouldBe) {
-  Parameters fine = robot();
-  fine.encoder.motor_counts = {1e9, 1e9};
-  const Trajectory& plan = reference_trajectory();
-  TickController controller(fine, plan);
-  Interpolator at(plan);
-  for (int k = 0; k < 430; ++k) {
-    const double t = k * kTick;
-    const TickController::Command command = controller.command(t, {at.at(t).state.theta, at.at(t).state.q});
-    const Joints<double> mean = at.mean_torque(t, t + kTick);
-    for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(command.torque[j], mean[j], 1e-4);
-    EXPECT_FALSE(command.saturated);
-  }
-}
-
-TEST(Tracking, IsLimitedByTheEncoderAndNotByTheFilter) {
-  const Tracking t = certificate_of(reference_trajectory()).tracking;
-  // Half a count of the motor encoders, 0.79e-3 and 1.57e-3 rad: what feedback does not see.
-  EXPECT_LT(t.link_error[0], 0.79e-3);
-  EXPECT_LT(t.link_error[1], 1.57e-3);
-  EXPECT_GT(t.link_error[1], 1e-6);
-  EXPECT_LE(t.link_error_rms[1], t.link_error[1]);
-  // A count (1.57e-3 and 3.14e-3 rad) through the gains and the filter: about 0.6 and 0.3 N m.
-  EXPECT_LT(t.feedback_torque[0], 1.0);
-  EXPECT_LT(t.feedback_torque[1], 0.6);
-  EXPECT_FALSE(t.saturated);
-}
-
-TEST(Tracking, ClampsAtTheDrivesPeakAndSaysSo) {
-  TickController controller(robot(), reference_trajectory());
-  const TickController::Command command = controller.command(0, {{3, -3}, {0, 0}});
-  EXPECT_THAT(command.torque, ElementsAre(-14.4, 6));
-  EXPECT_TRUE(command.saturated);
 }
 
 }  // namespace

@@ -1,0 +1,123 @@
+// What limits reach between the published rows, and what may be exceeded.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "planner/certificate/limits.h"
+#include "support/exact_trajectories.h"
+
+namespace fjr {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+Sample row_at(double time, double q, double dq, double dtheta) {
+  Sample row;
+  row.time = time;
+  row.state.q = {q, 0};
+  row.state.dq = {dq, 0};
+  row.state.theta = {q, 0};
+  row.state.dtheta = {dtheta, 0};
+  return row;
+}
+
+LimitCheck named(const std::vector<LimitCheck>& checks, const std::string& name, int joint) {
+  for (const LimitCheck& check : checks) {
+    if (check.name == name && check.joint == joint) return check;
+  }
+  ADD_FAILURE() << "no check of " << name;
+  return {};
+}
+
+TEST(LimitChecks, FindExtremesBetweenTheRowsExactly) {
+  // q: 0 -> 0 in 1 s with slopes 4 and -4: q = 4 s (1 - s), 1 at the middle. theta: slopes 0 and 0 over a step of 0.4:
+  // velocity 6 * 0.4 s (1 - s), 0.6 at the middle; both rows' columns say 0.
+  Trajectory trajectory;
+  trajectory.samples = {row_at(0, 0, 4, 0), row_at(1, 0, -4, 0)};
+  trajectory.samples[1].state.theta = {0.4, 0};
+  Limits limits;
+  limits.link_position = {0.99, kNoLimit};
+  limits.motor_velocity = {0.6, kNoLimit};
+  limits.spring_deflection = {2, kNoLimit};
+  const std::vector<LimitCheck> checks = check_limits(robot(), limits, trajectory, {});
+  ASSERT_EQ(checks.size(), 3u);
+  EXPECT_NEAR(named(checks, "link_position", 1).reached, 1, 1e-12);
+  EXPECT_NEAR(named(checks, "link_position", 1).time, 0.5, 1e-12);
+  EXPECT_FALSE(named(checks, "link_position", 1).passed);
+  EXPECT_THAT(violation(named(checks, "link_position", 1)),
+              HasSubstr("link_position of joint 1 reaches 1 at 0.500000 s"));
+  EXPECT_NEAR(named(checks, "motor_velocity", 1).reached, 0.6, 1e-12);
+  EXPECT_TRUE(named(checks, "motor_velocity", 1).passed);  // on the limit, to rounding
+  double sampled = 0;                                      // theta - q = 0.4 (3 s^2 - 2 s^3) - 4 s (1 - s)
+  for (int i = 0; i <= 100000; ++i) {
+    const double s = i * 1e-5;
+    sampled = std::max(sampled, std::abs(0.4 * s * s * (3 - 2 * s) - 4 * s * (1 - s)));
+  }
+  EXPECT_NEAR(named(checks, "spring_deflection", 1).reached, sampled, 1e-8);
+}
+
+TEST(LimitChecks, AllowAMillionthAndNoMore) {
+  Limits limits;
+  limits.torque = {5, kNoLimit};
+  for (const auto& [torque, passes] : {std::pair{5 * (1 + 0.9e-6), true}, {5 * (1 + 1.1e-6), false}, {-5.1, false}}) {
+    Trajectory trajectory = resting({0, 0}, 0.01);
+    trajectory.samples[4].torque[0] = torque;
+    EXPECT_EQ(check_limits(robot(), limits, trajectory, {})[0].passed, passes) << torque;
+  }
+}
+
+TEST(LimitChecks, ALimitOnlyTheRolloutExceedsIsRefused) {
+  Trajectory trajectory = resting({0, 0}, 0.01);
+  Limits limits;
+  limits.motor_velocity = {6, 8};
+  Comparison rollout;
+  rollout.peaks.motor_velocity = {6.005, 8.009};
+  const std::vector<LimitCheck> checks = check_limits(robot(), limits, trajectory, rollout);
+  EXPECT_TRUE(checks[0].passed);   // 0.1 % of 6 is 0.006
+  EXPECT_FALSE(checks[1].passed);  // 0.1 % of 8 is 0.008
+  EXPECT_THAT(violation(checks[1]), HasSubstr("closed-loop rollout"));
+  Comparison brief;
+  brief.events = {{0.005, &Quantities::infos[1], 1}};
+  EXPECT_FALSE(check_limits(robot(), limits, trajectory, brief)[0].passed);
+}
+
+TEST(LimitChecks, TorqueRateIsThatOfTheCompensatedTorque) {
+  // u = 3 t + 1 for joint 1 while its motor reverses: tau jumps by the friction, in a pair of rows.
+  const FrictionLaw law = FrictionLaw::of(robot(), 0);
+  Trajectory trajectory;
+  for (const double t : {0.0, 1e-3, 2e-3, 2.4e-3 - 5e-7, 2.4e-3 + 5e-7, 3e-3, 4e-3}) {
+    Sample row;
+    row.time = t;
+    row.state.dtheta[0] = 20 * (t - 2.4e-3);
+    row.torque[0] = 3 * t + 1 + law.nonlinear(row.state.dtheta[0]);
+    trajectory.samples.push_back(row);
+  }
+  Limits limits;
+  limits.torque_rate = {3, kNoLimit};
+  const std::vector<LimitCheck> checks = check_limits(robot(), limits, trajectory, {});
+  ASSERT_EQ(checks.size(), 1u);
+  EXPECT_NEAR(checks[0].reached, 3, 1e-9);
+  EXPECT_TRUE(checks[0].passed);
+  trajectory.samples[5].torque[0] += 1e-3;
+  EXPECT_NEAR(check_limits(robot(), limits, trajectory, {})[0].reached, 3 + 1e-3 / (0.6e-3 - 5e-7), 1e-6);
+}
+
+TEST(LimitChecks, TipSpeedIsThatOfBothLinks) {
+  Trajectory trajectory;
+  trajectory.samples = {row_at(0, 0, 2, 0), row_at(0.1, 0.2, 2, 0)};
+  Limits limits;
+  limits.tip_speed = 1.2;
+  const std::vector<LimitCheck> checks = check_limits(robot(), limits, trajectory, {});
+  ASSERT_EQ(checks.size(), 1u);
+  EXPECT_EQ(checks[0].joint, 0);
+  EXPECT_NEAR(checks[0].reached, 2 * (0.345 + 0.305), 1e-9);  // stretched out, turning about joint 1
+  EXPECT_FALSE(checks[0].passed);
+}
+
+}  // namespace
+}  // namespace fjr

@@ -36,8 +36,8 @@ bool keeps_what_was_asked(const Certificate& certificate) {
 std::string advice(const std::vector<Relaxation>& relaxations) {
   if (relaxations.empty()) return "";
   const Relaxation& r = relaxations.front();
-  return fmt::format("; with {}{} of {} {} (now {:g}) it may be found", r.name,
-                     r.joint == 0 ? "" : fmt::format(" of joint {}", r.joint), enough(r.from, r.to), r.unit, r.from);
+  return fmt::format("; with {} of {:.4g} {} (now {:g}) it may be found", name_of(r.name, r.joint), r.to, r.unit,
+                     r.from);
 }
 
 // Nothing certified was found, and nobody stopped the search.

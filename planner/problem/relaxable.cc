@@ -76,6 +76,17 @@ std::vector<Relaxable> relaxables(const Problem& problem) {
   return all;
 }
 
+Relaxable both_joints(const Problem& problem, const QuantityInfo& quantity) {
+  const Joints<double> limit = problem.limits.*quantity.per_joint;
+  const auto set = [limit, &quantity](Problem& p, double factor) {
+    p.limits.*quantity.per_joint = {factor * limit[0], factor * limit[1]};
+  };
+  Relaxable both{RelaxableKind::kBothJoints, quantity.name, 0, "times", 1, 1, kMostTimes, 0, set, &quantity};
+  const Joints<double> robots = Limits::of(problem.robot).*quantity.per_joint;
+  both.allowed = std::min({kMostTimes, robots[0] / limit[0] - 1, robots[1] / limit[1] - 1});
+  return both;
+}
+
 Relaxable all_limits(const Problem& problem) {
   const auto set = [limits = problem.limits](Problem& p, double factor) {
     for (const LimitName& name : kLimitNames) {

@@ -14,6 +14,7 @@ enum class RelaxableKind {
   kLimit,
   kConstraint,  // of the task
   kVelocity,    // at a via point or the goal
+  kBothJoints,  // of one limited quantity, at once
   kAllLimits,   // at once
   kDuration,
   kViaTime,
@@ -43,6 +44,9 @@ struct Relaxable {
 };
 
 std::vector<Relaxable> relaxables(const Problem& problem);
+
+// A quantity that is limited for each joint, of both multiplied by the same factor.
+Relaxable both_joints(const Problem& problem, const QuantityInfo& quantity);
 
 // What the arm can do, all of it multiplied: torque, its rate, motor and tip speeds, deflections; called all_limits.
 Relaxable all_limits(const Problem& problem);

@@ -21,13 +21,14 @@ namespace {
 constexpr double kMargin =
     0.01;                        // fraction of a change added to it: right at the edge there is one motion, and no plan
 constexpr double kSpare = 2e-4;  // fraction of a shortest duration
-constexpr std::size_t kSpareRows = 1000;  // for what comes between the regular ones
-constexpr double kRoughMargin = 0.1;      // the same where friction stayed smooth
-constexpr double kGridMargin = 1.1;       // times the clearance that a grid found missing
-constexpr double kClose = 0.05;           // slack of a sketch that a more exact one may do without
-constexpr double kPossible = 2e-3;        // slack below which the request is possible, as far as can be told
-constexpr double kLoose = 3;              // fraction by which limits are relaxed for a duration to start from
-constexpr double kLonger = 2;             // times the duration of a hurried motion that the least change may take
+constexpr std::size_t kSpareRows = 1000;                  // for what comes between the regular ones
+constexpr double kMore[] = {1, 1.03, 1.1, 1.25, 1.5, 2};  // times the least change, until planning finds it enough
+constexpr double kRoughMargin = 0.1;                      // the same where friction stayed smooth
+constexpr double kGridMargin = 1.1;                       // times the clearance that a grid found missing
+constexpr double kClose = 0.05;                           // slack of a sketch that a more exact one may do without
+constexpr double kPossible = 2e-3;  // slack below which the request is possible, as far as can be told
+constexpr double kLoose = 3;        // fraction by which limits are relaxed for a duration to start from
+constexpr double kLonger = 2;       // times the duration of a hurried motion that the least change may take
 
 class Explanation {
  public:
@@ -72,35 +73,40 @@ class Explanation {
     const auto time = candidate.time ? candidate.time : worst_moment(problem, what, solution->solution());
     Relaxation named = relaxation_of(what, to);
     named.rough = rough;
-    if (what.constraint) named = verified(problem, what, named);
+    const bool can_be_asked_for = !rough && named.within_robot;
+    if (what.constraint || can_be_asked_for) named = verified(problem, what, named, guess_of(*solution));
     named.time = time;
     result_.relaxations.push_back(named);
     return true;
   }
 
   // A slack is minimised with rows that hold at the collocation points of a coarse mesh, and between them a motion cuts
-  // corners. So the motion is planned with the change, and where that is not enough with more of it.
-  Relaxation verified(const Problem& problem, const Relaxable& what, Relaxation named) {
+  // corners. So the motion is planned with the change as it is told, and where that is not enough with more of it.
+  Relaxation verified(const Problem& problem, const Relaxable& what, Relaxation named, const Guess& near) {
     const double amount = std::abs(named.to - what.from);
-    for (const double more : {1.0, 1.1, 1.25, 1.5, 2.0}) {
+    for (const double more : kMore) {
       if (more * amount > what.most || search_.over()) break;
-      if (is_enough(what.relaxed(problem, more * amount), what.name)) {
-        return relaxation_of(what, what.value(more * amount));
-      }
+      const Relaxation tried = relaxation_of(what, what.value(more * amount));
+      Problem easier = problem;
+      what.set(easier, tried.to);
+      if (is_enough(easier, what.name, near)) return tried;
     }
     named.rough = true;
     return named;
   }
 
-  // Whether a motion within the limits takes no longer than it may, found as it would be when asked for.
-  bool is_enough(const Problem& easier, const std::string& what) {
+  // Whether a motion within the limits takes no longer than it may, found as it would be when asked for or near the one
+  // that told the change.
+  bool is_enough(const Problem& easier, const std::string& what, const Guess& near) {
     Problem quick = fastest_of(easier);
     if (any_timed(easier)) {
       quick.via = easier.via;
       quick.duration = easier.duration;
     }
-    const auto found = search_.plan(quick, what, search_.guesses(quick));
-    return found && (1 + kSpare) * found->solution().motion.duration() <= easier.duration.max;
+    std::vector<Guess> guesses = search_.guesses(quick);
+    guesses.push_back(near);
+    const auto found = search_.plan(quick, what, guesses);
+    return found && (any_timed(easier) || (1 + kSpare) * found->duration() <= easier.duration.max);
   }
 
   // Without a slack it is a motion for the request itself.
@@ -177,8 +183,21 @@ class Explanation {
     const Collocated& fastest = fastest_->solution();
     const std::vector<Guess> hurried{guess_from(fastest.motion, fastest.durations, allowed)};
     bool any = false;
-    for (const Candidate& candidate : active_in(*fastest_)) any = relax(problem_, candidate, hurried) || any;
-    if (!any) relax(problem_, {all_limits(problem_), {}, 0}, hurried);
+    const std::vector<Candidate> active = active_in(*fastest_);
+    for (const Candidate& candidate : active) any = relax(problem_, candidate, hurried) || any;
+    if (!any) relax_together(active, hurried);
+  }
+
+  // What no single limit does may take both joints' of one quantity, or else all of them.
+  void relax_together(const std::vector<Candidate>& single, const std::vector<Guess>& guesses) {
+    for (const Candidate& joint1 : single) {
+      for (const Candidate& joint2 : single) {
+        if (joint1.what.quantity == nullptr || joint1.what.quantity != joint2.what.quantity) continue;
+        if (joint1.what.joint != 1 || joint2.what.joint != 2) continue;
+        if (relax(problem_, {both_joints(problem_, *joint1.what.quantity), {}, 0}, guesses)) return;
+      }
+    }
+    relax(problem_, {all_limits(problem_), {}, 0}, guesses);
   }
 
   // The shortest motion passes its via points when it likes: what it takes at the times that were asked for, or which
@@ -234,9 +253,22 @@ class Explanation {
     result_.time = asked;
   }
 
+  // Times are found with friction smoothed: what is told is planned, and where it is not enough, with more of it.
   void move_via(std::size_t i, double time) {
-    result_.relaxations.push_back(
-        relaxation_of_time(RelaxableKind::kViaTime, fmt::format("via[{}].time", i), *problem_.via[i].time, time));
+    const double asked = *problem_.via[i].time;
+    const std::string name = fmt::format("via[{}].time", i);
+    Relaxation named = relaxation_of_time(RelaxableKind::kViaTime, name, asked, time);
+    for (const double more : kMore) {
+      if (search_.over()) break;
+      const Relaxation tried = relaxation_of_time(RelaxableKind::kViaTime, name, asked, asked + more * (time - asked));
+      Problem moved = problem_;
+      moved.via[i].time = tried.to;
+      if (!is_enough(moved, name, search_.guesses(moved).front())) continue;
+      result_.relaxations.push_back(tried);
+      return;
+    }
+    named.rough = true;
+    result_.relaxations.push_back(named);
   }
 
   // ---- limits that no motion keeps ----
@@ -256,7 +288,7 @@ class Explanation {
       relax(problem_, candidate, from);
     }
     if (start_) return;
-    if (result_.relaxations.empty() && near != nullptr) relax(problem_, {all_limits(problem_), {}, 0}, from);
+    if (result_.relaxations.empty() && near != nullptr) relax_together(candidates(problem_, near), from);
     if (result_.relaxations.empty() && near == nullptr) return explain_by_statics();
     std::stable_sort(result_.relaxations.begin(), result_.relaxations.end(), easier);
     name_what_is_in_the_way(near);

@@ -13,8 +13,8 @@ Relaxation relaxation_of(const Relaxable& what, double to) {
   r.joint = what.joint;
   r.unit = what.unit;
   r.from = what.from;
-  r.to = to;
-  r.within_robot = std::abs(to - what.from) <= what.allowed;
+  r.to = told(what.from, to);
+  r.within_robot = std::abs(r.to - what.from) <= what.allowed;
   r.quantity = what.quantity;
   r.constraint = what.constraint;
   return r;
@@ -26,7 +26,7 @@ Relaxation relaxation_of_time(RelaxableKind kind, const std::string& name, doubl
   r.name = name;
   r.unit = "s";
   r.from = from;
-  r.to = to;
+  r.to = kind == RelaxableKind::kDuration ? to : told(from, to);  // a duration is rounded up already
   r.time = from;
   return r;
 }
@@ -35,16 +35,20 @@ std::string name_of(const std::string& name, int joint) {
   return joint == 0 ? name : fmt::format("{} of joint {}", name, joint);
 }
 
-std::string enough(double from, double to) {
-  double told = std::stod(fmt::format("{:.4g}", to));
+double told(double from, double to) {
+  double rounded = std::stod(fmt::format("{:.4g}", to));
   const double step = std::pow(10, std::floor(std::log10(std::abs(to))) - 3);
-  if (to > from && told < to) told += step;
-  if (to < from && told > to) told -= step;
-  return fmt::format("{:.4g}", told);
+  if (to > from && rounded < to) rounded += step;
+  if (to < from && rounded > to) rounded -= step;
+  return std::stod(fmt::format("{:.4g}", rounded));
 }
 
 std::string sentence_of(const Relaxation& r) {
-  const std::string beyond = r.within_robot ? "" : ", more than the robot's", to = enough(r.from, r.to);
+  const std::string beyond = r.within_robot ? "" : ", more than the robot's", to = fmt::format("{:.4g}", r.to);
+  if (r.kind == RelaxableKind::kBothJoints) {
+    return fmt::format("{} of both joints would have to be {}{} times as large{}", r.name, r.rough ? "about " : "", to,
+                       beyond);
+  }
   if (r.kind == RelaxableKind::kAllLimits) {
     return fmt::format("no single limit alone would do, but all together {} times as large{}", to, beyond);
   }

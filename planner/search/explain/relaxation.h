@@ -15,7 +15,7 @@ struct Relaxation {
   std::string name;  // as in problem/relaxable.h; or duration; or via[0].time
   int joint = 0;     // 1 or 2; 0: neither
   std::string unit;
-  double from = 0, to = 0;  // as asked for; the least change that was found to do, to within 4 %
+  double from = 0, to = 0;  // as asked for; the least change that was found to do, to within 4 %, as it is told
   bool rough = false;  // not verified by planning, or found with friction smoothed only: `to` is about what it takes
   bool within_robot = true;                    // false: beyond what robot.yaml allows a request to ask for
   std::optional<double> time;                  // [s] when it is in the way most
@@ -31,8 +31,8 @@ Relaxation relaxation_of_time(RelaxableKind kind, const std::string& name, doubl
 // What it is called in a sentence: "torque of joint 1", "obstacles[0]".
 std::string name_of(const std::string& name, int joint);
 
-// `to` in four digits, rounded so that the change from `from` is never less than it was.
-std::string enough(double from, double to);
+// `to` in the four digits in which it is told, rounded so that the change from `from` is never less than it was.
+double told(double from, double to);
 
 // "torque of joint 1 alone would have to be 5.1 N m (now 5)"
 std::string sentence_of(const Relaxation& relaxation);

@@ -44,7 +44,7 @@ void relax_rows(const Problem& problem, const Relaxable& what, std::vector<doubl
 }
 
 void relax(const Problem& problem, const Relaxable& what, std::vector<double>& direction) {
-  if (what.kind == RelaxableKind::kAllLimits) {
+  if (what.kind == RelaxableKind::kAllLimits || what.kind == RelaxableKind::kBothJoints) {
     const Limits larger = what.relaxed(problem, 1).limits;
     for (std::size_t i = 0; i < kLimits; ++i) {
       const double limit = kLimitNames[i].in(problem.limits);

@@ -5,6 +5,7 @@
 //   add_rows(TaskRows& to) const;            what it asks of every point of the motion
 //   template <class Place> check(place);     refuses what makes no sense: place.at(key or index), place.fail(sentence)
 //   double relaxed_by() const; relax(double) the number that is relaxed when the request cannot be met
+//   template <class Drawing> draw(in) const; what it looks like, of the shapes of results/report/scene.cc
 //   std::size_t count_of_rows() const        where there are not two
 // and a function visit(constraint, v) with its keys, unless it is written otherwise.
 #pragma once

@@ -34,6 +34,11 @@ struct Disc {
     margin = std::min(margin, size);
     radius = size - margin;
   }
+
+  template <class Drawing>
+  void draw(Drawing& in) const {
+    in.disc(center, radius, margin);
+  }
 };
 
 template <class R, class Visit>

@@ -23,6 +23,11 @@ struct JointPath {
 
   double relaxed_by() const { return tolerance; }
   void relax(double wider) { tolerance = wider; }
+
+  template <class Drawing>
+  void draw(Drawing& in) const {
+    in.joint_lines(corners);
+  }
 };
 
 template <class R, class Visit>

@@ -24,6 +24,12 @@ struct TipArc {
   double relaxed_by() const { return tolerance; }
   void relax(double wider) { tolerance = wider; }
 
+  template <class Drawing>
+  void draw(Drawing& in) const {
+    const double begin = std::atan2(from[1] - center[1], from[0] - center[0]);
+    in.arc(center, task::distance(from, center), begin, begin + turn(), tolerance);
+  }
+
   // Of a point as seen from the centre. [rad]
   double angle_of(const Coordinates& point) const;
   // The angle that it turns by, counterclockwise positive. [rad]

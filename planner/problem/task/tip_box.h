@@ -38,6 +38,11 @@ struct TipBox {
       upper[i] += by;
     }
   }
+
+  template <class Drawing>
+  void draw(Drawing& in) const {
+    in.box(lower, upper);
+  }
 };
 
 }  // namespace fjr

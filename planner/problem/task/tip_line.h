@@ -24,6 +24,11 @@ struct TipLine {
 
   double relaxed_by() const { return tolerance; }
   void relax(double wider) { tolerance = wider; }
+
+  template <class Drawing>
+  void draw(Drawing& in) const {
+    in.line(from, to, tolerance);
+  }
 };
 
 template <class R, class Visit>

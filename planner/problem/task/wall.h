@@ -49,6 +49,11 @@ struct Wall {
     point = {point[0] - back * normal[0] / size, point[1] - back * normal[1] / size};
   }
 
+  template <class Drawing>
+  void draw(Drawing& in) const {
+    in.half_plane(point, normal);
+  }
+
  private:
   static constexpr double kScale = 0.1;  // [m] a wall has no size of its own: the arm's
 };

@@ -2,11 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "model/kinematics.h"
+#include "planner/problem/task/task.h"
 #include "planner/results/report/html_table.h"
 
 namespace fjr {
@@ -33,78 +36,105 @@ void add_vias(const JsonField& vias, const std::vector<double>& times, const Par
   }
 }
 
-void add_obstacles(const JsonField& obstacles, Json& scene) {
-  const std::vector<JsonField> all = obstacles.items();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const JsonField& disc = all[i];
-    scene.push_back({{"kind", "disc"},
-                     {"center", disc.at("center").pair()},
-                     {"radius", disc.at("radius").number()},
-                     {"margin", disc.at("margin").number()},
-                     {"label", fmt::format("obstacles[{}]", i)}});
-  }
+// ---- the task, as plan.json has it ----
+
+void read(const JsonField& field, double& value) { value = field.number(); }
+void read(const JsonField& field, Coordinates& pair) { pair = field.pair(); }
+void read(const JsonField& field, ArcWay& way) { way = field.text() == "long" ? ArcWay::kLong : ArcWay::kShort; }
+void read(const JsonField& field, std::vector<Joints<double>>& points) {
+  for (const JsonField& point : field.items()) points.push_back(point.pair());
+}
+void read(const JsonField& field, TipBox& box) {
+  const std::vector<JsonField> corners = field.items();
+  if (corners.size() != 2) field.fail("must be a list of two corners");
+  box = {corners[0].pair(), corners[1].pair()};
 }
 
-void add_walls(const JsonField& walls, Json& scene) {
-  const std::vector<JsonField> all = walls.items();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    scene.push_back({{"kind", "wall"},
-                     {"at", all[i].at("point").pair()},
-                     {"normal", all[i].at("normal").pair()},
-                     {"label", fmt::format("walls[{}]", i)}});
-  }
-}
-
-// The short way round from one point to the other, or the long way.
-Json arc_json(const JsonField& arc) {
-  const Coordinates center = arc.at("center").pair(), from = arc.at("from").pair(), to = arc.at("to").pair();
-  const double begin = std::atan2(from[1] - center[1], from[0] - center[0]);
-  const double least = std::remainder(std::atan2(to[1] - center[1], to[0] - center[0]) - begin, 2 * std::numbers::pi);
-  const double turn = arc.find("way") ? least - std::copysign(2 * std::numbers::pi, least) : least;
-  return {{"kind", "arc"},     {"center", center},   {"radius", std::hypot(from[0] - center[0], from[1] - center[1])},
-          {"from", begin},     {"to", begin + turn}, {"tolerance", arc.at("tolerance").number()},
-          {"label", "tip arc"}};
-}
-
-void add_tip(const JsonField& task, Json& scene) {
-  if (const auto box = task.find("box")) {
-    const std::vector<JsonField> corners = box->items();
-    if (corners.size() != 2) box->fail("must be a list of two corners");
-    scene.push_back({{"kind", "box"}, {"corners", {corners[0].pair(), corners[1].pair()}}, {"label", "tip box"}});
-  }
-  if (const auto line = task.find("line")) {
-    scene.push_back({{"kind", "line"},
-                     {"from", line->at("from").pair()},
-                     {"to", line->at("to").pair()},
-                     {"tolerance", line->at("tolerance").number()},
-                     {"label", "tip line"}});
-  }
-  if (const auto arc = task.find("arc")) scene.push_back(arc_json(*arc));
-}
-
-// Straight lines in joint space are curves of the tip.
-void add_path(const JsonField& path, const Parameters& robot, Json& scene) {
-  const std::vector<JsonField> corners = path.at("corners").items();
-  Json points = Json::array();
-  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
-    const Joints<double> from = corners[i].pair(), to = corners[i + 1].pair();
-    for (int k = 0; k <= kPiecesOfPath; ++k) {
-      const double fraction = static_cast<double>(k) / kPiecesOfPath;
-      points.push_back(tip_at(robot, {from[0] + fraction * (to[0] - from[0]), from[1] + fraction * (to[1] - from[1])}));
+template <class Constraint>
+void read(const JsonField& field, Constraint& constraint) {
+  visit(constraint, [&](const Key& key, auto& member) {
+    if (key.required()) {
+      read(field.at(key.name), member);
+    } else if (const auto given = field.find(key.name)) {
+      read(*given, member);
     }
-  }
-  if (!points.empty()) scene.push_back({{"kind", "curve"}, {"points", std::move(points)}, {"label", "path"}});
+  });
 }
+
+Task read_task(const JsonField& field) {
+  Task task;
+  visit_constraints(task, [&](const char* key, auto& member) {
+    const auto found = field.find(key);
+    if (!found) return;
+    if constexpr (requires { member.size(); }) {
+      for (const JsonField& item : found->items()) read(item, member.emplace_back());
+    } else {
+      read(*found, member.emplace());
+    }
+  });
+  return task;
+}
+
+// ---- shapes ----
+
+// What constraints draw themselves with; each shape is a function of that name in plan_page.js.
+struct Drawing {
+  const Parameters& robot;
+  std::string label;
+  Json& scene;
+
+  void disc(const Coordinates& center, double radius, double margin) {
+    add({{"kind", "disc"}, {"center", center}, {"radius", radius}, {"margin", margin}});
+  }
+  // normal: points to where the arm may be.
+  void half_plane(const Coordinates& point, const Coordinates& normal) {
+    add({{"kind", "wall"}, {"at", point}, {"normal", normal}});
+  }
+  void box(const Coordinates& lower, const Coordinates& upper) { add({{"kind", "box"}, {"corners", {lower, upper}}}); }
+  void line(const Coordinates& from, const Coordinates& to, double tolerance) {
+    add({{"kind", "line"}, {"from", from}, {"to", to}, {"tolerance", tolerance}});
+  }
+  // from, to: angles [rad].
+  void arc(const Coordinates& center, double radius, double from, double to, double tolerance) {
+    add({{"kind", "arc"},
+         {"center", center},
+         {"radius", radius},
+         {"from", from},
+         {"to", to},
+         {"tolerance", tolerance}});
+  }
+  // Straight lines in joint space are curves of the tip.
+  void joint_lines(const std::vector<Joints<double>>& corners) {
+    Json points = Json::array();
+    for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+      const Joints<double>&from = corners[i], &to = corners[i + 1];
+      for (int k = 0; k <= kPiecesOfPath; ++k) {
+        const double fraction = static_cast<double>(k) / kPiecesOfPath;
+        points.push_back(
+            tip_at(robot, {from[0] + fraction * (to[0] - from[0]), from[1] + fraction * (to[1] - from[1])}));
+      }
+    }
+    if (!points.empty()) add({{"kind", "curve"}, {"points", std::move(points)}});
+  }
+
+ private:
+  void add(Json shape) {
+    shape["label"] = label;
+    scene.push_back(std::move(shape));
+  }
+};
 
 }  // namespace
 
 Json scene_json(const JsonField& plan, const Parameters& robot) {
-  const JsonField request = plan.at("resolved_request"), task = request.at("task");
+  const JsonField request = plan.at("resolved_request");
   Json scene = Json::array();
-  if (const auto obstacles = task.find("obstacles")) add_obstacles(*obstacles, scene);
-  if (const auto walls = task.find("walls")) add_walls(*walls, scene);
-  add_tip(task, scene);
-  if (const auto path = task.find("path")) add_path(*path, robot, scene);
+  const Task task = read_task(request.at("task"));
+  each_constraint(task, [&](std::string name, const auto& constraint) {
+    std::replace(name.begin(), name.end(), '_', ' ');
+    Drawing drawing{robot, name, scene};
+    constraint.draw(drawing);
+  });
   add_vias(request.at("via"), plan.at("via_times").numbers(), robot, scene);
   return scene;
 }

@@ -10,7 +10,7 @@ namespace fjr {
 
 // Objects for plan_page.js, in m, each with a label:
 //   {kind: "disc", center, radius, margin}  {kind: "box", corners: [[x, y], [x, y]]}  {kind: "point", at}
-//   {kind: "line", from, to, tolerance}     {kind: "curve", points}
+//   {kind: "line", from, to, tolerance}     {kind: "curve", points}   {kind: "wall", at, normal}
 //   {kind: "arc", center, radius, from, to, tolerance}, with angles counterclockwise from the x axis.
 nlohmann::ordered_json scene_json(const JsonField& plan, const Parameters& robot);
 

@@ -62,7 +62,7 @@ TEST(Robustness, ASwingComesWhileLimitsAreTightened) {
   const auto problem = std::make_shared<const Problem>(lift("6.1"));
   EXPECT_FALSE(can_be_carried(*problem));
   Session session({});
-  session.allow(1);
+  session.enter(Phase::kExplaining);  // all that there is
   const SwungUp swung = swing_up(problem, problem->duration.max, session);
   ASSERT_TRUE(swung.motion);
   const Motion& motion = swung.motion->solution().motion;
@@ -92,7 +92,7 @@ TEST(Robustness, AMeshThatMayNotGrowAsWantedGrowsWhereItErrsMost) {
   SessionOptions options;
   options.settings.most_intervals = kMost;
   Session session(options);
-  session.allow(1);
+  session.enter(Phase::kExplaining);  // all that there is
   Continuation c(std::make_shared<const Problem>(problem), session, "");
   ASSERT_EQ(c.begin(minimum_jerk_guess(problem, duration_guess(problem)), 400), StartOutcome::kNew);
   std::vector<double> errors(c.solution().setup.mesh.size(), 1e-3);

@@ -73,8 +73,13 @@ class Explanation {
     const auto time = candidate.time ? candidate.time : worst_moment(problem, what, solution->solution());
     Relaxation named = relaxation_of(what, to);
     named.rough = rough;
-    const bool can_be_asked_for = !rough && named.within_robot;
-    if (what.constraint || can_be_asked_for) named = verified(problem, what, named, guess_of(*solution));
+    // Where the fastest is known only about, planning would take as long as was saved by not refining it.
+    const bool too_long_to_plan = fastest_ != nullptr && !certified_;
+    if (what.constraint || (!rough && named.within_robot && !too_long_to_plan)) {
+      named = verified(problem, what, named, guess_of(*solution));
+    } else if (too_long_to_plan) {
+      named.rough = true;
+    }
     named.time = time;
     result_.relaxations.push_back(named);
     return true;

@@ -1,11 +1,13 @@
 #!/usr/bin/env python3
-"""Measures the planner: `suite.py all` everything, `suite.py run` motions alone, `suite.py compare A.json B.json`."""
+"""Measures the planner: `suite.py all` everything, `suite.py run` motions alone, `suite.py compare A.json B.json`,
+`suite.py counts` what the examples take in iterations and factorisations."""
 import argparse
 import json
 import os
 import pathlib
 import random
 import re
+import shutil
 import statistics
 import subprocess
 import sys
@@ -19,6 +21,10 @@ MODES = ("cold", "warm", "mumps")
 LAYERS = ("dynamics_bench", "derivatives_bench", "kkt_bench", "iteration_bench", "certificate_bench")
 PARTS = ("evaluation", "linear_algebra", "ipopt", "certificate")
 CHANGE = 0.10  # compare flags what changed by more
+GROWTH = 0.20  # and fails where iterations or factorisations grew by more
+COUNTS = ("iterations", "factorisations")
+COUNTS_FILE = ROOT / "bench/counts.json"
+ROUNDINGS = 5  # robots that differ by rounding errors
 ENVIRONMENT = dict(os.environ, OPENBLAS_NUM_THREADS="1")
 
 
@@ -57,7 +63,7 @@ def is_fastest(request):
 
 def plan(fjr, request, out, options):
     """Runs fjr once; CPU time [s] and peak memory [MiB] are of this process alone, from wait4."""
-    command = [fjr, "plan", str(request), "--out", str(out), "--json", *options]
+    command = [fjr, "plan", str(request), "--out", str(out), "--json", "--jobs", "1", *options]
     with tempfile.TemporaryFile() as stdout, tempfile.TemporaryFile() as stderr:
         process = subprocess.Popen(command, stdout=stdout, stderr=stderr, env=ENVIRONMENT)
         _, status, usage = os.wait4(process.pid, 0)
@@ -279,7 +285,67 @@ def compare(arguments):
             print(f"{name:60}{a[name]:>12.4g}{b[name]:>12.4g}{ratio:>7.2f}{flag}{'  LOST' if name in lost else ''}")
     for name in sorted(a.keys() ^ b.keys()):
         print(f"{name}: only in one of the files")
-    return 1 if lost else 0
+    cold = [{name: m["cold"] for name, m in results.get("motions", {}).items() if "cold" in m}
+            for results in (before, after)]
+    return 1 if lost or grown(*cold) else 0
+
+
+def differently_rounded(folder, k):
+    """A copy of config/ whose robot's springs are stiffer by k 1e-11 of their stiffness: what another machine's roundings
+    may do to a search, without another motion."""
+    copy = folder / f"config_{k}"
+    shutil.copytree(ROOT / "config", copy)
+    robot = copy / "robot.yaml"
+    text, count = re.subn(r"(stiffness: \{value: \[)([-+.\deE]+)",
+                          lambda m: f"{m[1]}{float(m[2]) * (1 + 1e-11 * k):.17g}", robot.read_text())
+    if count != 1:
+        sys.exit(f"{robot}: found {count} lists named stiffness where one was expected")
+    robot.write_text(text)
+    return copy
+
+
+def record_counts(arguments):
+    """The largest counts of every example over robots that differ by rounding errors."""
+    most = {}
+    with tempfile.TemporaryDirectory() as name:
+        folder = pathlib.Path(name)
+        for k in range(ROUNDINGS):
+            ENVIRONMENT["FJR_CONFIG_DIR"] = str(differently_rounded(folder, k))
+            for request in sorted((ROOT / "config/requests").glob("*.yaml")):
+                copied = folder / f"config_{k}" / "requests" / request.name
+                run = plan(arguments.fjr, copied, folder / "out" / request.stem, [])
+                before = most.get(request.stem, {})
+                most[request.stem] = {count: max(run[count], before.get(count, 0)) for count in COUNTS}
+            print(f"{k + 1} of {ROUNDINGS} roundings", flush=True)
+    write(COUNTS_FILE, most)
+    return 0
+
+
+def check_counts(arguments):
+    """Whether plans, a folder each, took at most GROWTH more than the recorded counts."""
+    if arguments.record:
+        return record_counts(arguments)
+    recorded = json.loads(COUNTS_FILE.read_text())
+    counts = {path.parent.name: json.loads(path.read_text())["solver"]
+              for path in sorted(arguments.plans.glob("*/plan.json"))}
+    worse = grown({name: recorded[name] for name in counts if name in recorded}, counts)
+    missing = sorted(recorded.keys() - counts.keys())
+    for name in missing:
+        print(f"{name}: no plan.json of it in {arguments.plans}")
+    print(f"{len(counts) - len(worse)} of {len(recorded)} examples within {GROWTH:.0%} of their recorded counts")
+    return 1 if worse or missing else 0
+
+
+def grown(before, after):
+    """The motions whose iterations or factorisations grew by more than GROWTH, after saying so."""
+    names = []
+    for name in before:
+        for count in COUNTS:
+            a, b = before[name].get(count) or 0, after.get(name, {}).get(count) or 0
+            if a > 0 and b > (1 + GROWTH) * a:
+                print(f"{name}: {count} grew from {a:g} to {b:g}, by {b / a - 1:.0%}; at most {GROWTH:.0%} is allowed")
+                names.append(name)
+    return sorted(set(names))
 
 
 def add_motion_options(parser):
@@ -306,7 +372,14 @@ def main():
     b.add_argument("--json", type=pathlib.Path, default=pathlib.Path("out/suite.json"))
     add_motion_options(b)
     b.set_defaults(do=run)
-    c = commands.add_parser("compare", help="times of two results; exit code 1 if a motion is no longer certified")
+    d = commands.add_parser("counts", help="iterations and factorisations of the examples against those recorded in "
+                            "bench/counts.json; exit code 1 where they grew by more than a fifth")
+    d.add_argument("--plans", type=pathlib.Path, default=pathlib.Path("out/requests"), help="folder of their plans")
+    d.add_argument("--record", action="store_true", help="plan the examples and record what they take")
+    d.add_argument("--fjr", default=str(ROOT / "build/fjr"))
+    d.set_defaults(do=check_counts)
+    c = commands.add_parser("compare", help="times of two results; exit code 1 if a motion is no longer certified, or "
+                            "takes a fifth more iterations or factorisations")
     c.add_argument("before", type=pathlib.Path)
     c.add_argument("after", type=pathlib.Path)
     c.set_defaults(do=compare)

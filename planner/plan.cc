@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <chrono>
+#include <thread>
 #include <utility>
 
+#include "common/cpu_time.h"
 #include "planner/conclusion.h"
-#include "planner/nlp/cpu_time.h"
 #include "planner/plan_fields.h"
+#include "planner/search/calm.h"
 #include "planner/search/explain/explain.h"
 #include "planner/search/fastest.h"
 #include "planner/search/follow.h"
 #include "planner/search/motions.h"
+#include "planner/search/starts.h"
 #include "planner/search/warm_start.h"
 
 namespace fjr {
@@ -18,7 +21,14 @@ namespace {
 
 double most_work(const Problem& problem, const PlanOptions& options) {
   const double usual = starts_worth_trying(problem.weights);
-  return std::max(options.most_work * std::max(1.0, options.starts / usual), options.deadline);
+  return std::max(options.most_work * std::max(1.0, starts_to_try(problem, options.starts) / usual), options.deadline);
+}
+
+// Only the chain factorisation is known to be safe in several threads: MUMPS is not, HSL's may not be.
+int threads_for(const PlanOptions& options) {
+  if (options.linear_solver != "stage") return 1;
+  const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+  return options.jobs > 0 ? options.jobs : std::max(1, cores);
 }
 
 SessionOptions session_options(const Problem& problem, const PlanOptions& options) {
@@ -26,6 +36,7 @@ SessionOptions session_options(const Problem& problem, const PlanOptions& option
   o.settings.linear_solver = options.linear_solver;
   o.settings.scheme = find_scheme(problem.method);
   o.deadline = options.deadline;
+  o.jobs = threads_for(options);
   o.most_work = most_work(problem, options);
   o.objective_scale = size_of(problem.weights);
   o.cancelled = options.cancelled;
@@ -44,7 +55,7 @@ std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
       explain(*problem, found.fastest ? &found.fastest->motion : nullptr, certified, found.carried_with, session);
   if (why.start && !session.stopped()) {
     found.candidates.clear();
-    try_start(problem, *why.start, "from the least slack", found, session);
+    try_starts({{problem, *why.start, "from the least slack"}}, found, session);
   }
   return why.infeasibility;
 }
@@ -53,6 +64,7 @@ std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
 std::optional<Infeasibility> search(int starts, Findings& found, Session& session) {
   const auto over = [&] { return found.certified() || session.stopped(); };
   find_motions(starts, found, session);
+  take_calm_back(found, session);
   if (!over() && !found.candidates.empty() && hurries(found)) {
     found.candidates.clear();
     adopt_fastest(found, session);
@@ -86,7 +98,7 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   }
   if (plan.solution && plan.trajectory) plan.analysis = analyse(*found.best->problem, *plan.solution, found.scale);
   tell_account(found, session.account(), plan);
-  plan.timing["cpu"] = cpu_since(began_cpu);
+  plan.timing["cpu"] = cpu_since(began_cpu) + session.account().cpu_of_others;
   plan.timing["total"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return plan;
 }

@@ -36,7 +36,8 @@ struct Collocated;  // planner/ocp/collocate.h: a solution, with what a neighbou
 struct PlanOptions {
   double deadline = 0;  // [s] of wall time; 0: none
   std::string linear_solver = "stage";
-  int starts = 0;  // 0: the default for the objective
+  int starts = 0;  // 0: as the request's `search` and its objective say
+  int jobs = 1;    // threads that starts are solved in; 0: as many as there are cores. The plan does not depend on it.
   // What a request may take where no deadline says more, in the optimiser's work (SolveReport::work) and not in time,
   // so that the same request comes to the same plan on a busy machine too; more starts may take more in proportion. [s]
   double most_work = 60;
@@ -65,7 +66,7 @@ struct Plan {
   std::vector<SolverStage> stages;
   bool warm = false;             // it came from PlanOptions::warm, without any start
   std::string warm_refusal;      // why PlanOptions::warm led to no plan, a clause; empty where it did or none was given
-  int starts = 0;                // that were solved, one after another
+  int starts = 0;                // that were solved
   int starts_planned = 0;        // that the search would have solved in any case
   int refined = 0;               // minima that were followed to the exact problem
   bool cut_by_deadline = false;  // certified, but the deadline ended the search: more time may find a better motion

@@ -150,7 +150,8 @@ std::string OpenLoop::why_not_in_one_run() const {
   return text;
 }
 
-Certificate judge(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
+Certificate judge(const Parameters& robot, const Limits& limits, const Trajectory& trajectory,
+                  const ForEach& for_each) {
   Certificate c;
   c.tolerance = exactness_tolerance(robot);
   Verdict verdict(robot, c);
@@ -166,7 +167,7 @@ Certificate judge(const Parameters& robot, const Limits& limits, const Trajector
   verdict.judge_exactness("open loop", c.open_loop);
   verdict.judge_closed_loop(closed);
   if (c.failures.empty()) {
-    c.closed_loop.perturbed = roll_out_perturbed(robot, trajectory);
+    c.closed_loop.perturbed = roll_out_perturbed(robot, trajectory, for_each);
     verdict.judge_perturbed(c.closed_loop.perturbed);
   }
   c.certified = c.failures.empty();

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "common/parallel.h"
 #include "model/dynamics.h"
 #include "planner/problem/problem.h"
 #include "planner/trajectory/trajectory.h"
@@ -112,7 +113,9 @@ struct Certificate {
 };
 
 // The verdict on one trajectory on one robot, without residual and tracking; `limits` are the robot's or tighter.
-Certificate judge(const Parameters& robot, const Limits& limits, const Trajectory& trajectory);
+// for_each: five closed loops that are rolled out from beside the start.
+Certificate judge(const Parameters& robot, const Limits& limits, const Trajectory& trajectory,
+                  const ForEach& for_each = one_after_another);
 
 // The closed-loop half of it, for those who receive a trajectory and believe nobody: neither the open loop is rolled
 // out, nor what begins beside the start. Rows that break a limit, or whose columns do not belong together, are not

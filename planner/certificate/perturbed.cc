@@ -1,7 +1,9 @@
 #include "planner/certificate/perturbed.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <vector>
 
@@ -56,43 +58,60 @@ void keep(Joints<double>& largest, const Joints<double>& errors) {
   for (std::size_t j = 0; j < kJoints; ++j) largest[j] = std::max(largest[j], errors[j]);
 }
 
-}  // namespace
+// What is the same from wherever the trajectory is begun.
+struct Course {
+  std::vector<double> instants, corners;  // [s]
+  std::vector<Rest> rests;
+};
 
-double start_offset(const Parameters& p, std::size_t joint) { return std::numbers::pi / p.encoder.link_counts[joint]; }
-
-Perturbed roll_out_perturbed(const Parameters& p, const Trajectory& trajectory) {
+Perturbed roll_out_from(const Parameters& p, const Trajectory& trajectory, const Course& course,
+                        const Joints<double>& shift) {
   const Sample &first = trajectory.samples.front(), &last = trajectory.samples.back();
-  const std::vector<double> instants = comparison_instants(trajectory), corners = torque_corners(trajectory, kCorner);
-  const bool ends_at_rest = is_at_rest(p, last);
   Rollout arm(p, Limits{}, Accuracy::of_predictions());
   arm.limit_step(longest_step(trajectory));
   Perturbed worst;
-  worst.evaluated = worst.completed = true;
-  std::vector<Rest> rests = rests_in(p, trajectory);
+  worst.evaluated = true;
+  std::vector<Rest> rests = course.rests;
   const auto raise = [&](double time, const State<double>& x, const State<double>& wanted) {
     const Joints<double> error{std::abs(x.q[0] - wanted.q[0]), std::abs(x.q[1] - wanted.q[1])};
     if (std::max(error[0], error[1]) > worst.max_link()) worst.time_of_max_link = time;
     keep(worst.link, error);
   };
-  for (const Joints<double>& shift : kShifts) {
-    Interpolator plan(trajectory);
-    const auto observe = [&](double time, const State<double>& x) {
-      raise(time, x, plan.at(time).state);
-      for (Rest& rest : rests) {
-        if (time == rest.row.time) rest.reached = x;
-      }
-    };
-    const State<double> start = shifted(p, first.state, shift);
-    observe(first.time, start);
-    arm.start(first.time, start, Drive::closed_loop(trajectory, p));
-    worst.completed &= arm.run(last.time, instants, corners, observe);
-    for (const Rest& rest : rests) {
-      worst.completed &= hold_at_rest(p, rest.row, rest.reached, rest.to - rest.row.time,
-                                      [&](double after, const State<double>& x, const Joints<double>&) {
-                                        raise(rest.row.time + after, x, rest.row.state);
-                                      });
+  Interpolator plan(trajectory);
+  const auto observe = [&](double time, const State<double>& x) {
+    raise(time, x, plan.at(time).state);
+    for (Rest& rest : rests) {
+      if (time == rest.row.time) rest.reached = x;
     }
-    if (ends_at_rest && worst.completed) keep(worst.after, deviation_at_rest(p, last, arm.state()));
+  };
+  const State<double> start = shifted(p, first.state, shift);
+  observe(first.time, start);
+  arm.start(first.time, start, Drive::closed_loop(trajectory, p));
+  worst.completed = arm.run(last.time, course.instants, course.corners, observe);
+  for (const Rest& rest : rests) {
+    worst.completed &= hold_at_rest(p, rest.row, rest.reached, rest.to - rest.row.time,
+                                    [&](double after, const State<double>& x, const Joints<double>&) {
+                                      raise(rest.row.time + after, x, rest.row.state);
+                                    });
+  }
+  if (is_at_rest(p, last) && worst.completed) keep(worst.after, deviation_at_rest(p, last, arm.state()));
+  return worst;
+}
+
+}  // namespace
+
+double start_offset(const Parameters& p, std::size_t joint) { return std::numbers::pi / p.encoder.link_counts[joint]; }
+
+Perturbed roll_out_perturbed(const Parameters& p, const Trajectory& trajectory, const ForEach& for_each) {
+  const Course course{comparison_instants(trajectory), torque_corners(trajectory, kCorner), rests_in(p, trajectory)};
+  std::array<Perturbed, std::size(kShifts)> all;
+  for_each(all.size(), [&](std::size_t i) { all[i] = roll_out_from(p, trajectory, course, kShifts[i]); });
+  Perturbed worst = all.front();
+  for (std::size_t i = 1; i < all.size(); ++i) {
+    if (all[i].max_link() > worst.max_link()) worst.time_of_max_link = all[i].time_of_max_link;
+    keep(worst.link, all[i].link);
+    keep(worst.after, all[i].after);
+    worst.completed &= all[i].completed;
   }
   return worst;
 }

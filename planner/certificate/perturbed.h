@@ -1,6 +1,7 @@
 // The closed loop from elsewhere than exactly the start.
 #pragma once
 
+#include "common/parallel.h"
 #include "planner/certificate/certificate.h"
 
 namespace fjr {
@@ -12,6 +13,8 @@ double start_offset(const Parameters& p, std::size_t joint);
 // in either joint, all four combinations of signs, and a thousandth of that off in both. The largest errors are kept.
 // Where the plan rests on the way, the executor holds the arm from where it came to, with its ticks and the counts of
 // the encoders, as it does after an end at rest. There it holds the arm, from each of their ends.
-Perturbed roll_out_perturbed(const Parameters& p, const Trajectory& trajectory);
+// for_each: the five starts are independent of each other.
+Perturbed roll_out_perturbed(const Parameters& p, const Trajectory& trajectory,
+                             const ForEach& for_each = one_after_another);
 
 }  // namespace fjr

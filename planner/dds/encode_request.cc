@@ -190,6 +190,7 @@ std::vector<fjr_msg_Posture> encode_path(const Request& request, fjr_msg_JointPa
 
 void encode_motion(const Request& request, WireRequest& wire) {
   if (request.method) refuse(request, "method", kForNewServices);
+  if (request.search) refuse(request, "search", kForNewServices);
   if (!request.walls.empty()) refuse(request, "walls", kForNewServices);
   fjr_msg_PlanRequest& message = wire.message.request;
   encode_start(request, message.start);

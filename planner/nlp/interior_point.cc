@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "planner/nlp/cpu_time.h"
+#include "common/cpu_time.h"
 #include "planner/nlp/filter.h"
 #include "planner/nlp/kkt_system.h"
 #include "planner/nlp/slack_form.h"

@@ -7,10 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
 
+#include "common/cpu_time.h"
 #include "planner/nlp/chain/ma27.h"
-#include "planner/nlp/cpu_time.h"
 #include "planner/nlp/linear_solver.h"
 
 // Until 3.13 Ipopt's loader of solvers has a header, since then the option hsllib.
@@ -245,7 +246,9 @@ void load([[maybe_unused]] Ipopt::IpoptApplication& application, const std::stri
   const std::string library = library_of(linear_solver);
   if (library.empty()) return;
 #ifdef FJR_IPOPT_LOADER
+  static std::mutex one_at_a_time;
   static std::string loaded;
+  const std::lock_guard lock(one_at_a_time);
   if (loaded == library) return;
   if (LSL_isHSLLoaded() != 0) LSL_unloadHSL();
   loaded.clear();
@@ -259,7 +262,8 @@ void load([[maybe_unused]] Ipopt::IpoptApplication& application, const std::stri
 #endif
 }
 
-// KKT systems from assembling to solving. Ipopt's finer times do not suit: of MUMPS they leave solving out.
+// KKT systems from assembling to solving, by Ipopt's clock, which is that of the process: only the chain factorisation
+// is used in several threads, and has its own. Ipopt's finer times do not suit: of MUMPS they leave solving out.
 double linear_algebra(Ipopt::IpoptApplication& application) {
   const Ipopt::TimedTask& task = application.IpoptDataObject()->TimingStats().StdAugSystemSolverMultiSolve();
   return task.TotalCpuTime() + task.TotalSysTime();
@@ -270,6 +274,7 @@ double linear_algebra(Ipopt::IpoptApplication& application) {
 SolveReport solve_by_ipopt(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
   const double began = cpu_time();
   const int factorised = factorisations();
+  const double chain_before = chain_seconds();
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
   // A problem of no known structure has no stages to factorise by.
   const std::string linear_solver = nlp.stages == 0 ? "mumps" : options.linear_solver;
@@ -282,7 +287,7 @@ SolveReport solve_by_ipopt(const Nlp& nlp, const Iterate& start, const SolveOpti
   const auto status = application->OptimizeTNLP(held);
   adapter->report.status = translate(status);
   SolveCost& cost = adapter->report.cost;
-  cost.linear_algebra = linear_algebra(*application);
+  cost.linear_algebra = linear_solver == "stage" ? chain_seconds() - chain_before : linear_algebra(*application);
   cost.factorisations = factorisations() - factorised;
   cost.total = cpu_since(began);
   return adapter->report;

@@ -53,6 +53,9 @@ struct Slack {
   double most = 1;                      // the largest slack
 };
 
+// How many minima are looked for: one, as many as the objective is worth, four times as many.
+enum class Thoroughness { kQuick, kDefault, kThorough };
+
 struct Problem {
   Parameters robot;
   Limits limits;
@@ -68,6 +71,7 @@ struct Problem {
   std::optional<Slack> slack;
   double sample_period = 0.001;  // [s]
   std::uint64_t seed = 1;
+  Thoroughness search = Thoroughness::kDefault;
   std::string method = "hermite-simpson";  // of collocation, a name of collocation/scheme.h
   std::string name;                        // of the request file, without extension
   std::string request_hash;                // SHA-256 over the resolved values, not over the file's bytes

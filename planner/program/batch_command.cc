@@ -138,7 +138,8 @@ void start(Batch& batch, std::size_t index, std::vector<Running>& running) {
   try {
     begin(batch, item);
     std::vector<std::string> arguments = to_arguments(batch.options.settings);
-    arguments.insert(arguments.end(), {"--out", batch.folder(item).string(), "--", item.request.string()});
+    arguments.insert(arguments.end(),
+                     {"--jobs", "1", "--out", batch.folder(item).string(), "--", item.request.string()});
     running.push_back({index, PlanProcess(std::move(arguments))});
   } catch (const std::exception& error) {
     batch.rows[index] = make_row(item, kFailed, error.what());

@@ -232,6 +232,12 @@ void add_plan(CLI::App& app, int& exit_code) {
           "Folder of an earlier plan of a similar request: its solution is the start, and the plan if that can be "
           "certified")
       ->type_name("DIR");
+  options->settings.plan.jobs = 0;
+  command
+      ->add_option("--jobs", options->settings.plan.jobs,
+                   "Threads that a request is planned with; the plan does not depend on it. 0: as many as cores")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str();
   add_options(*command, options->settings);
   command->add_option("--parent", options->parent, "Process without which there is nothing to plan for")->group("");
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -38,10 +38,7 @@ std::string text_of(const Joints<double>& value) { return fmt::format("[{}, {}]"
 
 template <Worded Choice>
 std::string text_of(Choice value) {
-  for (const auto& [word, choice] : kWords<Choice>) {
-    if (choice == value) return std::string(word);
-  }
-  return "";
+  return std::string(word_of(value));
 }
 
 std::string text_of(const AnglesOrFree& angles) {

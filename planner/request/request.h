@@ -95,6 +95,7 @@ struct Request {
   std::optional<std::uint64_t> seed;
   std::optional<Payload> payload;
   std::optional<std::string> method;
+  std::optional<Thoroughness> search;
 };
 
 // ---- the keys ----
@@ -130,6 +131,9 @@ void visit(R& r, Visit&& v) {
   v(Key{"method", "", "collocation scheme ([what each is good for](performance.md#collocation-schemes))",
         "`hermite-simpson`", "`trapezoidal`, `hermite-simpson`, `lobatto4`, `radau3`"},
     r.method);
+  v(Key{"search", "", "how many minima are looked for ([what each costs](performance.md#quick-and-thorough-searches))",
+        "`default`", "`quick`, `default`, `thorough`"},
+    r.search);
 }
 
 template <class R, class Visit>

@@ -6,6 +6,7 @@
 
 #include "common/sha256.h"
 #include "planner/request/request.h"
+#include "planner/request/words.h"
 
 namespace fjr {
 namespace {
@@ -101,6 +102,7 @@ std::string request_hash(const Problem& problem) {
   lines.add("sample_period", problem.sample_period);
   lines.add_text("seed", std::to_string(problem.seed));
   if (problem.method != Problem{}.method) lines.add_text("method", problem.method);
+  if (problem.search != Thoroughness::kDefault) lines.add_text("search", word_of(problem.search));
   return lines.hash();
 }
 

@@ -517,6 +517,7 @@ Problem resolve(const Request& request, const Parameters& robot) {
   problem.sample_period = resolve_sample_period(request, problem.duration);
   problem.method = resolve_method(request);
   if (request.seed) problem.seed = *request.seed;
+  problem.search = request.search.value_or(Thoroughness::kDefault);
   resolve_start(request, problem);
   request.goal.tip ? resolve_tip_goal(request, problem) : resolve_joint_goal(request, problem);
   resolve_vias(request, problem);

@@ -20,10 +20,21 @@ inline constexpr std::array<std::pair<std::string_view, ArcWay>, 2> kWords<ArcWa
 template <>
 inline constexpr std::array<std::pair<std::string_view, Preset>, 3> kWords<Preset>{
     {{"fastest", Preset::kFastest}, {"gentle", Preset::kGentle}, {"efficient", Preset::kEfficient}}};
+template <>
+inline constexpr std::array<std::pair<std::string_view, Thoroughness>, 3> kWords<Thoroughness>{
+    {{"quick", Thoroughness::kQuick}, {"default", Thoroughness::kDefault}, {"thorough", Thoroughness::kThorough}}};
 
 template <class Choice>
 concept Worded = kWords<Choice>
 .size() > 0;
+
+template <Worded Choice>
+std::string_view word_of(Choice choice) {
+  for (const auto& [word, other] : kWords<Choice>) {
+    if (other == choice) return word;
+  }
+  return {};
+}
 
 // A part of a request with keys of its own.
 template <class R>

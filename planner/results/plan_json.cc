@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "planner/request/words.h"
 #include "planner/results/analysis_json.h"
 
 namespace fjr {
@@ -248,6 +249,7 @@ Json resolved_request_json(const Problem& problem) {
           {"limits", limits_json(problem.limits)},
           {"sample_period", problem.sample_period},
           {"seed", problem.seed},
+          {"search", word_of(problem.search)},
           {"method", problem.method}};
 }
 

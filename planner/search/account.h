@@ -39,18 +39,22 @@ struct SolverStage {
 struct Fallbacks {
   int adaptive_barrier = 0;  // a warm start failed; tried again with multipliers forgotten and an adaptive barrier
   int friction_level = 0;    // a step to a sharper friction law stopped at the iteration limit
-  int displaced_start = 0;   // starts beyond those that are always tried
-  int swinging = 0;          // limits that carry the arm, tightened step by step
-  int patience = 0;          // a start with many more iterations, and more than a regularisation by effort at first
+  int calmed = 0;           // a start ended at its limit of iterations; tried again with springs that are to swing less
+  int displaced_start = 0;  // starts beyond those that are always tried
+  int swinging = 0;         // limits that carry the arm, tightened step by step
+  int patience = 0;         // a start with many more iterations, and more than a regularisation by effort at first
   int coarser_mesh = 0, finer_mesh = 0;
   int relaxed_limits = 0;  // limits relaxed, then tightened step by step
   int from_fastest = 0;    // from the fastest motion, stretched to the time there is
+
+  Fallbacks& operator+=(const Fallbacks& other);
 };
 
 template <class F, class Visit>
 void visit_fallbacks(F& f, Visit&& visit) {
   visit("adaptive_barrier", f.adaptive_barrier);
   visit("friction_level", f.friction_level);
+  visit("calmed", f.calmed);
   visit("displaced_start", f.displaced_start);
   visit("swinging", f.swinging);
   visit("patience", f.patience);
@@ -66,8 +70,12 @@ struct Account {
   SolveCost cost;                   // likewise
   double work = 0;                  // likewise [s], SolveReport::work
   Fallbacks fallbacks;
-  bool cut_by_work = false;              // a phase ended where it may take no more
-  std::map<std::string, double> timing;  // [s] of wall time by part; none is counted twice
+  bool cut_by_work = false;  // a phase ended where it may take no more
+  // [s] of time by part; none is counted twice, but what several threads do at once counts for each.
+  std::map<std::string, double> timing;
+  double cpu_of_others = 0;  // [s] CPU time of other threads than the caller's
+
+  Account& operator+=(const Account& other);
 };
 
 }  // namespace fjr

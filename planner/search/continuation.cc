@@ -99,10 +99,14 @@ double gain_after(double width) {
 
 // Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
 int coarse_intervals(const Problem& problem, double duration) {
-  constexpr double kCoarseStep = 0.02;    // [s]
-  constexpr double kTunnelStep = 0.0075;  // [s] longer intervals jump over obstacles; a wall has no other side
-  const double step = problem.task.obstacles.empty() ? kCoarseStep : kTunnelStep;
-  return std::clamp(static_cast<int>(std::ceil(duration / step)), 25, 400) + 2 * static_cast<int>(problem.via.size());
+  constexpr double kCoarseStep = 0.02;      // [s]
+  constexpr double kTunnelStep = 0.0075;    // [s] longer intervals jump over obstacles; a wall has no other side,
+  constexpr double kTunnelIntervals = 160;  // and so many do for a motion through all of the arm's reach
+  double intervals = duration / kCoarseStep;
+  if (!problem.task.obstacles.empty()) {
+    intervals = std::max(intervals, std::min(duration / kTunnelStep, kTunnelIntervals));
+  }
+  return std::clamp(static_cast<int>(std::ceil(intervals)), 25, 400) + 2 * static_cast<int>(problem.via.size());
 }
 
 }  // namespace

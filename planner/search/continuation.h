@@ -67,6 +67,9 @@ class Continuation {
   // solution.
   bool creep();
 
+  // From here on it is counted and stopped by this session, which outlives it.
+  void go_on_in(Session& session) { session_ = &session; }
+
   const std::shared_ptr<const Problem>& problem() const { return problem_; }
   const std::string& label() const { return label_; }
   const Collocated& solution() const { return solution_; }

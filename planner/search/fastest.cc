@@ -56,7 +56,8 @@ void try_from_fastest(const std::shared_ptr<const Problem>& alternative, Finding
   if (shortest->duration() > allowed || any_timed(*alternative)) return;
   const double duration = std::clamp(shortest->duration(), alternative->duration.min, allowed);
   const Collocated& solution = shortest->motion.solution();
-  try_start(alternative, guess_from(solution.motion, solution.durations, duration), "from the fastest", found, session);
+  try_starts({{alternative, guess_from(solution.motion, solution.durations, duration), "from the fastest"}}, found,
+             session);
   if (found.candidates.empty() && !session.interrupted()) adopt_fastest(found, session);
 }
 

@@ -37,7 +37,7 @@ struct Findings {
   std::vector<std::shared_ptr<const Problem>>
       alternatives;  // what is optimised: one problem for each goal that will do
 
-  int starts = 0;                        // that were solved, one after another
+  int starts = 0;                        // that were solved
   int starts_planned = 0;                // that are solved in any case
   int refined = 0;                       // candidates that were followed to the exact problem
   int patience = 400;                    // iterations a start may take

@@ -1,6 +1,7 @@
 #include "planner/search/follow.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -54,15 +55,89 @@ Continuation calmed(const Continuation& c, const Calming& calming, int patience,
   return calmer.begin(guess, patience) == StartOutcome::kNew ? calmer : c;
 }
 
-// True when it was certified, even if it takes too long.
-bool refine(Continuation c, Findings& found, Session& session) {
+// What a start came to on a coarse mesh.
+struct Begun {
+  Continuation motion;
+  StartOutcome outcome;
+};
+
+// Where refining a motion led, and what was published of that.
+struct Refined {
+  Continuation motion;
+  PublishResult published;
+};
+
+// In as many attempts as it took, the last of which is certified if one is.
+std::vector<Refined> refine(const Continuation& coarse, double to_beat, int patience, const Problem& asked,
+                            Session& session) {
   const Timed timed(session, "finish");
-  if (found.certified()) c.to_beat = found.best->objective / found.scale;
-  if (!c.refine()) return false;
-  PublishResult published = publish(c, found.asked, session);
-  const bool certified = published.certified();
-  found.keep(c, std::move(published));
-  return certified;
+  std::vector<Refined> attempts;
+  const auto attempt = [&](Continuation c) {
+    c.to_beat = to_beat;
+    if (!c.refine()) return false;
+    PublishResult published = publish(c, asked, session);
+    attempts.push_back({std::move(c), std::move(published)});
+    return attempts.back().published.certified();
+  };
+  if (!only_time(coarse.problem()->weights) || coarse.duration() < kLongMotion) {
+    attempt(coarse);
+  } else {
+    for (const Calming& calming : kCalming) {
+      if (session.interrupted() || attempt(calmed(coarse, calming, patience, session))) break;
+    }
+  }
+  return attempts;
+}
+
+// Refines motions that were found beside each other; none of them knows what the others come to.
+void refine_all(std::vector<Continuation> coarse, Findings& found, Session& session) {
+  if (coarse.empty()) return;  // then it is not refining that the work is left for
+  session.enter(Phase::kRefining);
+  const double to_beat = found.certified() ? found.best->objective / found.scale : kNoLimit;
+  std::vector<std::vector<Refined>> refined(coarse.size());
+  const std::vector<bool> counts = session.do_all(coarse.size(), [&](std::size_t i, Session& own) {
+    coarse[i].go_on_in(own);
+    refined[i] = refine(coarse[i], to_beat, found.patience, found.asked, own);
+  });
+  for (std::size_t i = 0; i < coarse.size(); ++i) {
+    if (!counts[i]) continue;
+    for (Refined& attempt : refined[i]) {
+      attempt.motion.go_on_in(session);
+      found.keep(attempt.motion, std::move(attempt.published));
+    }
+    ++found.refined;
+  }
+}
+
+// Notes a motion that was found on a coarse mesh. True when it promises enough to be refined: while nothing is
+// certified, everything does.
+bool note(const Continuation& c, Findings& found, Session& session) {
+  const Collocated& coarse = c.solution();
+  found.candidates.push_back({c.problem(), {coarse.report.objective, c.start}, coarse.motion, coarse.durations});
+  if ((found.certified() && !last_promises(found)) || session.interrupted()) return false;
+  if (!far_too_long(c, found.asked)) return true;
+  found.note_fastest(c, false);
+  return false;
+}
+
+TriedStart note_outcome(Begun& begun, Findings& found) {
+  Continuation& c = begun.motion;
+  c.start = ++found.starts;
+  if (begun.outcome == StartOutcome::kNoSolution) {
+    if (c.status() == SolveStatus::kInfeasible) found.a_start_was_infeasible = true;
+    if (!c.obstacle().empty()) found.obstacle = "; in the last attempt " + c.obstacle();
+    return {.led_somewhere = false, .out_of_patience = c.status() == SolveStatus::kIterationLimit};
+  }
+  // Of those that were begun at once, one may have come to another's minimum.
+  const SolverStage& first = c.stages().front();
+  const double objective = first.objective;
+  if (any_same(found.minima, objective)) begun.outcome = StartOutcome::kKnown;
+  if (begun.outcome == StartOutcome::kKnown) return {.led_somewhere = true};
+  // What is much harder than what was found already is given up early; counted in iterations, so that it is the same
+  // every time.
+  found.patience = std::min(found.patience, std::max(kLeastPatience, 2 * first.iterations));
+  found.minima.push_back(objective);
+  return {.led_somewhere = true};
 }
 
 }  // namespace
@@ -73,42 +148,27 @@ Refining refining(const Weights& weights, int starts) {
 }
 
 void follow(Continuation c, Findings& found, Session& session) {
-  const Collocated& coarse = c.solution();
-  found.candidates.push_back({c.problem(), {coarse.report.objective, c.start}, coarse.motion, coarse.durations});
-  if ((found.certified() && !last_promises(found)) || session.interrupted()) return;
-  if (far_too_long(c, found.asked)) {
-    found.note_fastest(c, false);
-    return;
-  }
-  session.enter(Phase::kRefining);
-  if (!only_time(c.problem()->weights) || c.duration() < kLongMotion) {
-    refine(std::move(c), found, session);
-  } else {
-    for (const Calming& calming : kCalming) {
-      if (session.interrupted() || refine(calmed(c, calming, found.patience, session), found, session)) break;
-    }
-  }
-  ++found.refined;
+  if (note(c, found, session)) refine_all({std::move(c)}, found, session);
 }
 
-bool try_start(const std::shared_ptr<const Problem>& alternative, const Guess& guess, const std::string& label,
-               Findings& found, Session& session) {
-  Continuation c(alternative, session, label);
-  const StartOutcome outcome = c.begin(guess, found.patience, found.minima);
-  c.start = ++found.starts;
-  if (outcome == StartOutcome::kKnown) return true;
-  if (outcome == StartOutcome::kNoSolution) {
-    if (c.status() == SolveStatus::kInfeasible) found.a_start_was_infeasible = true;
-    if (!c.obstacle().empty()) found.obstacle = "; in the last attempt " + c.obstacle();
-    return false;
+std::vector<TriedStart> try_starts(const std::vector<Start>& starts, Findings& found, Session& session) {
+  std::vector<std::optional<Begun>> begun(starts.size());
+  const std::vector<bool> counts = session.do_all(starts.size(), [&](std::size_t i, Session& own) {
+    Continuation c(starts[i].alternative, own, starts[i].label);
+    const StartOutcome outcome = c.begin(starts[i].guess, found.patience, found.minima);
+    begun[i] = Begun{std::move(c), outcome};
+  });
+  std::vector<TriedStart> tried(starts.size());
+  std::vector<Continuation> promising;
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    if (!counts[i]) continue;
+    begun[i]->motion.go_on_in(session);
+    tried[i] = note_outcome(*begun[i], found);
+    const bool is_new = begun[i]->outcome == StartOutcome::kNew;
+    if (is_new && note(begun[i]->motion, found, session)) promising.push_back(std::move(begun[i]->motion));
   }
-  // What is much harder than what was found already is given up early; counted in iterations, so that it is the same
-  // every time.
-  const SolverStage& first = c.stages().front();
-  found.patience = std::min(found.patience, std::max(kLeastPatience, 2 * first.iterations));
-  found.minima.push_back(first.objective);
-  follow(std::move(c), found, session);
-  return true;
+  refine_all(std::move(promising), found, session);
+  return tried;
 }
 
 }  // namespace fjr

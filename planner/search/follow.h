@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "planner/search/findings.h"
 
@@ -26,9 +27,20 @@ Refining refining(const Weights& weights, int starts);
 // certified one is the plan. While nothing is certified, everything is worth it.
 void follow(Continuation c, Findings& found, Session& session);
 
-// Solves an alternative from this guess on a coarse mesh, and follows what it comes to. False when that is no solution,
-// known or new.
-bool try_start(const std::shared_ptr<const Problem>& alternative, const Guess& guess, const std::string& label,
-               Findings& found, Session& session);
+struct Start {
+  std::shared_ptr<const Problem> alternative;
+  Guess guess;
+  std::string label;
+};
+
+struct TriedStart {
+  bool led_somewhere = false;    // to a solution, known or new
+  bool out_of_patience = false;  // it ended at its limit of iterations
+};
+
+// Solves alternatives from these guesses on coarse meshes, and follows what they come to. Each knows what was found
+// before, and none what the others come to: so they may be tried at the same time, and how many are makes no
+// difference.
+std::vector<TriedStart> try_starts(const std::vector<Start>& starts, Findings& found, Session& session);
 
 }  // namespace fjr

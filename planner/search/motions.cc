@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "planner/search/calm.h"
 #include "planner/search/detours.h"
 #include "planner/search/fallbacks.h"
 #include "planner/search/fastest.h"
@@ -20,7 +21,10 @@ namespace {
 using Alternative = std::shared_ptr<const Problem>;
 
 constexpr double kNearBy = 0.3;  // [rad] that the best motion so far is displaced by: minima lie side by side
-constexpr int kGivenUp = 2;      // failures of an alternative's first starts, while another led somewhere
+// Starts at a time, once one led somewhere: more keep more cores busy, and know less of each other. It is the same
+// however many cores there are, so that a plan is, too.
+constexpr std::size_t kWave = 4;
+constexpr int kGivenUp = 2;                 // failures of an alternative's first starts, while another led somewhere
 constexpr std::size_t kBeforeSwinging = 1;  // starts that led nowhere before it is asked whether it has to swing
 constexpr std::size_t kBeforeHurrying = 2;  // and before it is asked whether there is time
 
@@ -50,16 +54,44 @@ void try_swinging(const Alternative& alternative, Findings& found, Session& sess
   if (swung.reached) found.carried_with = swung.reached;
 }
 
+// An alternative, and how it went.
+struct Turn {
+  Alternative alternative;
+  Starts starts;
+  int failed = 0;  // of the first starts
+  bool led_somewhere = false;
+};
+
+// Starts that are tried at the same time.
+struct Wave {
+  std::vector<Turn*> turns;  // whose start each is
+  std::vector<Start> starts;
+};
+
+// Tries them. Where one ends at its limit of iterations, its turn goes on with a calmer objective from there, if that
+// helps.
+void try_wave(Wave& wave, Findings& found, Session& session) {
+  const std::vector<TriedStart> tried = try_starts(wave.starts, found, session);
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    Turn& turn = *wave.turns[i];
+    bool led_somewhere = tried[i].led_somewhere;
+    const Alternative calm = tried[i].out_of_patience ? calmed(*turn.alternative) : nullptr;
+    if (calm && !session.interrupted()) {
+      ++session.fallbacks().calmed;
+      turn.alternative = calm;
+      led_somewhere =
+          try_starts({{calm, wave.starts[i].guess, wave.starts[i].label + ", calm"}}, found, session)[0].led_somewhere;
+    }
+    turn.led_somewhere = turn.led_somewhere || led_somewhere;
+    if (!led_somewhere) ++turn.failed;
+  }
+  wave = {};
+}
+
 // The alternatives take turns: what one of them came to tells how long the others are worth trying. asked: as many
 // starts, whatever they come to; 0: as many as are worth trying.
-void try_starts(const std::vector<Alternative>& open, int asked, Findings& found, Session& session) {
-  const int count = asked > 0 ? asked : starts_worth_trying(found.asked.weights);
-  struct Turn {
-    Alternative alternative;
-    Starts starts;
-    int failed = 0;  // of the first starts
-    bool led_somewhere = false;
-  };
+void take_turns(const std::vector<Alternative>& open, int asked, Findings& found, Session& session) {
+  const int count = starts_to_try(found.asked, asked);
   std::vector<Turn> turns;
   std::size_t most = 0;
   for (const Alternative& alternative : open) {
@@ -67,6 +99,7 @@ void try_starts(const std::vector<Alternative>& open, int asked, Findings& found
     most = std::max(most, turns.back().starts.guesses.size());
     found.starts_planned += static_cast<int>(turns.back().starts.always);
   }
+  Wave wave;
   for (std::size_t i = 0; i < most; ++i) {
     if (i == kBeforeSwinging && found.candidates.empty()) {
       for (const Alternative& alternative : open) try_swinging(alternative, found, session);
@@ -76,21 +109,19 @@ void try_starts(const std::vector<Alternative>& open, int asked, Findings& found
       if (found.too_short()) return;
     }
     for (Turn& turn : turns) {
-      if (session.interrupted()) break;
+      if (session.interrupted()) return;
       if (i >= turn.starts.guesses.size()) continue;
       const bool needed = i < turn.starts.always, given_up = !turn.led_somewhere && turn.failed >= kGivenUp;
       if (!found.candidates.empty() && (!needed || given_up)) continue;
       if (found.candidates.empty() && asked == 0 && i >= turn.starts.enough) continue;
       if (!needed) ++session.fallbacks().displaced_start;
       const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, turn.starts.always));
-      const Guess guess = guess_of_start(turn.alternative, turn.starts, i, found);
-      if (try_start(turn.alternative, guess, label, found, session)) {
-        turn.led_somewhere = true;
-      } else {
-        ++turn.failed;
-      }
+      wave.turns.push_back(&turn);
+      wave.starts.push_back({turn.alternative, guess_of_start(turn.alternative, turn.starts, i, found), label});
+      if (wave.starts.size() >= (found.candidates.empty() ? 1 : kWave)) try_wave(wave, found, session);
     }
   }
+  try_wave(wave, found, session);
 }
 
 }  // namespace
@@ -101,7 +132,7 @@ void find_motions(int count, Findings& found, Session& session) {
   for (const Alternative& alternative : found.alternatives) {
     if (no_path(*alternative).sentence.empty()) open.push_back(alternative);
   }
-  try_starts(open, count, found, session);
+  take_turns(open, count, found, session);
   for (const Alternative& alternative : open) {
     if (!found.candidates.empty() || session.interrupted() || found.too_short()) break;
     if (auto motion = fall_back(alternative, session)) follow(std::move(*motion), found, session);

@@ -20,10 +20,11 @@ constexpr int kRounds = 6;              // of refining one solution for the sake
 constexpr double kSameDuration = 1e-9;  // fraction by which a duration may differ from its bound, for rounding
 constexpr double kFinerRows = 0.25;     // of what linear interpolation between rows may miss, each time
 
-Publication with_certificate(const Continuation& c, const Problem& asked, Trajectory trajectory) {
+Publication with_certificate(const Continuation& c, const Problem& asked, Trajectory trajectory, Session& session) {
   const Collocated& solution = c.solution();
   Publication p{.problem = c.problem(), .solution = solution, .trajectory = std::move(trajectory)};
-  p.certificate = judge(asked.robot, asked.limits, p.trajectory);
+  p.certificate = judge(asked.robot, asked.limits, p.trajectory,
+                        [&](std::size_t count, const auto& task) { session.for_each(count, task); });
   check_against_request(*c.problem(), segment_ends(solution.durations), p.trajectory, p.certificate);
   p.terms = objective_terms(asked, solution, p.trajectory);
   p.objective = weighted_sum(asked.weights, p.terms);
@@ -60,7 +61,7 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
                         trajectory.samples.size(), kMaxRows);
         return published;
       }
-      published.last = with_certificate(c, asked, std::move(trajectory));
+      published.last = with_certificate(c, asked, std::move(trajectory), session);
     }
     if (published.certified()) break;
     const Publication& refused = *published.last;

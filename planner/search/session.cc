@@ -1,8 +1,11 @@
 #include "planner/search/session.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <utility>
+
+#include "common/parallel.h"
 
 namespace fjr {
 namespace {
@@ -24,15 +27,56 @@ double allowed_by_the_end_of(Phase phase) {
 
 Session::Session(SessionOptions options) : options_(std::move(options)) {}
 
+Session::Session(const Session& trunk, int jobs)
+    : options_(trunk.options_), shared_(trunk.shared_), allowed_(trunk.allowed_), phase_(trunk.phase_) {
+  options_.jobs = jobs;
+  iterations_before_ = trunk.iterations_before_ + trunk.account_.iterations;
+  work_before_ = std::isfinite(allowed_) ? (trunk.work_ + trunk.allowed_) / 2 : trunk.work_;
+  work_ = work_before_;
+}
+
+void Session::find_out_whether_stopped() {
+  const std::lock_guard lock(shared_->callback);
+  if (shared_->stopped) return;
+  const double seconds = std::chrono::duration<double>(Clock::now() - shared_->began).count();
+  shared_->deadline_passed = options_.deadline > 0 && seconds > options_.deadline;
+  shared_->stopped = shared_->deadline_passed || (options_.cancelled && options_.cancelled());
+}
+
 bool Session::interrupted(double work) {
   work_ += work;
-  if (stopped_) return true;
-  const double seconds = std::chrono::duration<double>(Clock::now() - began_).count();
-  deadline_passed_ = options_.deadline > 0 && seconds > options_.deadline;
-  stopped_ = deadline_passed_ || (options_.cancelled && options_.cancelled());
+  find_out_whether_stopped();
   const bool spent = work_ >= allowed_;
-  if (spent && !stopped_) account_.cut_by_work = true;
-  return stopped_ || spent;
+  if (spent && !stopped()) account_.cut_by_work = true;
+  return stopped() || spent;
+}
+
+// False when no more was allowed by then.
+bool Session::join(const Session& branch) {
+  const bool in_time = work_ < allowed_;
+  work_ += branch.work_ - branch.work_before_;
+  account_ += branch.account_;
+  enter(branch.phase_);
+  return in_time;
+}
+
+std::vector<bool> Session::do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task) {
+  std::vector<bool> counts(count, true);
+  if (count <= 1) {
+    if (count == 1) task(0, *this);
+    return counts;
+  }
+  std::vector<std::unique_ptr<Session>> branches;
+  for (std::size_t i = 0; i < count; ++i) branches.push_back(std::unique_ptr<Session>(new Session(*this, 1)));
+  if (innermost_ != nullptr) innermost_->pause();  // the branches have clocks of their own
+  for_each(count, [&](std::size_t i) { task(i, *branches[i]); });
+  if (innermost_ != nullptr) innermost_->go_on();
+  for (std::size_t i = 0; i < count; ++i) counts[i] = join(*branches[i]);
+  return counts;
+}
+
+void Session::for_each(std::size_t count, const std::function<void(std::size_t)>& task) {
+  account_.cpu_of_others += for_each_index(count, options_.jobs, task);
 }
 
 void Session::enter(Phase phase) {
@@ -42,8 +86,9 @@ void Session::enter(Phase phase) {
 
 void Session::tell(Progress progress) const {
   if (!options_.on_progress) return;
+  const std::lock_guard lock(shared_->callback);
   progress.phase = phase_;
-  progress.iteration += account_.iterations;
+  progress.iteration += iterations_before_ + account_.iterations;
   progress.objective *= options_.objective_scale;
   options_.on_progress(progress);
 }
@@ -65,8 +110,10 @@ Timed::Timed(Session& session, std::string part)
 Timed::~Timed() {
   pause();
   session_.innermost_ = around_;
-  if (around_ != nullptr) around_->since_ = Session::Clock::now();
+  if (around_ != nullptr) around_->go_on();
 }
+
+void Timed::go_on() { since_ = Session::Clock::now(); }
 
 void Timed::pause() {
   session_.account_.timing[part_] += std::chrono::duration<double>(Session::Clock::now() - since_).count();

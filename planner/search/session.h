@@ -2,9 +2,13 @@
 // done. It is passed by reference to whatever solves.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <string>
+#include <vector>
 
 #include "planner/problem/quantities.h"
 #include "planner/search/account.h"
@@ -16,6 +20,7 @@ struct SessionOptions {
   ContinuationSettings settings{};
   double deadline = 0;              // [s] of wall time; 0: none
   double most_work = kNoLimit;      // [s] of work (SolveReport::work) in all phases together
+  int jobs = 1;                     // threads at most
   double objective_scale = 1;       // what an optimised objective has to be multiplied by to be what was asked for
   std::function<bool()> cancelled;  // polled between iterations; may be empty
   std::function<void(const Progress&)> on_progress;  // may be empty
@@ -34,8 +39,8 @@ class Session {
   bool interrupted(double work = 0);
 
   // Nothing more is to be done at all: cancelled, or the deadline passed.
-  bool stopped() const { return stopped_; }
-  bool deadline_passed() const { return deadline_passed_; }
+  bool stopped() const { return shared_->stopped; }
+  bool deadline_passed() const { return shared_->deadline_passed; }
 
   // From here, work may come to what this phase and those before it are allowed together. Nothing is at first.
   void enter(Phase phase);
@@ -46,6 +51,15 @@ class Session {
   // A solve has ended.
   void add(SolverStage stage);
 
+  // Does `count` independent pieces of work, options().jobs of them at a time, each with a session that is stopped with
+  // this one, may take half of what this one still may, and is counted here in the order of their indices; one alone
+  // with this session. Returns for each whether it counts, however many jobs there are: where those before it took all
+  // that was allowed, what it came to is as if it had never been begun.
+  std::vector<bool> do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task);
+
+  // Does pieces of work that need no session, likewise; of a branch one after another, for its trunk has the threads.
+  void for_each(std::size_t count, const std::function<void(std::size_t)>& task);
+
   const Account& account() const { return account_; }
   Fallbacks& fallbacks() { return account_.fallbacks; }
 
@@ -53,12 +67,24 @@ class Session {
   friend class Timed;
   using Clock = std::chrono::steady_clock;
 
+  // What a session has in common with its branches.
+  struct Shared {
+    std::mutex callback;  // one at a time
+    std::atomic<bool> stopped = false, deadline_passed = false;
+    const Clock::time_point began = Clock::now();
+  };
+
+  Session(const Session& trunk, int jobs);  // a branch of it
+  bool join(const Session& branch);
+  void find_out_whether_stopped();
+
   SessionOptions options_;
   Account account_;
-  const Clock::time_point began_ = Clock::now();
+  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
   double work_ = 0, allowed_ = 0;  // [s] done, with that of the solve at work; allowed in the present phase
+  double work_before_ = 0;         // [s] of work_, what was done before this branch began, or is left to others
+  int iterations_before_ = 0;      // this branch began
   Phase phase_ = Phase::kFinding;  // the latest that was entered
-  bool stopped_ = false, deadline_passed_ = false;
   class Timed* innermost_ = nullptr;
 };
 
@@ -71,7 +97,9 @@ class Timed {
   Timed& operator=(const Timed&) = delete;
 
  private:
+  friend class Session;
   void pause();
+  void go_on();
 
   Session& session_;
   std::string part_;

@@ -44,6 +44,21 @@ std::vector<std::vector<Path>> task_paths(const Problem& problem) {
 
 }  // namespace
 
+int starts_to_try(const Problem& problem, int asked) {
+  constexpr int kThorough = 4;  // times the usual
+  if (asked > 0) return asked;
+  const int usual = starts_worth_trying(problem.weights);
+  switch (problem.search) {
+    case Thoroughness::kQuick:
+      return 1;
+    case Thoroughness::kDefault:
+      return usual;
+    case Thoroughness::kThorough:
+      return kThorough * usual;
+  }
+  return usual;
+}
+
 Starts starts_of(const Problem& problem, int count) {
   const double duration = duration_guess(problem);
   Starts starts;

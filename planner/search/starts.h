@@ -17,6 +17,9 @@ struct Starts {
   std::size_t enough = 0;  // after so many that led nowhere no others are tried
 };
 
+// How many a request is to have: as many as are asked for, or (0) as its `search` and its objective say.
+int starts_to_try(const Problem& problem, int asked);
+
 // At least `count` of them.
 Starts starts_of(const Problem& problem, int count);
 

@@ -66,10 +66,11 @@ ServiceConfig default_service_config() {
 ServiceConfig load_service_config(const std::filesystem::path& file) {
   ServiceConfig config = default_service_config();
   const YamlNode root = YamlNode::load(file);
-  root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "queue", "warm_plans", "budget",
+  root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "jobs", "queue", "warm_plans", "budget",
                    "longest_budget", "ros2", "security", "allow_insecure_network"});
   read_network(root, file.parent_path(), config.network);
   read_whole(root, "workers", 1, 64, config.workers);
+  read_whole(root, "jobs", 1, 256, config.jobs);
   read_whole(root, "queue", 1, 4096, config.queue);
   read_whole(root, "warm_plans", 0, 4096, config.warm_plans);
   read_seconds(root, "budget", config.budget);

@@ -15,6 +15,7 @@ struct ServiceConfig {
   std::string robot_id = "arm";   // whose trajectories it publishes
   std::filesystem::path robot;    // what is planned for
   std::size_t workers = 1;        // solving processes
+  std::size_t jobs = 1;           // threads of each
   std::size_t queue = 64;         // requests of one client that may wait
   std::size_t warm_plans = 32;    // minimum-time plans that each worker keeps to start neighbouring ones from
   double budget = 60;             // [s] for a request that names none

@@ -41,8 +41,9 @@ PlanOptions with_progress(int out) {
   return options;
 }
 
-void solve(int out, const Problem& problem, WarmPlans& earlier) {
+void solve(int out, const Problem& problem, const WorkerSettings& settings, WarmPlans& earlier) {
   PlanOptions options = with_progress(out);
+  options.jobs = static_cast<int>(settings.jobs);
   options.warm = earlier.nearest(problem);
   const Plan result = plan(problem, options);
   earlier.remember(problem, result);
@@ -71,7 +72,7 @@ void solve_requests(int in, int out, const WorkerSettings& settings) {
     if (frame->kind == FrameKind::kFindStops) find_stops(out, parameters, {from_payload<Sample>(frame->payload), {}});
     if (frame->kind != FrameKind::kSolve) continue;
     try {
-      solve(out, parse_request(frame->payload, name, parameters), earlier);
+      solve(out, parse_request(frame->payload, name, parameters), settings, earlier);
     } catch (const InputError& error) {
       send_done(out, PlanStatus::kBadInput, error.what());
     }

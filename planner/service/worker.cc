@@ -29,7 +29,8 @@ struct Pipe {
 
 Worker::Worker(const WorkerSettings& settings, Listener listener) {
   Pipe requests, results;
-  pid_ = spawn_self({"worker", "--robot", settings.robot.string(), "--warm-plans", std::to_string(settings.warm_plans)},
+  pid_ = spawn_self({"worker", "--robot", settings.robot.string(), "--warm-plans", std::to_string(settings.warm_plans),
+                     "--jobs", std::to_string(settings.jobs)},
                     requests.from.number(), results.to.number());
   to_worker_ = std::move(requests.to);
   from_worker_ = std::move(results.from);

@@ -103,8 +103,9 @@ TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
   EXPECT_THAT(keys(json["search"]), ElementsAre("cut_by_deadline", "starts", "starts_planned", "minima_refined"));
   EXPECT_THAT(keys(json["objective"]), ElementsAre("total", "terms"));
   EXPECT_THAT(keys(json["mesh"]), ElementsAre("intervals", "method", "error_estimate", "node_times", "errors"));
-  EXPECT_THAT(keys(json["resolved_request"]), ElementsAre("start", "goal", "other_goals", "duration", "objective",
-                                                          "via", "task", "limits", "sample_period", "seed", "method"));
+  EXPECT_THAT(keys(json["resolved_request"]),
+              ElementsAre("start", "goal", "other_goals", "duration", "objective", "via", "task", "limits",
+                          "sample_period", "seed", "search", "method"));
   EXPECT_THAT(keys(json["solver"]), ElementsAre("iterations", "factorisations", "stages", "starts", "warm",
                                                 "cut_by_work", "distinct_minima", "minima", "fallbacks"));
   EXPECT_THAT(keys(json["certificate"]), ElementsAre("verdict", "failures", "tolerance_rad", "open_loop", "closed_loop",

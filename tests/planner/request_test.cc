@@ -65,9 +65,10 @@ TEST(Request, IsTheSameWhenItIsWrittenAndReadAgain) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
     expect_same_when_written(read(random_request(robot, seed).yaml), robot);
   }
-  for (const char* more : {"tip: {arc: {center: [0, 0], from: [0.3, 0.52], to: [0.6, 0], tolerance: 0.01, way: long}}",
-                           "limits: {torque: [10, 4], tip_speed: 2.5}", "payload: {mass: 0.1, inertia: 0.001}",
-                           "objective: {time: 1, copper: 0.1}", "duration: {max: 3}", "method: radau3", "seed: 7"}) {
+  for (const char* more :
+       {"tip: {arc: {center: [0, 0], from: [0.3, 0.52], to: [0.6, 0], tolerance: 0.01, way: long}}",
+        "limits: {torque: [10, 4], tip_speed: 2.5}", "payload: {mass: 0.1, inertia: 0.001}",
+        "objective: {time: 1, copper: 0.1}", "duration: {max: 3}", "method: radau3", "search: quick", "seed: 7"}) {
     const Request request = read(kMove + more + "\n");
     EXPECT_EQ(format_request(read(format_request(request))), format_request(request)) << more;
     EXPECT_NE(format_request(request), format_request(read(kMove))) << more;
@@ -79,6 +80,17 @@ TEST(Request, AStartThatSaysNothingIsLeftOut) {
     EXPECT_FALSE(read(start + kGoal).start) << start;
   }
   EXPECT_TRUE(read(kMove).start);
+}
+
+// The hash of what says nothing of it is that of before there was a choice.
+TEST(Request, SearchIsAChoice) {
+  EXPECT_EQ(parse(kMove).search, Thoroughness::kDefault);
+  EXPECT_EQ(parse(kMove + "search: default\n").request_hash, parse(kMove).request_hash);
+  EXPECT_EQ(parse(kMove + "search: quick\n").search, Thoroughness::kQuick);
+  EXPECT_NE(parse(kMove + "search: quick\n").request_hash, parse(kMove).request_hash);
+  EXPECT_NE(parse(kMove + "search: thorough\n").request_hash, parse(kMove + "search: quick\n").request_hash);
+  EXPECT_EQ(error_of(kMove + "search: slow\n"),
+            "request.yaml: search: \"slow\" is not one of quick, default, thorough");
 }
 
 TEST(Request, MethodIsAScheme) {
@@ -255,10 +267,10 @@ TEST(BrokenRequest, ShapeOfTheDocument) {
       {"# nothing\n", "empty"},
       {"fastest",
        "must be a map with the keys robot, start, goal, duration, objective, via, obstacles, walls, tip, path, limits, "
-       "sample_period, seed, payload, method, not the text \"fastest\""},
+       "sample_period, seed, payload, method, search, not the text \"fastest\""},
       {kMove + "durtion: 1",
        "unknown key \"durtion\"; allowed: robot, start, goal, duration, objective, via, obstacles, "
-       "walls, tip, path, limits, sample_period, seed, payload, method"},
+       "walls, tip, path, limits, sample_period, seed, payload, method, search"},
       {kMove + "seed: 1\nseed: 2", "line 4: key \"seed\" is given twice"},
       {kGoal, "start: missing; only a request to the service may leave it out, which then starts where the arm rests"},
       {kStart, "goal: missing"},

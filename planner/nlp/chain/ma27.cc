@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/cpu_time.h"
+
 namespace fjr {
 namespace {
 
@@ -17,6 +19,7 @@ thread_local ChainLdlt factor;
 thread_local std::vector<int> rows, cols;
 thread_local int factorised = 0;
 thread_local double multiplied = 0;
+thread_local double seconds = 0;
 
 }  // namespace
 
@@ -24,6 +27,7 @@ void describe_chain(ChainStructure structure) { described = std::move(structure)
 
 int factorisations() { return factorised; }
 double multiplications() { return multiplied; }
+double chain_seconds() { return seconds; }
 
 std::string chain_library() {
   static const char here = 0;
@@ -58,6 +62,7 @@ void ma27ad_(const int* n, const int* nz, const int* irn, const int* icn, int* /
     info[0] = -1;  // "N out of range": nobody said what this matrix is
     return;
   }
+  const fjr::CpuTimed timed(fjr::seconds);
   fjr::rows.resize(count);
   fjr::cols.resize(count);
   const auto zero_based = [](int i) { return i - 1; };
@@ -73,6 +78,7 @@ void ma27ad_(const int* n, const int* nz, const int* irn, const int* icn, int* /
 void ma27bd_(const int* /*n*/, const int* nz, const int* /*irn*/, const int* /*icn*/, const double* a,
              const int* /*la*/, int* /*iw*/, const int* /*liw*/, int* /*ikeep*/, const int* /*nsteps*/, int* maxfrt,
              int* /*iw1*/, const int* /*icntl*/, const double* cntl, int* info) {
+  const fjr::CpuTimed timed(fjr::seconds);
   std::fill_n(info, 20, 0);
   *maxfrt = 1;
   ++fjr::factorised;
@@ -85,6 +91,7 @@ void ma27bd_(const int* /*n*/, const int* nz, const int* /*irn*/, const int* /*i
 void ma27cd_(const int* n, const double* /*a*/, const int* /*la*/, const int* /*iw*/, const int* /*liw*/, double* /*w*/,
              const int* /*maxfrt*/, double* rhs, int* /*iw1*/, const int* /*nsteps*/, const int* /*icntl*/,
              const double* /*cntl*/) {
+  const fjr::CpuTimed timed(fjr::seconds);
   fjr::factor.solve(std::span(rhs, static_cast<std::size_t>(*n)));
   fjr::multiplied += fjr::factor.solve_work();
 }

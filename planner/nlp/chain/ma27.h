@@ -21,6 +21,9 @@ int factorisations();
 // How many multiplications they and the solves with them took, as ChainLdlt counts them.
 double multiplications();
 
+// The CPU time that this thread has spent on them [s].
+double chain_seconds();
+
 // File name of the library that this is in.
 std::string chain_library();
 

@@ -1,0 +1,174 @@
+// Starts that are tried at the same time: the plan is the same for any number of threads, work is bounded in the order
+// in which it would be done one by one, and what a `search` is worth.
+#include "planner/search/starts.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstring>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/parallel.h"
+#include "planner/plan.h"
+#include "planner/request/request.h"
+#include "planner/search/calm.h"
+#include "planner/search/follow.h"
+
+namespace fjr {
+namespace {
+
+using testing::ElementsAre;
+
+Problem request(const std::string& yaml) {
+  return parse_request(yaml, "request.yaml", FJR_SOURCE_DIR "/config", FJR_SOURCE_DIR "/config/robot.yaml");
+}
+
+const std::string kMove = "start: {q: [0, 0]}\ngoal: {q: [0.6, -0.4]}\n";
+
+// ---- threads ----
+
+TEST(ForEachIndex, DoesEachOnce) {
+  for (const int threads : {1, 2, 5}) {
+    std::vector<std::atomic<int>> done(37);
+    for_each_index(done.size(), threads, [&](std::size_t i) { ++done[i]; });
+    for (const auto& times : done) EXPECT_EQ(times, 1);
+  }
+}
+
+TEST(ForEachIndex, DoesAllBeforeItThrowsTheFirst) {
+  for (const int threads : {2, 5}) {
+    std::atomic<int> done = 0;
+    const auto task = [&](std::size_t i) {
+      ++done;
+      if (i % 2 == 1) throw std::runtime_error(std::to_string(i));
+    };
+    EXPECT_THAT([&] { for_each_index(8, threads, task); },
+                testing::ThrowsMessage<std::runtime_error>(testing::Eq("1")));
+    EXPECT_EQ(done, 8);
+  }
+}
+
+// ---- sessions ----
+
+// Of 30 that are allowed, each of four may take half; the third comes to more than all, so the fourth does not count.
+TEST(Session, CountsPiecesInTheirOrderUntilAllIsTaken) {
+  for (const int jobs : {1, 3}) {
+    SessionOptions options;
+    options.most_work = 60;  // of which finding motions may take half
+    options.jobs = jobs;
+    Session session(options);
+    session.enter(Phase::kFinding);
+    std::vector<int> taken(4);
+    const std::vector<bool> counts = session.do_all(4, [&](std::size_t i, Session& own) {
+      while (!own.interrupted(1)) ++taken[i];
+    });
+    EXPECT_THAT(taken, ElementsAre(14, 14, 14, 14)) << jobs;  // the step to 15 is told that it is the last
+    EXPECT_THAT(counts, ElementsAre(true, true, false, false)) << jobs;
+    EXPECT_TRUE(session.interrupted());
+    EXPECT_TRUE(session.account().cut_by_work);
+  }
+}
+
+TEST(Session, StopsAllPiecesAtOnce) {
+  for (const int jobs : {1, 3}) {
+    std::atomic<int> asked = 0;
+    SessionOptions options;
+    options.jobs = jobs;
+    options.cancelled = [&] { return ++asked > 100; };
+    Session session(options);
+    session.enter(Phase::kFinding);
+    session.do_all(4, [&](std::size_t, Session& own) {
+      while (!own.interrupted(1e-3)) continue;
+      EXPECT_TRUE(own.stopped());
+    });
+    EXPECT_TRUE(session.stopped());
+    EXPECT_FALSE(session.deadline_passed());
+    EXPECT_EQ(asked, 101);  // nobody asks again
+  }
+}
+
+// ---- plans ----
+
+bool same_bits(const Trajectory& a, const Trajectory& b) {
+  return a.samples.size() == b.samples.size() &&
+         std::memcmp(a.samples.data(), b.samples.data(), a.samples.size() * sizeof(Sample)) == 0;
+}
+
+TEST(Jobs, DoNotChangeThePlan) {
+  const Problem problem = request(kMove + "duration: 0.8\nobjective: {effort: 1}\n");
+  PlanOptions options;
+  options.starts = 5;  // the first alone, then a wave of four
+  const Plan alone = plan(problem, options);
+  ASSERT_EQ(alone.status, PlanStatus::kCertified) << alone.reason;
+  for (const int jobs : {2, 4}) {
+    options.jobs = jobs;
+    const Plan beside = plan(problem, options);
+    ASSERT_TRUE(beside.trajectory);
+    EXPECT_TRUE(same_bits(*alone.trajectory, *beside.trajectory)) << jobs;
+    EXPECT_EQ(alone.iterations, beside.iterations);
+    EXPECT_EQ(alone.minima, beside.minima);
+    ASSERT_EQ(alone.stages.size(), beside.stages.size());
+    for (std::size_t i = 0; i < alone.stages.size(); ++i) EXPECT_EQ(alone.stages[i].name, beside.stages[i].name);
+  }
+}
+
+TEST(Thoroughness, IsANumberOfStarts) {
+  const auto starts = [](const std::string& more) { return starts_to_try(request(kMove + more), 0); };
+  const int usual = starts("objective: {effort: 1}\nduration: 1\n");
+  EXPECT_GT(usual, 1);
+  EXPECT_EQ(starts("objective: {effort: 1}\nduration: 1\nsearch: default\n"), usual);
+  EXPECT_EQ(starts("objective: {effort: 1}\nduration: 1\nsearch: quick\n"), 1);
+  EXPECT_EQ(starts("objective: {effort: 1}\nduration: 1\nsearch: thorough\n"), 4 * usual);
+  EXPECT_EQ(starts("search: quick\n"), 1);
+  EXPECT_EQ(starts_to_try(request(kMove + "search: quick\n"), 7), 7);  // --starts says more
+}
+
+// ---- springs that have time to swing ----
+
+TEST(Calm, IsForObjectivesThatLeaveTorquesFreeAndHaveTime) {
+  const auto is_calmed = [](const std::string& more) { return calmed(request(kMove + more)) != nullptr; };
+  EXPECT_TRUE(is_calmed("duration: 5\nobjective: {energy: 1}\n"));
+  EXPECT_TRUE(is_calmed("duration: 5\nobjective: {peak_torque: 1}\n"));
+  EXPECT_FALSE(is_calmed("duration: 0.8\nobjective: {energy: 1}\n"));
+  EXPECT_FALSE(is_calmed("duration: 5\nobjective: {effort: 1}\n"));
+  EXPECT_FALSE(is_calmed("duration: 5\nobjective: {energy: 1, link_acceleration: 0.1}\n"));
+  EXPECT_FALSE(is_calmed("objective: fastest\n"));
+}
+
+TEST(Start, ThatRunsOutOfIterationsSaysSo) {
+  const Problem problem = request(kMove);
+  Session session{SessionOptions{}};
+  session.enter(Phase::kFinding);
+  Findings found(problem);
+  const Start start{found.alternatives.front(), first_guesses(problem).front(), "start"};
+  found.patience = 3;  // of 60 or more that it takes
+  EXPECT_TRUE(try_starts({start}, found, session).front().out_of_patience);
+  found.patience = 400;
+  const TriedStart tried = try_starts({start}, found, session).front();
+  EXPECT_TRUE(tried.led_somewhere);
+  EXPECT_FALSE(tried.out_of_patience);
+}
+
+// The weight that was added is no part of what was asked for: without it there is less energy.
+TEST(Calm, IsTakenBack) {
+  const Problem problem = request(kMove + "duration: 2\nobjective: {energy: 1}\n");
+  Session session{SessionOptions{}};
+  session.enter(Phase::kFinding);
+  Findings found(problem);
+  const auto calm = calmed(*found.alternatives.front());
+  ASSERT_TRUE(calm);
+  try_starts({{calm, first_guesses(problem).front(), "start"}}, found, session);
+  ASSERT_TRUE(found.certified());
+  const double before = found.best->objective;
+  take_calm_back(found, session);
+  EXPECT_TRUE(found.certified());
+  EXPECT_LT(found.best->objective, before);
+  EXPECT_LT(found.best->problem->weights.link_acceleration, calm->weights.link_acceleration);
+}
+
+}  // namespace
+}  // namespace fjr

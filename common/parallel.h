@@ -7,8 +7,8 @@
 namespace fjr {
 
 // Calls task(i) for every i below `count`, in no particular order, at most `threads` of them at once; with one thread
-// on the caller's own. Returns the CPU time that other threads took [s]. When all have ended, throws what the first of
-// them by its index has thrown.
+// on the caller's own. Returns the CPU time that other threads took [s]. Throws what the first of them by its index
+// has thrown: on other threads when all have ended, on the caller's own at once.
 double for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& task);
 
 // Does the same in a way of its own, which whoever calls something that has independent pieces of work chooses for it.

@@ -1,16 +1,22 @@
-// Objectives that leave the springs free to swing and the motors to tremble, where there is time to: a small weight on
-// the acceleration of the links makes them converge, and is taken back from what they came to.
+// Where there is time to spare, objectives that are not curved in the torques leave the springs free to swing and the
+// motors to tremble, more finely than any mesh or rows could hold. Small weights of other terms still them; what a plan
+// is judged by is the objective that was asked for.
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "planner/search/findings.h"
 #include "planner/search/session.h"
 
 namespace fjr {
 
-// The problem with such a weight; null where it has one, or needs none: because its objective is curved in the torques,
-// is time or a reward, or because there is no time to swing.
+// A fastest motion of many seconds, all of which a speed limit keeps: with such weights, in the order in which they are
+// tried until one is certified.
+std::vector<std::shared_ptr<const Problem>> calmed_hurry(const Problem& problem);
+
+// The problem of another objective with a weight on the acceleration of the links; null where it has one, or needs
+// none: because its objective is curved in the torques, is time or a reward, or because there is no time to swing.
 std::shared_ptr<const Problem> calmed(const Problem& problem);
 
 // Where the best motion was found with that weight: solves again with less and less of it, as long as certified and

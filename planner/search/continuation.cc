@@ -30,15 +30,15 @@ const std::vector<Smoothing>& homotopy_steps(const Problem& problem) {
   return sees_friction(problem.weights) ? fine : coarse;
 }
 
-constexpr double kExcessWorthSplitting =
-    0.02;                                // fraction of a limit beyond which a margin would cost more than intervals
+// Fraction of a limit beyond which a margin would cost more than intervals.
+constexpr double kExcessWorthSplitting = 0.02;
 constexpr double kCostTolerance = 3e-5;  // fraction of the objective by which an interval may misjudge it
 constexpr double kStepTolerance = 1e-5;  // [rad] of the meshes on the way
 // A warm start is as close to its bounds as the solution before it was: a larger barrier has to push it off first, a
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
 // in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
-constexpr int kStepIterations = 80;    // of steps between steps that converge at all, nine of ten take less than 60
+constexpr int kStepIterations = 80;    // of homotopy steps that converge at all, nine of ten take less than 60
 constexpr int kRestIterations = 50;    // with rests scaled, 45
 constexpr double kRestWidth = 0.003;   // [rad/s] up to which they are: in wider laws a motor that moves seems to rest
 constexpr int kMovingIterations = 60;  // nine of ten take less than 45
@@ -49,7 +49,7 @@ constexpr double kWorthMore = 0.005;   // fraction of the objective that tells a
 // seven motions: what is further behind than that will not catch up.
 constexpr double kPromisingWidth = 0.01, kToldWidth = 0.003;
 constexpr double kPromisingGain = 0.05, kToldGain = 0.02;
-constexpr int kHalvings = 2;           // of a step between steps that did not converge
+constexpr int kHalvings = 2;           // of a homotopy step that did not converge
 constexpr double kSharpWidth = 1e-4;   // [rad/s] as good as the exact law, where a step is halved
 constexpr double kSameMinimum = 2e-5;  // relative difference of objectives on one mesh below which minima are one
 constexpr int kTighteningRounds = 8;

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "planner/search/calm.h"
+
 namespace fjr {
 namespace {
 
@@ -34,21 +36,9 @@ bool far_too_long(const Continuation& c, const Problem& asked) {
   return only_time(asked.weights) && duration > kLongMotion && duration > kFar * asked.duration.max;
 }
 
-// Where a speed limit is all that keeps a long motion, springs may swing along it, and a motor that has time to spare
-// may tremble, at no cost in time, and more finely than any mesh or rows of many seconds could hold. Small weights of
-// other terms still them; what the plan is judged by is the objective that was asked for.
-struct Calming {
-  double link_acceleration;  // [s^4/rad^2] stills the springs; a motion of 30 s takes 0.2 % longer for it
-  double link_jerk;          // [s^6/rad^2] stills the motors too; ten times as much left more error in one of 75 s
-};
-// The second where the first is not certified: with it a motion of 30 s near the upright was less exact.
-constexpr Calming kCalming[] = {{0.01, 0}, {0.01, 1e-6}};
-
-Continuation calmed(const Continuation& c, const Calming& calming, int patience, Session& session) {
-  Problem problem = *c.problem();
-  problem.weights.link_acceleration = calming.link_acceleration;
-  problem.weights.link_jerk = calming.link_jerk;
-  Continuation calmer(std::make_shared<const Problem>(std::move(problem)), session, c.label() + ", calm");
+// The motion, solved again with a calmer objective; itself where that leads nowhere.
+Continuation calmer(const Continuation& c, const std::shared_ptr<const Problem>& calm, int patience, Session& session) {
+  Continuation calmer(calm, session, c.label() + ", calm");
   calmer.start = c.start;
   const Collocated& hasty = c.solution();
   const Guess guess = guess_from(hasty.motion, hasty.durations, c.duration());
@@ -82,8 +72,8 @@ std::vector<Refined> refine(const Continuation& coarse, double to_beat, int pati
   if (!only_time(coarse.problem()->weights) || coarse.duration() < kLongMotion) {
     attempt(coarse);
   } else {
-    for (const Calming& calming : kCalming) {
-      if (session.interrupted() || attempt(calmed(coarse, calming, patience, session))) break;
+    for (const auto& calm : calmed_hurry(*coarse.problem())) {
+      if (session.interrupted() || attempt(calmer(coarse, calm, patience, session))) break;
     }
   }
   return attempts;

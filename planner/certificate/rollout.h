@@ -67,7 +67,7 @@ inline constexpr double kLongestStep = 1e-3;  // [s]
 // One integrator, restarted as often as wanted. Not copyable, not movable: ARKODE keeps pointers into it.
 class Rollout {
  public:
-  // Crossings of the finite ones of `limits` are recorded as events, and so are reversals of the motors.
+  // Crossings of the finite ones of `limits` are recorded as events and, if there are any, reversals of the motors.
   Rollout(const Parameters& robot, const Limits& limits, const Accuracy& accuracy);
   ~Rollout();
   Rollout(const Rollout&) = delete;

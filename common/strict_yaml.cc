@@ -13,6 +13,8 @@
 #include <sstream>
 #include <system_error>
 
+#include "common/spelling.h"
+
 namespace fjr {
 namespace {
 
@@ -194,20 +196,26 @@ YamlNode YamlNode::parse(const std::string& text, const std::string& source) {
   return YamlNode(std::move(document), root, "");
 }
 
-YamlNode YamlNode::load(const std::filesystem::path& file) {
+// One byte more than allowed is read, so that a file that grows meanwhile is noticed too.
+std::string read_document(std::istream& in, const std::string& source) {
+  std::string text(kMaxYamlBytes + 1, '\0');
+  in.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (in.bad()) throw InputError(source, "", "cannot be read");
+  text.resize(static_cast<std::size_t>(in.gcount()));
+  return text;
+}
+
+std::string read_document(const std::filesystem::path& file) {
   const std::string source = file.string();
   std::error_code error;
   if (!std::filesystem::exists(file, error)) throw InputError(source, "", "no such file");
   if (!std::filesystem::is_regular_file(file, error)) throw InputError(source, "", "not a file");
   std::ifstream in(file, std::ios::binary);
   if (!in) throw InputError(source, "", "cannot be opened");
-  // One byte more than allowed is read, so that a file that grows meanwhile is noticed too.
-  std::string text(kMaxYamlBytes + 1, '\0');
-  in.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (in.bad()) throw InputError(source, "", "cannot be read");
-  text.resize(static_cast<std::size_t>(in.gcount()));
-  return parse(text, source);
+  return read_document(in, source);
 }
+
+YamlNode YamlNode::load(const std::filesystem::path& file) { return parse(read_document(file), file.string()); }
 
 YamlNode::YamlNode(std::shared_ptr<const Document> document, const Tree* tree, std::string field)
     : document_(std::move(document)), tree_(tree), field_(std::move(field)) {}
@@ -238,9 +246,18 @@ void YamlNode::allow_keys(const std::vector<std::string_view>& allowed) const {
   if (!is_map()) fail(fmt::format("must be a map with the keys {}, not {}", fmt::join(allowed, ", "), kind()));
   for (const std::string& key : tree_->keys) {
     if (std::find(allowed.begin(), allowed.end(), key) == allowed.end()) {
-      fail(fmt::format("unknown key {}; allowed: {}", shown(key), fmt::join(allowed, ", ")));
+      fail(fmt::format("unknown key {}; allowed: {}{}", shown(key), fmt::join(allowed, ", "),
+                       did_you_mean(key, allowed)));
     }
   }
+}
+
+std::size_t YamlNode::one_of(const std::vector<std::string_view>& words) const {
+  const auto found = std::find(words.begin(), words.end(), text());
+  if (found == words.end()) {
+    fail(fmt::format("{} is not one of {}{}", shown(text()), fmt::join(words, ", "), did_you_mean(text(), words)));
+  }
+  return static_cast<std::size_t>(found - words.begin());
 }
 
 const std::vector<std::string>& YamlNode::keys() const {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
+#include <iosfwd>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,6 +25,11 @@ std::string shown(std::string_view text);
 
 // `text` as a quoted scalar that reads back as the same.
 std::string quoted_flow(std::string_view text);
+
+// The text of a document, or its beginning where it is longer than kMaxYamlBytes, which parse() refuses. Throws
+// InputError where it cannot be read.
+std::string read_document(const std::filesystem::path& file);
+std::string read_document(std::istream& in, const std::string& source);
 
 // One value of a document together with where it stands, so that whatever is wrong with it can be said precisely.
 // All reading functions throw InputError with source, path of the field ("goal.q[1]") and problem. Refused while
@@ -53,11 +59,12 @@ class YamlNode {
 
   std::vector<YamlNode> items() const;  // of a list
 
-  double number(std::string_view unit) const;               // finite
-  std::uint64_t whole_number() const;                       // 0, 1, 2, ...
-  std::array<double, 2> pair(std::string_view unit) const;  // a list of two finite numbers
-  const std::string& text() const;                          // not empty
-  bool truth() const;                                       // true or false
+  double number(std::string_view unit) const;                            // finite
+  std::uint64_t whole_number() const;                                    // 0, 1, 2, ...
+  std::array<double, 2> pair(std::string_view unit) const;               // a list of two finite numbers
+  const std::string& text() const;                                       // not empty
+  std::size_t one_of(const std::vector<std::string_view>& words) const;  // the index of the word that it says
+  bool truth() const;                                                    // true or false
 
   std::string flow() const;  // as one line of YAML that reads back as the same: "{q: [0.3, 0.2]}"
 

@@ -184,13 +184,10 @@ void move_inertias(const YamlNode& root, Parameters& p) {
   const std::vector<YamlNode> points = about->items();
   if (points.size() != kJoints) about->fail("must be two points, [joint 1, joint 2]");
   for (std::size_t j = 0; j < kJoints; ++j) {
-    const std::string point = points[j].text();
-    if (point != "joint" && point != "center_of_mass") {
-      points[j].fail(fmt::format("{} must be joint or center_of_mass", shown(point)));
-    }
+    const bool about_com = points[j].one_of({"joint", "center_of_mass"}) == 1;
     const double r = p.link.com_fraction[j] * p.link.length[j], moved = p.link.mass[j] * r * r;
-    if (j == 0 && point == "center_of_mass") p.link.inertia[0] += moved;
-    if (j == 1 && point == "joint") {
+    if (j == 0 && about_com) p.link.inertia[0] += moved;
+    if (j == 1 && !about_com) {
       if (!(p.link.inertia[1] > moved)) {
         entry.at("value").fail_at(1, fmt::format("{} kg m^2 about the joint must be > {:.6g} kg m^2, which {} kg with "
                                                  "the centre of mass {:.6g} m from the joint have at least",

@@ -54,14 +54,9 @@ void read_tolerances(const YamlNode& node, Tolerances& to) {
 }
 
 EncoderFault fault_from(const YamlNode& node) {
-  constexpr std::array<std::string_view, 4> kNames{"q1", "q2", "theta1", "theta2"};
   node.allow_keys({"encoder", "above"});
   EncoderFault fault;
-  const YamlNode encoder = node.at("encoder");
-  std::size_t i = 0;
-  while (i < kNames.size() && encoder.text() != kNames[i]) ++i;
-  if (i == kNames.size()) encoder.fail(shown(encoder.text()) + " is none of q1, q2, theta1, theta2");
-  fault.encoder = static_cast<EncoderFault::Encoder>(i);
+  fault.encoder = static_cast<EncoderFault::Encoder>(node.at("encoder").one_of({"q1", "q2", "theta1", "theta2"}));
   read_number(node, "above", "rad/s", 100, fault.above);
   return fault;
 }

@@ -46,6 +46,7 @@ struct BatchArguments {
   std::string out, shard;
   std::size_t jobs = std::max(1U, std::thread::hardware_concurrency());
   bool json = false;
+  Talk talk = Talk::kUsual;
   PlanSettings settings;
 };
 
@@ -98,7 +99,7 @@ std::vector<std::size_t> sort_out(Batch& batch) {
   std::vector<std::size_t> open;
   std::vector<std::string> complaints;
   {
-    ProgressLine line("looking for what is finished");
+    ProgressLine line("looking for what is finished", batch.options.talk);
     for (std::size_t i = 0; i < batch.items.size(); ++i) {
       line.show(static_cast<double>(i) / static_cast<double>(batch.items.size()));
       const BatchItem& item = batch.items[i];
@@ -165,17 +166,13 @@ void reap(Batch& batch, std::vector<Running>& running, bool interrupted) {
   });
 }
 
-std::string in_words(double seconds) {
-  if (seconds < 90) return fmt::format("{:.0f} s", seconds);
-  return seconds < 90 * 60 ? fmt::format("{:.0f} min", seconds / 60) : fmt::format("{:.1f} h", seconds / 3600);
-}
-
 // The time that is left is estimated from the mean of the finished requests; those under way count as half finished.
 std::string progress(std::size_t done, std::size_t all, std::size_t running, Clock::time_point began) {
   const double elapsed = std::chrono::duration<double>(Clock::now() - began).count();
   const double behind = static_cast<double>(done) + static_cast<double>(running) / 2;
   std::string text = fmt::format("{} of {} planned, {} under way", done, all, running);
-  if (done > 0) text += fmt::format(", about {} left", in_words(elapsed * (static_cast<double>(all) / behind - 1)));
+  if (done > 0)
+    text += fmt::format(", about {} left", time_in_words(elapsed * (static_cast<double>(all) / behind - 1)));
   return text;
 }
 
@@ -187,7 +184,7 @@ void plan_all(Batch& batch, const std::vector<std::size_t>& open) {
   sigaddset(&child_ended, SIGCHLD);
   ::signal(SIGCHLD, SIG_DFL);
   ::pthread_sigmask(SIG_BLOCK, &child_ended, nullptr);
-  ProgressLine line("batch");
+  ProgressLine line("batch", batch.options.talk);
   const Clock::time_point began = Clock::now();
   std::vector<Running> running;
   auto next = open.begin();
@@ -314,6 +311,7 @@ void add_batch(CLI::App& app, int& exit_code) {
       ->type_name("I/N");
   command->add_flag("--json", options->json, "Only JSON on stdout: the summary");
   add_options(*command, options->settings);
+  add_talk(*command, options->talk);
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

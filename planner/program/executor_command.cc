@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/degrees.h"
 #include "common/input_error.h"
 #include "planner/executor/executor.h"
 #include "planner/executor/virtual_arm.h"
@@ -47,7 +48,8 @@ void check_start(const ExecutorConfig& config, const Parameters& robot) {
     const double limit = robot.limits.link_position[j];
     if (std::abs(config.start[j]) <= limit) continue;
     throw InputError("executor", fmt::format("start.q[{}]", j),
-                     fmt::format("{} rad is outside [-{}, {}]", config.start[j], limit, limit));
+                     fmt::format("{} rad is outside [-{}, {}]{}", config.start[j], limit, limit,
+                                 degrees_suspected(config.start[j], -limit, limit)));
   }
 }
 

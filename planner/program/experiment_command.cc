@@ -17,6 +17,7 @@
 #include "model/rig/rig_file.h"
 #include "planner/program/commands.h"
 #include "planner/program/interrupt.h"
+#include "planner/program/misspelt.h"
 #include "planner/program/progress_line.h"
 
 namespace fjr {
@@ -102,7 +103,7 @@ void add_experiment(CLI::App& app, int& exit_code) {
   names.emplace_back("all");
   command->add_option("name", options->name, "Which: stiffness, gravity, ..., or all for both joints")
       ->required()
-      ->check(CLI::IsMember(names));
+      ->check(one_of(names));
   command->add_option("--joint", options->joint, "Joint")->check(CLI::Range(1, 2));
   command->add_option("--out", options->out, "The log; of all experiments the folder of <experiment>_<joint>.csv")
       ->required()

@@ -19,6 +19,7 @@
 #include "model/identify/robot_file.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
+#include "planner/program/misspelt.h"
 #include "planner/results/plan_json.h"
 
 namespace fjr {
@@ -204,7 +205,7 @@ void add_identify(CLI::App& app, int& exit_code) {
   names.emplace_back("all");
   command->add_option("name", options->name, "Procedure: stiffness, gravity, ..., or all over a folder of logs")
       ->required()
-      ->check(CLI::IsMember(names));
+      ->check(one_of(names));
   command->add_option("logs", options->logs, "Logs, or the folder of <experiment>_<joint>.csv")
       ->required()
       ->type_name("LOG.csv...|DIR");

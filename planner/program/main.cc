@@ -6,9 +6,11 @@
 #include <exception>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "common/input_error.h"
 #include "planner/program/commands.h"
+#include "planner/program/misspelt.h"
 
 namespace {
 
@@ -35,7 +37,8 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {  // --help and --version arrive here too, with code 0
     if (error.get_exit_code() == 0) return app.exit(error);
-    throw fjr::InputError("command line", "", std::string(error.what()) + " (see --help)");
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    throw fjr::InputError("command line", "", error.what() + fjr::suggestion(app, words) + " (see --help)");
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw std::runtime_error("cannot write to stdout");
   return exit_code;

@@ -18,15 +18,18 @@
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "common/strict_yaml.h"
 #include "planner/plan.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/plan_settings.h"
 #include "planner/program/progress_line.h"
+#include "planner/program/request_file.h"
 #include "planner/program/result_files.h"
 #include "planner/program/summary.h"
 #include "planner/request/request.h"
+#include "planner/results/explain_request.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/result_folder.h"
 #include "planner/results/solution_file.h"
@@ -39,15 +42,19 @@ namespace fs = std::filesystem;
 struct PlanArguments {
   std::vector<std::string> requests;
   std::string out;
+  std::string robot;  // for requests that name none; empty: the shipped one
   bool json = false;
+  bool explain_only = false;
+  Talk talk = Talk::kUsual;
   std::string warm;  // folder of an earlier plan
   PlanSettings settings;
   pid_t parent = 0;  // fjr batch; 0: none
 };
 
 struct PlanJob {
-  fs::path request;
-  fs::path folder;  // of its results
+  std::string named;  // on the command line
+  fs::path request;   // for messages
+  fs::path folder;    // of its results
   std::optional<Problem> problem;
   std::optional<InputError> refusal;  // where there is no problem
   std::shared_ptr<const Collocated> warm;
@@ -65,7 +72,12 @@ std::vector<PlanJob> jobs_of(const PlanArguments& options) {
   std::vector<PlanJob> jobs;
   std::set<std::string> names;
   for (const std::string& request : options.requests) {
-    PlanJob job{.request = request, .folder = options.out, .problem = {}, .refusal = {}, .warm = {}};
+    PlanJob job{.named = request,
+                .request = source_of(request),
+                .folder = options.out,
+                .problem = {},
+                .refusal = {},
+                .warm = {}};
     const std::string name = job.name();
     if (name.empty() || name == "." || name == "..") throw InputError("'" + request + "'", "", "is not a request file");
     if (!names.insert(name).second) {
@@ -77,9 +89,36 @@ std::vector<PlanJob> jobs_of(const PlanArguments& options) {
   return jobs;
 }
 
+// A request as it was read, before what it says becomes numbers.
+struct NamedRequest {
+  YamlNode document;
+  Request request;
+  fs::path folder;
+};
+
+NamedRequest read_named(const std::string& named) {
+  const RequestFile file = read_request_file(named);
+  YamlNode document = YamlNode::parse(file.text, file.source);
+  Request request = read_request(document);
+  return {std::move(document), std::move(request), file.folder};
+}
+
+struct ResolvedRequest {
+  Problem problem;
+  fs::path robot;
+};
+
+ResolvedRequest resolve_named(const NamedRequest& named, const std::string& robot) {
+  if (named.request.robot && !robot.empty()) {
+    throw InputError(named.request.source, "robot", "is named already; --robot is for requests that name none");
+  }
+  const fs::path file = robot_file_of(named.request, named.folder, robot);
+  return {resolve(named.request, load_parameters(file)), file};
+}
+
 void load(PlanJob& job, const PlanArguments& options) {
   try {
-    Problem problem = load_request(job.request);
+    Problem problem = resolve_named(read_named(job.named), options.robot).problem;
     if (!options.warm.empty()) {
       const FolderLock lock(options.warm);
       job.warm = std::make_shared<const Collocated>(
@@ -125,7 +164,7 @@ PlanOutcome refuse_unread(const PlanJob& job) {
 }
 
 Plan solve(const PlanJob& job, const PlanArguments& options) {
-  ProgressLine line(job.name());
+  ProgressLine line(job.name(), options.talk);
   PlanOptions plan_options = options.settings.plan;
   plan_options.on_progress = [&line](const Progress& progress) { line.show(progress); };
   plan_options.cancelled = interrupted;
@@ -188,7 +227,23 @@ bool orphaned(pid_t parent) {
   return ::getppid() != parent;
 }
 
+// What is refused is told as it would be before planning.
+int explain(const PlanArguments& options) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const std::string& named : options.requests) {
+    const NamedRequest request = read_named(named);
+    const ResolvedRequest resolved = resolve_named(request, options.robot);
+    const auto keys = understood(request.document, resolved.problem, resolved.robot.string());
+    if (!options.json) fmt::print("{}", explanation_of_request(resolved.problem.name, keys));
+    all.push_back(explanation_json(resolved.problem.name, keys));
+  }
+  if (options.json) fmt::print("{}", json_text(all.size() == 1 ? all.front() : all));
+  return 0;
+}
+
 int run(const PlanArguments& options) {
+  if (options.explain_only) return explain(options);
+  if (options.out.empty()) throw InputError("command line", "", "--out is required (see --help)");
   if (orphaned(options.parent)) return exit_code(PlanStatus::kCancelled);
   catch_interrupts();
   std::vector<PlanJob> jobs = jobs_of(options);
@@ -221,10 +276,15 @@ int run(const PlanArguments& options) {
 void add_plan(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<PlanArguments>();
   CLI::App* command = app.add_subcommand("plan", "Plan requests and write certified trajectories");
-  command->add_option("requests", options->requests, "Request files")->required()->type_name("REQUEST.yaml");
-  command->add_option("--out", options->out, "Folder of the results; of several requests each gets a folder in it")
+  command->add_option("requests", options->requests, "Request files, or - for standard input")
       ->required()
+      ->type_name("REQUEST.yaml|-");
+  command->add_option("--out", options->out, "Folder of the results; of several requests each gets a folder in it")
       ->type_name("DIR");
+  command->add_flag("--explain-request", options->explain_only,
+                    "Plan nothing, write nothing: say what is asked for, with every default that applies");
+  command->add_option("--robot", options->robot, "robot.yaml for requests that name none; default: the shipped one")
+      ->type_name("ROBOT.yaml");
   command->add_flag("--json", options->json, "Only JSON on stdout: plan.json, an array of them for several requests");
   command
       ->add_option(
@@ -239,6 +299,7 @@ void add_plan(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   add_options(*command, options->settings);
+  add_talk(*command, options->talk);
   command->add_option("--parent", options->parent, "Process without which there is nothing to plan for")->group("");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

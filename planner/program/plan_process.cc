@@ -57,7 +57,7 @@ PlanProcess::PlanProcess(std::vector<std::string> arguments)
     : answer_(checked(::memfd_create("fjr plan, stdout", MFD_CLOEXEC), "memfd_create")),
       complaints_(checked(::memfd_create("fjr plan, stderr", MFD_CLOEXEC), "memfd_create")) {
   const Descriptor nothing = checked(::open("/dev/null", O_RDWR | O_CLOEXEC), "/dev/null");
-  const std::vector<std::string> head = {"plan", "--json", "--parent", std::to_string(::getpid())};
+  const std::vector<std::string> head = {"plan", "--json", "--quiet", "--parent", std::to_string(::getpid())};
   arguments.insert(arguments.begin(), head.begin(), head.end());
   pid_ = spawn_self(std::move(arguments), nothing.number(), answer_.number(), complaints_.number());
 }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "planner/nlp/linear_solver.h"
+#include "planner/program/misspelt.h"
 
 namespace fjr {
 
@@ -15,7 +16,7 @@ void add_options(CLI::App& command, PlanSettings& settings) {
           "--linear-solver", settings.plan.linear_solver,
           "Solver of the linear systems; ma27 to ma97 are taken from an HSL library, libhsl.so or the file that "
           "the environment variable FJR_HSL names")
-      ->check(CLI::IsMember(linear_solvers()))
+      ->check(one_of(linear_solvers()))
       ->check(CLI::Validator([](const std::string& name) { return what_is_missing(name); }, ""))
       ->capture_default_str();
   command

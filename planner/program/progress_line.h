@@ -1,18 +1,47 @@
-// One line on the terminal that is rewritten while something takes its time.
+// What something that takes its time is doing, on stderr: on a terminal one line that is rewritten, elsewhere a line
+// every ten seconds.
 #pragma once
 
 #include <chrono>
+#include <cstdio>
+#include <functional>
 #include <string>
 
 #include "planner/plan.h"
 
+namespace CLI {
+class App;
+}
+
 namespace fjr {
 
-// Silent unless stderr is a terminal; wiped at the end.
+enum class Talk {
+  kNothing,  // -q
+  kUsual,
+  kMore,  // -v: a line of its own for whatever begins, too
+};
+
+// The options -q and -v.
+void add_talk(CLI::App& command, Talk& talk);
+
+// "85 s", "12 min", "3.4 h".
+std::string time_in_words(double seconds);
+
 class ProgressLine {
  public:
-  explicit ProgressLine(std::string name);
-  ~ProgressLine();
+  using Clock = std::chrono::steady_clock;
+
+  // Where lines go, and by which clock.
+  struct Output {
+    std::FILE* file;
+    bool terminal;
+    std::function<Clock::time_point()> now;
+
+    static Output on_stderr();
+  };
+
+  explicit ProgressLine(std::string name, Talk talk = Talk::kUsual, Output output = Output::on_stderr());
+  ~ProgressLine();  // wipes the line
   ProgressLine(const ProgressLine&) = delete;
   ProgressLine& operator=(const ProgressLine&) = delete;
 
@@ -21,12 +50,15 @@ class ProgressLine {
   void show(const std::string& what);
 
  private:
+  double elapsed() const;
   bool due();
+  void begin(const std::string& what);
   void print(std::string line) const;
 
-  std::string name_;
-  bool terminal_;
-  std::chrono::steady_clock::time_point next_{};
+  std::string name_, doing_;
+  Talk talk_;
+  Output output_;
+  Clock::time_point began_, next_;
 };
 
 }  // namespace fjr

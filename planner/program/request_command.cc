@@ -4,10 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <string>
 
 #include "common/atomic_file.h"
@@ -18,6 +16,7 @@
 #include "planner/program/interrupt.h"
 #include "planner/program/network_arguments.h"
 #include "planner/program/progress_line.h"
+#include "planner/program/request_file.h"
 #include "planner/program/result_files.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/result_folder.h"
@@ -35,17 +34,10 @@ struct RequestArguments {
   bool execute = false;
   double budget = 0;
   int priority = 0;
+  Talk talk = Talk::kUsual;
   NetworkArguments network;
   ClientOptions client;
 };
-
-std::string text_of(const fs::path& file) {
-  (void)YamlNode::load(file);  // refuses what is not a document, or far too large
-  std::ifstream in(file, std::ios::binary);
-  std::ostringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
 
 // The service plans for one robot; a request that names another must not be planned for it silently.
 std::string hash_of_named_robot(const Order& order, const fs::path& folder) {
@@ -79,12 +71,13 @@ Order load_earlier(const RequestArguments& options) {
 Order load_order(const RequestArguments& options) {
   std::error_code error;
   if (fs::is_directory(options.request, error)) return load_earlier(options);
-  const fs::path file = options.request;
+  const RequestFile file = read_request_file(options.request);
+  (void)YamlNode::parse(file.text, file.source);  // refuses what is not a document, or far too large
   Order order = order_of(options);
-  order.name = file.filename().string();
+  order.name = fs::path(file.source).filename().string();
   order.action = options.execute ? Action::kPlanAndExecute : Action::kPlan;
-  order.document = text_of(file);
-  order.robot_hash = hash_of_named_robot(order, file.parent_path());
+  order.document = file.text;
+  order.robot_hash = hash_of_named_robot(order, file.folder);
   return order;
 }
 
@@ -133,7 +126,7 @@ std::string store(const RequestArguments& options, const Order& order, const Rep
 }
 
 std::string summary(const RequestArguments& options, const Reply& reply, double elapsed) {
-  std::string text = fmt::format("{}: {}\n", fs::path(options.request).stem().string(), name(status_of(reply)));
+  std::string text = fmt::format("{}: {}\n", source_of(options.request).stem().string(), name(status_of(reply)));
   if (!reply.rows.empty()) {
     text += fmt::format("  duration    {:.6g} s, {} rows\n", reply.rows.back().time, reply.rows.size());
   }
@@ -168,7 +161,7 @@ std::string summary(const ExecutionResult& r) {
 }
 
 Answer ask(const RequestArguments& options, const Order& order) {
-  ProgressLine line(fs::path(order.name).stem().string());
+  ProgressLine line(fs::path(order.name).stem().string(), options.talk);
   ClientOptions client = options.client;
   options.network.apply_to(client.network);
   client.on_progress = [&line](const ProgressReport& report) { line.show(report.progress); };
@@ -208,10 +201,11 @@ void add_request(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("request", "Have a request planned by the service and store the results");
   command
       ->add_option("request", options->request,
-                   "Request file; with --execute also the folder of an earlier request, whose trajectory is then "
+                   "Request file, or - for standard input; with --execute also the folder of an earlier request, whose "
+                   "trajectory is then "
                    "executed as it was planned")
       ->required()
-      ->type_name("REQUEST.yaml|DIR");
+      ->type_name("REQUEST.yaml|-|DIR");
   command->add_option("--out", options->out, "Folder of the results")->type_name("DIR");
   command->add_flag("--execute", options->execute, "Have it executed, and wait for the result");
   command->add_flag("--json", options->json, "Only JSON on stdout: plan.json");
@@ -221,6 +215,7 @@ void add_request(CLI::App& app, int& exit_code) {
   command->add_option("--priority", options->priority, "Larger goes first")->type_name("N");
   command->add_option("--robot-id", options->robot_id, "Which arm; needed only where several are served")
       ->type_name("NAME");
+  add_talk(*command, options->talk);
   add_network_options(*command, options->network);
   command->add_option("--find", options->client.find, "How long to look for a service, in seconds")
       ->check(CLI::PositiveNumber)

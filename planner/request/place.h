@@ -8,6 +8,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/degrees.h"
 #include "common/input_error.h"
 #include "planner/request/request.h"
 
@@ -31,5 +32,11 @@ struct Place {
   }
   [[noreturn]] void fail(const std::string& problem) const { throw InputError(request.source, field, problem); }
 };
+
+// An angle of a link that is refused may have been meant in degrees.
+inline void check_angle(const Place& place, double angle, double lower, double upper) {
+  if (angle >= lower && angle <= upper) return;
+  place.fail(fmt::format("{} rad is outside [{}, {}]{}", angle, lower, upper, degrees_suspected(angle, lower, upper)));
+}
 
 }  // namespace fjr

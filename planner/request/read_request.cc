@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "common/spelling.h"
 #include "planner/request/request.h"
 #include "planner/request/words.h"
 
@@ -33,15 +34,9 @@ void read(const YamlNode& node, const char*, bool& value) {
 
 template <Worded Choice>
 void read(const YamlNode& node, const char*, Choice& value) {
-  std::string words;
-  for (const auto& [word, choice] : kWords<Choice>) {
-    if (node.says(word)) {
-      value = choice;
-      return;
-    }
-    fmt::format_to(std::back_inserter(words), "{}{}", words.empty() ? "" : ", ", word);
-  }
-  node.fail(fmt::format("{} is not one of {}", shown(node.text()), words));
+  std::vector<std::string_view> words;
+  for (const auto& [word, choice] : kWords<Choice>) words.push_back(word);
+  value = kWords<Choice>[node.one_of(words)].second;
 }
 
 void read(const YamlNode& node, const char* unit, AnglesOrFree& angles) {
@@ -84,12 +79,15 @@ void read(const YamlNode& node, const char*, Limits& limits) {
 
 void read(const YamlNode& node, const char* unit, RequestedObjective& objective) {
   if (node.is_scalar()) {
+    std::vector<std::string_view> words;
     for (const auto& [word, preset] : kWords<Preset>) {
+      words.push_back(word);
       if (node.says(word)) objective.preset = preset;
     }
     if (objective.preset) return;
     node.fail(shown(node.text()) +
-              " is not a preset (fastest, gentle, efficient); weights are given as {effort: 1, ...}");
+              " is not a preset (fastest, gentle, efficient); weights are given as {effort: 1, ...}" +
+              did_you_mean(node.text(), words));
   }
   if (!node.is_map()) node.fail("must be a preset (fastest, gentle, efficient) or weights {effort: 1, ...}");
   std::vector<std::string_view> names;

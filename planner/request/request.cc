@@ -10,16 +10,20 @@ namespace {
 namespace fs = std::filesystem;
 
 Parameters robot_of(const Request& request, const fs::path& folder, const fs::path& default_robot) {
-  if (!request.robot) return load_parameters(default_robot.empty() ? default_robot_file() : default_robot);
+  return load_parameters(robot_file_of(request, folder, default_robot));
+}
+
+}  // namespace
+
+fs::path robot_file_of(const Request& request, const fs::path& folder, const fs::path& default_robot) {
+  if (!request.robot) return default_robot.empty() ? default_robot_file() : default_robot;
   const fs::path file = folder / *request.robot;  // an absolute path stays as it is
   std::error_code error;
   if (!fs::is_regular_file(file, error)) {
     Place{request, "robot"}.fail(fmt::format("no such file: {}", shown(file.string())));
   }
-  return load_parameters(file);
+  return file;
 }
-
-}  // namespace
 
 Problem load_request(const fs::path& file, const fs::path& default_robot) {
   const Request request = read_request(YamlNode::load(file));

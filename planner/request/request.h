@@ -219,6 +219,13 @@ Problem load_request(const std::filesystem::path& file, const std::filesystem::p
 Problem parse_request(const std::string& yaml, const std::string& source, const std::filesystem::path& folder,
                       const std::filesystem::path& default_robot = {});
 
+// The file of the robot that a request is for, with folder and default_robot as above.
+std::filesystem::path robot_file_of(const Request& request, const std::filesystem::path& folder,
+                                    const std::filesystem::path& default_robot = {});
+
+// What counts where a request names no objective.
+Preset default_preset(const Duration& duration);
+
 // The same for a robot that is known already, from a request that names none.
 Problem parse_request(const std::string& yaml, const std::string& source, const Parameters& robot);
 Problem resolve_for(const Request& request, const Parameters& robot);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/input_error.h"
+#include "common/spelling.h"
 #include "model/flatness.h"
 #include "model/kinematics.h"
 #include "planner/collocation/scheme.h"
@@ -91,6 +92,12 @@ Duration resolve_duration(const Request& request) {
   return duration;
 }
 
+}  // namespace
+
+Preset default_preset(const Duration& duration) { return duration.fixed() ? Preset::kGentle : Preset::kFastest; }
+
+namespace {
+
 Weights weights_of(const Place& place, Preset preset, const Duration& duration) {
   const double time = duration.fixed() ? 0 : 1;
   switch (preset) {
@@ -121,10 +128,8 @@ Weights checked_weights(const Place& place, const Weights& weights) {
 }
 
 Weights resolve_weights(const Request& request, const Duration& duration) {
-  if (!request.objective) {
-    return duration.fixed() ? Weights{.effort = 0.01, .link_acceleration = 1e-3} : Weights{.time = 1};
-  }
   const Place place{request, "objective"};
+  if (!request.objective) return weights_of(place, default_preset(duration), duration);
   if (request.objective->preset) return weights_of(place, *request.objective->preset, duration);
   const Weights weights = checked_weights(place, request.objective->weights);
   if (!duration.fixed() && !(weights.time > 0)) {
@@ -155,17 +160,19 @@ double resolve_sample_period(const Request& request, const Duration& duration) {
 
 std::string resolve_method(const Request& request) {
   const std::string method = request.method.value_or(Problem{}.method);
-  std::vector<std::string> known;
-  for (const Scheme& scheme : all_schemes()) known.push_back(scheme.name);
+  const std::vector<Scheme> schemes = all_schemes();
+  std::vector<std::string_view> known;
+  for (const Scheme& scheme : schemes) known.emplace_back(scheme.name);
   if (std::find(known.begin(), known.end(), method) != known.end()) return method;
-  Place{request, "method"}.fail(fmt::format("{} is not one of {}", shown(method), fmt::join(known, ", ")));
+  Place{request, "method"}.fail(
+      fmt::format("{} is not one of {}{}", shown(method), fmt::join(known, ", "), did_you_mean(method, known)));
 }
 
 // ---- start, goal, via ----
 
 void check_angle(const Place& angles, std::size_t j, double angle, const Limits& limits) {
   const double limit = limits.link_position[j];
-  if (std::abs(angle) > limit) angles.at(j).fail(fmt::format("{} rad is outside [{}, {}]", angle, -limit, limit));
+  check_angle(angles.at(j), angle, -limit, limit);
 }
 
 Joints<double> checked_angles(const Place& state, const std::optional<Joints<double>>& q, const Limits& limits) {

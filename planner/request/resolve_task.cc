@@ -12,7 +12,7 @@
 namespace fjr {
 namespace {
 
-using task::check_between, task::distance, task::kShortest;
+using task::distance, task::kShortest;
 
 constexpr std::size_t kMostCorners = 32;  // as many as via points
 constexpr double kCornerFraction = 0.1;   // of the tolerance, in which a corner is passed
@@ -47,7 +47,7 @@ void check_count(const Request& request) {
 void add_corner(const Place& place, const Joints<double>& q, JointPath& path, Problem& problem) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double limit = problem.limits.link_position[j];
-    check_between(place.at(j), q[j], -limit, limit, "rad");
+    check_angle(place.at(j), q[j], -limit, limit);
   }
   if (distance(q, path.corners.back()) < kShortest) place.fail("is the same point as the one before it");
   path.corners.push_back(q);

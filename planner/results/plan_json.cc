@@ -233,7 +233,21 @@ Json task_json(const Task& task) {
   return json;
 }
 
-// The request as it was understood: everything resolved, null where the motion is free.
+Json robot_json(const Parameters& robot) {
+  Json json = Json::object();
+  visit_parameters(robot, [&](const char* section, const char* name, const char*, const Joints<double>& values) {
+    json[section][name] = numbers(values);
+  });
+  json["payload"] = {{"mass", robot.payload.mass}, {"inertia", robot.payload.inertia}};
+  return json;
+}
+
+Json head(PlanStatus status, const std::string& reason, const std::string& request) {
+  return {{"version", FJR_VERSION}, {"request", request}, {"status", name(status)}, {"reason", text_or_null(reason)}};
+}
+
+}  // namespace
+
 Json resolved_request_json(const Problem& problem) {
   Json weights = Json::object();
   for (const TermInfo& term : Terms::infos) weights[std::string(term.name)] = number(problem.weights.*term.weight);
@@ -252,21 +266,6 @@ Json resolved_request_json(const Problem& problem) {
           {"search", word_of(problem.search)},
           {"method", problem.method}};
 }
-
-Json robot_json(const Parameters& robot) {
-  Json json = Json::object();
-  visit_parameters(robot, [&](const char* section, const char* name, const char*, const Joints<double>& values) {
-    json[section][name] = numbers(values);
-  });
-  json["payload"] = {{"mass", robot.payload.mass}, {"inertia", robot.payload.inertia}};
-  return json;
-}
-
-Json head(PlanStatus status, const std::string& reason, const std::string& request) {
-  return {{"version", FJR_VERSION}, {"request", request}, {"status", name(status)}, {"reason", text_or_null(reason)}};
-}
-
-}  // namespace
 
 Json certificate_json(const Certificate& certificate) {
   Json limits = Json::array();

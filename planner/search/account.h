@@ -21,8 +21,11 @@ struct Progress {
   std::string stage;  // "start 2 of 4, friction 0.01 rad/s, 80 intervals"
   int iteration = 0;  // over the whole plan
   double objective = 0;
-  double violation = 0;           // of the constraints, scaled
-  Phase phase = Phase::kFinding;  // the latest so far
+  double violation = 0;                // of the constraints, scaled
+  Phase phase = Phase::kFinding;       // the latest so far
+  int starts = 0, starts_planned = 0;  // that have come to an end, and that the search means to try
+  double work = 0, most_work = 0;      // [s] that was done, in all threads, and that may be done; 0: without bound
+  double deadline = 0;                 // [s] of wall time since the beginning; 0: none
 };
 
 struct SolverStage {

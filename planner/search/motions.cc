@@ -85,6 +85,7 @@ void try_wave(Wave& wave, Findings& found, Session& session) {
     turn.led_somewhere = turn.led_somewhere || led_somewhere;
     if (!led_somewhere) ++turn.failed;
   }
+  session.tell_starts(found.starts, found.starts_planned);
   wave = {};
 }
 
@@ -99,6 +100,7 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
     most = std::max(most, turns.back().starts.guesses.size());
     found.starts_planned += static_cast<int>(turns.back().starts.always);
   }
+  session.tell_starts(found.starts, found.starts_planned);
   Wave wave;
   for (std::size_t i = 0; i < most; ++i) {
     if (i == kBeforeSwinging && found.candidates.empty()) {

@@ -45,6 +45,7 @@ void Session::find_out_whether_stopped() {
 
 bool Session::interrupted(double work) {
   work_ += work;
+  shared_->work += work;
   find_out_whether_stopped();
   const bool spent = work_ >= allowed_;
   if (spent && !stopped()) account_.cut_by_work = true;
@@ -84,12 +85,22 @@ void Session::enter(Phase phase) {
   allowed_ = allowed_by_the_end_of(phase_) * options_.most_work;
 }
 
+void Session::tell_starts(int done, int planned) {
+  shared_->starts = done;
+  shared_->starts_planned = planned;
+}
+
 void Session::tell(Progress progress) const {
   if (!options_.on_progress) return;
   const std::lock_guard lock(shared_->callback);
   progress.phase = phase_;
   progress.iteration += iterations_before_ + account_.iterations;
   progress.objective *= options_.objective_scale;
+  progress.starts = shared_->starts;
+  progress.starts_planned = shared_->starts_planned;
+  progress.work = shared_->work;
+  progress.most_work = std::isfinite(options_.most_work) ? options_.most_work : 0;
+  progress.deadline = options_.deadline;
   options_.on_progress(progress);
 }
 

@@ -45,6 +45,9 @@ class Session {
   // From here, work may come to what this phase and those before it are allowed together. Nothing is at first.
   void enter(Phase phase);
 
+  // How far the search has come with its starts.
+  void tell_starts(int done, int planned);
+
   // Of the solve at work: its own iterations, and its objective as it is optimised.
   void tell(Progress progress) const;
 
@@ -71,6 +74,8 @@ class Session {
   struct Shared {
     std::mutex callback;  // one at a time
     std::atomic<bool> stopped = false, deadline_passed = false;
+    std::atomic<int> starts = 0, starts_planned = 0;
+    std::atomic<double> work = 0;  // [s] of all branches
     const Clock::time_point began = Clock::now();
   };
 

@@ -766,7 +766,7 @@ TEST_F(ExecutorTest, SaysWhatIsWrongWithItsConfiguration) {
   refused("{priority: 100}", "executor.yaml: priority: 100 is outside [0, 99]");
   refused("{tolerances: {path: [0.01, 5]}}", "executor.yaml: tolerances.path[1]: 5 rad is outside");
   refused("{virtual_arm: {encoder_fault: {encoder: q3, above: 1}}}",
-          "encoder: \"q3\" is none of q1, q2, theta1, theta2");
+          "encoder: \"q3\" is not one of q1, q2, theta1, theta2; did you mean q1?");
   refused("{virtual_arm: {start: [9, 0]}}", "start.q[0]: 9 rad is outside [-3.2, 3.2]");
 }
 

@@ -195,7 +195,8 @@ TEST(Parameters, WrongShapesOfTheFileAreRefused) {
             "link.gravity_torque.standard_error[1]: -2 N m must be >= 0");
   EXPECT_EQ(error_after("{value: [6.17, 0.53]", "{sigma: 1, value: [6.17, 0.53]"),
             "link.gravity_torque: unknown key \"sigma\"; allowed: value, unit, source, standard_error");
-  EXPECT_EQ(error_after("  stiffness:", "  stifness:"), "spring: unknown key \"stifness\"; allowed: stiffness");
+  EXPECT_EQ(error_after("  stiffness:", "  stifness:"),
+            "spring: unknown key \"stifness\"; allowed: stiffness; did you mean stiffness?");
   EXPECT_EQ(error_after("motor:\n", "engine:\n"),
             "unknown key \"engine\"; allowed: link, spring, motor, friction, encoder, limits, feedback, drive, "
             "covariance, payload");
@@ -274,7 +275,7 @@ TEST(Parameters, InertiasMayBeAboutEitherPoint) {
   EXPECT_DOUBLE_EQ(other.link.inertia[0], 0.01 + 1.570 * r1 * r1);
   EXPECT_DOUBLE_EQ(other.link.inertia[1], 0.0116 - 0.660 * r2 * r2);
   EXPECT_EQ(error_after("center_of_mass]", "middle]"),
-            "link.inertia.about[1]: \"middle\" must be joint or center_of_mass");
+            "link.inertia.about[1]: \"middle\" is not one of joint, center_of_mass");
   EXPECT_EQ(error_after("[joint, center_of_mass]", "[joint]"),
             "link.inertia.about: must be two points, [joint 1, joint 2]");
   EXPECT_EQ(error_after("[0.0915, 7.1672e-3], about: [joint, center_of_mass]", "[0.0915, 4e-3], about: [joint, joint]"),

@@ -270,7 +270,7 @@ TEST(BrokenRequest, ShapeOfTheDocument) {
        "sample_period, seed, payload, method, search, not the text \"fastest\""},
       {kMove + "durtion: 1",
        "unknown key \"durtion\"; allowed: robot, start, goal, duration, objective, via, obstacles, "
-       "walls, tip, path, limits, sample_period, seed, payload, method, search"},
+       "walls, tip, path, limits, sample_period, seed, payload, method, search; did you mean duration?"},
       {kMove + "seed: 1\nseed: 2", "line 4: key \"seed\" is given twice"},
       {kGoal, "start: missing; only a request to the service may leave it out, which then starts where the arm rests"},
       {kStart, "goal: missing"},

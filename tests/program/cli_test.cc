@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -116,6 +117,69 @@ TEST_P(CliBadRequest, IsRefusedAndTouchesNothing) {
 INSTANTIATE_TEST_SUITE_P(Requests, CliBadRequest, testing::ValuesIn(kBadRequests),
                          [](const auto& p) { return p.param.name; });
 
+TEST_F(Cli, SaysWhatMayHaveBeenMeant) {
+  write("good.yaml", kGood);
+  write("key.yaml", kGood + "limts: {torque: [10, 4]}\n");
+  write("word.yaml", good_but("fastest", "fastst"));
+  write("degrees.yaml", good_but("[1.2, -0.8]", "[45, -30]"));
+  const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
+      {{"paln", "good.yaml"}, "did you mean plan?"},
+      {{"plan", "good.yaml", "--out", "out", "--keep-uncertfied"}, "did you mean --keep-uncertified?"},
+      {{"plan", "good.yaml", "--out", "out", "--linear-solver", "mups"}, "did you mean mumps?"},
+      {{"experiment", "stifness", "--joint", "1", "--out", "log.csv"}, "did you mean stiffness?"},
+      {{"plan", "key.yaml", "--out", "out"}, "unknown key \"limts\"; allowed: robot, start"},
+      {{"plan", "key.yaml", "--out", "out"}, "did you mean limits?"},
+      {{"plan", "word.yaml", "--out", "out"}, "did you mean fastest?"},
+      {{"plan", "degrees.yaml", "--out", "out"},
+       "goal.q[0]: 45 rad is outside [-3.2, 3.2]; angles are in rad, and 45 degrees are 0.785398 rad"},
+  };
+  for (const auto& [arguments, message] : wrong) {
+    const Result result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << message;
+    EXPECT_THAT(result.err, HasSubstr(message));
+  }
+}
+
+TEST_F(Cli, ARequestMayComeFromStandardInput) {
+  write("stdin", kGood);
+  const Result result = run({"plan", "-", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_EQ(plan_json()["request"], "stdin");
+  write("good.yaml", kGood);
+  EXPECT_EQ(run({"plan", "good.yaml", "--out", "file"}).exit_code, 0);
+  EXPECT_EQ(plan_json("file")["request_hash"], plan_json()["request_hash"]);
+  write("stdin", "goal: [1, 2\n");
+  EXPECT_THAT(run({"plan", "-", "--out", "out"}).err, testing::StartsWith("fjr: stdin: "));
+}
+
+TEST_F(Cli, ExplainsARequestWithoutPlanningIt) {
+  write("request.yaml", "start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\nduration: 1.5\nvia: [{q: [0.6, 0]}]\n");
+  const Result text = run({"plan", "--explain-request", "request.yaml"});
+  EXPECT_EQ(text.exit_code, 0) << text.err;
+  for (const char* line :
+       {"given    goal.q ", "default  start.dq ", "default  objective ", "gentle", "default  limits.torque ",
+        "[12, 5] N m", "default  via[0].dq ", "default  sample_period ", "0.001 s", "default  seed "}) {
+    EXPECT_THAT(text.out, HasSubstr(line));
+  }
+  const Result json = run({"plan", "--explain-request", "request.yaml", "--json"});
+  std::map<std::string, Json> keys;
+  const Json all = Json::parse(json.out);
+  for (const Json& key : all["keys"]) keys[key["key"]] = key;
+  EXPECT_EQ(keys["objective"]["value"], "gentle");
+  EXPECT_EQ(keys["objective"]["given"], false);
+  EXPECT_EQ(keys["objective.effort"]["value"], "0.01");
+  EXPECT_EQ(keys["duration"]["given"], true);
+  EXPECT_EQ(keys["limits.motor_velocity"]["value"], "[6, 8]");
+  EXPECT_EQ(keys["limits.motor_velocity"]["unit"], "rad/s");
+  EXPECT_EQ(keys["goal.dq"]["value"], "[0, 0]");
+  EXPECT_EQ(keys["via"]["given"], true);
+  EXPECT_EQ(keys["obstacles"]["value"], "none");
+  EXPECT_FALSE(fs::exists(path("out")));
+
+  write("request.yaml", "goal: {q: [1.2, -0.8]}\n");
+  EXPECT_EQ(run({"plan", "--explain-request", "request.yaml"}).exit_code, 2);  // refused as it would be
+}
+
 TEST_F(Cli, AMissingRequestIsBadInput) {
   const Result result = run({"plan", "none.yaml", "--out", "out"});
   EXPECT_EQ(result.exit_code, 2);
@@ -170,10 +234,10 @@ TEST_F(Cli, OneBadRequestDoesNotStopTheOthersAndTheLargestCodeWins) {
 TEST_F(Cli, TheSameRequestGivesTheSameFiles) {
   write("move.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\nduration: 0.6\nobjective: gentle\n");
   for (const char* out : {"first", "second"}) {
-    const Result result = run({"plan", "move.yaml", "--out", out});
+    const Result result = run({"plan", "move.yaml", "--out", out, "-q"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_THAT(result.out, HasSubstr("certified"));
-    EXPECT_EQ(result.err, "");  // no progress in a pipe
+    EXPECT_EQ(result.err, "");
     const Result check = run({"verify", std::string(out) + "/trajectory.csv"});
     EXPECT_EQ(check.exit_code, 0) << check.out;
   }

@@ -52,6 +52,9 @@ class Cli : public testing::Test {
     };
     open(STDOUT_FILENO, path("stdout"));
     open(STDERR_FILENO, path("stderr"));
+    if (std::filesystem::exists(path("stdin"))) {  // what the test has written as its standard input
+      posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, path("stdin").c_str(), O_RDONLY, 0);
+    }
     posix_spawn_file_actions_addchdir_np(&actions, folder_.c_str());
     pid_t child = -1;
     EXPECT_EQ(posix_spawn(&child, FJR_EXECUTABLE, &actions, nullptr, argv.data(), environ), 0);

@@ -1,0 +1,67 @@
+#include "planner/program/misspelt.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string_view>
+#include <utility>
+
+#include "common/spelling.h"
+
+namespace fjr {
+namespace {
+
+std::vector<std::string> subcommands_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App* c) { return !c->get_group().empty(); })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
+std::vector<std::string> options_of(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options()) {
+    if (option->get_group().empty()) continue;
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+std::string suggest(std::string_view word, const std::vector<std::string>& known) {
+  return did_you_mean(word, {known.begin(), known.end()});
+}
+
+}  // namespace
+
+std::string suggestion(const CLI::App& app, const std::vector<std::string>& words) {
+  const CLI::App* command = &app;
+  for (const std::string& word : words) {
+    if (word.starts_with("--")) {
+      const std::string name = word.substr(0, word.find('='));
+      const std::vector<std::string> known = options_of(*command);
+      if (std::find(known.begin(), known.end(), name) == known.end()) return suggest(name, known);
+      continue;
+    }
+    const std::vector<std::string> known = subcommands_of(*command);
+    const auto found = std::find(known.begin(), known.end(), word);
+    if (found != known.end()) {
+      command = command->get_subcommand(word);
+    } else if (!known.empty()) {
+      return suggest(word, known);
+    }
+  }
+  return "";
+}
+
+CLI::Validator one_of(std::vector<std::string> names) {
+  const std::string shown = fmt::format("{{{}}}", fmt::join(names, ","));
+  return CLI::Validator(
+      [names = std::move(names)](const std::string& given) {
+        if (std::find(names.begin(), names.end(), given) != names.end()) return std::string();
+        return fmt::format("{} is not one of {}{}", given, fmt::join(names, ", "), suggest(given, names));
+      },
+      shown);
+}
+
+}  // namespace fjr

@@ -1,0 +1,148 @@
+#include "planner/results/explain_request.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "planner/request/keys.h"
+#include "planner/request/request.h"
+#include "planner/request/words.h"
+#include "planner/results/plan_json.h"
+
+namespace fjr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+// A key's path with the indices of what is there: via[].time is via[0].time, via[1].time.
+struct Instance {
+  std::string key;
+  std::optional<YamlNode> node;  // none: not given
+  bool below_given = true;       // what it stands below is given, as a map
+};
+
+std::vector<Instance> step(const std::vector<Instance>& above, const std::string& word) {
+  const bool items = word.ends_with("[]");
+  const std::string name = items ? word.substr(0, word.size() - 2) : word;
+  std::vector<Instance> below;
+  for (const Instance& instance : above) {
+    const std::string key = instance.key.empty() ? name : fmt::format("{}.{}", instance.key, name);
+    const bool map = instance.node && instance.node->is_map();
+    const std::optional<YamlNode> node = map ? instance.node->find(name) : std::nullopt;
+    if (!items) {
+      below.push_back({key, node, map});
+    } else if (node && node->is_list()) {
+      for (const YamlNode& item : node->items()) below.push_back({item.field(), item, true});
+    }
+  }
+  return below;
+}
+
+std::vector<Instance> instances(const YamlNode& root, const std::string& name) {
+  std::vector<Instance> found{{"", root, true}};
+  for (std::size_t from = 0; from <= name.size();) {
+    const std::size_t to = std::min(name.find('.', from), name.size());
+    found = step(found, name.substr(from, to - from));
+    from = to + 1;
+  }
+  return found;
+}
+
+// via[0].time -> /via/0/time
+Json::json_pointer pointer_to(const std::string& key) {
+  std::string path = "/";
+  for (const char c : key) {
+    if (c != ']') path += c == '.' || c == '[' ? '/' : c;
+  }
+  return Json::json_pointer(path);
+}
+
+std::string text_of(const Json& value) {
+  if (value.is_string()) return value.get<std::string>();
+  if (!value.is_array()) return value.is_number_float() ? fmt::format("{}", value.get<double>()) : value.dump();
+  std::string items;
+  for (const Json& item : value) {
+    items += (items.empty() ? "" : ", ") + (item.is_null() ? std::string("free") : text_of(item));
+  }
+  return "[" + items + "]";
+}
+
+// Backticks and links of Markdown belong on a page.
+std::string plain(std::string text) {
+  for (std::size_t from = text.find('['); from != std::string::npos; from = text.find('[', from + 1)) {
+    const std::size_t middle = text.find("](", from), to = text.find(')', from);
+    if (middle == std::string::npos || to == std::string::npos) break;
+    text = text.substr(0, from) + text.substr(from + 1, middle - from - 1) + text.substr(to + 1);
+  }
+  std::erase(text, '`');
+  return text;
+}
+
+// What only stands as one value in a request, and as several where it is resolved.
+std::optional<std::string> in_one_word(const std::string& key, const Problem& problem, const std::string& robot) {
+  if (key == "robot") return robot;
+  if (key == "duration") return problem.duration.fixed() ? fmt::format("{}", problem.duration.min) : "free";
+  if (key == "objective") return std::string(word_of(default_preset(problem.duration)));
+  if (key == "payload" && problem.robot.payload == Payload{}) return "0";
+  if (key == "payload") {
+    return fmt::format("{{mass: {}, inertia: {}}}", problem.robot.payload.mass, problem.robot.payload.inertia);
+  }
+  return std::nullopt;
+}
+
+// A part of the request that is not there has no defaults of its own, unless it was resolved to some.
+bool says_something(const std::string& value) { return !value.empty() && !value.starts_with(kNeeded); }
+
+}  // namespace
+
+std::vector<UnderstoodKey> understood(const YamlNode& root, const Problem& problem, const std::string& robot) {
+  const Json resolved = resolved_request_json(problem);
+  std::vector<UnderstoodKey> keys;
+  for (const KeyLine& line : all_keys()) {
+    for (const Instance& at : instances(root, line.name)) {
+      UnderstoodKey key{at.key, line.unit, "", plain(line.meaning), at.node.has_value()};
+      const Json::json_pointer pointer = pointer_to(at.key);
+      const bool is_resolved = resolved.contains(pointer) && !resolved[pointer].is_null();
+      if (at.node) {
+        key.value = at.node->flow();
+      } else if (const auto word = in_one_word(at.key, problem, robot)) {
+        key.value = *word;
+      } else if (is_resolved && !resolved[pointer].is_object() && !resolved[pointer].empty()) {
+        key.value = text_of(resolved[pointer]);
+      } else if (at.below_given) {
+        key.value = plain(line.otherwise);
+        key.unit = "";
+      }
+      if (says_something(key.value)) keys.push_back(std::move(key));
+    }
+  }
+  return keys;
+}
+
+std::string explanation_of_request(const std::string& name, const std::vector<UnderstoodKey>& keys) {
+  std::string text = fmt::format("{}: nothing was planned; this is what is asked for\n", name);
+  std::size_t widest = 0;
+  for (const UnderstoodKey& key : keys) widest = std::max(widest, key.key.size());
+  for (const UnderstoodKey& key : keys) {
+    const bool weight = key.key.starts_with("objective.");
+    if (weight && !key.given && key.value == "0") continue;
+    const bool number = key.value.find_first_of("0123456789") < 3 && key.value[0] != '{';  // or a list of them
+    const std::string unit = !number || key.unit.empty() || key.unit == "1" ? "" : " " + key.unit;
+    text += fmt::format("  {:<8} {:<{}}  {}{}\n", key.given ? "given" : "default", key.key, widest, key.value, unit);
+  }
+  return text;
+}
+
+Json explanation_json(const std::string& name, const std::vector<UnderstoodKey>& keys) {
+  Json list = Json::array();
+  for (const UnderstoodKey& key : keys) {
+    list.push_back(
+        {{"key", key.key}, {"value", key.value}, {"unit", key.unit}, {"given", key.given}, {"meaning", key.meaning}});
+  }
+  return {{"version", FJR_VERSION}, {"request", name}, {"keys", std::move(list)}};
+}
+
+}  // namespace fjr

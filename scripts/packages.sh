@@ -13,7 +13,7 @@ program_packages=(
 test_packages=(
   iproute2 nftables                                             # networks that lose packets
   systemd                                                       # systemd-analyze: the units are verified
-  libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev  # tests and benchmarks
+  libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libmpfr-dev  # tests and benchmarks
   libfastrtps-dev fastddsgen default-jre-headless               # another DDS, to test against
   python3 python3-venv python3-dev                              # bench/suite.py, a client in Python
   python3-pandas octave                                         # programs that read our tables

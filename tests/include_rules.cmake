@@ -5,6 +5,7 @@ cmake_minimum_required(VERSION 3.25)
 # From the bottom to the top. A file includes headers of its own folder and of folders before it; of a folder's
 # subfolders each is a layer of its own. What stands side by side, and is not to know each other, is ruled below.
 set(layers
+  common/enclosure  # stands by itself
   common
   model
   model/rig

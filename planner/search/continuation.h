@@ -4,6 +4,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,10 +44,17 @@ class Continuation {
   // friction law. False when there is no solution that way.
   bool adopt(const Collocated& other, double duration);
 
-  // From there to the exact friction law, not yet minding the mesh. False when it was stopped.
-  bool follow_homotopy();
+  // From there one step of the homotopy nearer to the exact friction law, not yet minding the mesh. False when that was
+  // the last, or could not be taken: then the best solution so far is what there is.
+  bool take_step();
 
-  // From there to the exact problem, on a mesh and with margins that suit it. False when no usable solution is left.
+  // From the best solution of the steps so far to the exact problem, on a mesh and with margins that suit it. False
+  // when no usable solution is left.
+  bool settle();
+
+  // All steps that can be taken, to the exact friction law; and from there to the exact problem. False when it was
+  // stopped, or no usable solution is left.
+  bool follow_homotopy();
   bool refine();
 
   // Splits the intervals whose given errors [rad] exceed the mesh tolerance or make most of their sum, or whose limits
@@ -84,8 +92,6 @@ class Continuation {
   double mesh_factor = 1;            // on the number of intervals of the first mesh
   double regularisation_factor = 1;  // on that of the first solution, by effort: with more it is easier to solve
   double width_factor = 1;  // on the width of the first solution's friction law: less of it is nearer to the exact law
-  // refine() gives up when a step shows that the motion will not be published for less than that.
-  double to_beat = kNoLimit;
 
  private:
   // What an attempt from the present solution depends on beside that.
@@ -99,7 +105,17 @@ class Continuation {
     bool same_as(const Attempt& other) const;
   };
 
+  // How far the homotopy was followed.
+  struct Homotopy {
+    std::size_t next;  // step
+    Collocated best;   // solution so far
+    int best_at;       // solutions_ then
+    double least;      // objective, of the best, as it would be published
+  };
+
   bool cold(const Guess& guess, int most_iterations);
+  void compare_step();
+  bool keep_best_step();
   bool fade_regularisation();
   bool move_nodes();
   bool tighten_on_moved_nodes();
@@ -126,6 +142,7 @@ class Continuation {
   std::string obstacle_;
   std::vector<Attempt> failed_;  // from the present solution
   std::vector<SolverStage> stages_;
+  std::optional<Homotopy> homotopy_;  // while it is followed
   int solutions_ = 0;
   int failures_to_tighten_ = 0;
 };

@@ -8,6 +8,7 @@
 
 #include "planner/search/continuation.h"
 #include "planner/search/publication.h"
+#include "planner/search/race.h"
 #include "planner/search/worth_refining.h"
 
 namespace fjr {
@@ -43,6 +44,7 @@ struct Findings {
   int patience = 400;                    // iterations a start may take
   std::vector<CoarseMotion> candidates;  // in the order in which they were found
   std::vector<double> minima;            // objectives of the distinct ones, as optimised, on their first meshes
+  StepObjectives reached;                // on the way from there to exact friction
   std::optional<Publication> best;       // certified; or the last one that is not, where none is
   std::optional<Fastest> fastest;        // once it was looked for, the shortest that there is
   std::optional<Limits> carried_with;    // limits with which the arm was found to swing up

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "planner/ocp/objective.h"
 #include "planner/search/calm.h"
 
 namespace fjr {
@@ -51,51 +52,60 @@ struct Begun {
   StartOutcome outcome;
 };
 
-// Where refining a motion led, and what was published of that.
-struct Refined {
-  Continuation motion;
-  PublishResult published;
-};
-
-// In as many attempts as it took, the last of which is certified if one is.
-std::vector<Refined> refine(const Continuation& coarse, double to_beat, int patience, const Problem& asked,
-                            Session& session) {
+// Publishes a motion that was refined, unless it would not be the best.
+void publish_if_best(Continuation motion, Findings& found, Session& session) {
   const Timed timed(session, "finish");
-  std::vector<Refined> attempts;
-  const auto attempt = [&](Continuation c) {
-    c.to_beat = to_beat;
-    if (!c.refine()) return false;
-    PublishResult published = publish(c, asked, session);
-    attempts.push_back({std::move(c), std::move(published)});
-    return attempts.back().published.certified();
-  };
-  if (!only_time(coarse.problem()->weights) || coarse.duration() < kLongMotion) {
-    attempt(coarse);
-  } else {
-    for (const auto& calm : calmed_hurry(*coarse.problem())) {
-      if (session.interrupted() || attempt(calmer(coarse, calm, patience, session))) break;
-    }
-  }
-  return attempts;
+  const double expected = found.scale * published_objective(*motion.problem(), motion.solution());
+  if (found.certified() && expected >= found.best->objective) return;
+  PublishResult published = publish(motion, found.asked, session);
+  found.keep(motion, std::move(published));
 }
 
-// Refines motions that were found beside each other; none of them knows what the others come to.
+// The best first: where that is certified, the others need not be.
+void publish_best(std::vector<Continuation> motions, Findings& found, Session& session) {
+  std::stable_sort(motions.begin(), motions.end(), [](const Continuation& a, const Continuation& b) {
+    return a.solution().report.objective < b.solution().report.objective;
+  });
+  for (Continuation& motion : motions) publish_if_best(std::move(motion), found, session);
+}
+
+// Motions whose springs have time to swing, at the least time: with ever calmer objectives until one is certified.
+void hurry_calmly(const Continuation& coarse, Findings& found, Session& session) {
+  const Timed timed(session, "finish");
+  for (const auto& calm : calmed_hurry(*coarse.problem())) {
+    if (session.interrupted()) return;
+    Continuation c = calmer(coarse, calm, found.patience, session);
+    if (!c.refine()) continue;
+    PublishResult published = publish(c, found.asked, session);
+    if (found.keep(c, std::move(published))) return;
+  }
+}
+
+// Refines motions that were found beside each other. While nothing is certified, those that were dropped on the way are
+// refined too.
 void refine_all(std::vector<Continuation> coarse, Findings& found, Session& session) {
   if (coarse.empty()) return;  // then it is not refining that the work is left for
   session.enter(Phase::kRefining);
-  const double to_beat = found.certified() ? found.best->objective / found.scale : kNoLimit;
-  std::vector<std::vector<Refined>> refined(coarse.size());
-  const std::vector<bool> counts = session.do_all(coarse.size(), [&](std::size_t i, Session& own) {
-    coarse[i].go_on_in(own);
-    refined[i] = refine(coarse[i], to_beat, found.patience, found.asked, own);
-  });
-  for (std::size_t i = 0; i < coarse.size(); ++i) {
-    if (!counts[i]) continue;
-    for (Refined& attempt : refined[i]) {
-      attempt.motion.go_on_in(session);
-      found.keep(attempt.motion, std::move(attempt.published));
-    }
+  const auto long_hurry = [](const Continuation& c) {
+    return only_time(c.problem()->weights) && c.duration() >= kLongMotion;
+  };
+  std::vector<Continuation> motions;
+  for (Continuation& c : coarse) {
     ++found.refined;
+    if (long_hurry(c)) {
+      hurry_calmly(c, found, session);
+    } else {
+      motions.push_back(std::move(c));
+    }
+  }
+  Raced raced = [&] {
+    const Timed timed(session, "finish");
+    return race(std::move(motions), found.reached, session);
+  }();
+  publish_best(std::move(raced.arrived), found, session);
+  for (Continuation& motion : raced.dropped) {
+    if (found.certified() || session.interrupted()) break;
+    if (motion.refine()) publish_if_best(std::move(motion), found, session);
   }
 }
 

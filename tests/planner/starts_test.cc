@@ -17,6 +17,7 @@
 #include "planner/request/request.h"
 #include "planner/search/calm.h"
 #include "planner/search/follow.h"
+#include "planner/search/race.h"
 
 namespace fjr {
 namespace {
@@ -125,6 +126,38 @@ TEST(Thoroughness, IsANumberOfStarts) {
   EXPECT_EQ(starts("objective: {effort: 1}\nduration: 1\nsearch: thorough\n"), 4 * usual);
   EXPECT_EQ(starts("search: quick\n"), 1);
   EXPECT_EQ(starts_to_try(request(kMove + "search: quick\n"), 7), 7);  // --starts says more
+}
+
+// ---- races ----
+
+TEST(WorthFollowing, IsWhatIsNeitherKnownNorTooFarBehind) {
+  EXPECT_TRUE(worth_following(10.00, 0.01, {}, true));
+  EXPECT_TRUE(worth_following(10.00, 0.01, {10.03, 9.97}, true));
+  EXPECT_FALSE(worth_following(10.00, 0.01, {10.03, 10.0005}, true));  // the same minimum
+  EXPECT_FALSE(worth_following(10.00, 0.01, {9.90}, true));
+  EXPECT_TRUE(worth_following(10.00, 0.03, {9.00}, true));     // smooth laws tell little
+  EXPECT_FALSE(worth_following(-9.00, 0.01, {-10.00}, true));  // rewards
+}
+
+// Of one motion that two starts came to, only the first goes all the way; what is alone does, whatever it comes to.
+TEST(Race, FollowsEachMinimumOnce) {
+  const Problem problem = request(kMove + "duration: 0.8\nobjective: {effort: 1}\n");
+  Session session{SessionOptions{}};
+  session.enter(Phase::kRefining);
+  Findings found(problem);
+  std::vector<Continuation> motions;
+  for (const char* label : {"first", "second"}) {
+    Continuation c(found.alternatives.front(), session, label);
+    ASSERT_EQ(c.begin(first_guesses(problem).front(), 400), StartOutcome::kNew);
+    motions.push_back(std::move(c));
+  }
+  StepObjectives reached;
+  const Raced raced = race(std::move(motions), reached, session);
+  ASSERT_EQ(raced.arrived.size(), 1U);
+  EXPECT_EQ(raced.arrived.front().label(), "first");
+  EXPECT_EQ(raced.arrived.front().solution().setup.smoothing.friction_width, 0);
+  ASSERT_EQ(raced.dropped.size(), 1U);
+  EXPECT_GT(raced.dropped.front().solution().setup.smoothing.friction_width, 0);
 }
 
 // ---- springs that have time to swing ----

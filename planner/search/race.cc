@@ -1,0 +1,92 @@
+#include "planner/search/race.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace fjr {
+namespace {
+
+constexpr double kSame = 1e-4;  // relative difference of objectives below which minima are not told apart
+
+// Relative distance from the best that the steps from this width [rad/s] on may make up: in 11 motions of 12 starts
+// each, 0.5 % from 0.01 rad/s on, where nodes have been moved, and before that anything.
+double gap_after(double width, bool sees_friction) {
+  if (!sees_friction) return 0.02;
+  if (width > 0.01) return kNoLimit;
+  if (width > 0.003) return 0.007;
+  return width > 0.001 ? 0.005 : 0.003;
+}
+
+struct Runner {
+  Continuation motion;
+  bool counts = true;   // its work was allowed
+  bool goes_on = true;  // took the last step
+  bool dropped = false;
+
+  double objective() const { return motion.solution().report.objective; }
+  bool running() const { return counts && goes_on && !dropped; }
+};
+
+// Compares each with those that were found before it only: so that what is followed among few starts is followed among
+// more of them too.
+void drop_losers(std::vector<Runner>& runners, StepObjectives& reached) {
+  for (Runner& runner : runners) {
+    if (!runner.running()) continue;
+    const double width = runner.motion.solution().setup.smoothing.friction_width;
+    std::vector<double>& before = reached[width];
+    runner.dropped =
+        !worth_following(runner.objective(), width, before, sees_friction(runner.motion.problem()->weights));
+    before.push_back(runner.objective());
+  }
+}
+
+// One step, or what follows the last, of all that are `which`; side by side.
+template <class Which, class Step>
+void all_do(std::vector<Runner>& runners, Session& session, const Which& which, const Step& step) {
+  std::vector<Runner*> at_work;
+  for (Runner& runner : runners) {
+    if (which(runner)) at_work.push_back(&runner);
+  }
+  const std::vector<bool> counts = session.do_all(at_work.size(), [&](std::size_t i, Session& own) {
+    at_work[i]->motion.go_on_in(own);
+    at_work[i]->goes_on = step(at_work[i]->motion);
+  });
+  for (std::size_t i = 0; i < at_work.size(); ++i) {
+    at_work[i]->counts = counts[i];
+    at_work[i]->motion.go_on_in(session);
+  }
+}
+
+}  // namespace
+
+bool worth_following(double objective, double width, const std::vector<double>& others, bool sees_friction) {
+  const double scale = std::abs(objective);
+  return std::none_of(others.begin(), others.end(), [&](double other) {
+    return std::abs(objective - other) <= kSame * scale || objective > other + gap_after(width, sees_friction) * scale;
+  });
+}
+
+Raced race(std::vector<Continuation> motions, StepObjectives& reached, Session& session) {
+  std::vector<Runner> runners;
+  for (Continuation& motion : motions) runners.push_back({std::move(motion)});
+  const auto running = [](const Runner& runner) { return runner.running(); };
+  while (std::any_of(runners.begin(), runners.end(), running)) {
+    all_do(runners, session, running, [](Continuation& motion) { return motion.take_step(); });
+    drop_losers(runners, reached);
+  }
+  const auto at_the_end = [](const Runner& runner) { return runner.counts && !runner.dropped; };
+  all_do(runners, session, at_the_end, [](Continuation& motion) { return motion.settle(); });
+  Raced raced;
+  for (Runner& runner : runners) {
+    if (at_the_end(runner) && runner.goes_on) raced.arrived.push_back(std::move(runner.motion));
+    if (runner.counts && runner.dropped) raced.dropped.push_back(std::move(runner.motion));
+  }
+  std::stable_sort(raced.dropped.begin(), raced.dropped.end(), [](const Continuation& a, const Continuation& b) {
+    return a.solution().report.objective < b.solution().report.objective;
+  });
+  return raced;
+}
+
+}  // namespace fjr

@@ -19,6 +19,7 @@ set(layers
   planner/request
   planner/control
   planner/certificate
+  planner/certificate/proof
   planner/stop
   planner/ocp
   planner/analysis

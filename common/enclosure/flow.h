@@ -37,13 +37,13 @@ inline Polynomial shifted(Polynomial c, const Ball& by) {
   return c;
 }
 
-// The solutions over one step, from `from` on: x_i(from + t) in sum_k coefficients[i][k] t^k for t in [0, length], of
-// which the last coefficient holds the remainder; and range[i] over all of the step.
+// The solutions over one step, from `from` on: x_i(from + t) in sum_k near[i][k] t^k for t in [0, length], of which the
+// last coefficient holds the remainder; and Taylor coefficients over[i] at any instant of the step, of which the first
+// holds the solution itself.
 template <std::size_t N>
 struct Step {
   Ball from, length;
-  std::array<Polynomial, N> coefficients;
-  Balls<N> range;
+  std::array<Polynomial, N> near, over;
 };
 
 struct FlowOptions {
@@ -65,7 +65,8 @@ class Flow {
         ahead_(f, options.order),
         slopes_(f, options.slope_order) {}
 
-  void start(const Balls<N>& box) { set_ = Set<N>(box); }
+  void start(const Set<N>& set) { set_ = set; }
+  void start(const Balls<N>& box) { start(Set<N>(box)); }
   const Set<N>& set() const { return set_; }
   long steps() const { return steps_; }
 
@@ -103,7 +104,7 @@ class Flow {
       trust_ = std::max(kLeastTrust, trust_ * kShorter);
     }
     trust_ = std::min(1.0, trust_ * kLonger);
-    tell(hull);
+    tell();
     return transport();
   }
 
@@ -175,7 +176,6 @@ class Flow {
       }
       if (!small) return false;
       if (inside) {
-        last_.range = tried;
         return true;
       }
     }
@@ -183,13 +183,15 @@ class Flow {
   }
 
   // The series for those who look on.
-  void tell(const Balls<N>& hull) {
+  void tell() {
+    const std::size_t p = options_.order;
     for (std::size_t i = 0; i < N; ++i) {
-      Polynomial& c = last_.coefficients[i];
-      c.resize(options_.order + 1);
-      c[0] = hull[i];
-      for (std::size_t k = 1; k < options_.order; ++k) c[k] = box_.at(i, k);
-      c[options_.order] = ahead_.at(i, options_.order);
+      last_.near[i].resize(p + 1);
+      last_.over[i].resize(p + 1);
+      for (std::size_t k = 0; k <= p; ++k) {
+        last_.over[i][k] = ahead_.at(i, k);
+        last_.near[i][k] = k < p ? box_.at(i, k) : ahead_.at(i, k);
+      }
     }
   }
 

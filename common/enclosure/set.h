@@ -127,20 +127,23 @@ bool allow_for_defect(const Matrix<N>& q, std::array<double, N>& bounds) {
   return true;
 }
 
-// {center + edges s + basis r : |s_j| <= old_j, |r_j| <= young_j}. The edges are moved as they are, and are never
-// wrapped; they may become as flat as they like. What moving leaves beside them (roundings, remainders, the width of
-// the map) goes into the second part, whose basis is orthonormal: of the moved basis the orthogonal factor. When the
+// {center + scale (edges s + basis r) : |s_j| <= old_j, |r_j| <= young_j}. The edges are moved as they are, and are
+// never wrapped; they may become as flat as they like. What moving leaves beside them (roundings, remainders, the width
+// of the map) goes into the second part, whose basis is orthonormal: of the moved basis the orthogonal factor. When the
 // second part has outgrown the first it becomes the first, so that sets are wrapped only a few times on a long way.
+// x_i is scale_i times its component here: lengths and right angles are those in units in which what turns turns about
+// circles. Scales are powers of two, with which no rounding comes.
 // Lohner (1992); Mrozek & Zgliczynski, Annales Polonici Mathematici 74 (2000).
 template <std::size_t N>
 class Set {
  public:
   Set() : Set(Balls<N>{}) {}
-  explicit Set(const Balls<N>& box) {
+  explicit Set(const Balls<N>& box) : Set(box, ones()) {}
+  Set(const Balls<N>& box, const std::array<double, N>& scale) : scale_(scale) {
     for (std::size_t i = 0; i < N; ++i) {
       center_[i] = box[i].mid;
       edges_[i][i] = basis_[i][i] = 1;
-      old_[i] = box[i].rad;
+      old_[i] = box[i].rad / scale_[i];
     }
   }
 
@@ -150,28 +153,26 @@ class Set {
   Balls<N> hull() const {
     const std::array<double, N> old = extents(exactly(edges_), old_), young = extents(exactly(basis_), young_);
     Balls<N> box;
-    for (std::size_t i = 0; i < N; ++i) box[i] = {center_[i], rounded_up(old[i] + young[i])};
+    for (std::size_t i = 0; i < N; ++i) box[i] = {center_[i], rounded_up(scale_[i] * (old[i] + young[i]))};
     return box;
   }
 
   // Becomes a set that holds center + map (x - center()) for all x in this one, all centers and all maps in the balls.
   // False where there is no such set.
   bool move(const Balls<N>& center, const BallMatrix<N>& map) {
-    const BallMatrix<N> edges = map * exactly(edges_), moved = map * exactly(basis_);
+    const BallMatrix<N> here = scaled(map), edges = here * exactly(edges_), moved = here * exactly(basis_);
     if (!is_bounded(center) || !is_bounded(edges) || !is_bounded(moved)) return false;
     edges_ = middle(edges);
     BallMatrix<N> rest{};  // what the middles leave, as the edges of a box
     for (std::size_t i = 0; i < N; ++i) {
-      double left = center[i].rad;
+      double left = center[i].rad / scale_[i];
       for (std::size_t j = 0; j < N; ++j) left = rounded_up(left + edges[i][j].rad * old_[j]);
       rest[i][i] = left;
       center_[i] = center[i].mid;
     }
     basis_ = orthonormal(middle(moved), young_);
     const BallMatrix<N> back = exactly(transposed(basis_));
-    std::array<double, N> ones;
-    ones.fill(1);
-    return set_young(extents(back * moved, young_), extents(back * rest, ones)) && (!outgrown() || rejuvenate());
+    return set_young(extents(back * moved, young_), extents(back * rest, ones())) && (!outgrown() || rejuvenate());
   }
 
  private:
@@ -193,7 +194,22 @@ class Set {
     return true;
   }
 
-  std::array<double, N> center_{}, old_{}, young_{};
+  static std::array<double, N> ones() {
+    std::array<double, N> all;
+    all.fill(1);
+    return all;
+  }
+  BallMatrix<N> scaled(BallMatrix<N> map) const {
+    for (std::size_t i = 0; i < N; ++i) {
+      for (std::size_t j = 0; j < N; ++j) {
+        const double factor = scale_[j] / scale_[i];
+        map[i][j] = {map[i][j].mid * factor, map[i][j].rad * factor};
+      }
+    }
+    return map;
+  }
+
+  std::array<double, N> scale_, center_{}, old_{}, young_{};
   Matrix<N> edges_{}, basis_{};
 };
 

@@ -1,6 +1,7 @@
 // The proof that travels with a trajectory: rollouts of its published rows on the exact model.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -100,6 +101,36 @@ struct Tracking {
   bool saturated = false;            // the drive's peak torque was reached
 };
 
+// One limit against bounds that hold for certain at all times.
+struct LimitBound {
+  std::string name;                 // as in LimitCheck
+  int joint = 0;                    // 1 or 2; 0 for tip_speed
+  double allowed = 0;               // the limit, with what rounding may take
+  double published = 0;             // no magnitude of the published rows with their interpolation is larger
+  std::optional<double> rollout{};  // nor of the exact motion in closed loop; none: a property of the plan
+};
+
+// What is certain of the exact motion, and not only as exact as an integrator (proof/prove.h).
+struct Proof {
+  struct Loop {
+    bool proven = false;               // to the end, and within what is allowed
+    double until = 0;                  // [s] how far
+    std::string reason;                // why no further; empty when proven
+    Joints<double> link{};             // [rad]   |exact motion - plan| is never larger, until then
+    double time_of_max_link = 0;       // [s] where it may be that large
+    Joints<double> link_velocity{};    // [rad/s] likewise; closed loop only
+    Joints<double> feedback_torque{};  // [N m]  likewise; closed loop only
+    double width = 0;                  // [rad] largest uncertainty of a link in the enclosure
+    long steps = 0;
+  };
+  bool evaluated = false;
+  bool proven = false;
+  double until = 0;    // [s] up to which all of it is proven
+  std::string reason;  // "not proven from t = ...: ..."; empty when proven
+  Loop open_loop, closed_loop;
+  std::vector<LimitBound> limits;
+};
+
 struct Certificate {
   bool certified = false;
   std::vector<std::string> failures;  // one sentence each, empty when certified
@@ -110,6 +141,7 @@ struct Certificate {
   std::vector<TaskCheck> task;  // of the request; empty where there is none, and for a trajectory without request
   Residual residual;
   Tracking tracking;
+  Proof proof;  // where it was asked for
 };
 
 // The verdict on one trajectory on one robot, without residual and tracking; `limits` are the robot's or tighter.

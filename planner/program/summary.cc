@@ -37,6 +37,18 @@ std::string after_perturbed(const Perturbed& perturbed, double tolerance) {
   return after == 0 ? "" : fmt::format(", in the second after the end {:.3f} counts", after / tolerance);
 }
 
+std::string proven_loop(const char* name, const Proof::Loop& loop, double tolerance) {
+  const std::string until = loop.proven ? "" : fmt::format(" until {:.4f} s", loop.until);
+  return fmt::format("{} link at most {:.4f} counts{}, known to {:.1e} rad", name,
+                     std::max(loop.link[0], loop.link[1]) / tolerance, until, loop.width);
+}
+
+std::string proof(const Proof& proof, double tolerance) {
+  const std::string loops = fmt::format("{}; {}", proven_loop("open loop", proof.open_loop, tolerance),
+                                        proven_loop("closed loop", proof.closed_loop, tolerance));
+  return proof.proven ? line("proven", "at all times: " + loops) : line("not proven", loops);
+}
+
 std::string limit_text(const LimitCheck& check) {
   const std::string joint = check.joint == 0 ? "" : fmt::format(" {}", check.joint);
   return fmt::format("{}{} {:.6g} of {:.6g} {} at {:.4f} s", check.name, joint, check.reached, check.limit,
@@ -191,6 +203,7 @@ std::string summary(const Certificate& certificate) {
       fmt::format("predicted: links within {:.1f} and {:.1f} counts, motors at most {:.4g} and {:.4g} N m{}",
                   tracking.link_error[0] / certificate.tolerance, tracking.link_error[1] / certificate.tolerance,
                   tracking.peak_torque[0], tracking.peak_torque[1], tracking.saturated ? " (the drive's peak)" : ""));
+  if (certificate.proof.evaluated) text += proof(certificate.proof, certificate.tolerance);
   for (const std::string& failure : certificate.failures) text += line("failed", failure);
   return text;
 }

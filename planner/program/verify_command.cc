@@ -4,13 +4,16 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "planner/certificate/certificate.h"
+#include "planner/certificate/proof/prove.h"
 #include "planner/certificate/residual.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
@@ -26,6 +29,7 @@ struct VerifyArguments {
   std::string robot;            // empty: the default
   std::vector<double> payload;  // empty: the robot's own
   bool json = false;
+  bool proven = false;
 };
 
 // The robot and the limits that the verdict is about: those given here, made no easier by anything in the file.
@@ -155,6 +159,10 @@ std::string text_for_machines(const Conditions& conditions, const Trajectory& tr
   return json_text(json);
 }
 
+void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& task) {
+  for_each_index(count, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())), task);
+}
+
 int run(const VerifyArguments& options) {
   const Trajectory trajectory = read_csv(options.trajectory);
   const Conditions conditions = conditions_of(options, trajectory);
@@ -163,6 +171,9 @@ int run(const VerifyArguments& options) {
     fmt::print(stderr, "fjr: warning: {}: {}\n", options.trajectory, contradiction);
   }
   Certificate certificate = certify(conditions.robot, conditions.limits, trajectory);
+  if (options.proven) {
+    demand_proof(conditions.robot, conditions.limits, trajectory, certificate, on_all_cores);
+  }
   check_completeness(trajectory, certificate);
   if (!certificate.certified) {  // the reason behind the others
     certificate.failures.insert(certificate.failures.begin(), conditions.contradictions.begin(),
@@ -187,6 +198,8 @@ void add_verify(CLI::App& app, int& exit_code) {
       ->expected(1, 2)
       ->check(CLI::NonNegativeNumber)
       ->type_name("KG [KG M^2]");
+  command->add_flag("--proven", options->proven,
+                    "Bounds that hold with mathematical certainty too: certified only if everything is proven");
   command->add_flag("--json", options->json, "Only JSON on stdout: the certificate");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -59,6 +59,37 @@ Json closed_loop_json(const ClosedLoop& closed_loop) {
   return json;
 }
 
+Json proven_loop_json(const Proof::Loop& loop) {
+  return {{"proven", loop.proven},
+          {"until", number(loop.until)},
+          {"reason", text_or_null(loop.reason)},
+          {"link_error_rad", numbers(loop.link)},
+          {"time_of_max_link_error", number(loop.time_of_max_link)},
+          {"uncertainty_rad", number(loop.width)},
+          {"steps", loop.steps}};
+}
+
+Json proof_json(const Proof& proof) {
+  if (!proof.evaluated) return nullptr;
+  Json limits = Json::array();
+  for (const LimitBound& bound : proof.limits) {
+    limits.push_back({{"name", bound.name},
+                      {"joint", bound.joint == 0 ? Json(nullptr) : Json(bound.joint)},
+                      {"allowed", number(bound.allowed)},
+                      {"published", number(bound.published)},
+                      {"rollout", bound.rollout ? number(*bound.rollout) : Json(nullptr)}});
+  }
+  Json closed_loop = proven_loop_json(proof.closed_loop);
+  closed_loop["link_velocity_error"] = numbers(proof.closed_loop.link_velocity);
+  closed_loop["feedback_torque"] = numbers(proof.closed_loop.feedback_torque);
+  return {{"verdict", proof.proven ? "proven" : "not_proven"},
+          {"until", number(proof.until)},
+          {"reason", text_or_null(proof.reason)},
+          {"open_loop", proven_loop_json(proof.open_loop)},
+          {"closed_loop", std::move(closed_loop)},
+          {"limits", std::move(limits)}};
+}
+
 Json limit_json(const LimitCheck& check) {
   return {{"name", check.name},
           {"joint", check.joint == 0 ? Json(nullptr) : Json(check.joint)},
@@ -280,7 +311,8 @@ Json certificate_json(const Certificate& certificate) {
           {"limits", std::move(limits)},
           {"task", std::move(task)},
           {"residual", residual_json(certificate.residual)},
-          {"tracking", tracking_json(certificate.tracking)}};
+          {"tracking", tracking_json(certificate.tracking)},
+          {"proof", proof_json(certificate.proof)}};
 }
 
 Json plan_json(const Problem& problem, const Plan& plan) {

@@ -189,10 +189,10 @@ TEST(Flow, StepsHoldTheSolutionAtAllTimes) {
     for (const double fraction : {0.0, 0.3, 0.7, 1.0}) {
       const Ball t = step.length * fraction;
       const long double exact = std::cos(2 * (static_cast<long double>(step.from.mid) + t.mid));
-      const Ball x = polynomial(step.coefficients[0], step.coefficients[0].size(), t);
+      const Ball x = polynomial(step.near[0], step.near[0].size(), t);
       EXPECT_LE(std::abs(exact - x.mid), x.rad + 2 * t.rad + kReference);
       EXPECT_LT(x.rad, kNarrow);
-      EXPECT_LE(std::abs(exact - step.range[0].mid), step.range[0].rad + kReference);
+      EXPECT_LE(std::abs(exact - step.over[0][0].mid), step.over[0][0].rad + kReference);
     }
     return true;
   }));
@@ -229,6 +229,17 @@ TEST(Flow, SaysWhereItCannotGoOn) {
   flow.start({1.0});
   EXPECT_FALSE(flow.run({}, 2.0, ignore));  // 1 / (1 - t)
   EXPECT_GT(flow.reached(), 0.9);
+  EXPECT_LT(flow.reached(), 1.0);
+}
+
+// However large a remainder may be: what is no enclosure is not taken for one.
+TEST(Flow, ABoxThatDoesNotHoldWhatComesOutOfItIsNotBelieved) {
+  const Recording f = record<1>([](const auto& x, const auto&) { return std::array{x[0] * x[0]}; });
+  FlowOptions options;
+  options.remainder = 1e30;
+  Flow<1> flow(f, 0, options);
+  flow.start({1.0});
+  EXPECT_FALSE(flow.run({}, 2.0, ignore));
   EXPECT_LT(flow.reached(), 1.0);
 }
 

@@ -109,7 +109,7 @@ TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
   EXPECT_THAT(keys(json["solver"]), ElementsAre("iterations", "factorisations", "stages", "starts", "warm",
                                                 "cut_by_work", "distinct_minima", "minima", "fallbacks"));
   EXPECT_THAT(keys(json["certificate"]), ElementsAre("verdict", "failures", "tolerance_rad", "open_loop", "closed_loop",
-                                                     "limits", "task", "residual", "tracking"));
+                                                     "limits", "task", "residual", "tracking", "proof"));
   EXPECT_THAT(keys(json["certificate"]["limits"][0]),
               ElementsAre("name", "joint", "limit", "reached", "time", "margin", "rollout", "passed"));
 }
@@ -205,6 +205,29 @@ TEST(PlanJson, CertificateTakesTheLargestErrorOfTheJoints) {
   EXPECT_TRUE(json["closed_loop"]["perturbed"].is_null());
   EXPECT_THAT(json["closed_loop"]["max_feedback_torque"], ElementsAre(0.01, 0.002));
   EXPECT_EQ(json["limits"][0]["margin"], 0.5);
+}
+
+TEST(PlanJson, AProofIsToldWhereItWasAskedFor) {
+  Certificate certificate = some_certificate();
+  EXPECT_TRUE(certificate_json(certificate)["proof"].is_null());
+  EXPECT_THAT(summary(certificate), testing::Not(HasSubstr("proven")));
+  certificate.proof.evaluated = true;
+  certificate.proof.until = 0.25;
+  certificate.proof.reason = "not proven from t = 0.250000 s: open loop: link 1 may be off";
+  certificate.proof.open_loop.link = {1e-5, 2e-5};
+  certificate.proof.limits = {{"torque", 1, 12, 11.5, {}}, {"tip_speed", 0, 2, 1.5, 1.6}};
+  const Json proof = certificate_json(certificate)["proof"];
+  EXPECT_EQ(proof["verdict"], "not_proven");
+  EXPECT_EQ(proof["until"], 0.25);
+  EXPECT_EQ(proof["reason"], certificate.proof.reason);
+  EXPECT_THAT(proof["open_loop"]["link_error_rad"], ElementsAre(1e-5, 2e-5));
+  EXPECT_TRUE(proof["limits"][0]["rollout"].is_null());
+  EXPECT_EQ(proof["limits"][1]["rollout"], 1.6);
+  EXPECT_TRUE(proof["limits"][1]["joint"].is_null());
+  EXPECT_THAT(summary(certificate), HasSubstr("not proven"));
+  certificate.proof.proven = true;
+  EXPECT_EQ(certificate_json(certificate)["proof"]["verdict"], "proven");
+  EXPECT_THAT(summary(certificate), HasSubstr("proven      at all times"));
 }
 
 TEST(PlanJson, AFailedCertificateSaysSo) {

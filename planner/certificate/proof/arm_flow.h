@@ -1,0 +1,34 @@
+// The exact arm under a trajectory, piece by piece of a rollout, enclosed.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "common/enclosure/flow.h"
+#include "planner/certificate/comparison.h"
+#include "planner/certificate/proof/row_polynomials.h"
+
+namespace fjr {
+
+// One step of the enclosure: [from, from + length] in `plan`'s time.
+struct ArmStep {
+  double time;                               // [s] about when it begins
+  const RowPolynomials& plan;                // of the time since the step began
+  const enclosure::Step<kStates>& solution;  // likewise
+};
+
+// What became of it.
+struct Followed {
+  bool completed = false;  // to the end; else the observer had seen enough, or no enclosure was found
+  double until = 0;        // [s]
+  double width = 0;        // [rad] of the links, largest radius
+  long steps = 0;
+};
+
+// Follows the arm through these pieces and calls observe for every step until it returns false.
+Followed follow(const Parameters& robot, const Trajectory& trajectory, const std::vector<Piece>& pieces,
+                const std::function<bool(const ArmStep&)>& observe);
+
+}  // namespace fjr

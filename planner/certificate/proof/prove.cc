@@ -1,0 +1,295 @@
+#include "planner/certificate/proof/prove.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "planner/certificate/amplification.h"
+#include "planner/certificate/consistency.h"
+#include "planner/certificate/limits.h"
+#include "planner/certificate/proof/arm_flow.h"
+#include "planner/certificate/proof/quantity_series.h"
+#include "planner/certificate/proof/reach.h"
+#include "planner/certificate/thresholds.h"
+
+namespace fjr {
+namespace {
+
+using enclosure::Ball;
+using enclosure::Polynomial;
+
+constexpr std::size_t kRolloutOrder = 14;  // not above that of the enclosure
+constexpr std::size_t kRowOrder = 6;       // more than any polynomial quantity has between rows
+
+Polynomial difference(const Polynomial& a, const Polynomial& b) {
+  Polynomial d = a;
+  for (std::size_t k = 0; k < b.size(); ++k) d[k] -= b[k];
+  return d;
+}
+
+// Limits are square roots of what some quantities are.
+Reach reach_of(const QuantityInfo& quantity, double allowed) {
+  return Reach(quantity.squared ? enclosure::square(Ball(allowed)).lower() : allowed);
+}
+double magnitude(const QuantityInfo& quantity, double bound) {
+  return quantity.squared ? enclosure::rounded_up(std::sqrt(bound)) : bound;
+}
+
+std::string whose(const LimitName& name) {
+  return name.joint > 0 ? fmt::format("{} of joint {}", name.quantity->name, name.joint) : name.quantity->name;
+}
+
+// The first thing that could not be proved, where more than one were tried.
+struct Gap {
+  double time = HUGE_VAL;
+  std::string reason;
+
+  void note(double at, std::string what) {
+    if (at >= time) return;
+    time = at;
+    reason = std::move(what);
+  }
+};
+
+// A reach for every limit.
+class LimitReaches {
+ public:
+  LimitReaches(const Limits& allowed) {
+    for (const LimitName& name : kLimitNames) reaches_.push_back(reach_of(*name.quantity, name.in(allowed)));
+  }
+  Reach& operator[](std::size_t i) { return reaches_[i]; }
+  double bound(std::size_t i) const { return magnitude(*kLimitNames[i].quantity, reaches_[i].bound()); }
+
+ private:
+  std::vector<Reach> reaches_;
+};
+
+class LoopProver {
+ public:
+  LoopProver(const Parameters& robot, const Claims& claims, bool closed)
+      : robot_(robot),
+        claims_(claims),
+        closed_(closed),
+        link_{Reach(claims.link), Reach(claims.link)},
+        velocity_{Reach(claims.link_velocity), Reach(claims.link_velocity)},
+        feedback_{Reach(claims.feedback[0]), Reach(claims.feedback[1])},
+        limits_(claims.rollout),
+        quantities_(robot, claims.rollout, kRolloutOrder,
+                    [](const QuantityInfo& quantity) { return quantity.in_rollout != InRollout::kOfPlan; }) {}
+
+  void run(const Trajectory& trajectory, const std::vector<Piece>& pieces) {
+    const Followed followed = follow(robot_, trajectory, pieces, [&](const ArmStep& step) { return keeps(step); });
+    if (!followed.completed && gap_.reason.empty()) {
+      gap_.note(followed.until,
+                fmt::format("no enclosure of the motion goes on; it is known to {:.1e} rad there", followed.width));
+    }
+    followed_ = followed;
+  }
+
+  Proof::Loop result() const {
+    Proof::Loop r;
+    r.proven = followed_.completed;
+    r.until = followed_.completed ? followed_.until : std::min(gap_.time, followed_.until);
+    r.reason = gap_.reason;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      r.link[j] = link_[j].bound();
+      r.link_velocity[j] = velocity_[j].bound();
+      r.feedback_torque[j] = feedback_[j].bound();
+    }
+    r.time_of_max_link = link_[link_[1].bound() > link_[0].bound() ? 1 : 0].time();
+    r.width = followed_.width;
+    r.steps = followed_.steps;
+    return r;
+  }
+  const LimitReaches& limits() const { return limits_; }
+
+ private:
+  bool keeps(const ArmStep& step) {
+    bool kept = true;
+    for (std::size_t j = 0; j < kJoints && kept; ++j) {
+      kept = keeps_link(step, j) && (!closed_ || (keeps_velocity(step, j) && keeps_feedback(step, j)));
+    }
+    return kept && (!closed_ || keeps_limits(step));
+  }
+  bool keeps_link(const ArmStep& step, std::size_t j) {
+    const Polynomial error = difference(step.solution.near[kStateQ + j], step.plan.state.q[j]);
+    if (link_[j].include(error, step.solution.length, step.time)) return true;
+    return fail(link_[j], fmt::format("link {} may be", j + 1), "rad off the plan");
+  }
+  bool keeps_velocity(const ArmStep& step, std::size_t j) {
+    const Polynomial error = difference(step.solution.near[kStateDq + j], step.plan.state.dq[j]);
+    if (velocity_[j].include(error, step.solution.length, step.time)) return true;
+    return fail(velocity_[j], fmt::format("the velocity of link {} may be", j + 1), "rad/s off the plan");
+  }
+  bool keeps_feedback(const ArmStep& step, std::size_t j) {
+    const Polynomial position = difference(step.solution.near[kStateTheta + j], step.plan.state.theta[j]),
+                     velocity = difference(step.solution.near[kStateDtheta + j], step.plan.state.dtheta[j]);
+    Polynomial feedback;
+    for (std::size_t k = 0; k < position.size(); ++k) {
+      feedback.push_back(robot_.feedback.position_gain[j] * position[k] +
+                         robot_.feedback.velocity_gain[j] * velocity[k]);
+    }
+    if (feedback_[j].include(feedback, step.solution.length, step.time)) return true;
+    return fail(feedback_[j], fmt::format("feedback torque of joint {} may reach", j + 1), "N m");
+  }
+  bool keeps_limits(const ArmStep& step) {
+    AlongState motion;
+    for (std::size_t i = 0; i < kStates; ++i) {
+      motion.near[i] = step.solution.near[i];
+      motion.over[i] = step.solution.over[i];
+    }
+    const std::vector<Polynomial>& values = quantities_.along(motion);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const std::size_t limit = quantities_.limits()[i];
+      Reach& reach = limits_[limit];
+      if (reach.include(values[i], step.solution.length, step.time)) continue;
+      const LimitName& name = kLimitNames[limit];
+      gap_.note(reach.time(), fmt::format("{} may reach {:.9g}, allowed {:.9g}", whose(name), limits_.bound(limit),
+                                          name.in(claims_.rollout)));
+      return false;
+    }
+    return true;
+  }
+  bool fail(const Reach& reach, const std::string& what, const char* unit) {
+    gap_.note(reach.time(), fmt::format("{} {:.9g} {}, allowed {:.9g}", what, reach.bound(), unit, reach.allowed()));
+    return false;
+  }
+
+  const Parameters& robot_;
+  const Claims& claims_;
+  bool closed_;
+  Joints<Reach> link_, velocity_, feedback_;
+  LimitReaches limits_;
+  QuantitySeries quantities_;
+  Followed followed_;
+  Gap gap_;
+};
+
+// The published rows with their interpolation.
+class RowsProver {
+ public:
+  RowsProver(const Parameters& robot, const Claims& claims)
+      : robot_(robot),
+        claims_(claims),
+        limits_(claims.published),
+        quantities_(robot, claims.published, kRowOrder,
+                    [](const QuantityInfo& quantity) { return quantity.bound != BoundOn::kControl; }) {}
+
+  void run(const Trajectory& trajectory) {
+    const enclosure::RoundingToNearest nearest;
+    const std::vector<Sample>& rows = trajectory.samples;
+    for (std::size_t k = 0; k + 1 < rows.size(); ++k) include(rows[k], rows[k + 1]);
+    if (is_limited(LimitedTorqueRate::info, claims_.published)) torque_rates(trajectory);
+  }
+  const LimitReaches& limits() const { return limits_; }
+  const Gap& gap() const { return gap_; }
+
+ private:
+  void include(const Sample& from, const Sample& to) {
+    const RowPolynomials rows = RowPolynomials::between(from, to);
+    const RowPolynomials over = rows.shifted(Ball::between(0, rows.duration.upper()));
+    const std::vector<Polynomial>& values = quantities_.along({rows.state, over.state, rows.torque, over.torque});
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const std::size_t limit = quantities_.limits()[i];
+      if (!limits_[limit].include(values[i], rows.duration, from.time)) note(limit);
+    }
+  }
+  // The difference quotients that limits.cc takes.
+  void torque_rates(const Trajectory& trajectory) {
+    const std::vector<Sample>& rows = trajectory.samples;
+    const double apart = 0.5 * longest_interval(trajectory);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const std::size_t limit = first_limit_of(LimitedTorqueRate::info.name) + j;
+      if (!(kLimitNames[limit].in(claims_.published) < kNoLimit)) continue;
+      const FrictionLaw law = FrictionLaw::of(robot_, static_cast<int>(j));
+      const auto u = [&](const Sample& row) { return Ball(row.torque[j]) - law.nonlinear(Ball(row.state.dtheta[j])); };
+      for (std::size_t before = 0, k = 1; k < rows.size(); ++k) {
+        if (rows[k].time - rows[before].time < apart) continue;
+        while (rows[k].time - rows[before + 1].time >= apart) ++before;
+        const Ball rate = (u(rows[k]) - u(rows[before])) / (Ball(rows[k].time) - Ball(rows[before].time));
+        if (!limits_[limit].include({rate, 0}, 0, rows[k].time)) note(limit);
+      }
+    }
+  }
+  void note(std::size_t limit) {
+    const LimitName& name = kLimitNames[limit];
+    gap_.note(limits_[limit].time(), fmt::format("{} may reach {:.9g} in the published rows, its limit is {:.9g}",
+                                                 whose(name), limits_.bound(limit), name.in(claims_.published)));
+  }
+
+  const Parameters& robot_;
+  const Claims& claims_;
+  LimitReaches limits_;
+  QuantitySeries quantities_;
+  Gap gap_;
+};
+
+std::vector<LimitBound> limit_bounds(const Claims& claims, const LimitReaches& published, const LimitReaches& rollout) {
+  std::vector<LimitBound> bounds;
+  for (std::size_t i = 0; i < kLimits; ++i) {
+    const LimitName& name = kLimitNames[i];
+    if (!(name.in(claims.published) < kNoLimit)) continue;
+    LimitBound b{name.quantity->name, name.joint, name.in(claims.published), published.bound(i), {}};
+    if (name.in(claims.rollout) < kNoLimit) b.rollout = rollout.bound(i);
+    bounds.push_back(b);
+  }
+  return bounds;
+}
+
+}  // namespace
+
+Claims Claims::of(const Parameters& robot, const Limits& limits) {
+  Claims claims{exactness_tolerance(robot), rollout_velocity_tolerance(robot), feedback_limit(robot), limits,
+                rollout_allowance(robot, limits)};
+  for (const LimitName& name : kLimitNames) name.in(claims.published) *= 1 + kPublishedFraction;
+  return claims;
+}
+
+void demand_proof(const Parameters& robot, const Limits& limits, const Trajectory& trajectory, Certificate& certificate,
+                  const ForEach& for_each) {
+  certificate.proof = prove(robot, limits, trajectory, for_each);
+  if (certificate.proof.proven) return;
+  certificate.certified = false;
+  certificate.failures.push_back(certificate.proof.reason);
+}
+
+Proof prove(const Parameters& robot, const Limits& limits, const Trajectory& trajectory, const ForEach& for_each) {
+  return prove(robot, trajectory, Claims::of(robot, limits), for_each);
+}
+
+Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims& claims, const ForEach& for_each) {
+  Proof proof;
+  proof.evaluated = true;
+  if (std::string reason = malformed(trajectory); !reason.empty()) {
+    proof.reason = std::move(reason);
+    return proof;
+  }
+  LoopProver open(robot, claims, false), closed(robot, claims, true);
+  RowsProver rows(robot, claims);
+  const std::array<std::function<void()>, 3> parts{
+      [&] {
+        const std::vector<Stretch> stretches = stretches_of_amplification(robot, trajectory);
+        open.run(trajectory, open_loop_pieces(robot, trajectory, stretches));
+      },
+      [&] {
+        closed.run(trajectory, {{trajectory.end_time(), Drive::closed_loop(trajectory, robot), true}});
+      },
+      [&] { rows.run(trajectory); }};
+  for_each(parts.size(), [&](std::size_t i) { parts[i](); });
+  proof.open_loop = open.result();
+  proof.closed_loop = closed.result();
+  proof.limits = limit_bounds(claims, rows.limits(), closed.limits());
+  Gap first;
+  if (!proof.open_loop.proven) first.note(proof.open_loop.until, "open loop: " + proof.open_loop.reason);
+  if (!proof.closed_loop.proven) first.note(proof.closed_loop.until, "closed loop: " + proof.closed_loop.reason);
+  first.note(rows.gap().time, rows.gap().reason);
+  proof.proven = first.reason.empty();
+  proof.until = proof.proven ? trajectory.end_time() : first.time;
+  if (!proof.proven) proof.reason = fmt::format("not proven from t = {:.6f} s: {}", first.time, first.reason);
+  return proof;
+}
+
+}  // namespace fjr

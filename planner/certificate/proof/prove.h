@@ -1,0 +1,35 @@
+// Bounds of the exact motion that hold with mathematical certainty: the certificate's rollouts, proved.
+#pragma once
+
+#include <vector>
+
+#include "common/parallel.h"
+#include "planner/certificate/certificate.h"
+
+namespace fjr {
+
+// What has to be proved to hold at all times.
+struct Claims {
+  double link;                // [rad]   |q - plan|, in open and in closed loop
+  double link_velocity;       // [rad/s] |dq - plan|, in closed loop
+  Joints<double> feedback{};  // [N m]   in closed loop
+  Limits published, rollout;  // of the rows with their interpolation; of the closed loop
+
+  // Those of a certificate.
+  static Claims of(const Parameters& robot, const Limits& limits);
+};
+
+// Encloses the exact solutions of the model under the published samples, in open and in closed loop, from the exact
+// start and over all of the time, and compares them with the plan's cubics and the limits. What is covered, what is
+// assumed and how: docs/theory.md. for_each: three independent pieces of
+// work.
+Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims& claims,
+            const ForEach& for_each = one_after_another);
+Proof prove(const Parameters& robot, const Limits& limits, const Trajectory& trajectory,
+            const ForEach& for_each = one_after_another);
+
+// Asks a certificate for that too: what is certified and not proven is certified no longer, and says why.
+void demand_proof(const Parameters& robot, const Limits& limits, const Trajectory& trajectory, Certificate& certificate,
+                  const ForEach& for_each = one_after_another);
+
+}  // namespace fjr

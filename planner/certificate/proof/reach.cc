@@ -1,0 +1,67 @@
+#include "planner/certificate/proof/reach.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace fjr {
+namespace {
+
+using enclosure::Ball;
+using enclosure::Polynomial;
+using enclosure::rounded_up;
+
+constexpr double kResolution = 1e-6;  // of what is allowed: to which a largest magnitude is found
+constexpr double kNegligible = 1e-8;  // of what is allowed: last coefficients that come to less widen the first
+constexpr int kMostHalvings = 40;
+
+// sum_(k >= first) |c_k| t^k
+double size(const Polynomial& c, std::size_t first, double t) {
+  double sum = 0;
+  for (std::size_t k = c.size(); k-- > first;) sum = rounded_up(sum * t + c[k].magnitude());
+  for (std::size_t k = 0; k < first; ++k) sum = rounded_up(sum * t);
+  return sum;
+}
+
+}  // namespace
+
+bool Reach::include(const Polynomial& c, const Ball& length, double time) {
+  const double t = length.upper();
+  if (size(c, 0, t) <= bound_) return true;
+  Polynomial shorter = c;
+  while (shorter.size() > 1) {
+    double last = shorter.back().magnitude();
+    for (std::size_t k = 1; k < shorter.size(); ++k) last = rounded_up(last * t);
+    if (!(last <= kNegligible * allowed_)) break;
+    shorter.pop_back();
+    shorter[0] += Ball(0, last);
+  }
+  found_ = std::max({found_, c[0].mignitude(), polynomial(shorter, shorter.size(), t).mignitude()});
+  return refine(shorter, t, time, 0);
+}
+
+// By halves, and in the middle of each: |c(m + s)| <= |c(m)| + sum |c^(k)(m) / k!| (length / 2)^k.
+bool Reach::refine(const Polynomial& c, double length, double time, int depth) {
+  if (size(c, 0, length) <= bound_) return true;
+  const double half = rounded_up(length / 2);
+  const Polynomial middle = enclosure::shifted(c, half);
+  const double spread = size(middle, 1, half);
+  const double upper = rounded_up(middle[0].magnitude() + spread), lower = middle[0].mignitude();
+  if (upper <= bound_) return true;
+  found_ = std::max(found_, lower);
+  // Halving makes the spread smaller, and what is uncertain stays.
+  const bool sharp = spread <= middle[0].rad || (upper <= allowed_ && upper <= found_ + kResolution * allowed_);
+  if (sharp || lower > allowed_ || depth >= kMostHalvings || !std::isfinite(upper)) return take(upper, time + half);
+  const auto first = [&] { return refine(c, half, time, depth + 1); };
+  const auto second = [&] { return refine(middle, half, time + half, depth + 1); };
+  const bool rises =
+      middle.size() > 1 && middle[0].mid * middle[1].mid > 0;  // where the most is found at once, little is left
+  return rises ? second() && first() : first() && second();
+}
+
+bool Reach::take(double upper, double time) {
+  bound_ = std::isfinite(upper) ? upper : HUGE_VAL;
+  time_ = time;
+  return bound_ <= allowed_;
+}
+
+}  // namespace fjr

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/cpu_time.h"
+#include "planner/certificate/proof/prove.h"
 #include "planner/conclusion.h"
 #include "planner/plan_fields.h"
 #include "planner/search/calm.h"
@@ -74,6 +75,17 @@ std::optional<Infeasibility> search(int starts, Findings& found, Session& sessio
   return find_out_why(found, session);
 }
 
+// A certified plan that cannot be proven is none.
+void demand_proof(const Problem& problem, Session& session, Plan& plan) {
+  const Timed timed(session, "proof");
+  demand_proof(problem.robot, problem.limits, *plan.trajectory, *plan.certificate,
+               [&](std::size_t count, const auto& task) { session.for_each(count, task); });
+  if (plan.certificate->certified) return;
+  plan.status = PlanStatus::kUncertified;
+  plan.reason = plan.certificate->failures.back();
+  plan.solution.reset();
+}
+
 }  // namespace
 
 Plan plan(const Problem& problem, const PlanOptions& options) {
@@ -96,6 +108,7 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
     const Timed timed(session, "certificate");
     predict(problem.robot, *plan.trajectory, *plan.certificate);
   }
+  if (options.proven && plan.status == PlanStatus::kCertified) demand_proof(problem, session, plan);
   if (plan.solution && plan.trajectory) plan.analysis = analyse(*found.best->problem, *plan.solution, found.scale);
   tell_account(found, session.account(), plan);
   plan.timing["cpu"] = cpu_since(began_cpu) + session.account().cpu_of_others;

@@ -44,6 +44,7 @@ struct PlanOptions {
   // Solution of a neighbouring request (Plan::solution): tried first, and instead of everything else if it leads to a
   // certified plan; null: none.
   std::shared_ptr<const Collocated> warm;
+  bool proven = false;  // certified only if the certificate is proven too (certificate/proof/prove.h)
   std::function<void(const Progress&)> on_progress;
   std::function<bool()> cancelled;  // polled between iterations
 };

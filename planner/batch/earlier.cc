@@ -18,6 +18,8 @@ bool says(const Json& plan, const char* key, const std::string& text) {
   return found != plan.end() && found->is_string() && found->get_ref<const std::string&>() == text;
 }
 
+bool has_proof(const Json& plan) { return plan.value(Json::json_pointer("/certificate/proof"), Json()).is_object(); }
+
 bool is_final(const Json& plan) {
   return !says(plan, "status", name(PlanStatus::kDeadline)) && !says(plan, "status", name(PlanStatus::kCancelled));
 }
@@ -47,7 +49,8 @@ std::optional<Json> read_plan_json(const fs::path& folder) {
   return plan;
 }
 
-std::optional<Json> finished_earlier(const Problem& problem, const fs::path& folder, bool want_uncertified) {
+std::optional<Json> finished_earlier(const Problem& problem, const fs::path& folder, bool want_uncertified,
+                                     bool want_proven) {
   std::optional<Json> plan = read_plan_json(folder);
   if (!plan || !is_final(*plan)) return std::nullopt;
   const std::string hash = robot_hash(problem.robot);
@@ -57,6 +60,10 @@ std::optional<Json> finished_earlier(const Problem& problem, const fs::path& fol
   }
   if (says(*plan, "status", name(PlanStatus::kCertified)) &&
       !has_trajectory(folder / "trajectory.csv", problem, hash)) {
+    return std::nullopt;
+  }
+  if (says(*plan, "status", name(want_proven ? PlanStatus::kCertified : PlanStatus::kUncertified)) &&
+      has_proof(*plan) != want_proven) {
     return std::nullopt;
   }
   if (want_uncertified && says(*plan, "status", name(PlanStatus::kUncertified)) &&

@@ -14,8 +14,9 @@ std::optional<nlohmann::ordered_json> read_plan_json(const std::filesystem::path
 
 // plan.json of the folder if it is this version's final word on this very problem and the files that belong to it are
 // there and whole. A deadline or a cancellation is not final. want_uncertified: the file of a trajectory that was not
-// certified belongs to it.
+// certified belongs to it. want_proven: a certificate without a proof is not final; without that a refusal that a proof
+// was asked for is not.
 std::optional<nlohmann::ordered_json> finished_earlier(const Problem& problem, const std::filesystem::path& folder,
-                                                       bool want_uncertified);
+                                                       bool want_uncertified, bool want_proven = false);
 
 }  // namespace fjr

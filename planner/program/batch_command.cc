@@ -113,7 +113,8 @@ std::vector<std::size_t> sort_out(Batch& batch) {
       }
       tell_doubts(problem->robot);
       const FolderLock lock(batch.folder(item));
-      const auto plan = finished_earlier(*problem, batch.folder(item), batch.options.settings.keep_uncertified);
+      const auto plan = finished_earlier(*problem, batch.folder(item), batch.options.settings.keep_uncertified,
+                                         batch.options.settings.plan.proven);
       if (plan) {
         complete_report(batch, item, *plan);
         batch.rows[i] = make_row(item, *plan);

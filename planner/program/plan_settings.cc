@@ -35,6 +35,8 @@ void add_options(CLI::App& command, PlanSettings& settings) {
       ->type_name("S");
   command.add_flag("--keep-uncertified", settings.keep_uncertified,
                    "Write trajectories without certificate too, as trajectory.uncertified.csv");
+  command.add_flag("--proven", settings.plan.proven,
+                   "Certified only with bounds of errors and limits that hold with mathematical certainty");
   command.add_flag("--report", settings.report, "Write report.html too: the motion, animated, and all about it");
 }
 
@@ -43,6 +45,7 @@ std::vector<std::string> to_arguments(const PlanSettings& settings) {
   if (settings.plan.starts > 0) words.insert(words.end(), {"--starts", std::to_string(settings.plan.starts)});
   if (settings.plan.deadline > 0) words.insert(words.end(), {"--deadline", fmt::format("{}", settings.plan.deadline)});
   if (settings.keep_uncertified) words.emplace_back("--keep-uncertified");
+  if (settings.plan.proven) words.emplace_back("--proven");
   if (settings.report) words.emplace_back("--report");
   return words;
 }

@@ -269,6 +269,21 @@ class Earlier : public testing::Test {
   Json plan_ = bad_input_json("r", "", "");  // for the version
 };
 
+TEST_F(Earlier, WhoAsksForAProofGetsOneAndWhoDoesNotIsNotRefusedForIt) {
+  const auto finished_for = [&](bool want_proven) {
+    finished();  // stores them
+    return finished_earlier(problem_, folder_, false, want_proven).has_value();
+  };
+  EXPECT_TRUE(finished_for(false));
+  EXPECT_FALSE(finished_for(true));
+  plan_["certificate"]["proof"]["verdict"] = "proven";
+  EXPECT_TRUE(finished_for(false));
+  EXPECT_TRUE(finished_for(true));
+  plan_["status"] = "uncertified";
+  EXPECT_FALSE(finished_for(false));
+  EXPECT_TRUE(finished_for(true));
+}
+
 TEST_F(Earlier, TheSameRequestRobotAndVersionAreFinished) {
   EXPECT_FALSE(finished_earlier(problem_, folder_, false));
   EXPECT_TRUE(finished());

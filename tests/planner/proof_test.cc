@@ -152,6 +152,19 @@ TEST(Proof, ATorqueThatIsATenthOfAPercentOffIsNotProven) {
   }
 }
 
+TEST(Proof, WhatIsNotProvenIsNotCertifiedWhereAProofIsDemanded) {
+  Trajectory trajectory = reference_trajectory();
+  trajectory.samples.resize(100);
+  Certificate certificate;
+  certificate.certified = true;
+  demand_proof(robot(), robot_limits(), trajectory, certificate);
+  EXPECT_TRUE(certificate.certified && certificate.proof.proven);
+  trajectory.samples[50].state.q[0] += 1.5e-4;
+  demand_proof(robot(), robot_limits(), trajectory, certificate);
+  EXPECT_FALSE(certificate.certified);
+  EXPECT_THAT(certificate.failures, testing::ElementsAre(HasSubstr("not proven from t = 0.049")));
+}
+
 TEST(Proof, FeedbackBeyondWhatIsAllowedIsNotProven) {
   Trajectory trajectory = reference_trajectory();
   for (Sample& row : trajectory.samples) row.torque[1] += 0.01;

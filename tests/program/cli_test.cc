@@ -377,6 +377,31 @@ TEST_F(Cli, VerifyTellsHowAFileStartsAndWhetherItIsComplete) {
   EXPECT_EQ(certificate["complete"], true);
 }
 
+TEST_F(Cli, VerifyProvesOnDemand) {
+  Trajectory trajectory = at_rest();
+  write_csv(trajectory, path("t.csv"));
+  const Result proven = run({"verify", "t.csv", "--proven"});
+  EXPECT_EQ(proven.exit_code, 0) << proven.out;
+  EXPECT_THAT(proven.out, HasSubstr("\n  proven      at all times: open loop link at most 0.0000 counts"));
+  EXPECT_TRUE(Json::parse(run({"verify", "t.csv", "--json"}).out)["proof"].is_null());
+  trajectory.samples[10].state.q[0] += 2e-4;
+  write_csv(trajectory, path("t.csv"));
+  const Result refused = run({"verify", "t.csv", "--proven", "--json"});
+  EXPECT_EQ(refused.exit_code, 4);
+  const Json proof = Json::parse(refused.out)["proof"];
+  EXPECT_EQ(proof["verdict"], "not_proven");
+  EXPECT_THAT(proof["reason"], HasSubstr("not proven from t = 0.0"));
+}
+
+TEST_F(Cli, APlanIsProvenOnDemand) {
+  write("move.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\nobjective: fastest\n");
+  EXPECT_EQ(run({"plan", "move.yaml", "--out", "out", "--proven"}).exit_code, 0);
+  const Json proof = plan_json("out")["certificate"]["proof"];
+  EXPECT_EQ(proof["verdict"], "proven");
+  EXPECT_EQ(proof["until"], plan_json("out")["duration"]);
+  EXPECT_EQ(proof["limits"].size(), 8U);
+}
+
 TEST_F(Cli, VerifyRefusesATamperedFile) {
   Trajectory trajectory = at_rest();
   trajectory.samples[10].state.q[0] += 2e-4;  // two counts of the link encoder

@@ -47,10 +47,10 @@ struct Gap {
   double time = HUGE_VAL;
   std::string reason;
 
-  void note(double at, std::string what) {
+  void note(double at, const std::string& what) {
     if (at >= time) return;
     time = at;
-    reason = std::move(what);
+    reason = what;
   }
 };
 

@@ -32,7 +32,7 @@ static_assert(std::numeric_limits<double>::is_iec559 && FLT_EVAL_METHOD == 0, "d
 inline constexpr double kUnit = 0x1p-53;             // largest relative error of one operation
 inline constexpr double kElementaryError = 0x1p-51;  // of sin, cos, tanh and exp: 4 kUnit
 inline constexpr double kLargest = 1e280;            // beyond, a ball counts as unbounded
-inline constexpr double kUnderflow = 0x1p-1000;      // more than all that underflow in one expression can lose
+inline constexpr double kUnderflow = 0x1p-400;       // more than all that underflow in one expression can lose
 
 // Sets rounding to nearest, and restores what was there at the end of its life. A mode belongs to a thread.
 class RoundingToNearest {

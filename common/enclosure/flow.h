@@ -96,14 +96,14 @@ class Flow {
     for (std::size_t i = 0; i < N; ++i) center[i] = set_.center()[i];
     expand(point_, center, now, options_.order);
     expand(box_, hull, now, options_.order - 1);
-    double h = trust_ * length_by_decay();
+    const double left = duration.upper() - reached_;
+    double h = std::min({length_by_decay(), kLonger * usual_, left});
     for (;; h *= kShorter) {
-      if (!(h > options_.shortest)) return false;
+      if (h < left && !(h > options_.shortest)) return false;
       choose_end(h, duration);
       if (enclose(signals)) break;
-      trust_ = std::max(kLeastTrust, trust_ * kShorter);
     }
-    trust_ = std::min(1.0, trust_ * kLonger);
+    usual_ = is_last_ ? std::max(usual_, h) : h;
     tell();
     return transport();
   }
@@ -230,7 +230,7 @@ class Flow {
     }
   }
 
-  static constexpr double kShorter = 0.7, kLonger = 1.1, kLeastTrust = 1e-3;
+  static constexpr double kShorter = 0.7, kLonger = 1.5;
   static constexpr double kSlack = 4;  // of a remainder, beyond what was predicted
   static constexpr int kAttempts = 3;
 
@@ -240,7 +240,8 @@ class Flow {
   Slopes<N> slopes_;
   Set<N> set_;
   Step<N> last_;
-  double reached_ = 0, next_ = 0, trust_ = 1;
+  double reached_ = 0, next_ = 0;
+  double usual_ = 1e300;  // length of the last step that nothing cut short
   bool is_last_ = false;
   long steps_ = 0;
 };

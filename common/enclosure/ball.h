@@ -68,7 +68,6 @@ struct Ball {
   double mignitude() const { return std::max(0.0, least(std::abs(mid))); }  // no element is smaller
   double upper() const { return -Ball(-mid, rad).lower(); }
   double lower() const { return least(mid); }
-  bool contains(double x) const { return lower() <= x && x <= upper(); }
   // Every element of the other is surely one of this.
   bool contains(const Ball& b) const { return rounded_up(std::abs(b.mid - mid) + b.rad) <= rad; }
   bool is_bounded() const { return std::abs(mid) < kLargest && rad < kLargest; }  // false for NaN
@@ -150,11 +149,6 @@ inline Ball sech2(const Ball& a) {
   // |(sech^2)'| = 2 |tanh| sech^2, and sech^2 grows at most e^(2 r)-fold over a distance r.
   if (a.rad < kNarrow) return {middle.mid, rounded_up(middle.rad + middle.magnitude() * 3 * a.rad)};
   return Ball::between(0, std::min(1.0, value(Ball(a.mignitude())).upper()));
-}
-
-// The ball of both. The union, and what lies between.
-inline Ball hull(const Ball& a, const Ball& b) {
-  return Ball::between(std::min(a.lower(), b.lower()), std::max(a.upper(), b.upper()));
 }
 
 // Sums of products, with the error of the whole sum instead of one after every term: n products summed in any order

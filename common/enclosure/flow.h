@@ -60,7 +60,7 @@ class Flow {
   Flow(const Recording& f, std::size_t signals, const FlowOptions& options = {})
       : signals_(signals),
         options_(options),
-        point_(f, options.order),
+        point_(f, options.slope_order),
         box_(f, options.order),
         ahead_(f, options.order),
         slopes_(f, options.slope_order) {}
@@ -94,8 +94,8 @@ class Flow {
     for (const Polynomial& signal : signals) now.push_back(shifted(signal, reached_));
     Balls<N> center;
     for (std::size_t i = 0; i < N; ++i) center[i] = set_.center()[i];
-    expand(point_, center, now, options_.order);
-    expand(box_, hull, now, options_.order - 1);
+    expand(point_, center, now, slope_order());
+    expand(box_, hull, now, options_.order);
     const double left = duration.upper() - reached_;
     double h = std::min({length_by_decay(), kLonger * usual_, left});
     for (;; h *= kShorter) {
@@ -107,6 +107,8 @@ class Flow {
     tell();
     return transport();
   }
+
+  std::size_t slope_order() const { return std::min(options_.slope_order, options_.order - 1); }
 
   // The end of the step, and its exact length.
   void choose_end(double h, const Ball& duration) {
@@ -133,7 +135,7 @@ class Flow {
     double h = 1e300;
     for (const std::size_t k : {options_.order - 1, options_.order}) {
       for (std::size_t i = 0; i < N; ++i) {
-        const double c = std::abs(point_.at(i, k).mid);
+        const double c = std::abs(box_.at(i, k).mid);
         if (c > 0) h = std::min(h, std::pow(allowed(i) / c, 1.0 / static_cast<double>(k)));
       }
     }
@@ -159,7 +161,7 @@ class Flow {
     for (std::size_t i = 0; i < N; ++i) {
       without[i] = box_.at(i, 0);
       for (std::size_t k = 1; k < p; ++k) without[i] += box_.at(i, k) * power(k);
-      const double guess = 4 * std::abs(point_.at(i, p).mid) * last_power.magnitude() + allowed(i);
+      const double guess = 4 * std::abs(box_.at(i, p).mid) * last_power.magnitude() + allowed(i);
       tried[i] = without[i] + Ball(0, guess);
     }
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -197,7 +199,7 @@ class Flow {
 
   // 2. and 3.
   bool transport() {
-    const std::size_t p = options_.order, q = std::min(options_.slope_order, p - 1);
+    const std::size_t p = options_.order, q = slope_order();
     Balls<N> center{};
     BallMatrix<N> jacobian{};
     expand_slopes(q);

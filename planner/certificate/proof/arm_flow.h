@@ -12,6 +12,8 @@
 
 namespace fjr {
 
+inline constexpr std::size_t kArmOrder = 12;  // of the steps' polynomials, the last coefficient being the remainder
+
 // One step of the enclosure: [from, from + length] in `plan`'s time.
 struct ArmStep {
   double time;                               // [s] about when it begins

@@ -21,8 +21,7 @@ namespace {
 using enclosure::Ball;
 using enclosure::Polynomial;
 
-constexpr std::size_t kRolloutOrder = 14;  // not above that of the enclosure
-constexpr std::size_t kRowOrder = 6;       // more than any polynomial quantity has between rows
+constexpr std::size_t kRowOrder = 6;  // more than any polynomial quantity has between rows
 
 Polynomial difference(const Polynomial& a, const Polynomial& b) {
   Polynomial d = a;
@@ -77,7 +76,7 @@ class LoopProver {
         velocity_{Reach(claims.link_velocity), Reach(claims.link_velocity)},
         feedback_{Reach(claims.feedback[0]), Reach(claims.feedback[1])},
         limits_(claims.rollout),
-        quantities_(robot, claims.rollout, kRolloutOrder,
+        quantities_(robot, claims.rollout, kArmOrder,
                     [](const QuantityInfo& quantity) { return quantity.in_rollout != InRollout::kOfPlan; }) {}
 
   void run(const Trajectory& trajectory, const std::vector<Piece>& pieces) {
@@ -261,6 +260,7 @@ Proof prove(const Parameters& robot, const Limits& limits, const Trajectory& tra
 }
 
 Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims& claims, const ForEach& for_each) {
+  const enclosure::RoundingToNearest nearest;
   Proof proof;
   proof.evaluated = true;
   if (std::string reason = malformed(trajectory); !reason.empty()) {

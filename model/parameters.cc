@@ -1,6 +1,8 @@
 #include "model/parameters.h"
 
+#include <dlfcn.h>
 #include <fmt/format.h>
+#include <link.h>
 
 #include <algorithm>
 #include <cmath>
@@ -243,9 +245,15 @@ void check_drive(const YamlNode& root, const Parameters& p) {
   }
 }
 
-fs::path executable_folder() {
+// The folder of the file that this code was loaded from: the program, or a library of whatever program that is.
+fs::path own_folder() {
   std::error_code error;
-  return fs::read_symlink("/proc/self/exe", error).parent_path();
+  Dl_info here;
+  link_map* loaded = nullptr;
+  const auto* inside = reinterpret_cast<const void*>(&own_folder);
+  const bool known = dladdr1(inside, &here, reinterpret_cast<void**>(&loaded), RTLD_DL_LINKMAP) != 0;
+  const bool library = known && loaded->l_name[0] != '\0';  // programs have no name there
+  return (library ? fs::canonical(loaded->l_name, error) : fs::read_symlink("/proc/self/exe", error)).parent_path();
 }
 
 bool has_robot(const fs::path& folder) {
@@ -253,15 +261,15 @@ bool has_robot(const fs::path& folder) {
   return fs::is_regular_file(folder / "robot.yaml", error);
 }
 
-// config/ beside the executable or above it (a build tree below the sources), then where an installation puts it.
-std::vector<fs::path> folders_near_executable() {
-  const fs::path start = executable_folder();
-  std::vector<fs::path> folders;
+// Where installations put it, seen from a library in a Python package or from bin/; then config/ beside this code's
+// file or above it (a build tree below the sources).
+std::vector<fs::path> folders_nearby() {
+  const fs::path start = own_folder();
+  std::vector<fs::path> folders{start / "share/fjr/config", (start / "../share/fjr/config").lexically_normal()};
   for (fs::path above = start; !above.empty(); above = above.parent_path()) {
     folders.push_back(above / "config");
     if (above == above.parent_path()) break;
   }
-  folders.push_back((start / "../share/fjr/config").lexically_normal());
   return folders;
 }
 
@@ -285,8 +293,9 @@ bool may_be_left_out(std::string_view section, std::string_view name) {
   return section == "drive" && name == "copper_loss";
 }
 
-Parameters load_parameters(const fs::path& file) {
-  const YamlNode root = YamlNode::load(file);
+Parameters load_parameters(const fs::path& file) { return read_parameters(YamlNode::load(file)); }
+
+Parameters read_parameters(const YamlNode& root) {
   check_keys(root);
   Parameters p{};
   visit_parameters(
@@ -317,7 +326,7 @@ fs::path default_robot_file() {
     throw InputError("robot.yaml", "", fmt::format("not in FJR_CONFIG_DIR, {}", folder));
   }
   std::string searched;
-  for (const fs::path& folder : folders_near_executable()) {
+  for (const fs::path& folder : folders_nearby()) {
     if (has_robot(folder)) return folder / "robot.yaml";
     searched += (searched.empty() ? "" : ", ") + folder.string();
   }

@@ -126,12 +126,14 @@ Payload read_payload(const YamlNode& node);
 // missing keys, wrong sizes and units, NaN and infinity, and unphysical values (a mass matrix that is not positive
 // definite at every q2, a spring that cannot hold gravity within its deflection limit, ...) are refused.
 Parameters load_parameters(const std::filesystem::path& file);
+Parameters read_parameters(const YamlNode& root);  // the same of a document
 
 // The same of an arm with nothing at its tip, which is what experiments and identification are about; one with a
 // payload is refused.
 Parameters load_bare_parameters(const std::filesystem::path& file);
 
-// The robot.yaml shipped with the program: found beside the installed or built executable from any working directory.
+// The robot.yaml shipped with the program: found beside the installed or built file that this code is in, program or
+// library, from any working directory.
 std::filesystem::path default_robot_file();
 
 // SHA-256 (lower-case hex) over names and values ("section.name[i]=%.17g\n", sorted), not over the file's bytes. What

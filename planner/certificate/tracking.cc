@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "model/encoder.h"
-#include "planner/certificate/rollout.h"
+#include "planner/certificate/simulation.h"
 
 namespace fjr {
 namespace {
@@ -14,30 +14,21 @@ void keep_largest(double& largest, double value) { largest = std::max(largest, s
 // Errors are what the link encoders see of them.
 Tracking run_ticks(const Parameters& p, const Trajectory& trajectory) {
   Tracking t;
-  State<double> x = trajectory.samples.front().state;
-  TickController controller(p, trajectory);
   Interpolator plan(trajectory);
-  Rollout arm(p, Limits{}, Accuracy::of_predictions());
-  const double start = trajectory.start_time(), end = trajectory.end_time();
-  const auto ticks = static_cast<long>(std::ceil((end - start) / kTick - 1e-9));
-  for (long k = 0; k < ticks; ++k) {
-    const double now = start + static_cast<double>(k) * kTick, next = std::min(end, now + kTick);
-    const TickController::Command command = controller.command(now, {x.theta, x.q});
-    if (k == 0) arm.start(now, x, Drive::holding({now, {}, command.torque}));
-    arm.hold(command.torque);
-    if (!arm.run(next, {}, {}, {})) break;
-    x = arm.state();
-    const State<double> wanted = plan.at(next).state;
+  double ticks = 0;
+  roll_out_ticks(p, p, trajectory, trajectory.samples.front().state, [&](const SimulatedTick& tick) {
+    const State<double> wanted = plan.at(tick.end).state;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      const double error = quantised(x.q[j], p.encoder.link_counts[j]) - wanted.q[j];
+      const double error = quantised(tick.state.q[j], p.encoder.link_counts[j]) - wanted.q[j];
       keep_largest(t.link_error[j], error);
-      t.link_error_rms[j] += error * error / static_cast<double>(ticks);
-      keep_largest(t.feedback_torque[j], command.feedback[j]);
-      keep_largest(t.peak_torque[j], command.torque[j]);
+      t.link_error_rms[j] += error * error;
+      keep_largest(t.feedback_torque[j], tick.command.feedback[j]);
+      keep_largest(t.peak_torque[j], tick.command.torque[j]);
     }
-    t.saturated |= command.saturated;
-  }
-  for (double& rms : t.link_error_rms) rms = std::sqrt(rms);
+    t.saturated |= tick.command.saturated;
+    ++ticks;
+  });
+  for (double& rms : t.link_error_rms) rms = std::sqrt(rms / std::max(1.0, ticks));
   return t;
 }
 

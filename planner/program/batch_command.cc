@@ -28,6 +28,7 @@
 #include "planner/program/progress_line.h"
 #include "planner/program/result_files.h"
 #include "planner/results/plan_json.h"
+#include "planner/results/report/plan_files.h"
 #include "planner/results/result_folder.h"
 
 namespace fjr {

@@ -12,11 +12,9 @@
 #include "common/atomic_file.h"
 #include "common/input_error.h"
 #include "model/identify/agreement.h"
-#include "model/identify/arm.h"
-#include "model/identify/procedures.h"
+#include "model/identify/from_files.h"
 #include "model/identify/repeated.h"
 #include "model/identify/report.h"
-#include "model/identify/robot_file.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
 #include "planner/program/misspelt.h"
@@ -26,9 +24,6 @@ namespace fjr {
 namespace {
 
 namespace fs = std::filesystem;
-
-// In the order of section IV.
-constexpr const char* kProcedures[] = {"stiffness", "gravity", "link_inertia", "motor_friction", "motor_inertia"};
 
 struct IdentifyArguments {
   std::string name, out, report, robot;
@@ -47,12 +42,6 @@ ColumnNames renamed_columns(const std::vector<std::string>& pairs) {
     renamed[pair.substr(0, equals)] = pair.substr(equals + 1);
   }
   return renamed;
-}
-
-int joint_of(const Log& log, const IdentifyArguments& options) {
-  const double joint = options.joint != 0 ? options.joint : log.number("joint", 0);
-  if (joint == 1 || joint == 2) return static_cast<int>(joint) - 1;
-  throw InputError(log.source, "# joint", "is missing or neither 1 nor 2; --joint says it too");
 }
 
 std::string parameters_text(const Estimate& e) {
@@ -102,39 +91,13 @@ nlohmann::ordered_json json_of(const Estimate& e) {
   return json;
 }
 
-std::vector<Estimate> from_logs(const IdentifyArguments& options, const Parameters& robot) {
-  std::vector<Estimate> estimates;
-  for (const std::string& file : options.logs) {
-    const Log log = read_log(file, renamed_columns(options.columns));
-    estimates.push_back(identify(options.name, log, joint_of(log, options), robot));
-  }
-  return estimates;
-}
-
-std::vector<Estimate> from_folder(const IdentifyArguments& options, const Parameters& robot) {
-  if (options.logs.size() != 1 || !fs::is_directory(options.logs.front())) {
+Identification identify_as_asked(const IdentifyArguments& options, const Parameters& known) {
+  const ColumnNames renamed = renamed_columns(options.columns);
+  if (options.name != "all") return identify_logs(options.name, {options.logs, options.joint, renamed}, known);
+  if (options.logs.size() != 1) {
     throw InputError(options.logs.front(), "", "'all' needs one folder with <experiment>_<joint>.csv");
   }
-  std::vector<Estimate> estimates;
-  for (const char* name : kProcedures) {
-    for (int joint = 0; joint < kJoints; ++joint) {
-      const fs::path file = fs::path(options.logs.front()) / fmt::format("{}_{}.csv", name, joint + 1);
-      const Log log = read_log(file, renamed_columns(options.columns));
-      const Parameters known = combine(robot, estimates).robot;  // what comes later may need what came before
-      estimates.push_back(identify(name, log, joint, known));
-    }
-  }
-  return estimates;
-}
-
-void write_robot(const IdentifyArguments& options, const fs::path& base, const std::vector<Estimate>& estimates) {
-  if (options.out.empty()) return;
-  const Parameters robot = load_bare_parameters(base);
-  // What is unphysical is said now, not when somebody plans with it, and the file that may be there already stays.
-  const fs::path trial = options.out + ".refused";
-  write_file(trial, format_robot(combine(robot, estimates), base, options.link_damping));
-  tell_doubts(load_parameters(trial));
-  fs::rename(trial, options.out);
+  return identify_folder(options.logs.front(), renamed, known);
 }
 
 std::string consistency_table(const std::vector<Agreement>& all) {
@@ -152,18 +115,6 @@ void tell_doubts(const std::vector<Agreement>& all, const std::vector<Change>& c
   }
 }
 
-// One of the two logs is wrong, and nobody knows which: a column doubled, another unit, the wrong file.
-void refuse_contradictions(const IdentifyArguments& options, const std::vector<Agreement>& all) {
-  if (options.accept_inconsistent) return;
-  for (const Agreement& a : all) {
-    if (a.standard_errors_apart() < kContradictoryApart) continue;
-    throw InputError(options.logs.front(), "",
-                     fmt::format("the logs contradict each other: {}; below {:g} is allowed, and more with "
-                                 "--accept-inconsistent",
-                                 a.sentence(), kContradictoryApart));
-  }
-}
-
 // Of a whole identification the report stands beside robot.yaml; otherwise it is written where asked.
 fs::path report_file(const IdentifyArguments& options) {
   if (!options.report.empty() || options.name != "all" || options.out.empty()) return options.report;
@@ -173,10 +124,9 @@ fs::path report_file(const IdentifyArguments& options) {
 int run(const IdentifyArguments& options) {
   const fs::path base = options.robot.empty() ? default_robot_file() : fs::path(options.robot);
   const Parameters robot = load_bare_parameters(base);
-  const std::vector<Estimate> estimates =
-      options.name == "all" ? from_folder(options, robot) : from_logs(options, robot);
+  const Identification found = identify_as_asked(options, robot);
   nlohmann::ordered_json json = nlohmann::ordered_json::array();
-  for (const Estimate& e : estimates) {
+  for (const Estimate& e : found.estimates) {
     if (options.json) {
       json.push_back(json_of(e));
     } else {
@@ -184,14 +134,14 @@ int run(const IdentifyArguments& options) {
     }
   }
   if (options.json) fmt::print("{}", json_text(json));
-  const std::vector<Agreement> agreeing = agreements(estimates);
-  const std::vector<Change> changed = changes(robot, combine(robot, estimates));
-  if (!options.json) fmt::print("{}{}", combined_text(combine_repeated(estimates)), consistency_table(agreeing));
-  tell_doubts(agreeing, changed);
+  if (!options.json) {
+    fmt::print("{}{}", combined_text(combine_repeated(found.estimates)), consistency_table(found.agreements));
+  }
+  tell_doubts(found.agreements, found.changes);
   const fs::path report = report_file(options);
-  if (!report.empty()) write_file(report, format_identification_report(estimates, changed));
-  refuse_contradictions(options, agreeing);
-  write_robot(options, base, estimates);
+  if (!report.empty()) write_file(report, format_identification_report(found.estimates, found.changes));
+  if (!options.accept_inconsistent) refuse_contradictions(found, options.logs.front());
+  if (!options.out.empty()) tell_doubts(write_robot(options.out, base, robot, found, options.link_damping));
   if (!options.json) fmt::print("{}{}{}\n", options.out, options.out.empty() ? "" : " ", report.string());
   return 0;
 }

@@ -31,6 +31,7 @@
 #include "planner/request/request.h"
 #include "planner/results/explain_request.h"
 #include "planner/results/plan_json.h"
+#include "planner/results/report/plan_files.h"
 #include "planner/results/result_folder.h"
 #include "planner/results/solution_file.h"
 
@@ -132,18 +133,6 @@ void load(PlanJob& job, const PlanArguments& options) {
 
 void complain(const std::string& problem) { fmt::print(stderr, "fjr: {}\n", problem); }
 
-// Returns the names of what was written.
-std::vector<std::string> write_trajectory(const PlanJob& job, const PlanArguments& options, const fs::path& folder,
-                                          Plan& plan, const nlohmann::ordered_json& json) {
-  const bool certified = plan.status == PlanStatus::kCertified;
-  if (!plan.trajectory || (!certified && !options.settings.keep_uncertified)) return {};
-  const std::string name = certified ? "trajectory.csv" : "trajectory.uncertified.csv";
-  describe(*plan.trajectory, json);
-  write_csv(*plan.trajectory, folder / name);
-  if (plan.solution) write_solution(folder / kSolutionFile, *plan.solution, robot_hash(job.problem->robot));
-  return {name};
-}
-
 bool has_earlier_results(const PlanJob& job) {
   const FolderLock lock(job.folder);
   return worth_of(job.folder) != Worth::kNothing;
@@ -175,9 +164,9 @@ Plan solve(const PlanJob& job, const PlanArguments& options) {
 PlanOutcome store(const PlanJob& job, const PlanArguments& options, Plan& result) {
   NewResults results(job.folder);
   PlanOutcome outcome{result.status, plan_json(*job.problem, result), summary(*job.problem, result)};
-  std::vector<std::string> written = write_trajectory(job, options, results.stage(), result, outcome.json);
-  write_file(results.stage() / "plan.json", json_text(outcome.json));
-  written.emplace_back("plan.json");
+  if (result.trajectory) describe(*result.trajectory, outcome.json);
+  const PlanFiles files{outcome.json, result.trajectory ? &*result.trajectory : nullptr, result.solution.get()};
+  std::vector<std::string> written = write_plan_files(files, results.stage(), options.settings.keep_uncertified);
   std::exception_ptr no_report;
   try {
     if (options.settings.report) written.push_back(write_report(results.stage()).filename().string());

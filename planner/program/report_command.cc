@@ -7,6 +7,7 @@
 
 #include "planner/program/commands.h"
 #include "planner/program/result_files.h"
+#include "planner/results/report/plan_files.h"
 #include "planner/results/result_folder.h"
 
 namespace fjr {

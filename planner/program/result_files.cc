@@ -5,14 +5,11 @@
 
 #include <cerrno>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <system_error>
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
 #include "common/strict_yaml.h"
-#include "planner/results/planned_with.h"
-#include "planner/results/report/plan_page.h"
 #include "planner/results/result_folder.h"
 
 namespace fjr {
@@ -33,12 +30,6 @@ void prepare_folder(const fs::path& folder) {
   if (::access(folder.c_str(), W_OK | X_OK) == 0) return;
   const std::string reason = std::generic_category().message(errno);
   throw InputError("--out", "", fmt::format("cannot write to folder {}: {}", folder.string(), reason));
-}
-
-fs::path write_report(const fs::path& folder) {
-  const fs::path file = folder / kReport;
-  write_file(file, plan_page(read_plan(folder)));
-  return file;
 }
 
 std::string about_previous(const fs::path& folder, PlanStatus status, bool kept) {
@@ -70,14 +61,6 @@ RequestId read_trajectory_id(const fs::path& folder) {
   std::getline(in, line);
   if (const auto id = request_id_from(line)) return *id;
   throw InputError(file.string(), "", shown(line) + " is not 32 hexadecimal digits, a minus and a number");
-}
-
-void describe(Trajectory& trajectory, const nlohmann::ordered_json& plan) {
-  for (const char* key : {"request", "request_hash", "robot_hash", "status", "version"}) {
-    trajectory.metadata[key] = plan.at(key).get<std::string>();
-  }
-  trajectory.metadata["rows"] = std::to_string(trajectory.samples.size());  // a file that was cut short shows it
-  tell_planned_with(plan, trajectory.metadata);
 }
 
 }  // namespace fjr

@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <system_error>
+#include <utility>
 
 #include "common/input_error.h"
 #include "planner/results/report/json_field.h"
@@ -54,6 +55,12 @@ void check_belonging(const Trajectory& trajectory, const fs::path& file, const J
 }
 
 }  // namespace
+
+PlanRecord record_of(nlohmann::ordered_json plan, std::string source, std::optional<Trajectory> trajectory) {
+  PlanRecord record{std::move(source), std::move(plan), {}, std::move(trajectory)};
+  record.robot = read_robot(JsonField(record.plan, record.source));
+  return record;
+}
 
 PlanRecord read_plan(const fs::path& folder) {
   std::error_code error;

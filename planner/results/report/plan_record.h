@@ -18,9 +18,13 @@ struct PlanRecord {
   std::optional<Trajectory> trajectory;  // none: nothing came of it that was to be kept
 };
 
-// Reads plan.json, and trajectory.csv beside it, or trajectory.uncertified.csv of a plan that is uncertified. The robot
-// is the one in plan.json, held against its robot_hash. InputError: no such folder or files, or they are damaged, or do
-// not belong together, or the request was refused, so that nothing was planned.
+// From what a plan.json says and the trajectory that goes with it. The robot is the one in plan.json, held against its
+// robot_hash. InputError as below.
+PlanRecord record_of(nlohmann::ordered_json plan, std::string source, std::optional<Trajectory> trajectory);
+
+// Reads plan.json, and trajectory.csv beside it, or trajectory.uncertified.csv of a plan that is uncertified.
+// InputError: no such folder or files, or they are damaged, or do not belong together, or the request was refused, so
+// that nothing was planned.
 PlanRecord read_plan(const std::filesystem::path& folder);
 
 }  // namespace fjr

@@ -1,0 +1,78 @@
+#include "planner/certificate/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "planner/certificate/comparison.h"
+#include "planner/certificate/residual.h"
+#include "planner/certificate/rollout.h"
+
+namespace fjr {
+namespace {
+
+State<double> start_of(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory) {
+  const Sample& first = trajectory.samples.front();
+  return is_at_rest(planned_for, first) ? rest_at(arm, first.state.q) : first.state;
+}
+
+Simulation roll_out(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
+                    const Drive& drive) {
+  Simulation out;
+  Interpolator plan(trajectory);
+  const auto record = [&](double time, const State<double>& x) {
+    const Sample planned = plan.at(time);
+    const Joints<double> feedback = drive.feedback(planned.state, x);
+    out.samples.push_back({time, x, {planned.torque[0] + feedback[0], planned.torque[1] + feedback[1]}});
+  };
+  Rollout rollout(arm, Limits{}, Accuracy::of_certificates());
+  rollout.limit_step(longest_step(trajectory));
+  const State<double> start = start_of(planned_for, arm, trajectory);
+  rollout.start(trajectory.start_time(), start, drive);
+  record(trajectory.start_time(), start);
+  out.completed =
+      rollout.run(trajectory.end_time(), comparison_instants(trajectory), torque_corners(trajectory, kCorner), record);
+  out.failure = rollout.failure();
+  return out;
+}
+
+Simulation run_ticks(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory) {
+  Simulation out;
+  const State<double> start = start_of(planned_for, arm, trajectory);
+  out.samples.push_back({trajectory.start_time(), start, trajectory.samples.front().torque});
+  out.completed = roll_out_ticks(planned_for, arm, trajectory, start, [&](const SimulatedTick& tick) {
+    out.samples.push_back({tick.end, tick.state, tick.command.torque});
+  });
+  if (!out.completed) out.failure = "the integration broke down";
+  return out;
+}
+
+}  // namespace
+
+Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
+                    Control control) {
+  if (control == Control::kExecutor) return run_ticks(planned_for, arm, trajectory);
+  const bool open = control == Control::kOpenLoop;
+  return roll_out(planned_for, arm, trajectory,
+                  open ? Drive::open_loop(trajectory) : Drive::closed_loop(trajectory, planned_for));
+}
+
+bool roll_out_ticks(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
+                    const State<double>& start, const std::function<void(const SimulatedTick&)>& observe) {
+  State<double> x = start;
+  TickController controller(planned_for, trajectory);
+  Rollout rollout(arm, Limits{}, Accuracy::of_predictions());
+  const double begin = trajectory.start_time(), end = trajectory.end_time();
+  const auto ticks = static_cast<long>(std::ceil((end - begin) / kTick - 1e-9));
+  for (long k = 0; k < ticks; ++k) {
+    const double now = begin + static_cast<double>(k) * kTick, next = std::min(end, now + kTick);
+    const TickController::Command command = controller.command(now, {x.theta, x.q});
+    if (k == 0) rollout.start(now, x, Drive::holding({now, {}, command.torque}));
+    rollout.hold(command.torque);
+    if (!rollout.run(next, {}, {}, {})) return false;
+    x = rollout.state();
+    observe({next, command, x});
+  }
+  return true;
+}
+
+}  // namespace fjr

@@ -1,0 +1,43 @@
+// A trajectory on an arm that need not be the one it was planned for.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "planner/control/motor_feedback.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+
+enum class Control {
+  kOpenLoop,    // the planned torque alone
+  kClosedLoop,  // with motor-side feedback on the exact state, as the certificate has it
+  kExecutor,    // with the executor's law: encoder counts, torque held for 1 ms ticks, the drives' peak torque
+};
+
+struct Simulation {
+  std::vector<Sample> samples;  // torque: as commanded, feedback included; of kExecutor the one held until the sample
+  bool completed = false;
+  std::string failure;  // why the integration broke down; empty when completed
+};
+
+// Rolls the trajectory out, with the accuracy of a certificate or, tick by tick, of a prediction. `planned_for` has the
+// gains, encoders and drives, `arm` is the one that moves. It begins in the first row's state; where that is rest for
+// the one, in the rest of the other. The samples are what the certificate looks at, at most 0.25 ms apart, or of
+// kExecutor the ends of its ticks.
+Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
+                    Control control);
+
+// One tick of the executor on the simulated arm.
+struct SimulatedTick {
+  double end = 0;  // [s]
+  TickController::Command command;
+  State<double> state;  // at its end
+};
+
+// From `start`, until the trajectory ends. False: the integration broke down.
+bool roll_out_ticks(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
+                    const State<double>& start, const std::function<void(const SimulatedTick&)>& observe);
+
+}  // namespace fjr

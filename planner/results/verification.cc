@@ -1,0 +1,103 @@
+#include "planner/results/verification.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "common/parallel.h"
+#include "planner/certificate/proof/prove.h"
+#include "planner/certificate/residual.h"
+#include "planner/results/plan_json.h"
+
+namespace fjr {
+namespace {
+
+// The payload given, or else the robot's, or else the file's.
+void settle_payload(const std::optional<Payload>& given, Verification& v) {
+  if (given) v.robot.payload = *given;
+  const auto& planned = v.header.payload;
+  if (!planned || *planned == v.robot.payload) return;
+  if (!given && v.robot.payload == Payload{}) {
+    v.robot.payload = *planned;
+  } else {
+    v.contradictions.push_back(fmt::format("payload: it was planned with {}, but {} {}", text_of(*planned),
+                                           given ? "--payload says" : "the robot has", text_of(v.robot.payload)));
+  }
+}
+
+void tighten(Verification& v) {
+  for (const LimitInHeader& header : v.header.limits) {
+    double& limit = *limit_of(v.limits, header.name, header.joint);
+    if (header.value > limit) {
+      v.contradictions.push_back(fmt::format("{}: the file says {} {}, but the robot's {} {} hold", header.key,
+                                             header.value, header.unit, limit, header.unit));
+    }
+    limit = std::min(limit, header.value);
+  }
+}
+
+// Of a robot that differs in more than the payload.
+void compare_robots(const Trajectory& trajectory, Verification& v) {
+  const auto planned_for = trajectory.metadata.find("robot_hash");
+  const std::string hash = robot_hash(v.robot);
+  if (planned_for == trajectory.metadata.end() || planned_for->second == hash) return;
+  Parameters as_planned = v.robot;
+  if (v.header.payload) as_planned.payload = *v.header.payload;
+  if (robot_hash(as_planned) == planned_for->second) return;
+  v.contradictions.push_back(fmt::format("it was planned for another robot (robot_hash {}, this robot's is {}){}",
+                                         planned_for->second, hash, v.header.payload ? "" : " or payload"));
+}
+
+// Whether all rows are there that the file says that it had; nothing where it does not say.
+std::optional<bool> is_complete(const Trajectory& trajectory) {
+  const auto rows = trajectory.metadata.find("rows");
+  if (rows == trajectory.metadata.end()) return std::nullopt;
+  return rows->second == std::to_string(trajectory.samples.size());
+}
+
+// A file that was cut short is as exact as before, but not what was planned.
+void check_completeness(const Trajectory& trajectory, Verification& v) {
+  v.complete = is_complete(trajectory);
+  if (v.complete.value_or(true)) return;
+  v.certificate.certified = false;
+  v.certificate.failures.push_back(fmt::format("the file has {} rows, but says that it had {}",
+                                               trajectory.samples.size(), trajectory.metadata.at("rows")));
+}
+
+void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& task) {
+  for_each_index(count, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())), task);
+}
+
+}  // namespace
+
+Verification verify(const Trajectory& trajectory, const std::string& source, const Parameters& robot,
+                    const VerifyOptions& options) {
+  Verification v{robot, {}, planned_with(trajectory.metadata, source), {}, {}, {}};
+  settle_payload(options.payload, v);
+  v.limits = Limits::of(v.robot);
+  tighten(v);
+  compare_robots(trajectory, v);
+  v.certificate = certify(v.robot, v.limits, trajectory);
+  if (options.proven) demand_proof(v.robot, v.limits, trajectory, v.certificate, on_all_cores);
+  check_completeness(trajectory, v);
+  if (!v.certificate.certified) {  // the reason behind the others
+    v.certificate.failures.insert(v.certificate.failures.begin(), v.contradictions.begin(), v.contradictions.end());
+  }
+  return v;
+}
+
+nlohmann::ordered_json verification_json(const Trajectory& trajectory, const Verification& v) {
+  nlohmann::ordered_json json = certificate_json(v.certificate);
+  json["complete"] = v.complete ? nlohmann::ordered_json(*v.complete) : nlohmann::ordered_json(nullptr);
+  json["starts_at_rest"] = is_at_rest(v.robot, trajectory.samples.front());
+  json["ends_at_rest"] = is_at_rest(v.robot, trajectory.samples.back());
+  json["robot_hash"] = robot_hash(v.robot);
+  json["payload"] = {{"mass", v.robot.payload.mass}, {"inertia", v.robot.payload.inertia}};
+  json["contradictions"] = v.contradictions;
+  return json;
+}
+
+}  // namespace fjr

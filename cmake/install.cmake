@@ -12,6 +12,10 @@ install(TARGETS fjr_common fjr_model fjr_planner
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fjr)
+# What the Python package needs beside them: components of find_package(fjr), for they need more packages.
+install(TARGETS fjr_identify fjr_idl fjr_report fjr_results fjr_service EXPORT fjrComponentTargets
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fjr)
 install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fjr/config USE_SOURCE_PERMISSIONS)
 install(DIRECTORY idl/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fjr/idl FILES_MATCHING PATTERN "*.idl")
 # The units name the program and its configuration by their full paths, which are known when they are installed (--prefix).
@@ -42,8 +46,9 @@ install(DIRECTORY common model planner
 
 set(fjr_package ${CMAKE_INSTALL_LIBDIR}/cmake/fjr)
 install(EXPORT fjrTargets NAMESPACE fjr:: DESTINATION ${fjr_package})
+install(EXPORT fjrComponentTargets NAMESPACE fjr:: DESTINATION ${fjr_package})
 configure_package_config_file(cmake/fjrConfig.cmake.in ${PROJECT_BINARY_DIR}/cmake/fjrConfig.cmake
-  INSTALL_DESTINATION ${fjr_package})
+  INSTALL_DESTINATION ${fjr_package} PATH_VARS CMAKE_INSTALL_DATADIR)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/cmake/fjrConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/cmake/fjrConfig.cmake ${PROJECT_BINARY_DIR}/cmake/fjrConfigVersion.cmake
   DESTINATION ${fjr_package})

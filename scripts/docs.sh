@@ -29,6 +29,7 @@ nav:
       - Requests: docs/requests.md
       - Files: docs/files.md
       - plan.json: docs/plan-json.md
+      - Python: docs/python.md
   - The arm and its machines:
       - Service: docs/service.md
       - Executor: docs/executor.md

@@ -16,7 +16,7 @@ import sys
 import time
 from pathlib import Path
 
-FOLDERS = "bench|cmake|common|config|docs|examples|idl|model|planner|scripts|tests"
+FOLDERS = "bench|cmake|common|config|docs|examples|idl|model|planner|python|scripts|tests"
 NAMED = re.compile(rf"(?<![\w./-])(?:{FOLDERS})/[\w./-]*[\w/]")
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 BLOCK = re.compile(r"(?:^<!-- not run: (.+?) -->\n)?^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)

@@ -1,0 +1,264 @@
+#include "planner/plan.h"
+
+#include <fmt/format.h>
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <cmath>
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "common/input_error.h"
+#include "planner/certificate/simulation.h"
+#include "planner/request/keys.h"
+#include "planner/request/request.h"
+#include "planner/results/plan_json.h"
+#include "planner/results/report/plan_files.h"
+#include "planner/results/report/plan_page.h"
+#include "planner/results/result_folder.h"
+#include "planner/results/solution_file.h"
+#include "planner/results/verification.h"
+#include "python/src/arrays.h"
+#include "python/src/parts.h"
+#include "python/src/planned.h"
+#include "python/src/robot.h"
+#include "python/src/supervised.h"
+
+namespace fjr::python {
+namespace {
+
+namespace nb = nanobind;
+namespace fs = std::filesystem;
+
+// A request, as text or in a file, and whose it is.
+struct Asked {
+  std::optional<std::string> text;  // none: in the file `source`
+  std::string source;               // for messages and for the plan's name
+  fs::path folder;                  // what a relative `robot` is relative to
+  const Robot* robot;               // null: the one it names, or else the shipped one
+};
+
+Problem problem_of(const Asked& asked) {
+  const YamlNode root = asked.text ? YamlNode::parse(*asked.text, asked.source) : YamlNode::load(asked.source);
+  if (asked.robot != nullptr) return resolve_for(read_request(root), asked.robot->parameters);
+  if (asked.text) return parse_request(*asked.text, asked.source, asked.folder);
+  return load_request(asked.source);
+}
+
+std::shared_ptr<const Collocated> warm_start(const Planned* from, const Problem& problem) {
+  if (from == nullptr) return nullptr;
+  if (robot_hash(from->record.robot) != robot_hash(problem.robot)) {
+    throw InputError("warm", "", "is a plan for another robot");
+  }
+  if (!from->solution) throw InputError("warm", "", "has no solution to start from: it is not certified");
+  return from->solution;
+}
+
+Planned planned(const Problem& problem, Plan plan) {
+  Planned result{{problem.name, plan_json(problem, plan), problem.robot, std::move(plan.trajectory)},
+                 std::move(plan.solution)};
+  if (result.record.trajectory) describe(*result.record.trajectory, result.record.plan);
+  return result;
+}
+
+Planned plan_request(const Asked& asked, const Planned* warm, PlanOptions options, const nb::object& progress) {
+  const Problem problem = problem_of(asked);
+  options.warm = warm_start(warm, problem);
+  return supervised<Progress>(progress, [&](Wire<Progress>& wire) {
+    options.on_progress = [&wire](const Progress& told) { wire.tell(told); };
+    options.cancelled = [&wire] { return wire.cancelled(); };
+    return planned(problem, plan(problem, options));
+  });
+}
+
+// What stands in the document at a field of an error message, as one line of YAML; none where nothing does.
+std::optional<std::string> value_at(const std::optional<std::string>& text, const std::string& source,
+                                    const std::string& field) {
+  YamlNode node = text ? YamlNode::parse(*text, source) : YamlNode::load(source);
+  std::size_t at = 0;
+  while (at < field.size()) {
+    const std::size_t end = field.find_first_of(".[]", at);
+    const std::string key = field.substr(at, end == std::string::npos ? end : end - at);
+    if (!key.empty() && at > 0 && field[at - 1] == '[') {
+      const std::size_t index = std::stoul(key);
+      if (!node.is_list() || index >= node.items().size()) return std::nullopt;
+      node = node.items()[index];
+    } else if (!key.empty()) {
+      const std::optional<YamlNode> below = node.is_map() ? node.find(key) : std::nullopt;
+      if (!below) return std::nullopt;
+      node = *below;
+    }
+    if (end == std::string::npos) break;
+    at = end + 1;
+  }
+  return node.flow();
+}
+
+const std::vector<Sample>& samples_of(const Planned& plan) {
+  static const std::vector<Sample> none;
+  return plan.record.trajectory ? plan.record.trajectory->samples : none;
+}
+
+const Trajectory& trajectory_of(const Planned& plan) {
+  if (!plan.record.trajectory) throw InputError(plan.record.source, "", "has no trajectory");
+  return *plan.record.trajectory;
+}
+
+nb::dict interpolate(const Planned& plan, const nb::ndarray<const double, nb::ndim<1>, nb::c_contig>& times) {
+  Interpolator motion(trajectory_of(plan));
+  std::vector<Sample> samples(times.shape(0));
+  for (std::size_t i = 0; i < samples.size(); ++i) samples[i] = motion.at(times.data()[i]);
+  return columns_of(std::move(samples));
+}
+
+Array mean_torque(const Planned& plan, double tick) {
+  const Trajectory& trajectory = trajectory_of(plan);
+  Interpolator motion(trajectory);
+  const double begin = trajectory.start_time();
+  std::vector<Joints<double>> means(static_cast<std::size_t>(std::ceil((trajectory.end_time() - begin) / tick - 1e-9)));
+  for (std::size_t k = 0; k < means.size(); ++k) {
+    const double from = begin + static_cast<double>(k) * tick;
+    means[k] = motion.mean_torque(from, from + tick);
+  }
+  return pairs(std::move(means));
+}
+
+std::vector<std::string> save(const Planned& plan, const fs::path& folder, bool report, bool keep_uncertified) {
+  const nb::gil_scoped_release others_may_run;
+  fs::create_directories(folder);
+  NewResults results(folder);
+  const PlanRecord& record = plan.record;
+  const PlanFiles files{record.plan, record.trajectory ? &*record.trajectory : nullptr, plan.solution.get()};
+  std::vector<std::string> names = write_plan_files(files, results.stage(), keep_uncertified);
+  if (report) names.push_back(write_report(results.stage()).filename().string());
+  results.publish();
+  for (std::string& name : names) name = (folder / name).string();
+  return names;
+}
+
+Planned load(const fs::path& folder) {
+  const FolderLock lock(folder);
+  Planned plan{read_plan(folder), nullptr};
+  if (fs::exists(folder / kSolutionFile)) {
+    plan.solution =
+        std::make_shared<const Collocated>(read_solution(folder / kSolutionFile, robot_hash(plan.record.robot)));
+  }
+  return plan;
+}
+
+// A plan, or a trajectory file, against a robot; of a plan without one its own.
+std::string verify_trajectory(const Trajectory& trajectory, const std::string& source, const Parameters& robot,
+                              const std::optional<Joints<double>>& payload) {
+  const nb::gil_scoped_release others_may_run;
+  const auto given = payload ? std::optional(Payload{(*payload)[0], (*payload)[1]}) : std::nullopt;
+  return json_text(verification_json(trajectory, verify(trajectory, source, robot, {given})));
+}
+
+nb::dict simulate_on(const Planned& plan, const Robot* arm, Control control) {
+  Simulation run;
+  {
+    const nb::gil_scoped_release others_may_run;
+    const Parameters& own = plan.record.robot;
+    run = simulate(own, arm == nullptr ? own : arm->parameters, trajectory_of(plan), control);
+  }
+  nb::dict out = columns_of(std::move(run.samples));
+  out["completed"] = run.completed;
+  out["failure"] = run.failure;
+  return out;
+}
+
+const char* phase_of(const Progress& progress) {
+  switch (progress.phase) {
+    case Phase::kFinding:
+      return "finding";
+    case Phase::kRefining:
+      return "refining";
+    case Phase::kExplaining:
+      return "explaining";
+  }
+  return "";
+}
+
+template <std::size_t kColumn>
+Array column_of(nb::handle_t<Planned> self) {
+  return column(samples_of(nb::cast<const Planned&>(self)), kColumn, self);
+}
+
+}  // namespace
+
+void add_plan(nb::module_& module) {
+  nb::class_<Progress>(module, "Progress", "What a search is doing: see the attributes.")
+      .def_ro("stage", &Progress::stage)
+      .def_ro("iteration", &Progress::iteration)
+      .def_ro("objective", &Progress::objective)
+      .def_ro("violation", &Progress::violation)
+      .def_prop_ro("phase", phase_of);
+
+  nb::enum_<Control>(module, "Control")
+      .value("OPEN_LOOP", Control::kOpenLoop)
+      .value("CLOSED_LOOP", Control::kClosedLoop)
+      .value("EXECUTOR", Control::kExecutor);
+
+  nb::class_<Planned>(module, "Plan")
+      .def_prop_ro("time", column_of<0>, nb::rv_policy::reference)
+      .def_prop_ro("q", column_of<1>, nb::rv_policy::reference)
+      .def_prop_ro("dq", column_of<2>, nb::rv_policy::reference)
+      .def_prop_ro("theta", column_of<3>, nb::rv_policy::reference)
+      .def_prop_ro("dtheta", column_of<4>, nb::rv_policy::reference)
+      .def_prop_ro("tau", column_of<5>, nb::rv_policy::reference)
+      .def_prop_ro("robot",
+                   [](const Planned& plan) {
+                     return Robot{plan.record.robot, plan.record.source};
+                   })
+      .def("to_json", [](const Planned& plan) { return json_text(plan.record.plan); })
+      .def("interpolate", interpolate, nb::arg("times"))
+      .def("mean_torque", mean_torque, nb::arg("tick"))
+      .def("save", save, nb::arg("folder"), nb::arg("report"), nb::arg("keep_uncertified"))
+      .def_static("load", load, nb::arg("folder"), nb::call_guard<nb::gil_scoped_release>())
+      .def(
+          "page", [](const Planned& plan) { return plan_page(plan.record); }, nb::call_guard<nb::gil_scoped_release>())
+      .def(
+          "verify",
+          [](const Planned& plan, const Robot& robot, const std::optional<Joints<double>>& payload) {
+            return verify_trajectory(trajectory_of(plan), plan.record.source, robot.parameters, payload);
+          },
+          nb::arg("robot"), nb::arg("payload").none())
+      .def("simulate", simulate_on, nb::arg("arm").none(), nb::arg("control"));
+
+  module.def(
+      "plan",
+      [](std::optional<std::string> text, std::string source, fs::path folder, const Robot* robot, const Planned* warm,
+         int jobs, double deadline, int starts, const std::string& linear_solver, const nb::object& progress) {
+        PlanOptions options;
+        options.jobs = jobs;
+        options.deadline = deadline;
+        options.starts = starts;
+        options.linear_solver = linear_solver;
+        return plan_request({std::move(text), std::move(source), std::move(folder), robot}, warm, std::move(options),
+                            progress);
+      },
+      nb::arg("text").none(), nb::arg("source"), nb::arg("folder"), nb::arg("robot").none(), nb::arg("warm").none(),
+      nb::arg("jobs"), nb::arg("deadline"), nb::arg("starts"), nb::arg("linear_solver"), nb::arg("progress").none());
+
+  module.def("value_at", value_at, nb::arg("text").none(), nb::arg("source"), nb::arg("field"));
+  module.def("keys", [] {
+    nb::list keys;
+    for (const KeyLine& key : all_keys()) {
+      keys.append(nb::make_tuple(key.name, key.unit, key.meaning, key.otherwise, key.allowed));
+    }
+    return keys;
+  });
+  module.def(
+      "verify_file",
+      [](const fs::path& file, const Robot& robot, const std::optional<Joints<double>>& payload) {
+        return verify_trajectory(read_csv(file), file.string(), robot.parameters, payload);
+      },
+      nb::arg("file"), nb::arg("robot"), nb::arg("payload").none());
+}
+
+}  // namespace fjr::python

@@ -1,0 +1,104 @@
+"""fjr.batch and fjr.identify."""
+
+import signal
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+
+import fjr
+from conftest import REACH
+
+
+def test_a_batch_has_the_plans_of_its_requests(reach, tmp_path):
+    requests = {
+        "near": {"start": {"q": [0, 0]}, "goal": {"q": [0.4, -0.3]}},
+        "far": fjr.Request(start=fjr.Start(q=(0, 0)), goal=fjr.Goal(q=(1.2, -0.8))),
+        "beyond": {"start": {"q": [0, 0]}, "goal": {"q": [1.2, -9]}},
+    }
+    done = fjr.batch(requests, out=tmp_path, jobs=2)
+    assert list(done) == ["beyond", "far", "near"] and len(done) == 3
+    assert done.statuses == {"certified": 2, "bad_input": 1}
+    assert np.array_equal(done["far"].tau, reach.tau)
+    assert done.to_dict()["planned"] == 2
+    again = fjr.batch(requests, out=tmp_path)
+    assert again.to_dict()["planned"] == 0 and again.to_dict()["finished_earlier"] == 2
+    with pytest.raises(KeyError):
+        done["nowhere"]
+    with pytest.raises(fjr.BadInput, match="refused"):
+        done["beyond"]
+    assert done.to_pandas().loc["near", "status"] == "certified"
+
+
+def test_files_are_planned_too(tmp_path):
+    assert fjr.batch([REACH], out=tmp_path).statuses == {"certified": 1}
+    with pytest.raises(fjr.Error):
+        fjr.batch([], out=tmp_path)
+    with pytest.raises(ValueError, match="no name"):
+        fjr.batch({"../up": {}}, out=tmp_path)
+
+
+def test_ctrl_c_ends_a_batch(tmp_path):
+    script = textwrap.dedent(f"""
+        import fjr, threading, _thread, sys
+        request = {{"start": {{"q": [0, 0]}}, "goal": {{"q": [2.8, -0.8]}}, "duration": 15, "objective": "efficient",
+                   "search": "thorough"}}
+        try:
+            fjr.batch({{"long": request}}, out={str(tmp_path)!r}, jobs=1)
+        except KeyboardInterrupt:
+            sys.exit(7)
+    """)
+    process = subprocess.Popen([sys.executable, "-c", script])
+    try:
+        process.wait(timeout=3)  # it takes minutes
+    except subprocess.TimeoutExpired:
+        process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=60) == 7
+
+
+@pytest.fixture(scope="module")
+def logs(program, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("logs")
+    for joint in (1, 2):
+        subprocess.run(
+            [
+                program,
+                "experiment",
+                "stiffness",
+                "--joint",
+                str(joint),
+                "--ideal",
+                "--out",
+                folder / f"stiffness_{joint}.csv",
+            ],
+            check=True,
+            capture_output=True,
+        )
+    return folder
+
+
+def test_identification_finds_the_stiffness_of_an_ideal_rig(logs, tmp_path):
+    found = fjr.identify("stiffness", [logs / "stiffness_1.csv", logs / "stiffness_2.csv"])
+    known = fjr.Robot.load()["spring"]["stiffness"]
+    for joint, estimate in enumerate(found.estimates):
+        stiffness = estimate.parameters[0]
+        assert estimate.joint == joint + 1 and stiffness.unit == "N m/rad"
+        # Without noise, but with torques to 12 digits and no more.
+        assert stiffness.value == pytest.approx(known[joint], rel=1e-3)
+        assert estimate.covariance.shape == (len(estimate.parameters),) * 2
+        assert estimate[stiffness.name] == stiffness
+    robot = found.write(tmp_path / "robot.yaml")
+    assert robot["spring"]["stiffness"] == pytest.approx(known, rel=1e-3)
+    assert fjr.Robot.load(tmp_path / "robot.yaml") == robot
+    assert found.report().startswith("<!DOCTYPE html>") or "<html" in found.report()
+
+
+def test_logs_that_are_none_are_refused(logs, tmp_path):
+    with pytest.raises(fjr.BadInput):
+        fjr.identify("gravity", logs / "stiffness_1.csv")
+    with pytest.raises(ValueError, match="none of all"):
+        fjr.identify("stifness", logs / "stiffness_1.csv")
+    with pytest.raises(fjr.BadInput):
+        fjr.identify("all", tmp_path)

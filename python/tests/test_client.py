@@ -1,0 +1,102 @@
+"""fjr.Client, against a service and an executor of the program: scripts/test_python.sh gives them their own network."""
+
+import contextlib
+import subprocess
+import time
+
+import numpy as np
+import pytest
+
+import fjr
+from conftest import REACH
+
+DOMAIN = 71
+REQUEST = {"start": {"q": [0, 0]}, "goal": {"q": [0.4, -0.3]}}
+
+
+@contextlib.contextmanager
+def running(*command, log):
+    with open(log, "w") as out, subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT) as process:
+        try:
+            yield process
+        finally:
+            process.terminate()
+            process.wait(timeout=30)
+
+
+@pytest.fixture(scope="module")
+def client(program, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("client")
+    service = running(program, "serve", "--domain", str(DOMAIN), log=folder / "serve.log")
+    executor = running(program, "executor", "--domain", str(DOMAIN), "--logs", folder, log=folder / "executor.log")
+    with service, executor:
+        client = fjr.Client(domain=DOMAIN, find=20)
+        for _ in range(40):  # they start within a second or two where the machine is not busy
+            seen = client.overview(0.5)
+            if seen.services and seen.executors:
+                break
+        yield client
+
+
+def test_who_is_there(client):
+    seen = client.overview()
+    assert [service["answers"] for service in seen.services] == [True]
+    assert seen.executors[0]["mode"] == "resting" and np.allclose(seen.executors[0]["q"], 0, atol=1e-4)
+    assert seen.services[0]["robot_hash"] == seen.executors[0]["robot_hash"] == fjr.Robot.load().hash
+
+
+def test_the_service_plans_what_fjr_plans(client, reach):
+    plan = client.plan(REACH)
+    assert plan.certified and len(plan.trajectory_id.split("-")) == 2 and plan.solve_time > 0
+    for name in ("time", "q", "dq", "theta", "dtheta", "tau"):
+        assert np.array_equal(getattr(plan, name), getattr(reach, name)), name
+    assert plan.robot == reach.robot and plan.name == "reach"
+
+
+def test_it_is_executed_and_followed(client):
+    """Control ticks are real time: on a busy machine an execution may be stopped for missed ones, as it should be."""
+    for _ in range(3):
+        q = client.overview(0.5).executors[0]["q"]
+        goal = [0.4, -0.3] if abs(q[0]) < 0.2 else [0, 0]
+        followed = []
+        plan, done = client.plan_and_execute(
+            {"goal": {"q": goal}, "duration": 1}, follow=lambda progress: followed.append(progress.time)
+        )
+        if done:
+            break
+        time.sleep(1)
+    assert done.successful and done.code == 0 and done.name == "SUCCESSFUL"
+    assert max(done.link_error) < 0.01 and max(done.feedback_torque) > 0
+    assert len(set(followed)) > 5 and max(followed) <= plan.duration + 1
+    assert np.allclose(client.overview(0.5).executors[0]["q"], goal, atol=1e-3)
+
+
+def test_what_was_planned_before_is_not_executed_from_elsewhere(client):
+    plan = client.plan({"start": {"q": [1, 0.5]}, "goal": {"q": [0.4, -0.3]}})
+    done = client.execute(plan)
+    assert not done and done.name == "INVALID_GOAL" and "starts at q1 = 1 rad" in done.sentence
+    with pytest.raises(fjr.BadInput, match="hexadecimal"):
+        client.execute("nothing")
+
+
+def test_errors_are_those_of_plan(client):
+    with pytest.raises(fjr.BadInput) as caught:
+        client.plan({**REQUEST, "goal": {"q": [1.2, -9]}})
+    assert (caught.value.field, caught.value.value) == ("goal.q[1]", -9)
+
+
+def test_a_listener_cancels(client):
+    long = {
+        "start": {"q": [0, 0]},
+        "goal": {"q": [2.8, -0.8]},
+        "duration": 15,
+        "objective": "efficient",
+        "search": "thorough",
+    }
+    with pytest.raises((fjr.Cancelled, fjr.Refused), match="(?i)cancelled"):
+        client.plan(long, progress=lambda told: told.progress.iteration < 5)
+
+
+def test_nobody_there():
+    with pytest.raises(fjr.NoAnswer, match="nobody serves"):
+        fjr.Client(domain=DOMAIN + 1, find=0.5).plan(REQUEST)

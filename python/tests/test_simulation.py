@@ -1,0 +1,101 @@
+"""fjr.simulate and fjr.verify."""
+
+import numpy as np
+import pytest
+
+import fjr
+
+
+def test_a_simulation_is_what_the_certificate_saw(reach):
+    """The same integrator, started alike, stopped at the same instants: the same numbers."""
+    for closed_loop, part in ((False, "open_loop"), (True, "closed_loop")):
+        run = fjr.simulate(reach, closed_loop=closed_loop)
+        seen = reach.certificate[part]
+        assert run.completed and run.failure == ""
+        assert run.max_link_error == pytest.approx(seen["max_link_error_rad"], rel=1e-6)
+        worst = np.unravel_index(np.abs(run.link_error).argmax(), run.link_error.shape)[0]
+        assert run.time[worst] == pytest.approx(seen["time_of_max_link_error"], abs=1e-9)
+        assert np.abs(run.link_error[-1]).max() == pytest.approx(seen["final_link_error_rad"], rel=1e-6)
+
+
+def test_without_feedback_the_planned_torque_is_commanded(reach):
+    run = fjr.simulate(reach, closed_loop=False)
+    assert np.array_equal(run.tau, reach.interpolate(run.time).tau)
+    closed = fjr.simulate(reach)
+    feedback = np.abs(closed.tau - reach.interpolate(closed.time).tau).max(axis=0)
+    # The certificate looks at the ends of the integrator's steps, too.
+    assert (feedback > 0).all()
+    assert (feedback <= np.array(reach.certificate["closed_loop"]["max_feedback_torque"]) * (1 + 1e-9)).all()
+
+
+def test_energy_goes_where_physics_says(reach):
+    """An independent balance: work of the motors = energy of the arm + friction's heat, by the paper."""
+    run = fjr.simulate(reach, closed_loop=False)
+    robot = reach.robot.to_dict()
+    link, spring, motor, friction = (robot[name] for name in ("link", "spring", "motor", "friction"))
+
+    def law(j, v):
+        f, eta, omega, h = (friction[name][j] for name in ("amplitude", "width", "second_weight", "second_shape"))
+        return friction["viscous"][j] * v + f * np.tanh(v / eta) - f * omega * np.tanh(v / eta - h * np.tanh(v / eta))
+
+    def energy(row):
+        q, dq, theta, dtheta = run.q[row], run.dq[row], run.theta[row], run.dtheta[row]
+        coupling = link["com_fraction"][1] * link["mass"][1] * link["length"][0] * link["length"][1]
+        m22 = link["inertia"][1] + link["mass"][1] * (link["com_fraction"][1] * link["length"][1]) ** 2
+        m11 = link["inertia"][0] + link["mass"][1] * link["length"][0] ** 2 + m22 + 2 * coupling * np.cos(q[1])
+        m12 = m22 + coupling * np.cos(q[1])
+        kinetic = 0.5 * (m11 * dq[0] ** 2 + 2 * m12 * dq[0] * dq[1] + m22 * dq[1] ** 2)
+        kinetic += 0.5 * np.dot(motor["inertia"], dtheta**2)
+        gravity = link["gravity_torque"]
+        potential = gravity[0] * (1 - np.cos(q[0])) + gravity[1] * (1 - np.cos(q[0] + q[1]))
+        return kinetic + potential + 0.5 * np.dot(spring["stiffness"], (theta - q) ** 2)
+
+    power = sum((run.tau[:, j] - law(j, run.dtheta[:, j])) * run.dtheta[:, j] for j in range(2))
+    work = np.trapezoid(power, run.time)
+    # Samples 0.25 ms apart, friction's steps between them: the trapezoid rule is off by 1e-3 of the work or so.
+    assert work == pytest.approx(energy(-1) - energy(0), rel=5e-3)
+
+
+def test_the_executor_holds_its_torque_for_ticks(reach):
+    run = fjr.simulate(reach, executor=True)
+    assert np.allclose(np.diff(run.time)[:-1], 0.001, rtol=0, atol=1e-12)
+    predicted = reach.certificate["tracking"]
+    assert np.abs(run.tau[1:]).max(axis=0) == pytest.approx(predicted["peak_torque"], rel=1e-9)
+    with pytest.raises(ValueError, match="closed loop"):
+        fjr.simulate(reach, closed_loop=False, executor=True)
+
+
+def test_another_arm_leaves_the_plan_and_feedback_brings_it_back(reach):
+    softer = reach.robot.replace(friction={"viscous": [0.52, 0.53]})
+    open_loop = fjr.simulate(reach, closed_loop=False, true_robot=softer)
+    closed = fjr.simulate(reach, true_robot=softer)
+    assert open_loop.max_link_error > 10 * reach.certificate["open_loop"]["max_link_error_rad"]
+    assert closed.max_link_error < 0.5 * open_loop.max_link_error
+
+
+def test_verify_agrees_with_the_program(program, reach, reach_files):
+    import json
+    import subprocess
+
+    said = subprocess.run(
+        [program, "verify", reach_files / "trajectory.csv", "--json"], capture_output=True, check=True
+    )
+    for trajectory in (reach, reach_files / "trajectory.csv"):
+        found = fjr.verify(trajectory)
+        assert found and found.certified and found.failures == [] and found.contradictions == []
+        assert found.to_dict() == json.loads(said.stdout)
+
+
+def test_verify_says_what_is_wrong(reach, reach_files, tmp_path):
+    lines = (reach_files / "trajectory.csv").read_text().splitlines()
+    short = tmp_path / "short.csv"
+    short.write_text("\n".join(lines[:-5]) + "\n")
+    found = fjr.verify(short)
+    assert not found and any("rows" in failure for failure in found.failures)
+    heavier = fjr.verify(reach, payload=0.3)
+    assert not heavier.certified and any("payload" in sentence for sentence in heavier.contradictions)
+    with pytest.raises(fjr.BadInput, match="no such file"):
+        fjr.verify(tmp_path / "none.csv")
+    (tmp_path / "bad.csv").write_text("time,q1\n0,0\n")
+    with pytest.raises(fjr.BadInput):
+        fjr.verify(tmp_path / "bad.csv")

@@ -180,13 +180,14 @@ bool Continuation::attempt_once(const std::string& what, Attempt attempt, const 
   return true;
 }
 
-// Where a task has rows, feasibility often has to be restored on the way, which our own method does not do; and with a
-// reward it takes longer (see warm()).
+// Where a task has rows, feasibility often has to be restored on the way, which our own method does not do. With other
+// objectives it comes to other minima: none of both is better throughout.
 bool Continuation::cold(const Guess& guess, int most_iterations) {
   const std::string what = fmt::format("{}, {}", label_, guess.name);
   SolveOptions o = options(what);
   o.max_iterations = most_iterations;
-  if (!has_reward(problem_->weights) && count_of_rows(problem_->task) == 0) o.optimiser = Optimiser::kOwn;
+  const bool own = only_time(problem_->weights) && count_of_rows(problem_->task) == 0;
+  o.optimiser = own ? Optimiser::kOwn : Optimiser::kIpopt;
   const int usual = coarse_intervals(*problem_, guess.duration());
   Smoothing smoothest = homotopy_steps(*problem_).front();
   smoothest.regularisation *= regularisation_factor;
@@ -238,7 +239,9 @@ bool Continuation::move_nodes() {
                         [&] { return fjr::move_nodes(*problem_, solution_, times.jumps, o); });
   };
   if (within(kMovingIterations)) return true;
-  return status_ == SolveStatus::kIterationLimit && came_down() && within(kMoreIterations);
+  // With a sharper law those that come down for long seldom arrive.
+  const bool smooth = solution_.setup.smoothing.friction_width >= kMovedWidth;
+  return smooth && status_ == SolveStatus::kIterationLimit && came_down() && within(kMoreIterations);
 }
 
 // The finer mesh that moved nodes ask for may want some of them elsewhere again. False when no usable solution is left.

@@ -25,8 +25,9 @@ Joints<T> link_jerk(const Parameters& p, const State<T>& x, const Joints<T>& ddq
   const T &dq1 = x.dq[0], &dq2 = x.dq[1];
   const T bend = coupling(p) * sin(x.q[1]), bend_rate = coupling(p) * cos(x.q[1]) * dq2;
   const Joints<double> gravity = gravity_coefficients(p);
-  const T both = dq1 + dq2, second = gravity[1] * cos(x.q[0] + x.q[1]) * both;
-  const T first = gravity[0] * cos(x.q[0]) * dq1;
+  const T hanging = x.q[0] - p.mounting.down;
+  const T both = dq1 + dq2, second = gravity[1] * cos(hanging + x.q[1]) * both;
+  const T first = gravity[0] * cos(hanging) * dq1;
   const T mass_rate = -bend * dq2;  // dm12/dt; dm11/dt is twice that, dm22/dt nothing
   const T c1 = -bend_rate * dq2 * (dq1 + both) - bend * (ddq[1] * (dq1 + both) + dq2 * (2.0 * ddq[0] + ddq[1]));
   const T c2 = (bend_rate * dq1 + 2.0 * bend * ddq[0]) * dq1;
@@ -71,7 +72,8 @@ T energy(const Parameters& p, const State<T>& x) {
   const MassMatrix<T> m = mass_matrix(p, x.q[1]);
   T e = 0.5 * (m.m11 * x.dq[0] * x.dq[0] + 2.0 * m.m12 * x.dq[0] * x.dq[1] + m.m22 * x.dq[1] * x.dq[1]);
   const Joints<double> gravity = gravity_coefficients(p);
-  e += gravity[0] * (1.0 - cos(x.q[0])) + gravity[1] * (1.0 - cos(x.q[0] + x.q[1]));
+  const T hanging = x.q[0] - p.mounting.down;
+  e += gravity[0] * (1.0 - cos(hanging)) + gravity[1] * (1.0 - cos(hanging + x.q[1]));
   for (std::size_t j = 0; j < kJoints; ++j) {
     const T deflection = x.theta[j] - x.q[j];
     e += 0.5 * (p.motor.inertia[j] * x.dtheta[j] * x.dtheta[j] + p.spring.stiffness[j] * deflection * deflection);

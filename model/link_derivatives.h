@@ -53,7 +53,8 @@ LinkDerivatives derivatives_of_link_acceleration(const Parameters& p, const Join
   const InverseMass inverse = InverseMass::of(mass_matrix(p, q[1]));
   const double a = coupling(p), bend = a * std::sin(q[1]), stretch = a * std::cos(q[1]);
   const Joints<double> gravity = gravity_coefficients(p);
-  const double g1_cos = gravity[0] * std::cos(q[0]), g2_cos = gravity[1] * std::cos(q[0] + q[1]);
+  const double hanging = q[0] - p.mounting.down;
+  const double g1_cos = gravity[0] * std::cos(hanging), g2_cos = gravity[1] * std::cos(hanging + q[1]);
   const double swirl = dq[1] * (2 * dq[0] + dq[1]), square = dq[0] * dq[0];
   const Joints<double>&k = p.spring.stiffness, &d = p.link.damping;
 
@@ -74,7 +75,7 @@ LinkDerivatives derivatives_of_link_acceleration(const Parameters& p, const Join
   set(of.first, kTheta2, {inverse.i12 * k[1], inverse.i22 * k[1]});
 
   if constexpr (kSecond) {
-    const double g1_sin = gravity[0] * std::sin(q[0]), g2_sin = gravity[1] * std::sin(q[0] + q[1]);
+    const double g1_sin = gravity[0] * std::sin(hanging), g2_sin = gravity[1] * std::sin(hanging + q[1]);
     const auto by = [&](std::size_t i) { return Joints<double>{of.first[0][i], of.first[1][i]}; };
     // With q2: r_ij - dM/dq2 a_i, solved.
     const auto with_q2 = [&](std::size_t i, double r1, double r2) {

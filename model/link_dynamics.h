@@ -61,11 +61,14 @@ inline double coupling(const Parameters& p) {
   return (p.link.com_fraction[1] * p.link.mass[1] + p.payload.mass) * p.link.length[0] * p.link.length[1];
 }
 
-// Coefficients of sin q1 and of sin(q1 + q2) in G, eq. (8), with the payload's share. [N m]
+// Coefficients of sin(q1 - down) and of sin(q1 + q2 - down) in G, eq. (8), with the payload's share, in the plane as it
+// is mounted. [N m]
 inline constexpr double kPaperGravity = 9.8;  // [m/s^2] with which alone (6) and (7) give its alphas
 inline Joints<double> gravity_coefficients(const Parameters& p) {
   const double weight = p.payload.mass * kPaperGravity;
-  return {p.link.gravity_torque[0] + weight * p.link.length[0], p.link.gravity_torque[1] + weight * p.link.length[1]};
+  const double in_plane = p.mounting.gravity;
+  return {in_plane * (p.link.gravity_torque[0] + weight * p.link.length[0]),
+          in_plane * (p.link.gravity_torque[1] + weight * p.link.length[1])};
 }
 
 // The robot with this at its tip too.
@@ -99,8 +102,9 @@ template <class T>
 Joints<T> gravity_torque(const Parameters& p, const Joints<T>& q) {
   using std::sin;
   const Joints<double> coefficient = gravity_coefficients(p);
-  const T second = coefficient[1] * sin(q[0] + q[1]);
-  return {coefficient[0] * sin(q[0]) + second, second};
+  const T first = q[0] - p.mounting.down;  // from where gravity pulls
+  const T second = coefficient[1] * sin(first + q[1]);
+  return {coefficient[0] * sin(first) + second, second};
 }
 
 // tau_c = K (theta - q). [N m]

@@ -14,6 +14,7 @@
 #include <system_error>
 #include <vector>
 
+#include "common/degrees.h"
 #include "common/input_error.h"
 #include "common/sha256.h"
 #include "common/strict_yaml.h"
@@ -46,8 +47,9 @@ const Rule& rule_for(std::string_view section, std::string_view name) {
       {"link.damping", kNotNegative},           {"friction.viscous", kNotNegative},
       {"friction.amplitude", kNotNegative},     {"friction.second_weight", kAny},
       {"friction.second_shape", kAny},          {"encoder.motor_counts", kCounts},
-      {"encoder.link_counts", kCounts},         {"feedback.position_gain", kNotNegative},
-      {"feedback.velocity_gain", kNotNegative}, {"drive.copper_loss", kNotNegative}};
+      {"encoder.link_counts", kCounts},         {"limits.link_middle", kAny},
+      {"feedback.position_gain", kNotNegative}, {"feedback.velocity_gain", kNotNegative},
+      {"drive.copper_loss", kNotNegative}};
   const auto found = special.find(fmt::format("{}.{}", section, name));
   return found == special.end() ? kPositive : found->second;
 }
@@ -89,21 +91,34 @@ Joints<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_v
   return values;
 }
 
-// A number, or an entry like the others'.
-double read_payload_value(const YamlNode& node, const PayloadBound& bound) {
+// A number, or an entry like the others'; and where it stands, for what is wrong with it.
+std::pair<double, YamlNode> read_single(const YamlNode& node, std::string_view unit) {
   YamlNode value = node;
   if (node.is_map()) {
     node.allow_keys({"value", "unit", "source", "standard_error"});
     const YamlNode given_unit = node.at("unit");
-    if (given_unit.text() != bound.unit) {
-      given_unit.fail(fmt::format("{} must be \"{}\"", shown(given_unit.text()), bound.unit));
+    if (given_unit.text() != unit) {
+      given_unit.fail(fmt::format("{} must be \"{}\"", shown(given_unit.text()), unit));
     }
     if (const auto source = node.find("source")) source->text();
     value = node.at("value");
   }
-  const double number = value.number(bound.unit);
+  return {value.number(unit), value};
+}
+
+double read_payload_value(const YamlNode& node, const PayloadBound& bound) {
+  const auto [number, value] = read_single(node, bound.unit);
   bound.check(value, number);
   return number;
+}
+
+double read_angle(const YamlNode& node, double lowest, double highest) {
+  const auto [angle, value] = read_single(node, "rad");
+  if (angle < lowest || angle > highest) {
+    value.fail(fmt::format("{} rad is outside [{:.6g}, {:.6g}]{}", angle, lowest, highest,
+                           degrees_suspected(angle, lowest, highest)));
+  }
+  return angle;
 }
 
 using Sections = std::vector<std::pair<std::string_view, std::vector<std::string_view>>>;
@@ -125,6 +140,7 @@ void check_keys(const YamlNode& root) {
   for (const auto& [section, names] : sections) allowed.push_back(section);
   allowed.push_back("covariance");
   allowed.push_back("payload");
+  allowed.push_back("mounting");
   root.allow_keys(allowed);
   for (const auto& [section, names] : sections) root.at(section).allow_keys(names);
 }
@@ -201,8 +217,8 @@ void move_inertias(const YamlNode& root, Parameters& p) {
 }
 
 void check_plausibility(const YamlNode& root, const Parameters& p) {
-  for (const Doubt& doubt : doubts_about(p)) {
-    if (doubt.impossible)
+  for (const Finding& doubt : doubts_about(p)) {
+    if (doubt.verdict == Verdict::kImpossible)
       throw InputError(root.source(), fmt::format("{}.value[{}]", doubt.field, doubt.joint - 1), doubt.sentence);
   }
 }
@@ -220,7 +236,7 @@ void check_mass_matrix(const YamlNode& root, const Parameters& p) {
 
 // Gravity must not be able to hang the arm beyond the deflection for which its springs are known.
 void check_springs_hold_gravity(const YamlNode& root, const Parameters& p) {
-  const Joints<double> worst{p.link.gravity_torque[0] + p.link.gravity_torque[1], p.link.gravity_torque[1]};
+  const Joints<double> gravity = gravity_coefficients(p), worst{gravity[0] + gravity[1], gravity[1]};
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double deflection = worst[j] / p.spring.stiffness[j];
     if (!(deflection <= p.limits.spring_deflection[j])) {
@@ -290,12 +306,23 @@ Payload read_payload(const YamlNode& node) {
 }
 
 bool may_be_left_out(std::string_view section, std::string_view name) {
-  return section == "drive" && name == "copper_loss";
+  return (section == "drive" && name == "copper_loss") || (section == "limits" && name == "link_middle");
 }
 
-Parameters load_parameters(const fs::path& file) { return read_parameters(YamlNode::load(file)); }
+PlaneMounting read_mounting(const YamlNode& node) {
+  node.allow_keys({"inclination", "down"});
+  constexpr double kUpright = std::numbers::pi / 2, kDegree = std::numbers::pi / 180;
+  PlaneMounting mounting;
+  if (const auto inclination = node.find("inclination")) {
+    mounting.gravity = std::sin(read_angle(*inclination, 0, kUpright + 0.01 * kDegree));  // 1.5708 is upright
+  }
+  if (const auto down = node.find("down")) mounting.down = read_angle(*down, -2 * kUpright, 2 * kUpright);
+  return mounting;
+}
 
-Parameters read_parameters(const YamlNode& root) {
+namespace {
+
+Parameters read_entries(const YamlNode& root) {
   check_keys(root);
   Parameters p{};
   visit_parameters(
@@ -305,17 +332,41 @@ Parameters read_parameters(const YamlNode& root) {
       });
   move_inertias(root, p);
   if (const auto covariance = root.find("covariance")) check_covariance(*covariance);
-  check_mass_matrix(root, p);
+  if (const auto mounting = root.find("mounting")) p.mounting = read_mounting(*mounting);
+  return p;
+}
+
+void read_payload_into(const YamlNode& root, Parameters& p) {
+  if (const auto payload = root.find("payload")) p.payload = read_payload(*payload);
+}
+
+}  // namespace
+
+Parameters parameters_as_written(const fs::path& file) {
+  const YamlNode root = YamlNode::load(file);
+  Parameters p = read_entries(root);
+  read_payload_into(root, p);
+  return p;
+}
+
+Parameters load_parameters(const fs::path& file) { return read_parameters(YamlNode::load(file)); }
+
+Parameters read_parameters(const YamlNode& root) {
+  Parameters p = read_entries(root);
+  check_mass_matrix(root, p);  // of the arm itself: a payload is checked with each request
   check_springs_hold_gravity(root, p);
   check_drive(root, p);
   check_plausibility(root, p);
-  if (const auto payload = root.find("payload")) p.payload = read_payload(*payload);
+  read_payload_into(root, p);
   return p;
 }
 
 Parameters load_bare_parameters(const fs::path& file) {
   const Parameters p = load_parameters(file);
   if (p.payload != Payload{}) throw InputError(file.string(), "payload", "the experiments are made with the bare arm");
+  if (p.mounting != PlaneMounting{}) {
+    throw InputError(file.string(), "mounting", "the experiments are made with the arm hanging in an upright plane");
+  }
   return p;
 }
 
@@ -349,6 +400,10 @@ std::string robot_hash(const Parameters& p) {
   if (p.payload != Payload{}) {
     lines.push_back(fmt::format("payload.mass={:.17g}\n", p.payload.mass));
     lines.push_back(fmt::format("payload.inertia={:.17g}\n", p.payload.inertia));
+  }
+  if (p.mounting != PlaneMounting{}) {
+    lines.push_back(fmt::format("mounting.gravity={:.17g}\n", p.mounting.gravity));
+    lines.push_back(fmt::format("mounting.down={:.17g}\n", p.mounting.down + 0.0));
   }
   std::sort(lines.begin(), lines.end());
   return sha256_hex(fmt::format("{}", fmt::join(lines, "")));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -22,6 +23,14 @@ struct Payload {
   bool operator==(const Payload&) const = default;
 };
 
+// How the plane of motion stands: upright with q = 0 hanging, unless a file says otherwise.
+struct PlaneMounting {
+  double gravity = 1;  // [-]    fraction of gravity that acts in the plane: the sine of its inclination
+  double down = 0;     // [rad]  q1 at which the stretched arm points down (in an inclined plane: down the slope)
+
+  bool operator==(const PlaneMounting&) const = default;
+};
+
 // The constants of the paper's model, SI units, motor quantities in link coordinates (after the gear).
 // Provenance and standard errors stay in the file; see config/robot.yaml for the equation of every value.
 struct Parameters {
@@ -30,7 +39,7 @@ struct Parameters {
     Joints<double> mass;            // [kg]      m1, m2
     Joints<double> com_fraction;    // [-]       alpha1, alpha2: centre of mass at alpha_i l_i from joint i
     Joints<double> inertia;         // [kg m^2]  M1 about joint axis 1; M2 about link 2's centre of mass (17)
-    Joints<double> gravity_torque;  // [N m]     coefficients of sin(q1) and of sin(q1+q2) in (8)
+    Joints<double> gravity_torque;  // [N m]     coefficients of sin(q1) and of sin(q1+q2) in (8), the plane upright
     Joints<double> damping;         // [N m s/rad] viscous link friction; the paper's model has none
     Joints<double> radius;          // [m]       radius of the capsule around each link
   } link;
@@ -54,7 +63,8 @@ struct Parameters {
   struct Limits {                      // magnitudes
     Joints<double> torque;             // [N m]    |tau_m| in a plan
     Joints<double> motor_velocity;     // [rad/s]  |dtheta|
-    Joints<double> link_position;      // [rad]    |q|
+    Joints<double> link_position;      // [rad]    |q - link_middle|
+    Joints<double> link_middle{};      // [rad]    middle of the range of q; may be left out
     Joints<double> spring_deflection;  // [rad]    |theta - q|: beyond it the springs were not identified
   } limits;
   struct Feedback {                  // the executor's motor-side feedback
@@ -66,7 +76,12 @@ struct Parameters {
     Joints<double> peak_torque;            // [N m]  what the drive can give, feedback included
     Joints<double> copper_loss{0.5, 1.5};  // [W/(N m)^2]  of the windings, per squared tau_m; may be left out
   } drive;
-  Payload payload{};  // none, unless the file has one
+  Payload payload{};         // none, unless the file has one
+  PlaneMounting mounting{};  // as the paper's arm hangs, unless the file has another
+
+  // The range of q of a joint. [rad]
+  double lowest(std::size_t j) const { return limits.link_middle[j] - limits.link_position[j]; }
+  double highest(std::size_t j) const { return limits.link_middle[j] + limits.link_position[j]; }
 };
 
 // Calls visit(section, name, unit, member) for every parameter: the one list that loading, checking, hashing and
@@ -92,6 +107,7 @@ void visit_parameters(P& p, Visit&& visit) {
   visit("limits", "torque", "N m", p.limits.torque);
   visit("limits", "motor_velocity", "rad/s", p.limits.motor_velocity);
   visit("limits", "link_position", "rad", p.limits.link_position);
+  visit("limits", "link_middle", "rad", p.limits.link_middle);
   visit("limits", "spring_deflection", "rad", p.limits.spring_deflection);
   visit("feedback", "position_gain", "N m/rad", p.feedback.position_gain);
   visit("feedback", "velocity_gain", "N m s/rad", p.feedback.velocity_gain);
@@ -122,14 +138,20 @@ class YamlNode;
 // an entry {value, unit, ...}. Throws InputError.
 Payload read_payload(const YamlNode& node);
 
+// `mounting: {inclination, down}`: the plane's angle to the ground and q1 of the stretched arm pointing down. [rad]
+PlaneMounting read_mounting(const YamlNode& node);
+
 // Reads and validates a robot.yaml. Throws InputError naming file, field, value and what is allowed: unknown and
 // missing keys, wrong sizes and units, NaN and infinity, and unphysical values (a mass matrix that is not positive
 // definite at every q2, a spring that cannot hold gravity within its deflection limit, ...) are refused.
 Parameters load_parameters(const std::filesystem::path& file);
 Parameters read_parameters(const YamlNode& root);  // the same of a document
 
-// The same of an arm with nothing at its tip, which is what experiments and identification are about; one with a
-// payload is refused.
+// What a robot.yaml says, whether or not there can be such an arm. Throws InputError for what is no robot.yaml.
+Parameters parameters_as_written(const std::filesystem::path& file);
+
+// The same as load_parameters of a hanging arm with nothing at its tip, which is what experiments and identification
+// are about; one with a payload, or mounted otherwise, is refused.
 Parameters load_bare_parameters(const std::filesystem::path& file);
 
 // The robot.yaml shipped with the program: found beside the installed or built file that this code is in, program or

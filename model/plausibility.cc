@@ -29,11 +29,15 @@ constexpr double kUpright = 0.97;               // of gravity: less is an inclin
 constexpr double kFewCounts = 1000;             // per revolution of a link encoder: a count is 6 mrad
 constexpr double kStiffest = 200;               // [Hz] of a link on its spring: beyond it no joint is called flexible
 
+Verdict verdict(bool doubtful, bool impossible) {
+  return impossible ? Verdict::kImpossible : doubtful ? Verdict::kDoubtful : Verdict::kFine;
+}
+
 class Examination {
  public:
   explicit Examination(const Parameters& p) : p_(p) {}
 
-  std::vector<Doubt> run() {
+  std::vector<Finding> run() {
     least_inertia();
     for (std::size_t j = 0; j < kJoints; ++j) {
       most_inertia(j);
@@ -43,12 +47,12 @@ class Examination {
       shape(j);
     }
     gravity();
-    return std::move(doubts_);
+    return std::move(findings_);
   }
 
  private:
-  void doubt(std::string_view field, std::size_t j, bool impossible, std::string sentence) {
-    doubts_.push_back({std::string(field), static_cast<int>(j) + 1, std::move(sentence), impossible});
+  void find(std::string_view check, std::string_view field, std::size_t j, Verdict how, std::string sentence) {
+    findings_.push_back({std::string(check), std::string(field), static_cast<int>(j) + 1, std::move(sentence), how});
   }
 
   double to_com(std::size_t j) const { return p_.link.com_fraction[j] * p_.link.length[j]; }
@@ -56,11 +60,11 @@ class Examination {
   // Parallel axis theorem: I = I_com + m r^2. Link 2's value is about its centre of mass, and positive.
   void least_inertia() {
     const double r = to_com(0), least = p_.link.mass[0] * r * r, inertia = p_.link.inertia[0];
-    if (inertia >= kLeastInertia.improbable * least) return;
-    doubt("link.inertia", 0, inertia < kLeastInertia.impossible * least,
-          fmt::format("{:.4g} kg m^2 about the joint is {:.3g} of the {:.4g} kg m^2 that {:.4g} kg with the centre of "
-                      "mass {:.4g} m from the joint (com_fraction times length) have at least",
-                      inertia, inertia / least, least, p_.link.mass[0], r));
+    find("parallel axes", "link.inertia", 0,
+         verdict(inertia < kLeastInertia.improbable * least, inertia < kLeastInertia.impossible * least),
+         fmt::format("{:.4g} kg m^2 about the joint is {:.3g} of the {:.4g} kg m^2 that {:.4g} kg with the centre of "
+                     "mass {:.4g} m from the joint (com_fraction times length) have at least",
+                     inertia, inertia / least, least, p_.link.mass[0], r));
   }
 
   // Of a body between the ends of its link, as wide as the link: with the given centre of mass it has most when its
@@ -70,18 +74,16 @@ class Examination {
     const double at_ends = mass * ((r + width) * (length - r + width) + width * width);
     const double most = j == 0 ? at_ends + mass * r * r : at_ends, inertia = p_.link.inertia[j];
     const char* point = j == 0 ? "the joint" : "the centre of mass";
-    if (inertia > kMostInertia.improbable * most) {
-      doubt("link.inertia", j, inertia > kMostInertia.impossible * most,
-            fmt::format("{:.4g} kg m^2 about {} is {:.3g} times the most that {:.4g} kg within a link of {:.4g} m can "
-                        "have, {:.4g} kg m^2",
-                        inertia, point, inertia / most, mass, length, most));
-    }
+    find("inertia within the link", "link.inertia", j,
+         verdict(inertia > kMostInertia.improbable * most, inertia > kMostInertia.impossible * most),
+         fmt::format("{:.4g} kg m^2 about {} is {:.3g} times the most that {:.4g} kg within a link of {:.4g} m can "
+                     "have, {:.4g} kg m^2",
+                     inertia, point, inertia / most, mass, length, most));
     const double rod = mass * length * length / 12;
-    if (j == 1 && inertia < kConcentrated * rod) {
-      doubt("link.inertia", j, false,
-            fmt::format("{:.4g} kg m^2 about {} is {:.2g} of that of a rod of this mass and length, {:.4g} kg m^2",
-                        inertia, point, inertia / rod, rod));
-    }
+    if (j == 0) return;
+    find("inertia of a rod", "link.inertia", j, verdict(inertia < kConcentrated * rod, false),
+         fmt::format("{:.4g} kg m^2 about {} is {:.2g} of that of a rod of this mass and length, {:.4g} kg m^2",
+                     inertia, point, inertia / rod, rod));
   }
 
   // (4): both coefficients follow from masses and lengths, but for one factor: the plane of motion may be inclined.
@@ -90,34 +92,35 @@ class Examination {
     const Joints<double> upright{(to_com(0) * link.mass[0] + link.length[0] * link.mass[1]) * kPaperGravity,
                                  to_com(1) * link.mass[1] * kPaperGravity};
     const double factor = link.gravity_torque[0] / upright[0];
-    if (factor > 1 + kGravity.improbable) {
-      doubt("link.gravity_torque", 0, factor > 1 + kGravity.impossible,
-            fmt::format("{:.4g} N m is {:.3g} times the {:.4g} N m that masses, lengths and centres of mass give",
-                        link.gravity_torque[0], factor, upright[0]));
-    } else if (factor > 0 && factor < kUpright) {
-      doubt("link.gravity_torque", 0, false,
-            fmt::format("{:.4g} N m is {:.3g} of the {:.4g} N m that masses, lengths and centres of mass give: right "
-                        "for a plane of motion inclined by {:.2g} degrees from the horizontal alone",
-                        link.gravity_torque[0], factor, upright[0], std::asin(factor) * 180 / std::numbers::pi));
+    if (factor > 0 && factor < kUpright) {
+      find("gravity", "link.gravity_torque", 0, Verdict::kDoubtful,
+           fmt::format("{:.4g} N m is {:.3g} of the {:.4g} N m that masses, lengths and centres of mass give: right "
+                       "for a plane of motion inclined by {:.2g} degrees from the horizontal alone",
+                       link.gravity_torque[0], factor, upright[0], std::asin(factor) * 180 / std::numbers::pi));
+    } else {
+      find("gravity", "link.gravity_torque", 0,
+           verdict(factor > 1 + kGravity.improbable, factor > 1 + kGravity.impossible),
+           fmt::format("{:.4g} N m is {:.3g} times the {:.4g} N m that masses, lengths and centres of mass give",
+                       link.gravity_torque[0], factor, upright[0]));
     }
     const double expected = factor * upright[1], torque = link.gravity_torque[1];
     const double slack = 2e-3 * link.gravity_torque[0];  // a balanced link 2 has nearly none
     const double off = (std::abs(torque - expected) - slack) / std::max(expected, slack);
-    if (!(off > kGravity.improbable)) return;
-    doubt("link.gravity_torque", 1, off > kGravity.impossible,
-          fmt::format("{:.4g} N m does not go with joint 1's {:.4g} N m: masses, lengths and centres of mass then give "
-                      "{:.4g} N m",
-                      torque, link.gravity_torque[0], expected));
+    const Verdict how = verdict(off > kGravity.improbable, off > kGravity.impossible);
+    find("gravity", "link.gravity_torque", 1, how,
+         fmt::format("{:.4g} N m {} with joint 1's {:.4g} N m: masses, lengths and centres of mass then give "
+                     "{:.4g} N m",
+                     torque, how == Verdict::kFine ? "goes" : "does not go", link.gravity_torque[0], expected));
   }
 
   void springs(std::size_t j) {
     const MassMatrix<double> m = mass_matrix(p_, 0.0);
     const double inertia = j == 0 ? m.m11 : m.m22;
     const double frequency = std::sqrt(p_.spring.stiffness[j] / inertia) / (2 * std::numbers::pi);
-    if (frequency <= kStiffest) return;
-    doubt("spring.stiffness", j, false,
-          fmt::format("{:.4g} N m/rad makes the links swing at {:.3g} Hz with the other joint still: no flexible joint",
-                      p_.spring.stiffness[j], frequency));
+    const bool stiff = frequency > kStiffest;
+    find("flexible joint", "spring.stiffness", j, verdict(stiff, false),
+         fmt::format("{:.4g} N m/rad makes the links swing at {:.3g} Hz with the other joint still{}",
+                     p_.spring.stiffness[j], frequency, stiff ? ": no flexible joint" : ""));
   }
 
   // Friction takes power, at any speed.
@@ -133,35 +136,46 @@ class Examination {
         at = speed;
       }
     }
-    if (driving <= kDrivingFriction.improbable * law.amplitude) return;
-    doubt("friction.amplitude", j, driving > kDrivingFriction.impossible * law.amplitude,
-          fmt::format("this law drives the motor by {:.3g} N m at {:.3g} rad/s: friction cannot (viscous, amplitude, "
-                      "width, second_weight, second_shape)",
-                      driving, at));
+    find("friction brakes", "friction.amplitude", j,
+         verdict(driving > kDrivingFriction.improbable * law.amplitude,
+                 driving > kDrivingFriction.impossible * law.amplitude),
+         driving == 0
+             ? fmt::format("this law brakes at all speeds, up to {:.4g} N m at the velocity limit",
+                           law.torque(p_.limits.motor_velocity[j]))
+             : fmt::format("this law drives the motor by {:.3g} N m at {:.3g} rad/s: friction cannot (viscous, "
+                           "amplitude, width, second_weight, second_shape)",
+                           driving, at));
   }
 
   void encoders(std::size_t j) {
     const double counts = p_.encoder.link_counts[j];
-    if (counts >= kFewCounts) return;
-    doubt("encoder.link_counts", j, false,
-          fmt::format("a count is {:.3g} rad, and certificates allow deviations of one count",
-                      2 * std::numbers::pi / counts));
+    find("link encoder", "encoder.link_counts", j, verdict(counts < kFewCounts, false),
+         fmt::format("a count is {:.3g} rad, and certificates allow deviations of one count",
+                     2 * std::numbers::pi / counts));
   }
 
   void shape(std::size_t j) {
     const double radius = p_.link.radius[j], length = p_.link.length[j];
-    if (radius <= length / 2) return;
-    doubt("link.radius", j, false, fmt::format("{:.4g} m makes a link of {:.4g} m thicker than long", radius, length));
+    const bool thick = radius > length / 2;
+    find("shape", "link.radius", j, verdict(thick, false),
+         thick ? fmt::format("{:.4g} m makes a link of {:.4g} m thicker than long", radius, length)
+               : fmt::format("{:.4g} m is the radius of a link of {:.4g} m", radius, length));
   }
 
   const Parameters& p_;
-  std::vector<Doubt> doubts_;
+  std::vector<Finding> findings_;
 };
 
 }  // namespace
 
-std::string Doubt::text() const { return fmt::format("{}.value[{}]: {}", field, joint - 1, sentence); }
+std::string Finding::text() const { return fmt::format("{}.value[{}]: {}", field, joint - 1, sentence); }
 
-std::vector<Doubt> doubts_about(const Parameters& p) { return Examination(p).run(); }
+std::vector<Finding> findings_about(const Parameters& p) { return Examination(p).run(); }
+
+std::vector<Finding> doubts_about(const Parameters& p) {
+  std::vector<Finding> findings = findings_about(p);
+  std::erase_if(findings, [](const Finding& finding) { return finding.verdict == Verdict::kFine; });
+  return findings;
+}
 
 }  // namespace fjr

@@ -8,19 +8,25 @@
 
 namespace fjr {
 
-// A value that is at odds with others or with nature.
-struct Doubt {
+enum class Verdict { kFine, kDoubtful, kImpossible };
+
+// What a value was held against, and how it came out.
+struct Finding {
+  std::string check;     // "parallel axes"
   std::string field;     // "link.inertia"
   int joint = 1;         // 1 or 2
   std::string sentence;  // the value, and what it is held against, with numbers
-  bool impossible = false;
+  Verdict verdict = Verdict::kFine;
 
   std::string text() const;  // "link.inertia.value[0]: 0.001 kg m^2 ..."
 };
 
+// Whether there can be such a robot.
+std::vector<Finding> findings_about(const Parameters& p);
+
 // Identified values miss each other by their errors: the paper's own M1 is 11 % less than m1 (alpha1 l1)^2, which is
 // the least that a body can have. So what is wrong by more than about twice that is called impossible, and what is
 // wrong by less than the paper's values are passes without a word.
-std::vector<Doubt> doubts_about(const Parameters& p);
+std::vector<Finding> doubts_about(const Parameters& p);  // the findings that are not fine
 
 }  // namespace fjr

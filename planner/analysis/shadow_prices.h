@@ -46,7 +46,8 @@ std::vector<LimitBound> limit_bounds(const TightenedLimits& tightened, const Per
     const auto compare = [&](LimitBound::Of of, bool upper, const auto& value, const auto& below, const auto& above) {
       for (std::size_t n = 0; n < value.size(); ++n) {
         if (below[n] == above[n]) continue;
-        bounds.push_back({i, of, static_cast<int>(n), upper, value[n], std::abs(value[n]),
+        const bool off_zero = kLimitNames[i].quantity->counted_from(limits, kLimitNames[i].j()) != 0;
+        bounds.push_back({i, of, static_cast<int>(n), upper, value[n], off_zero ? limit : std::abs(value[n]),
                           (above[n] - below[n]) / (2 * kStep * limit)});
       }
     };

@@ -51,7 +51,8 @@ struct Symmetric {  // 2x2
 Symmetric dynamic_stiffness(const Parameters& p, const Joints<double>& q, double s) {
   const MassMatrix<double> m = mass_matrix(p, q[1]);
   const Joints<double> gravity = gravity_coefficients(p);
-  const double g1 = gravity[0] * std::cos(q[0]), g2 = gravity[1] * std::cos(q[0] + q[1]);
+  const double hanging = q[0] - p.mounting.down;
+  const double g1 = gravity[0] * std::cos(hanging), g2 = gravity[1] * std::cos(hanging + q[1]);
   const auto diagonal = [&](std::size_t j) {
     const double motor = (p.motor.inertia[j] * s + p.friction.viscous[j]) * s, k = p.spring.stiffness[j];
     return p.link.damping[j] * s + k * motor / (motor + k);

@@ -1,6 +1,7 @@
 // What a motion amounts to: errors, feedback, and how near its limits it came.
 #pragma once
 
+#include "planner/problem/quantities.h"
 #include "planner/protocol/execution_messages.h"
 
 namespace fjr {
@@ -20,7 +21,8 @@ class Figures {
 
  private:
   Joints<double> largest_{}, squares_{}, last_{}, residual_{}, feedback_{};
-  Joints<double> torque_{}, motor_velocity_{}, link_position_{}, deflection_{};
+  Joints<double> torque_{}, motor_velocity_{}, deflection_{};
+  Joints<double> lowest_{kNoLimit, kNoLimit}, highest_{-kNoLimit, -kNoLimit};  // [rad] of the links
   long moving_ = 0;
 };
 

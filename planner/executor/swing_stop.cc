@@ -84,7 +84,7 @@ double SwingStop::largest_fraction(const Joints<StopShape>& shapes, double durat
     for (std::size_t j = 0; j < kJoints; ++j) {
       largest = std::max({largest, std::abs(p.torque[j]) / limits_.torque[j],
                           std::abs(p.state.dtheta[j]) / limits_.motor_velocity[j],
-                          std::abs(p.state.q[j]) / limits_.link_position[j]});
+                          std::abs(p.state.q[j] - limits_.link_middle[j]) / limits_.link_position[j]});
     }
   }
   return largest;

@@ -146,7 +146,7 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
       here.row_lower[ArmOcp<F>::kTask + r] = tightened[k].task_rows[r][0];
       here.row_upper[ArmOcp<F>::kTask + r] = tightened[k].task_rows[r][1];
     }
-    if constexpr (F.slack) bound_with_slack<F>(here, *problem.slack);
+    if constexpr (F.slack) bound_with_slack<F>(here, problem.limits, *problem.slack);
     for (std::size_t j = 0; j < kJoints && !setup.creep.empty(); ++j) {
       const double creep = setup.creep[k][j];
       if (creep > 0) here.x_lower[kStateDtheta + j] = creep;

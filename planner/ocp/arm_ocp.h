@@ -235,8 +235,10 @@ typename ArmOcp<F>::Bounds path_bounds(const Limits& limits) {
     if (info.bound == BoundOn::kControl && !F.rate) continue;
     const double limit = kLimitNames[i].in(limits), unit = unit_of_bound<F>(info);
     const auto [lower, upper] = bounds_of<F>(b, i);
-    *upper = (info.squared ? limit * limit : limit) / unit;
-    if (!info.squared) *lower = -*upper;
+    const double bound = (info.squared ? limit * limit : limit) / unit;
+    const double middle = info.bound == BoundOn::kState ? info.counted_from(limits, kLimitNames[i].j()) : 0;
+    *upper = middle + bound;
+    if (!info.squared) *lower = middle - bound;
   }
   return b;
 }
@@ -256,18 +258,21 @@ void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem) {
   for (std::size_t r = Ocp::kPeakRow; r < Ocp::kTask && problem.weights.peak_torque > 0; ++r) b.row_lower[r] = 0;
 }
 
-// What is relaxed is bounded by the rows that see the slack.
+// What is relaxed is bounded by the rows that see the slack, which count from the middle as value() does.
 template <Features F>
-void bound_with_slack(typename ArmOcp<F>::Bounds& b, const Slack& slack) {
+void bound_with_slack(typename ArmOcp<F>::Bounds& b, const Limits& limits, const Slack& slack) {
   using Ocp = ArmOcp<F>;
+  const auto middle_of = [&](std::size_t i) {
+    return i < kLimits ? kLimitNames[i].quantity->counted_from(limits, kLimitNames[i].j()) : 0;
+  };
   b.x_lower[Ocp::kSlack] = 0;
   b.x_upper[Ocp::kSlack] = slack.most;
   for (std::size_t i = 0; i < slack.direction.size(); ++i) {
     if (slack.direction[i] == 0) continue;
     const double unit = i < kLimits ? unit_of_bound<F>(*kLimitNames[i].quantity) : 1;
     const auto [lower, upper] = bounds_of<F>(b, i);
-    b.row_upper[Ocp::kRelaxed + 2 * i] = unit * *upper;
-    b.row_lower[Ocp::kRelaxed + 2 * i + 1] = unit * *lower;
+    b.row_upper[Ocp::kRelaxed + 2 * i] = unit * *upper - middle_of(i);
+    b.row_lower[Ocp::kRelaxed + 2 * i + 1] = unit * *lower - middle_of(i);
     *lower = -kNoLimit;
     *upper = kNoLimit;
   }

@@ -23,7 +23,7 @@ std::array<double, 2> reach(const Parameters& robot) {
 }
 
 std::vector<Joints<double>> inverse_kinematics(const Parameters& robot, const Coordinates& tip, Elbow elbow,
-                                               const Joints<double>& limit, const Joints<double>& near) {
+                                               const Limits& limits, const Joints<double>& near) {
   const auto [l1, l2] = robot.link.length;
   double cosine = (tip[0] * tip[0] + tip[1] * tip[1] - l1 * l1 - l2 * l2) / (2 * l1 * l2);
   if (std::abs(cosine) > 1 + kRounding) return {};
@@ -37,7 +37,8 @@ std::vector<Joints<double>> inverse_kinematics(const Parameters& robot, const Co
     const double q1 = direction - std::atan2(l2 * std::sin(q2), l1 + l2 * std::cos(q2));
     for (int turn = -2; turn <= 2; ++turn) {
       const Joints<double> q{q1 + 2 * std::numbers::pi * turn, q2};
-      if (std::abs(q[0]) <= limit[0] && std::abs(q[1]) <= limit[1]) found.push_back(q);
+      const auto within = [&](std::size_t j) { return q[j] >= limits.lowest(j) && q[j] <= limits.highest(j); };
+      if (within(0) && within(1)) found.push_back(q);
     }
   }
   std::stable_sort(found.begin(), found.end(), [&](const Joints<double>& a, const Joints<double>& b) {

@@ -6,16 +6,17 @@
 
 #include "model/kinematics.h"
 #include "model/parameters.h"
+#include "planner/problem/quantities.h"
 
 namespace fjr {
 
 // On which side of the line from the base to the tip, looking along it, the elbow lies.
 enum class Elbow { kAny, kLeft, kRight };
 
-// All q [rad] with |q_j| <= limit_j that put the tip at `tip` [m]: up to two elbows, and full turns of joint 1 where
+// All q [rad] within the limits that put the tip at `tip` [m]: up to two elbows, and full turns of joint 1 where
 // the limits leave room for them. Nearest to `near` (largest angle) first. Empty when there is none.
 std::vector<Joints<double>> inverse_kinematics(const Parameters& robot, const Coordinates& tip, Elbow elbow,
-                                               const Joints<double>& limit, const Joints<double>& near);
+                                               const Limits& limits, const Joints<double>& near);
 
 // The distances of the tip from the base [m] that the links' lengths allow: nearest and furthest.
 std::array<double, 2> reach(const Parameters& robot);

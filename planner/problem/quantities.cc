@@ -22,6 +22,7 @@ Limits Limits::of(const Parameters& p) {
   for (const QuantityInfo& info : Quantities::infos) {
     if (info.of_robot) limits.*info.per_joint = p.limits.*info.of_robot;
   }
+  limits.link_middle = p.limits.link_middle;
   return limits;
 }
 

@@ -24,11 +24,16 @@ inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 struct Limits {
   Joints<double> torque{kNoLimit, kNoLimit};             // [N m]    |tau_m|
   Joints<double> motor_velocity{kNoLimit, kNoLimit};     // [rad/s]  |dtheta|
-  Joints<double> link_position{kNoLimit, kNoLimit};      // [rad]    |q|
+  Joints<double> link_position{kNoLimit, kNoLimit};      // [rad]    |q - link_middle|
   Joints<double> spring_deflection{kNoLimit, kNoLimit};  // [rad]    |theta - q|
   Joints<double> torque_rate{kNoLimit, kNoLimit};        // [N m/s]  |du/dt| of the friction-compensated torque
   double tip_speed = kNoLimit;                           // [m/s]
   Joints<double> motor_power{kNoLimit, kNoLimit};        // [W]      |tau_m dtheta|
+  Joints<double> link_middle{};  // [rad] of robot.yaml: what link_position is counted from, and no limit itself
+
+  // The range of q of a joint. [rad]
+  double lowest(std::size_t j) const { return link_middle[j] - link_position[j]; }
+  double highest(std::size_t j) const { return link_middle[j] + link_position[j]; }
 
   static Limits of(const Parameters& p);     // robot.yaml's; infinite where only requests limit
   static Limits all(double value) noexcept;  // each of them the same number, whatever its unit
@@ -66,6 +71,7 @@ struct QuantityInfo {
   double Limits::*of_tip = nullptr;             // or this
   // The limit in robot.yaml that a request may tighten; none: only requests limit it.
   Joints<double> Parameters::Limits::*of_robot = nullptr;
+  Joints<double> Limits::*middle = nullptr;  // what value() is counted from; none: zero
   BoundOn bound = BoundOn::kRow;
   int state = 0;             // with BoundOn::kState: the first joint's
   bool sees_torque = false;  // tau_m, and not the state alone
@@ -84,6 +90,7 @@ struct QuantityInfo {
   // Its number in `limits`, of joint index j; the tip's for any j.
   double& in(Limits& limits, std::size_t j) const { return of_tip ? limits.*of_tip : (limits.*per_joint)[j]; }
   double in(const Limits& limits, std::size_t j) const { return of_tip ? limits.*of_tip : (limits.*per_joint)[j]; }
+  double counted_from(const Limits& limits, std::size_t j) const { return middle ? (limits.*middle)[j] : 0; }
   // Of what value() gives.
   double magnitude(double value) const { return squared ? std::sqrt(std::max(0.0, value)) : std::abs(value); }
 };
@@ -133,9 +140,10 @@ struct MotorVelocity {
 struct LinkPosition {
   static constexpr QuantityInfo info{.name = "link_position",
                                      .unit = "rad",
-                                     .meaning = "of each link, |q|",
+                                     .meaning = "of each link, |q|, or from the middle of the robot's range",
                                      .per_joint = &Limits::link_position,
                                      .of_robot = &Parameters::Limits::link_position,
+                                     .middle = &Limits::link_middle,
                                      .bound = BoundOn::kState,
                                      .state = kStateQ,
                                      .degree = 3,
@@ -145,7 +153,8 @@ struct LinkPosition {
                                      .of_first_version = true};
   template <class T>
   static Joints<T> value(const Moment<T>& at) {
-    return at.x.q;
+    const Joints<double>& middle = at.robot.limits.link_middle;
+    return {at.x.q[0] - middle[0], at.x.q[1] - middle[1]};
   }
 };
 

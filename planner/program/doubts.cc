@@ -12,7 +12,7 @@ namespace fjr {
 
 void tell_doubts(const Parameters& robot) {
   static std::set<std::string> told;
-  for (const Doubt& doubt : doubts_about(robot)) {
+  for (const Finding& doubt : doubts_about(robot)) {
     if (told.insert(doubt.text()).second) fmt::print(stderr, "fjr: warning: robot: {}\n", doubt.text());
   }
 }

@@ -45,11 +45,11 @@ ExecutorConfig config_of(const ExecutorArguments& options) {
 
 void check_start(const ExecutorConfig& config, const Parameters& robot) {
   for (std::size_t j = 0; j < kJoints; ++j) {
-    const double limit = robot.limits.link_position[j];
-    if (std::abs(config.start[j]) <= limit) continue;
+    const double lowest = robot.lowest(j), highest = robot.highest(j);
+    if (config.start[j] >= lowest && config.start[j] <= highest) continue;
     throw InputError("executor", fmt::format("start.q[{}]", j),
-                     fmt::format("{} rad is outside [-{}, {}]{}", config.start[j], limit, limit,
-                                 degrees_suspected(config.start[j], -limit, limit)));
+                     fmt::format("{} rad is outside [{}, {}]{}", config.start[j], lowest, highest,
+                                 degrees_suspected(config.start[j], lowest, highest)));
   }
 }
 

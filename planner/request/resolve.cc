@@ -171,8 +171,7 @@ std::string resolve_method(const Request& request) {
 // ---- start, goal, via ----
 
 void check_angle(const Place& angles, std::size_t j, double angle, const Limits& limits) {
-  const double limit = limits.link_position[j];
-  check_angle(angles.at(j), angle, -limit, limit);
+  check_angle(angles.at(j), angle, limits.lowest(j), limits.highest(j));
 }
 
 Joints<double> checked_angles(const Place& state, const std::optional<Joints<double>>& q, const Limits& limits) {
@@ -252,7 +251,7 @@ void check_holding_somewhere(const Place& place, const Problem& problem, const G
   Joints<double> q = goal.q;
   double least = kNoLimit;  // [N m] of the joint that is given
   for (int i = 0; i <= kAngles; ++i) {
-    q[free] = std::lerp(-1.0, 1.0, i / double{kAngles}) * problem.limits.link_position[free];
+    q[free] = std::lerp(problem.limits.lowest(free), problem.limits.highest(free), i / double{kAngles});
     const Joints<double> gravity = gravity_torque(problem.robot, q);
     if (std::abs(gravity[free]) <= problem.limits.torque[free]) least = std::min(least, std::abs(gravity[given]));
   }
@@ -398,15 +397,18 @@ void resolve_tip_goal(const Request& request, Problem& problem) {
   const Elbow elbow = asked.elbow.value_or(Elbow::kAny);
   std::optional<InputError> why;
   std::vector<Goal> goals;
-  for (const Joints<double>& q :
-       inverse_kinematics(problem.robot, tip, elbow, problem.limits.link_position, problem.start.q)) {
+  for (const Joints<double>& q : inverse_kinematics(problem.robot, tip, elbow, problem.limits, problem.start.q)) {
     if (const auto goal = tip_goal(request, problem, q, why)) goals.push_back(*goal);
   }
   if (goals.empty() && why) throw InputError(*why);
   if (goals.empty()) {
+    const auto range = [&](std::size_t j) {
+      const Limits& limits = problem.limits;
+      return limits.link_middle[j] == 0 ? fmt::format("{}", limits.link_position[j])
+                                        : fmt::format("[{}, {}]", limits.lowest(j), limits.highest(j));
+    };
     place.at("tip").fail(fmt::format("[{}, {}] m takes a joint beyond its limits of {} and {} rad{}", tip[0], tip[1],
-                                     problem.limits.link_position[0], problem.limits.link_position[1],
-                                     elbow == Elbow::kAny ? "" : "; the other elbow may do"));
+                                     range(0), range(1), elbow == Elbow::kAny ? "" : "; the other elbow may do"));
   }
   problem.goal = goals.front();
   problem.other_goals.assign(goals.begin() + 1, goals.end());

@@ -46,8 +46,7 @@ void check_count(const Request& request) {
 // A corner between start and goal becomes a via point that is passed within a part of the tolerance.
 void add_corner(const Place& place, const Joints<double>& q, JointPath& path, Problem& problem) {
   for (std::size_t j = 0; j < kJoints; ++j) {
-    const double limit = problem.limits.link_position[j];
-    check_angle(place.at(j), q[j], -limit, limit);
+    check_angle(place.at(j), q[j], problem.limits.lowest(j), problem.limits.highest(j));
   }
   if (distance(q, path.corners.back()) < kShortest) place.fail("is the same point as the one before it");
   path.corners.push_back(q);
@@ -98,8 +97,10 @@ std::string leaves(const Problem& problem, std::size_t segment, const Joints<dou
   const auto moved = [&](double time) { return Joints<double>{q[0] + time * dq[0], q[1] + time * dq[1]}; };
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double limit = problem.limits.link_position[j];
-    if (std::abs(q[j]) >= limit && std::abs(moved(kMoment)[j]) > limit * (1 + 1e-12)) {
-      return fmt::format("joint {} stands on its limit of {} rad and moves beyond it", j + 1, limit);
+    const double middle = problem.limits.link_middle[j];
+    if (std::abs(q[j] - middle) >= limit && std::abs(moved(kMoment)[j] - middle) > limit * (1 + 1e-12)) {
+      return fmt::format("joint {} stands on its limit of {} rad and moves beyond it", j + 1,
+                         middle == 0 ? limit : q[j]);
     }
   }
   const auto here = Posture<double>::of(problem.robot, q), soon = Posture<double>::of(problem.robot, moved(kMoment));
@@ -124,7 +125,7 @@ void place_free_joint(Problem& problem) {
     double nearest = kNoLimit;
     for (int i = -kAngles; i <= kAngles; ++i) {
       Joints<double> q = problem.goal.q;
-      q[j] = problem.limits.link_position[j] * i / kAngles;
+      q[j] = problem.limits.link_middle[j] + problem.limits.link_position[j] * i / kAngles;
       if (std::abs(q[j] - before[j]) >= nearest || !broken(problem, last, q).empty()) continue;
       nearest = std::abs(q[j] - before[j]);
       problem.goal.q[j] = q[j];

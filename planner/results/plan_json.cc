@@ -269,6 +269,7 @@ Json robot_json(const Parameters& robot) {
   visit_parameters(robot, [&](const char* section, const char* name, const char*, const Joints<double>& values) {
     json[section][name] = numbers(values);
   });
+  json["mounting"] = {{"gravity", robot.mounting.gravity}, {"down", robot.mounting.down}};
   json["payload"] = {{"mass", robot.payload.mass}, {"inertia", robot.payload.inertia}};
   return json;
 }

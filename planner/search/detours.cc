@@ -33,7 +33,9 @@ bool is_wide(const TaskRow& row) { return row.kind != TaskRow::Kind::kAngles && 
 class Grid {
  public:
   Grid(const Problem& problem, std::size_t segment, double spacing)
-      : limit_(problem.limits.link_position), speed_(problem.limits.motor_velocity) {
+      : middle_(problem.limits.link_middle),
+        limit_(problem.limits.link_position),
+        speed_(problem.limits.motor_velocity) {
     for (std::size_t axis = 0; axis < 2; ++axis) {
       size_[axis] = std::max(3, static_cast<int>(std::ceil(2 * limit_[axis] / spacing)) + 1);
     }
@@ -53,7 +55,8 @@ class Grid {
 
   Joints<double> q_of(std::size_t c) const {
     const int i = static_cast<int>(c) / size_[1], j = static_cast<int>(c) % size_[1];
-    return {-limit_[0] + 2 * limit_[0] * i / (size_[0] - 1), -limit_[1] + 2 * limit_[1] * j / (size_[1] - 1)};
+    return {middle_[0] - limit_[0] + 2 * limit_[0] * i / (size_[0] - 1),
+            middle_[1] - limit_[1] + 2 * limit_[1] * j / (size_[1] - 1)};
   }
 
   // The nearest cell; with `only_free` among the free ones round it, for what is given lies between cells.
@@ -112,13 +115,13 @@ class Grid {
   }
 
   int nearest(double angle, std::size_t axis) const {
-    const double fraction = (angle + limit_[axis]) / (2 * limit_[axis]);
+    const double fraction = (angle - middle_[axis] + limit_[axis]) / (2 * limit_[axis]);
     return std::clamp(static_cast<int>(std::lround(fraction * (size_[axis] - 1))), 0, size_[axis] - 1);
   }
   bool inside(Cell c) const { return c.i >= 0 && c.i < size_[0] && c.j >= 0 && c.j < size_[1]; }
   std::size_t index(Cell c) const { return static_cast<std::size_t>(c.i * size_[1] + c.j); }
 
-  Joints<double> limit_, speed_;
+  Joints<double> middle_, limit_, speed_;
   std::array<int, 2> size_{};
   std::vector<double> clearance_, cost_;
 };
@@ -245,8 +248,11 @@ std::string beyond_reach(const Problem& problem) {
   const Task& task = problem.task;
   if (!task.line && !task.arc) return "";
   const auto [l1, l2] = problem.robot.link.length;
-  const double bend = std::min(problem.limits.link_position[1], std::numbers::pi);
-  const double nearest = std::sqrt(l1 * l1 + l2 * l2 + 2 * l1 * l2 * std::cos(bend)), furthest = l1 + l2;
+  const double lowest = problem.limits.lowest(1), highest = problem.limits.highest(1);
+  const double most = std::min(std::max(std::abs(lowest), std::abs(highest)), std::numbers::pi);
+  const double least = lowest > 0 ? lowest : highest < 0 ? -highest : 0;  // the elbow cannot be stretched further
+  const auto away_at = [&](double bend) { return std::sqrt(l1 * l1 + l2 * l2 + 2 * l1 * l2 * std::cos(bend)); };
+  const double nearest = away_at(most), furthest = least == 0 ? l1 + l2 : away_at(least);
   const double tolerance = task.line ? task.line->tolerance : task.arc->tolerance;
   const Point<double> begin = tip_position(problem.robot, problem.start.q),
                       end = tip_position(problem.robot, problem.goal.q);

@@ -208,8 +208,7 @@ std::vector<Path> paths_along_tip_path(const Problem& problem) {
       const double s = static_cast<double>(i) / kPieces;
       const Joints<double> tip =
           problem.task.arc ? along(*problem.task.arc, from, to, s) : along(*problem.task.line, from, to, s);
-      const auto postures =
-          inverse_kinematics(problem.robot, tip, Elbow::kAny, problem.limits.link_position, path.back());
+      const auto postures = inverse_kinematics(problem.robot, tip, Elbow::kAny, problem.limits, path.back());
       if (!postures.empty()) path.push_back(postures.front());
     }
     path.push_back(points[leg + 1]);

@@ -84,9 +84,10 @@ class Search {
     for (int n = 1; n <= kNodes; ++n) {
       const FlatPoint p = from_link_motion(robot_, in_time({table.at(s[0], n), table.at(s[1], n)}, duration_));
       for (std::size_t j = 0; j < kJoints; ++j) {
-        const std::array<double, 4> fraction{
-            p.torque[j] / limits_.torque[j], p.state.dtheta[j] / limits_.motor_velocity[j],
-            p.state.q[j] / limits_.link_position[j], (p.state.theta[j] - p.state.q[j]) / limits_.spring_deflection[j]};
+        const std::array<double, 4> fraction{p.torque[j] / limits_.torque[j],
+                                             p.state.dtheta[j] / limits_.motor_velocity[j],
+                                             (p.state.q[j] - limits_.link_middle[j]) / limits_.link_position[j],
+                                             (p.state.theta[j] - p.state.q[j]) / limits_.spring_deflection[j]};
         for (std::size_t k = 0; k < fraction.size(); ++k) {
           const double size = std::abs(fraction[k]);
           worst_ = std::max(worst_, size);
@@ -199,7 +200,7 @@ std::string fault_of_rows(const Limits& limits, const std::vector<Sample>& rows)
       for (const Quantity& quantity :
            {Quantity{"torque", row.torque[j], limits.torque[j]},
             Quantity{"motor_velocity", x.dtheta[j], limits.motor_velocity[j]},
-            Quantity{"link_position", x.q[j], limits.link_position[j]},
+            Quantity{"link_position", x.q[j] - limits.link_middle[j], limits.link_position[j]},
             Quantity{"spring_deflection", x.theta[j] - x.q[j], limits.spring_deflection[j]}}) {
         if (std::abs(quantity.value) <= quantity.limit) continue;
         return fmt::format("{} of joint {} reaches {:.6g} at {:.6f} s, the limit of a stop is {:.6g}", quantity.name,

@@ -28,8 +28,12 @@ Parameters read_robot(const JsonField& plan) {
   const JsonField robot = plan.at("robot");
   Parameters p{};
   visit_parameters(p, [&](const char* section, const char* name, const char*, Joints<double>& values) {
-    values = robot.at(section).at(name).pair();
+    const auto given = robot.at(section).find(name);
+    if (given || !may_be_left_out(section, name)) values = robot.at(section).at(name).pair();
   });
+  if (const auto mounting = robot.find("mounting")) {
+    p.mounting = {mounting->at("gravity").number(), mounting->at("down").number()};
+  }
   if (const auto payload = robot.find("payload")) {
     p.payload = {payload->at("mass").number(), payload->at("inertia").number()};
   }

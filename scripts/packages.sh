@@ -5,6 +5,7 @@ program_packages=(
   libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev libssl-dev
   libsundials-dev                                               # rollouts, virtual rig
   libceres-dev                                                  # identification
+  libmatio-dev                                                  # exports as MATLAB files
   libjs-chart.js                                                # reports: embedded in them
   coinor-libipopt-dev libmumps-seq-dev libopenblas0-serial      # optimisation; BLAS with one thread
   cyclonedds-dev cyclonedds-tools libspdlog-dev libsystemd-dev  # the planning service, its log and its watchdog

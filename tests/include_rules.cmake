@@ -28,6 +28,7 @@ set(layers
   planner  # plan.h, the story of one request
   planner/results
   planner/results/report
+  planner/results/export
   planner/batch
   planner/protocol
   planner/dds
@@ -78,6 +79,7 @@ rule("only planner/nlp/ipopt* knows Ipopt" "^planner/nlp/ipopt" "Ip[A-Z][A-Za-z]
 rule("only planner/certificate and model/rig know SUNDIALS" "^(planner/certificate|model/rig|common/sundials_handles)"
   "sundials/|arkode/|cvodes?/|nvector/|sunmatrix/|sunlinsol/|sunnonlinsol/")
 rule("only model/identify/curve_fit.cc knows Ceres" "^model/identify/curve_fit\\.cc$" "ceres/|glog/")
+rule("only planner/results/export/mat.cc knows libmatio" "^planner/results/export/mat\\.cc$" "matio")
 rule("only planner/dds knows DDS and the wire types" "^planner/dds/"
   "dds/|ddsc/|fjr_(msgs|plan_request)\\.h|trajectory_msgs\\.h")
 rule("only what serves, executes or talks to them knows their protocol"

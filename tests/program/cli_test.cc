@@ -182,6 +182,27 @@ TEST_F(Cli, ExplainsARequestWithoutPlanningIt) {
   EXPECT_EQ(run({"plan", "--explain-request", "request.yaml"}).exit_code, 2);  // refused as it would be
 }
 
+// What is in them is checked by tests/exports, with the field's own readers.
+TEST_F(Cli, PlansAndLogsAreExported) {
+  write("good.yaml", kGood);
+  ASSERT_EQ(run({"plan", "good.yaml", "--out", "out", "-q"}).exit_code, 0);
+  for (const char* format : {"csv", "mat", "mcap", "ros2"}) {
+    const Result result = run({"export", "out", "--format", format});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_GT(fs::file_size(path(result.out.substr(0, result.out.find('\n')))), 1000U) << format;
+  }
+  // 0.429812 s of ticks of 1 ms, from 0 to the first at or behind the end, and the names.
+  const std::string csv = contents(path("out/export.csv"));
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 432);
+  EXPECT_EQ(csv.find('#'), std::string::npos);
+  ASSERT_EQ(run({"experiment", "motor_inertia", "--joint", "1", "--out", "log.csv"}).exit_code, 0);
+  EXPECT_EQ(run({"export", "log.csv", "--format", "mat"}).out, "log.export.mat\n");
+  EXPECT_EQ(run({"export", "out", "--format", "mcap", "--log", "log.csv", "--out", "both.mcap"}).exit_code, 0);
+  EXPECT_GT(fs::file_size(path("both.mcap")), fs::file_size(path("out/export.mcap")));
+  EXPECT_EQ(run({"export", "log.csv", "--format", "ros2"}).exit_code, 2);
+  EXPECT_EQ(run({"verify", "out/trajectory.csv"}).exit_code, 0);  // what was there stays as it was
+}
+
 const std::string kDescription =
     "length: [0.4, 0.3]\nmass: [1.5, 0.7]\ncenter_of_mass: [0.2, 0.12]\ninertia: [0.03, 0.006]\nstiffness: [30, 15]\n"
     "rotor_inertia: [1e-5, 4e-6]\ngear: [80, 50]\ntorque: [14, 5]\nvelocity: [6, 8]\nposition: [3, 2.5]\n"

@@ -1,0 +1,193 @@
+#include "common/mcap.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "model/kinematics.h"
+#include "planner/problem/quantities.h"
+#include "planner/results/export/formats.h"
+
+namespace fjr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kFrame = 0.02;  // [s] between pictures of the arm
+constexpr double kFlat = 0.02;   // [m] of an obstacle's drawing: the arm moves in a plane
+constexpr double kLongWall = 5;  // [m]
+const char* const kFrameId = "base";
+
+std::uint64_t nanoseconds(double time) { return static_cast<std::uint64_t>(std::llround(time * 1e9)); }
+
+// A schema of numbers by their names.
+std::string schema_of(const std::string& title, const std::vector<std::string>& names) {
+  Json properties = Json::object();
+  for (const std::string& name : names) properties[name] = {{"type", "number"}};
+  return Json{{"title", title}, {"type", "object"}, {"properties", std::move(properties)}, {"required", names}}.dump();
+}
+
+// Those columns of a table on a topic of their own.
+void add_table(McapWriter& file, const std::string& topic, const std::string& title, const ExportTable& table,
+               const std::vector<std::string>& names) {
+  const std::uint16_t id = file.add_topic(topic, "json", title, "jsonschema", schema_of(title, names));
+  const std::vector<double>& time = table.column("time_s");
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    Json message = Json::object();
+    for (const std::string& name : names) message[name] = table.column(name)[row];
+    file.add(id, nanoseconds(time[row]), message.dump());
+  }
+}
+
+// "torque" of joint 1 -> "torque_1"; with the unit as columns have it.
+std::string limit_name(const LimitName& limit) {
+  std::string unit = limit.quantity->unit;
+  for (std::size_t slash = unit.find('/'); slash != std::string::npos; slash = unit.find('/')) {
+    unit.replace(slash, 1, "_per_");
+  }
+  for (char& c : unit) c = c == ' ' ? '_' : c;
+  const std::string joint = limit.joint == 0 ? "" : fmt::format("_{}", limit.joint);
+  return fmt::format("{}{}_{}", limit.quantity->name, joint, unit);
+}
+
+// The limits of the plan at both ends, so that they are drawn as lines.
+void add_limits(McapWriter& file, const PlanRecord& plan, double end) {
+  std::vector<std::string> names;
+  Json message = Json::object();
+  const Json& limits = plan.plan.at("resolved_request").at("limits");
+  for (const LimitName& limit : kLimitNames) {
+    const auto found = limits.find(limit.quantity->name);
+    if (found == limits.end()) continue;
+    names.push_back(limit_name(limit));
+    message[names.back()] = limit.joint == 0 ? *found : (*found)[limit.j()];
+  }
+  const std::uint16_t id =
+      file.add_topic("/fjr/limits", "json", "fjr.Limits", "jsonschema", schema_of("fjr.Limits", names));
+  for (const double time : {0.0, end}) file.add(id, nanoseconds(time), message.dump());
+}
+
+// ---- the scene, as Foxglove's schema SceneUpdate has it ----
+
+Json time_json(double time) {
+  const std::uint64_t ns = nanoseconds(time);
+  return {{"sec", ns / 1'000'000'000}, {"nsec", ns % 1'000'000'000}};
+}
+Json point(double x, double y) { return {{"x", x}, {"y", y}, {"z", 0.0}}; }
+Json pose(double x, double y) {
+  return {{"position", point(x, y)}, {"orientation", {{"x", 0.0}, {"y", 0.0}, {"z", 0.0}, {"w", 1.0}}}};
+}
+Json color(double r, double g, double b, double a) { return {{"r", r}, {"g", g}, {"b", b}, {"a", a}}; }
+
+Json entity(double time, const std::string& id) {
+  Json json{{"timestamp", time_json(time)},
+            {"frame_id", kFrameId},
+            {"id", id},
+            {"lifetime", {{"sec", 0}, {"nsec", 0}}},
+            {"frame_locked", false}};
+  for (const char* shape :
+       {"metadata", "arrows", "cubes", "spheres", "cylinders", "lines", "triangles", "texts", "models"}) {
+    json[shape] = Json::array();
+  }
+  return json;
+}
+
+Json line_strip(std::vector<Json> points, double thickness, Json with) {
+  return {{"type", 0},
+          {"pose", pose(0, 0)},
+          {"thickness", thickness},
+          {"scale_invariant", false},
+          {"points", std::move(points)},
+          {"color", std::move(with)},
+          {"colors", Json::array()},
+          {"indices", Json::array()}};
+}
+
+Json arm_at(const Parameters& robot, const Sample& row) {
+  const Point<double> elbow = elbow_position(robot, row.state.q), tip = tip_position(robot, row.state.q);
+  Json arm = entity(row.time, "arm");
+  arm["lines"].push_back(
+      line_strip({point(0, 0), point(elbow.x, elbow.y)}, 2 * robot.link.radius[0], color(0.2, 0.4, 0.8, 1)));
+  arm["lines"].push_back(
+      line_strip({point(elbow.x, elbow.y), point(tip.x, tip.y)}, 2 * robot.link.radius[1], color(0.9, 0.5, 0.1, 1)));
+  return arm;
+}
+
+Json obstacle(const Json& disc, std::size_t index) {
+  Json json = entity(0, fmt::format("obstacle {}", index + 1));
+  const double radius = disc.at("radius").get<double>();
+  json["cylinders"].push_back(
+      {{"pose", pose(disc.at("center").at(0).get<double>(), disc.at("center").at(1).get<double>())},
+       {"size", {{"x", 2 * radius}, {"y", 2 * radius}, {"z", kFlat}}},
+       {"bottom_scale", 1.0},
+       {"top_scale", 1.0},
+       {"color", color(0.8, 0.2, 0.2, 0.8)}});
+  return json;
+}
+
+Json wall(const Json& given, std::size_t index) {
+  Json json = entity(0, fmt::format("wall {}", index + 1));
+  const double x = given.at("point").at(0).get<double>(), y = given.at("point").at(1).get<double>();
+  const double nx = given.at("normal").at(0).get<double>(), ny = given.at("normal").at(1).get<double>();
+  const double s = kLongWall / std::hypot(nx, ny);
+  json["lines"].push_back(
+      line_strip({point(x - s * ny, y + s * nx), point(x + s * ny, y - s * nx)}, kFlat / 2, color(0.4, 0.4, 0.4, 1)));
+  return json;
+}
+
+std::string scene(std::vector<Json> entities) {
+  return Json{{"deletions", Json::array()}, {"entities", std::move(entities)}}.dump();
+}
+
+std::string scene_schema() {
+  const Json any = {{"type", "array"}, {"items", {{"type", "object"}}}};
+  return Json{{"title", "foxglove.SceneUpdate"},
+              {"description", "An update to the entities displayed in a 3D scene"},
+              {"type", "object"},
+              {"properties", {{"deletions", any}, {"entities", any}}}}
+      .dump();
+}
+
+void add_scene(McapWriter& file, const PlanRecord& plan, const std::vector<Sample>& rows) {
+  const std::uint16_t id = file.add_topic("/fjr/scene", "json", "foxglove.SceneUpdate", "jsonschema", scene_schema());
+  std::vector<Json> still;
+  const Json& task = plan.plan.at("resolved_request").at("task");
+  const auto add_all = [&](const char* key, Json (*draw)(const Json&, std::size_t)) {
+    const auto found = task.find(key);
+    for (std::size_t i = 0; found != task.end() && i < found->size(); ++i) still.push_back(draw((*found)[i], i));
+  };
+  add_all("obstacles", obstacle);
+  add_all("walls", wall);
+  if (!still.empty()) file.add(id, 0, scene(std::move(still)));
+  double next = 0;
+  for (const Sample& row : rows) {
+    if (row.time < next && &row != &rows.back()) continue;
+    next = row.time + kFrame;
+    file.add(id, nanoseconds(row.time), scene({arm_at(plan.robot, row)}));
+  }
+}
+
+}  // namespace
+
+std::string as_mcap(const Exported& exported) {
+  McapWriter file("", "fjr " FJR_VERSION);
+  if (exported.plan != nullptr) {
+    const ExportTable table = table_of(exported.plan->robot, *exported.ticked);
+    std::vector<std::string> tip, others;
+    for (const std::string& name : table.names) (name.starts_with("tip_") ? tip : others).push_back(name);
+    add_table(file, "/fjr/trajectory", "fjr.Trajectory", table, others);
+    add_table(file, "/fjr/tip", "fjr.Tip", table, tip);
+    add_limits(file, *exported.plan, exported.ticked->rows.back().time);
+    add_scene(file, *exported.plan, exported.ticked->rows);
+  }
+  if (exported.log) {
+    const ExportTable table = table_of(*exported.log);
+    add_table(file, "/fjr/executed", "fjr.Executed", table, table.names);
+  }
+  return file.finish();
+}
+
+}  // namespace fjr

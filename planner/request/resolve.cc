@@ -39,8 +39,8 @@ struct StatePlace {
 double tightened(const Place& place, double wanted, double robots, std::string_view unit) {
   if (!(wanted > 0)) place.fail(fmt::format("{} must be > 0", with_unit(wanted, unit)));
   if (wanted > robots) {
-    place.fail(fmt::format("{} is above the robot's {} (limits may only tighten)", with_unit(wanted, unit),
-                           with_unit(robots, unit)));
+    place.fail(fmt::format("{} is above the robot's {} (limits may only tighten){}", with_unit(wanted, unit),
+                           with_unit(robots, unit), unit == "rad" ? degrees_suspected(wanted, 0, robots) : ""));
   }
   return wanted;
 }

@@ -205,7 +205,7 @@ TEST_F(Cli, PlansAndLogsAreExported) {
 
 const std::string kDescription =
     "length: [0.4, 0.3]\nmass: [1.5, 0.7]\ncenter_of_mass: [0.2, 0.12]\ninertia: [0.03, 0.006]\nstiffness: [30, 15]\n"
-    "rotor_inertia: [1e-5, 4e-6]\ngear: [80, 50]\ntorque: [14, 5]\nvelocity: [6, 8]\nposition: [3, 2.5]\n"
+    "rotor_inertia: [1e-5, 4e-6]\ngear: [80, 50]\ntorque: [14, 5]\nvelocity: [6, 8]\nposition: [[-1, 3], [-2.5, 2.5]]\n"
     "deflection: [0.5, 0.3]\n";
 
 TEST_F(Cli, ANewRobotIsDescribedCheckedAndPlannedFor) {
@@ -217,9 +217,11 @@ TEST_F(Cli, ANewRobotIsDescribedCheckedAndPlannedFor) {
   EXPECT_EQ(Json::parse(checked.out)["possible"], true);
   EXPECT_GT(Json::parse(checked.out)["findings"].size(), 20U);
   write("good.yaml", kGood);
-  const Result planned = run({"plan", "good.yaml", "--out", "out", "--robot", "robot.yaml"});
+  const Result planned = run({"plan", "good.yaml", "--out", "out", "--robot", "robot.yaml", "--report"});
   EXPECT_EQ(planned.exit_code, 0) << planned.out << planned.err;
   EXPECT_EQ(plan_json()["robot_hash"], Json::parse(checked.out)["robot_hash"]);
+
+  EXPECT_THAT(contents(path("out/report.html")), HasSubstr("limits 1±2 and ±2.5 rad"));
 
   const std::string before = contents(path("robot.yaml"));  // nothing is overwritten
   EXPECT_EQ(run({"robot", "new", "short.yaml", "--out", "robot.yaml"}).exit_code, 2);

@@ -34,16 +34,20 @@ void add_joints(Chart& chart, const std::vector<Sample>& samples, const std::str
   }
 }
 
-// The limits of `name`: in the title, and drawn where they are near enough not to flatten the curves.
-void add_limits(Chart& chart, const std::vector<ReachedLimit>& limits, const std::string& name, double end) {
+// The limits of `name` to either side of the middle: in the title, and drawn where they are near enough not to flatten
+// the curves.
+void add_limits(Chart& chart, const std::vector<ReachedLimit>& limits, const std::string& name, double end,
+                const Joints<double>& middle = {}) {
   std::string said;
   for (int joint = 1; joint <= kJoints; ++joint) {
     const ReachedLimit* limit = find_limit(limits, name, joint);
     if (limit == nullptr) continue;
-    said += fmt::format("{}±{:.4g}", said.empty() ? "" : " and ", limit->limit);
+    const auto j = static_cast<std::size_t>(joint - 1);
+    const std::string about = middle[j] == 0 ? "" : fmt::format("{:.4g}", middle[j]);
+    said += fmt::format("{}{}±{:.4g}", said.empty() ? "" : " and ", about, limit->limit);
     if (limit->reached < kNear * limit->limit) continue;
-    chart.series.push_back(both_sides(fmt::format("limit {}", joint), kJointColour[static_cast<std::size_t>(joint - 1)],
-                                      limit->limit, 0, end));
+    chart.series.push_back(both_sides(fmt::format("limit {}", joint), kJointColour[j], limit->limit, 0, end));
+    for (double& y : chart.series.back().y) y += middle[j];
   }
   if (!said.empty()) chart.title += fmt::format(" (limits {} {})", said, unit_of_limit(name));
 }
@@ -97,7 +101,7 @@ std::vector<Chart> motion_charts(const PlanRecord& record, const std::vector<Rea
   Chart positions = time_chart("Positions", "rad");
   add_joints(positions, rows, "link", link, kJointColour);
   add_joints(positions, rows, "motor", motor, kMotorColour, Style::kThinLine);
-  add_limits(positions, limits, "link_position", end);
+  add_limits(positions, limits, "link_position", end, record.robot.limits.link_middle);
   Chart springs = time_chart("Spring deflections", "rad");
   add_joints(springs, rows, "spring", deflection, kJointColour);
   add_limits(springs, limits, "spring_deflection", end);

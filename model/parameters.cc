@@ -314,7 +314,8 @@ PlaneMounting read_mounting(const YamlNode& node) {
   constexpr double kUpright = std::numbers::pi / 2, kDegree = std::numbers::pi / 180;
   PlaneMounting mounting;
   if (const auto inclination = node.find("inclination")) {
-    mounting.gravity = std::sin(read_angle(*inclination, 0, kUpright + 0.01 * kDegree));  // 1.5708 is upright
+    mounting.inclination = read_angle(*inclination, 0, kUpright + 0.01 * kDegree);  // 1.5708 is upright
+    mounting.gravity = std::sin(mounting.inclination);
   }
   if (const auto down = node.find("down")) mounting.down = read_angle(*down, -2 * kUpright, 2 * kUpright);
   return mounting;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <numbers>
 #include <string>
 #include <string_view>
 
@@ -27,6 +28,7 @@ struct Payload {
 struct PlaneMounting {
   double gravity = 1;  // [-]    fraction of gravity that acts in the plane: the sine of its inclination
   double down = 0;     // [rad]  q1 at which the stretched arm points down (in an inclined plane: down the slope)
+  double inclination = std::numbers::pi / 2;  // [rad]  as it was given: what gravity is the sine of
 
   bool operator==(const PlaneMounting&) const = default;
 };

@@ -26,6 +26,9 @@ std::string json_of(const Robot& robot) {
   visit_parameters(robot.parameters, [&](const char* section, const char* name, const char*,
                                          const Joints<double>& values) { json[section][name] = values; });
   json["payload"] = {{"mass", robot.parameters.payload.mass}, {"inertia", robot.parameters.payload.inertia}};
+  if (const PlaneMounting& mounting = robot.parameters.mounting; mounting != PlaneMounting{}) {
+    json["mounting"] = {{"inclination", mounting.inclination}, {"down", mounting.down}};
+  }
   return json.dump();
 }
 
@@ -44,7 +47,7 @@ std::string document_of(const Json& values) {
 
 std::vector<std::string> doubts(const Robot& robot) {
   std::vector<std::string> sentences;
-  for (const Doubt& doubt : doubts_about(robot.parameters)) sentences.push_back(doubt.text());
+  for (const Finding& doubt : doubts_about(robot.parameters)) sentences.push_back(doubt.text());
   return sentences;
 }
 

@@ -32,7 +32,8 @@ Parameters read_robot(const JsonField& plan) {
     if (given || !may_be_left_out(section, name)) values = robot.at(section).at(name).pair();
   });
   if (const auto mounting = robot.find("mounting")) {
-    p.mounting = {mounting->at("gravity").number(), mounting->at("down").number()};
+    p.mounting.gravity = mounting->at("gravity").number();
+    p.mounting.down = mounting->at("down").number();
   }
   if (const auto payload = robot.find("payload")) {
     p.payload = {payload->at("mass").number(), payload->at("inertia").number()};

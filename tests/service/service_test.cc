@@ -110,16 +110,19 @@ TEST_F(ServiceTest, KeepsToTheBudget) {
 
 // A worker may have died of something else, so what it had is tried once more.
 TEST_F(ServiceTest, SurvivesTheDeathOfWorkers) {
+  // Long enough to be seen at work, about 1 s.
+  const std::string a_while =
+      "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\nduration: 1.5\nobjective: efficient\nsearch: quick\n";
   serve();
   const auto kill_while_solving = [&](std::uint64_t lost) {
     status_when([&](const ServiceStatus& status) { return status.solving == 1 && status.workers_lost == lost; });
     for (const pid_t worker : service().children()) ::kill(worker, SIGKILL);
   };
-  const Order fast = order(kFast);
-  send(fast);
+  const Order once = order(a_while);
+  send(once);
   kill_while_solving(0);
-  EXPECT_EQ(final_reply(fast.id).state, ReplyState::kSolved);
-  status_when([](const ServiceStatus& status) { return status.solving == 0 && status.workers_lost == 1; });  // of fast
+  EXPECT_EQ(final_reply(once.id).state, ReplyState::kSolved);
+  status_when([](const ServiceStatus& status) { return status.solving == 0 && status.workers_lost == 1; });  // of once
   const Order slow = order(kSlow);
   send(slow);
   kill_while_solving(1);

@@ -89,9 +89,8 @@ TEST(Ipopt, TellsWhatASolveCost) {
     ASSERT_TRUE(report.solved());
     EXPECT_GT(report.cost.evaluation, 0);
     EXPECT_GT(report.cost.linear_algebra, 0);
-    // MUMPS is timed by the process's clock, which may tell a little more than that of the thread.
-    EXPECT_GT(report.cost.ipopt(), -0.1 * report.cost.total);
     if (options.linear_solver == "stage") {
+      EXPECT_GT(report.cost.ipopt(), 0);  // MUMPS is timed by the process's clock, with threads that BLAS may have
       EXPECT_GE(report.cost.factorisations, report.iterations);
     } else {
       EXPECT_EQ(report.cost.factorisations, 0);

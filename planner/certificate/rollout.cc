@@ -53,7 +53,7 @@ bool finite(const State<double>& x) {
 }
 
 // A serial vector of kStates numbers. The operations that a step consists of are loops of that length here: for eight
-// numbers SUNDIALS' own, which look up lengths and cases first, took a quarter of a rollout.
+// numbers SUNDIALS' own, which look up lengths and cases first, took most of a rollout's time.
 namespace short_vector {
 
 realtype* values(N_Vector v) { return NV_DATA_S(v); }  // a macro: no function is called

@@ -181,7 +181,7 @@ bool Continuation::attempt_once(const std::string& what, Attempt attempt, const 
 }
 
 // Where a task has rows, feasibility often has to be restored on the way, which our own method does not do. With other
-// objectives it comes to other minima: none of both is better throughout.
+// objectives it comes to other minima than Ipopt, and neither to better ones throughout.
 bool Continuation::cold(const Guess& guess, int most_iterations) {
   const std::string what = fmt::format("{}, {}", label_, guess.name);
   SolveOptions o = options(what);

@@ -52,21 +52,21 @@ struct Begun {
   StartOutcome outcome;
 };
 
-// Publishes a motion that was refined, unless it would not be the best.
-void publish_if_best(Continuation motion, Findings& found, Session& session) {
-  const Timed timed(session, "finish");
-  const double expected = found.scale * published_objective(*motion.problem(), motion.solution());
-  if (found.certified() && expected >= found.best->objective) return;
-  PublishResult published = publish(motion, found.asked, session);
-  found.keep(motion, std::move(published));
-}
-
-// The best first: where that is certified, the others need not be.
+// Publishes motions that were refined, the best first: those that would be no better than what is certified need not
+// be. By what was asked for: some of them may have been solved with another objective.
 void publish_best(std::vector<Continuation> motions, Findings& found, Session& session) {
-  std::stable_sort(motions.begin(), motions.end(), [](const Continuation& a, const Continuation& b) {
-    return a.solution().report.objective < b.solution().report.objective;
-  });
-  for (Continuation& motion : motions) publish_if_best(std::move(motion), found, session);
+  const Timed timed(session, "finish");
+  std::vector<std::pair<double, Continuation*>> best_first;
+  for (Continuation& motion : motions) {
+    best_first.emplace_back(published_objective(found.asked, motion.solution()), &motion);
+  }
+  std::stable_sort(best_first.begin(), best_first.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [objective, motion] : best_first) {
+    if (found.certified() && objective >= found.best->objective) return;
+    PublishResult published = publish(*motion, found.asked, session);
+    found.keep(*motion, std::move(published));
+  }
 }
 
 // Motions whose springs have time to swing, at the least time: with ever calmer objectives until one is certified.
@@ -105,7 +105,7 @@ void refine_all(std::vector<Continuation> coarse, Findings& found, Session& sess
   publish_best(std::move(raced.arrived), found, session);
   for (Continuation& motion : raced.dropped) {
     if (found.certified() || session.interrupted()) break;
-    if (motion.refine()) publish_if_best(std::move(motion), found, session);
+    if (motion.refine()) publish_best({std::move(motion)}, found, session);
   }
 }
 

@@ -3,6 +3,7 @@ include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
 
 install(TARGETS fjr EXPORT fjrTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(PROGRAMS planner/program/fjr-batch-slurm DESTINATION ${CMAKE_INSTALL_BINDIR})
 # The chain factorisation has the symbols of another library (planner/nlp/chain/ma27.h): a folder of its own keeps it
 # from being linked by anybody else.
 install(TARGETS fjr_kkt EXPORT fjrTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/fjr)

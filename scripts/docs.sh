@@ -30,6 +30,7 @@ nav:
       - Files: docs/files.md
       - plan.json: docs/plan-json.md
       - Python: docs/python.md
+      - Batches on many machines: docs/cluster.md
       - Exports: docs/exports.md
   - The arm and its machines:
       - Service: docs/service.md

@@ -5,6 +5,7 @@ program_packages=(
   libeigen3-dev libyaml-cpp-dev nlohmann-json3-dev libcli11-dev libfmt-dev libssl-dev
   libsundials-dev                                               # rollouts, virtual rig
   libceres-dev                                                  # identification
+  libsqlite3-dev zlib1g-dev                                     # batches in few files
   libmatio-dev                                                  # exports as MATLAB files
   libjs-chart.js                                                # reports: embedded in them
   coinor-libipopt-dev libmumps-seq-dev libopenblas0-serial      # optimisation; BLAS with one thread
@@ -17,6 +18,7 @@ test_packages=(
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libmpfr-dev  # tests and benchmarks
   libfastrtps-dev fastddsgen default-jre-headless               # another DDS, to test against
   python3 python3-venv python3-dev                              # bench/suite.py, a client in Python
+  slurm-wlm munge parallel                                      # engines that run batches
   python3-pandas octave                                         # programs that read our tables
   clang-format clang-tidy                                       # style
   mkdocs                                                        # docs/ as a site

@@ -80,6 +80,8 @@ rule("only planner/certificate and model/rig know SUNDIALS" "^(planner/certifica
   "sundials/|arkode/|cvodes?/|nvector/|sunmatrix/|sunlinsol/|sunnonlinsol/")
 rule("only model/identify/curve_fit.cc knows Ceres" "^model/identify/curve_fit\\.cc$" "ceres/|glog/")
 rule("only planner/results/export/mat.cc knows libmatio" "^planner/results/export/mat\\.cc$" "matio")
+rule("only planner/batch/database.cc knows SQLite" "^planner/batch/database\\.cc$" "sqlite3")
+rule("only planner/batch/deflate.cc knows zlib" "^planner/batch/deflate\\.cc$" "zlib")
 rule("only planner/dds knows DDS and the wire types" "^planner/dds/"
   "dds/|ddsc/|fjr_(msgs|plan_request)\\.h|trajectory_msgs\\.h")
 rule("only what serves, executes or talks to them knows their protocol"

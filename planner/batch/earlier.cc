@@ -20,10 +20,6 @@ bool says(const Json& plan, const char* key, const std::string& text) {
 
 bool has_proof(const Json& plan) { return plan.value(Json::json_pointer("/certificate/proof"), Json()).is_object(); }
 
-bool is_final(const Json& plan) {
-  return !says(plan, "status", name(PlanStatus::kDeadline)) && !says(plan, "status", name(PlanStatus::kCancelled));
-}
-
 // A file that was cut short or belongs to another plan is no result.
 bool has_trajectory(const fs::path& file, const Problem& problem, const std::string& hash) {
   try {
@@ -49,21 +45,25 @@ std::optional<Json> read_plan_json(const fs::path& folder) {
   return plan;
 }
 
+bool is_final(const Json& plan, const Problem& problem, bool want_proven) {
+  if (says(plan, "status", name(PlanStatus::kDeadline)) || says(plan, "status", name(PlanStatus::kCancelled))) {
+    return false;
+  }
+  if (!says(plan, "version", FJR_VERSION) || !says(plan, "request_hash", problem.request_hash) ||
+      !says(plan, "robot_hash", robot_hash(problem.robot))) {
+    return false;
+  }
+  const PlanStatus doubtful = want_proven ? PlanStatus::kCertified : PlanStatus::kUncertified;
+  return !says(plan, "status", name(doubtful)) || has_proof(plan) == want_proven;
+}
+
 std::optional<Json> finished_earlier(const Problem& problem, const fs::path& folder, bool want_uncertified,
                                      bool want_proven) {
   std::optional<Json> plan = read_plan_json(folder);
-  if (!plan || !is_final(*plan)) return std::nullopt;
+  if (!plan || !is_final(*plan, problem, want_proven)) return std::nullopt;
   const std::string hash = robot_hash(problem.robot);
-  if (!says(*plan, "version", FJR_VERSION) || !says(*plan, "request_hash", problem.request_hash) ||
-      !says(*plan, "robot_hash", hash)) {
-    return std::nullopt;
-  }
   if (says(*plan, "status", name(PlanStatus::kCertified)) &&
       !has_trajectory(folder / "trajectory.csv", problem, hash)) {
-    return std::nullopt;
-  }
-  if (says(*plan, "status", name(want_proven ? PlanStatus::kCertified : PlanStatus::kUncertified)) &&
-      has_proof(*plan) != want_proven) {
     return std::nullopt;
   }
   if (want_uncertified && says(*plan, "status", name(PlanStatus::kUncertified)) &&

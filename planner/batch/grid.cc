@@ -81,6 +81,12 @@ void make_robot_absolute(Json& request, const fs::path& folder) {
   *robot = fs::absolute(folder / robot->get<std::string>()).lexically_normal().string();
 }
 
+Json standing_alone_json(const YamlNode& request, const fs::path& folder) {
+  Json json = to_json(request);
+  make_robot_absolute(json, folder);
+  return json;
+}
+
 fs::path folder_of(const YamlNode& root) { return fs::path(root.source()).parent_path(); }
 
 Json read_template(const YamlNode& root) {
@@ -92,9 +98,7 @@ Json read_template(const YamlNode& root) {
   const YamlNode request = given.is_scalar() ? YamlNode::load(folder_of(root) / given.text()) : given;
   if (!request.is_map()) request.fail("must be a request, or the name of a request's file");
   if (is_grid(request)) request.fail("is a grid; a request is needed here");
-  Json json = to_json(request);
-  make_robot_absolute(json, folder_of(request));
-  return json;
+  return standing_alone_json(request, folder_of(request));
 }
 
 // ---- paths ----
@@ -280,6 +284,10 @@ std::vector<double> equidistant(double from, double to, std::size_t count) {
   values.front() = from;
   values.back() = to;
   return values;
+}
+
+std::string standing_alone(const YamlNode& request, const fs::path& folder) {
+  return to_yaml(standing_alone_json(request, folder));
 }
 
 std::vector<GridPoint> expand_grid(const YamlNode& root) {

@@ -27,6 +27,9 @@ bool is_grid(const YamlNode& root);
 // for a grid that makes no sense; whether the requests do is not asked here.
 std::vector<GridPoint> expand_grid(const YamlNode& root);
 
+// A request that means the same wherever its file stands: YAML whose robot is absolute. folder: where it stands now.
+std::string standing_alone(const YamlNode& request, const std::filesystem::path& folder);
+
 // `count` equidistant values with both ends, at least 1; of 1 only `from`. To 12 digits, so that they read well.
 std::vector<double> equidistant(double from, double to, std::size_t count);
 

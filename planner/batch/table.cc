@@ -43,19 +43,6 @@ std::string csv_text(const Json& value) {
 
 std::string csv_line(const std::vector<std::string>& fields) { return fmt::format("{}\n", fmt::join(fields, ",")); }
 
-// In a row's own order; what only later rows have stands with its neighbours there.
-std::vector<std::string> columns_of(const std::vector<Row>& rows) {
-  std::vector<std::string> columns;
-  for (const Row& row : rows) {
-    auto after = columns.begin();
-    for (const auto& [column, value] : cells(row)) {
-      const auto found = std::find(columns.begin(), columns.end(), column);
-      after = (found != columns.end() ? found : columns.insert(after, column)) + 1;
-    }
-  }
-  return columns;
-}
-
 }  // namespace
 
 Row make_row(const BatchItem& item, const Json& plan) {
@@ -79,8 +66,27 @@ Row make_row(const BatchItem& item, const std::string& status, const std::string
   return make_row(item, Json{{"status", status}, {"reason", reason}});
 }
 
+void Columns::add(const Row& row) {
+  auto after = names_.begin();
+  for (const auto& [column, value] : cells(row)) {
+    const auto found = std::find(names_.begin(), names_.end(), column);
+    after = (found != names_.end() ? found : names_.insert(after, column)) + 1;
+  }
+}
+
+std::vector<Json> Columns::values(const Row& row) const {
+  std::vector<Json> values(names_.size());
+  for (auto& [column, value] : cells(row)) {
+    const auto at = static_cast<std::size_t>(std::find(names_.begin(), names_.end(), column) - names_.begin());
+    if (at < values.size()) values[at] = std::move(value);
+  }
+  return values;
+}
+
 std::string table_csv(const std::vector<Row>& rows) {
-  const std::vector<std::string> columns = columns_of(rows);
+  Columns table;
+  for (const Row& row : rows) table.add(row);
+  const std::vector<std::string>& columns = table.names();
   std::vector<std::string> header;
   for (const std::string& column : columns) header.push_back(quoted(column));
   std::string text;
@@ -91,11 +97,8 @@ std::string table_csv(const std::vector<Row>& rows) {
   }
   text += csv_line(header);
   for (const Row& row : rows) {
-    std::vector<std::string> fields(columns.size());
-    for (const auto& [column, value] : cells(row)) {
-      const auto at = std::find(columns.begin(), columns.end(), column) - columns.begin();
-      fields[static_cast<std::size_t>(at)] = csv_text(value);
-    }
+    std::vector<std::string> fields;
+    for (const Json& value : table.values(row)) fields.push_back(csv_text(value));
     text += csv_line(fields);
   }
   return text;

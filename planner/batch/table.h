@@ -17,9 +17,21 @@ Row make_row(const BatchItem& item, const nlohmann::ordered_json& plan);
 // For a request without a plan.json.
 Row make_row(const BatchItem& item, const std::string& status, const std::string& reason);
 
-// The units of the columns as comment lines, as in trajectory.csv ("# unit.duration: s"), then header and rows; values
-// within `axes` and `terms` are columns of their own, "axes.goal.q[0]", and axes have the units of requests. RFC 4180;
-// null is empty.
+// The columns of a table of rows: values within `axes` and `terms` are columns of their own, "axes.goal.q[0]".
+class Columns {
+ public:
+  // In a row's own order; what only later rows have stands with its neighbours there.
+  void add(const Row& row);
+  const std::vector<std::string>& names() const { return names_; }
+  // The row's values in these columns; null where it has none.
+  std::vector<nlohmann::ordered_json> values(const Row& row) const;
+
+ private:
+  std::vector<std::string> names_;
+};
+
+// The units of the columns as comment lines, as in trajectory.csv ("# unit.duration: s"), then header and rows. Axes
+// have the units of requests. RFC 4180; null is empty.
 std::string table_csv(const std::vector<Row>& rows);
 
 // Column -> unit, of those that have one and are the same in every table.

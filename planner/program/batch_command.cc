@@ -1,11 +1,8 @@
 // fjr batch: many requests, each planned by a process of its own; what is finished is not planned again.
 #include <fmt/format.h>
-#include <signal.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <array>
-#include <chrono>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -19,11 +16,13 @@
 #include "common/input_error.h"
 #include "planner/batch/earlier.h"
 #include "planner/batch/items.h"
+#include "planner/batch/statuses.h"
 #include "planner/batch/table.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
 #include "planner/program/ending.h"
-#include "planner/program/plan_process.h"
+#include "planner/program/packed_batch.h"
+#include "planner/program/plan_pool.h"
 #include "planner/program/plan_settings.h"
 #include "planner/program/progress_line.h"
 #include "planner/program/result_files.h"
@@ -36,11 +35,8 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
-using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMaxComplaints = 10;   // shown; all of them are in the summary
-constexpr const char* kFailed = "failed";    // no plan.json: a crash, a full disk
-constexpr timespec kRedraw{0, 500'000'000};  // of the progress line while nothing happens
+constexpr std::size_t kMaxComplaints = 10;  // shown; all of them are in the summary
 
 struct BatchArguments {
   std::vector<std::string> requests;
@@ -131,105 +127,32 @@ std::vector<std::size_t> sort_out(Batch& batch) {
 
 // ---- planning ----
 
-struct Running {
-  std::size_t item;
-  PlanProcess process;
-};
-
-void start(Batch& batch, std::size_t index, std::vector<Running>& running) {
+std::vector<std::string> begin_planning(const Batch& batch, std::size_t index) {
   const BatchItem& item = batch.items[index];
-  try {
-    begin(batch, item);
-    std::vector<std::string> arguments = to_arguments(batch.options.settings);
-    arguments.insert(arguments.end(),
-                     {"--jobs", "1", "--out", batch.folder(item).string(), "--", item.request.string()});
-    running.push_back({index, PlanProcess(std::move(arguments))});
-  } catch (const std::exception& error) {
-    batch.rows[index] = make_row(item, kFailed, error.what());
-  }
+  begin(batch, item);
+  std::vector<std::string> words = to_arguments(batch.options.settings);
+  words.insert(words.end(), {"--jobs", "1", "--out", batch.folder(item).string(), "--", item.request.string()});
+  return words;
 }
 
-// By what the process said: its folder may hold earlier results.
-Row row_at_end(const BatchItem& item, const PlanEnding& ending, bool interrupted) {
-  const Json plan = Json::parse(ending.plan_json, nullptr, false);
-  if (plan.is_object() && plan.contains("status")) return make_row(item, plan);
-  if (interrupted) return make_row(item, name(PlanStatus::kCancelled), "interrupted");
-  return make_row(item, kFailed, ending.words);
-}
-
-void reap(Batch& batch, std::vector<Running>& running, bool interrupted) {
-  std::erase_if(running, [&](Running& run) {
-    const auto ending = run.process.ending();
-    if (ending) {
-      batch.rows[run.item] = row_at_end(batch.items[run.item], *ending, interrupted);
-      ++batch.planned;
-    }
-    return ending.has_value();
-  });
-}
-
-// The time that is left is estimated from the mean of the finished requests; those under way count as half finished.
-std::string progress(std::size_t done, std::size_t all, std::size_t running, Clock::time_point began) {
-  const double elapsed = std::chrono::duration<double>(Clock::now() - began).count();
-  const double behind = static_cast<double>(done) + static_cast<double>(running) / 2;
-  std::string text = fmt::format("{} of {} planned, {} under way", done, all, running);
-  if (done > 0)
-    text += fmt::format(", about {} left", time_in_words(elapsed * (static_cast<double>(all) / behind - 1)));
-  return text;
-}
-
-// At the first SIGINT or SIGTERM nothing more is started and what is under way is cancelled; at the next it is killed.
 void plan_all(Batch& batch, const std::vector<std::size_t>& open) {
+  const PlanPool pool{batch.options.jobs, [&](std::size_t index) { return begin_planning(batch, index); },
+                      [&](std::size_t index, const PlanEnding& ending, bool interrupted) {
+                        batch.rows[index] = row_at_end(batch.items[index], ending, interrupted);
+                        ++batch.planned;
+                      }};
   catch_ending_signals();
-  sigset_t child_ended;
-  sigemptyset(&child_ended);
-  sigaddset(&child_ended, SIGCHLD);
-  ::signal(SIGCHLD, SIG_DFL);
-  ::pthread_sigmask(SIG_BLOCK, &child_ended, nullptr);
   ProgressLine line("batch", batch.options.talk);
-  const Clock::time_point began = Clock::now();
-  std::vector<Running> running;
-  auto next = open.begin();
-  for (int interruptions = 0;;) {
-    while (interruptions == 0 && next != open.end() && running.size() < batch.options.jobs) {
-      start(batch, *next++, running);
-    }
-    if (running.empty()) break;
-    line.show(progress(batch.planned, open.size(), running.size(), began));
-    ::sigtimedwait(&child_ended, nullptr, &kRedraw);
-    if (ending_signalled()) {
-      ++interruptions;
-      for (const Running& run : running) interruptions == 1 ? run.process.cancel() : run.process.kill();
-    }
-    reap(batch, running, interruptions > 0);
-  }
-  for (; next != open.end(); ++next) {
-    batch.rows[*next] = make_row(batch.items[*next], name(PlanStatus::kCancelled), "interrupted before it was started");
+  for (const std::size_t index : pool.plan(open, line).not_started) {
+    batch.rows[index] = make_row(batch.items[index], name(PlanStatus::kCancelled), "interrupted before it was started");
   }
 }
 
 // ---- summary ----
 
-constexpr std::array kStatuses = {PlanStatus::kCertified,   PlanStatus::kInfeasible, PlanStatus::kNotConverged,
-                                  PlanStatus::kUncertified, PlanStatus::kBadInput,   PlanStatus::kDeadline,
-                                  PlanStatus::kCancelled};
-
-int exit_code_of(const Row& row) {
-  const auto status = std::find_if(kStatuses.begin(), kStatuses.end(),
-                                   [&](PlanStatus candidate) { return row["status"] == name(candidate); });
-  return status == kStatuses.end() ? 1 : exit_code(*status);
-}
-
-// How many rows there are of each status that occurs.
-Json count_statuses(const std::vector<Row>& rows) {
-  Json counts = Json::object();
-  const auto count = [&](const char* status) {
-    const auto number =
-        std::count_if(rows.begin(), rows.end(), [&](const Row& row) { return row["status"] == status; });
-    if (number > 0) counts[status] = number;
-  };
-  for (const PlanStatus status : kStatuses) count(name(status));
-  count(kFailed);
+StatusCounts count_statuses(const std::vector<Row>& rows) {
+  StatusCounts counts;
+  for (const Row& row : rows) counts.add(row["status"]);
   return counts;
 }
 
@@ -237,20 +160,17 @@ Json summary_json(const Batch& batch) {
   return {{"version", FJR_VERSION},
           {"shard", batch.options.shard.empty() ? Json(nullptr) : Json(batch.options.shard)},
           {"requests", batch.rows.size()},
-          {"status", count_statuses(batch.rows)},
+          {"status", count_statuses(batch.rows).to_json()},
           {"planned", batch.planned},
           {"finished_earlier", batch.earlier},
           {"units", table_units()},
           {"rows", batch.rows}};
 }
 
-std::string for_people(const Batch& batch, const Json& summary, const std::string& files) {
-  std::string text = fmt::format("{} request{}, {} planned now, {} finished earlier\n", batch.rows.size(),
-                                 batch.rows.size() == 1 ? "" : "s", batch.planned, batch.earlier);
-  for (const auto& [status, count] : summary["status"].items()) {
-    text += fmt::format("  {:<14} {}\n", status, count.get<std::size_t>());
-  }
-  return text + fmt::format("  {:<14} {}\n", "files", files);
+std::string for_people(const Batch& batch, const std::string& files) {
+  const std::string text = fmt::format("{} request{}, {} planned now, {} finished earlier\n", batch.rows.size(),
+                                       batch.rows.size() == 1 ? "" : "s", batch.planned, batch.earlier);
+  return text + count_statuses(batch.rows).for_people() + fmt::format("  {:<14} {}\n", "files", files);
 }
 
 int tell(const Batch& batch, const std::optional<Shard>& shard) {
@@ -260,11 +180,8 @@ int tell(const Batch& batch, const std::optional<Shard>& shard) {
   const Json summary = summary_json(batch);
   write_file(csv, table_csv(batch.rows));
   write_file(json, json_text(summary));
-  fmt::print("{}",
-             batch.options.json ? json_text(summary) : for_people(batch, summary, csv.string() + ", " + json.string()));
-  int code = 0;
-  for (const Row& row : batch.rows) code = std::max(code, exit_code_of(row));
-  return code;
+  fmt::print("{}", batch.options.json ? json_text(summary) : for_people(batch, csv.string() + ", " + json.string()));
+  return count_statuses(batch.rows).exit_code();
 }
 
 void make_folder(const fs::path& folder) {
@@ -291,18 +208,18 @@ void add_batch(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<BatchArguments>();
   CLI::App* command = app.add_subcommand(
       "batch", "Plan many requests in parallel; run again after an interruption, it plans what is not finished");
-  command
-      ->add_option("requests", options->requests,
-                   "Request files, grids of requests (config/batch/reach_grid.yaml), folders with either")
-      ->required()
-      ->type_name("REQUESTS");
-  command
-      ->add_option("--out", options->out,
-                   "Folder of the results: one folder for each request, summary.csv and summary.json. A request is "
-                   "finished when its folder has the result of the same request, robot and version of fjr, whatever "
-                   "the options were; a deadline or a cancellation is no result")
-      ->required()
-      ->type_name("DIR");
+  CLI::Option* requests = command
+                              ->add_option("requests", options->requests,
+                                           "Request files, grids of requests (config/batch/reach_grid.yaml), folders "
+                                           "with either; one that is called like a command below: ./status")
+                              ->type_name("REQUESTS");
+  CLI::Option* out =
+      command
+          ->add_option("--out", options->out,
+                       "Folder of the results: one folder for each request, summary.csv and summary.json. A request is "
+                       "finished when its folder has the result of the same request, robot and version of fjr, "
+                       "whatever the options were; a deadline or a cancellation is no result")
+          ->type_name("DIR");
   command->add_option("--jobs", options->jobs, "Requests planned at a time; default: the number of cores")
       ->check(CLI::Range(1, 1024))
       ->type_name("N");
@@ -313,8 +230,16 @@ void add_batch(CLI::App& app, int& exit_code) {
       ->type_name("I/N");
   command->add_flag("--json", options->json, "Only JSON on stdout: the summary");
   add_options(*command, options->settings);
+  add_report_option(*command, options->settings);
   add_talk(*command, options->talk);
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  add_packed_batches(*command, exit_code);
+  command->callback([command, requests, out, options, &exit_code] {
+    if (!command->get_subcommands().empty()) return;
+    for (const CLI::Option* needed : {requests, out}) {
+      if (needed->empty()) throw CLI::RequiredError(needed->get_name());
+    }
+    exit_code = run(*options);
+  });
 }
 
 }  // namespace fjr

@@ -288,6 +288,7 @@ void add_plan(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   add_options(*command, options->settings);
+  add_report_option(*command, options->settings);
   add_talk(*command, options->talk);
   command->add_option("--parent", options->parent, "Process without which there is nothing to plan for")->group("");
   command->callback([options, &exit_code] { exit_code = run(*options); });

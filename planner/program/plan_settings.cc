@@ -37,6 +37,9 @@ void add_options(CLI::App& command, PlanSettings& settings) {
                    "Write trajectories without certificate too, as trajectory.uncertified.csv");
   command.add_flag("--proven", settings.plan.proven,
                    "Certified only with bounds of errors and limits that hold with mathematical certainty");
+}
+
+void add_report_option(CLI::App& command, PlanSettings& settings) {
   command.add_flag("--report", settings.report, "Write report.html too: the motion, animated, and all about it");
 }
 

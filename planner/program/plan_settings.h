@@ -18,7 +18,8 @@ struct PlanSettings {
   PlanOptions plan;
 };
 
-void add_options(CLI::App& command, PlanSettings& settings);
+void add_options(CLI::App& command, PlanSettings& settings);        // all but --report
+void add_report_option(CLI::App& command, PlanSettings& settings);  // of commands that make folders of results
 
 // The options again as words of a command line.
 std::vector<std::string> to_arguments(const PlanSettings& settings);

@@ -27,6 +27,7 @@ from fjr.errors import (
     Uncertified,
 )
 from fjr.identification import Estimate, Identification, Parameter, identify
+from fjr.packed import PackedBatch
 from fjr.planning import Plan, Price, Samples, plan
 from fjr.request import Duration, Goal, Key, Request, Start, Via, keys
 from fjr.robot import Robot
@@ -52,6 +53,7 @@ __all__ = [
     "NoPlan",
     "NotConverged",
     "Overview",
+    "PackedBatch",
     "Parameter",
     "Plan",
     "Price",

@@ -40,6 +40,28 @@ def test_files_are_planned_too(tmp_path):
         fjr.batch({"../up": {}}, out=tmp_path)
 
 
+def test_a_packed_batch_is_read_where_it_is(reach, program, tmp_path):
+    grid = tmp_path / "grid.yaml"
+    grid.write_text("request: {start: {q: [0, 0]}, goal: {q: [1.2, -0.8]}}\naxes: {seed: [1]}\n")
+    folder = tmp_path / "out"
+    subprocess.run([program, "batch", "prepare", grid, "--out", folder], check=True, capture_output=True)
+    batch = fjr.PackedBatch(folder)
+    assert list(batch) == ["grid_1"] and len(batch) == 1
+    with pytest.raises(KeyError):
+        batch["grid_1"]
+    with pytest.raises(fjr.BadInput, match="gather"):
+        batch.statuses  # noqa: B018
+    subprocess.run([program, "batch", "run", folder, "--quiet"], check=True, capture_output=True)
+    assert batch.statuses == {"certified": 1}
+    assert np.array_equal(batch["grid_1"].tau, reach.tau)
+    assert batch.plan_json("grid_1")["duration"] == batch.rows[0]["duration"] == reach.duration
+    assert batch.to_pandas().loc["grid_1", "axes.seed"] == 1
+    with pytest.raises(KeyError):
+        batch["nowhere"]
+    with pytest.raises(fjr.BadInput, match="no packed batch"):
+        fjr.PackedBatch(tmp_path)
+
+
 def test_ctrl_c_ends_a_batch(tmp_path):
     script = textwrap.dedent(f"""
         import fjr, threading, _thread, sys

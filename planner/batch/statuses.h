@@ -1,0 +1,28 @@
+// How many requests of a batch came to what.
+#pragma once
+
+#include <cstddef>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+
+namespace fjr {
+
+// Beside the statuses of plans (planner/plan.h):
+inline constexpr const char* kFailedStatus = "failed";  // the planning process crashed
+inline constexpr const char* kOpenStatus = "open";      // not planned yet
+
+class StatusCounts {
+ public:
+  void add(const std::string& status) { ++counts_[status]; }
+  std::size_t of(const std::string& status) const;
+
+  nlohmann::ordered_json to_json() const;  // of those that occur, certified first
+  std::string for_people() const;          // a line each
+  int exit_code() const;                   // the largest; of what is open that of a deadline
+
+ private:
+  std::map<std::string, std::size_t> counts_;
+};
+
+}  // namespace fjr

@@ -98,32 +98,32 @@ void insert_results(const Database& database, const Manifest& manifest, const Co
 
 }  // namespace
 
-Overview look_at(const Manifest& manifest) {
-  Overview overview;
-  overview.chunks = manifest.chunks();
-  for (std::size_t chunk = 1; chunk <= overview.chunks; ++chunk) {
+BatchProgress look_at(const Manifest& manifest) {
+  BatchProgress progress;
+  progress.chunks = manifest.chunks();
+  for (std::size_t chunk = 1; chunk <= progress.chunks; ++chunk) {
     bool finished = true;
     for_each(manifest, chunk, false, [&](const std::string&, const ChunkAnswer* answer) {
       const std::string status = answer == nullptr ? kOpenStatus : answer->status;
-      ++overview.requests;
-      overview.statuses.add(status);
+      ++progress.requests;
+      progress.statuses.add(status);
       finished = finished && status != kOpenStatus && status != kFailedStatus;
     });
-    if (!finished) overview.unfinished.push_back(chunk);
-    if (ChunkLock::is_held(manifest, chunk)) ++overview.under_way;
+    if (!finished) progress.unfinished.push_back(chunk);
+    if (ChunkLock::is_held(manifest, chunk)) ++progress.under_way;
     if (const auto reader = ChunkReader::open(manifest, chunk)) {
       const ChunkRuns runs = reader->runs();
-      overview.runs += runs.runs;
-      overview.planned += runs.planned;
+      progress.runs += runs.runs;
+      progress.planned += runs.planned;
     }
   }
-  return overview;
+  return progress;
 }
 
-Json to_json(const Overview& overview) {
-  return {{"version", FJR_VERSION},    {"requests", overview.requests},   {"status", overview.statuses.to_json()},
-          {"chunks", overview.chunks}, {"under_way", overview.under_way}, {"unfinished", overview.unfinished},
-          {"runs", overview.runs},     {"planned", overview.planned}};
+Json to_json(const BatchProgress& progress) {
+  return {{"version", FJR_VERSION},    {"requests", progress.requests},   {"status", progress.statuses.to_json()},
+          {"chunks", progress.chunks}, {"under_way", progress.under_way}, {"unfinished", progress.unfinished},
+          {"runs", progress.runs},     {"planned", progress.planned}};
 }
 
 std::string in_ranges(const std::vector<std::size_t>& numbers) {

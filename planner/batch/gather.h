@@ -12,7 +12,7 @@
 
 namespace fjr {
 
-struct Overview {
+struct BatchProgress {
   std::size_t requests = 0;
   StatusCounts statuses;  // of the requests
   std::size_t chunks = 0, under_way = 0;
@@ -21,9 +21,9 @@ struct Overview {
 };
 
 // Answers to requests, robots or versions of fjr that were others are none: their requests are open.
-Overview look_at(const Manifest& manifest);
+BatchProgress look_at(const Manifest& manifest);
 
-nlohmann::ordered_json to_json(const Overview& overview);
+nlohmann::ordered_json to_json(const BatchProgress& progress);
 
 // "1-3,7", as sbatch --array takes it.
 std::string in_ranges(const std::vector<std::size_t>& numbers);

@@ -38,7 +38,7 @@ using Json = nlohmann::ordered_json;
 // A chunk should take minutes: less is lost among the costs of a cluster's jobs, more when one is lost. The chunks of a
 // large batch are larger, for an array of Slurm's ends at 1000 unless it is configured otherwise.
 constexpr std::size_t kChunkSize = 250, kMaxChunks = 1000;
-constexpr std::chrono::seconds kPause{1};  // while another process has the chunk
+constexpr std::chrono::seconds kBetweenTries{1};  // while another process has the chunk
 
 struct PackedArguments {
   std::vector<std::string> requests, names;
@@ -102,7 +102,7 @@ std::optional<ChunkLock> wait_for(const Manifest& manifest, std::size_t chunk, P
   for (;;) {
     if (auto lock = ChunkLock::take(manifest, chunk)) return lock;
     line.show("waiting for another process that plans it");
-    if (ending_signalled(kPause)) return std::nullopt;
+    if (ending_signalled(kBetweenTries)) return std::nullopt;
   }
 }
 
@@ -213,29 +213,29 @@ std::vector<std::size_t> chunks_to_run(const Manifest& manifest, const std::vect
   return chunks;
 }
 
-std::string for_people(const Overview& overview) {
-  const std::size_t chunks = overview.unfinished.size();
+std::string for_people(const BatchProgress& progress) {
+  const std::size_t chunks = progress.unfinished.size();
   std::string text =
-      fmt::format("{} request{} in {} chunk{}, {} planned in {} run{}\n{}", overview.requests,
-                  overview.requests == 1 ? "" : "s", overview.chunks, overview.chunks == 1 ? "" : "s", overview.planned,
-                  overview.runs, overview.runs == 1 ? "" : "s", overview.statuses.for_people());
+      fmt::format("{} request{} in {} chunk{}, {} planned in {} run{}\n{}", progress.requests,
+                  progress.requests == 1 ? "" : "s", progress.chunks, progress.chunks == 1 ? "" : "s", progress.planned,
+                  progress.runs, progress.runs == 1 ? "" : "s", progress.statuses.for_people());
   if (chunks > 0) {
     text += fmt::format("  {:<14} {} chunk{}: {}\n", "unfinished", chunks, chunks == 1 ? "" : "s",
-                        in_ranges(overview.unfinished));
+                        in_ranges(progress.unfinished));
   }
-  if (overview.under_way > 0) text += fmt::format("  {:<14} {}\n", "under way", overview.under_way);
+  if (progress.under_way > 0) text += fmt::format("  {:<14} {}\n", "under way", progress.under_way);
   return text;
 }
 
 int gather_and_tell(const Manifest& manifest, bool json) {
   gather(manifest);
-  const Overview overview = look_at(manifest);
+  const BatchProgress progress = look_at(manifest);
   if (json) {
-    fmt::print("{}", json_text(to_json(overview)));
+    fmt::print("{}", json_text(to_json(progress)));
   } else {
-    fmt::print("{}  {:<14} {}\n", for_people(overview), "files", manifest.results_file().string());
+    fmt::print("{}  {:<14} {}\n", for_people(progress), "files", manifest.results_file().string());
   }
-  return overview.statuses.exit_code();
+  return progress.statuses.exit_code();
 }
 
 // Of some chunks: whether every request has an answer, for whoever starts what has failed again.
@@ -257,10 +257,10 @@ int run(const PackedArguments& options) {
 // ---- status, unpack ----
 
 int tell_status(const PackedArguments& options) {
-  const Overview overview = look_at(Manifest(options.folder));
-  fmt::print("{}", options.unfinished ? in_ranges(overview.unfinished) + "\n"
-                   : options.json     ? json_text(to_json(overview))
-                                      : for_people(overview));
+  const BatchProgress progress = look_at(Manifest(options.folder));
+  fmt::print("{}", options.unfinished ? in_ranges(progress.unfinished) + "\n"
+                   : options.json     ? json_text(to_json(progress))
+                                      : for_people(progress));
   return 0;
 }
 

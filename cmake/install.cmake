@@ -6,7 +6,7 @@ install(TARGETS fjr EXPORT fjrTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR
 install(PROGRAMS planner/program/fjr-batch-slurm DESTINATION ${CMAKE_INSTALL_BINDIR})
 # The chain factorisation has the symbols of another library (planner/nlp/chain/ma27.h): a folder of its own keeps it
 # from being linked by anybody else.
-install(TARGETS fjr_kkt EXPORT fjrTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/fjr)
+install(TARGETS fjr_folder fjr_kkt EXPORT fjrTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/fjr)
 set_target_properties(fjr PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/fjr")
 install(TARGETS fjr_common fjr_model fjr_planner
   EXPORT fjrTargets
@@ -40,10 +40,10 @@ install(CODE "
       file(INSTALL \"${PROJECT_SOURCE_DIR}/config/\${file}\" DESTINATION \"\${FJR_ETC}/fjr\")
     endif()
   endforeach()")
-install(DIRECTORY common model planner
-  DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fjr
-  FILES_MATCHING PATTERN "*.h"
-  PATTERN planner/program EXCLUDE)
+install(CODE "
+  set(FJR_SOURCE \"${PROJECT_SOURCE_DIR}\")
+  set(FJR_INCLUDE \"${CMAKE_INSTALL_INCLUDEDIR}/fjr\")
+  include(\"${PROJECT_SOURCE_DIR}/cmake/install_headers.cmake\")")
 
 set(fjr_package ${CMAKE_INSTALL_LIBDIR}/cmake/fjr)
 install(EXPORT fjrTargets NAMESPACE fjr:: DESTINATION ${fjr_package})

@@ -1,8 +1,6 @@
 #include "model/parameters.h"
 
-#include <dlfcn.h>
 #include <fmt/format.h>
-#include <link.h>
 
 #include <algorithm>
 #include <cmath>
@@ -16,6 +14,7 @@
 
 #include "common/degrees.h"
 #include "common/input_error.h"
+#include "common/library_folder.h"
 #include "common/sha256.h"
 #include "common/strict_yaml.h"
 #include "model/dynamics.h"
@@ -261,27 +260,18 @@ void check_drive(const YamlNode& root, const Parameters& p) {
   }
 }
 
-// The folder of the file that this code was loaded from: the program, or a library of whatever program that is.
-fs::path own_folder() {
-  std::error_code error;
-  Dl_info here;
-  link_map* loaded = nullptr;
-  const auto* inside = reinterpret_cast<const void*>(&own_folder);
-  const bool known = dladdr1(inside, &here, reinterpret_cast<void**>(&loaded), RTLD_DL_LINKMAP) != 0;
-  const bool library = known && loaded->l_name[0] != '\0';  // programs have no name there
-  return (library ? fs::canonical(loaded->l_name, error) : fs::read_symlink("/proc/self/exe", error)).parent_path();
-}
-
 bool has_robot(const fs::path& folder) {
   std::error_code error;
   return fs::is_regular_file(folder / "robot.yaml", error);
 }
 
-// Where installations put it, seen from a library in a Python package or from bin/; then config/ beside this code's
-// file or above it (a build tree below the sources).
+// Where installations put it, seen from lib/fjr and from lib/<architecture>/fjr; then config/ beside the library or
+// above it (a build tree below the sources).
 std::vector<fs::path> folders_nearby() {
-  const fs::path start = own_folder();
-  std::vector<fs::path> folders{start / "share/fjr/config", (start / "../share/fjr/config").lexically_normal()};
+  const fs::path start = library_folder();
+  if (start.empty()) return {};
+  std::vector<fs::path> folders{(start / "../../share/fjr/config").lexically_normal(),
+                                (start / "../../../share/fjr/config").lexically_normal()};
   for (fs::path above = start; !above.empty(); above = above.parent_path()) {
     folders.push_back(above / "config");
     if (above == above.parent_path()) break;

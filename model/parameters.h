@@ -156,8 +156,8 @@ Parameters parameters_as_written(const std::filesystem::path& file);
 // are about; one with a payload, or mounted otherwise, is refused.
 Parameters load_bare_parameters(const std::filesystem::path& file);
 
-// The robot.yaml shipped with the program: found beside the installed or built file that this code is in, program or
-// library, from any working directory.
+// The robot.yaml shipped with the program: found from where the library is (common/library_folder.h), installed or
+// built, from any working directory; or that of the folder FJR_CONFIG_DIR. Throws InputError where there is none.
 std::filesystem::path default_robot_file();
 
 // SHA-256 (lower-case hex) over names and values ("section.name[i]=%.17g\n", sorted), not over the file's bytes. What

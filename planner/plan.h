@@ -13,7 +13,7 @@
 #include "planner/nlp/solve_cost.h"
 #include "planner/problem/problem.h"
 #include "planner/search/account.h"
-#include "planner/search/explain/explain.h"
+#include "planner/search/explain/relaxation.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Builds README.md and docs/ into a site: scripts/docs.sh [FOLDER], by default out/site. Needs MkDocs.
+# Builds README.md and docs/ into a site: scripts/docs.sh [FOLDER], by default out/site; and in api/ beside it the pages of
+# the library. Needs MkDocs and Doxygen.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -30,6 +31,7 @@ nav:
       - Files: docs/files.md
       - plan.json: docs/plan-json.md
       - Python: docs/python.md
+      - C++ library: docs/library.md
       - Batches on many machines: docs/cluster.md
       - Exports: docs/exports.md
   - The arm and its machines:
@@ -53,4 +55,5 @@ nav:
 EOF
 trap 'rm -rf "$pages" "$pages.yml"' EXIT
 mkdocs build --strict --quiet --config-file "$pages.yml"
+scripts/api_docs.sh "$site/api" >/dev/null
 echo "$site/index.html"

@@ -21,7 +21,7 @@ test_packages=(
   slurm-wlm munge parallel                                      # engines that run batches
   python3-pandas octave                                         # programs that read our tables
   clang-format clang-tidy                                       # style
-  mkdocs                                                        # docs/ as a site
+  mkdocs doxygen                                                # docs/ as a site, and the library's pages
 )
 
 install_packages() {

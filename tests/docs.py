@@ -1,7 +1,7 @@
 """Holds README.md and docs/ to what they say.  docs.py check SOURCE BUILD | run SOURCE BUILD | --linked SOURCE
 
-check: every link, every heading linked to and every file that a page names is there, and requests.md has the table of keys
-that `fjr keys` prints.
+check: every link, every heading linked to and every file that a page names is there, requests.md has the table of keys
+that `fjr keys` prints, library.md names every public header, and a block behind `<!-- from: FILE -->` stands in that file.
 run: every ```sh block is run, in a scratch copy for each page, and every ```yaml block with a request is planned; a ```text
 block behind a ```sh block begins its lines as the output does. Blocks behind `<!-- not run: reason -->` are left alone, and
 so is service.md, whose commands service/guide.py runs.
@@ -20,6 +20,7 @@ FOLDERS = "bench|cmake|common|config|docs|examples|idl|model|planner|python|scri
 NAMED = re.compile(rf"(?<![\w./-])(?:{FOLDERS})/[\w./-]*[\w/]")
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 BLOCK = re.compile(r"(?:^<!-- not run: (.+?) -->\n)?^```(\w*)\n(.*?)^```$", re.DOTALL | re.MULTILINE)
+QUOTED = re.compile(r"^<!-- from: (.+?) -->\n```\w+\n(.*?)^```$", re.DOTALL | re.MULTILINE)
 START, GOAL = "start: {q: [0, 0]}\n", "goal: {q: [1.2, -0.8]}\n"
 
 
@@ -66,6 +67,13 @@ def faults(source, page):
     for name in sorted(set(NAMED.findall(text))):
         if not (source / name).exists() and not (page.parent / name).exists():
             yield f"names {name}, which is not there"
+    for file, body in QUOTED.findall(text):
+        if body not in (source / file).read_text():
+            yield f"quotes {file} with lines that are not in it:\n{body}"
+
+
+def public_headers(source):
+    return re.findall(r"^  ([\w/]+\.h)", (source / "cmake" / "public_headers.cmake").read_text(), re.MULTILINE)
 
 
 def check(source, build):
@@ -74,6 +82,8 @@ def check(source, build):
     table = subprocess.run([build / "fjr", "keys"], check=True, capture_output=True, text=True).stdout
     if table not in (source / "docs" / "requests.md").read_text():
         wrong.append("docs/requests.md has another table of keys than what `build/fjr keys` prints: put that there")
+    library = (source / "docs" / "library.md").read_text()
+    wrong += [f"docs/library.md does not name {header}" for header in public_headers(source) if f"`{header}`" not in library]
     sys.exit("\n".join(wrong) if wrong else 0)
 
 

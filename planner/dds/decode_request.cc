@@ -74,9 +74,9 @@ RequestedGoal goal_of(Taker& take, const fjr_msg_GoalState& wire, bool dq_free) 
     goal.q = goal_angles_of(take, wire);
   }
   if (dq_free) {
-    goal.dq = VelocityOrFree{.free = true};
+    goal.dq = AnyVelocity{};
   } else if (wire.has_dq) {
-    goal.dq = VelocityOrFree{.free = false, .value = take.pair("goal.dq", wire.dq)};
+    goal.dq = take.pair("goal.dq", wire.dq);
   }
   goal.theta = take.optional("goal.theta", wire.has_theta, wire.theta);
   goal.dtheta = take.optional("goal.dtheta", wire.has_dtheta, wire.dtheta);
@@ -107,12 +107,12 @@ std::optional<RequestedObjective> objective_of(Taker& take, const fjr_msg_PlanRe
     default:
       return std::nullopt;
   }
-  RequestedObjective objective;
+  Weights weights;
   for (const TermInfo& term : Terms::infos) {
     const auto* weight = weight_in(message, term.name);
-    if (weight) objective.weights.*term.weight = take.number(fmt::format("objective.{}", term.name), *weight);
+    if (weight) weights.*term.weight = take.number(fmt::format("objective.{}", term.name), *weight);
   }
-  return objective;
+  return weights;
 }
 
 std::vector<RequestedVia> vias_of(Taker& take, const fjr_msg_PlanRequest2& message) {
@@ -142,19 +142,15 @@ std::vector<Disc> obstacles_of(Taker& take, const dds_sequence_fjr_msg_Disc& wir
 }
 
 std::optional<RequestedTip> tip_of(Taker& take, const fjr_msg_TipPath& wire) {
-  RequestedTip tip;
   switch (take.choice("tip", wire.kind, fjr_msg_TIP_ARC)) {
     case fjr_msg_TIP_BOX:
-      tip.box = TipBox{take.pair("tip.box[0]", wire.lower), take.pair("tip.box[1]", wire.upper)};
-      return tip;
+      return TipBox{take.pair("tip.box[0]", wire.lower), take.pair("tip.box[1]", wire.upper)};
     case fjr_msg_TIP_LINE:
-      tip.line = TipLine{take.pair("tip.line.from", wire.from), take.pair("tip.line.to", wire.to),
-                         take.number("tip.line.tolerance", wire.tolerance)};
-      return tip;
+      return TipLine{take.pair("tip.line.from", wire.from), take.pair("tip.line.to", wire.to),
+                     take.number("tip.line.tolerance", wire.tolerance)};
     case fjr_msg_TIP_ARC:
-      tip.arc = TipArc{take.pair("tip.arc.center", wire.center), take.pair("tip.arc.from", wire.from),
-                       take.pair("tip.arc.to", wire.to), take.number("tip.arc.tolerance", wire.tolerance)};
-      return tip;
+      return TipArc{take.pair("tip.arc.center", wire.center), take.pair("tip.arc.from", wire.from),
+                    take.pair("tip.arc.to", wire.to), take.number("tip.arc.tolerance", wire.tolerance)};
     default:
       return std::nullopt;
   }

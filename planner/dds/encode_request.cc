@@ -64,9 +64,10 @@ void encode_goal(const Request& request, fjr_msg_PlanRequest2& message) {
       goal.q[j] = (*asked.q)[j].value_or(0);
     }
   }
-  message.goal_dq_free = asked.dq && asked.dq->free;
-  goal.has_dq = asked.dq && !asked.dq->free;
-  if (goal.has_dq) set_pair(asked.dq->value, goal.dq);
+  const auto* dq = asked.dq ? std::get_if<Joints<double>>(&*asked.dq) : nullptr;
+  message.goal_dq_free = asked.dq && dq == nullptr;
+  goal.has_dq = dq != nullptr;
+  if (goal.has_dq) set_pair(*dq, goal.dq);
   set_optional(asked.theta, goal.has_theta, goal.theta);
   set_optional(asked.dtheta, goal.has_dtheta, goal.dtheta);
 }
@@ -74,15 +75,16 @@ void encode_goal(const Request& request, fjr_msg_PlanRequest2& message) {
 void encode_objective(const Request& request, fjr_msg_PlanRequest2& message) {
   if (!request.objective) return;
   fjr_msg_ObjectiveTerms& objective = message.request.objective;
-  if (const auto& preset = request.objective->preset) {
+  if (const auto* preset = std::get_if<Preset>(&*request.objective)) {
     constexpr std::array<std::uint8_t, 3> kPresets{fjr_msg_OBJECTIVE_FASTEST, fjr_msg_OBJECTIVE_GENTLE,
                                                    fjr_msg_OBJECTIVE_EFFICIENT};
     objective.preset = kPresets[static_cast<std::size_t>(*preset)];
     return;
   }
   objective.preset = fjr_msg_OBJECTIVE_WEIGHTS;
+  const auto& weights = std::get<Weights>(*request.objective);
   for (const TermInfo& term : Terms::infos) {
-    const double weight = request.objective->weights.*term.weight;
+    const double weight = weights.*term.weight;
     if (double* const place = weight_in(message, term.name)) {
       *place = weight;
     } else if (weight != 0) {
@@ -140,7 +142,7 @@ constexpr const char* kForNewServices =
 
 void encode_tip(const Request& request, fjr_msg_TipPath& tip) {
   if (!request.tip) return;
-  const auto& [box, line, arc] = *request.tip;
+  const auto [box, line, arc] = by_kind(*request.tip);
   if (box) {
     tip.kind = fjr_msg_TIP_BOX;
     set_pair(box->lower, tip.lower);

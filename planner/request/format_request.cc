@@ -29,6 +29,7 @@ std::string text_of(const std::vector<T>& list);
 template <Keyed R>
 std::string text_of(const R& r);
 std::string text_of(const RequestedDuration& duration);
+std::string text_of(const RequestedTip& tip);
 
 std::string text_of(double value) { return fmt::format("{}", value); }
 std::string text_of(std::uint64_t value) { return fmt::format("{}", value); }
@@ -46,7 +47,10 @@ std::string text_of(const AnglesOrFree& angles) {
   return fmt::format("[{}, {}]", one(angles[0]), one(angles[1]));
 }
 
-std::string text_of(const VelocityOrFree& velocity) { return velocity.free ? "free" : text_of(velocity.value); }
+std::string text_of(const VelocityOrFree& velocity) {
+  const auto* value = std::get_if<Joints<double>>(&velocity);
+  return value != nullptr ? text_of(*value) : "free";
+}
 std::string text_of(const TipBox& box) { return fmt::format("[{}, {}]", text_of(box.lower), text_of(box.upper)); }
 std::string text_of(const Payload& payload) {
   return fmt::format("{{mass: {}, inertia: {}}}", payload.mass, payload.inertia);
@@ -62,10 +66,11 @@ std::string text_of(const Limits& limits) {
 }
 
 std::string text_of(const RequestedObjective& objective) {
-  if (objective.preset) return text_of(*objective.preset);
+  if (const auto* preset = std::get_if<Preset>(&objective)) return text_of(*preset);
+  const auto& weights = std::get<Weights>(objective);
   Map map;
   for (const TermInfo& term : Terms::infos) {
-    if (const double weight = objective.weights.*term.weight; weight != 0) map.add(term.name, text_of(weight));
+    if (const double weight = weights.*term.weight; weight != 0) map.add(term.name, text_of(weight));
   }
   return map.text();
 }
@@ -113,6 +118,8 @@ std::string text_of(const RequestedDuration& duration) {
   if (duration.min && duration.max && *duration.min == *duration.max) return text_of(*duration.min);
   return text_of_keys(duration);
 }
+
+std::string text_of(const RequestedTip& tip) { return text_of_keys(by_kind(tip)); }
 
 template <Keyed R>
 std::string text_of(const R& r) {

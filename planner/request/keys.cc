@@ -37,6 +37,9 @@ struct Below<std::vector<T>> {
 };
 
 template <>
+struct Below<RequestedTip> : Below<TipByKind> {};
+
+template <>
 struct Below<Limits> {
   static void list(const std::string& name, Lines& lines) {
     for (const QuantityInfo& limit : Quantities::infos) {

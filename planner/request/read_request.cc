@@ -53,8 +53,7 @@ void read(const YamlNode& node, const char* unit, AnglesOrFree& angles) {
 }
 
 void read(const YamlNode& node, const char* unit, VelocityOrFree& velocity) {
-  velocity.free = node.says("free");
-  if (!velocity.free) velocity.value = node.pair(unit);
+  velocity = node.says("free") ? VelocityOrFree{AnyVelocity{}} : node.pair(unit);
 }
 
 void read(const YamlNode& node, const char* unit, TipBox& box) {
@@ -82,9 +81,10 @@ void read(const YamlNode& node, const char* unit, RequestedObjective& objective)
     std::vector<std::string_view> words;
     for (const auto& [word, preset] : kWords<Preset>) {
       words.push_back(word);
-      if (node.says(word)) objective.preset = preset;
+      if (!node.says(word)) continue;
+      objective = preset;
+      return;
     }
-    if (objective.preset) return;
     node.fail(shown(node.text()) +
               " is not a preset (fastest, gentle, efficient); weights are given as {effort: 1, ...}" +
               did_you_mean(node.text(), words));
@@ -93,8 +93,9 @@ void read(const YamlNode& node, const char* unit, RequestedObjective& objective)
   std::vector<std::string_view> names;
   for (const TermInfo& term : Terms::infos) names.push_back(term.name);
   node.allow_keys(names);
+  Weights& weights = objective.emplace<Weights>();
   for (const TermInfo& term : Terms::infos) {
-    if (const auto weight = node.find(term.name)) objective.weights.*term.weight = weight->number(unit);
+    if (const auto weight = node.find(term.name)) weights.*term.weight = weight->number(unit);
   }
 }
 
@@ -124,10 +125,15 @@ void read(const YamlNode& node, const char*, R& r) {
 }
 
 void read(const YamlNode& node, const char*, RequestedTip& tip) {
-  read_keys(node, tip);
-  if (int{tip.box.has_value()} + int{tip.line.has_value()} + int{tip.arc.has_value()} != 1) {
-    node.fail("needs one of box, line, arc, and only one");
-  }
+  TipByKind kinds;
+  read_keys(node, kinds);
+  int given = 0;
+  visit(kinds, [&](const Key&, auto& kind) {
+    if (!kind) return;
+    ++given;
+    tip = *kind;
+  });
+  if (given != 1) node.fail("needs one of box, line, arc, and only one");
 }
 
 void read(const YamlNode& node, const char* unit, RequestedDuration& duration) {

@@ -15,6 +15,15 @@ Parameters robot_of(const Request& request, const fs::path& folder, const fs::pa
 
 }  // namespace
 
+TipByKind by_kind(const RequestedTip& tip) {
+  TipByKind kinds;
+  visit(kinds, [&](const Key&, auto& kind) {
+    using Region = typename std::decay_t<decltype(kind)>::value_type;
+    if (const Region* region = std::get_if<Region>(&tip)) kind = *region;
+  });
+  return kinds;
+}
+
 fs::path robot_file_of(const Request& request, const fs::path& folder, const fs::path& default_robot) {
   if (!request.robot) return default_robot.empty() ? default_robot_file() : default_robot;
   const fs::path file = folder / *request.robot;  // an absolute path stays as it is

@@ -3,7 +3,8 @@
 // and a test holds docs/requests.md to their names. A new key is a member, its line in visit(), and what it comes to in
 // resolve.cc.
 //
-// Members are what was said, not yet what it means: nothing here knows the robot.
+// Members are what was said, not yet what it means: nothing here knows the robot. Each can be set by itself: where
+// there is a choice of one kind of thing, it is a variant, and what contradicts another member is refused by resolve().
 #pragma once
 
 #include <array>
@@ -12,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <variant>
 #include <vector>
 
 #include "common/key.h"
@@ -32,10 +34,8 @@ struct RequestedStart {
 // Link angles, each of which may be free (none).
 using AnglesOrFree = std::array<std::optional<double>, kJoints>;
 
-struct VelocityOrFree {
-  bool free = false;
-  Joints<double> value{};
-};
+struct AnyVelocity {};
+using VelocityOrFree = std::variant<Joints<double>, AnyVelocity>;
 
 // Either q, with what belongs to it, or tip.
 struct RequestedGoal {
@@ -54,11 +54,7 @@ struct RequestedDuration {
 
 enum class Preset { kFastest, kGentle, kEfficient };
 
-// Either a preset or weights.
-struct RequestedObjective {
-  std::optional<Preset> preset;
-  Weights weights{};
-};
+using RequestedObjective = std::variant<Preset, Weights>;
 
 struct RequestedVia {
   std::optional<double> time;
@@ -66,12 +62,15 @@ struct RequestedVia {
   bool release = false;
 };
 
-// One of them.
-struct RequestedTip {
+using RequestedTip = std::variant<TipBox, TipLine, TipArc>;
+
+// As it is written: a key for each kind, of which one is given.
+struct TipByKind {
   std::optional<TipBox> box;
   std::optional<TipLine> line;
   std::optional<TipArc> arc;
 };
+TipByKind by_kind(const RequestedTip& tip);
 
 struct RequestedPath {
   std::vector<Joints<double>> points;
@@ -178,7 +177,7 @@ void visit(R& r, Visit&& v) {
 }
 
 template <class R, class Visit>
-requires std::is_same_v<std::remove_const_t<R>, RequestedTip>
+requires std::is_same_v<std::remove_const_t<R>, TipByKind>
 void visit(R& r, Visit&& v) {
   v(Key{"box", "m", "`[[x, y], [x, y]]`: lower left and upper right corner"}, r.box);
   v(Key{"line", "", "a straight line"}, r.line);

@@ -130,8 +130,8 @@ Weights checked_weights(const Place& place, const Weights& weights) {
 Weights resolve_weights(const Request& request, const Duration& duration) {
   const Place place{request, "objective"};
   if (!request.objective) return weights_of(place, default_preset(duration), duration);
-  if (request.objective->preset) return weights_of(place, *request.objective->preset, duration);
-  const Weights weights = checked_weights(place, request.objective->weights);
+  if (const auto* preset = std::get_if<Preset>(&*request.objective)) return weights_of(place, *preset, duration);
+  const Weights weights = checked_weights(place, std::get<Weights>(*request.objective));
   if (!duration.fixed() && !(weights.time > 0)) {
     place.fail("a duration that is not fixed needs a time weight; add time: 1, or fix the duration");
   }
@@ -324,9 +324,11 @@ void resolve_goal_angles(const Place& place, const RequestedGoal& asked, const P
   if (asked.dtheta) place.at("dtheta").fail("has no meaning beside a free joint");
 }
 
+bool leaves_free(const VelocityOrFree& velocity) { return std::holds_alternative<AnyVelocity>(velocity); }
+
 // Motors may be given where the links' velocities are.
 void check_goal_motors_may_be_given(const Place& place, const RequestedGoal& asked) {
-  if (asked.dq && !asked.dq->free) return;
+  if (asked.dq && !leaves_free(*asked.dq)) return;
   const Place given = place.first_of({{"theta", asked.theta.has_value()}, {"dtheta", asked.dtheta.has_value()}});
   if (given.field == place.field) return;
   given.fail(asked.dq ? "does not go with goal.dq: free, which leaves the motors free"
@@ -342,8 +344,8 @@ void resolve_joint_goal(const Request& request, Problem& problem) {
   Goal& goal = problem.goal;
   resolve_goal_angles(place, asked, problem, goal);
   check_goal_motors_may_be_given(place, asked);
-  goal.dq_free = asked.dq && asked.dq->free;
-  if (asked.dq && !goal.dq_free) goal.dq = checked_velocity(place, asked.dq->value);
+  goal.dq_free = asked.dq && leaves_free(*asked.dq);
+  if (asked.dq && !goal.dq_free) goal.dq = checked_velocity(place, std::get<Joints<double>>(*asked.dq));
   resolve_goal_motors(asked, problem, goal);
   check_goal({place, true, asked.dq.has_value(), asked.theta.has_value(), asked.dtheta.has_value()}, problem, goal);
 }

@@ -140,8 +140,10 @@ void resolve_task(const Request& request, Problem& problem) {
   Task& task = problem.task;
   task.obstacles = request.obstacles;
   task.walls = request.walls;
-  if (request.tip)
-    std::tie(task.box, task.line, task.arc) = std::tie(request.tip->box, request.tip->line, request.tip->arc);
+  if (request.tip) {
+    auto [box, line, arc] = by_kind(*request.tip);
+    std::tie(task.box, task.line, task.arc) = std::tie(box, line, arc);
+  }
   check_constraints(request, task);
   if (request.path) resolve_path(request, problem);
 }

@@ -36,10 +36,10 @@ std::string_view word_of(Choice choice) {
   return {};
 }
 
-// A part of a request with keys of its own.
+// A part of a request with keys of its own. Not std::visit, which a variant would find.
 template <class R>
 concept Keyed = requires(R& r) {
-  visit(r, [](const Key&, auto&) {});
+  fjr::visit(r, [](const Key&, auto&) {});
 };
 
 }  // namespace fjr

@@ -422,7 +422,7 @@ TEST(DefaultRobotFile, IsWhereTheEnvironmentSays) {
   });
 }
 
-// Not a test: what the copies below run to say what they find.
+// Not a test: what runs below, with the library in other places, to say what it finds.
 TEST(DefaultRobotFile, DISABLED_Probe) {
   try {
     std::cout << "probe:" << default_robot_file().string() << ":" << std::endl;
@@ -431,11 +431,12 @@ TEST(DefaultRobotFile, DISABLED_Probe) {
   }
 }
 
-// default_robot_file() as an executable at `place` sees it, run from the root folder.
-std::string found_from(const fs::path& place) {
-  fs::create_directories(place.parent_path());
-  fs::copy_file(fs::read_symlink("/proc/self/exe"), place);
-  const std::string command = "cd / && env -u FJR_CONFIG_DIR '" + place.string() +
+// default_robot_file() with the library that knows its place in `folder`, run from the root folder.
+std::string found_from(const fs::path& folder) {
+  fs::create_directories(folder);
+  fs::copy_file(FJR_FOLDER_LIBRARY, folder / fs::path(FJR_FOLDER_LIBRARY).filename());
+  const std::string command = "cd / && env -u FJR_CONFIG_DIR LD_LIBRARY_PATH='" + folder.string() + "' '" +
+                              fs::read_symlink("/proc/self/exe").string() +
                               "' --gtest_also_run_disabled_tests --gtest_filter=DefaultRobotFile.DISABLED_Probe";
   FILE* pipe = popen(command.c_str(), "r");
   std::string output;
@@ -449,21 +450,23 @@ TEST(DefaultRobotFile, IsFoundAboveABuildTree) {
   const Folder folder;
   fs::create_directories(folder.path() / "config");
   folder.write("config/robot.yaml", "");
-  EXPECT_EQ(found_from(folder.path() / "build/deep/fjr"), (folder.path() / "config/robot.yaml").string());
+  EXPECT_EQ(found_from(folder.path() / "build/deep"), (folder.path() / "config/robot.yaml").string());
 }
 
 TEST(DefaultRobotFile, IsFoundBesideAnInstallation) {
   const Folder folder;
   fs::create_directories(folder.path() / "share/fjr/config");
   folder.write("share/fjr/config/robot.yaml", "");
-  EXPECT_EQ(found_from(folder.path() / "bin/fjr"), (folder.path() / "share/fjr/config/robot.yaml").string());
+  for (const char* place : {"lib/fjr", "lib/x86_64-linux-gnu/fjr"}) {
+    EXPECT_EQ(found_from(folder.path() / place), (folder.path() / "share/fjr/config/robot.yaml").string());
+  }
 }
 
 TEST(DefaultRobotFile, SaysWhereItLookedWhenThereIsNone) {
   const Folder folder;
-  const std::string said = found_from(folder.path() / "bin/fjr");
+  const std::string said = found_from(folder.path() / "lib/fjr");
   EXPECT_THAT(said, HasSubstr("robot.yaml: not found; FJR_CONFIG_DIR is not set, searched "));
-  EXPECT_THAT(said, HasSubstr((folder.path() / "bin/config").string() + ", "));
+  EXPECT_THAT(said, HasSubstr((folder.path() / "lib/config").string() + ", "));
   EXPECT_THAT(said, HasSubstr((folder.path() / "share/fjr/config").string()));
 }
 

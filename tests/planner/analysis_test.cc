@@ -17,6 +17,7 @@
 #include "planner/ocp/moving_nodes.h"
 #include "planner/plan.h"
 #include "planner/request/request.h"
+#include "planner/search/guesses.h"
 
 namespace fjr {
 namespace {

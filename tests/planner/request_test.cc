@@ -75,6 +75,30 @@ TEST(Request, IsTheSameWhenItIsWrittenAndReadAgain) {
   }
 }
 
+// Where there is a choice of one thing: nothing of the earlier choice is left, neither in the problem nor on the wire.
+TEST(Request, OneMemberThatIsSetCountsWhateverWasThereBefore) {
+  const Parameters robot = load_parameters(kRobot);
+  Request request = read(kMove + "objective: efficient\ntip: {box: [[-0.7, -0.7], [0.7, 0.7]]}\n");
+  request.objective = Weights{.time = 2, .energy = 3};
+  request.goal.dq = AnyVelocity{};
+  request.tip = TipLine{{0, -0.65}, {0.5, 0.3}, 0.9};
+  for (const Request& same : {request, read(format_request(request))}) {
+    const Problem problem = resolve(same, robot);
+    expect_weights(problem.weights, 2, 0, 0, 0);
+    EXPECT_EQ(problem.weights.energy, 3);
+    EXPECT_TRUE(problem.goal.dq_free);
+    EXPECT_FALSE(problem.goal.at_rest);
+    EXPECT_FALSE(problem.task.box);
+    EXPECT_TRUE(problem.task.line);
+  }
+  request.objective = Preset::kGentle;
+  request.goal.dq = Joints<double>{0.5, 0};
+  const Problem problem = resolve(request, robot);
+  expect_weights(problem.weights, 1, 0.01, 0, 1e-3);
+  EXPECT_FALSE(problem.goal.dq_free);
+  EXPECT_EQ(problem.goal.dq, (Joints<double>{0.5, 0}));
+}
+
 TEST(Request, AStartThatSaysNothingIsLeftOut) {
   for (const char* start : {"", "start:\n", "start: {}\n", "start: null\n"}) {
     EXPECT_FALSE(read(start + kGoal).start) << start;

@@ -61,12 +61,17 @@ bool is_at_rest(const Parameters& p, const Sample& row) {
 
 bool hold_at_rest(const Parameters& p, const Sample& goal, const State<double>& from, double duration,
                   const HoldObserver& observe) {
+  return hold_at_rest(p, p, goal, from, duration, observe);
+}
+
+bool hold_at_rest(const Parameters& p, const Parameters& moved, const Sample& goal, const State<double>& from,
+                  double duration, const HoldObserver& observe) {
   Sample rest = rest_of(p, goal), later = rest;
   rest.time = 0;
   later.time = duration;
   const Trajectory resting{{rest, later}, {}};
   TickController controller(p, resting);
-  Rollout arm(p, Limits{}, kAccuracyOfTicks);
+  Rollout arm(moved, Limits{}, kAccuracyOfTicks);
   arm.start(0, from, Drive::holding(rest));
   for (int k = 0; k * kTick < duration; ++k) {
     const State<double> before = arm.state();

@@ -13,9 +13,12 @@ bool is_at_rest(const Parameters& p, const Sample& row);
 // Holds the arm from `from` at the rest at `goal`, by the executor's feedback with its ticks, dither and the counts of
 // the encoders, for `duration`. [s] After every tick observe is called with the time since the beginning, the state
 // reached, and the torque that was commanded for the tick. False when the integration broke down.
+// `moved`: the arm that moves, where it is not the one that gains and rest are for.
 using HoldObserver = std::function<void(double time, const State<double>& x, const Joints<double>& torque)>;
 bool hold_at_rest(const Parameters& p, const Sample& goal, const State<double>& from, double duration,
                   const HoldObserver& observe);
+bool hold_at_rest(const Parameters& p, const Parameters& moved, const Sample& goal, const State<double>& from,
+                  double duration, const HoldObserver& observe);
 
 // How far the links come off the rest at `goal` within the window of Residual, held there. [rad]
 Joints<double> deviation_at_rest(const Parameters& p, const Sample& goal, const State<double>& from);

@@ -35,8 +35,20 @@ Simulation roll_out(const Parameters& planned_for, const Parameters& arm, const 
   return out;
 }
 
+void hold_after_end(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory, double duration,
+                    Simulation& run) {
+  const Sample& goal = trajectory.samples.back();
+  const State<double> from = run.samples.back().state;
+  run.completed = hold_at_rest(planned_for, arm, goal, from, duration,
+                               [&](double after, const State<double>& x, const Joints<double>& torque) {
+                                 run.samples.push_back({goal.time + after, x, torque});
+                               });
+  if (!run.completed) run.failure = "the integration broke down after the end";
+}
+
 Simulation run_ticks(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory) {
   Simulation out;
+  out.torque_held = true;
   const State<double> start = start_of(planned_for, arm, trajectory);
   out.samples.push_back({trajectory.start_time(), start, trajectory.samples.front().torque});
   out.completed = roll_out_ticks(planned_for, arm, trajectory, start, [&](const SimulatedTick& tick) {
@@ -48,12 +60,18 @@ Simulation run_ticks(const Parameters& planned_for, const Parameters& arm, const
 
 }  // namespace
 
-Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
-                    Control control) {
-  if (control == Control::kExecutor) return run_ticks(planned_for, arm, trajectory);
-  const bool open = control == Control::kOpenLoop;
-  return roll_out(planned_for, arm, trajectory,
-                  open ? Drive::open_loop(trajectory) : Drive::closed_loop(trajectory, planned_for));
+Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory, Control control,
+                    double hold) {
+  Simulation run;
+  if (control == Control::kExecutor) {
+    run = run_ticks(planned_for, arm, trajectory);
+  } else {
+    const bool open = control == Control::kOpenLoop;
+    run = roll_out(planned_for, arm, trajectory,
+                   open ? Drive::open_loop(trajectory) : Drive::closed_loop(trajectory, planned_for));
+  }
+  if (hold > 0 && run.completed) hold_after_end(planned_for, arm, trajectory, hold, run);
+  return run;
 }
 
 bool roll_out_ticks(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,

@@ -18,6 +18,7 @@ enum class Control {
 
 struct Simulation {
   std::vector<Sample> samples;  // torque: as commanded, feedback included; of kExecutor the one held until the sample
+  bool torque_held = false;     // until each sample, and not linear between them
   bool completed = false;
   std::string failure;  // why the integration broke down; empty when completed
 };
@@ -26,8 +27,10 @@ struct Simulation {
 // gains, encoders and drives, `arm` is the one that moves. It begins in the first row's state; where that is rest for
 // the one, in the rest of the other. The samples are what the certificate looks at, at most 0.25 ms apart, or of
 // kExecutor the ends of its ticks.
-Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
-                    Control control);
+// hold: [s] for so long the arm is then held in the rest at the last row's q, by the executor's law (hold_at_rest) and
+// with a sample at the end of each of its ticks. 0 in open loop.
+Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory, Control control,
+                    double hold = 0);
 
 // One tick of the executor on the simulated arm.
 struct SimulatedTick {

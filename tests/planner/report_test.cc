@@ -74,16 +74,17 @@ TEST_P(Profiles, LeaveNoResidualOnAStiffArm) {
   const auto run_with = [&](double times) { return run_on_elastic_arm(stiffened(times), reference_of(times)); };
   const ElasticRun soft = run_with(1), less_stiff = run_with(30), stiff = run_with(100);
   const Trajectory reference = reference_of(100);
-  ASSERT_EQ(stiff.failure, "");
+  ASSERT_EQ(stiff.simulation.failure, "");
   double feed_forward = 0;
   for (const Sample& row : reference.samples) feed_forward = std::max(feed_forward, std::abs(row.torque[0]));
   for (std::size_t j = 0; j < kJoints; ++j) {
-    EXPECT_LT(stiff.residual[j], 1e-3) << j;                      // measured: 7e-4 and less
-    EXPECT_GT(soft.residual[j], 50 * stiff.residual[j]) << j;     // measured: 126 and more
-    EXPECT_LT(stiff.residual[j], 0.45 * less_stiff.residual[j]);  // 0.3 by the law
+    EXPECT_LT(stiff.figures.residual[j], 1e-3) << j;                              // measured: 7e-4 and less
+    EXPECT_GT(soft.figures.residual[j], 50 * stiff.figures.residual[j]) << j;     // measured: 126 and more
+    EXPECT_LT(stiff.figures.residual[j], 0.45 * less_stiff.figures.residual[j]);  // 0.3 by the law
   }
-  EXPECT_EQ(stiff.settling_time, 0);
-  EXPECT_NEAR(stiff.peak_torque[0], feed_forward, 0.05 * feed_forward);  // the feedback has next to nothing to do
+  EXPECT_EQ(stiff.figures.settling_time, 0);
+  EXPECT_NEAR(stiff.figures.peaks.torque[0], feed_forward,
+              0.05 * feed_forward);  // the feedback has next to nothing to do
 }
 
 // Motors that follow perfectly shake the links by s(t) alone. Linearised at the goal, every mode is an oscillator whose
@@ -135,11 +136,11 @@ TEST_P(Profiles, ResidualIsThatOfTheLinearisedArm) {
   }
 
   const ElasticRun run = run_on_elastic_arm(robot, rigid_reference(robot, GetParam(), from, to, kDuration));
-  ASSERT_EQ(run.failure, "");
+  ASSERT_EQ(run.simulation.failure, "");
   for (std::size_t j = 0; j < kJoints; ++j) {
     EXPECT_GT(expected[j], 5e-3) << j;  // or nothing would be tested
     // Second order in angles of 0.07 rad.
-    EXPECT_NEAR(run.residual[j], expected[j], 0.02 * expected[j]) << j;
+    EXPECT_NEAR(run.figures.residual[j], expected[j], 0.02 * expected[j]) << j;
   }
 }
 
@@ -203,11 +204,12 @@ TEST(PlanPage, TheComparedPlanHasTheCertificatesResidual) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     // Their ends differ by the integrators' tolerance. Ends moved by that, 1e-8, were measured to change the residual
     // by up to 2.1e-6 rad, for other encoder counts are read; with 1e-10 by 4.5e-8.
-    EXPECT_NEAR(run.residual[j], residual[j].get<double>(), 3e-6) << j;
+    EXPECT_NEAR(run.figures.residual[j], residual[j].get<double>(), 3e-6) << j;
     const ElasticRun textbook = run_on_elastic_arm(
         reach().robot,
         rigid_reference(reach().robot, Profile::kMinimumJerk, {0, 0}, {1.2, -0.8}, reach().trajectory->end_time()));
-    EXPECT_GT(textbook.residual[j], 50 * run.residual[j]) << j;  // what planning with the springs is for
+    EXPECT_GT(textbook.figures.residual[j], 50 * run.figures.residual[j])
+        << j;  // what planning with the springs is for
   }
 }
 

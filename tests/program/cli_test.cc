@@ -595,6 +595,84 @@ TEST_F(Cli, VerifyOfBadFilesIsBadInput) {
   EXPECT_EQ(run({"verify", "good.csv", "--robot", "robot.yaml"}).exit_code, 2);
 }
 
+TEST_F(Cli, SimulateRunsAnyTrajectory) {
+  write_csv(at_rest(), path("t.csv"));
+  const Result result = run({"simulate", "t.csv", "--hold", "0.1", "--out", "run.csv"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("t.csv: closed-loop, 0.02 s\n"), HasSubstr("within one count 0.000 s after"),
+                                HasSubstr("torque 1 ")));
+  const Trajectory did = read_csv(path("run.csv"));
+  EXPECT_NEAR(did.end_time(), 0.12, 1e-9);
+  EXPECT_LE(did.samples.size(), 122U);
+
+  // A foreign motion: rows that no arm of these follows, and which need not be exact to be run.
+  Trajectory foreign;
+  for (int k = 0; k <= 200; ++k) {
+    const double c = k / 200.0;
+    Sample row{.time = k * 1e-3, .state = {}, .torque = {}};
+    row.state.q[0] = row.state.theta[0] = 0.05 * c * c * (3 - 2 * c);
+    row.state.dq[0] = row.state.dtheta[0] = 0.05 * 6 * c * (1 - c) / 0.2;
+    foreign.samples.push_back(row);
+  }
+  write_csv(foreign, path("foreign.csv"));
+  const Json moving = Json::parse(run({"simulate", "foreign.csv", "--json"}).out);
+  EXPECT_TRUE(moving["after_end"].is_null());  // it does not end where the springs hold the links
+  EXPECT_GT(moving["link_error_rad"][0], 1e-4);
+  foreign.samples.back().state = rest_at(load_parameters(FJR_SOURCE_DIR "/config/robot.yaml"), {0.05, 0});
+  write_csv(foreign, path("foreign.csv"));
+  const Json json = Json::parse(run({"simulate", "foreign.csv", "--json"}).out);
+  EXPECT_EQ(json["completed"], true);
+  EXPECT_EQ(json["after_end"]["window"], 1.0);
+  EXPECT_GT(json["after_end"]["residual_rad"][0], 1e-4);
+  EXPECT_GT(json["effort"], 0);
+  ASSERT_EQ(json["limits"].size(), 8U);
+  EXPECT_EQ(json["limits"][0]["name"], "torque");
+  EXPECT_EQ(json["limits"][0]["limit"], 12.0);
+  EXPECT_GT(json["limits"][0]["reached"], 0);
+  EXPECT_TRUE(
+      Json::parse(run({"simulate", "foreign.csv", "--control", "open-loop", "--json"}).out)["after_end"].is_null());
+  const Json ticks = Json::parse(run({"simulate", "foreign.csv", "--control", "executor", "--json"}).out);
+  EXPECT_EQ(ticks["control"], "executor");
+  EXPECT_NE(ticks["effort"], json["effort"]);
+}
+
+TEST_F(Cli, SimulateKnowsTheFilesPayloadAndAnotherArm) {
+  Trajectory trajectory = at_rest();
+  for (Sample& row : trajectory.samples) row.state.q[0] = row.state.theta[0] = 0.3;
+  write_csv(trajectory, path("t.csv"));
+  const auto off = [&](std::vector<std::string> options) {
+    std::vector<std::string> all{"simulate", "t.csv", "--json"};
+    all.insert(all.end(), options.begin(), options.end());
+    const Result result = run(all);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return Json::parse(result.out)["link_error_rad"][0].get<double>();
+  };
+  const double own = off({});  // it falls, for nothing holds it
+  write("heavier.yaml", contents(FJR_SOURCE_DIR "/config/robot.yaml") + "payload: 0.4\n");
+  const double heavier = off({"--true-robot", "heavier.yaml"});
+  EXPECT_NE(heavier, own);
+  trajectory.metadata["payload"] = "0.4 kg";
+  write_csv(trajectory, path("t.csv"));
+  EXPECT_EQ(off({}), heavier);
+}
+
+TEST_F(Cli, SimulateOfBadInput) {
+  write_csv(at_rest(), path("good.csv"));
+  for (const std::vector<std::string>& wrong :
+       std::vector<std::vector<std::string>>{{"simulate"},
+                                             {"simulate", "none.csv"},
+                                             {"simulate", "good.csv", "--hold", "11"},
+                                             {"simulate", "good.csv", "--control", "loop"},
+                                             {"simulate", "good.csv", "--robot", "none.yaml"},
+                                             {"simulate", "good.csv", "--true-robot", "none.yaml"}}) {
+    const Result result = run(wrong);
+    EXPECT_EQ(result.exit_code, 2) << testing::PrintToString(wrong);
+    EXPECT_NE(result.err, "");
+    EXPECT_EQ(result.out, "");
+  }
+  EXPECT_THAT(run({"simulate", "good.csv", "--control", "open_loop"}).err, HasSubstr("did you mean open-loop?"));
+}
+
 TEST_F(Cli, ExperimentAndIdentifyGoTogether) {
   const Result log = run({"experiment", "link_inertia", "--joint", "2", "--out", "log.csv", "--seed", "7"});
   EXPECT_EQ(log.exit_code, 0);

@@ -18,12 +18,14 @@ double commanded(const Sample& s, std::size_t j) { return s.torque[j]; }
 Cell against_limit(double value, double limit) { return cell(number_text(value), value > limit * 1.005 ? "over" : ""); }
 
 void add_peaks(Rows& rows, const std::vector<ComparedMotion>& motions, const std::vector<ReachedLimit>& limits,
-               const std::string& name, const std::string& label, Joints<double> ElasticRun::*peak) {
+               const QuantityInfo& quantity, const std::string& label) {
   for (std::size_t j = 0; j < kJoints; ++j) {
-    const ReachedLimit* limit = find_limit(limits, name, static_cast<int>(j + 1));
+    const ReachedLimit* limit = find_limit(limits, quantity.name, static_cast<int>(j + 1));
     const double allowed = limit == nullptr ? INFINITY : limit->limit;
-    rows.push_back({cell(fmt::format("{} {}, at most ({})", label, j + 1, unit_of_limit(name)))});
-    for (const ComparedMotion& m : motions) rows.back().push_back(against_limit((m.run.*peak)[j], allowed));
+    rows.push_back({cell(fmt::format("{} {}, at most ({})", label, j + 1, quantity.unit))});
+    for (const ComparedMotion& m : motions) {
+      rows.back().push_back(against_limit(quantity.in(m.run.figures.peaks, j), allowed));
+    }
     rows.back().push_back(cell(number_text(allowed)));
   }
 }
@@ -35,18 +37,19 @@ Rows comparison_table(const std::vector<ComparedMotion>& motions, const std::vec
   rows[0].push_back(cell("limit"));
   for (std::size_t j = 0; j < kJoints; ++j) {
     rows.push_back({cell(fmt::format("link {}, furthest from the goal after the end (rad)", j + 1))});
-    for (const ComparedMotion& m : motions) rows.back().push_back(cell(number_text(m.run.residual[j], 3)));
+    for (const ComparedMotion& m : motions) rows.back().push_back(cell(number_text(m.run.figures.residual[j], 3)));
     rows.back().push_back(cell(""));
   }
   rows.push_back({cell(fmt::format("both links within {:g} rad of it after (s)", kSettled))});
   for (const ComparedMotion& m : motions) {
-    rows.back().push_back(cell(std::isfinite(m.run.settling_time) ? fmt::format("{:.3f}", m.run.settling_time)
-                                                                  : fmt::format("more than {:g}", kWatchedAfterEnd)));
+    rows.back().push_back(cell(std::isfinite(m.run.figures.settling_time)
+                                   ? fmt::format("{:.3f}", m.run.figures.settling_time)
+                                   : fmt::format("more than {:g}", kWatchedAfterEnd)));
   }
   rows.back().push_back(cell(""));
-  add_peaks(rows, motions, limits, "torque", "torque", &ElasticRun::peak_torque);
-  add_peaks(rows, motions, limits, "spring_deflection", "spring deflection", &ElasticRun::peak_spring_deflection);
-  add_peaks(rows, motions, limits, "motor_velocity", "motor velocity", &ElasticRun::peak_motor_velocity);
+  add_peaks(rows, motions, limits, Torque::info, "torque");
+  add_peaks(rows, motions, limits, SpringDeflection::info, "spring deflection");
+  add_peaks(rows, motions, limits, MotorVelocity::info, "motor velocity");
   return rows;
 }
 
@@ -58,7 +61,7 @@ std::vector<Chart> comparison_charts(const std::vector<ComparedMotion>& motions,
     Chart after = time_chart(fmt::format("Link {} after the end, from the goal", j + 1), "rad");
     for (const ComparedMotion& m : motions) {
       Series series{m.name, m.colour, Style::kLine, {}, {}};
-      for (const Sample& s : m.run.samples) {
+      for (const Sample& s : m.run.simulation.samples) {
         if (s.time < goal.time) continue;
         series.x.push_back(s.time);
         series.y.push_back(s.state.q[j] - goal.state.q[j]);
@@ -70,10 +73,11 @@ std::vector<Chart> comparison_charts(const std::vector<ComparedMotion>& motions,
   for (std::size_t j = 0; j < kJoints; ++j) {
     Chart needed = time_chart(fmt::format("Torque of motor {}", j + 1), "N m");
     for (const ComparedMotion& m : motions) {
-      needed.series.push_back(series_of(m.name, m.colour, m.run.samples, commanded, j));
+      needed.series.push_back(series_of(m.name, m.colour, m.run.simulation.samples, commanded, j));
     }
     if (const ReachedLimit* limit = find_limit(limits, "torque", static_cast<int>(j + 1))) {
-      needed.series.push_back(both_sides("limit", "#555", limit->limit, 0, motions.front().run.samples.back().time));
+      needed.series.push_back(
+          both_sides("limit", "#555", limit->limit, 0, motions.front().run.simulation.samples.back().time));
     }
     charts.push_back(std::move(needed));
   }
@@ -112,7 +116,7 @@ void add_comparison(ChartPage& page, const std::vector<ComparedMotion>& motions,
       with_scene ? " They go straight, whatever else the request asks for on the way." : ""));
   page.add_html(html_table(comparison_table(motions, limits)));
   for (const ComparedMotion& m : motions) {
-    if (!m.run.failure.empty()) page.add_paragraph(m.name + ": " + m.run.failure, "warning");
+    if (!m.run.simulation.failure.empty()) page.add_paragraph(m.name + ": " + m.run.simulation.failure, "warning");
   }
   page.add_html("<div class='pairs'>");
   page.add_charts(comparison_charts(motions, plan, limits));

@@ -163,7 +163,7 @@ void add_motion(ChartPage& page, const PlanRecord& record, const Json& scene, co
   }
   data["motions"].push_back(motion_json("this plan", record.trajectory->samples));
   for (std::size_t i = 1; i < motions.size(); ++i) {
-    data["motions"].push_back(motion_json(motions[i].name, motions[i].run.samples));
+    data["motions"].push_back(motion_json(motions[i].name, motions[i].run.simulation.samples));
   }
   page.add_data("plan-data", data.dump());
   page.add_script(kPlanPageScript);

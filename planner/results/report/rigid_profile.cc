@@ -2,11 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-
-#include "planner/certificate/comparison.h"
-#include "planner/certificate/residual.h"
-#include "planner/certificate/rollout.h"
 
 namespace fjr {
 namespace {
@@ -68,45 +63,6 @@ class StraightWay {
   double duration_;
 };
 
-void raise(Joints<double>& largest, std::size_t j, double value) { largest[j] = std::max(largest[j], std::abs(value)); }
-
-// Collects a run's samples and peaks.
-class Recorder {
- public:
-  Recorder(const Trajectory& reference, ElasticRun& run)
-      : plan_(reference), end_(reference.samples.back()), run_(run) {}
-
-  void follow(double time, const State<double>& x, const Drive& drive) {
-    const Sample reference = plan_.at(time);
-    const Joints<double> feedback = drive.feedback(reference.state, x);
-    record({time, x, {reference.torque[0] + feedback[0], reference.torque[1] + feedback[1]}});
-  }
-
-  void watch(double after, const State<double>& x, const Joints<double>& torque) {
-    record({end_.time + after, x, torque});
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      const double off = x.q[j] - end_.state.q[j];
-      raise(run_.residual, j, off);
-      if (std::abs(off) > kSettled) run_.settling_time = after;
-    }
-  }
-
- private:
-  void record(const Sample& now) {
-    const State<double>& x = now.state;
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      raise(run_.peak_torque, j, now.torque[j]);
-      raise(run_.peak_motor_velocity, j, x.dtheta[j]);
-      raise(run_.peak_spring_deflection, j, x.theta[j] - x.q[j]);
-    }
-    run_.samples.push_back(now);
-  }
-
-  Interpolator plan_;
-  const Sample& end_;
-  ElasticRun& run_;
-};
-
 }  // namespace
 
 const char* name(Profile profile) { return profile == Profile::kMinimumJerk ? "minimum jerk" : "trapezoidal velocity"; }
@@ -131,31 +87,8 @@ Trajectory rigid_reference(const Parameters& p, Profile profile, const Joints<do
 }
 
 ElasticRun run_on_elastic_arm(const Parameters& p, const Trajectory& reference) {
-  ElasticRun run;
-  Recorder record(reference, run);
-  Rollout arm(p, Limits{}, Accuracy::of_predictions());
-  arm.limit_step(longest_step(reference));
-  const Drive follow = Drive::closed_loop(reference, p);
-  const Sample& start = reference.samples.front();
-  record.follow(start.time, start.state, follow);
-  arm.start(start.time, start.state, follow);
-  const bool followed =
-      arm.run(reference.end_time(), comparison_instants(reference), torque_corners(reference, kCorner),
-              [&](double time, const State<double>& x) { record.follow(time, x, follow); });
-
-  const Sample& end = reference.samples.back();
-  if (!followed) run.failure = arm.failure();
-  bool held = false;
-  if (followed) {
-    record.watch(0, arm.state(), gravity_torque(p, end.state.q));
-    held = hold_at_rest(
-        p, end, arm.state(), kWatchedAfterEnd,
-        [&](double after, const State<double>& x, const Joints<double>& torque) { record.watch(after, x, torque); });
-    if (!held) run.failure = "the integration broke down after the end";
-  }
-  if (!held || run.settling_time > kWatchedAfterEnd - kTick) {
-    run.settling_time = std::numeric_limits<double>::infinity();
-  }
+  ElasticRun run{simulate(p, p, reference, Control::kClosedLoop, kWatchedAfterEnd), {}};
+  run.figures = figures_of(p, reference, run.simulation, kSettled);
   return run;
 }
 

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "model/dynamics.h"
+#include "planner/certificate/run_figures.h"
+#include "planner/certificate/simulation.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -34,19 +36,14 @@ Trajectory rigid_reference(const Parameters& p, Profile profile, const Joints<do
 inline constexpr double kWatchedAfterEnd = 1;  // [s]
 inline constexpr double kSettled = 1e-3;       // [rad] ten counts of the link encoder
 
-// One run on the exact elastic model.
+// One run on the exact elastic model, to kWatchedAfterEnd after the end. What the drive would have to give is not
+// bounded.
 struct ElasticRun {
-  std::vector<Sample> samples;              // state reached and torque commanded, to kWatchedAfterEnd after the end
-  Joints<double> peak_torque{};             // [N m], unbounded: what the drive would have to give
-  Joints<double> peak_motor_velocity{};     // [rad/s]
-  Joints<double> peak_spring_deflection{};  // [rad]
-  Joints<double> residual{};                // [rad] largest |q - q_goal| after the end
-  double settling_time = 0;  // [s] after the end until both links stay within kSettled; infinite: not while watched
-  std::string failure;       // of the integration; empty: none
+  Simulation simulation;
+  RunFigures figures;  // settled: within kSettled
 };
 
-// Follows `reference` with the executor's gains on the exact state, then holds the rest at its last row as the
-// certificate has it (hold_at_rest). `reference` starts at rest.
+// Follows `reference` in closed loop, then holds the rest at its last row. `reference` starts at rest.
 ElasticRun run_on_elastic_arm(const Parameters& p, const Trajectory& reference);
 
 }  // namespace fjr

@@ -48,6 +48,8 @@ nav:
       - Performance: docs/performance.md
       - Benchmarks: bench/README.md
       - Peers: bench/peers/README.md
+      - Comparison: docs/comparison.md
+      - Planners for rigid arms: bench/rigid/README.md
   - To look things up:
       - FAQ: docs/faq.md
       - Glossary: docs/glossary.md

@@ -27,7 +27,7 @@ START, GOAL = "start: {q: [0, 0]}\n", "goal: {q: [1.2, -0.8]}\n"
 def pages(source):
     """All of them; those whose blocks are run come first."""
     own = [source / "README.md", *sorted((source / "docs").glob("*.md"))]
-    others = ["CHANGELOG.md", "bench/README.md", "bench/peers/README.md", "config/security/README.md",
+    others = ["CHANGELOG.md", "bench/README.md", "bench/peers/README.md", "bench/rigid/README.md", "config/security/README.md",
               "planner/executor/README.md"]
     return own, [source / name for name in others]
 

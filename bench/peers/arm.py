@@ -6,24 +6,12 @@
 State x = (q, dq, theta, dtheta), control u: the friction-compensated torque of the paper's (26). Friction, (24) less its
 viscous part, appears in tau_m alone, so that the dynamics of the peers are smooth.
 """
-import pathlib
-
 import casadi as ca
 import numpy as np
-import yaml
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-ROBOT = ROOT / "config/robot.yaml"
+from files import ROBOT, parameters
+
 STATES, CONTROLS = 8, 2
-
-
-def parameters(path=ROBOT):
-    """{"section.name": [joint 1, joint 2]} of a robot.yaml without a payload."""
-    document = yaml.safe_load(path.read_text())
-    if "payload" in document:
-        raise ValueError(f"{path}: payload: the peers' arm carries nothing")
-    return {f"{section}.{name}": np.array(entry["value"], dtype=float)
-            for section, entries in document.items() for name, entry in entries.items()}
 
 
 def smoothed(width, shape, eps):

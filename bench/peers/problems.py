@@ -5,7 +5,7 @@ import pathlib
 import numpy as np
 import yaml
 
-from arm import ROOT
+from files import ROOT
 
 HERE = pathlib.Path(__file__).resolve().parent
 REQUESTS = {

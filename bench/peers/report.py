@@ -1,14 +1,8 @@
 """The results of run.py as tables in Markdown."""
-import math
+from files import number
 
 HEAD = ("problem", "solver", "intervals", "iterations", "CPU s (building)", "wall s", "objective", "miss",
         "objective, exact law", "miss, exact law", "beyond limits")
-
-
-def number(value, digits=3):
-    """To so many digits, trailing zeros included, never as a power of ten."""
-    places = digits - 1 - math.floor(math.log10(abs(value))) if value else 0
-    return f"{value:.{max(0, places)}f}"
 
 
 def row(problem, name, result):

@@ -7,7 +7,6 @@ import argparse
 import json
 import os
 import pathlib
-import platform
 import subprocess
 import sys
 import tempfile
@@ -18,13 +17,12 @@ import plot  # noqa: E402
 import problems  # noqa: E402
 import report  # noqa: E402
 import trajectory  # noqa: E402
-from arm import ROOT, Arm  # noqa: E402
+from arm import Arm  # noqa: E402
+from files import ENVIRONMENT, ROOT, machine, read_rows  # noqa: E402
 
 HERE = pathlib.Path(__file__).resolve().parent
 PEERS = {"casadi_ipopt": "CasADi, Ipopt/MUMPS", "casadi_fatrop": "CasADi, FATROP", "drake_collocation": "Drake, SNOPT",
          "crocoddyl_ddp": "Crocoddyl, FDDP"}
-ONE_THREAD = {name: "1" for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")}
-ENVIRONMENT = {"FJR_CONFIG_DIR": str(ROOT / "config"), **os.environ, **ONE_THREAD, "PYTHONDONTWRITEBYTECODE": "1"}
 
 
 def worker(peer, problem, out, options, most_seconds):
@@ -88,7 +86,7 @@ def run_fjr(arguments, problem, folder, options):
         if plan["status"] != "certified":
             return {"solved": False, "message": f"{plan['status']}: {plan.get('reason')}"}
         runs.append({"cpu": usage.ru_utime + usage.ru_stime, "wall": wall})
-    table = trajectory.read(folder / "trajectory.csv")
+    table = read_rows(folder / "trajectory.csv")
     exact = {"objective": trajectory.objective(arguments.arm, problem.weights, table),
              **verify(arguments.fjr, folder / "trajectory.csv", arguments.count)}
     return {**least(runs, ("cpu", "wall")), "solved": True, "message": plan["status"], "starts": plan["solver"]["starts"],
@@ -121,10 +119,8 @@ def tell(problem, solver, result):
 
 def conditions(arguments):
     """Read after the run: what it was run on and with."""
-    processor = next((line.split(":")[1].strip() for line in open("/proc/cpuinfo") if line.startswith("model name")), "")
-    version = subprocess.run([arguments.fjr, "--version"], capture_output=True, text=True).stdout.strip()
-    return {"processor": processor, "cores": os.cpu_count(), "python": platform.python_version(), "fjr": version,
-            "load_before": arguments.load, "load_after": os.getloadavg(), "repetitions": arguments.repetitions}
+    return {**machine(arguments.fjr), "load_before": arguments.load, "load_after": os.getloadavg(),
+            "repetitions": arguments.repetitions}
 
 
 def main():

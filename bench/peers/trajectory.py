@@ -1,5 +1,4 @@
 """What every peer returns, and the same rows, file and objective from it for all."""
-import csv
 import dataclasses
 
 import casadi as ca
@@ -9,7 +8,6 @@ from problems import Guess
 
 PERIOD = 1e-3  # of the rows [s]
 JUMP = 1e-6    # between the two rows of a jump [s]
-COLUMNS = "time,q1,q2,dq1,dq2,theta1,theta2,dtheta1,dtheta2,tau1,tau2".split(",")
 
 
 @dataclasses.dataclass
@@ -70,19 +68,6 @@ def rk4(arm):
     k3 = arm.f(x + h / 2 * k2, u[1])
     k4 = arm.f(x + h * k3, u[2])
     return ca.Function("rk4", [x, *u, h], [x + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)])
-
-
-def write(path, table):
-    with path.open("w", newline="") as file:
-        file.write(",".join(COLUMNS) + "\n")
-        csv.writer(file, lineterminator="\n").writerows([f"{value:.17g}" for value in row] for row in table)
-
-
-def read(path):
-    with path.open() as file:
-        lines = [line for line in file if not line.startswith("#")]
-    table = list(csv.DictReader(lines))
-    return np.array([[float(row[column]) for column in COLUMNS] for row in table])
 
 
 def objective(arm, weights, table):

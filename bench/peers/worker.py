@@ -11,6 +11,7 @@ import sys
 import time
 
 import check
+import files
 import problems
 import trajectory
 from arm import Arm
@@ -69,7 +70,7 @@ def measure(peer, problem, arm, intervals, out):
     if solution.solved:
         for law in ("smoothed", "exact"):
             table = trajectory.rows(arm, solution, law == "exact")
-            trajectory.write(out / f"{law}.csv", table)
+            files.write_rows(out / f"{law}.csv", table)
             result[law] = {"objective": trajectory.objective(arm, problem.weights, table)}
     return result
 

@@ -14,6 +14,10 @@
 #include <string>
 #include <type_traits>
 
+#if SUNDIALS_VERSION_MAJOR >= 7  // it deprecates the only names that functions have in version 6, of Debian 12
+#pragma GCC diagnostic ignored "-Wdeprecated-declarations"
+#endif
+
 namespace fjr::sundials {
 
 struct Error : std::runtime_error {
@@ -55,10 +59,29 @@ using NonlinearSolver = Handle<SUNNonlinearSolver, SUNNonlinSolFree>;
 using Arkode = Handle<void*, free_arkode>;
 using Cvode = Handle<void*, free_cvode>;
 
+// Where versions 6 and 7 differ. Nothing is printed: flags say the same, and are all looked at. Version 7 has the
+// handlers of errors in the context, and communicators of a type of their own.
+#if SUNDIALS_VERSION_MAJOR >= 7
+inline Context make_context() {
+  SUNContext c = nullptr;
+  check(SUNContext_Create(SUN_COMM_NULL, &c), "SUNContext_Create");
+  Context context(c);
+  check(SUNContext_ClearErrHandlers(c), "SUNContext_ClearErrHandlers");
+  return context;
+}
+inline void silence_arkode(void*) {}
+inline void silence_cvode(void*) {}
+#else
 inline Context make_context() {
   SUNContext c = nullptr;
   check(SUNContext_Create(nullptr, &c), "SUNContext_Create");
   return Context(c);
 }
+inline void ignore_message(int, const char*, const char*, char*, void*) {}
+inline void silence_arkode(void* m) {
+  check(ARKStepSetErrHandlerFn(m, ignore_message, nullptr), "ARKStepSetErrHandlerFn");
+}
+inline void silence_cvode(void* m) { check(CVodeSetErrHandlerFn(m, ignore_message, nullptr), "CVodeSetErrHandlerFn"); }
+#endif
 
 }  // namespace fjr::sundials

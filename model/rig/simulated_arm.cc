@@ -30,8 +30,6 @@ void write(const RigState& s, N_Vector v) {
   std::copy_n(s.z.data(), kJoints, y + kStates);
 }
 
-void ignore_message(int, const char*, const char*, char*, void*) {}  // flags say the same, and are all looked at
-
 }  // namespace
 
 struct SimulatedArm::Memory {
@@ -50,7 +48,7 @@ struct SimulatedArm::Memory {
     if (!mounting.gravity) rig.truth.link.gravity_torque = {0, 0};
     N_VConst(0.0, y.get());
     check(CVodeInit(cvode.get(), rhs, 0.0, y.get()), "CVodeInit");
-    check(CVodeSetErrHandlerFn(cvode.get(), ignore_message, nullptr), "CVodeSetErrHandlerFn");
+    sundials::silence_cvode(cvode.get());
     check(CVodeSStolerances(cvode.get(), kRelative, kAbsolute), "CVodeSStolerances");
     check(CVodeSetUserData(cvode.get(), this), "CVodeSetUserData");
     check(CVodeSetNonlinearSolver(cvode.get(), iteration.get()), "CVodeSetNonlinearSolver");
@@ -120,7 +118,7 @@ struct SimulatedArm::Memory {
     return f;
   }
 
-  static int rhs(realtype t, N_Vector y, N_Vector dy, void* self) {
+  static int rhs(sunrealtype t, N_Vector y, N_Vector dy, void* self) {
     write(static_cast<const Memory*>(self)->derivative(t, read(y)), dy);
     return 0;
   }

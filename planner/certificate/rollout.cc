@@ -56,20 +56,20 @@ bool finite(const State<double>& x) {
 // numbers SUNDIALS' own, which look up lengths and cases first, took most of a rollout's time.
 namespace short_vector {
 
-realtype* values(N_Vector v) { return NV_DATA_S(v); }  // a macro: no function is called
+sunrealtype* values(N_Vector v) { return NV_DATA_S(v); }  // a macro: no function is called
 
-void linear_sum(realtype a, N_Vector x, realtype b, N_Vector y, N_Vector z) {
+void linear_sum(sunrealtype a, N_Vector x, sunrealtype b, N_Vector y, N_Vector z) {
   for (std::size_t i = 0; i < kStates; ++i) values(z)[i] = a * values(x)[i] + b * values(y)[i];
 }
 
-void scale(realtype a, N_Vector x, N_Vector z) {
+void scale(sunrealtype a, N_Vector x, N_Vector z) {
   for (std::size_t i = 0; i < kStates; ++i) values(z)[i] = a * values(x)[i];
 }
 
-void fill(realtype a, N_Vector z) { std::fill_n(values(z), kStates, a); }
+void fill(sunrealtype a, N_Vector z) { std::fill_n(values(z), kStates, a); }
 
-int linear_combination(int count, realtype* factors, N_Vector* of, N_Vector z) {
-  std::array<realtype, kStates> sum{};  // z may be one of them
+int linear_combination(int count, sunrealtype* factors, N_Vector* of, N_Vector z) {
+  std::array<sunrealtype, kStates> sum{};  // z may be one of them
   for (int k = 0; k < count; ++k) {
     for (std::size_t i = 0; i < kStates; ++i) sum[i] += factors[k] * values(of[k])[i];
   }
@@ -77,10 +77,10 @@ int linear_combination(int count, realtype* factors, N_Vector* of, N_Vector z) {
   return 0;
 }
 
-realtype weighted_mean_square_root(N_Vector x, N_Vector weights) {
-  realtype sum = 0;
+sunrealtype weighted_mean_square_root(N_Vector x, N_Vector weights) {
+  sunrealtype sum = 0;
   for (std::size_t i = 0; i < kStates; ++i) {
-    const realtype product = values(x)[i] * values(weights)[i];
+    const sunrealtype product = values(x)[i] * values(weights)[i];
     sum += product * product;
   }
   return std::sqrt(sum / kStates);
@@ -97,8 +97,6 @@ N_Vector new_vector(SUNContext context) {
   v->ops->nvwrmsnorm = short_vector::weighted_mean_square_root;
   return v;
 }
-
-void ignore_message(int, const char*, const char*, char*, void*) {}  // flags say the same, and are all looked at
 
 std::string flag_name(int flag) {
   char* name = ARKStepGetReturnFlagName(flag);
@@ -166,9 +164,10 @@ struct Rollout::Memory {
     return dynamics(robot, x_now, tau);
   }
 
-  static int rhs(realtype t, N_Vector x, N_Vector dx, void* self);
-  static int fill_jacobian(realtype t, N_Vector x, N_Vector fx, SUNMatrix j, void* self, N_Vector, N_Vector, N_Vector);
-  static int roots(realtype t, N_Vector x, realtype* g, void* self);
+  static int rhs(sunrealtype t, N_Vector x, N_Vector dx, void* self);
+  static int fill_jacobian(sunrealtype t, N_Vector x, N_Vector fx, SUNMatrix j, void* self, N_Vector, N_Vector,
+                           N_Vector);
+  static int roots(sunrealtype t, N_Vector x, sunrealtype* g, void* self);
 };
 
 Rollout::Memory::Memory(const Parameters& p, const Limits& l, const Accuracy& accuracy)
@@ -182,7 +181,7 @@ Rollout::Memory::Memory(const Parameters& p, const Limits& l, const Accuracy& ac
         absolute.get());
   N_VConst(0.0, x.get());
   for (void* method : {explicit_rk.get(), stiff.get()}) {
-    check(ARKStepSetErrHandlerFn(method, ignore_message, nullptr), "ARKStepSetErrHandlerFn");
+    sundials::silence_arkode(method);
     check(ARKStepSVtolerances(method, accuracy.relative, absolute.get()), "ARKStepSVtolerances");
     check(ARKStepSetUserData(method, this), "ARKStepSetUserData");
     // Cubic Hermite needs no further evaluations, and is what the plan itself is between its rows.
@@ -209,7 +208,7 @@ Joints<double> Rollout::Memory::torque(double t, const State<double>& x_now) {
   return {reference.torque[0] + feedback[0] + dither[0], reference.torque[1] + feedback[1] + dither[1]};
 }
 
-int Rollout::Memory::rhs(realtype t, N_Vector x, N_Vector dx, void* self) {
+int Rollout::Memory::rhs(sunrealtype t, N_Vector x, N_Vector dx, void* self) {
   auto& m = *static_cast<Memory*>(self);
   ++m.evaluations;
   const State<double> now = read(x);
@@ -218,7 +217,7 @@ int Rollout::Memory::rhs(realtype t, N_Vector x, N_Vector dx, void* self) {
   return finite(f) ? 0 : 1;  // 1: ARKODE tries again with a smaller step
 }
 
-int Rollout::Memory::fill_jacobian(realtype t, N_Vector x, N_Vector, SUNMatrix j, void* self, N_Vector, N_Vector,
+int Rollout::Memory::fill_jacobian(sunrealtype t, N_Vector x, N_Vector, SUNMatrix j, void* self, N_Vector, N_Vector,
                                    N_Vector) {
   auto& m = *static_cast<Memory*>(self);
   const State<double> now = read(x);
@@ -232,19 +231,19 @@ int Rollout::Memory::fill_jacobian(realtype t, N_Vector x, N_Vector, SUNMatrix j
   }
   const State<Active> f = m.derivative(active, tau);
   for (int column = 0; column < kStates; ++column) {
-    realtype* entries = SM_COLUMN_D(j, column);
+    sunrealtype* entries = SM_COLUMN_D(j, column);
     for (int row = 0; row < kStates; ++row) entries[row] = f[row].g[static_cast<std::size_t>(column)];
   }
   return 0;
 }
 
-int Rollout::Memory::roots(realtype, N_Vector x, realtype* g, void* self) {
+int Rollout::Memory::roots(sunrealtype, N_Vector x, sunrealtype* g, void* self) {
   const auto& m = *static_cast<const Memory*>(self);
   const State<double> now = read(x);
   for (std::size_t j = 0; j < kJoints; ++j) g[j] = now.dtheta[j];
   const Joints<double> no_torque{};
   const Moment<double> moment{m.robot, now, no_torque, no_torque};
-  realtype* next = g + kReversalRoots;
+  sunrealtype* next = g + kReversalRoots;
   Quantities::visit([&](auto quantity) {
     if constexpr (quantity.info.of_robot && !quantity.info.sees_torque) {
       const Joints<double> values = quantity.value(moment);

@@ -69,8 +69,10 @@ inline Context make_context() {
   check(SUNContext_ClearErrHandlers(c), "SUNContext_ClearErrHandlers");
   return context;
 }
-inline void silence_arkode(void*) {}
-inline void silence_cvode(void*) {}
+// It ends the iterations of an implicit stage earlier, too: with its own coefficient, 0.1, an arm that is held at rest
+// with the accuracy of ticks came off by 2e-5 rad instead of 7e-6.
+inline void prepare_arkode(void* m) { check(ARKStepSetNonlinConvCoef(m, 1e-2), "ARKStepSetNonlinConvCoef"); }
+inline void prepare_cvode(void*) {}
 #else
 inline Context make_context() {
   SUNContext c = nullptr;
@@ -78,10 +80,10 @@ inline Context make_context() {
   return Context(c);
 }
 inline void ignore_message(int, const char*, const char*, char*, void*) {}
-inline void silence_arkode(void* m) {
+inline void prepare_arkode(void* m) {
   check(ARKStepSetErrHandlerFn(m, ignore_message, nullptr), "ARKStepSetErrHandlerFn");
 }
-inline void silence_cvode(void* m) { check(CVodeSetErrHandlerFn(m, ignore_message, nullptr), "CVodeSetErrHandlerFn"); }
+inline void prepare_cvode(void* m) { check(CVodeSetErrHandlerFn(m, ignore_message, nullptr), "CVodeSetErrHandlerFn"); }
 #endif
 
 }  // namespace fjr::sundials

@@ -48,7 +48,7 @@ struct SimulatedArm::Memory {
     if (!mounting.gravity) rig.truth.link.gravity_torque = {0, 0};
     N_VConst(0.0, y.get());
     check(CVodeInit(cvode.get(), rhs, 0.0, y.get()), "CVodeInit");
-    sundials::silence_cvode(cvode.get());
+    sundials::prepare_cvode(cvode.get());
     check(CVodeSStolerances(cvode.get(), kRelative, kAbsolute), "CVodeSStolerances");
     check(CVodeSetUserData(cvode.get(), this), "CVodeSetUserData");
     check(CVodeSetNonlinearSolver(cvode.get(), iteration.get()), "CVodeSetNonlinearSolver");

@@ -181,7 +181,7 @@ Rollout::Memory::Memory(const Parameters& p, const Limits& l, const Accuracy& ac
         absolute.get());
   N_VConst(0.0, x.get());
   for (void* method : {explicit_rk.get(), stiff.get()}) {
-    sundials::silence_arkode(method);
+    sundials::prepare_arkode(method);
     check(ARKStepSVtolerances(method, accuracy.relative, absolute.get()), "ARKStepSVtolerances");
     check(ARKStepSetUserData(method, this), "ARKStepSetUserData");
     // Cubic Hermite needs no further evaluations, and is what the plan itself is between its rows.

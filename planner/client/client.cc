@@ -161,8 +161,8 @@ class Client {
 
 Answer request_plan(const Order& order, const ClientOptions& options) { return Client(order, options).run(); }
 
-Overview overview(unsigned domain, double wait) {
-  dds::OverviewPort port{dds::Participant(domain)};
+Overview overview(const Network& network, double wait) {
+  dds::OverviewPort port{dds::Participant(network.domain, network.security)};
   std::map<std::string, ServiceStatus> services;
   std::map<std::pair<std::string, dds::ExecutorStates::Source>, ExecutorState> executors;
   Patience patience(wait);

@@ -50,6 +50,6 @@ struct Overview {
   std::optional<std::string> strangers;  // without services: one sentence on who lets nothing be seen
   double looked = 0;                     // [s]
 };
-Overview overview(unsigned domain, double wait);
+Overview overview(const Network& network, double wait);
 
 }  // namespace fjr

@@ -41,6 +41,7 @@ std::shared_ptr<Entity> shared_domain(unsigned domain) {
 }
 
 Entity created(unsigned domain, const fs::path& credentials) {
+  require_steady_waits();  // before credentials load plugins
   const Qos qos = credentials.empty() ? Qos() : with_credentials(credentials);
   const dds_entity_t participant = dds_create_participant(domain, qos.get(), nullptr);
   if (participant < 0 && !credentials.empty()) {
@@ -53,7 +54,6 @@ Entity created(unsigned domain, const fs::path& credentials) {
 
 Participant::Participant(unsigned domain, const fs::path& credentials)
     : secured_(!credentials.empty()), domain_(shared_domain(domain)), participant_(created(domain, credentials)) {
-  require_steady_waits();
   if (sends_only_over_loopback()) hear_only_loopback();
 }
 

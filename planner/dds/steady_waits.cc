@@ -47,13 +47,16 @@ bool ddsrt_cond_waituntil(ddsrt_cond_t* condition, ddsrt_mutex_t* mutex, dds_tim
 
 namespace fjr::dds {
 
+// Looked up once. A plugin of DDS Security is loaded for everybody to see, and with it the library that it is linked
+// to: to a module of Python the library's own functions come first from then on. By then the library's calls are bound,
+// for Debian links it to have that done when it is loaded.
 void require_steady_waits() {
   const auto in_place = [](const char* name, auto* function) {
     return ::dlsym(RTLD_DEFAULT, name) == reinterpret_cast<void*>(function);
   };
-  if (in_place("ddsrt_cond_waitfor", &ddsrt_cond_waitfor) && in_place("ddsrt_cond_waituntil", &ddsrt_cond_waituntil)) {
-    return;
-  }
+  static const bool steady =
+      in_place("ddsrt_cond_waitfor", &ddsrt_cond_waitfor) && in_place("ddsrt_cond_waituntil", &ddsrt_cond_waituntil);
+  if (steady) return;
   throw std::logic_error("Cyclone DDS waits by the wall clock: the program does not export ddsrt_cond_waitfor()");
 }
 

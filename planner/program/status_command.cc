@@ -93,7 +93,7 @@ nlohmann::ordered_json show(const List& list, bool json) {
 }
 
 int run(const StatusArguments& options) {
-  const Overview found = overview(options.domain, options.wait);
+  const Overview found = overview({.domain = options.domain}, options.wait);
   nlohmann::ordered_json all;
   all["services"] = show(found.services, options.json);
   all["executors"] = show(found.executors, options.json);

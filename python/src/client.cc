@@ -106,11 +106,11 @@ nb::dict status_of_executor(const ExecutorState& s) {
   return status;
 }
 
-nb::tuple look_around(unsigned domain, double wait) {
+nb::tuple look_around(const Connection& connection, double wait) {
   Overview seen;
   {
     const nb::gil_scoped_release others_may_run;
-    seen = overview(domain, wait);
+    seen = overview(network_of(connection), wait);
   }
   nb::list services, executors;
   for (const ServiceStatus& service : seen.services) services.append(status_of_service(service));
@@ -189,9 +189,7 @@ void add_client(nb::module_& module) {
             return ask(connection, std::move(order), listener);
           },
           nb::arg("id"), nb::arg("robot_id"), nb::arg("listener"))
-      .def(
-          "overview", [](const Connection& connection, double wait) { return look_around(connection.domain, wait); },
-          nb::arg("wait"));
+      .def("overview", look_around, nb::arg("wait"));
 }
 
 }  // namespace fjr::python

@@ -1,6 +1,7 @@
 """fjr.Client, against a service and an executor of the program: scripts/test_python.sh gives them their own network."""
 
 import contextlib
+import os
 import subprocess
 import time
 
@@ -8,15 +9,16 @@ import numpy as np
 import pytest
 
 import fjr
-from conftest import REACH
+from conftest import REACH, ROOT
 
 DOMAIN = 71
 REQUEST = {"start": {"q": [0, 0]}, "goal": {"q": [0.4, -0.3]}}
 
 
 @contextlib.contextmanager
-def running(*command, log):
-    with open(log, "w") as out, subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT) as process:
+def running(*command, log, **environment):
+    environment = {**os.environ, **environment}
+    with open(log, "w") as out, subprocess.Popen(command, stdout=out, stderr=subprocess.STDOUT, env=environment) as process:
         try:
             yield process
         finally:
@@ -95,6 +97,28 @@ def test_a_listener_cancels(client):
     }
     with pytest.raises((fjr.Cancelled, fjr.Refused), match="(?i)cancelled"):
         client.plan(long, progress=lambda told: told.progress.iteration < 5)
+
+
+def test_the_arm_that_is_named(client):
+    assert fjr.Client(domain=DOMAIN, robot_id="arm", find=20).plan(REQUEST).certified
+    with pytest.raises(fjr.Refused, match="other"):
+        fjr.Client(domain=DOMAIN, robot_id="other", find=20).plan(REQUEST)
+
+
+def test_credentials_are_needed_where_the_service_has_some(program, tmp_path):
+    folder, domain = tmp_path / "security", DOMAIN + 2
+    subprocess.run([ROOT / "config/security/make_credentials.sh", folder], check=True, capture_output=True)
+    service = running(
+        program, "serve", "--domain", str(domain), log=tmp_path / "serve.log", FJR_SECURITY=str(folder / "service")
+    )
+    with service:
+        known = fjr.Client(domain=domain, security=folder / "client", find=20)
+        assert known.plan(REQUEST).certified
+        assert [seen["answers"] for seen in known.overview(2).services] == [True]
+        stranger = fjr.Client(domain=domain, find=1)
+        assert stranger.overview(1).services == []
+        with pytest.raises(fjr.NoAnswer):
+            stranger.plan(REQUEST)
 
 
 def test_nobody_there():

@@ -97,7 +97,9 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
 
   session.enter(Phase::kFinding);
   if (options.warm) {
-    plan.warm_refusal = start_warm(*options.warm, found, session);
+    plan.warm_name = options.warm->name;
+    plan.warm_away = options.warm->away;
+    plan.warm_refusal = start_warm(*options.warm->solution, found, session);
     plan.warm = plan.warm_refusal.empty();
   }
   if (!plan.warm && !session.stopped()) plan.infeasibility = search(options.starts, found, session);

@@ -33,6 +33,13 @@ int exit_code(PlanStatus status);     // as in the README
 
 struct Collocated;  // planner/ocp/collocate.h: a solution, with what a neighbouring problem needs to start from
 
+// Solution of a neighbouring request (Plan::solution).
+struct WarmStart {
+  std::shared_ptr<const Collocated> solution;
+  std::string name;                 // of the plan it is from
+  std::optional<double> away = {};  // [rad] the largest difference of an angle of start or goal, where it is known
+};
+
 struct PlanOptions {
   double deadline = 0;  // [s] of wall time; 0: none
   std::string linear_solver = "stage";
@@ -41,9 +48,8 @@ struct PlanOptions {
   // What a request may take where no deadline says more, in the optimiser's work (SolveReport::work) and not in time,
   // so that the same request comes to the same plan on a busy machine too; more starts may take more in proportion. [s]
   double most_work = 60;
-  // Solution of a neighbouring request (Plan::solution): tried first, and instead of everything else if it leads to a
-  // certified plan; null: none.
-  std::shared_ptr<const Collocated> warm;
+  // Tried first, and instead of everything else if it leads to a certified plan.
+  std::optional<WarmStart> warm;
   bool proven = false;  // certified only if the certificate is proven too (certificate/proof/prove.h)
   std::function<void(const Progress&)> on_progress;
   std::function<bool()> cancelled;  // polled between iterations
@@ -65,12 +71,14 @@ struct Plan {
   int iterations = 0;                   // over all stages and starts
   SolveCost cost;                       // likewise
   std::vector<SolverStage> stages;
-  bool warm = false;             // it came from PlanOptions::warm, without any start
-  std::string warm_refusal;      // why PlanOptions::warm led to no plan, a clause; empty where it did or none was given
-  int starts = 0;                // that were solved
-  int starts_planned = 0;        // that the search would have solved in any case
-  int refined = 0;               // minima that were followed to the exact problem
-  bool cut_by_deadline = false;  // certified, but the deadline ended the search: more time may find a better motion
+  bool warm = false;         // it came from PlanOptions::warm, without any start
+  std::string warm_refusal;  // why PlanOptions::warm led to no plan, a clause; empty where it did or none was given
+  std::string warm_name;     // WarmStart::name, whether it led to a plan or not
+  std::optional<double> warm_away;  // WarmStart::away
+  int starts = 0;                   // that were solved
+  int starts_planned = 0;           // that the search would have solved in any case
+  int refined = 0;                  // minima that were followed to the exact problem
+  bool cut_by_deadline = false;     // certified, but the deadline ended the search: more time may find a better motion
   std::vector<double> minima;  // objectives of the distinct minima that starts converged to, on their first meshes, as
                                // far as friction is smoothed there; best first
   bool cut_by_work = false;    // the search ended where a request may take no more: with a deadline it may

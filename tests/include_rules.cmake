@@ -29,6 +29,8 @@ set(layers
   planner/results
   planner/results/report
   planner/results/export
+  planner/store
+  planner/library
   planner/batch
   planner/protocol
   planner/dds
@@ -80,7 +82,7 @@ rule("only planner/certificate and model/rig know SUNDIALS" "^(planner/certifica
   "sundials/|arkode/|cvodes?/|nvector/|sunmatrix/|sunlinsol/|sunnonlinsol/")
 rule("only model/identify/curve_fit.cc knows Ceres" "^model/identify/curve_fit\\.cc$" "ceres/|glog/")
 rule("only planner/results/export/mat.cc knows libmatio" "^planner/results/export/mat\\.cc$" "matio")
-rule("only planner/batch/database.cc knows SQLite" "^planner/batch/database\\.cc$" "sqlite3")
+rule("only planner/store/database.cc knows SQLite" "^planner/store/database\\.cc$" "sqlite3")
 rule("only planner/batch/deflate.cc knows zlib" "^planner/batch/deflate\\.cc$" "zlib")
 rule("only planner/dds knows DDS and the wire types" "^planner/dds/"
   "dds/|ddsc/|fjr_(msgs|plan_request)\\.h|trajectory_msgs\\.h")
@@ -91,6 +93,7 @@ rule("only planner/program knows CLI11" "^planner/program/" "CLI/|CLI11")
 rule("the rig and identification stand side by side" "^(model/rig|planner/(executor|program))/" "model/rig/")
 rule("the rig and identification stand side by side" "^(model/identify|planner/program)/" "model/identify/")
 rule("service and executor stand side by side" "^planner/(service|program)/" "planner/service/")
+rule("a plan library knows no batch" "^planner/(library|service|program)/" "planner/library/")
 rule("service and batches stand side by side" "^planner/(batch|program)/" "planner/batch/")
 
 if(broken)

@@ -10,9 +10,9 @@
 #include <string>
 
 #include "common/descriptor.h"
-#include "planner/batch/database.h"
 #include "planner/batch/manifest.h"
 #include "planner/batch/table.h"
+#include "planner/store/database.h"
 
 namespace fjr {
 

@@ -13,9 +13,9 @@
 #include "common/input_error.h"
 #include "common/strict_yaml.h"
 #include "planner/batch/chunk.h"
-#include "planner/batch/database.h"
 #include "planner/batch/table.h"
 #include "planner/results/result_folder.h"
+#include "planner/store/database.h"
 
 namespace fjr {
 namespace {

@@ -7,6 +7,7 @@
 #include <iterator>
 
 #include "common/input_error.h"
+#include "common/strict_yaml.h"
 #include "planner/batch/grid.h"
 #include "planner/batch/name_order.h"
 #include "planner/request/request.h"
@@ -97,6 +98,11 @@ std::vector<BatchItem> collect_items(const std::vector<std::string>& arguments, 
                    [](const BatchItem& a, const BatchItem& b) { return comes_before(a.name, b.name); });
   refuse_names(items);
   return items;
+}
+
+std::string text_of(const BatchItem& item) {
+  const YamlNode request = item.yaml ? YamlNode::parse(*item.yaml, item.name + ".yaml") : YamlNode::load(item.request);
+  return standing_alone(request, fs::absolute(item.request).lexically_normal().parent_path());
 }
 
 Problem load(const BatchItem& item) {

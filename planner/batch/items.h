@@ -25,6 +25,9 @@ std::vector<BatchItem> collect_items(const std::vector<std::string>& arguments, 
 
 Problem load(const BatchItem& item);  // InputError
 
+// The request as YAML that means the same wherever it stands: its robot is absolute. InputError: it is no YAML.
+std::string text_of(const BatchItem& item);
+
 // Throws InputError when an item names no robot and the shipped robot.yaml cannot be had: told once, before all of them
 // are refused for it.
 void check_default_robot(const std::vector<BatchItem>& items);

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "planner/batch/database.h"
 #include "planner/batch/items.h"
+#include "planner/store/database.h"
 
 namespace fjr {
 

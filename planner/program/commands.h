@@ -15,6 +15,7 @@ using AddCommand = void (*)(CLI::App& app, int& exit_code);
 
 void add_plan(CLI::App& app, int& exit_code);
 void add_batch(CLI::App& app, int& exit_code);
+void add_library(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);
@@ -31,10 +32,9 @@ void add_experiment(CLI::App& app, int& exit_code);
 void add_identify(CLI::App& app, int& exit_code);
 void add_robot(CLI::App& app, int& exit_code);
 
-inline constexpr std::array<AddCommand, 17> kCommands = {add_plan,    add_batch,    add_verify,     add_simulate,
-                                                         add_report,  add_export,   add_keys,       add_serve,
-                                                         add_request, add_executor, add_hold,       add_stop,
-                                                         add_status,  add_worker,   add_experiment, add_identify,
-                                                         add_robot};  // in the order of --help
+inline constexpr std::array<AddCommand, 18> kCommands = {
+    add_plan,   add_batch,  add_library, add_verify,     add_simulate, add_report,
+    add_export, add_keys,   add_serve,   add_request,    add_executor, add_hold,
+    add_stop,   add_status, add_worker,  add_experiment, add_identify, add_robot};  // in the order of --help
 
 }  // namespace fjr

@@ -2,15 +2,12 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cerrno>
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -27,6 +24,7 @@
 #include "planner/program/plan_pool.h"
 #include "planner/program/plan_settings.h"
 #include "planner/program/progress_line.h"
+#include "planner/program/scratch.h"
 #include "planner/results/plan_json.h"
 
 namespace fjr {
@@ -67,35 +65,6 @@ int prepare(const PackedArguments& options) {
 }
 
 // ---- run ----
-
-// On this machine, for what `fjr plan` writes before it is packed; removed with its content.
-class Scratch {
- public:
-  Scratch() {
-    std::string name = (fs::temp_directory_path() / "fjr-batch-XXXXXX").string();
-    if (::mkdtemp(name.data()) == nullptr) {
-      throw std::system_error(errno, std::generic_category(), "cannot make a folder " + name);
-    }
-    folder_ = name;
-  }
-  ~Scratch() {
-    std::error_code error;
-    fs::remove_all(folder_, error);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  fs::path request(const std::string& name) const { return folder_ / (name + ".yaml"); }
-  fs::path results(const std::string& name) const { return folder_ / name; }
-  void clear(const std::string& name) const {
-    std::error_code error;
-    fs::remove_all(results(name), error);
-    fs::remove(request(name), error);
-  }
-
- private:
-  fs::path folder_;
-};
 
 // None: interrupted.
 std::optional<ChunkLock> wait_for(const Manifest& manifest, std::size_t chunk, ProgressLine& line) {

@@ -19,6 +19,8 @@
 #include "common/atomic_file.h"
 #include "common/input_error.h"
 #include "common/strict_yaml.h"
+#include "planner/library/plan_library.h"
+#include "planner/ocp/collocate.h"
 #include "planner/plan.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
@@ -58,7 +60,7 @@ struct PlanJob {
   fs::path folder;    // of its results
   std::optional<Problem> problem;
   std::optional<InputError> refusal;  // where there is no problem
-  std::shared_ptr<const Collocated> warm;
+  std::optional<WarmStart> warm;
 
   std::string name() const { return request.stem().string(); }
 };
@@ -117,14 +119,22 @@ ResolvedRequest resolve_named(const NamedRequest& named, const std::string& robo
   return {resolve(named.request, load_parameters(file)), file};
 }
 
+std::optional<WarmStart> warm_start(const Problem& problem, const PlanArguments& options) {
+  if (!options.warm.empty()) {
+    const FolderLock lock(options.warm);
+    Collocated solution = read_solution(fs::path(options.warm) / kSolutionFile, robot_hash(problem.robot));
+    return WarmStart{std::make_shared<const Collocated>(std::move(solution)), options.warm};
+  }
+  if (options.settings.library.empty()) return std::nullopt;
+  const PlanLibrary library(options.settings.library, PlanLibrary::Access::kRead);
+  const auto neighbour = library.nearest(problem);
+  return neighbour ? std::optional(warm_start_from(*neighbour)) : std::nullopt;
+}
+
 void load(PlanJob& job, const PlanArguments& options) {
   try {
     Problem problem = resolve_named(read_named(job.named), options.robot).problem;
-    if (!options.warm.empty()) {
-      const FolderLock lock(options.warm);
-      job.warm = std::make_shared<const Collocated>(
-          read_solution(fs::path(options.warm) / kSolutionFile, robot_hash(problem.robot)));
-    }
+    job.warm = warm_start(problem, options);
     job.problem = std::move(problem);
   } catch (const InputError& error) {
     job.refusal = error;
@@ -288,6 +298,7 @@ void add_plan(CLI::App& app, int& exit_code) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str();
   add_options(*command, options->settings);
+  command->get_option("--library")->excludes("--warm");
   add_report_option(*command, options->settings);
   add_talk(*command, options->talk);
   command->add_option("--parent", options->parent, "Process without which there is nothing to plan for")->group("");

@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <filesystem>
 
 #include "planner/nlp/linear_solver.h"
 #include "planner/program/misspelt.h"
@@ -33,6 +34,11 @@ void add_options(CLI::App& command, PlanSettings& settings) {
           },
           ""))
       ->type_name("S");
+  command
+      .add_option("--library", settings.library,
+                  "Folder of a plan library: where it has a plan nearby, its solution is the start, and the plan if "
+                  "that can be certified")
+      ->type_name("DIR");
   command.add_flag("--keep-uncertified", settings.keep_uncertified,
                    "Write trajectories without certificate too, as trajectory.uncertified.csv");
   command.add_flag("--proven", settings.plan.proven,
@@ -47,6 +53,9 @@ std::vector<std::string> to_arguments(const PlanSettings& settings) {
   std::vector<std::string> words = {"--linear-solver", settings.plan.linear_solver};
   if (settings.plan.starts > 0) words.insert(words.end(), {"--starts", std::to_string(settings.plan.starts)});
   if (settings.plan.deadline > 0) words.insert(words.end(), {"--deadline", fmt::format("{}", settings.plan.deadline)});
+  if (!settings.library.empty()) {
+    words.insert(words.end(), {"--library", std::filesystem::absolute(settings.library).string()});
+  }
   if (settings.keep_uncertified) words.emplace_back("--keep-uncertified");
   if (settings.plan.proven) words.emplace_back("--proven");
   if (settings.report) words.emplace_back("--report");

@@ -15,6 +15,7 @@ namespace fjr {
 struct PlanSettings {
   bool keep_uncertified = false;
   bool report = false;
+  std::string library;  // folder of a plan library to start from; empty: none
   PlanOptions plan;
 };
 

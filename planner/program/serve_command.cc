@@ -64,6 +64,7 @@ void add_worker(CLI::App& app, int& exit_code) {
   command->group("");  // not for people
   command->add_option("--robot", settings->robot, "Robot file")->required();
   command->add_option("--warm-plans", settings->warm_plans, "Earlier plans to keep");
+  command->add_option("--library", settings->library, "Folder of a plan library, to start from and to learn into");
   command->add_option("--jobs", settings->jobs, "Threads that a request is planned with");
   command->callback([settings, &exit_code] { exit_code = work(*settings); });
 }

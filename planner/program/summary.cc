@@ -146,13 +146,19 @@ std::string minima(const Plan& plan) {
                      plan.minima.back(), percent(spread / std::max(std::abs(best), 1e-300)));
 }
 
+// What the plan began with.
+std::string earlier(const Plan& plan) {
+  return plan.warm_away ? fmt::format("the library's {} ({:.2g} rad away)", plan.warm_name, *plan.warm_away)
+                        : std::string("the earlier plan");
+}
+
 std::string effort(const Plan& plan) {
   const auto total = plan.timing.find("total");
   const std::string time = total == plan.timing.end() ? "" : fmt::format(", {:.3f} s", total->second);
   const std::string mesh = plan.intervals == 0 ? "" : fmt::format(", {} intervals {}", plan.intervals, plan.method);
   const auto count = [](int n, const char* what) { return fmt::format("{} {}{}", n, what, n == 1 ? "" : "s"); };
   return fmt::format("{}, {}{}{}", count(plan.iterations, "iteration"),
-                     plan.warm ? "from the earlier plan" : count(plan.starts, "start"), mesh, time);
+                     plan.warm ? "from " + earlier(plan) : count(plan.starts, "start"), mesh, time);
 }
 
 // What became of the plan to begin with, and of the time allowed.
@@ -160,7 +166,7 @@ std::string search(const Plan& plan) {
   std::string text;
   if (!plan.warm_refusal.empty()) {
     text +=
-        line("warm", fmt::format("planned from scratch, for the earlier plan was of no use: {}", plan.warm_refusal));
+        line("warm", fmt::format("planned from scratch, for {} was of no use: {}", earlier(plan), plan.warm_refusal));
   }
   if (plan.cut_by_deadline) {
     text += line("search", fmt::format("cut by the deadline after {} of {} starts, with {} of {} minima refined: more "

@@ -149,7 +149,12 @@ Json solver_json(const Plan& plan) {
           {"fallbacks", std::move(fallbacks)}};
 }
 
-Json warm_json(const Plan& plan) { return {{"used", plan.warm}, {"reason", text_or_null(plan.warm_refusal)}}; }
+Json warm_json(const Plan& plan) {
+  return {{"used", plan.warm},
+          {"reason", text_or_null(plan.warm_refusal)},
+          {"from", text_or_null(plan.warm_name)},
+          {"away_rad", plan.warm_away ? Json(*plan.warm_away) : Json(nullptr)}};
+}
 
 Json search_json(const Plan& plan) {
   return {{"cut_by_deadline", plan.cut_by_deadline},

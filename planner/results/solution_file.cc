@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <vector>
@@ -88,7 +89,7 @@ Collocated solution_of(const json& file) {
 
 }  // namespace
 
-void write_solution(const std::filesystem::path& file, const Collocated& solution, const std::string& robot_hash) {
+std::string solution_bytes(const Collocated& solution, const std::string& robot_hash) {
   const CollocationSetup& setup = solution.setup;
   const Iterate& iterate = solution.report.iterate;
   json mesh = json::array(), margins = json::array();
@@ -107,7 +108,24 @@ void write_solution(const std::filesystem::path& file, const Collocated& solutio
                      {"z_lower", numbers(iterate.z_lower)},
                      {"z_upper", numbers(iterate.z_upper)}};
   const std::vector<std::uint8_t> bytes = json::to_cbor(content);
-  write_file(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return {bytes.begin(), bytes.end()};
+}
+
+Collocated solution_from(std::string_view bytes, const std::string& source, const std::string& robot_hash) {
+  std::string of_robot;
+  try {
+    const json content = json::from_cbor(bytes);
+    if (content.at("fjr_solution").get<int>() != kVersion) throw std::invalid_argument("another version's");
+    of_robot = content.at("robot_hash").get<std::string>();
+    if (of_robot == robot_hash) return solution_of(content);
+  } catch (const std::exception& fault) {
+    throw InputError(source, "", std::string("is no solution written by fjr plan: ") + fault.what());
+  }
+  throw InputError(source, "", "was planned for another robot: " + of_robot);
+}
+
+void write_solution(const std::filesystem::path& file, const Collocated& solution, const std::string& robot_hash) {
+  write_file(file, solution_bytes(solution, robot_hash));
 }
 
 Collocated read_solution(const std::filesystem::path& file, const std::string& robot_hash) {
@@ -116,16 +134,8 @@ Collocated read_solution(const std::filesystem::path& file, const std::string& r
   if (error) throw InputError(file.string(), "", "cannot be read: " + error.message());
   if (size > kLargest) throw InputError(file.string(), "", "is too large for a solution");
   std::ifstream in(file, std::ios::binary);
-  std::string of_robot;
-  try {
-    const json content = json::from_cbor(in);
-    if (content.at("fjr_solution").get<int>() != kVersion) throw std::invalid_argument("another version's");
-    of_robot = content.at("robot_hash").get<std::string>();
-    if (of_robot == robot_hash) return solution_of(content);
-  } catch (const std::exception& fault) {
-    throw InputError(file.string(), "", std::string("is no solution written by fjr plan: ") + fault.what());
-  }
-  throw InputError(file.string(), "", "was planned for another robot: " + of_robot);
+  const std::string bytes(std::istreambuf_iterator<char>(in), {});
+  return solution_from(bytes, file.string(), robot_hash);
 }
 
 }  // namespace fjr

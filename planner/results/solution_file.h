@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 #include "planner/ocp/collocate.h"
 
@@ -15,5 +16,9 @@ void write_solution(const std::filesystem::path& file, const Collocated& solutio
 
 // Throws InputError naming the file and what is wrong with it: not such a file, or of another robot.
 Collocated read_solution(const std::filesystem::path& file, const std::string& robot_hash);
+
+// The same without a file. source: what they come from, for messages.
+std::string solution_bytes(const Collocated& solution, const std::string& robot_hash);
+Collocated solution_from(std::string_view bytes, const std::string& source, const std::string& robot_hash);
 
 }  // namespace fjr

@@ -18,6 +18,7 @@ struct ServiceConfig {
   std::size_t jobs = 1;           // threads of each
   std::size_t queue = 64;         // requests of one client that may wait
   std::size_t warm_plans = 32;    // minimum-time plans that each worker keeps to start neighbouring ones from
+  std::filesystem::path library;  // folder of a plan library to start from and to learn into; empty: none
   double budget = 60;             // [s] for a request that names none
   double longest_budget = 600;    // [s] a request may ask for
   bool joint_trajectory = false;  // for ROS 2: what goes to the executor also goes to rt/joint_trajectory

@@ -6,13 +6,13 @@
 #include <string>
 
 #include "common/input_error.h"
+#include "planner/library/learnt_plans.h"
 #include "planner/plan.h"
 #include "planner/protocol/messages.h"
 #include "planner/request/request.h"
 #include "planner/results/plan_json.h"
 #include "planner/service/frames.h"
 #include "planner/service/progress_frame.h"
-#include "planner/service/warm_plans.h"
 #include "planner/stop/stop_motion.h"
 
 namespace fjr {
@@ -41,15 +41,16 @@ PlanOptions with_progress(int out) {
   return options;
 }
 
-void solve(int out, const Problem& problem, const WorkerSettings& settings, WarmPlans& earlier) {
+void solve(int out, const Problem& problem, const std::string& request, const WorkerSettings& settings,
+           LearntPlans& learnt) {
   PlanOptions options = with_progress(out);
   options.jobs = static_cast<int>(settings.jobs);
-  options.warm = earlier.nearest(problem);
+  options.warm = learnt.nearest(problem);
   const Plan result = plan(problem, options);
-  earlier.remember(problem, result);
   write_frame(out, FrameKind::kPlanJson, json_text(plan_json(problem, result)));
   if (result.status == PlanStatus::kCertified) send_rows(out, *result.trajectory, *result.certificate);
   send_done(out, result.status, result.reason);
+  learnt.remember(problem, request, result);  // when the client has its answer
 }
 
 // Where there is none for some instant, the executor, who looks for them itself, says so.
@@ -65,14 +66,14 @@ void find_stops(int out, const Parameters& robot, const Trajectory& plan) {
 
 void solve_requests(int in, int out, const WorkerSettings& settings) {
   const Parameters parameters = load_parameters(settings.robot);
-  WarmPlans earlier(settings.warm_plans);
+  LearntPlans learnt(settings.warm_plans, settings.library);
   std::string name;
   while (const auto frame = read_frame(in)) {
     if (frame->kind == FrameKind::kName) name = frame->payload;
     if (frame->kind == FrameKind::kFindStops) find_stops(out, parameters, {from_payload<Sample>(frame->payload), {}});
     if (frame->kind != FrameKind::kSolve) continue;
     try {
-      solve(out, parse_request(frame->payload, name, parameters), settings, earlier);
+      solve(out, parse_request(frame->payload, name, parameters), frame->payload, settings, learnt);
     } catch (const InputError& error) {
       send_done(out, PlanStatus::kBadInput, error.what());
     }

@@ -7,8 +7,9 @@ namespace fjr {
 
 struct WorkerSettings {
   std::filesystem::path robot;
-  std::size_t warm_plans = 0;  // earlier plans kept, to start neighbouring ones from
-  std::size_t jobs = 1;        // threads that a request is planned with
+  std::size_t warm_plans = 0;     // earlier plans kept, to start neighbouring ones from
+  std::filesystem::path library;  // the folder of a plan library; empty: none
+  std::size_t jobs = 1;           // threads that a request is planned with
 };
 
 // Reads requests from `in` and writes progress and results to `out` until `in` ends.

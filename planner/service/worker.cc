@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "common/spawn.h"
 
@@ -29,9 +30,15 @@ struct Pipe {
 
 Worker::Worker(const WorkerSettings& settings, Listener listener) {
   Pipe requests, results;
-  pid_ = spawn_self({"worker", "--robot", settings.robot.string(), "--warm-plans", std::to_string(settings.warm_plans),
-                     "--jobs", std::to_string(settings.jobs)},
-                    requests.from.number(), results.to.number());
+  std::vector<std::string> words = {"worker",
+                                    "--robot",
+                                    settings.robot.string(),
+                                    "--warm-plans",
+                                    std::to_string(settings.warm_plans),
+                                    "--jobs",
+                                    std::to_string(settings.jobs)};
+  if (!settings.library.empty()) words.insert(words.end(), {"--library", settings.library.string()});
+  pid_ = spawn_self(words, requests.from.number(), results.to.number());
   to_worker_ = std::move(requests.to);
   from_worker_ = std::move(results.from);
   listening_ = std::thread([from = from_worker_.number(), tell = std::move(listener)] {

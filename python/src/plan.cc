@@ -50,13 +50,13 @@ Problem problem_of(const Asked& asked) {
   return load_request(asked.source);
 }
 
-std::shared_ptr<const Collocated> warm_start(const Planned* from, const Problem& problem) {
-  if (from == nullptr) return nullptr;
+std::optional<WarmStart> warm_start(const Planned* from, const Problem& problem) {
+  if (from == nullptr) return std::nullopt;
   if (robot_hash(from->record.robot) != robot_hash(problem.robot)) {
     throw InputError("warm", "", "is a plan for another robot");
   }
   if (!from->solution) throw InputError("warm", "", "has no solution to start from: it is not certified");
-  return from->solution;
+  return WarmStart{from->solution, from->record.source};
 }
 
 Planned planned(const Problem& problem, Plan plan) {

@@ -216,7 +216,7 @@ TEST(Sensitivity, OnePercentMoreOfALimitSavesWhatIsTold) {
     };
     const Plan here = plan(asked(1), {});
     PlanOptions options;
-    options.warm = here.solution;
+    options.warm = WarmStart{here.solution, "here"};
     const Plan more = plan(asked(1.01), options), less = plan(asked(0.99), options);
     ASSERT_TRUE(here.analysis && more.warm && less.warm);
     double told = 0;

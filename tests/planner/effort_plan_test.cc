@@ -82,7 +82,7 @@ TEST(EffortPlan, WithExactFrictionTheHamiltonianIsConstantAndTheDerivativeByTheD
   const auto planned = [&](double duration, std::shared_ptr<const Collocated> warm) {
     PlanOptions options;
     options.starts = 1;
-    options.warm = std::move(warm);
+    if (warm) options.warm = WarmStart{std::move(warm), "shorter"};
     return plan(parse_request("{start: {q: [1.2, 0.3]}, goal: {q: [-0.3, -0.9]}, objective: efficient, duration: " +
                                   std::to_string(duration) + "}",
                               "request.yaml", robot),

@@ -99,7 +99,7 @@ TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
               ElementsAre("version", "request", "status", "reason", "infeasibility", "objective", "duration",
                           "via_times", "mesh", "solver", "warm", "search", "certificate", "sensitivity", "optimality",
                           "resolved_request", "robot", "robot_hash", "request_hash", "back_off", "timing"));
-  EXPECT_THAT(keys(json["warm"]), ElementsAre("used", "reason"));
+  EXPECT_THAT(keys(json["warm"]), ElementsAre("used", "reason", "from", "away_rad"));
   EXPECT_THAT(keys(json["search"]), ElementsAre("cut_by_deadline", "starts", "starts_planned", "minima_refined"));
   EXPECT_THAT(keys(json["objective"]), ElementsAre("total", "terms"));
   EXPECT_THAT(keys(json["mesh"]), ElementsAre("intervals", "method", "error_estimate", "node_times", "errors"));

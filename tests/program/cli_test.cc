@@ -437,7 +437,8 @@ TEST_F(Cli, AnEarlierPlanOutlivesWhateverComesAfterIt) {
 
   const Result warm = run({"plan", "good.yaml", "--out", "out", "--warm", "out/previous"});
   EXPECT_EQ(warm.exit_code, 0) << warm.err;
-  EXPECT_EQ(plan_json()["warm"], (Json{{"used", true}, {"reason", nullptr}}));
+  const Json expected{{"used", true}, {"reason", nullptr}, {"from", "out/previous"}, {"away_rad", nullptr}};
+  EXPECT_EQ(plan_json()["warm"], expected);
 }
 
 TEST_F(Cli, AFolderThatCannotBeWrittenIsToldBeforeAnythingIsPlanned) {

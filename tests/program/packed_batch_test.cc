@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "planner/batch/database.h"
+#include "planner/store/database.h"
 #include "tests/support/cli.h"
 
 namespace fjr {

@@ -1,4 +1,4 @@
-#include "planner/batch/database.h"
+#include "planner/store/database.h"
 
 #include <fmt/format.h>
 #include <sqlite3.h>
@@ -74,6 +74,7 @@ std::string Statement::text(int column) const {
 }
 
 std::int64_t Statement::integer(int column) const { return ::sqlite3_column_int64(statement_.get(), column); }
+double Statement::real(int column) const { return ::sqlite3_column_double(statement_.get(), column); }
 
 // ---- connections ----
 

@@ -44,6 +44,7 @@ class Statement {
   // Columns of the row, counted from 0.
   std::string text(int column) const;  // of a blob its bytes; of NULL nothing
   std::int64_t integer(int column) const;
+  double real(int column) const;
 
  private:
   friend class Database;

@@ -19,7 +19,7 @@ constexpr double kResidual = 1e-10;  // relative, that a solution may leave
 KktSystem::KktSystem(const SlackForm& form) { factor_.analyse(form.kkt().rows, form.kkt().cols, form.kkt_structure()); }
 
 KktSystem::Inertia KktSystem::try_with(SlackForm& form, const Vector& d, double shift, double regularised) {
-  form.set_diagonal((d.array() + shift).matrix(), regularised);
+  form.set_diagonal(d + shift * form.shift_weights, regularised);
   ++factorisations_;
   const bool regular = factor_.factorise(form.kkt().values, kPivotThreshold);
   multiplications_ += factor_.factorisation_work();

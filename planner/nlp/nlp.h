@@ -20,6 +20,9 @@ class Nlp {
 
   Eigen::VectorXd x_lower, x_upper;  // n; +-infinity where unbounded
   Eigen::VectorXd g_lower, g_upper;  // m
+  // n; of what is added to the Hessian's diagonal where that is not positive definite on the constraints; empty: all
+  // the same. Our own method (interior_point.h) goes by it, Ipopt cannot.
+  Eigen::VectorXd shift_weights;
   std::vector<Entry> jacobian_pattern;
   std::vector<Entry> hessian_pattern;  // lower triangle; repeated entries add up
 

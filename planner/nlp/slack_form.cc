@@ -65,6 +65,11 @@ void SlackForm::set_bounds() {
     lower(static_cast<Index>(i)) = nlp_.x_lower(free_[i]);
     upper(static_cast<Index>(i)) = nlp_.x_upper(free_[i]);
   }
+  const bool weighted = nlp_.shift_weights.size() > 0;
+  shift_weights = Vector::Constant(variables(), weighted ? 0 : 1);
+  for (std::size_t i = 0; weighted && i < free_.size(); ++i) {
+    shift_weights(static_cast<Index>(i)) = nlp_.shift_weights(free_[i]);
+  }
   for (Index i = 0; i < nlp_.constraints(); ++i) {
     if (!inequality(i)) continue;
     lower(slack_of(i)) = row_scale_(i) * nlp_.g_lower(i);

@@ -34,6 +34,8 @@ class SlackForm {
   Vector lower, upper;                                     // of v; +-infinity where unbounded
   std::vector<Eigen::Index> lower_bounded, upper_bounded;  // where they are finite
 
+  Vector shift_weights;  // as in Nlp, and then none for slacks, which their rows determine
+
   // Between v with its multipliers and the problem's own variables and multipliers.
   Vector from_x(const Vector& x) const;  // with the slacks that satisfy their rows
   Vector to_x(const Vector& v) const;

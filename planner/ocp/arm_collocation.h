@@ -194,7 +194,9 @@ Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSet
   if constexpr (F.slack) add_velocity_rows<F>(problem, setup.mesh, ocp);
   ocp.durations = segment_durations(problem);
   ocp.duration_sums = duration_sums(problem);
-  return {std::move(ocp), setup.scheme, setup.mesh};
+  Transcription<ArmOcp<F>> transcription{std::move(ocp), setup.scheme, setup.mesh};
+  if (only_time(problem.weights)) transcription.let_states_follow();
+  return transcription;
 }
 
 // Positions as the integral of the velocity polynomial, so that both columns of a published row say the same between

@@ -530,16 +530,10 @@ bool Continuation::resume(const Collocated& neighbour) {
     setup.margins.clear();
   }
   const std::string what = label_ + ", moved";
-  // What the small barrier makes crawl along its bounds, a larger one pushes off: one of nine neighbours needed that.
-  for (const double barrier : {kWarmBarrier, 10 * kWarmBarrier}) {
-    SolveOptions o = warm(what);
-    o.initial_barrier = o.final_barrier = barrier;
-    o.max_iterations = kStepIterations;
-    if (barrier > kWarmBarrier) o.optimiser = Optimiser::kIpopt;  // another path too
-    if (attempt(what, CollocationSetup(solution_.setup), nullptr, o)) return tighten_on_moved_nodes();
-    if (status_ == SolveStatus::kStopped) return false;
-  }
-  return false;
+  // What does not come from there soon is planned from scratch in less time than a second attempt takes on average.
+  SolveOptions o = warm(what);
+  o.max_iterations = kStepIterations;
+  return attempt(what, CollocationSetup(solution_.setup), nullptr, o) && tighten_on_moved_nodes();
 }
 
 // Where margins cannot be had, the certificate decides about what there is.

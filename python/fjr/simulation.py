@@ -32,6 +32,13 @@ class Simulation(Samples):
         return error
 
     @property
+    def residual(self) -> Array:
+        """(2) how far each link comes off the goal from the end of the plan on [rad]"""
+        after = self.time >= self.plan.duration
+        residual: Array = np.abs(self.q[after] - self.plan.q[-1]).max(axis=0)
+        return residual
+
+    @property
     def max_link_error(self) -> float:
         """The largest of both joints [rad]."""
         return float(np.abs(self.link_error).max())
@@ -53,6 +60,7 @@ def simulate(
     closed_loop: bool = True,
     executor: bool = False,
     true_robot: RobotLike | None = None,
+    hold: float = 0,
 ) -> Simulation:
     """Rolls a plan out on the exact model, by the integrator behind every certificate.
 
@@ -63,8 +71,11 @@ def simulate(
     true_robot: the arm that moves; without one that of the plan. Gains, encoders and drives are the plan's. It begins
         where the plan does; where that is rest, the motors are where this arm rests.
 
-    The samples are the rows and instants between them at most 0.25 ms apart; with ``executor`` the ends of the ticks.
-    Raises BadInput for a plan without a motion, ValueError for the executor without feedback.
+    hold: how long the arm is then held where the plan ends at rest, by the executor's law [s].
+
+    The samples are the rows and instants between them at most 0.25 ms apart; with ``executor``, and while
+    it is held, the ends of the ticks.
+    Raises BadInput for a plan without a motion; ValueError for the executor without feedback, and for what cannot be held.
 
     >>> import fjr
     >>> plan = fjr.plan({"start": {"q": [0, 0]}, "goal": {"q": [0.4, -0.3]}})
@@ -74,8 +85,12 @@ def simulate(
     """
     if executor and not closed_loop:
         raise ValueError("the executor is a closed loop")
+    if not 0 <= hold <= 10:
+        raise ValueError(f"an arm is held for 0 to 10 s, not {hold}")
+    if hold > 0 and not (closed_loop and plan._core.ends_at_rest):
+        raise ValueError("only an arm in closed loop, at rest, can be held")
     control = _core.Control.OPEN_LOOP
     if closed_loop:
         control = _core.Control.EXECUTOR if executor else _core.Control.CLOSED_LOOP
     arm = robot_of(true_robot)
-    return Simulation(plan=plan, **plan._core.simulate(arm._core if arm else None, control))
+    return Simulation(plan=plan, **plan._core.simulate(arm._core if arm else None, control, hold))

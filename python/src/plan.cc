@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "common/input_error.h"
+#include "planner/certificate/residual.h"
 #include "planner/certificate/simulation.h"
 #include "planner/request/keys.h"
 #include "planner/request/request.h"
@@ -159,12 +160,12 @@ std::string verify_trajectory(const Trajectory& trajectory, const std::string& s
   return json_text(verification_json(trajectory, verify(trajectory, source, robot, {given})));
 }
 
-nb::dict simulate_on(const Planned& plan, const Robot* arm, Control control) {
+nb::dict simulate_on(const Planned& plan, const Robot* arm, Control control, double hold) {
   Simulation run;
   {
     const nb::gil_scoped_release others_may_run;
     const Parameters& own = plan.record.robot;
-    run = simulate(own, arm == nullptr ? own : arm->parameters, trajectory_of(plan), control);
+    run = simulate(own, arm == nullptr ? own : arm->parameters, trajectory_of(plan), control, hold);
   }
   nb::dict out = columns_of(std::move(run.samples));
   out["completed"] = run.completed;
@@ -215,6 +216,9 @@ void add_plan(nb::module_& module) {
                    [](const Planned& plan) {
                      return Robot{plan.record.robot, plan.record.source};
                    })
+      .def_prop_ro(
+          "ends_at_rest",
+          [](const Planned& plan) { return is_at_rest(plan.record.robot, trajectory_of(plan).samples.back()); })
       .def("to_json", [](const Planned& plan) { return json_text(plan.record.plan); })
       .def("interpolate", interpolate, nb::arg("times"))
       .def("mean_torque", mean_torque, nb::arg("tick"))
@@ -228,7 +232,7 @@ void add_plan(nb::module_& module) {
             return verify_trajectory(trajectory_of(plan), plan.record.source, robot.parameters, payload);
           },
           nb::arg("robot"), nb::arg("payload").none())
-      .def("simulate", simulate_on, nb::arg("arm").none(), nb::arg("control"));
+      .def("simulate", simulate_on, nb::arg("arm").none(), nb::arg("control"), nb::arg("hold"));
 
   module.def(
       "plan",

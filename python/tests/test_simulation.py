@@ -65,6 +65,18 @@ def test_the_executor_holds_its_torque_for_ticks(reach):
         fjr.simulate(reach, closed_loop=False, executor=True)
 
 
+def test_an_arm_is_held_after_the_end(reach):
+    run = fjr.simulate(reach, hold=0.5)
+    assert run.completed
+    assert run.time[-1] == pytest.approx(reach.duration + 0.5, abs=1e-9)
+    assert (run.residual < 9.59e-5).all()  # as every certificate has it for a second
+    softer = reach.robot.replace(friction={"viscous": [0.52, 0.53]})
+    assert (fjr.simulate(reach, true_robot=softer, hold=0.5).residual > run.residual).all()
+    for wrong in ({"hold": -1}, {"hold": 11}, {"hold": 1, "closed_loop": False}):
+        with pytest.raises(ValueError, match="held"):
+            fjr.simulate(reach, **wrong)
+
+
 def test_another_arm_leaves_the_plan_and_feedback_brings_it_back(reach):
     softer = reach.robot.replace(friction={"viscous": [0.52, 0.53]})
     open_loop = fjr.simulate(reach, closed_loop=False, true_robot=softer)

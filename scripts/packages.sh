@@ -20,6 +20,7 @@ test_packages=(
   python3 python3-venv python3-dev                              # bench/suite.py, a client in Python
   slurm-wlm munge parallel                                      # engines that run batches
   python3-pandas octave                                         # programs that read our tables
+  chromium chromium-driver python3-selenium fonts-dejavu-core   # reports in a browser
   clang-format clang-tidy                                       # style
   mkdocs doxygen                                                # docs/ as a site, and the library's pages
 )

@@ -1,5 +1,7 @@
 #include "planner/ocp/objective.h"
 
+#include <type_traits>
+
 #include "planner/ocp/sampling.h"
 #include "planner/ocp/segments.h"
 
@@ -8,8 +10,8 @@ namespace {
 
 // Simpson's rule over every row interval: exact for tau_m^2, tau_m being linear there.
 template <class Term>
-double integral_over(const Problem& problem, const Trajectory& trajectory) {
-  const auto running = [&robot = problem.robot](const Sample& s) {
+double integral_over(const Parameters& robot, const Trajectory& trajectory) {
+  const auto running = [&robot](const Sample& s) {
     const State<double>& x = s.state;
     const Joints<double> ddq = link_acceleration(robot, x.q, x.dq, spring_torque(robot, x.q, x.theta));
     return Term::running(Instant<double>{robot, x, ddq, s.torque});
@@ -25,6 +27,10 @@ double integral_over(const Problem& problem, const Trajectory& trajectory) {
   return sum;
 }
 
+// Whether rows alone say what a term comes to: not of du/dt, which is the motion's, nor of the tip at a release.
+template <class Term>
+constexpr bool kOfRows = !std::is_same_v<Term, TorqueRate> && !std::is_same_v<Term, TipSpeed>;
+
 // Of the terms that `wanted` picks by their weights.
 template <class Wanted>
 std::map<std::string, double> terms_of(const Problem& problem, const Collocated& solution, const Trajectory& trajectory,
@@ -36,7 +42,7 @@ std::map<std::string, double> terms_of(const Problem& problem, const Collocated&
     if constexpr (requires { term.published(published); }) {
       values[term.info.name] = term.published(published);
     } else {
-      values[term.info.name] = integral_over<decltype(term)>(problem, trajectory);
+      values[term.info.name] = integral_over<decltype(term)>(problem.robot, trajectory);
     }
   });
   return values;
@@ -47,6 +53,21 @@ std::map<std::string, double> terms_of(const Problem& problem, const Collocated&
 std::map<std::string, double> objective_terms(const Problem& problem, const Collocated& solution,
                                               const Trajectory& trajectory) {
   return terms_of(problem, solution, trajectory, [](double) { return true; });
+}
+
+std::map<std::string, double> terms_of_rows(const Parameters& robot, const Trajectory& rows) {
+  const Motion none;
+  const Published published{none, rows, robot, 0};
+  std::map<std::string, double> values;
+  Terms::visit([&](auto term) {
+    using Term = decltype(term);
+    if constexpr (requires { term.published(published); }) {
+      if (kOfRows<Term>) values[term.info.name] = term.published(published);
+    } else {
+      values[term.info.name] = integral_over<Term>(robot, rows);
+    }
+  });
+  return values;
 }
 
 double weighted_sum(const Weights& weights, const std::map<std::string, double>& terms) {

@@ -15,6 +15,9 @@ namespace fjr {
 std::map<std::string, double> objective_terms(const Problem& problem, const Collocated& solution,
                                               const Trajectory& trajectory);
 
+// Of any rows, whoever made them: all terms but those that rows alone do not determine (torque_rate, tip_speed).
+std::map<std::string, double> terms_of_rows(const Parameters& robot, const Trajectory& rows);
+
 double weighted_sum(const Weights& weights, const std::map<std::string, double>& terms);
 
 // The objective of the solution as it would be published.

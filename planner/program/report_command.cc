@@ -1,26 +1,69 @@
-// fjr report: an HTML page about a plan that lies in a folder.
+// fjr report: an HTML page about a plan that lies in a folder, or about two.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "common/atomic_file.h"
+#include "common/input_error.h"
 #include "planner/program/commands.h"
 #include "planner/program/result_files.h"
+#include "planner/results/report/both_plans_page.h"
 #include "planner/results/report/plan_files.h"
+#include "planner/results/report/plan_record.h"
 #include "planner/results/result_folder.h"
 
 namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportArguments {
+  std::vector<std::string> folders;
+  std::string out;  // empty: in the first folder
+};
+
+fs::path report_on_one(const ReportArguments& options) {
+  if (!options.out.empty()) throw InputError("--out", "", "is for two plans; of one, report.html is in its folder");
+  const FolderLock lock(options.folders[0]);
+  return write_report(options.folders[0]);
+}
+
+// Folders are locked one after the other: two locks in one parent folder would wait for each other.
+PlanRecord plan_in(const fs::path& folder) {
+  const FolderLock lock(folder);
+  return read_plan(folder);
+}
+
+fs::path report_on_two(const ReportArguments& options) {
+  const fs::path first = options.folders[0], second = options.folders[1];
+  std::error_code error;
+  if (fs::equivalent(first, second, error)) throw InputError(options.folders[1], "", "is the same folder twice");
+  const fs::path file = options.out.empty() ? first / "compared.html" : fs::path(options.out);
+  write_file(file, both_plans_page(plan_in(first), plan_in(second)));
+  return file;
+}
+
+}  // namespace
 
 void add_report(CLI::App& app, int& exit_code) {
-  const auto folder = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("report", "Write DIR/report.html about a plan: animation, plots, certificate");
-  command->add_option("folder", *folder, "Folder of a plan: fjr plan or fjr request wrote it")
+  const auto options = std::make_shared<ReportArguments>();
+  CLI::App* command = app.add_subcommand(
+      "report", "Write DIR/report.html about a plan: animation, plots, certificate; of two, one over the other");
+  command
+      ->add_option("folders", options->folders,
+                   "Folder of a plan: fjr plan or fjr request wrote it; or two of them, to be compared")
       ->required()
-      ->type_name("DIR");
-  command->callback([folder, &exit_code] {
-    const FolderLock lock(*folder);
-    fmt::print("{}\n", write_report(*folder).string());
+      ->expected(1, 2)
+      ->type_name("DIR [DIR]");
+  command->add_option("--out", options->out, "Page about two plans; default: compared.html in the first folder")
+      ->type_name("FILE");
+  command->callback([options, &exit_code] {
+    const fs::path file = options->folders.size() == 1 ? report_on_one(*options) : report_on_two(*options);
+    fmt::print("{}\n", file.string());
     exit_code = 0;
   });
 }

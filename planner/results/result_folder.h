@@ -12,8 +12,9 @@ namespace fjr {
 
 // The files that make up the results of a plan. Whatever else is in the folder stays as it is. plan.json is the last
 // that is put in its place where files are moved one by one.
-inline constexpr std::array<const char*, 6> kResultFiles = {
-    "trajectory.csv", "trajectory.uncertified.csv", "solution.cbor", "report.html", "trajectory.id", "plan.json"};
+inline constexpr std::array<const char*, 7> kResultFiles = {
+    "trajectory.csv", "trajectory.uncertified.csv", "solution.cbor", "report.html", "compared.html", "trajectory.id",
+    "plan.json"};
 inline constexpr const char* kPrevious = "previous";  // the folder within it for results that were replaced
 
 // What results are worth keeping for.

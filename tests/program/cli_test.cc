@@ -596,6 +596,24 @@ TEST_F(Cli, VerifyOfBadFilesIsBadInput) {
   EXPECT_EQ(run({"verify", "good.csv", "--robot", "robot.yaml"}).exit_code, 2);
 }
 
+TEST_F(Cli, ReportOnTwoPlans) {
+  write("a.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.3, 0.21]}\nsample_period: 0.005\n");
+  write("b.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.3, 0.22]}\nsample_period: 0.005\n");
+  ASSERT_EQ(run({"plan", "a.yaml", "b.yaml", "--out", "out"}).exit_code, 0);
+  EXPECT_EQ(run({"report", "out/a", "out/b"}).out, "out/a/compared.html\n");
+  EXPECT_THAT(contents(path("out/a/compared.html")), HasSubstr("<title>Plans: a and b</title>"));
+  EXPECT_EQ(run({"report", "out/a", "out/b", "--out", "both.html"}).out, "both.html\n");
+  EXPECT_EQ(contents(path("both.html")), contents(path("out/a/compared.html")));
+  for (const std::vector<std::string>& wrong :
+       std::vector<std::vector<std::string>>{{"report", "out/a", "out/a"},
+                                             {"report", "out/a", "out/none"},
+                                             {"report", "out/a", "--out", "one.html"},
+                                             {"report", "out/a", "out/b", "out/a"}}) {
+    EXPECT_EQ(run(wrong).exit_code, 2) << testing::PrintToString(wrong);
+  }
+  EXPECT_FALSE(fs::exists(path("one.html")));
+}
+
 TEST_F(Cli, SimulateRunsAnyTrajectory) {
   write_csv(at_rest(), path("t.csv"));
   const Result result = run({"simulate", "t.csv", "--hold", "0.1", "--out", "run.csv"});

@@ -2,10 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "planner/certificate/residual.h"
+#include "planner/ocp/objective.h"
 #include "planner/problem/quantities.h"
 #include "planner/results/report/html_table.h"
 #include "planner/results/report/time_charts.h"
@@ -30,11 +33,43 @@ void add_peaks(Rows& rows, const std::vector<ComparedMotion>& motions, const std
   }
 }
 
-Rows comparison_table(const std::vector<ComparedMotion>& motions, const std::vector<ReachedLimit>& limits) {
+// What each run comes to, until the end of the plan, of what was asked for.
+void add_objective_rows(Rows& rows, const Parameters& robot, const std::vector<ComparedMotion>& motions,
+                        const std::vector<WeightedTerm>& objective, double end) {
+  std::vector<std::map<std::string, double>> terms;
+  for (const ComparedMotion& m : motions) {
+    Trajectory until_end;
+    for (const Sample& s : m.run.simulation.samples) {
+      if (s.time <= end) until_end.samples.push_back(s);
+    }
+    terms.push_back(terms_of_rows(robot, until_end));
+  }
+  const auto add = [&](const std::string& label, const auto& value) {
+    rows.push_back({cell(label)});
+    for (const auto& of_run : terms) rows.back().push_back(cell(number_text(value(of_run), 5)));
+    rows.back().push_back(cell(""));
+  };
+  const auto known = [&](const WeightedTerm& term) { return terms.front().count(term.info->name) > 0; };
+  for (const WeightedTerm& term : objective) {
+    if (!known(term)) continue;
+    add(fmt::format("objective: {} ({})", spaced(term.info->name), term.info->unit),
+        [&](const auto& of_run) { return of_run.at(term.info->name); });
+  }
+  if (objective.size() < 2 || !std::all_of(objective.begin(), objective.end(), known)) return;
+  add("objective: " + objective_formula(objective), [&](const auto& of_run) {
+    double sum = 0;
+    for (const WeightedTerm& term : objective) sum += term.weight * of_run.at(term.info->name);
+    return sum;
+  });
+}
+
+Rows comparison_table(const Parameters& robot, const std::vector<ComparedMotion>& motions,
+                      const std::vector<WeightedTerm>& objective, const std::vector<ReachedLimit>& limits, double end) {
   Rows rows(1);
   rows[0].push_back(cell(""));
   for (const ComparedMotion& m : motions) rows[0].push_back(cell(m.name));
   rows[0].push_back(cell("limit"));
+  add_objective_rows(rows, robot, motions, objective, end);
   for (std::size_t j = 0; j < kJoints; ++j) {
     rows.push_back({cell(fmt::format("link {}, furthest from the goal after the end (rad)", j + 1))});
     for (const ComparedMotion& m : motions) rows.back().push_back(cell(number_text(m.run.figures.residual[j], 3)));
@@ -99,7 +134,8 @@ std::vector<ComparedMotion> compared_motions(const Parameters& robot, const Traj
   return motions;
 }
 
-void add_comparison(ChartPage& page, const std::vector<ComparedMotion>& motions, const Trajectory& plan,
+void add_comparison(ChartPage& page, const Parameters& robot, const std::vector<ComparedMotion>& motions,
+                    const Trajectory& plan, const std::vector<WeightedTerm>& objective,
                     const std::vector<ReachedLimit>& limits, bool with_scene) {
   page.add_heading("Had it been planned without the springs");
   if (motions.empty()) {
@@ -114,7 +150,7 @@ void add_comparison(ChartPage& page, const std::vector<ComparedMotion>& motions,
       "exact friction included, as feed-forward. The drive gives whatever is asked of it; red is above the limit.{}",
       plan.end_time() - plan.start_time(),
       with_scene ? " They go straight, whatever else the request asks for on the way." : ""));
-  page.add_html(html_table(comparison_table(motions, limits)));
+  page.add_html(html_table(comparison_table(robot, motions, objective, limits, plan.end_time())));
   for (const ComparedMotion& m : motions) {
     if (!m.run.simulation.failure.empty()) page.add_paragraph(m.name + ": " + m.run.simulation.failure, "warning");
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/chart_page.h"
+#include "planner/results/report/objective_text.h"
 #include "planner/results/report/plan_limits.h"
 #include "planner/results/report/rigid_profile.h"
 
@@ -21,7 +22,8 @@ struct ComparedMotion {
 std::vector<ComparedMotion> compared_motions(const Parameters& robot, const Trajectory& plan);
 
 // with_scene: the request asks for something on the way.
-void add_comparison(ChartPage& page, const std::vector<ComparedMotion>& motions, const Trajectory& plan,
+void add_comparison(ChartPage& page, const Parameters& robot, const std::vector<ComparedMotion>& motions,
+                    const Trajectory& plan, const std::vector<WeightedTerm>& objective,
                     const std::vector<ReachedLimit>& limits, bool with_scene);
 
 }  // namespace fjr

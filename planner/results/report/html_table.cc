@@ -119,7 +119,7 @@ std::string spaced(std::string name) {
 }
 
 std::string html_table(const Rows& rows, bool heading) {
-  std::string html = "<div class='table'><table>\n";
+  std::string html = "<div class='table' tabindex='0'><table>\n";  // a keyboard scrolls it too
   for (std::size_t row = 0; row < rows.size(); ++row) {
     html += "<tr>";
     for (const Cell& cell : rows[row]) {

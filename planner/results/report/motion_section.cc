@@ -20,6 +20,8 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostSamples = 1500;  // of a motion in the animation
 constexpr double kNear = 0.45;              // a limit is drawn when a curve comes this near to it
 
+constexpr Joints<const char*> kSecondColour{"#8c56b5", "#d0509a"};
+
 double link(const Sample& s, std::size_t j) { return s.state.q[j]; }
 double motor(const Sample& s, std::size_t j) { return s.state.theta[j]; }
 double link_velocity(const Sample& s, std::size_t j) { return s.state.dq[j]; }
@@ -144,7 +146,84 @@ Json motion_json(const std::string& name, const std::vector<Sample>& samples) {
   return json;
 }
 
+Json arm_json(const Parameters& robot) {
+  return {{"length", pair_json(robot.link.length)}, {"radius", pair_json(robot.link.radius)}};
+}
+
+// What plan_page.js draws; motions and poses are yet to come.
+Json stage_json(const Parameters& robot, const Json& scene) {
+  return {{"arm", arm_json(robot)},
+          {"limits", Json::object()},
+          {"scene", scene},
+          {"motions", Json::array()},
+          {"poses", Json::array()}};
+}
+
+// Limits that the picture shows something against.
+void add_ring_limits(Json& data, const std::vector<ReachedLimit>& limits) {
+  for (const char* name : {"torque", "spring_deflection"}) {
+    const ReachedLimit *first = find_limit(limits, name, 1), *second = find_limit(limits, name, 2);
+    if (first != nullptr && second != nullptr) data["limits"][name] = {first->limit, second->limit};
+  }
+}
+
+// The curves of a second plan into the charts of a first one, in colours of their own; without those of the motors'
+// angles, which lie near those of the links.
+void add_second(std::vector<Chart>& charts, const NamedPlan& second) {
+  const std::vector<Chart> others = motion_charts(second.record, {});
+  for (std::size_t i = 0; i < std::min(charts.size(), others.size()); ++i) {
+    for (std::size_t k = 0; k < std::min<std::size_t>(others[i].series.size(), kJoints); ++k) {
+      Series series = others[i].series[k];
+      series.name += ", " + second.name;
+      series.colour = kSecondColour[k];
+      charts[i].series.push_back(std::move(series));
+    }
+  }
+}
+
 }  // namespace
+
+void add_poses(ChartPage& page, const Parameters& robot, const JsonField& plan, const Json& scene) {
+  page.add_heading("What was asked for");
+  Json data = stage_json(robot, scene);
+  const JsonField request = plan.at("resolved_request");
+  bool all_known = true;
+  const auto add = [&](const char* label, const JsonField& state) {
+    const Joints<double> q = state.at("q").pair();
+    const bool known = std::isfinite(q[0]) && std::isfinite(q[1]);
+    if (known) data["poses"].push_back({{"label", label}, {"q", pair_json(q)}});
+    all_known = all_known && known;
+  };
+  add("start", request.at("start"));
+  add("goal", request.at("goal"));
+  for (const JsonField& other : request.at("other_goals").items()) add("or this goal", other);
+  page.add_html(kStage);
+  page.add_html("</div>\n");
+  page.add_paragraph("There is no motion. Coloured: the arm at the start; green: at the goal." +
+                         std::string(all_known ? "" : " A goal with a free joint is not drawn."),
+                     "note");
+  page.add_data("plan-data", data.dump());
+  page.add_script(kPlanPageScript);
+}
+
+void add_both_motions(ChartPage& page, const NamedPlan& first, const NamedPlan& second, const Json& scene,
+                      const std::vector<ReachedLimit>& limits) {
+  page.add_heading("Motion");
+  page.add_html(kStage);
+  std::vector<Chart> charts = motion_charts(first.record, limits);
+  add_second(charts, second);
+  page.add_charts(charts);
+  page.add_html("</div>\n");
+  Json data = stage_json(first.record.robot, scene);
+  add_ring_limits(data, limits);
+  for (const NamedPlan* plan : {&first, &second}) {
+    data["motions"].push_back(motion_json(plan->name, plan->record.trajectory->samples));
+    data["motions"].back()["arm"] = arm_json(plan->record.robot);
+  }
+  data["beside"] = 1;
+  page.add_data("plan-data", data.dump());
+  page.add_script(kPlanPageScript);
+}
 
 void add_motion(ChartPage& page, const PlanRecord& record, const Json& scene, const std::vector<ReachedLimit>& limits,
                 const std::vector<ComparedMotion>& motions) {
@@ -153,14 +232,8 @@ void add_motion(ChartPage& page, const PlanRecord& record, const Json& scene, co
   page.add_charts(motion_charts(record, limits));
   page.add_html("</div>\n");
 
-  Json data{{"arm", {{"length", pair_json(record.robot.link.length)}, {"radius", pair_json(record.robot.link.radius)}}},
-            {"limits", Json::object()},
-            {"scene", scene},
-            {"motions", Json::array()}};
-  for (const char* name : {"torque", "spring_deflection"}) {
-    const ReachedLimit *first = find_limit(limits, name, 1), *second = find_limit(limits, name, 2);
-    if (first != nullptr && second != nullptr) data["limits"][name] = {first->limit, second->limit};
-  }
+  Json data = stage_json(record.robot, scene);
+  add_ring_limits(data, limits);
   data["motions"].push_back(motion_json("this plan", record.trajectory->samples));
   for (std::size_t i = 1; i < motions.size(); ++i) {
     data["motions"].push_back(motion_json(motions[i].name, motions[i].run.simulation.samples));

@@ -16,6 +16,7 @@
 #include "planner/results/report/html_table.h"
 #include "planner/results/report/json_field.h"
 #include "planner/results/report/motion_section.h"
+#include "planner/results/report/objective_text.h"
 #include "planner/results/report/plan_limits.h"
 #include "planner/results/report/plan_page_text.h"
 #include "planner/results/report/scene.h"
@@ -37,8 +38,10 @@ void add_verdict(ChartPage& page, const JsonField& plan) {
                             escaped_html(spaced(status))));
   const double duration = plan.at("duration").number();
   if (std::isfinite(duration)) {
-    page.add_html(fmt::format(" <b>{:.6g} s</b>, objective <b>{}</b>", duration,
-                              number_text(plan.at("objective").at("total").number(), 6)));
+    const std::vector<WeightedTerm> terms = weighted_terms(plan);
+    page.add_html(fmt::format(" <b>{:.6g} s</b>, objective <b>{} {}</b> ({})", duration,
+                              number_text(plan.at("objective").at("total").number(), 6),
+                              escaped_html(objective_unit(terms)), escaped_html(objective_formula(terms))));
   }
   page.add_html("</p>\n");
   if (!reason.empty()) page.add_paragraph(reason, "warning");
@@ -157,27 +160,36 @@ void add_mesh(ChartPage& page, const JsonField& mesh) {
   page.add_charts({error, length});
 }
 
-void add_solver(ChartPage& page, const JsonField& solver) {
+std::string in_brackets(const std::string& unit) { return unit.empty() ? "" : " (" + unit + ")"; }
+
+void add_solver(ChartPage& page, const JsonField& solver, const std::vector<WeightedTerm>& objective) {
   page.add_heading("Solver");
   page.add_paragraph(fmt::format(
       "Iterations: {}. Starts: {}. Distinct minima: {}.{}", number_text(solver.at("iterations").number(), 9),
       number_text(solver.at("starts").number(), 9), number_text(solver.at("distinct_minima").number(), 9),
       solver.at("warm").flag() ? " Begun with an earlier plan's solution." : ""));
-  Rows rows{{cell("stage"), cell("intervals"), cell("iterations"), cell("objective"), cell("outcome")}};
+  Rows rows{{cell("stage"), cell("intervals"), cell("iterations"), cell("cost"), cell("outcome")}};
   Series objectives{"stages", "#1f77b4", Style::kRings, {}, {}};
   double iterations = 0;
   for (const JsonField& stage : solver.at("stages").items()) {
-    const double own = stage.at("iterations").number(), objective = stage.at("objective").number();
+    const double own = stage.at("iterations").number(), cost = stage.at("objective").number();
     iterations += own;
     rows.push_back({cell(stage.at("name").text()), cell(number_text(stage.at("intervals").number(), 9)),
-                    cell(number_text(own, 9)), cell(number_text(objective, 7)), cell(stage.at("status").text())});
+                    cell(number_text(own, 9)), cell(number_text(cost, 7)), cell(stage.at("status").text())});
     objectives.x.push_back(iterations);
-    objectives.y.push_back(objective);
+    objectives.y.push_back(cost);
   }
-  page.add_html(html_table(rows));
+  page.add_html(fmt::format("<details><summary>The {} stages of it</summary>", rows.size() - 1));
+  page.add_paragraph("cost: what the stage minimised, which is " + objective_formula(objective) +
+                         " unless it was about something else, such as a slack; with its regularisation.",
+                     "note");
+  page.add_html(html_table(rows) + "</details>\n");
   if (objectives.x.size() > 1) {
     page.add_html("<div class='pairs'>");
-    page.add_charts({{"Objective at the end of each stage", "iterations", "objective", {objectives}}});
+    page.add_charts({{"Cost at the end of each stage",
+                      "iterations",
+                      fmt::format("{}{}", objective_formula(objective), in_brackets(objective_unit(objective))),
+                      {objectives}}});
     page.add_html("</div>\n");
   }
 }
@@ -202,6 +214,11 @@ void add_objective(ChartPage& page, const JsonField& plan) {
                     cell(info != nullptr ? info->unit : "")});
   }
   page.add_html(html_table(rows));
+  const std::vector<WeightedTerm> weighted = weighted_terms(plan);
+  const std::string unit = objective_unit(weighted);
+  page.add_paragraph(fmt::format("Minimised: {} = {}{}{}", objective_formula(weighted),
+                                 number_text(plan.at("objective").at("total").number(), 7), unit.empty() ? "" : " ",
+                                 unit));
 }
 
 void add_request(ChartPage& page, const JsonField& plan) {
@@ -273,20 +290,21 @@ std::string plan_page(const PlanRecord& record) {
   page.add_style(kPlanPageStyle);
   add_verdict(page, plan);
   const std::vector<ReachedLimit> limits = read_limits(plan);
+  const Json scene = scene_json(plan, record.robot);
   if (record.trajectory) {
     const std::vector<ComparedMotion> motions = compared_motions(record.robot, *record.trajectory);
-    const Json scene = scene_json(plan, record.robot);
     add_motion(page, record, scene, limits, motions);
     add_margins(page, limits);
     add_task_margins(page, plan.at("certificate").at("task"));
     add_certificate(page, plan.at("certificate"));
-    add_comparison(page, motions, *record.trajectory, limits, !scene.empty());
+    add_comparison(page, record.robot, motions, *record.trajectory, weighted_terms(plan), limits, !scene.empty());
     add_mesh(page, plan.at("mesh"));
     add_objective(page, plan);
     if (!plan.at("sensitivity").is_null()) add_sensitivity(page, plan);
   }
+  if (!record.trajectory) add_poses(page, record.robot, plan, scene);
   if (const auto why = plan.find("infeasibility")) add_infeasibility(page, *why);
-  add_solver(page, plan.at("solver"));
+  add_solver(page, plan.at("solver"), weighted_terms(plan));
   if (const auto found = plan.find("optimality"); found && !found->is_null()) add_optimality(page, *found);
   add_what_else_there_is(page, record.plan);
   add_request(page, plan);

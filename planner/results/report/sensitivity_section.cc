@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "planner/results/report/html_table.h"
+#include "planner/results/report/objective_text.h"
 
 namespace fjr {
 namespace {
@@ -14,14 +16,13 @@ namespace {
 // How gains of the objective are told: as time where nothing else counts.
 struct Gain {
   double factor;
-  const char* unit;
+  std::string unit;
 
-  static Gain of(const JsonField& weights) {
-    double time = 0, others = 0;
-    for (const auto& weight : weights.json().items()) {
-      (weight.key() == "time" ? time : others) += weights.at(weight.key()).number();
-    }
-    return time > 0 && others == 0 ? Gain{1e3 / time, "ms"} : Gain{1, "of the objective"};
+  static Gain of(const std::vector<WeightedTerm>& objective) {
+    const bool alone = objective.size() == 1;
+    if (alone && std::string_view(objective[0].info->name) == Time::info.name) return {1e3 / objective[0].weight, "ms"};
+    const std::string unit = objective_unit(objective);
+    return {1, fmt::format("{}{}of {}", unit, unit.empty() ? "" : " ", objective_formula(objective))};
   }
   std::string saved(double objective) const { return number_text(factor * objective, 3); }
   // Of a thousandth of the unit: a whole radian, or second, is far beyond first order.
@@ -98,7 +99,7 @@ void add_givens(ChartPage& page, const JsonField& plan, const Gain& gain) {
 
 void add_sensitivity(ChartPage& page, const JsonField& plan) {
   const JsonField sensitivity = plan.at("sensitivity");
-  const Gain gain = Gain::of(plan.at("resolved_request").at("objective"));
+  const Gain gain = Gain::of(weighted_terms(plan));
   page.add_heading("What limits the motion");
   page.add_paragraph(
       "By the multipliers, to first order, for 1 % of the limit. Of obstacles, walls, tip regions and paths for 1 % "

@@ -1,0 +1,26 @@
+// What a plan minimised, in words and units.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planner/problem/objective_terms.h"
+#include "planner/results/report/json_field.h"
+
+namespace fjr {
+
+struct WeightedTerm {
+  const TermInfo* info;
+  double weight;  // negative: a reward
+};
+
+// Those that count, by plan.json's resolved request. Terms of another version are left out.
+std::vector<WeightedTerm> weighted_terms(const JsonField& plan);
+
+// "time", "0.5 x effort + time"; "none" where nothing counts.
+std::string objective_formula(const std::vector<WeightedTerm>& terms);
+
+// Of the sum: that of the only term where its weight is 1; otherwise none, "".
+std::string objective_unit(const std::vector<WeightedTerm>& terms);
+
+}  // namespace fjr

@@ -1,6 +1,8 @@
 # What `cmake --install` puts where: the program, its configuration, and the libraries for other CMake projects.
 include(CMakePackageConfigHelpers)
 include(GNUInstallDirs)
+set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)  # what is of no other component: dev, and those of python/
+include(cmake/shell.cmake)
 
 install(TARGETS fjr EXPORT fjrTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(PROGRAMS planner/program/fjr-batch-slurm DESTINATION ${CMAKE_INSTALL_BINDIR})
@@ -10,12 +12,12 @@ install(TARGETS fjr_folder fjr_kkt EXPORT fjrTargets LIBRARY DESTINATION ${CMAKE
 set_target_properties(fjr PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/fjr")
 install(TARGETS fjr_common fjr_model fjr_planner
   EXPORT fjrTargets
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fjr)
 # What the Python package needs beside them: components of find_package(fjr), for they need more packages.
 install(TARGETS fjr_identify fjr_idl fjr_report fjr_results fjr_service EXPORT fjrComponentTargets
-  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
+  ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
   INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/fjr)
 install(DIRECTORY config/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fjr/config USE_SOURCE_PERMISSIONS)
 install(DIRECTORY idl/ DESTINATION ${CMAKE_INSTALL_DATADIR}/fjr/idl FILES_MATCHING PATTERN "*.idl")
@@ -43,13 +45,13 @@ install(CODE "
 install(CODE "
   set(FJR_SOURCE \"${PROJECT_SOURCE_DIR}\")
   set(FJR_INCLUDE \"${CMAKE_INSTALL_INCLUDEDIR}/fjr\")
-  include(\"${PROJECT_SOURCE_DIR}/cmake/install_headers.cmake\")")
+  include(\"${PROJECT_SOURCE_DIR}/cmake/install_headers.cmake\")" COMPONENT dev)
 
 set(fjr_package ${CMAKE_INSTALL_LIBDIR}/cmake/fjr)
-install(EXPORT fjrTargets NAMESPACE fjr:: DESTINATION ${fjr_package})
-install(EXPORT fjrComponentTargets NAMESPACE fjr:: DESTINATION ${fjr_package})
+install(EXPORT fjrTargets NAMESPACE fjr:: DESTINATION ${fjr_package} COMPONENT dev)
+install(EXPORT fjrComponentTargets NAMESPACE fjr:: DESTINATION ${fjr_package} COMPONENT dev)
 configure_package_config_file(cmake/fjrConfig.cmake.in ${PROJECT_BINARY_DIR}/cmake/fjrConfig.cmake
   INSTALL_DESTINATION ${fjr_package} PATH_VARS CMAKE_INSTALL_DATADIR)
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/cmake/fjrConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES ${PROJECT_BINARY_DIR}/cmake/fjrConfig.cmake ${PROJECT_BINARY_DIR}/cmake/fjrConfigVersion.cmake
-  DESTINATION ${fjr_package})
+  DESTINATION ${fjr_package} COMPONENT dev)

@@ -26,6 +26,7 @@ nav:
   - fjr: README.md
   - Documentation: docs/index.md
   - Planning:
+      - Install: docs/install.md
       - Command line: docs/command-line.md
       - Requests: docs/requests.md
       - Files: docs/files.md

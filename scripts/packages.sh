@@ -24,6 +24,10 @@ test_packages=(
   clang-format clang-tidy                                       # style
   mkdocs doxygen                                                # docs/ as a site, and the library's pages
 )
+make_packages=(
+  dpkg-dev file help2man                                        # Debian packages; man pages in them
+  python3 python3-dev python3-venv                              # python3-fjr
+)
 
 install_packages() {
   local missing=() as_root=() package

@@ -11,14 +11,6 @@
 namespace fjr {
 namespace {
 
-std::vector<std::string> subcommands_of(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App* c) { return !c->get_group().empty(); })) {
-    names.push_back(command->get_name());
-  }
-  return names;
-}
-
 std::vector<std::string> options_of(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options()) {
@@ -34,6 +26,14 @@ std::string suggest(std::string_view word, const std::vector<std::string>& known
 
 }  // namespace
 
+std::vector<std::string> shown_subcommands(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App* c) { return !c->get_group().empty(); })) {
+    names.push_back(command->get_name());
+  }
+  return names;
+}
+
 std::string suggestion(const CLI::App& app, const std::vector<std::string>& words) {
   const CLI::App* command = &app;
   for (const std::string& word : words) {
@@ -43,7 +43,7 @@ std::string suggestion(const CLI::App& app, const std::vector<std::string>& word
       if (std::find(known.begin(), known.end(), name) == known.end()) return suggest(name, known);
       continue;
     }
-    const std::vector<std::string> known = subcommands_of(*command);
+    const std::vector<std::string> known = shown_subcommands(*command);
     const auto found = std::find(known.begin(), known.end(), word);
     if (found != known.end()) {
       command = command->get_subcommand(word);

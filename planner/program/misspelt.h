@@ -7,6 +7,9 @@
 
 namespace fjr {
 
+// Those that --help lists.
+std::vector<std::string> shown_subcommands(const CLI::App& app);
+
 // "; did you mean plan?": for the first word of the command line that is no subcommand, or no option of its
 // subcommand, by the parser's own lists. "" where none is near.
 std::string suggestion(const CLI::App& app, const std::vector<std::string>& words);

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 
 def program() -> Path:
-    """The program ``fjr``."""
-    return Path(__file__).resolve().parent / "bin" / "fjr"
+    """The program ``fjr``: of this package, or the one that Debian's package python3-fjr depends on."""
+    own = Path(__file__).resolve().parent / "bin" / "fjr"
+    return own if own.exists() else Path(shutil.which("fjr") or "/usr/bin/fjr")

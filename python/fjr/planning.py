@@ -283,6 +283,7 @@ def plan(
     starts: int | None = None,
     warm: Plan | str | os.PathLike[str] | None = None,
     linear_solver: str = "stage",
+    proven: bool = False,
     check: bool = True,
 ) -> Plan:
     """Plans a request, as ``fjr plan`` does: the same request comes to the same bytes.
@@ -296,6 +297,7 @@ def plan(
     starts: of the optimiser; by the request and its objective without.
     warm: the plan of a similar request, or its folder: tried first, and instead of a search where it leads somewhere.
     linear_solver: ``stage``, which is fjr's own, or ``mumps``, or one of the HSL's.
+    proven: certified only with bounds that hold with mathematical certainty; ``certificate["proof"]`` has them.
     check: raise unless the plan is certified.
 
     Other Python threads run meanwhile. Ctrl-C cancels: KeyboardInterrupt comes within a tenth of a second or so.
@@ -324,6 +326,7 @@ def plan(
                 deadline or 0,
                 starts or 0,
                 linear_solver,
+                proven,
                 progress,
             )
         )

@@ -62,20 +62,22 @@ def verify(
     *,
     robot: RobotLike | None = None,
     payload: float | Sequence[float] | None = None,
+    proven: bool = False,
 ) -> Verification:
     """Certifies a trajectory: exactness, and the limits of the robot and those that the file says it was planned with.
 
     trajectory: a plan, or the path of a trajectory.csv, whoever made it.
     robot: the arm; without one that of the plan, or the one shipped with fjr.
     payload: at the tip [kg], or that and its inertia [kg m^2]; without it the robot's, or else the file's.
+    proven: bounds that hold with mathematical certainty too: certified only if everything is proven.
 
     Raises BadInput for a file that is no trajectory. A trajectory that fails is no error: ask ``certified``.
     """
     given = None if payload is None else _pair(payload)
     arm = robot_of(robot)
     if isinstance(trajectory, Plan):
-        return Verification(json.loads(trajectory._core.verify((arm or trajectory.robot)._core, given)))
-    return Verification(json.loads(_core.verify_file(Path(trajectory), (arm or Robot.load())._core, given)))
+        return Verification(json.loads(trajectory._core.verify((arm or trajectory.robot)._core, given, proven)))
+    return Verification(json.loads(_core.verify_file(Path(trajectory), (arm or Robot.load())._core, given, proven)))
 
 
 def _pair(payload: float | Sequence[float]) -> tuple[float, float]:

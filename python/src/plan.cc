@@ -154,10 +154,10 @@ Planned load(const fs::path& folder) {
 
 // A plan, or a trajectory file, against a robot; of a plan without one its own.
 std::string verify_trajectory(const Trajectory& trajectory, const std::string& source, const Parameters& robot,
-                              const std::optional<Joints<double>>& payload) {
+                              const std::optional<Joints<double>>& payload, bool proven) {
   const nb::gil_scoped_release others_may_run;
   const auto given = payload ? std::optional(Payload{(*payload)[0], (*payload)[1]}) : std::nullopt;
-  return json_text(verification_json(trajectory, verify(trajectory, source, robot, {given})));
+  return json_text(verification_json(trajectory, verify(trajectory, source, robot, {given, proven})));
 }
 
 nb::dict simulate_on(const Planned& plan, const Robot* arm, Control control, double hold) {
@@ -228,26 +228,29 @@ void add_plan(nb::module_& module) {
           "page", [](const Planned& plan) { return plan_page(plan.record); }, nb::call_guard<nb::gil_scoped_release>())
       .def(
           "verify",
-          [](const Planned& plan, const Robot& robot, const std::optional<Joints<double>>& payload) {
-            return verify_trajectory(trajectory_of(plan), plan.record.source, robot.parameters, payload);
+          [](const Planned& plan, const Robot& robot, const std::optional<Joints<double>>& payload, bool proven) {
+            return verify_trajectory(trajectory_of(plan), plan.record.source, robot.parameters, payload, proven);
           },
-          nb::arg("robot"), nb::arg("payload").none())
+          nb::arg("robot"), nb::arg("payload").none(), nb::arg("proven"))
       .def("simulate", simulate_on, nb::arg("arm").none(), nb::arg("control"), nb::arg("hold"));
 
   module.def(
       "plan",
       [](std::optional<std::string> text, std::string source, fs::path folder, const Robot* robot, const Planned* warm,
-         int jobs, double deadline, int starts, const std::string& linear_solver, const nb::object& progress) {
+         int jobs, double deadline, int starts, const std::string& linear_solver, bool proven,
+         const nb::object& progress) {
         PlanOptions options;
         options.jobs = jobs;
         options.deadline = deadline;
         options.starts = starts;
         options.linear_solver = linear_solver;
+        options.proven = proven;
         return plan_request({std::move(text), std::move(source), std::move(folder), robot}, warm, std::move(options),
                             progress);
       },
       nb::arg("text").none(), nb::arg("source"), nb::arg("folder"), nb::arg("robot").none(), nb::arg("warm").none(),
-      nb::arg("jobs"), nb::arg("deadline"), nb::arg("starts"), nb::arg("linear_solver"), nb::arg("progress").none());
+      nb::arg("jobs"), nb::arg("deadline"), nb::arg("starts"), nb::arg("linear_solver"), nb::arg("proven"),
+      nb::arg("progress").none());
 
   module.def("value_at", value_at, nb::arg("text").none(), nb::arg("source"), nb::arg("field"));
   module.def("keys", [] {
@@ -259,10 +262,10 @@ void add_plan(nb::module_& module) {
   });
   module.def(
       "verify_file",
-      [](const fs::path& file, const Robot& robot, const std::optional<Joints<double>>& payload) {
-        return verify_trajectory(read_csv(file), file.string(), robot.parameters, payload);
+      [](const fs::path& file, const Robot& robot, const std::optional<Joints<double>>& payload, bool proven) {
+        return verify_trajectory(read_csv(file), file.string(), robot.parameters, payload, proven);
       },
-      nb::arg("file"), nb::arg("robot"), nb::arg("payload").none());
+      nb::arg("file"), nb::arg("robot"), nb::arg("payload").none(), nb::arg("proven"));
 }
 
 }  // namespace fjr::python

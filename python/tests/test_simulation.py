@@ -98,6 +98,17 @@ def test_verify_agrees_with_the_program(program, reach, reach_files):
         assert found.to_dict() == json.loads(said.stdout)
 
 
+def test_what_is_proven_agrees_with_what_is_computed(reach_files):
+    short = fjr.plan({"start": {"q": [0, 0]}, "goal": {"q": [0.4, -0.3]}}, proven=True)
+    assert short.certificate["proof"]["verdict"] == "proven"
+    found = fjr.verify(short, proven=True)
+    proof = found.to_dict()["proof"]
+    assert found.certified and proof["verdict"] == "proven"
+    # The integrator is accurate to 1e-8 of the angles, or so; the bound holds of the exact motion.
+    assert max(proof["closed_loop"]["link_error_rad"]) == pytest.approx(found.max_link_error, abs=1e-8)
+    assert fjr.verify(reach_files / "trajectory.csv").to_dict()["proof"] is None  # which takes longer
+
+
 def test_verify_says_what_is_wrong(reach, reach_files, tmp_path):
     lines = (reach_files / "trajectory.csv").read_text().splitlines()
     short = tmp_path / "short.csv"

@@ -7,9 +7,9 @@
 #include <cstdlib>
 #include <map>
 #include <numbers>
-#include <set>
 #include <string_view>
 #include <system_error>
+#include <tuple>
 #include <vector>
 
 #include "common/degrees.h"
@@ -19,6 +19,7 @@
 #include "common/strict_yaml.h"
 #include "model/dynamics.h"
 #include "model/plausibility.h"
+#include "model/uncertainty.h"
 
 namespace fjr {
 namespace {
@@ -90,9 +91,15 @@ Joints<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_v
   return values;
 }
 
-// A number, or an entry like the others'; and where it stands, for what is wrong with it.
-std::pair<double, YamlNode> read_single(const YamlNode& node, std::string_view unit) {
+// A number, or an entry like the others' with its standard error; and where it stands, for what is wrong with it.
+struct Single {
+  double number;
+  double error;  // standard error; 0 where there is none
+  YamlNode value;
+};
+Single read_single(const YamlNode& node, std::string_view unit) {
   YamlNode value = node;
+  double error = 0;
   if (node.is_map()) {
     node.allow_keys({"value", "unit", "source", "standard_error"});
     const YamlNode given_unit = node.at("unit");
@@ -101,18 +108,23 @@ std::pair<double, YamlNode> read_single(const YamlNode& node, std::string_view u
     }
     if (const auto source = node.find("source")) source->text();
     value = node.at("value");
+    if (const auto given = node.find("standard_error"); given && !given->is_null()) {
+      error = given->number(unit);
+      if (error < 0) given->fail(fmt::format("{} must be >= 0", with_unit(error, unit)));
+    }
   }
-  return {value.number(unit), value};
+  return {value.number(unit), error, value};
 }
 
-double read_payload_value(const YamlNode& node, const PayloadBound& bound) {
-  const auto [number, value] = read_single(node, bound.unit);
-  bound.check(value, number);
-  return number;
+// number, standard error
+std::pair<double, double> read_payload_value(const YamlNode& node, const PayloadBound& bound) {
+  const Single single = read_single(node, bound.unit);
+  bound.check(single.value, single.number);
+  return {single.number, single.error};
 }
 
 double read_angle(const YamlNode& node, double lowest, double highest) {
-  const auto [angle, value] = read_single(node, "rad");
+  const auto [angle, error, value] = read_single(node, "rad");
   if (angle < lowest || angle > highest) {
     value.fail(fmt::format("{} rad is outside [{:.6g}, {:.6g}]{}", angle, lowest, highest,
                            degrees_suspected(angle, lowest, highest)));
@@ -142,55 +154,6 @@ void check_keys(const YamlNode& root) {
   allowed.push_back("mounting");
   root.allow_keys(allowed);
   for (const auto& [section, names] : sections) root.at(section).allow_keys(names);
-}
-
-std::set<std::string> scalar_names() {
-  std::set<std::string> names;
-  for (const auto& [section, members] : known_sections()) {
-    for (const std::string_view name : members) {
-      for (int j = 0; j < kJoints; ++j) names.insert(fmt::format("{}.{}[{}]", section, name, j));
-    }
-  }
-  return names;
-}
-
-std::size_t check_covariance_names(const YamlNode& list) {
-  const std::set<std::string> known = scalar_names();
-  std::set<std::string> seen;
-  for (const YamlNode& name : list.items()) {
-    if (!known.contains(name.text())) {
-      name.fail(shown(name.text()) + " is not a parameter; parameters are written like \"spring.stiffness[0]\"");
-    }
-    if (!seen.insert(name.text()).second) name.fail(shown(name.text()) + " is given twice");
-  }
-  return seen.size();
-}
-
-std::vector<double> read_row(const YamlNode& row, std::size_t size) {
-  const std::vector<YamlNode> items = row.items();
-  if (items.size() != size) row.fail(fmt::format("has {} values, but covariance.names has {}", items.size(), size));
-  std::vector<double> values;
-  for (const YamlNode& item : items) values.push_back(item.number("1"));
-  return values;
-}
-
-// Checked, not kept: nothing plans with it, but a wrong one would mislead whoever reads the file.
-void check_covariance(const YamlNode& covariance) {
-  covariance.allow_keys({"names", "matrix"});
-  const std::size_t size = check_covariance_names(covariance.at("names"));
-  const YamlNode matrix = covariance.at("matrix");
-  const std::vector<YamlNode> rows = matrix.items();
-  if (rows.size() != size) matrix.fail(fmt::format("has {} rows, but covariance.names has {}", rows.size(), size));
-  std::vector<std::vector<double>> values;
-  for (const YamlNode& row : rows) values.push_back(read_row(row, size));
-  for (std::size_t i = 0; i < size; ++i) {
-    if (!(values[i][i] >= 0)) rows[i].fail_at(i, fmt::format("a variance of {} must be >= 0", values[i][i]));
-    for (std::size_t j = 0; j < i; ++j) {
-      if (values[i][j] != values[j][i]) {
-        rows[i].fail_at(j, fmt::format("{} must equal matrix[{}][{}], {}", values[i][j], j, i, values[j][i]));
-      }
-    }
-  }
 }
 
 // Parallel axis theorem, from the points that `about` names to those of Parameters. Without `about` it is these.
@@ -286,11 +249,14 @@ std::string PayloadBound::sentence_of(double value) const {
 }
 
 Payload read_payload(const YamlNode& node) {
-  if (!node.is_map() || node.find("value")) return {read_payload_value(node, kPayloadMassBound), 0};
-  node.allow_keys({"mass", "inertia"});
-  Payload payload{read_payload_value(node.at("mass"), kPayloadMassBound), 0};
+  Payload payload;
+  const bool mass_alone = !node.is_map() || node.find("value");
+  if (!mass_alone) node.allow_keys({"mass", "inertia"});
+  std::tie(payload.mass, payload.mass_error) =
+      read_payload_value(mass_alone ? node : node.at("mass"), kPayloadMassBound);
+  if (mass_alone) return payload;
   if (const auto inertia = node.find("inertia")) {
-    payload.inertia = read_payload_value(*inertia, kPayloadInertiaBound);
+    std::tie(payload.inertia, payload.inertia_error) = read_payload_value(*inertia, kPayloadInertiaBound);
   }
   return payload;
 }
@@ -322,7 +288,7 @@ Parameters read_entries(const YamlNode& root) {
         value = read_entry(root.at(section).at(name), rule_for(section, name), unit, names_points(section, name));
       });
   move_inertias(root, p);
-  if (const auto covariance = root.find("covariance")) check_covariance(*covariance);
+  p.uncertainty = std::make_shared<const Uncertainty>(read_uncertainty(root, p));
   if (const auto mounting = root.find("mounting")) p.mounting = read_mounting(*mounting);
   return p;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <filesystem>
+#include <memory>
 #include <numbers>
 #include <string>
 #include <string_view>
@@ -18,11 +19,16 @@ using Joints = std::array<T, kJoints>;
 
 // What is fixed to the tip: a point mass, with an inertia about its own centre of mass if it is no point.
 struct Payload {
-  double mass = 0;     // [kg]
-  double inertia = 0;  // [kg m^2]
+  double mass = 0;           // [kg]
+  double inertia = 0;        // [kg m^2]
+  double mass_error = 0;     // [kg]      standard error of the mass
+  double inertia_error = 0;  // [kg m^2]  and of the inertia
 
-  bool operator==(const Payload&) const = default;
+  // The same payload, however well it is known.
+  bool operator==(const Payload& other) const { return mass == other.mass && inertia == other.inertia; }
 };
+
+struct Uncertainty;  // model/uncertainty.h
 
 // How the plane of motion stands: upright with q = 0 hanging, unless a file says otherwise.
 struct PlaneMounting {
@@ -34,7 +40,7 @@ struct PlaneMounting {
 };
 
 // The constants of the paper's model, SI units, motor quantities in link coordinates (after the gear).
-// Provenance and standard errors stay in the file; see config/robot.yaml for the equation of every value.
+// Provenance stays in the file; see config/robot.yaml for the equation of every value.
 struct Parameters {
   struct Link {
     Joints<double> length;          // [m]       l1, l2
@@ -80,6 +86,8 @@ struct Parameters {
   } drive;
   Payload payload{};         // none, unless the file has one
   PlaneMounting mounting{};  // as the paper's arm hangs, unless the file has another
+  // How well all of it but the payload is known; none: the file says nothing of it.
+  std::shared_ptr<const Uncertainty> uncertainty{};
 
   // The range of q of a joint. [rad]
   double lowest(std::size_t j) const { return limits.link_middle[j] - limits.link_position[j]; }
@@ -137,7 +145,7 @@ inline constexpr PayloadBound kPayloadMassBound{10, "kg"}, kPayloadInertiaBound{
 
 class YamlNode;
 // A payload as a robot.yaml or a request writes it: the mass [kg] alone, or {mass, inertia}; each of them a number or
-// an entry {value, unit, ...}. Throws InputError.
+// an entry {value, unit, source, standard_error}. Throws InputError.
 Payload read_payload(const YamlNode& node);
 
 // `mounting: {inclination, down}`: the plane's angle to the ground and q1 of the stretched arm pointing down. [rad]

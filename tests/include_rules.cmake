@@ -20,6 +20,7 @@ set(layers
   planner/control
   planner/certificate
   planner/certificate/proof
+  planner/certificate/robust
   planner/stop
   planner/ocp
   planner/analysis

@@ -9,6 +9,7 @@
 #include "common/dual.h"
 #include "model/dynamics.h"
 #include "model/identify/repeated.h"
+#include "model/uncertainty.h"
 
 namespace fjr {
 namespace {
@@ -88,16 +89,6 @@ Outputs outputs_of(const Parameters& p, const Inputs& in) {
   return outputs;
 }
 
-double* place_of(Parameters& p, const std::string& wanted) {
-  double* found = nullptr;
-  visit_parameters(p, [&](const char* section, const char* name, const char*, Joints<double>& value) {
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      if (fmt::format("{}.{}[{}]", section, name, j) == wanted) found = &value[j];
-    }
-  });
-  return found;
-}
-
 struct MotorParameter {
   std::string name;
   Eigen::Index row;  // of the estimate
@@ -134,7 +125,7 @@ void tell_arm(const Inputs& in, const Outputs& out, Identified& result) {
       result.has_damping[i - kDamping] = true;
       continue;
     }
-    *place_of(result.robot, kOutputNames[i]) = out.value[i];
+    *parameter_named(result.robot, kOutputNames[i]) = out.value[i];
     result.names.emplace_back(kOutputNames[i]);
     told.push_back(row);
     for (std::size_t k = 0; k < kInputs; ++k) {
@@ -151,7 +142,7 @@ void tell_motor(const Repeated& repeated, Identified& result) {
   const Estimate& e = repeated.estimate;
   std::vector<Eigen::Index> told;
   for (const MotorParameter& parameter : motor_parameters(e)) {
-    *place_of(result.robot, parameter.name) = e.value[parameter.row];
+    *parameter_named(result.robot, parameter.name) = e.value[parameter.row];
     if (parameter.assumed) continue;
     result.names.push_back(parameter.name);
     result.from[parameter.name] = repeated.logs;

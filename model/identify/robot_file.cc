@@ -136,21 +136,51 @@ class Writer {
   }
 
   void write_covariance() {
-    if (identified_.names.empty()) return;
-    text_ += "\ncovariance:\n  names: [";
-    for (std::size_t i = 0; i < identified_.names.size(); ++i) {
-      text_ += fmt::format("{}\"{}\"", i == 0 ? "" : ", ", identified_.names[i]);
-    }
-    text_ += "]\n  matrix:\n";
-    for (Eigen::Index row = 0; row < identified_.covariance.rows(); ++row) {
-      text_ += "    - [";
-      for (Eigen::Index column = 0; column < identified_.covariance.cols(); ++column) {
-        // Rounding must not make it unsymmetric.
-        const double value = identified_.covariance(std::max(row, column), std::min(row, column));
-        text_ += fmt::format("{}{:.10g}", column == 0 ? "" : ", ", value);
+    std::string blocks;
+    for (const std::vector<Eigen::Index>& block : correlated_blocks()) {
+      if (block.size() < 2) continue;  // its standard error says it all
+      blocks += "  - names: [";
+      for (const Eigen::Index i : block) {
+        blocks +=
+            fmt::format("{}\"{}\"", i == block.front() ? "" : ", ", identified_.names[static_cast<std::size_t>(i)]);
       }
-      text_ += "]\n";
+      blocks += "]\n    matrix:\n";
+      for (const Eigen::Index row : block) {
+        blocks += "      - [";
+        for (const Eigen::Index column : block) {
+          // Rounding must not make it unsymmetric.
+          const double value = identified_.covariance(std::max(row, column), std::min(row, column));
+          blocks += fmt::format("{}{:.10g}", column == block.front() ? "" : ", ", value);
+        }
+        blocks += "]\n";
+      }
     }
+    if (blocks.empty()) return;
+    text_ +=
+        "\n# What one experiment tells of several parameters it tells with errors that go together.\ncovariance:\n" +
+        blocks;
+  }
+
+  // What has to do with each other, directly or through others, in the order of the names.
+  std::vector<std::vector<Eigen::Index>> correlated_blocks() const {
+    const Eigen::Index size = identified_.covariance.rows();
+    std::vector<std::vector<Eigen::Index>> blocks;
+    std::vector<bool> taken(static_cast<std::size_t>(size), false);
+    for (Eigen::Index first = 0; first < size; ++first) {
+      if (taken[static_cast<std::size_t>(first)]) continue;
+      std::vector<Eigen::Index> block{first};
+      taken[static_cast<std::size_t>(first)] = true;
+      for (std::size_t next = 0; next < block.size(); ++next) {
+        for (Eigen::Index other = 0; other < size; ++other) {
+          if (taken[static_cast<std::size_t>(other)] || identified_.covariance(block[next], other) == 0) continue;
+          taken[static_cast<std::size_t>(other)] = true;
+          block.push_back(other);
+        }
+      }
+      std::sort(block.begin(), block.end());
+      blocks.push_back(std::move(block));
+    }
+    return blocks;
   }
 
   const Identified& identified_;

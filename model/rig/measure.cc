@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
+#include "common/normal.h"
 #include "model/encoder.h"
-#include "model/rig/normal.h"
 #include "model/rig/record.h"
 
 namespace fjr {

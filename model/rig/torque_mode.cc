@@ -3,8 +3,8 @@
 #include <cmath>
 #include <memory>
 
+#include "common/normal.h"
 #include "model/rig/experiments.h"
-#include "model/rig/normal.h"
 #include "model/rig/simulated_arm.h"
 
 namespace fjr {

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/parallel.h"
@@ -131,6 +132,44 @@ struct Proof {
   std::vector<LimitBound> limits;
 };
 
+// What the uncertainty of the arm's parameters makes of a motion in the executor's closed loop (robust/robustness.h).
+struct Robustness {
+  // Of a limit or a row of the task, where least is left.
+  struct Margin {
+    std::string name;  // as in LimitCheck and TaskCheck
+    int joint = 0;     // 1 or 2, of a row of the task the link; 0: neither
+    std::string unit;
+    double limit = 0;       // that holds where feedback is included; infinite for a row of the task
+    double factor = 0;      // half width of the tube in standard deviations
+    double needed = 0;      // at `time`
+    double there = 0;       // limit - |value|, or the clearance, of the plan
+    double time = 0;        // [s]
+    std::string parameter;  // knowing it exactly would take most of the margin's square; empty where counts do
+    double fraction = 0;    // of that square, at least for the parameter
+    bool passed = false;
+    std::vector<double> tube{};  // half width at Robustness::times, in `unit`
+  };
+  // What no uncertainty of the model's parameters says anything of.
+  static constexpr const char* kNotCovered = "link damping that is not modelled, hysteresis, temperature";
+
+  bool evaluated = false;
+  bool kept = false;                           // every margin is there
+  std::string reason;                          // why not; empty when kept
+  double confidence = 0;                       // at least this fraction of the arms stays in all tubes at all times
+  double certainty = 0;                        // with which that was found by draws
+  std::size_t arms = 0;                        // that were drawn
+  std::size_t parameters = 0, directions = 0;  // uncertain ones, and the rank of their covariance
+  double first_order = 0;                      // factor that linear theory alone would take
+  double ellipsoid = 0;                        // and an ellipsoid that holds that fraction of the parameters
+  Joints<double> link{};                       // [rad] within which the links stay of the plan
+  std::vector<Margin> limits, task;
+  std::vector<double> times;              // [s] of the tubes
+  Joints<std::vector<double>> link_tube;  // [rad]
+  // Each parameter, and the fraction of the margins' squares that knowing it exactly would take away in the mean over
+  // limits, weighted by how much of what there is they take; falling.
+  std::vector<std::pair<std::string, double>> costs;
+};
+
 struct Certificate {
   bool certified = false;
   std::vector<std::string> failures;  // one sentence each, empty when certified
@@ -141,7 +180,8 @@ struct Certificate {
   std::vector<TaskCheck> task;  // of the request; empty where there is none, and for a trajectory without request
   Residual residual;
   Tracking tracking;
-  Proof proof;  // where it was asked for
+  Proof proof;            // where it was asked for
+  Robustness robustness;  // likewise
 };
 
 // The verdict on one trajectory on one robot, without residual and tracking; `limits` are the robot's or tighter.

@@ -10,11 +10,6 @@
 namespace fjr {
 namespace {
 
-State<double> start_of(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory) {
-  const Sample& first = trajectory.samples.front();
-  return is_at_rest(planned_for, first) ? rest_at(arm, first.state.q) : first.state;
-}
-
 Simulation roll_out(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
                     const Drive& drive) {
   Simulation out;
@@ -26,7 +21,7 @@ Simulation roll_out(const Parameters& planned_for, const Parameters& arm, const 
   };
   Rollout rollout(arm, Limits{}, Accuracy::of_certificates());
   rollout.limit_step(longest_step(trajectory));
-  const State<double> start = start_of(planned_for, arm, trajectory);
+  const State<double> start = start_on(planned_for, arm, trajectory);
   rollout.start(trajectory.start_time(), start, drive);
   record(trajectory.start_time(), start);
   out.completed =
@@ -49,7 +44,7 @@ void hold_after_end(const Parameters& planned_for, const Parameters& arm, const 
 Simulation run_ticks(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory) {
   Simulation out;
   out.torque_held = true;
-  const State<double> start = start_of(planned_for, arm, trajectory);
+  const State<double> start = start_on(planned_for, arm, trajectory);
   out.samples.push_back({trajectory.start_time(), start, trajectory.samples.front().torque});
   out.completed = roll_out_ticks(planned_for, arm, trajectory, start, [&](const SimulatedTick& tick) {
     out.samples.push_back({tick.end, tick.state, tick.command.torque});
@@ -59,6 +54,11 @@ Simulation run_ticks(const Parameters& planned_for, const Parameters& arm, const
 }
 
 }  // namespace
+
+State<double> start_on(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory) {
+  const Sample& first = trajectory.samples.front();
+  return is_at_rest(planned_for, first) ? rest_at(arm, first.state.q) : first.state;
+}
 
 Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory, Control control,
                     double hold) {
@@ -74,13 +74,17 @@ Simulation simulate(const Parameters& planned_for, const Parameters& arm, const 
   return run;
 }
 
+long tick_count(const Trajectory& trajectory) {
+  return static_cast<long>(std::ceil((trajectory.end_time() - trajectory.start_time()) / kTick - 1e-9));
+}
+
 bool roll_out_ticks(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
                     const State<double>& start, const std::function<void(const SimulatedTick&)>& observe) {
   State<double> x = start;
   TickController controller(planned_for, trajectory);
   Rollout rollout(arm, Limits{}, Accuracy::of_predictions());
   const double begin = trajectory.start_time(), end = trajectory.end_time();
-  const auto ticks = static_cast<long>(std::ceil((end - begin) / kTick - 1e-9));
+  const long ticks = tick_count(trajectory);
   for (long k = 0; k < ticks; ++k) {
     const double now = begin + static_cast<double>(k) * kTick, next = std::min(end, now + kTick);
     const TickController::Command command = controller.command(now, {x.theta, x.q});

@@ -24,13 +24,16 @@ struct Simulation {
 };
 
 // Rolls the trajectory out, with the accuracy of a certificate or, tick by tick, of a prediction. `planned_for` has the
-// gains, encoders and drives, `arm` is the one that moves. It begins in the first row's state; where that is rest for
-// the one, in the rest of the other. The samples are what the certificate looks at, at most 0.25 ms apart, or of
-// kExecutor the ends of its ticks.
+// gains, encoders and drives, `arm` is the one that moves. The samples are what the certificate looks at, at most 0.25
+// ms apart, or of kExecutor the ends of its ticks.
 // hold: [s] for so long the arm is then held in the rest at the last row's q, by the executor's law (hold_at_rest) and
 // with a sample at the end of each of its ticks. 0 in open loop.
 Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory, Control control,
                     double hold = 0);
+
+// Where a trajectory begins on that arm: in its first row's state, or where that is rest for the one that it was
+// planned for, in the rest of the other.
+State<double> start_on(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory);
 
 // One tick of the executor on the simulated arm.
 struct SimulatedTick {
@@ -38,6 +41,9 @@ struct SimulatedTick {
   TickController::Command command;
   State<double> state;  // at its end
 };
+
+// Ticks until the trajectory ends; the last may be shorter.
+long tick_count(const Trajectory& trajectory);
 
 // From `start`, until the trajectory ends. False: the integration broke down.
 bool roll_out_ticks(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,

@@ -98,17 +98,18 @@ void MotorFeedback::shift_plan(const Joints<double>& by) {
 
 // The whole difference beyond half a count, not what is beyond: an arm that is not the model is followed as closely as
 // the counts permit.
-double MotorFeedback::motor_error(std::size_t j) const {
-  const double half = count_angle(p_.encoder.motor_counts[j]) / 2;
-  return std::abs(difference_[j]) > half ? difference_[j] : 0;
+double MotorFeedback::motor_error(const Parameters& p, std::size_t j, double difference) {
+  const double half = count_angle(p.encoder.motor_counts[j]) / 2;
+  return std::abs(difference) > half ? difference : 0;
 }
 
-double MotorFeedback::link_error(std::size_t j, const Positions& planned, const Positions& measured) const {
-  const double half = count_angle(p_.encoder.link_counts[j]) / 2,
-               of_motor = count_angle(p_.encoder.motor_counts[j]) / 2;
-  const double counted = quantised(measured.q[j], p_.encoder.link_counts[j]);
-  return std::clamp(beyond(planned.q[j] - counted, half), -of_motor, of_motor);
+double MotorFeedback::link_error(const Parameters& p, std::size_t j, double planned, double measured) {
+  const double half = count_angle(p.encoder.link_counts[j]) / 2, of_motor = count_angle(p.encoder.motor_counts[j]) / 2;
+  const double counted = quantised(measured, p.encoder.link_counts[j]);
+  return std::clamp(beyond(planned - counted, half), -of_motor, of_motor);
 }
+
+double MotorFeedback::link_gain(const Parameters& p, std::size_t j) { return kLinkFraction * p.spring.stiffness[j]; }
 
 bool MotorFeedback::link_says_it_rests(std::size_t j, double link_error, const Joints<double>& planned_velocity) const {
   const double count = count_angle(p_.encoder.motor_counts[j]);
@@ -123,8 +124,8 @@ MotorFeedback::Command MotorFeedback::command(const Positions& planned, const Jo
   for (std::size_t j = 0; j < kJoints; ++j) {
     difference_[j] = planned.theta[j] - quantised(measured.theta[j], p_.encoder.motor_counts[j]);
     const double error = motor_error(j), error_velocity = error_velocity_[j].update(error);
-    const double of_link = link_error(j, planned, measured);
-    if (!blind[j]) c.feedback[j] = kLinkFraction * p_.spring.stiffness[j] * of_link;
+    const double of_link = link_error(p_, j, planned.q[j], measured.q[j]);
+    if (!blind[j]) c.feedback[j] = link_gain(p_, j) * of_link;
     if (!blind[j] && !link_says_it_rests(j, of_link, planned_velocity)) {
       c.feedback[j] += p_.feedback.position_gain[j] * error + p_.feedback.velocity_gain[j] * error_velocity;
     }

@@ -91,6 +91,13 @@ class MotorFeedback {
 
   MotorFeedback(const Parameters& p, double tick);
 
+  // What is taken for the error of motor j where its encoder differs from the plan by `difference`. [rad]
+  static double motor_error(const Parameters& p, std::size_t j, double difference);
+  // What is taken for the error of link j at `measured`, before quantisation. [rad]
+  static double link_error(const Parameters& p, std::size_t j, double planned, double measured);
+  // Of the error of a link. [N m/rad]
+  static double link_gain(const Parameters& p, std::size_t j);
+
   // Position errors now are no velocities. Measured: before quantisation.
   void start(const Joints<double>& planned_theta, const Joints<double>& measured_theta);
 
@@ -103,8 +110,7 @@ class MotorFeedback {
                   const Joints<double>& feedforward, const Joints<bool>& blind = {});
 
  private:
-  double motor_error(std::size_t j) const;
-  double link_error(std::size_t j, const Positions& planned, const Positions& measured) const;
+  double motor_error(std::size_t j) const { return motor_error(p_, j, difference_[j]); }
   bool link_says_it_rests(std::size_t j, double link_error, const Joints<double>& planned_velocity) const;
 
   Parameters p_;

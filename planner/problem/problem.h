@@ -56,6 +56,9 @@ struct Slack {
 // How many minima are looked for: one, as many as the objective is worth, four times as many.
 enum class Thoroughness { kQuick, kDefault, kThorough };
 
+inline constexpr const char* kDefaultMethod = "hermite-simpson";
+inline constexpr double kDefaultSamplePeriod = 0.001;  // [s]
+
 struct Problem {
   Parameters robot;
   Limits limits;
@@ -69,12 +72,12 @@ struct Problem {
   std::optional<std::size_t> release;  // the via point at which what is thrown is let go; none: the goal
   Task task;
   std::optional<Slack> slack;
-  double sample_period = 0.001;  // [s]
+  double sample_period = kDefaultSamplePeriod;  // [s]
   std::uint64_t seed = 1;
   Thoroughness search = Thoroughness::kDefault;
-  std::string method = "hermite-simpson";  // of collocation, a name of collocation/scheme.h
-  std::string name;                        // of the request file, without extension
-  std::string request_hash;                // SHA-256 over the resolved values, not over the file's bytes
+  std::string method = kDefaultMethod;  // of collocation, a name of collocation/scheme.h
+  std::string name;                     // of the request file, without extension
+  std::string request_hash;             // SHA-256 over the resolved values, not over the file's bytes
 };
 
 // What holding the goal takes of each motor once the arm is there, |G(q)| [N m]; 0 where the goal moves or leaves a

@@ -72,6 +72,8 @@ struct QuantityInfo {
   // The limit in robot.yaml that a request may tighten; none: only requests limit it.
   Joints<double> Parameters::Limits::*of_robot = nullptr;
   Joints<double> Limits::*middle = nullptr;  // what value() is counted from; none: zero
+  // What holds of it in place of the limit where feedback is included; none: the limit itself.
+  Joints<double> Parameters::Drive::*with_feedback = nullptr;
   BoundOn bound = BoundOn::kRow;
   int state = 0;             // with BoundOn::kState: the first joint's
   bool sees_torque = false;  // tau_m, and not the state alone
@@ -110,6 +112,7 @@ struct Torque {
                                      .meaning = "of each motor, |tau_m|",
                                      .per_joint = &Limits::torque,
                                      .of_robot = &Parameters::Limits::torque,
+                                     .with_feedback = &Parameters::Drive::peak_torque,
                                      .sees_torque = true,
                                      .degree = 1,
                                      .of_first_version = true};

@@ -49,6 +49,33 @@ std::string proof(const Proof& proof, double tolerance) {
   return proof.proven ? line("proven", "at all times: " + loops) : line("not proven", loops);
 }
 
+std::string margin(const Robustness::Margin& m) {
+  const std::string joint = m.joint == 0 ? "" : fmt::format("{} {}", std::isfinite(m.limit) ? "" : " link", m.joint);
+  const std::string costs = m.parameter.empty()
+                                ? "most of it for encoder counts and ticks"
+                                : fmt::format("{:.0f} % of its square for {}", 100 * m.fraction, m.parameter);
+  return fmt::format("{}{} needs {:.3g}, has {:.3g} {} at {:.4f} s; {}", m.name, joint, m.needed, m.there, m.unit,
+                     m.time, costs);
+}
+
+// What holds of most of the arms that the identification leaves possible.
+std::string robustness(const Robustness& r, double tolerance) {
+  std::string text = line(
+      r.kept ? "robust" : "not robust",
+      fmt::format("probability {} over {} uncertain parameters: links within {:.1f} and {:.1f} counts{}", r.confidence,
+                  r.parameters, r.link[0] / tolerance, r.link[1] / tolerance, r.kept ? ", and no limit exceeded" : ""));
+  std::vector<Robustness::Margin> margins = r.limits;
+  margins.insert(margins.end(), r.task.begin(), r.task.end());
+  std::stable_sort(margins.begin(), margins.end(),
+                   [](const auto& a, const auto& b) { return a.there * b.needed < b.there * a.needed; });
+  margins.resize(std::min(margins.size(), kTightest));
+  for (const Robustness::Margin& m : margins) text += line("", margin(m));
+  if (!r.costs.empty()) {
+    text += line("", fmt::format("{} costs most; not covered: {}", r.costs.front().first, Robustness::kNotCovered));
+  }
+  return text;
+}
+
 std::string limit_text(const LimitCheck& check) {
   const std::string joint = check.joint == 0 ? "" : fmt::format(" {}", check.joint);
   return fmt::format("{}{} {:.6g} of {:.6g} {} at {:.4f} s", check.name, joint, check.reached, check.limit,
@@ -210,6 +237,7 @@ std::string summary(const Certificate& certificate) {
                   tracking.link_error[0] / certificate.tolerance, tracking.link_error[1] / certificate.tolerance,
                   tracking.peak_torque[0], tracking.peak_torque[1], tracking.saturated ? " (the drive's peak)" : ""));
   if (certificate.proof.evaluated) text += proof(certificate.proof, certificate.tolerance);
+  if (certificate.robustness.evaluated) text += robustness(certificate.robustness, certificate.tolerance);
   for (const std::string& failure : certificate.failures) text += line("failed", failure);
   return text;
 }

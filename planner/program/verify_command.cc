@@ -12,6 +12,7 @@
 
 #include "planner/certificate/certificate.h"
 #include "planner/certificate/residual.h"
+#include "planner/certificate/robust/robustness.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
 #include "planner/program/summary.h"
@@ -28,6 +29,7 @@ struct VerifyArguments {
   std::vector<double> payload;  // empty: the robot's own
   bool json = false;
   bool proven = false;
+  double robust = 0;  // 0: not asked for
 };
 
 std::optional<Payload> payload_given(const VerifyArguments& options) {
@@ -66,11 +68,25 @@ std::string text_for_people(const VerifyArguments& options, const Trajectory& tr
       motion_of("ends", v.robot, trajectory.samples.back()), header_text(v), summary(v.certificate));
 }
 
+VerifyOptions verify_options(const VerifyArguments& options) {
+  VerifyOptions o{payload_given(options), options.proven};
+  if (options.robust > 0) o.robust = options.robust;
+  if (options.robust > 0 && std::filesystem::is_directory(options.trajectory)) {
+    o.planned = planned_task(options.trajectory);
+  }
+  return o;
+}
+
+std::filesystem::path rows_of(const std::string& given) {
+  const std::filesystem::path path = given;
+  return std::filesystem::is_directory(path) ? path / "trajectory.csv" : path;
+}
+
 int run(const VerifyArguments& options) {
-  const Trajectory trajectory = read_csv(options.trajectory);
+  const Trajectory trajectory = read_csv(rows_of(options.trajectory));
   const Parameters robot =
       load_parameters(options.robot.empty() ? default_robot_file() : std::filesystem::path(options.robot));
-  const Verification v = verify(trajectory, options.trajectory, robot, {payload_given(options), options.proven});
+  const Verification v = verify(trajectory, options.trajectory, robot, verify_options(options));
   tell_doubts(v.robot);
   for (const std::string& contradiction : v.contradictions) {
     fmt::print(stderr, "fjr: warning: {}: {}\n", options.trajectory, contradiction);
@@ -85,7 +101,9 @@ int run(const VerifyArguments& options) {
 void add_verify(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<VerifyArguments>();
   CLI::App* command = app.add_subcommand("verify", "Certify a trajectory file: exactness and the robot's limits");
-  command->add_option("trajectory", options->trajectory, "Trajectory file")->required()->type_name("TRAJECTORY.csv");
+  command->add_option("trajectory", options->trajectory, "Trajectory file, or the folder of a plan")
+      ->required()
+      ->type_name("TRAJECTORY.csv");
   command->add_option("--robot", options->robot, "Robot file; without it the one shipped with fjr")->type_name("R");
   command
       ->add_option("--payload", options->payload,
@@ -96,6 +114,12 @@ void add_verify(CLI::App& app, int& exit_code) {
       ->type_name("KG [KG M^2]");
   command->add_flag("--proven", options->proven,
                     "Bounds that hold with mathematical certainty too: certified only if everything is proven");
+  command
+      ->add_option("--robust", options->robust,
+                   "Margins for the arms that the robot's uncertainty leaves possible: certified only if this fraction "
+                   "of them keeps everything, with the executor's feedback")
+      ->check(CLI::Range(kLeastConfidence, kMostConfidence))
+      ->type_name("P");
   command->add_flag("--json", options->json, "Only JSON on stdout: the certificate");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

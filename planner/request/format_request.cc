@@ -53,7 +53,12 @@ std::string text_of(const VelocityOrFree& velocity) {
 }
 std::string text_of(const TipBox& box) { return fmt::format("[{}, {}]", text_of(box.lower), text_of(box.upper)); }
 std::string text_of(const Payload& payload) {
-  return fmt::format("{{mass: {}, inertia: {}}}", payload.mass, payload.inertia);
+  const auto entry = [](double value, double error, const PayloadBound& bound) {
+    if (error == 0) return text_of(value);
+    return fmt::format("{{value: {}, unit: {}, standard_error: {}}}", value, bound.unit, error);
+  };
+  return fmt::format("{{mass: {}, inertia: {}}}", entry(payload.mass, payload.mass_error, kPayloadMassBound),
+                     entry(payload.inertia, payload.inertia_error, kPayloadInertiaBound));
 }
 
 std::string text_of(const Limits& limits) {

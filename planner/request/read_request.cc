@@ -152,6 +152,17 @@ void read(const YamlNode& node, const char*, std::optional<RequestedStart>& star
 
 }  // namespace
 
+Task read_task(const YamlNode& node) {
+  Task task;
+  std::vector<std::string_view> names;
+  visit_constraints(task, [&](const char* key, auto&) { names.emplace_back(key); });
+  node.allow_keys(names);
+  visit_constraints(task, [&](const char* key, auto& member) {
+    if (const auto given = node.find(key)) read(*given, "", member);
+  });
+  return task;
+}
+
 Request read_request(const YamlNode& root) {
   Request request;
   request.source = root.source();

@@ -204,8 +204,11 @@ void visit(R& r, Visit&& v) {
 // field, value and what is allowed, for what is malformed; whether it makes sense is resolve()'s to say.
 Request read_request(const YamlNode& root);
 
-// The same as a document of one line that read_request() reads back to the same bits.
+// A request as a document of one line that read_request() reads back to the same bits.
 std::string format_request(const Request& request);
+
+// The task of a resolved request, as plan.json has it (resolved_request.task).
+Task read_task(const YamlNode& node);
 
 // Resolves a request to numbers: presets, defaults, moving starts by flatness, limits tightened. Throws InputError for
 // what contradicts itself or the robot (outside limits, static torque too large, free duration without a time weight,

@@ -101,7 +101,7 @@ std::string request_hash(const Problem& problem) {
   if (problem.release) lines.add("release", static_cast<double>(*problem.release));
   lines.add("sample_period", problem.sample_period);
   lines.add_text("seed", std::to_string(problem.seed));
-  if (problem.method != Problem{}.method) lines.add_text("method", problem.method);
+  if (problem.method != kDefaultMethod) lines.add_text("method", problem.method);
   if (problem.search != Thoroughness::kDefault) lines.add_text("search", word_of(problem.search));
   return lines.hash();
 }

@@ -143,7 +143,7 @@ Weights resolve_weights(const Request& request, const Duration& duration) {
 
 double resolve_sample_period(const Request& request, const Duration& duration) {
   const Place place{request, "sample_period"};
-  const double period = request.sample_period.value_or(Problem{}.sample_period);
+  const double period = request.sample_period.value_or(kDefaultSamplePeriod);
   if (period < kShortestPeriod || period > kLongestPeriod) {
     place.fail(fmt::format("{} s is outside [{}, {}]", period, kShortestPeriod, kLongestPeriod));
   }
@@ -159,7 +159,7 @@ double resolve_sample_period(const Request& request, const Duration& duration) {
 }
 
 std::string resolve_method(const Request& request) {
-  const std::string method = request.method.value_or(Problem{}.method);
+  const std::string method = request.method.value_or(kDefaultMethod);
   const std::vector<Scheme> schemes = all_schemes();
   std::vector<std::string_view> known;
   for (const Scheme& scheme : schemes) known.emplace_back(scheme.name);

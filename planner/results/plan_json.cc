@@ -19,6 +19,12 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 Json numbers(const Joints<double>& values) { return Json::array({number(values[0]), number(values[1])}); }
 Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
+Json list_of(const std::vector<double>& values) {
+  Json list = Json::array();
+  for (const double value : values) list.push_back(number(value));
+  return list;
+}
+
 Json numbers(const std::map<std::string, double>& values) {
   Json json = Json::object();
   for (const auto& [name, value] : values) json[name] = number(value);
@@ -88,6 +94,50 @@ Json proof_json(const Proof& proof) {
           {"open_loop", proven_loop_json(proof.open_loop)},
           {"closed_loop", std::move(closed_loop)},
           {"limits", std::move(limits)}};
+}
+
+Json margins_json(const std::vector<Robustness::Margin>& margins, const char* whose) {
+  Json list = Json::array();
+  for (const Robustness::Margin& m : margins) {
+    Json json{{"name", m.name}, {whose, m.joint == 0 ? Json(nullptr) : Json(m.joint)}, {"unit", m.unit}};
+    if (std::isfinite(m.limit)) json["limit"] = m.limit;
+    json.update({{"factor", number(m.factor)},
+                 {"needed", number(m.needed)},
+                 {"there", number(m.there)},
+                 {"time", number(m.time)},
+                 {"parameter", text_or_null(m.parameter)},
+                 {"fraction", number(m.fraction)},
+                 {"passed", m.passed},
+                 {"tube", list_of(m.tube)}});
+    list.push_back(std::move(json));
+  }
+  return list;
+}
+
+Json robustness_json(const Robustness& r, double count) {
+  if (!r.evaluated) return nullptr;
+  Json costs = Json::array();
+  for (const auto& [parameter, fraction] : r.costs)
+    costs.push_back({{"parameter", parameter}, {"fraction", number(fraction)}});
+  Json link_tubes = Json::array();
+  for (const std::vector<double>& tube : r.link_tube) link_tubes.push_back(list_of(tube));
+  return {{"verdict", r.kept ? "kept" : "lacking"},
+          {"reason", text_or_null(r.reason)},
+          {"confidence", number(r.confidence)},
+          {"certainty", number(r.certainty)},
+          {"arms", r.arms},
+          {"parameters", r.parameters},
+          {"directions", r.directions},
+          {"first_order_factor", number(r.first_order)},
+          {"ellipsoid_factor", number(r.ellipsoid)},
+          {"link_error_rad", numbers(r.link)},
+          {"link_error_counts", numbers(Joints<double>{r.link[0] / count, r.link[1] / count})},
+          {"limits", margins_json(r.limits, "joint")},
+          {"task", margins_json(r.task, "link")},
+          {"costs", std::move(costs)},
+          {"times", list_of(r.times)},
+          {"link_tubes_rad", std::move(link_tubes)},
+          {"not_covered", Robustness::kNotCovered}};
 }
 
 Json limit_json(const LimitCheck& check) {
@@ -318,7 +368,8 @@ Json certificate_json(const Certificate& certificate) {
           {"task", std::move(task)},
           {"residual", residual_json(certificate.residual)},
           {"tracking", tracking_json(certificate.tracking)},
-          {"proof", proof_json(certificate.proof)}};
+          {"proof", proof_json(certificate.proof)},
+          {"robustness", robustness_json(certificate.robustness, certificate.tolerance)}};
 }
 
 Json plan_json(const Problem& problem, const Plan& plan) {

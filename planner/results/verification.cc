@@ -10,6 +10,8 @@
 #include "common/parallel.h"
 #include "planner/certificate/proof/prove.h"
 #include "planner/certificate/residual.h"
+#include "planner/certificate/robust/robustness.h"
+#include "planner/request/request.h"
 #include "planner/results/plan_json.h"
 
 namespace fjr {
@@ -73,6 +75,14 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& tas
 
 }  // namespace
 
+PlannedTask planned_task(const std::filesystem::path& folder) {
+  const YamlNode plan = YamlNode::load(folder / "plan.json");
+  PlannedTask planned{read_task(plan.at("resolved_request").at("task")), {}};
+  for (const YamlNode& time : plan.at("via_times").items()) planned.ends.push_back(time.number("s"));
+  planned.ends.push_back(plan.at("duration").number("s"));
+  return planned;
+}
+
 Verification verify(const Trajectory& trajectory, const std::string& source, const Parameters& robot,
                     const VerifyOptions& options) {
   Verification v{robot, {}, planned_with(trajectory.metadata, source), {}, {}, {}};
@@ -82,6 +92,13 @@ Verification verify(const Trajectory& trajectory, const std::string& source, con
   compare_robots(trajectory, v);
   v.certificate = certify(v.robot, v.limits, trajectory);
   if (options.proven) demand_proof(v.robot, v.limits, trajectory, v.certificate, on_all_cores);
+  if (options.robust) {
+    TaskOfMotion task{{}, options.planned.ends};
+    for (std::size_t s = 0; s < task.ends.size(); ++s) {
+      task.rows.push_back(task_rows(v.robot, options.planned.task, s));
+    }
+    demand_robustness(v.robot, v.limits, task, trajectory, *options.robust, v.certificate, on_all_cores);
+  }
   check_completeness(trajectory, v);
   if (!v.certificate.certified) {  // the reason behind the others
     v.certificate.failures.insert(v.certificate.failures.begin(), v.contradictions.begin(), v.contradictions.end());

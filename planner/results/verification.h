@@ -1,6 +1,7 @@
 // The certificate of any trajectory, whoever made it.
 #pragma once
 
+#include <filesystem>
 #include <nlohmann/json_fwd.hpp>
 #include <optional>
 #include <string>
@@ -20,9 +21,22 @@ struct Verification {
   std::optional<bool> complete;  // all rows are there that the file says that it had; none: it does not say
 };
 
+// What the request of a plan asks of the motion beside limits, and when the motion's segments end [s].
+struct PlannedTask {
+  Task task;
+  std::vector<double> ends;
+};
+
+// From the plan.json in the folder of a plan. Throws InputError where there is none, or none of a motion.
+PlannedTask planned_task(const std::filesystem::path& folder);
+
 struct VerifyOptions {
   std::optional<Payload> payload;  // none: the robot's, or else the file's
   bool proven = false;             // certified only if everything is proven (planner/certificate/proof), on all cores
+  // Certified only if this fraction of the arms that the robot's uncertainty leaves possible keeps everything
+  // (planner/certificate/robust), on all cores.
+  std::optional<double> robust{};
+  PlannedTask planned{};  // empty where it is not known
 };
 
 // source: what it is called in messages. Throws InputError for what the file's header says in another form than

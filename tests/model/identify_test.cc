@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "common/input_error.h"
+#include "common/normal.h"
 #include "model/encoder.h"
 #include "model/friction.h"
 #include "model/identify/agreement.h"
@@ -16,7 +17,6 @@
 #include "model/identify/repeated.h"
 #include "model/identify/report.h"
 #include "model/identify/robot_file.h"
-#include "model/rig/normal.h"
 #include "tests/model/virtual_lab.h"
 
 namespace fjr {

@@ -19,6 +19,7 @@
 #include "common/sha256.h"
 #include "common/strict_yaml.h"
 #include "model/plausibility.h"
+#include "model/uncertainty.h"
 
 namespace fjr {
 namespace {
@@ -144,6 +145,53 @@ TEST(Parameters, StandardErrorsAndCovarianceAreAccepted) {
       "covariance: {names: [\"spring.stiffness[0]\", \"motor.inertia[1]\"], matrix: [[4e-2, 1e-3], [1e-3, 1e-4]]}\n";
   const Parameters p = load_parameters(folder.write("robot.yaml", text));
   EXPECT_EQ(robot_hash(p), robot_hash(load_parameters(kShipped)));  // statistics are not part of the robot
+}
+
+Uncertainty uncertainty_in(const std::string& text) {
+  const Folder folder;
+  return uncertainty_of(load_parameters(folder.write("robot.yaml", text)));
+}
+
+TEST(Parameters, UncertaintyIsWhatCovarianceAndStandardErrorsSay) {
+  EXPECT_TRUE(uncertainty_in(shipped_text()).none());
+  std::string text = replaced(shipped_text(), "section IV-A, the spring of eq. (1)\", standard_error: null",
+                              "measured\", standard_error: [0.05, 0.07]");
+  text +=
+      "covariance:\n"
+      "  - {names: [\"spring.stiffness[0]\", \"motor.inertia[1]\"], matrix: [[4e-2, 1e-5], [1e-5, 1e-8]]}\n"
+      "  - {names: [\"friction.viscous[0]\"], matrix: [[9e-6]]}\n"
+      "payload: {mass: {value: 0.2, unit: kg, standard_error: 0.01}}\n";
+  const Uncertainty u = uncertainty_in(text);
+  EXPECT_EQ(u.names, (std::vector<std::string>{"spring.stiffness[0]", "spring.stiffness[1]", "motor.inertia[1]",
+                                               "friction.viscous[0]", "payload.mass"}));
+  EXPECT_DOUBLE_EQ(u.standard_error(0), 0.2);  // of the block, not of the entry
+  EXPECT_DOUBLE_EQ(u.standard_error(1), 0.07);
+  EXPECT_DOUBLE_EQ(u.covariance(0, 2), 1e-5);
+  EXPECT_DOUBLE_EQ(u.covariance(0, 1), 0);
+  EXPECT_DOUBLE_EQ(u.standard_error(4), 0.01);
+  const Eigen::MatrixXd factor = u.factor();
+  EXPECT_TRUE((factor * factor.transpose()).isApprox(u.covariance, 1e-12));
+}
+
+// What is told by the same measurement is no direction of its own.
+TEST(Parameters, ASingularCovarianceHasFewerDirections) {
+  const Uncertainty u = uncertainty_in(shipped_text() +
+                                       "covariance: {names: [\"link.gravity_torque[1]\", \"link.com_fraction[1]\"], "
+                                       "matrix: [[4e-8, 2e-8], [2e-8, 1e-8]]}");
+  EXPECT_EQ(u.factor().cols(), 1);
+  EXPECT_TRUE((u.factor() * u.factor().transpose()).isApprox(u.covariance, 1e-9));
+}
+
+// I about the joint is I about the centre of mass and m (alpha l)^2: with m = 0.66, alpha = 0.2687, l = 0.305 an error
+// of alpha of 0.01 takes 2 m alpha l^2 0.01 = 3.30e-4 from the other.
+TEST(Parameters, ErrorsOfInertiasMoveWithTheirPoints) {
+  std::string text = replaced(shipped_text(), "[0.0915, 7.1672e-3], about: [joint, center_of_mass]",
+                              "[0.0915, 1.16e-2], about: [joint, joint]");
+  text += "covariance: {names: [\"link.com_fraction[1]\", \"link.inertia[1]\"], matrix: [[1e-4, 0], [0, 1e-20]]}";
+  const Uncertainty u = uncertainty_in(text);
+  ASSERT_EQ(u.names.size(), 2U);
+  EXPECT_NEAR(u.standard_error(1), 2 * 0.66 * 0.2687 * 0.305 * 0.305 * 0.01, 1e-8);
+  EXPECT_LT(u.covariance(0, 1), 0);
 }
 
 TEST(Parameters, StandardErrorMayBeKnownForOneJointAlone) {
@@ -304,6 +352,10 @@ TEST(Parameters, BrokenCovariancesAreRefused) {
   EXPECT_EQ(with("{names: [\"motor.inertia[0]\"], matrix: [[.inf]]}"),
             "covariance.matrix[0][0]: \".inf\" is not a finite number");
   EXPECT_EQ(with("{names: [\"motor.inertia[0]\"]}"), "covariance.matrix: missing");
+  EXPECT_EQ(with("[{names: [\"motor.inertia[0]\"], matrix: [[1]]}, {names: [\"motor.inertia[0]\"], matrix: [[1]]}]"),
+            "covariance[1].names[0]: \"motor.inertia[0]\" is given twice");
+  EXPECT_EQ(with("{names: [\"motor.inertia[0]\", \"motor.inertia[1]\"], matrix: [[1, 2], [2, 1]]}"),
+            "covariance.matrix: is no covariance: a combination of its parameters would have a negative variance");
 }
 
 TEST(Parameters, YamlThatNoConfigurationNeedsIsRefused) {

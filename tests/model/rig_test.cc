@@ -8,9 +8,9 @@
 #include <numeric>
 
 #include "common/input_error.h"
+#include "common/normal.h"
 #include "model/encoder.h"
 #include "model/rig/experiments.h"
-#include "model/rig/normal.h"
 #include "model/rig/rig_file.h"
 
 namespace fjr {

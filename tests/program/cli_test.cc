@@ -495,6 +495,28 @@ TEST_F(Cli, VerifyProvesOnDemand) {
   EXPECT_THAT(proof["reason"], HasSubstr("not proven from t = 0.0"));
 }
 
+TEST_F(Cli, VerifyTellsMarginsOnDemand) {
+  write_csv(at_rest(), path("t.csv"));
+  const Result unknown = run({"verify", "t.csv", "--robust", "0.9"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("nothing is uncertain"));
+  EXPECT_EQ(run({"verify", "t.csv", "--robust", "1"}).exit_code, 2);
+  std::string robot = contents(FJR_SOURCE_DIR "/config/robot.yaml");
+  const std::string stiffness = "of eq. (1)\", standard_error: ";
+  robot.replace(robot.find(stiffness) + stiffness.size(), 4, "[0.01, 0.01]");
+  write("robot.yaml", robot);
+  const Result kept = run({"verify", "t.csv", "--robot", "robot.yaml", "--robust", "0.9"});
+  EXPECT_EQ(kept.exit_code, 0) << kept.out;
+  EXPECT_THAT(kept.out, HasSubstr("\n  robust      probability 0.9 over 2 uncertain parameters: links within "));
+  EXPECT_THAT(kept.out, HasSubstr("not covered: link damping that is not modelled, hysteresis, temperature"));
+  const Result json = run({"verify", "t.csv", "--robot", "robot.yaml", "--robust", "0.9", "--json"});
+  const Json robustness = Json::parse(json.out)["robustness"];
+  EXPECT_EQ(robustness["verdict"], "kept");
+  EXPECT_EQ(robustness["limits"].size(), 8U);
+  EXPECT_EQ(robustness["limits"][0]["tube"].size(), robustness["times"].size());
+  EXPECT_TRUE(Json::parse(run({"verify", "t.csv", "--json"}).out)["robustness"].is_null());
+}
+
 TEST_F(Cli, APlanIsProvenOnDemand) {
   write("move.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\nobjective: fastest\n");
   EXPECT_EQ(run({"plan", "move.yaml", "--out", "out", "--proven"}).exit_code, 0);

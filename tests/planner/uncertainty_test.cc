@@ -1,0 +1,186 @@
+// Margins for the arms that an identification leaves possible, against rollouts of such arms.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "common/input_error.h"
+#include "common/normal.h"
+#include "common/parallel.h"
+#include "planner/certificate/robust/robustness.h"
+#include "planner/certificate/robust/sensitivities.h"
+#include "planner/certificate/simulation.h"
+#include "planner/trajectory/trajectory.h"
+#include "support/exact_trajectories.h"
+
+namespace fjr {
+namespace {
+
+using testing::HasSubstr;
+
+// Relative standard errors of some parameters, friction's in a correlated pair.
+Parameters uncertain(Parameters p, double relative) {
+  Uncertainty u;
+  u.names = {"link.inertia[0]",     "link.gravity_torque[1]", "spring.stiffness[0]",  "spring.stiffness[1]",
+             "friction.viscous[0]", "friction.amplitude[0]",  "friction.amplitude[1]"};
+  const auto n = static_cast<Eigen::Index>(u.names.size());
+  u.covariance = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double error = relative * *parameter_named(p, u.names[static_cast<std::size_t>(i)]);
+    u.covariance(i, i) = error * error;
+  }
+  u.covariance(4, 5) = u.covariance(5, 4) = -0.8 * std::sqrt(u.covariance(4, 4) * u.covariance(5, 5));
+  p.uncertainty = std::make_shared<const Uncertainty>(std::move(u));
+  return p;
+}
+
+// Encoders that hide nothing.
+Parameters with_fine_encoders(Parameters p) {
+  p.encoder.motor_counts = p.encoder.link_counts = {1e9, 1e9};
+  return p;
+}
+
+std::vector<State<double>> rolled_out(const Parameters& planned_for, const Parameters& arm) {
+  std::vector<State<double>> states;
+  roll_out_ticks(planned_for, arm, reference_trajectory(), start_on(planned_for, arm, reference_trajectory()),
+                 [&](const SimulatedTick& tick) { states.push_back(tick.state); });
+  return states;
+}
+
+// The executor's rollouts of neighbouring arms are exact to 1e-7 rad, and differ by 1e-4 rad and more: a difference
+// quotient over 0.2 of 1 % is good to 1e-3 of its largest value, and to some more where little depends on a parameter,
+// as on link 2's gravity (measured: 6e-3). Ticks of 1 ms over swings of 50 rad/s make 1e-4.
+// At 0.195 s motor 1 reverses within a tick. What the step of friction makes of that depends on how fast the motor is
+// there, which cubics between rows of 1 ms tell to some per cent (measured: 4).
+TEST(Sensitivities, AreThoseOfRolloutsOfNeighbouringArms) {
+  const Parameters p = uncertain(with_fine_encoders(robot()), 0.01);
+  const Uncertainty& u = *p.uncertainty;
+  const Sensitivities s = sensitivities(p, reference_trajectory(), u);
+  ASSERT_EQ(s.times.size(), 430U);
+  for (std::size_t i = 0; i < u.names.size(); ++i) {
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(u.names.size()));
+    const auto column = static_cast<Eigen::Index>(i);
+    step[column] = 0.2 * u.standard_error(i);
+    const auto more = rolled_out(p, changed(p, u.names, step)), less = rolled_out(p, changed(p, u.names, -step));
+    for (Eigen::Index row = 0; row < kStates; ++row) {
+      double largest = 0, worst = 0, worst_before = 0;
+      for (std::size_t k = 0; k < s.times.size(); ++k) {
+        const auto state = static_cast<std::size_t>(row);
+        const double quotient = (more[k][state] - less[k][state]) / (2 * step[column]);
+        largest = std::max(largest, std::abs(quotient));
+        const double error = std::abs(quotient - s.state[k](row, column));
+        worst = std::max(worst, error);
+        if (s.times[k] < 0.195) worst_before = worst;
+      }
+      EXPECT_LT(worst_before, 1e-2 * largest) << u.names[i] << ", state " << row;
+      EXPECT_LT(worst, 0.06 * largest) << u.names[i] << ", state " << row;
+    }
+  }
+}
+
+TEST(Sensitivities, EquivalentGainsAreThoseOfTheLaw) {
+  using Encoder = EquivalentGain::Encoder;
+  const EquivalentGain motor(robot(), 0, Encoder::kMotor), link(robot(), 0, Encoder::kLink);
+  const double of_motor = count_angle(4000), of_link = count_angle(65536);
+  // Errors far below a count are seen where they move the reading by one, with probability error / count, and then as
+  // half a count and half the error: E (1/2 + |x| / 2 count) x^2 / E x^2, with E |x|^3 = 1.596 for a standard deviation
+  // of 1. Far above, all of them.
+  EXPECT_NEAR(motor.at(of_motor / 16), 0.5 + 1.596 / 2 / 16, 1e-3);
+  EXPECT_NEAR(motor.at(20 * of_motor), 1, 0.01);
+  EXPECT_LT(motor.at(of_motor / 2), motor.at(2 * of_motor));
+  // The links' law is for errors up to half a count of the motor, 8 of the link.
+  EXPECT_GT(link.at(3 * of_link), 0.7);
+  EXPECT_LT(link.at(300 * of_link), 0.05);
+}
+
+double binomial_at_most(std::size_t k, std::size_t n, double p) {
+  double sum = 0;
+  for (std::size_t i = 0; i <= k; ++i) {
+    const auto count = static_cast<double>(n), of = static_cast<double>(i);
+    sum += std::exp(std::lgamma(count + 1) - std::lgamma(of + 1) - std::lgamma(count - of + 1) + of * std::log(p) +
+                    (count - of) * std::log1p(-p));
+  }
+  return sum;
+}
+
+TEST(Robustness, DrawsAreAsManyAsTheCertaintyTakes) {
+  for (const double confidence : {0.9, 0.99, 0.999}) {
+    const Draws draws = draws_for(confidence);
+    EXPECT_LE(binomial_at_most(draws.outside, draws.arms, 1 - confidence), 1 - kCertainty);
+    EXPECT_GT(binomial_at_most(draws.outside, draws.arms - 1, 1 - confidence), 1 - kCertainty);
+  }
+  EXPECT_EQ(draws_for(0.99).arms, 628U);
+}
+
+// Other arms than those by which the tubes were found, with errors near a count and far above.
+class RobustTrial : public testing::TestWithParam<double> {};
+
+TEST_P(RobustTrial, ArmsStayWithinWhatIsPromisedAndNotFarWithin) {
+  const Parameters p = uncertain(robot(), GetParam());
+  const Limits limits = robot_limits();
+  constexpr double kConfidence = 0.9;
+  const Robustness r = robustness(p, limits, {}, reference_trajectory(), kConfidence);
+  const Uncertainty& u = *p.uncertainty;
+  const Eigen::MatrixXd factor = u.factor();
+  constexpr int kArms = 300;
+  Normal normal(4711);
+  int within = 0, within_half = 0;
+  for (int n = 0; n < kArms; ++n) {
+    Eigen::VectorXd drawn(factor.cols());
+    for (double& number : drawn) number = normal();
+    const Trial trial = try_arm(p, limits, {}, reference_trajectory(), changed(p, u.names, factor * drawn));
+    const auto inside = [&](double part) {
+      return trial.link[0] <= part * r.link[0] && trial.link[1] <= part * r.link[1];
+    };
+    within += inside(1) ? 1 : 0;
+    within_half += inside(0.5) ? 1 : 0;
+  }
+  EXPECT_GE(within, 0.99 * kArms - 3 * std::sqrt(0.01 * 0.99 * kArms));  // three standard deviations of such a count
+  EXPECT_LT(within_half, 0.99 * kArms);                                  // tubes of half the width would not do
+  EXPECT_LT(r.first_order, r.ellipsoid);  // all times and limits at once take less than all parameters at once
+}
+
+INSTANTIATE_TEST_SUITE_P(Errors, RobustTrial, testing::Values(1e-4, 1e-2));
+
+TEST(Robustness, TellsTheLimitThatLacksItsMarginAndWhoseErrorItIs) {
+  Parameters p = uncertain(robot(), 1e-9);
+  Uncertainty u = *p.uncertainty;
+  u.covariance(2, 2) = std::pow(0.01 * p.spring.stiffness[0], 2);
+  p.uncertainty = std::make_shared<const Uncertainty>(u);
+  Limits limits = robot_limits();
+  const Robustness wide = robustness(p, limits, {}, reference_trajectory(), 0.9);
+  EXPECT_TRUE(wide.kept) << wide.reason;
+  EXPECT_EQ(wide.costs.front().first, "spring.stiffness[0]");
+  const auto deflection = std::find_if(wide.limits.begin(), wide.limits.end(), [](const Robustness::Margin& m) {
+    return m.name == "spring_deflection" && m.joint == 1;
+  });
+  ASSERT_NE(deflection, wide.limits.end());
+  EXPECT_EQ(deflection->parameter, "spring.stiffness[0]");
+  limits.spring_deflection[0] -= deflection->there - 0.5 * deflection->needed;
+  const Robustness narrow = robustness(p, limits, {}, reference_trajectory(), 0.9);
+  EXPECT_FALSE(narrow.kept);
+  EXPECT_THAT(narrow.reason, HasSubstr("spring_deflection of joint 1 needs a margin of "));
+  Certificate certificate;
+  certificate.certified = true;
+  demand_robustness(p, limits, {}, reference_trajectory(), 0.9, certificate);
+  EXPECT_FALSE(certificate.certified);
+  EXPECT_EQ(certificate.failures, std::vector{narrow.reason});
+}
+
+TEST(Robustness, IsTheSameOnSeveralThreads) {
+  const Parameters p = uncertain(robot(), 1e-3);
+  const auto threads = [](std::size_t count, const auto& task) { for_each_index(count, 3, task); };
+  EXPECT_EQ(robustness(p, robot_limits(), {}, reference_trajectory(), 0.8).link,
+            robustness(p, robot_limits(), {}, reference_trajectory(), 0.8, threads).link);
+}
+
+TEST(Robustness, OfAnArmThatIsKnownExactlyIsRefused) {
+  EXPECT_THROW(robustness(robot(), robot_limits(), {}, reference_trajectory(), 0.99), InputError);
+}
+
+}  // namespace
+}  // namespace fjr

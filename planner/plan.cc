@@ -14,6 +14,7 @@
 #include "planner/search/fastest.h"
 #include "planner/search/follow.h"
 #include "planner/search/motions.h"
+#include "planner/search/robust.h"
 #include "planner/search/starts.h"
 #include "planner/search/warm_start.h"
 
@@ -104,6 +105,7 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   }
   if (!plan.warm && !session.stopped()) plan.infeasibility = search(options.starts, found, session);
 
+  if (!session.stopped()) make_robust(found, session);
   tell_motion(found, plan);
   conclude(found, session, plan);
   if (plan.certificate) {
@@ -112,6 +114,8 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   }
   if (options.proven && plan.status == PlanStatus::kCertified) demand_proof(problem, session, plan);
   if (plan.solution && plan.trajectory) plan.analysis = analyse(*found.best->problem, *plan.solution, found.scale);
+  if (plan.analysis && plan.certificate->robustness.evaluated)
+    tell_savings(*plan.analysis, plan.certificate->robustness);
   tell_account(found, session.account(), plan);
   plan.timing["cpu"] = cpu_since(began_cpu) + session.account().cpu_of_others;
   plan.timing["total"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();

@@ -1,6 +1,8 @@
 #include "planner/plan_fields.h"
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "planner/ocp/collocate.h"
 #include "planner/ocp/margins.h"
@@ -28,6 +30,47 @@ void tell_motion(const Findings& found, Plan& plan) {
   plan.trajectory = best.trajectory;
   plan.certificate = best.certificate;
   if (best.certificate.certified) plan.solution = std::make_shared<const Collocated>(solution);
+}
+
+namespace {
+
+// Of what is told at these times, over those at which a limit is active. [s]
+double mean_while_active(const ShadowPrice& limit, const std::vector<double>& times,
+                         const std::vector<double>& values) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    for (const ShadowPrice::Stretch& stretch : limit.active) {
+      if (times[k] < stretch.begin || times[k] > stretch.end) continue;
+      sum += values[k];
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+}  // namespace
+
+void tell_savings(const Analysis& analysis, Robustness& robustness) {
+  std::vector<double> gains(robustness.names.size(), 0.0);
+  std::vector<bool> counted(analysis.sensitivity.limits.size(), false);
+  for (const auto* margins : {&robustness.limits, &robustness.task}) {
+    for (const Robustness::Margin& m : *margins) {
+      for (std::size_t l = 0; l < counted.size(); ++l) {
+        const ShadowPrice& limit = analysis.sensitivity.limits[l];
+        if (counted[l] || limit.name != m.name || limit.joint != m.joint || limit.price == 0) continue;
+        if (std::isfinite(m.limit) && m.limit > limit.limit)
+          continue;  // held where feedback is included: costs nothing
+        counted[l] = true;
+        for (std::size_t i = 0; i < gains.size(); ++i) {
+          gains[i] += limit.price * mean_while_active(limit, robustness.times, m.halved[i]);
+        }
+      }
+    }
+  }
+  for (std::size_t i = 0; i < gains.size(); ++i) robustness.savings.emplace_back(robustness.names[i], gains[i]);
+  std::stable_sort(robustness.savings.begin(), robustness.savings.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
 }
 
 void tell_account(const Findings& found, const Account& account, Plan& plan) {

@@ -148,6 +148,8 @@ struct Robustness {
     double fraction = 0;    // of that square, at least for the parameter
     bool passed = false;
     std::vector<double> tube{};  // half width at Robustness::times, in `unit`
+    // By how much it would be less there if each of Robustness::names had half its error.
+    std::vector<std::vector<double>> halved{};
   };
   // What no uncertainty of the model's parameters says anything of.
   static constexpr const char* kNotCovered = "link damping that is not modelled, hysteresis, temperature";
@@ -168,6 +170,12 @@ struct Robustness {
   // Each parameter, and the fraction of the margins' squares that knowing it exactly would take away in the mean over
   // limits, weighted by how much of what there is they take; falling.
   std::vector<std::pair<std::string, double>> costs;
+  std::vector<std::string> names;  // of the parameters
+
+  // Of a plan that was made to keep it, in units of the objective: what the margins cost, and what knowing each
+  // parameter twice as well would give back, to first order by the shadow prices; falling.
+  std::optional<double> price;
+  std::vector<std::pair<std::string, double>> savings;
 };
 
 struct Certificate {

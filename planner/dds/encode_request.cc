@@ -206,6 +206,7 @@ void encode_motion(const Request& request, WireRequest& wire) {
   wire.obstacles = encode_obstacles(request);
   encode_tip(request, message.tip);
   encode_limits(request, message.limits);
+  if (request.robust) refuse(request, "robust", "only a request as a document can say it");
   message.payload.given = request.payload.has_value();
   if (request.payload) {
     message.payload.mass = request.payload->mass;

@@ -132,13 +132,21 @@ class Frame {
 
   // Margins cannot act on an interval, from and to counted in segments, where a given state lies on limit i, for as
   // long as leaving takes. A task's rows are left as positions are.
-  bool held(std::size_t i, double from, double to) const {
+  // needed: what is to be kept free there.
+  bool held(std::size_t i, double from, double to, double needed = 0) const {
     const Leaving leaving = i < kLimits ? kLimitNames[i].quantity->leaving : Leaving::kSlowly;
     if (leaving == Leaving::kAtOnce) return false;
     const double window = leaving == Leaving::kSlowly ? kWindow * static_cast<double>(segment_count(problem_)) : 1e-9;
     return std::any_of(given_.begin(), given_.end(), [&](const Given& g) {
-      return lies_on(g, i) && from < g.place + window && to > g.place - window;
+      const bool close = lies_on(g, i) || g.clearance[i] < needed;
+      return close && from < g.place + window && to > g.place - window;
     });
+  }
+
+  // What is kept free for the uncertainty of the arm, where a given state does not lie closer.
+  double reserve(std::size_t i, double from, double to) const {
+    const double kept = problem_.reserve.largest(i, from, to);
+    return kept > 0 && !held(i, from, to, kept + base_margin(i)) ? kept : 0;
   }
 
  private:
@@ -189,6 +197,7 @@ std::vector<TightenedLimits> tightened_limits(const Problem& problem, const Mesh
     for (std::size_t i = 0; i < frame.count(); ++i) {
       double off = frame.base_margin(i);
       if (!margins.empty() && !frame.held(i, nodes[k], nodes[k + 1])) off += margins[k][i];
+      off += frame.reserve(i, nodes[k], nodes[k + 1]);
       if (i < kLimits) {
         if (std::isfinite(off)) kLimitNames[i].in(here.limits) -= off;
       } else {
@@ -219,7 +228,7 @@ std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const M
           i < kLimits ? kLimitNames[i].in(reached)-kLimitNames[i].in(problem.limits) : -clearance[i - kLimits];
       const double relaxed_by =
           problem.slack && i < problem.slack->direction.size() ? slack * problem.slack->direction[i] : 0;
-      const double over = beyond - relaxed_by + keep * frame.base_margin(i);
+      const double over = beyond - relaxed_by + keep * frame.base_margin(i) + frame.reserve(i, nodes[k], nodes[k + 1]);
       const bool counts = std::isfinite(scale) && over > kNegligible * scale && !frame.held(i, nodes[k], nodes[k + 1]);
       if (counts) excess[i] = over;
     }

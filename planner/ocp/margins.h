@@ -30,9 +30,9 @@ struct TightenedLimits {
   std::vector<std::array<double, 2>> task_rows;
 };
 
-// On each interval of the mesh: less the base margin and the interval's margin (none when empty), but never tighter
-// than what start, via points and goal ask for themselves. Leaving a state that lies on a limit takes time, so where
-// one does, no margin acts near it, and the base margin of that limit is given up.
+// On each interval of the mesh: less the base margin, the interval's margin (none when empty) and the problem's
+// reserve, but never tighter than what start, via points and goal ask for themselves. Leaving a state that lies on a
+// limit takes time, so where one does, no margin acts near it, and the base margin of that limit is given up.
 std::vector<TightenedLimits> tightened_limits(const Problem& problem, const Mesh& mesh,
                                               const std::vector<PerLimit>& margins);
 

@@ -56,6 +56,25 @@ struct Slack {
 // How many minima are looked for: one, as many as the objective is worth, four times as many.
 enum class Thoroughness { kQuick, kDefault, kThorough };
 
+inline constexpr double kLeastConfidence = 0.5, kMostConfidence = 0.999;  // that a request may ask for
+
+// What is kept free of each limit along the motion for what is uncertain of the arm.
+struct Reserve {
+  std::vector<double> places;                // increasing: where each piece ends, counted in segments of the motion
+  std::vector<std::vector<double>> margins;  // of each piece: the limits by their index, then the task's rows
+
+  // The largest of index i between two places; 0 where nothing is kept.
+  double largest(std::size_t i, double from, double to) const {
+    double most = 0;
+    const auto first = std::upper_bound(places.begin(), places.end(), from);
+    for (auto piece = static_cast<std::size_t>(first - places.begin()); piece < margins.size(); ++piece) {
+      most = std::max(most, margins[piece][i]);
+      if (places[piece] >= to) break;
+    }
+    return most;
+  }
+};
+
 inline constexpr const char* kDefaultMethod = "hermite-simpson";
 inline constexpr double kDefaultSamplePeriod = 0.001;  // [s]
 
@@ -72,6 +91,8 @@ struct Problem {
   std::optional<std::size_t> release;  // the via point at which what is thrown is let go; none: the goal
   Task task;
   std::optional<Slack> slack;
+  std::optional<double> robust;  // the fraction of the possible arms that is to keep everything; none: only the robot
+  Reserve reserve;               // for them; nothing that a request says
   double sample_period = kDefaultSamplePeriod;  // [s]
   std::uint64_t seed = 1;
   Thoroughness search = Thoroughness::kDefault;

@@ -119,6 +119,18 @@ std::string gain(const Problem& problem, const Plan& plan, double objective) {
   return fmt::format("{:.3g} ({})", objective, percent(objective / std::abs(plan.objective)));
 }
 
+// What margins for other arms cost, and which parameter most of it.
+std::string what_robustness_costs(const Problem& problem, const Plan& plan) {
+  const Robustness& r = plan.certificate->robustness;
+  if (!r.price || r.savings.empty()) return "";
+  std::string text = fmt::format("{} for a probability of {}", gain(problem, plan, *r.price), r.confidence);
+  if (r.savings.front().second > 0) {
+    text += fmt::format("; {} less if {} were known twice as well", gain(problem, plan, r.savings.front().second),
+                        r.savings.front().first);
+  }
+  return line("margins", text);
+}
+
 // The limits that cost most, and the duration where it is given: to first order, from the multipliers.
 std::string what_limits(const Problem& problem, const Plan& plan) {
   const Sensitivity& sensitivity = plan.analysis->sensitivity;
@@ -251,7 +263,7 @@ std::string summary(const Problem& problem, const Plan& plan) {
     text += line("besides", terms(problem, plan, false));
   }
   if (plan.certificate) text += summary(*plan.certificate);
-  if (plan.analysis) text += what_limits(problem, plan) + optimality(plan);
+  if (plan.analysis) text += what_robustness_costs(problem, plan) + what_limits(problem, plan) + optimality(plan);
   if (plan.minima.size() > 1) text += line("minima", minima(plan));
   text += line("solver", effort(plan));
   text += search(plan);

@@ -77,6 +77,10 @@ struct RequestedPath {
   double tolerance = 0;
 };
 
+struct RequestedRobustness {
+  double confidence = 0;
+};
+
 struct Request {
   std::string source;                   // the file, or what the client calls it: for messages and for the plan's name
   std::optional<std::string> robot;     // file, relative to the request's
@@ -95,6 +99,7 @@ struct Request {
   std::optional<Payload> payload;
   std::optional<std::string> method;
   std::optional<Thoroughness> search;
+  std::optional<RequestedRobustness> robust;
 };
 
 // ---- the keys ----
@@ -133,6 +138,15 @@ void visit(R& r, Visit&& v) {
   v(Key{"search", "", "how many minima are looked for ([what each costs](performance.md#quick-and-thorough-searches))",
         "`default`", "`quick`, `default`, `thorough`"},
     r.search);
+  v(Key{"robust", "", "margins for the arms that the robot's uncertainty leaves possible ([how](#robust-motions))",
+        "none: the motion is for the robot's values"},
+    r.robust);
+}
+
+template <class R, class Visit>
+requires std::is_same_v<std::remove_const_t<R>, RequestedRobustness>
+void visit(R& r, Visit&& v) {
+  v(Key{"confidence", "1", "the fraction of those arms that keeps everything", kNeeded, "0.5 to 0.999"}, r.confidence);
 }
 
 template <class R, class Visit>

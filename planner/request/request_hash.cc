@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "common/sha256.h"
+#include "model/uncertainty.h"
 #include "planner/request/request.h"
 #include "planner/request/words.h"
 
@@ -103,6 +104,16 @@ std::string request_hash(const Problem& problem) {
   lines.add_text("seed", std::to_string(problem.seed));
   if (problem.method != kDefaultMethod) lines.add_text("method", problem.method);
   if (problem.search != Thoroughness::kDefault) lines.add_text("search", word_of(problem.search));
+  if (problem.robust) {  // what is uncertain decides the plan, and is no part of the robot's hash
+    lines.add("robust.confidence", *problem.robust);
+    const Uncertainty uncertainty = uncertainty_of(problem.robot);
+    for (std::size_t i = 0; i < uncertainty.names.size(); ++i) {
+      for (std::size_t j = 0; j <= i; ++j) {
+        lines.add(fmt::format("covariance.{}.{}", uncertainty.names[i], uncertainty.names[j]),
+                  uncertainty.covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+      }
+    }
+  }
   return lines.hash();
 }
 

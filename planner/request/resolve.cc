@@ -10,6 +10,7 @@
 #include "common/spelling.h"
 #include "model/flatness.h"
 #include "model/kinematics.h"
+#include "model/uncertainty.h"
 #include "planner/collocation/scheme.h"
 #include "planner/problem/inverse_kinematics.h"
 #include "planner/request/place.h"
@@ -512,6 +513,18 @@ void refuse_empty_motion(const Request& request, const Problem& problem) {
   if (same) Place{request, "goal"}.fail("start and goal are the same state; nothing to plan");
 }
 
+double resolve_confidence(const Request& request, const Parameters& robot) {
+  const double confidence = request.robust->confidence;
+  const Place place{request, "robust"};
+  if (!(confidence >= kLeastConfidence && confidence <= kMostConfidence)) {
+    place.at("confidence").fail(fmt::format("{} is outside [{}, {}]", confidence, kLeastConfidence, kMostConfidence));
+  }
+  if (uncertainty_of(robot).none()) {
+    place.fail("the robot has neither covariance nor standard errors, and the payload none: nothing is uncertain");
+  }
+  return confidence;
+}
+
 }  // namespace
 
 Problem resolve(const Request& request, const Parameters& robot) {
@@ -522,6 +535,7 @@ Problem resolve(const Request& request, const Parameters& robot) {
     check_payload(request);
     problem.robot.payload = *request.payload;
   }
+  if (request.robust) problem.robust = resolve_confidence(request, problem.robot);
   problem.limits = resolve_limits(request, problem.robot);
   problem.duration = resolve_duration(request);
   problem.weights = resolve_weights(request, problem.duration);

@@ -114,11 +114,14 @@ Json margins_json(const std::vector<Robustness::Margin>& margins, const char* wh
   return list;
 }
 
+Json fractions_json(const std::vector<std::pair<std::string, double>>& of, const char* what) {
+  Json list = Json::array();
+  for (const auto& [parameter, value] : of) list.push_back({{"parameter", parameter}, {what, number(value)}});
+  return list;
+}
+
 Json robustness_json(const Robustness& r, double count) {
   if (!r.evaluated) return nullptr;
-  Json costs = Json::array();
-  for (const auto& [parameter, fraction] : r.costs)
-    costs.push_back({{"parameter", parameter}, {"fraction", number(fraction)}});
   Json link_tubes = Json::array();
   for (const std::vector<double>& tube : r.link_tube) link_tubes.push_back(list_of(tube));
   return {{"verdict", r.kept ? "kept" : "lacking"},
@@ -134,7 +137,9 @@ Json robustness_json(const Robustness& r, double count) {
           {"link_error_counts", numbers(Joints<double>{r.link[0] / count, r.link[1] / count})},
           {"limits", margins_json(r.limits, "joint")},
           {"task", margins_json(r.task, "link")},
-          {"costs", std::move(costs)},
+          {"costs", fractions_json(r.costs, "fraction")},
+          {"price", r.price ? number(*r.price) : Json(nullptr)},
+          {"saved_by_halved_error", fractions_json(r.savings, "objective")},
           {"times", list_of(r.times)},
           {"link_tubes_rad", std::move(link_tubes)},
           {"not_covered", Robustness::kNotCovered}};
@@ -351,7 +356,8 @@ Json resolved_request_json(const Problem& problem) {
           {"sample_period", problem.sample_period},
           {"seed", problem.seed},
           {"search", word_of(problem.search)},
-          {"method", problem.method}};
+          {"method", problem.method},
+          {"robust", problem.robust ? Json{{"confidence", *problem.robust}} : Json(nullptr)}};
 }
 
 Json certificate_json(const Certificate& certificate) {

@@ -122,6 +122,8 @@ class Request:
     """Collocation scheme."""
     search: str | None = None
     """``quick``, ``default`` or ``thorough``."""
+    robust: Part | None = None
+    """``{"confidence": 0.99}``: margins for the arms that the robot's uncertainty leaves possible."""
 
     def to_dict(self) -> dict[str, Any]:
         """As the mapping of a request file: nothing that is None."""

@@ -68,7 +68,8 @@ TEST(Request, IsTheSameWhenItIsWrittenAndReadAgain) {
   for (const char* more :
        {"tip: {arc: {center: [0, 0], from: [0.3, 0.52], to: [0.6, 0], tolerance: 0.01, way: long}}",
         "limits: {torque: [10, 4], tip_speed: 2.5}", "payload: {mass: 0.1, inertia: 0.001}",
-        "objective: {time: 1, copper: 0.1}", "duration: {max: 3}", "method: radau3", "search: quick", "seed: 7"}) {
+        "objective: {time: 1, copper: 0.1}", "duration: {max: 3}", "method: radau3", "search: quick", "seed: 7",
+        "payload: {mass: {value: 0.1, unit: kg, standard_error: 0.01}, inertia: 0.001}"}) {
     const Request request = read(kMove + more + "\n");
     EXPECT_EQ(format_request(read(format_request(request))), format_request(request)) << more;
     EXPECT_NE(format_request(request), format_request(read(kMove))) << more;
@@ -113,6 +114,15 @@ TEST(Request, SearchIsAChoice) {
   EXPECT_EQ(parse(kMove + "search: quick\n").search, Thoroughness::kQuick);
   EXPECT_NE(parse(kMove + "search: quick\n").request_hash, parse(kMove).request_hash);
   EXPECT_NE(parse(kMove + "search: thorough\n").request_hash, parse(kMove + "search: quick\n").request_hash);
+  EXPECT_EQ(error_of(kMove + "robust: {confidence: 0.99}\n"),
+            "request.yaml: robust: the robot has neither covariance nor standard errors, and the payload none: nothing "
+            "is uncertain");
+  const std::string payload = "payload: {value: 0.1, unit: kg, standard_error: 0.01}\n";
+  EXPECT_EQ(parse(kMove + payload + "robust: {confidence: 0.99}\n").robust, 0.99);
+  EXPECT_NE(parse(kMove + payload + "robust: {confidence: 0.99}\n").request_hash, parse(kMove + payload).request_hash);
+  EXPECT_EQ(parse(kMove + payload).request_hash, parse(kMove + "payload: 0.1\n").request_hash);
+  EXPECT_EQ(error_of(kMove + payload + "robust: {confidence: 1}\n"),
+            "request.yaml: robust.confidence: 1 is outside [0.5, 0.999]");
   EXPECT_EQ(error_of(kMove + "search: slow\n"),
             "request.yaml: search: \"slow\" is not one of quick, default, thorough");
 }
@@ -291,10 +301,10 @@ TEST(BrokenRequest, ShapeOfTheDocument) {
       {"# nothing\n", "empty"},
       {"fastest",
        "must be a map with the keys robot, start, goal, duration, objective, via, obstacles, walls, tip, path, limits, "
-       "sample_period, seed, payload, method, search, not the text \"fastest\""},
+       "sample_period, seed, payload, method, search, robust, not the text \"fastest\""},
       {kMove + "durtion: 1",
        "unknown key \"durtion\"; allowed: robot, start, goal, duration, objective, via, obstacles, "
-       "walls, tip, path, limits, sample_period, seed, payload, method, search; did you mean duration?"},
+       "walls, tip, path, limits, sample_period, seed, payload, method, search, robust; did you mean duration?"},
       {kMove + "seed: 1\nseed: 2", "line 4: key \"seed\" is given twice"},
       {kGoal, "start: missing; only a request to the service may leave it out, which then starts where the arm rests"},
       {kStart, "goal: missing"},

@@ -14,6 +14,8 @@
 #include "planner/certificate/robust/robustness.h"
 #include "planner/certificate/robust/sensitivities.h"
 #include "planner/certificate/simulation.h"
+#include "planner/plan.h"
+#include "planner/request/request.h"
 #include "planner/trajectory/trajectory.h"
 #include "support/exact_trajectories.h"
 
@@ -176,6 +178,44 @@ TEST(Robustness, IsTheSameOnSeveralThreads) {
   const auto threads = [](std::size_t count, const auto& task) { for_each_index(count, 3, task); };
   EXPECT_EQ(robustness(p, robot_limits(), {}, reference_trajectory(), 0.8).link,
             robustness(p, robot_limits(), {}, reference_trajectory(), 0.8, threads).link);
+}
+
+// The share of arms, others than those that margins were found by, that keep everything.
+double kept_by(const Problem& problem, const Plan& plan, int arms) {
+  const Uncertainty u = uncertainty_of(problem.robot);
+  const Eigen::MatrixXd factor = u.factor();
+  Normal normal(4711);
+  int kept = 0;
+  for (int n = 0; n < arms; ++n) {
+    Eigen::VectorXd drawn(factor.cols());
+    for (double& number : drawn) number = normal();
+    const Parameters arm = changed(problem.robot, u.names, factor * drawn);
+    kept += try_arm(problem.robot, problem.limits, {}, *plan.trajectory, arm).kept ? 1 : 0;
+  }
+  return static_cast<double>(kept) / arms;
+}
+
+TEST(RobustPlan, LeavesMarginsForArmsThatItHasNotSeen) {
+  const Parameters p = uncertain(robot(), 0.01);
+  const std::string move = "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\n";
+  const Problem ordinary = parse_request(move, "move.yaml", p),
+                robust = parse_request(move + "robust: {confidence: 0.9}\n", "move.yaml", p);
+  const Plan without = plan(ordinary, {}), with = plan(robust, {});
+  ASSERT_EQ(with.status, PlanStatus::kCertified) << with.reason;
+  const Robustness& r = with.certificate->robustness;
+  EXPECT_TRUE(r.kept);
+  for (const Robustness::Margin& m : r.limits) EXPECT_GE(m.there, m.needed) << m.name << " " << m.joint;
+  ASSERT_TRUE(r.price);
+  EXPECT_NEAR(*r.price, with.objective - without.objective, 1e-9);
+  EXPECT_GT(*r.price, 0);
+  EXPECT_LT(*r.price, 0.05 * without.objective);
+  EXPECT_EQ(r.savings.size(), r.names.size());
+  EXPECT_GT(r.savings.front().second, 0);
+  EXPECT_LT(r.savings.front().second, *r.price);
+  constexpr int kArms = 200;
+  EXPECT_GE(kept_by(robust, with, kArms), 0.9 - 3 * std::sqrt(0.9 * 0.1 / kArms));  // three standard deviations
+  EXPECT_LT(kept_by(ordinary, without, kArms), 0.5);
+  EXPECT_FALSE(without.certificate->robustness.evaluated);
 }
 
 TEST(Robustness, OfAnArmThatIsKnownExactlyIsRefused) {

@@ -174,6 +174,9 @@ class ExpectedMotion {
   const MatrixXd& shape() const { return shape_; }
   const MatrixXd& left() const { return left_; }
   const VectorXd& floor() const { return floor_; }
+  double width(Eigen::Index c, double deviation, double largest_deviation) const {
+    return std::hypot(deviation, std::max(counts_[c], kFlattest * largest_deviation));
+  }
   double deviation(Eigen::Index c, Eigen::Index k) const { return deviation_(c, k); }
 
   // d channel/dp, along with the state and the torque that the parameters move.
@@ -215,7 +218,8 @@ class ExpectedMotion {
     follow_arm(robot_, robot_, trajectory_, channels_, [&](std::size_t tick, const VectorXd& values) {
       largest = largest.cwiseMax((values - planned_.col(static_cast<Eigen::Index>(tick))).cwiseAbs());
     });
-    floor_ = (largest / kPeakOfCounts).cwiseMax(kFlattest * deviation_.rowwise().maxCoeff()).cwiseMax(1e-12);
+    counts_ = (largest / kPeakOfCounts).cwiseMax(1e-12);
+    floor_ = counts_.cwiseMax(kFlattest * deviation_.rowwise().maxCoeff());
     shape_ = (deviation_.array().square().colwise() + floor_.array().square()).sqrt();
   }
 
@@ -242,7 +246,7 @@ class ExpectedMotion {
   std::vector<Sample> plan_;
   Sensitivities sensitivities_;
   MatrixXd planned_, deviation_, shape_, left_;
-  VectorXd floor_;
+  VectorXd counts_, floor_;
 };
 
 // Arms, as columns of independent normal numbers.
@@ -318,11 +322,10 @@ std::vector<double> thinned(const MatrixXd& of, Eigen::Index row, Eigen::Index s
   return points;
 }
 
-// What knowing each parameter exactly would take from the variance of a channel at one tick: with errors e and a
+// What knowing each parameter exactly would take from the variance of a deviation of these slopes: with errors e and a
 // deviation s^T e, cov(s^T e, e_i)^2 / var e_i.
-VectorXd explained(const ExpectedMotion& motion, const Uncertainty& uncertainty, Eigen::Index c, Eigen::Index k) {
-  const VectorXd together = uncertainty.covariance * motion.gradient(k).row(c).transpose();
-  return together.array().square() / uncertainty.covariance.diagonal().array();
+VectorXd explained(const Uncertainty& uncertainty, const VectorXd& slopes) {
+  return (uncertainty.covariance * slopes).array().square() / uncertainty.covariance.diagonal().array();
 }
 
 class Judge {
@@ -341,7 +344,9 @@ class Judge {
     const Eigen::Index step =
         (motion_.ticks() + static_cast<Eigen::Index>(kMostPoints) - 1) / static_cast<Eigen::Index>(kMostPoints);
     for (Eigen::Index first = 0; first < motion_.ticks(); first += step) {
-      result_.times.push_back(motion_.time(std::min(first + step, motion_.ticks()) - 1));
+      const Eigen::Index last = std::min(first + step, motion_.ticks()) - 1;
+      result_.times.push_back(motion_.time(last));
+      told_.emplace_back(last, motion_.gradient(last));
     }
     for (Eigen::Index c = 0; c < channels_.count(); ++c) {
       const Channel& channel = channels_.all()[static_cast<std::size_t>(c)];
@@ -353,6 +358,7 @@ class Judge {
       }
       Robustness::Margin margin = margin_of(c);
       margin.tube = std::move(tube);
+      margin.halved = halved(c);
       (channel.kind == Channel::Kind::kTask ? result_.task : result_.limits).push_back(std::move(margin));
     }
     rank_costs();
@@ -360,6 +366,30 @@ class Judge {
   }
 
  private:
+  // How much narrower a channel's tube would be, at the times that are told, if one parameter after the other had half
+  // its error: three quarters of the variance that it explains less.
+  std::vector<std::vector<double>> halved(Eigen::Index c) const {
+    constexpr double kOfHalf = 0.75;
+    const auto count = static_cast<Eigen::Index>(uncertainty_.names.size());
+    MatrixXd left(count, static_cast<Eigen::Index>(told_.size()));  // deviations with half of one error each
+    VectorXd now(left.cols());
+    for (Eigen::Index t = 0; t < left.cols(); ++t) {
+      const auto& [k, gradient] = told_[static_cast<std::size_t>(t)];
+      now[t] = motion_.deviation(c, k);
+      const VectorXd less = kOfHalf * explained(uncertainty_, gradient.row(c).transpose());
+      left.col(t) = (now[t] * now[t] - less.array()).max(0).sqrt();
+    }
+    std::vector<std::vector<double>> narrower(static_cast<std::size_t>(count));
+    for (Eigen::Index i = 0; i < count; ++i) {
+      for (Eigen::Index t = 0; t < left.cols(); ++t) {
+        const double before = motion_.width(c, now[t], now.maxCoeff());
+        const double after = motion_.width(c, left(i, t), left.row(i).maxCoeff());
+        narrower[static_cast<std::size_t>(i)].push_back(factors_[c] * (before - after));
+      }
+    }
+    return narrower;
+  }
+
   Robustness::Margin margin_of(Eigen::Index c) {
     const Channel& channel = channels_.all()[static_cast<std::size_t>(c)];
     Eigen::Index tightest = 0;
@@ -374,7 +404,7 @@ class Judge {
     m.there = motion_.left()(c, tightest);
     m.time = motion_.time(tightest);
     m.passed = m.needed <= m.there;
-    const VectorXd parts = explained(motion_, uncertainty_, c, tightest);
+    const VectorXd parts = explained(uncertainty_, motion_.gradient(tightest).row(c).transpose());
     const double all = motion_.shape()(c, tightest) * motion_.shape()(c, tightest);
     Eigen::Index largest = 0;
     m.fraction = parts.maxCoeff(&largest) / all;
@@ -422,6 +452,7 @@ class Judge {
   const Uncertainty& uncertainty_;
   const VectorXd& factors_;
   Robustness& result_;
+  std::vector<std::pair<Eigen::Index, MatrixXd>> told_;  // ticks at which tubes are told, and the slopes there
   VectorXd costs_;
   double weights_ = 0;
 };
@@ -465,6 +496,7 @@ Robustness robustness(const Parameters& robot, const Limits& limits, const TaskO
   r.certainty = kCertainty;
   r.arms = draws.arms;
   r.parameters = uncertainty.names.size();
+  r.names = uncertainty.names;
   r.directions = static_cast<std::size_t>(factor.cols());
   const VectorXd factors = scouted * upper({scores.begin(), scores.end()}, draws.outside);
   r.first_order = upper(first_order_scores(channels, motion, errors.leftCols(arms)), draws.outside);

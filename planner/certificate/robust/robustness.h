@@ -10,7 +10,6 @@
 
 namespace fjr {
 
-inline constexpr double kLeastConfidence = 0.5, kMostConfidence = 0.999;
 inline constexpr double kCertainty = 0.95;  // with which the fraction of arms is found by draws
 
 // What is kept beside the limits: the rows of the task in each segment of the motion, and when the segments end [s].

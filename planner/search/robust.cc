@@ -1,0 +1,112 @@
+#include "planner/search/robust.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "planner/certificate/robust/robustness.h"
+
+namespace fjr {
+namespace {
+
+constexpr int kFittingRounds = 5;            // two or three are enough where margins move as little as they usually do
+constexpr double kWider = 1.05;              // of a margin, for the motion that it leads to has others
+constexpr std::size_t kReservePieces = 200;  // of the motion, in which a margin stays the same
+
+TaskOfMotion task_of(const Publication& p) {
+  TaskOfMotion task{{}, segment_ends(p.solution.durations)};
+  for (std::size_t s = 0; s < task.ends.size(); ++s) {
+    task.rows.push_back(task_rows(p.problem->robot, p.problem->task, s));
+  }
+  return task;
+}
+
+// When a motion is at a place, counted in segments. [s]
+double time_at(const std::vector<double>& ends, double place) {
+  const auto segment = std::min(static_cast<std::size_t>(place), ends.size() - 1);
+  const double begin = segment == 0 ? 0 : ends[segment - 1];
+  return begin + (place - static_cast<double>(segment)) * (ends[segment] - begin);
+}
+
+// The widest of a tube from one time to another, and beside: switches move with the next motion.
+double widest_between(const std::vector<double>& tube, const std::vector<double>& times, double from, double to) {
+  const auto index = [&](double time) { return std::lower_bound(times.begin(), times.end(), time) - times.begin(); };
+  const auto last = static_cast<std::ptrdiff_t>(tube.size()) - 1;
+  const auto begin = std::clamp<std::ptrdiff_t>(index(from) - 1, 0, last), end = std::min(index(to) + 1, last);
+  return *std::max_element(tube.begin() + begin, tube.begin() + end + 1);
+}
+
+// What a margin takes from the limit that plans have, which may be less than the one that holds with feedback.
+double taken(const Problem& asked, std::size_t limit, const Robustness::Margin& m, double margin) {
+  const double left_for_feedback = m.limit - kLimitNames[limit].in(asked.limits);
+  return std::max(0.0, margin - left_for_feedback);
+}
+
+// The reserve so far, widened to the tubes of this motion.
+Reserve widened(const Reserve& before, const Problem& asked, const Publication& p, const Robustness& r) {
+  const std::vector<double> ends = segment_ends(p.solution.durations);
+  const auto segments = static_cast<double>(ends.size());
+  Reserve reserve;
+  for (std::size_t k = 0; k < kReservePieces; ++k) {
+    const double from = segments * static_cast<double>(k) / kReservePieces,
+                 to = segments * static_cast<double>(k + 1) / kReservePieces;
+    std::vector<double> margins(kLimits + r.task.size(), 0.0);
+    const auto of = [&](const Robustness::Margin& m) {
+      return kWider * widest_between(m.tube, r.times, time_at(ends, from), time_at(ends, to));
+    };
+    for (const Robustness::Margin& m : r.limits) {
+      for (std::size_t i = 0; i < kLimits; ++i) {
+        if (kLimitNames[i].quantity->name != m.name || kLimitNames[i].joint != m.joint) continue;
+        margins[i] = taken(asked, i, m, of(m));
+      }
+    }
+    for (std::size_t row = 0; row < r.task.size(); ++row) margins[kLimits + row] = of(r.task[row]);
+    for (std::size_t i = 0; i < margins.size() && !before.margins.empty(); ++i) {
+      margins[i] = std::max(margins[i], before.margins[k][i]);
+    }
+    reserve.places.push_back(to);
+    reserve.margins.push_back(std::move(margins));
+  }
+  return reserve;
+}
+
+}  // namespace
+
+void make_robust(Findings& found, Session& session) {
+  if (!found.asked.robust || !found.certified()) return;
+  session.enter(Phase::kRefining);
+  const double without = found.best->objective;
+  const auto for_each = [&](std::size_t count, const auto& task) { session.for_each(count, task); };
+  Reserve reserve;
+  for (int round = 0;; ++round) {
+    Publication& best = *found.best;
+    {
+      const Timed timed(session, "robust");
+      best.certificate.robustness = robustness(found.asked.robot, found.asked.limits, task_of(best), best.trajectory,
+                                               *found.asked.robust, for_each);
+    }
+    Robustness& r = best.certificate.robustness;
+    r.price = best.objective - without;
+    if (r.kept) return;
+    if (round < kFittingRounds && std::isfinite(r.link[0]) && !session.interrupted()) {
+      reserve = widened(reserve, found.asked, best, r);
+      Problem tightened = *best.problem;
+      tightened.reserve = reserve;
+      Continuation c(std::make_shared<const Problem>(std::move(tightened)), session, "with margins for other arms");
+      if (c.resume(best.solution)) {
+        PublishResult published = publish(c, found.asked, session);
+        if (published.certified() && !published.last->too_long) {
+          found.best = std::move(published.last);
+          continue;
+        }
+      }
+    }
+    best.certificate.certified = false;
+    best.certificate.failures.push_back(r.reason);
+    return;
+  }
+}
+
+}  // namespace fjr

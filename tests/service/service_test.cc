@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "planner/dds/text.h"
 #include "planner/dds/wire_request.h"
@@ -181,6 +182,31 @@ TEST_F(ServiceTest, RefusesWhatDoesNotFitTheQueue) {
     EXPECT_EQ(reply.state, ReplyState::kRejected);
     EXPECT_EQ(reply.why.reason, Reason::kQueueFull);
   }
+}
+
+// A plan library outlives the service that has learnt into it.
+TEST_F(ServiceTest, StartsFromWhatItHasLearntBeforeItWasRestarted) {
+  const std::string configuration = "{workers: 1, warm_plans: 0, library: learnt}\n";
+  serve(configuration);
+  const Order first = order(kFast);
+  send(first);
+  ASSERT_EQ(final_reply(first.id).state, ReplyState::kSolved);
+  const auto is_learnt = [&] {  // the client has its answer before
+    Process status = fjr({"library", "status", path("learnt").string(), "--json"}, "status.log");
+    return status.wait() == 0 && status.output().find("\"plans\": 1") != std::string::npos;
+  };
+  const auto began = Clock::now();
+  while (!is_learnt() && seconds_since(began) < 10) listen_once();
+  service().send(SIGTERM);
+  EXPECT_EQ(service().wait(), 0);
+
+  serve(configuration);
+  const Order beside = order("start: {q: [0.3, 0.2]}\ngoal: {q: [0.421, 0.08]}\nobjective: fastest\n");
+  send(beside);
+  const auto plan = nlohmann::json::parse(final_reply(beside.id).plan_json);
+  EXPECT_EQ(plan["status"], "certified");
+  EXPECT_EQ(plan["warm"]["from"], "request");
+  EXPECT_NEAR(plan["warm"]["away_rad"], 0.001, 1e-12);
 }
 
 // One client's requests, however many, make another wait for one of them at most; with their client they leave.

@@ -423,7 +423,7 @@ TEST_F(ServiceTest, RefusesDocumentsThatAreNoRequests) {
   EXPECT_EQ(refusal(""), "document: empty");
   EXPECT_THAT(refusal("just words"), HasSubstr("document: must be a map with the keys robot, start, goal"));
   EXPECT_THAT(refusal("- 1\n- 2\n"), HasSubstr("objective, via, obstacles, walls, tip, path, limits, sample_period, "
-                                               "seed, payload, method, search, not a list of 2"));
+                                               "seed, payload, method, search, robust, not a list of 2"));
   EXPECT_THAT(refusal("goal: {q: [1, 0]"), HasSubstr("not valid YAML"));
   EXPECT_EQ(refusal(kFast + "robot: /etc/passwd\n"), "robot: the robot is given already");
   EXPECT_THAT(refusal(kFast + "include: other.yaml\n"), HasSubstr("unknown key \"include\""));

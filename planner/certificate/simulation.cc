@@ -60,13 +60,13 @@ State<double> start_on(const Parameters& planned_for, const Parameters& arm, con
   return is_at_rest(planned_for, first) ? rest_at(arm, first.state.q) : first.state;
 }
 
-Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory, Control control,
-                    double hold) {
+Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
+                    ControlMode control, double hold) {
   Simulation run;
-  if (control == Control::kExecutor) {
+  if (control == ControlMode::kExecutor) {
     run = run_ticks(planned_for, arm, trajectory);
   } else {
-    const bool open = control == Control::kOpenLoop;
+    const bool open = control == ControlMode::kOpenLoop;
     run = roll_out(planned_for, arm, trajectory,
                    open ? Drive::open_loop(trajectory) : Drive::closed_loop(trajectory, planned_for));
   }

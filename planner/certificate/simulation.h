@@ -10,7 +10,7 @@
 
 namespace fjr {
 
-enum class Control {
+enum class ControlMode {
   kOpenLoop,    // the planned torque alone
   kClosedLoop,  // with motor-side feedback on the exact state, as the certificate has it
   kExecutor,    // with the executor's law: encoder counts, torque held for 1 ms ticks, the drives' peak torque
@@ -28,8 +28,8 @@ struct Simulation {
 // ms apart, or of kExecutor the ends of its ticks.
 // hold: [s] for so long the arm is then held in the rest at the last row's q, by the executor's law (hold_at_rest) and
 // with a sample at the end of each of its ticks. 0 in open loop.
-Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory, Control control,
-                    double hold = 0);
+Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
+                    ControlMode control, double hold = 0);
 
 // Where a trajectory begins on that arm: in its first row's state, or where that is rest for the one that it was
 // planned for, in the rest of the other.

@@ -43,9 +43,9 @@ struct SimulatedRun {
   RunFigures figures;
 };
 
-Control control_named(const std::string& name) {
-  if (name == "open-loop") return Control::kOpenLoop;
-  return name == "executor" ? Control::kExecutor : Control::kClosedLoop;
+ControlMode control_named(const std::string& name) {
+  if (name == "open-loop") return ControlMode::kOpenLoop;
+  return name == "executor" ? ControlMode::kExecutor : ControlMode::kClosedLoop;
 }
 
 Parameters robot_in(const std::string& file) {
@@ -58,8 +58,9 @@ SimulatedRun simulated(const SimulateArguments& options) {
   if (run.robot.payload == Payload{} && header.payload) run.robot.payload = *header.payload;
   Parameters arm = options.true_robot.empty() ? run.robot : robot_in(options.true_robot);
   tell_doubts(run.robot);
-  const Control control = control_named(options.control);
-  if (control != Control::kOpenLoop && is_at_rest(run.robot, run.trajectory.samples.back())) run.hold = options.hold;
+  const ControlMode control = control_named(options.control);
+  if (control != ControlMode::kOpenLoop && is_at_rest(run.robot, run.trajectory.samples.back()))
+    run.hold = options.hold;
   run.simulation = simulate(run.robot, arm, run.trajectory, control, run.hold);
   run.figures = figures_of(arm, run.trajectory, run.simulation, exactness_tolerance(run.robot));
   return run;

@@ -160,7 +160,7 @@ std::string verify_trajectory(const Trajectory& trajectory, const std::string& s
   return json_text(verification_json(trajectory, verify(trajectory, source, robot, {given, proven})));
 }
 
-nb::dict simulate_on(const Planned& plan, const Robot* arm, Control control, double hold) {
+nb::dict simulate_on(const Planned& plan, const Robot* arm, ControlMode control, double hold) {
   Simulation run;
   {
     const nb::gil_scoped_release others_may_run;
@@ -200,10 +200,10 @@ void add_plan(nb::module_& module) {
       .def_ro("violation", &Progress::violation)
       .def_prop_ro("phase", phase_of);
 
-  nb::enum_<Control>(module, "Control")
-      .value("OPEN_LOOP", Control::kOpenLoop)
-      .value("CLOSED_LOOP", Control::kClosedLoop)
-      .value("EXECUTOR", Control::kExecutor);
+  nb::enum_<ControlMode>(module, "Control")
+      .value("OPEN_LOOP", ControlMode::kOpenLoop)
+      .value("CLOSED_LOOP", ControlMode::kClosedLoop)
+      .value("EXECUTOR", ControlMode::kExecutor);
 
   nb::class_<Planned>(module, "Plan")
       .def_prop_ro("time", column_of<0>, nb::rv_policy::reference)

@@ -54,9 +54,9 @@ TEST(Simulate, AnArmThatRestsIsHeldAfterTheEnd) {
   Trajectory still;
   for (int k = 0; k <= 100; ++k) still.samples.push_back({k * 1e-3, rest_at(robot(), {0.4, -0.3}), {}});
   for (Sample& row : still.samples) row.torque = gravity_torque(robot(), row.state.q);
-  const Simulation moved = simulate(robot(), robot(), still, Control::kClosedLoop);
+  const Simulation moved = simulate(robot(), robot(), still, ControlMode::kClosedLoop);
   EXPECT_EQ(moved.samples.back().time, still.end_time());
-  const Simulation run = simulate(robot(), robot(), still, Control::kClosedLoop, 1);
+  const Simulation run = simulate(robot(), robot(), still, ControlMode::kClosedLoop, 1);
   ASSERT_TRUE(run.completed) << run.failure;
   EXPECT_NEAR(run.samples.back().time, 1.1, 1e-9);
   const RunFigures figures = figures_of(robot(), still, run, kCount);
@@ -76,7 +76,7 @@ TEST(Simulate, TheArmThatIsHeldIsTheTrueOne) {
   Trajectory still{{{0, rest_at(robot(), raised), {}}, {0.1, rest_at(robot(), raised), {}}}, {}};
   const Joints<double> more = gravity_torque(heavier, raised), less = gravity_torque(robot(), raised);
   for (Sample& row : still.samples) row.torque = less;
-  const Simulation run = simulate(robot(), heavier, still, Control::kClosedLoop, 1);
+  const Simulation run = simulate(robot(), heavier, still, ControlMode::kClosedLoop, 1);
   ASSERT_TRUE(run.completed) << run.failure;
   double carried = 0, samples = 0;
   for (const Sample& sample : run.samples) {

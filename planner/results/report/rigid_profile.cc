@@ -87,7 +87,7 @@ Trajectory rigid_reference(const Parameters& p, Profile profile, const Joints<do
 }
 
 ElasticRun run_on_elastic_arm(const Parameters& p, const Trajectory& reference) {
-  ElasticRun run{simulate(p, p, reference, Control::kClosedLoop, kWatchedAfterEnd), {}};
+  ElasticRun run{simulate(p, p, reference, ControlMode::kClosedLoop, kWatchedAfterEnd), {}};
   run.figures = figures_of(p, reference, run.simulation, kSettled);
   return run;
 }

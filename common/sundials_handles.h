@@ -69,8 +69,8 @@ inline Context make_context() {
   check(SUNContext_ClearErrHandlers(c), "SUNContext_ClearErrHandlers");
   return context;
 }
-// It ends the iterations of an implicit stage earlier, too: with its own coefficient, 0.1, an arm that is held at rest
-// with the accuracy of ticks came off by 2e-5 rad instead of 7e-6.
+// It ends the iterations of an implicit stage earlier, too: with its own coefficient an arm that is held at rest with
+// the accuracy of ticks came off by 2.0e-5 rad.
 inline void prepare_arkode(void* m) { check(ARKStepSetNonlinConvCoef(m, 1e-2), "ARKStepSetNonlinConvCoef"); }
 inline void prepare_cvode(void*) {}
 #else

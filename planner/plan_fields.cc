@@ -9,6 +9,24 @@
 #include "planner/search/refinement.h"
 
 namespace fjr {
+namespace {
+
+// Of what is told at these times, over those at which a limit is active. [s]
+double mean_while_active(const ShadowPrice& limit, const std::vector<double>& times,
+                         const std::vector<double>& values) {
+  double sum = 0;
+  int count = 0;
+  for (std::size_t k = 0; k < times.size(); ++k) {
+    for (const ShadowPrice::Stretch& stretch : limit.active) {
+      if (times[k] < stretch.begin || times[k] > stretch.end) continue;
+      sum += values[k];
+      ++count;
+    }
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+}  // namespace
 
 void tell_motion(const Findings& found, Plan& plan) {
   if (!found.best) return;
@@ -31,25 +49,6 @@ void tell_motion(const Findings& found, Plan& plan) {
   plan.certificate = best.certificate;
   if (best.certificate.certified) plan.solution = std::make_shared<const Collocated>(solution);
 }
-
-namespace {
-
-// Of what is told at these times, over those at which a limit is active. [s]
-double mean_while_active(const ShadowPrice& limit, const std::vector<double>& times,
-                         const std::vector<double>& values) {
-  double sum = 0;
-  int count = 0;
-  for (std::size_t k = 0; k < times.size(); ++k) {
-    for (const ShadowPrice::Stretch& stretch : limit.active) {
-      if (times[k] < stretch.begin || times[k] > stretch.end) continue;
-      sum += values[k];
-      ++count;
-    }
-  }
-  return count > 0 ? sum / count : 0;
-}
-
-}  // namespace
 
 void tell_savings(const Analysis& analysis, Robustness& robustness) {
   std::vector<double> gains(robustness.names.size(), 0.0);

@@ -59,7 +59,7 @@ void LearntPlans::remember(const Problem& problem, const std::string& request, c
     if (plans_.size() > most_) plans_.pop_front();
   }
   with_library([&](PlanLibrary& library) {
-    if (library.nearest(problem, 0.5 * kNearby)) return;
+    if (library.any_within(problem, 0.5 * kNearby)) return;
     library.add(problem, request, plan.objective, *plan.solution);
   });
 }

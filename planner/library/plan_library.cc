@@ -107,7 +107,13 @@ std::optional<std::string> family_of(const Problem& problem) {
 PlanLibrary::PlanLibrary(const fs::path& folder, Access access)
     : file_(access == Access::kRead ? existing(folder) : made(folder)), database_(opened(file_, access)) {}
 
-std::optional<LibraryNeighbour> PlanLibrary::nearest(const Problem& problem, double within) const {
+struct PlanLibrary::Row {
+  LibraryEntry entry;
+  double away = 0;  // [rad]
+  std::int64_t id = 0;
+};
+
+std::optional<PlanLibrary::Row> PlanLibrary::nearest_row(const Problem& problem, double within) const {
   const auto family = family_of(problem);
   if (!family) return std::nullopt;
   const double box = within + kRounding;
@@ -118,21 +124,29 @@ std::optional<LibraryNeighbour> PlanLibrary::nearest(const Problem& problem, dou
                   "AND goal_1_max >= ? AND goal_1_min <= ? AND goal_2_max >= ? AND goal_2_min <= ? ORDER BY plans.id",
                   kEntry),
       *family, s[0] - box, s[0] + box, s[1] - box, s[1] + box, g[0] - box, g[0] + box, g[1] - box, g[1] + box);
-  std::optional<LibraryNeighbour> nearest;
-  std::int64_t id = 0;
+  std::optional<Row> nearest;
   while (near.step()) {
     LibraryEntry entry = entry_of(near);
     const double away = std::max(largest_difference(entry.start, s), largest_difference(entry.goal, g));
     if (away > within || (nearest && away >= nearest->away)) continue;
-    nearest = LibraryNeighbour{std::move(entry), away, nullptr};
-    id = near.integer(7);
+    nearest = Row{std::move(entry), away, near.integer(7)};
   }
-  if (!nearest) return std::nullopt;
-  Statement solution = database_.query("SELECT solution FROM plans WHERE id = ?", id);
-  if (!solution.step()) return std::nullopt;  // replaced just now
-  nearest->solution = std::make_shared<const Collocated>(solution_from(
-      solution.text(0), fmt::format("{}, {}", file_.string(), nearest->entry.name), robot_hash(problem.robot)));
   return nearest;
+}
+
+std::optional<LibraryNeighbour> PlanLibrary::nearest(const Problem& problem, double within) const {
+  auto row = nearest_row(problem, within);
+  if (!row) return std::nullopt;
+  Statement solution = database_.query("SELECT solution FROM plans WHERE id = ?", row->id);
+  if (!solution.step()) return std::nullopt;  // replaced just now
+  const std::string where = fmt::format("{}, {}", file_.string(), row->entry.name);
+  return LibraryNeighbour{
+      std::move(row->entry), row->away,
+      std::make_shared<const Collocated>(solution_from(solution.text(0), where, robot_hash(problem.robot)))};
+}
+
+bool PlanLibrary::any_within(const Problem& problem, double within) const {
+  return nearest_row(problem, within).has_value();
 }
 
 bool PlanLibrary::has(const Problem& problem) const {

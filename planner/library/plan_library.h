@@ -64,6 +64,9 @@ class PlanLibrary {
   // solution that cannot be read throws InputError.
   std::optional<LibraryNeighbour> nearest(const Problem& problem, double within = kNearby) const;
 
+  // Whether a plan is at most `within` [rad] away.
+  bool any_within(const Problem& problem, double within) const;
+
   // Whether a plan of this very problem is there.
   bool has(const Problem& problem) const;
 
@@ -76,6 +79,9 @@ class PlanLibrary {
   std::vector<LibraryEntry> sample(std::size_t most, std::uint64_t seed) const;
 
  private:
+  struct Row;
+  std::optional<Row> nearest_row(const Problem& problem, double within) const;
+
   std::filesystem::path file_;
   Database database_;
 };

@@ -1,0 +1,316 @@
+// The built program on files of trajectories and folders of plans: verify, simulate and report.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "planner/trajectory/trajectory.h"
+#include "tests/support/cli.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+
+const std::string kReach = "start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\nduration: free\nobjective: fastest\n";
+
+// The arm hangs still: any robot follows that.
+Trajectory at_rest() {
+  Trajectory trajectory;
+  for (int i = 0; i <= 20; ++i) trajectory.samples.push_back({.time = i / 1000.0, .state = {}, .torque = {}});
+  return trajectory;
+}
+
+TEST_F(Cli, VerifyAcceptsWhatTheRobotDoes) {
+  write_csv(at_rest(), path("t.csv"));
+  const Result result = run({"verify", "t.csv"});
+  EXPECT_EQ(result.exit_code, 0) << result.out << result.err;
+  EXPECT_THAT(result.out, HasSubstr("certified"));
+  EXPECT_THAT(result.out, HasSubstr("starts at rest, ends at rest"));
+  EXPECT_THAT(result.out, HasSubstr("21 rows; how many there were is not said, so some may be missing"));
+  EXPECT_EQ(result.err, "");
+  EXPECT_TRUE(Json::parse(run({"verify", "t.csv", "--json"}).out)["complete"].is_null());
+}
+
+TEST_F(Cli, VerifyTellsHowAFileStartsAndWhetherItIsComplete) {
+  Trajectory trajectory = at_rest();
+  trajectory.metadata["rows"] = "21";
+  trajectory.samples.front().state.dq[0] = 0.5;
+  write_csv(trajectory, path("t.csv"));
+  EXPECT_THAT(run({"verify", "t.csv"}).out,
+              HasSubstr("(21 rows, 0.02 s, starts MOVING, links at 0.5 and 0 rad/s, motors at 0 and 0 rad/s, ends"));
+  const Json certificate = Json::parse(run({"verify", "t.csv", "--json"}).out);
+  EXPECT_EQ(certificate["starts_at_rest"], false);
+  EXPECT_EQ(certificate["ends_at_rest"], true);
+  EXPECT_EQ(certificate["complete"], true);
+}
+
+TEST_F(Cli, VerifyProvesOnDemand) {
+  Trajectory trajectory = at_rest();
+  write_csv(trajectory, path("t.csv"));
+  const Result proven = run({"verify", "t.csv", "--proven"});
+  EXPECT_EQ(proven.exit_code, 0) << proven.out;
+  EXPECT_THAT(proven.out, HasSubstr("\n  proven      at all times: open loop link at most 0.0000 counts"));
+  EXPECT_TRUE(Json::parse(run({"verify", "t.csv", "--json"}).out)["proof"].is_null());
+  trajectory.samples[10].state.q[0] += 2e-4;
+  write_csv(trajectory, path("t.csv"));
+  const Result refused = run({"verify", "t.csv", "--proven", "--json"});
+  EXPECT_EQ(refused.exit_code, 4);
+  const Json proof = Json::parse(refused.out)["proof"];
+  EXPECT_EQ(proof["verdict"], "not_proven");
+  EXPECT_THAT(proof["reason"], HasSubstr("not proven from t = 0.0"));
+}
+
+TEST_F(Cli, VerifyTellsMarginsOnDemand) {
+  write_csv(at_rest(), path("t.csv"));
+  const Result unknown = run({"verify", "t.csv", "--robust", "0.9"});
+  EXPECT_EQ(unknown.exit_code, 2);
+  EXPECT_THAT(unknown.err, HasSubstr("nothing is uncertain"));
+  EXPECT_EQ(run({"verify", "t.csv", "--robust", "1"}).exit_code, 2);
+  std::string robot = contents(FJR_SOURCE_DIR "/config/robot.yaml");
+  const std::string stiffness = "of eq. (1)\", standard_error: ";
+  robot.replace(robot.find(stiffness) + stiffness.size(), 4, "[0.01, 0.01]");
+  write("robot.yaml", robot);
+  const Result kept = run({"verify", "t.csv", "--robot", "robot.yaml", "--robust", "0.9"});
+  EXPECT_EQ(kept.exit_code, 0) << kept.out;
+  EXPECT_THAT(kept.out, HasSubstr("\n  robust      probability 0.9 over 2 uncertain parameters: links within "));
+  EXPECT_THAT(kept.out, HasSubstr("not covered: link damping that is not modelled, hysteresis, temperature"));
+  const Result json = run({"verify", "t.csv", "--robot", "robot.yaml", "--robust", "0.9", "--json"});
+  const Json robustness = Json::parse(json.out)["robustness"];
+  EXPECT_EQ(robustness["verdict"], "kept");
+  EXPECT_EQ(robustness["limits"].size(), 8U);
+  EXPECT_EQ(robustness["limits"][0]["tube"].size(), robustness["times"].size());
+  EXPECT_TRUE(Json::parse(run({"verify", "t.csv", "--json"}).out)["robustness"].is_null());
+}
+
+TEST_F(Cli, APlanIsProvenOnDemand) {
+  write("move.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\nobjective: fastest\n");
+  EXPECT_EQ(run({"plan", "move.yaml", "--out", "out", "--proven"}).exit_code, 0);
+  const Json proof = plan_json("out")["certificate"]["proof"];
+  EXPECT_EQ(proof["verdict"], "proven");
+  EXPECT_EQ(proof["until"], plan_json("out")["duration"]);
+  EXPECT_EQ(proof["limits"].size(), 8U);
+}
+
+TEST_F(Cli, VerifyRefusesATamperedFile) {
+  Trajectory trajectory = at_rest();
+  trajectory.samples[10].state.q[0] += 2e-4;  // two counts of the link encoder
+  write_csv(trajectory, path("t.csv"));
+  const Result result = run({"verify", "t.csv", "--json"});
+  EXPECT_EQ(result.exit_code, 4);
+  const Json certificate = Json::parse(result.out);
+  EXPECT_EQ(certificate["verdict"], "failed");
+  EXPECT_NE(certificate["failures"].size(), 0u);
+}
+
+TEST_F(Cli, VerifyRefusesWhatIsBeyondTheLimits) {
+  Trajectory trajectory = at_rest();
+  for (Sample& sample : trajectory.samples) sample.torque[1] = 50;
+  write_csv(trajectory, path("t.csv"));
+  EXPECT_EQ(run({"verify", "t.csv"}).exit_code, 4);
+}
+
+TEST_F(Cli, VerifyWarnsOfAnotherRobot) {
+  Trajectory trajectory = at_rest();
+  trajectory.metadata["robot_hash"] = "0123";
+  write_csv(trajectory, path("t.csv"));
+  const Result result = run({"verify", "t.csv", "--json"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_THAT(result.err, HasSubstr("t.csv: it was planned for another robot (robot_hash 0123"));
+  EXPECT_EQ(Json::parse(result.out)["verdict"], "certified");
+}
+
+// A move of a few degrees, which takes some 0.3 s to plan.
+const std::string kShort = "start: {q: [0.3, 0.2]}\ngoal: {q: [0.3, 0.21]}\nsample_period: 0.005\n";
+
+TEST_F(Cli, VerifyTakesPayloadAndLimitsFromTheFileAndNeverLooserOnes) {
+  write("r.yaml", kShort + "payload: 0.1\nlimits: {torque: [8, 5], tip_speed: 0.5}\n");
+  ASSERT_EQ(run({"plan", "r.yaml", "--out", "out"}).exit_code, 0);
+  const std::string file = contents(path("out/trajectory.csv"));
+  EXPECT_THAT(file, HasSubstr("# limits.tip_speed: 0.5 m/s\n# limits.torque[0]: 8 N m\n# payload: 0.1 kg\n"));
+  EXPECT_EQ(file.find("limits.torque[1]"), std::string::npos);  // the robot's own
+
+  const Result own = run({"verify", "out/trajectory.csv"});
+  EXPECT_EQ(own.exit_code, 0) << own.out;
+  EXPECT_EQ(own.err, "");
+  EXPECT_THAT(own.out, AllOf(HasSubstr("certified against the robot's limits and the request's"),
+                             HasSubstr("payload 0.1 kg, limits.torque[0] 8 N m, limits.tip_speed 0.5 m/s\n")));
+
+  const Result other = run({"verify", "out/trajectory.csv", "--payload", "0.3"});
+  EXPECT_EQ(other.exit_code, 4);
+  EXPECT_THAT(other.err, HasSubstr("payload: it was planned with 0.1 kg, but --payload says 0.3 kg\n"));
+  EXPECT_THAT(other.out, HasSubstr("starts OUT OF BALANCE, motors "));  // still, and the springs as for 0.1 kg
+  EXPECT_THAT(other.out, HasSubstr("failed      payload: it was planned with 0.1 kg"));  // before what follows from it
+  EXPECT_EQ(other.err.find("another robot"), std::string::npos);
+
+  const auto with = [&](const std::string& line, const std::string& instead) {
+    std::string text = file;
+    write("t.csv", text.replace(text.find(line), line.size(), instead));
+    return run({"verify", "t.csv"});
+  };
+  const Result tighter = with("limits.torque[0]: 8 N m", "limits.torque[0]: 0.5 N m");
+  EXPECT_EQ(tighter.exit_code, 4);
+  EXPECT_THAT(tighter.out, HasSubstr("of 0.5 N m"));
+  const Result looser = with("limits.torque[0]: 8 N m", "limits.torque[0]: 100 N m");
+  EXPECT_THAT(looser.err, HasSubstr("limits.torque[0]: the file says 100 N m, but the robot's 12 N m hold\n"));
+  const Result wrong = with("payload: 0.1 kg", "payload: a cup");
+  EXPECT_EQ(wrong.exit_code, 2);
+  EXPECT_EQ(wrong.err, "fjr: t.csv: payload: 'a cup' must be a number >= 0 and its unit, such as '0.5 kg'\n");
+  EXPECT_EQ(with("limits.torque[0]: 8 N m", "limits.torque[0]: -8 N m").exit_code, 2);
+  EXPECT_EQ(with("limits.torque[0]", "limits.torqe[0]").exit_code, 2);
+}
+
+TEST_F(Cli, VerifyOfARobotWithAnotherPayloadSaysSo) {
+  write("robot.yaml", contents(FJR_SOURCE_DIR "/config/robot.yaml") + "payload: 0.2\n");
+  Trajectory trajectory = at_rest();
+  trajectory.metadata["payload"] = "0.1 kg";
+  write_csv(trajectory, path("t.csv"));
+  const Result result = run({"verify", "t.csv", "--robot", "robot.yaml", "--json"});
+  EXPECT_THAT(result.err, HasSubstr("t.csv: payload: it was planned with 0.1 kg, but the robot has 0.2 kg\n"));
+  EXPECT_EQ(Json::parse(result.out)["payload"]["mass"], 0.2);
+  EXPECT_EQ(Json::parse(result.out)["contradictions"].size(), 1u);
+}
+
+TEST_F(Cli, VerifyOfBadFilesIsBadInput) {
+  write_csv(at_rest(), path("good.csv"));
+  write("broken.csv", contents(path("good.csv")) + "1,2,3\n");
+  write("robot.yaml", "link: {}\n");
+  const Result broken = run({"verify", "broken.csv"});
+  EXPECT_EQ(broken.exit_code, 2);
+  EXPECT_EQ(broken.err, "fjr: broken.csv: line 23: 3 fields where the header has 11 columns\n");
+  EXPECT_EQ(run({"verify", "none.csv"}).exit_code, 2);
+  EXPECT_EQ(run({"verify", "."}).exit_code, 2);
+  EXPECT_EQ(run({"verify", "good.csv", "--robot", "none.yaml"}).exit_code, 2);
+  EXPECT_EQ(run({"verify", "good.csv", "--robot", "robot.yaml"}).exit_code, 2);
+}
+
+TEST_F(Cli, ReportOnTwoPlans) {
+  write("a.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.3, 0.21]}\nsample_period: 0.005\n");
+  write("b.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.3, 0.22]}\nsample_period: 0.005\n");
+  ASSERT_EQ(run({"plan", "a.yaml", "b.yaml", "--out", "out"}).exit_code, 0);
+  EXPECT_EQ(run({"report", "out/a", "out/b"}).out, "out/a/compared.html\n");
+  EXPECT_THAT(contents(path("out/a/compared.html")), HasSubstr("<title>Plans: a and b</title>"));
+  EXPECT_EQ(run({"report", "out/a", "out/b", "--out", "both.html"}).out, "both.html\n");
+  EXPECT_EQ(contents(path("both.html")), contents(path("out/a/compared.html")));
+  for (const std::vector<std::string>& wrong :
+       std::vector<std::vector<std::string>>{{"report", "out/a", "out/a"},
+                                             {"report", "out/a", "out/none"},
+                                             {"report", "out/a", "--out", "one.html"},
+                                             {"report", "out/a", "out/b", "out/a"}}) {
+    EXPECT_EQ(run(wrong).exit_code, 2) << testing::PrintToString(wrong);
+  }
+  EXPECT_FALSE(fs::exists(path("one.html")));
+}
+
+TEST_F(Cli, SimulateRunsAnyTrajectory) {
+  write_csv(at_rest(), path("t.csv"));
+  const Result result = run({"simulate", "t.csv", "--hold", "0.1", "--out", "run.csv"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("t.csv: closed-loop, 0.02 s\n"), HasSubstr("within one count 0.000 s after"),
+                                HasSubstr("torque 1 ")));
+  const Trajectory did = read_csv(path("run.csv"));
+  EXPECT_NEAR(did.end_time(), 0.12, 1e-9);
+  EXPECT_LE(did.samples.size(), 122U);
+
+  // A foreign motion: rows that no arm of these follows, and which need not be exact to be run.
+  Trajectory foreign;
+  for (int k = 0; k <= 200; ++k) {
+    const double c = k / 200.0;
+    Sample row{.time = k * 1e-3, .state = {}, .torque = {}};
+    row.state.q[0] = row.state.theta[0] = 0.05 * c * c * (3 - 2 * c);
+    row.state.dq[0] = row.state.dtheta[0] = 0.05 * 6 * c * (1 - c) / 0.2;
+    foreign.samples.push_back(row);
+  }
+  write_csv(foreign, path("foreign.csv"));
+  const Json moving = Json::parse(run({"simulate", "foreign.csv", "--json"}).out);
+  EXPECT_TRUE(moving["after_end"].is_null());  // it does not end where the springs hold the links
+  EXPECT_GT(moving["link_error_rad"][0], 1e-4);
+  foreign.samples.back().state = rest_at(load_parameters(FJR_SOURCE_DIR "/config/robot.yaml"), {0.05, 0});
+  write_csv(foreign, path("foreign.csv"));
+  const Json json = Json::parse(run({"simulate", "foreign.csv", "--json"}).out);
+  EXPECT_EQ(json["completed"], true);
+  EXPECT_EQ(json["after_end"]["window"], 1.0);
+  EXPECT_GT(json["after_end"]["residual_rad"][0], 1e-4);
+  EXPECT_GT(json["effort"], 0);
+  ASSERT_EQ(json["limits"].size(), 8U);
+  EXPECT_EQ(json["limits"][0]["name"], "torque");
+  EXPECT_EQ(json["limits"][0]["limit"], 12.0);
+  EXPECT_GT(json["limits"][0]["reached"], 0);
+  EXPECT_TRUE(
+      Json::parse(run({"simulate", "foreign.csv", "--control", "open-loop", "--json"}).out)["after_end"].is_null());
+  const Json ticks = Json::parse(run({"simulate", "foreign.csv", "--control", "executor", "--json"}).out);
+  EXPECT_EQ(ticks["control"], "executor");
+  EXPECT_NE(ticks["effort"], json["effort"]);
+}
+
+TEST_F(Cli, SimulateKnowsTheFilesPayloadAndAnotherArm) {
+  Trajectory trajectory = at_rest();
+  for (Sample& row : trajectory.samples) row.state.q[0] = row.state.theta[0] = 0.3;
+  write_csv(trajectory, path("t.csv"));
+  const auto off = [&](std::vector<std::string> options) {
+    std::vector<std::string> all{"simulate", "t.csv", "--json"};
+    all.insert(all.end(), options.begin(), options.end());
+    const Result result = run(all);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return Json::parse(result.out)["link_error_rad"][0].get<double>();
+  };
+  const double own = off({});  // it falls, for nothing holds it
+  write("heavier.yaml", contents(FJR_SOURCE_DIR "/config/robot.yaml") + "payload: 0.4\n");
+  const double heavier = off({"--true-robot", "heavier.yaml"});
+  EXPECT_NE(heavier, own);
+  trajectory.metadata["payload"] = "0.4 kg";
+  write_csv(trajectory, path("t.csv"));
+  EXPECT_EQ(off({}), heavier);
+}
+
+TEST_F(Cli, SimulateOfBadInput) {
+  write_csv(at_rest(), path("good.csv"));
+  for (const std::vector<std::string>& wrong :
+       std::vector<std::vector<std::string>>{{"simulate"},
+                                             {"simulate", "none.csv"},
+                                             {"simulate", "good.csv", "--hold", "11"},
+                                             {"simulate", "good.csv", "--control", "loop"},
+                                             {"simulate", "good.csv", "--robot", "none.yaml"},
+                                             {"simulate", "good.csv", "--true-robot", "none.yaml"}}) {
+    const Result result = run(wrong);
+    EXPECT_EQ(result.exit_code, 2) << testing::PrintToString(wrong);
+    EXPECT_NE(result.err, "");
+    EXPECT_EQ(result.out, "");
+  }
+  EXPECT_THAT(run({"simulate", "good.csv", "--control", "open_loop"}).err, HasSubstr("did you mean open-loop?"));
+}
+
+TEST_F(Cli, ReportComesFromTheFolderAlone) {
+  write("good.yaml", kReach);
+  EXPECT_EQ(run({"plan", "good.yaml", "--out", "out", "--report"}).exit_code, 0);
+  const std::string report = contents(path("out/report.html"));
+  EXPECT_THAT(report, HasSubstr("id='plan-data'"));
+  fs::remove(path("out/report.html"));
+  const Result again = run({"report", "out"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+  EXPECT_EQ(again.out, "out/report.html\n");
+  EXPECT_EQ(contents(path("out/report.html")), report);
+  EXPECT_EQ(run({"plan", "good.yaml", "--out", "out", "--deadline", "1e-6"}).exit_code, 5);
+  EXPECT_FALSE(fs::exists(path("out/report.html")));  // it was of another plan
+  EXPECT_EQ(run({"report", "out"}).exit_code, 0);     // of what there is: why nothing came of it
+}
+
+TEST_F(Cli, ReportOfWhatIsNoPlanIsBadInput) {
+  write("out/plan.json", "{}");
+  for (const char* folder : {"out", "nowhere", "."}) {
+    const Result result = run({"report", folder});
+    EXPECT_EQ(result.exit_code, 2) << folder;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(path(folder) / "report.html"));
+  }
+}
+
+}  // namespace
+}  // namespace fjr

@@ -38,6 +38,7 @@ set(layers
   planner/client
   planner/service
   planner/executor
+  planner/ros2  # a client of both
   planner/program)
 
 file(GLOB_RECURSE sources RELATIVE ${SOURCE} ${SOURCE}/common/*.h ${SOURCE}/common/*.cc ${SOURCE}/model/*.h
@@ -86,10 +87,10 @@ rule("only planner/results/export/mat.cc knows libmatio" "^planner/results/expor
 rule("only planner/store/database.cc knows SQLite" "^planner/store/database\\.cc$" "sqlite3")
 rule("only planner/batch/deflate.cc knows zlib" "^planner/batch/deflate\\.cc$" "zlib")
 rule("only planner/dds knows DDS and the wire types" "^planner/dds/"
-  "dds/|ddsc/|fjr_(msgs|plan_request)\\.h|trajectory_msgs\\.h")
+  "dds/|ddsc/|fjr_(msgs|plan_request)\\.h|(follow_joint_trajectory|trajectory_msgs)\\.h")
 rule("only what serves, executes or talks to them knows their protocol"
-  "^planner/(protocol|dds|client|service|executor|program)/" "planner/(protocol|dds|client)/")
-rule("only what serves or executes logs" "^planner/(protocol|dds|client|service|executor|program)/" "spdlog/")
+  "^planner/(protocol|dds|client|service|executor|ros2|program)/" "planner/(protocol|dds|client)/")
+rule("only what serves or executes logs" "^planner/(protocol|dds|client|service|executor|ros2|program)/" "spdlog/")
 rule("only planner/program knows CLI11" "^planner/program/" "CLI/|CLI11")
 rule("the rig and identification stand side by side" "^(model/rig|planner/(executor|program))/" "model/rig/")
 rule("the rig and identification stand side by side" "^(model/identify|planner/program)/" "model/identify/")

@@ -73,7 +73,7 @@ class Client {
     if (order_.action == Action::kPlan || answer.reply.state != ReplyState::kSolved) return answer;
     const double duration = answer.reply.rows.back().time;
     port_.follow_executors();
-    for (const auto began = Clock::now(); !cancelled();) {
+    for (const auto began = Clock::now(); !abandoned();) {
       for (ExecutionResult& result : port_.take_results()) {
         if (result.trajectory_id == order_.id) {
           answer.result = std::move(result);
@@ -97,12 +97,22 @@ class Client {
     throw NoAnswer("the trajectory was published, and its execution goes on: it was not waited for");
   }
 
+  // True: it is cancelled, and nobody here stops the arm.
+  bool abandoned() {
+    if (!cancelled() || stopped_) return false;
+    if (!options_.stop_execution) return true;
+    options_.stop_execution();
+    stopped_ = true;
+    return false;
+  }
+
   void follow(double duration) {
     for (const ExecutorState& state : port_.take_executors()) {
       if (state.trajectory_id != order_.id || !options_.on_execution) continue;
       options_.on_execution({std::min(state.time, duration),
                              duration,
-                             {state.q[0] - state.planned_q[0], state.q[1] - state.planned_q[1]}});
+                             {state.q[0] - state.planned_q[0], state.q[1] - state.planned_q[1]},
+                             state});
     }
   }
 
@@ -155,6 +165,7 @@ class Client {
   dds::ClientPort port_;
   Clock::time_point last_heard_, last_sent_, last_cancel_;
   std::optional<Clock::time_point> cancelled_at_;
+  bool stopped_ = false;
 };
 
 }  // namespace

@@ -21,6 +21,7 @@ class NoAnswer : public std::runtime_error {
 struct ExecutionProgress {
   double time = 0, duration = 0;  // [s] within the trajectory
   Joints<double> error{};         // [rad] of the links, by their encoders
+  ExecutorState state;
 };
 
 struct ClientOptions {
@@ -32,6 +33,9 @@ struct ClientOptions {
   std::function<void(const ProgressReport&)> on_progress;
   std::function<void(const ExecutionProgress&)> on_execution;
   std::function<bool()> cancelled;  // polled; then the request is cancelled, which is answered too
+  // How to stop the arm, for a cancellation that comes once the trajectory is published: the executor's result is
+  // waited for even so. Without it nobody waits, and the execution goes on.
+  std::function<void()> stop_execution;
 };
 
 // Sends the order under its id and returns the final reply. Throws NoAnswer, and InputError for a document that has not

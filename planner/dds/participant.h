@@ -22,11 +22,11 @@ class Participant {
   dds_entity_t handle() const { return participant_.handle(); }
   bool secured() const { return secured_; }  // takes part with credentials
 
+  // name: where it is not the same for all.
   template <class T>
-  Entity topic() const {
+  Entity topic(const char* name = TopicOf<T>::kName) const {
     using Topic = TopicOf<T>;
-    return Entity(dds_create_topic(handle(), Topic::descriptor(), Topic::kName, Topic::qos().get(), nullptr),
-                  Topic::kName);
+    return Entity(dds_create_topic(handle(), Topic::descriptor(), name, Topic::qos().get(), nullptr), name);
   }
 
   // Groups: readers and writers made from these only meet within the partition.

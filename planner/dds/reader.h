@@ -15,8 +15,9 @@ template <class T>
 class Reader {
  public:
   // parent: a participant or a subscriber of it.
-  Reader(const Participant& participant, dds_entity_t parent, const Qos& qos = TopicOf<T>::qos())
-      : topic_(participant.topic<T>()),
+  Reader(const Participant& participant, dds_entity_t parent, const Qos& qos = TopicOf<T>::qos(),
+         const char* topic = TopicOf<T>::kName)
+      : topic_(participant.topic<T>(topic)),
         reader_(dds_create_reader(parent, topic_.handle(), qos.get(), nullptr), "reader"),
         arrived_(dds_create_readcondition(reader_.handle(), DDS_ANY_STATE), "read condition") {}
 

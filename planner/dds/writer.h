@@ -14,8 +14,9 @@ template <class T>
 class Writer {
  public:
   // parent: a participant or a publisher of it.
-  Writer(const Participant& participant, dds_entity_t parent, const Qos& qos = TopicOf<T>::qos())
-      : topic_(participant.topic<T>()),
+  Writer(const Participant& participant, dds_entity_t parent, const Qos& qos = TopicOf<T>::qos(),
+         const char* topic = TopicOf<T>::kName)
+      : topic_(participant.topic<T>(topic)),
         writer_(dds_create_writer(parent, topic_.handle(), qos.get(), nullptr), "writer") {}
 
   dds_entity_t handle() const { return writer_.handle(); }

@@ -27,15 +27,16 @@ void add_executor(CLI::App& app, int& exit_code);
 void add_hold(CLI::App& app, int& exit_code);
 void add_stop(CLI::App& app, int& exit_code);
 void add_status(CLI::App& app, int& exit_code);
+void add_ros2_action(CLI::App& app, int& exit_code);
 void add_worker(CLI::App& app, int& exit_code);
 void add_experiment(CLI::App& app, int& exit_code);
 void add_identify(CLI::App& app, int& exit_code);
 void add_robot(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
 
-inline constexpr std::array<AddCommand, 19> kCommands = {
-    add_plan,   add_batch,      add_library,  add_verify,   add_simulate,  add_report, add_export,
-    add_keys,   add_serve,      add_request,  add_executor, add_hold,      add_stop,   add_status,
-    add_worker, add_experiment, add_identify, add_robot,    add_completion};  // in the order of --help
+inline constexpr std::array<AddCommand, 20> kCommands = {
+    add_plan,        add_batch,  add_library,    add_verify,   add_simulate, add_report,    add_export,
+    add_keys,        add_serve,  add_request,    add_executor, add_hold,     add_stop,      add_status,
+    add_ros2_action, add_worker, add_experiment, add_identify, add_robot,    add_completion};  // in the order of --help
 
 }  // namespace fjr

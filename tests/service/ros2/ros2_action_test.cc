@@ -27,13 +27,23 @@ class Ros2ActionTest : public ServiceProcesses {
  protected:
   void SetUp() override {
     ServiceProcesses::SetUp();
-    ::setenv("CYCLONEDDS_URI", "file://" FJR_SOURCE_DIR "/config/cyclonedds.xml", 1);  // the network that fjr is on
+    ::setenv("CYCLONEDDS_URI", "file://" FJR_SOURCE_DIR "/config/cyclonedds.xml", 0);  // the network that fjr is on
     service_ = serve();
     executor_ = fjr({"executor", "--start", "0.3,0.2", "--state", path("state")}, "executor.log");
     ASSERT_TRUE(comes_true([&] { return executor_->output().find("executing for") != std::string::npos; }, 30));
-    bridge_ = fjr({"ros2-action"}, "bridge.log");
     client_ = std::make_unique<Client>(domain_);
+    start_bridge({});
+  }
+
+  void start_bridge(std::vector<std::string> options) {
+    options.insert(options.begin(), "ros2-action");
+    bridge_ = fjr(options, "bridge.log");
     ASSERT_TRUE(comes_true([&] { return client_->server_is_available(); }, 30)) << bridge_->output();
+  }
+  void end_bridge() {
+    bridge_->send(SIGTERM);
+    EXPECT_EQ(bridge_->wait(), 0) << bridge_->output();
+    ASSERT_TRUE(comes_true([&] { return !client_->server_is_available(); }));
   }
 
   Client& client() { return *client_; }
@@ -400,45 +410,85 @@ TEST_F(Ros2ActionTest, AClientThatDoesNotReadCostsTheOthersNothing) {
 }
 
 // Requests of the right name, and of whatever bytes: lengths of sequences and strings that are not there, above all.
-TEST_F(Ros2ActionTest, HostileBytesAreDropped) {
-  const std::string action = "rq/arm/follow_joint_trajectory/_action/";
-  const dds_entity_t participant = dds_create_participant(domain_, nullptr, nullptr);
-  std::mt19937 random(1);
-  const std::array<std::uint32_t, 12> numbers{0, 0,  0,           1,           1,           2,
-                                              3, 16, 0xffffffffU, 0x7fffffffU, 0x10000000U, 0x00ffffffU};
-  const std::vector<std::pair<std::string, const char*>> services = {
-      {"send_goal", control_msgs_action_dds__FollowJointTrajectory_SendGoal_Request__desc.m_typename},
-      {"cancel_goal", action_msgs_srv_dds__CancelGoal_Request__desc.m_typename},
-      {"get_result", control_msgs_action_dds__FollowJointTrajectory_GetResult_Request__desc.m_typename}};
-  std::vector<dds_entity_t> writers;
-  std::vector<dds_topic_descriptor_t> types(services.size(), HostileBytes_desc);
-  dds_qos_t* qos = ros2_test::default_qos();
-  for (std::size_t i = 0; i < services.size(); ++i) {
-    types[i].m_typename = services[i].second;
-    const dds_entity_t topic = ros2_test::topic(participant, types[i], action + services[i].first + "Request");
-    writers.push_back(ros2_test::checked(dds_create_writer(participant, topic, qos, nullptr), "writer"));
+class HostileWriter {
+ public:
+  using Words = std::array<std::uint32_t, sizeof(HostileBytes) / 4>;
+
+  HostileWriter(dds_entity_t participant, const std::string& service, const char* type_name)
+      : type_(HostileBytes_desc) {
+    type_.m_typename = type_name;
+    const dds_entity_t topic =
+        ros2_test::topic(participant, type_, "rq/arm/follow_joint_trajectory/_action/" + service + "Request");
+    dds_qos_t* qos = ros2_test::default_qos();
+    dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);  // all of them arrive
+    writer_ = ros2_test::checked(dds_create_writer(participant, topic, qos, nullptr), "writer");
+    dds_delete_qos(qos);
   }
-  dds_delete_qos(qos);
-  for (const dds_entity_t writer : writers) {
+
+  bool matched() const {
     dds_publication_matched_status_t matched{};
-    ASSERT_TRUE(comes_true([&] {
-      ros2_test::checked(dds_get_publication_matched_status(writer, &matched), "matched");
-      return matched.current_count > 0;
-    }));
+    ros2_test::checked(dds_get_publication_matched_status(writer_, &matched), "matched");
+    return matched.current_count > 0;
+  }
+  void write(const Words& words) const {
+    HostileBytes bytes{};
+    std::memcpy(bytes.bytes, words.data(), sizeof bytes.bytes);
+    ros2_test::checked(dds_write(writer_, &bytes), "write");
+  }
+  void flush() const { ros2_test::checked(dds_wait_for_acks(writer_, DDS_SECS(10)), "acks"); }
+
+ private:
+  dds_topic_descriptor_t type_;
+  dds_entity_t writer_ = 0;
+};
+
+// A goal without joints, word by word: what is hostile is made from it, so that much of it is read before it is
+// dropped.
+HostileWriter::Words goal_without_joints(const Uuid& id) {
+  HostileWriter::Words words{7, 0, 1, 0};  // guid, seq
+  std::memcpy(&words[4], id.data(), id.size());
+  words[10] = 1;  // behind the stamp: frame_id has one character, its zero. Then no names, no points
+  words[16] = 1;  // the same of multi_dof_trajectory; then no tolerances
+  return words;
+}
+
+TEST_F(Ros2ActionTest, HostileBytesAreDropped) {
+  const dds_entity_t participant = dds_create_participant(domain_, nullptr, nullptr);
+  const std::vector<HostileWriter> writers{
+      {participant, "send_goal", control_msgs_action_dds__FollowJointTrajectory_SendGoal_Request__desc.m_typename},
+      {participant, "cancel_goal", action_msgs_srv_dds__CancelGoal_Request__desc.m_typename},
+      {participant, "get_result", control_msgs_action_dds__FollowJointTrajectory_GetResult_Request__desc.m_typename}};
+  for (const HostileWriter& writer : writers) ASSERT_TRUE(comes_true([&] { return writer.matched(); }));
+
+  // The bytes do arrive, and are read as a request.
+  const Uuid id = ros2_test::random_uuid();
+  writers[0].write(goal_without_joints(id));
+  writers[0].flush();
+  const auto read = client().result(id);
+  ASSERT_TRUE(read);
+  EXPECT_EQ(read->code, -2) << read->text;
+
+  std::mt19937 random(1);
+  const std::array<std::uint32_t, 12> numbers{0,  0,           1,           1,           2,           3,
+                                              16, 0xffffffffU, 0x7fffffffU, 0x10000000U, 0x00ffffffU, 0x00000100U};
+  const auto number = [&] {
+    return random() % 4 == 0 ? static_cast<std::uint32_t>(random()) : numbers[random() % numbers.size()];
+  };
+  for (const HostileWriter& writer : writers) {
     for (int i = 0; i < 3000; ++i) {
-      HostileBytes bytes{};
-      for (std::size_t at = 0; at < sizeof bytes.bytes; at += 4) {
-        const std::uint32_t number =
-            random() % 8 == 0 ? static_cast<std::uint32_t>(random()) : numbers[random() % numbers.size()];
-        std::memcpy(bytes.bytes + at, &number, 4);
-      }
-      ros2_test::checked(dds_write(writer, &bytes), "write");
+      HostileWriter::Words words = goal_without_joints(ros2_test::random_uuid());
+      if (i % 3 == 0) std::generate(words.begin(), words.end(), number);
+      for (int n = 0; n < i % 4; ++n) words[8 + random() % 24] = number();  // what follows the goal's id
+      writer.write(words);
+      if (i % 200 == 0) writer.flush();
     }
+    writer.flush();
   }
   dds_delete(participant);
   Goal wrong = to({0.4, 0.1});
   wrong.names = {"left", "right"};
   EXPECT_EQ(outcome(wrong).code, -2);
+  EXPECT_THAT(executor().output(), testing::Not(HasSubstr("executing id=")));
   bridge().send(SIGTERM);
   EXPECT_EQ(bridge().wait(), 0) << bridge().output();
 }
@@ -453,6 +503,22 @@ TEST_F(Ros2ActionTest, AnEndedBridgeLeavesTheArmAtRest) {
   const Arm arm = this->arm();
   EXPECT_EQ(arm.mode, "holding");
   EXPECT_GT(std::hypot(arm.q[0] - 1.2, arm.q[1] + 0.8), 0.05);
+}
+
+// What is otherwise refused by name is left to the planner where the bridge was told so; and the configuration's names.
+TEST_F(Ros2ActionTest, OptionsAndConfigurationAreKept) {
+  end_bridge();
+  write("service.yaml", "robot: " FJR_SOURCE_DIR "/config/robot.yaml\nros2: {joint_names: [shoulder, elbow]}\n");
+  start_bridge({"--config", path("service.yaml"), "--leave-accelerations", "--kilted"});
+  ros2_test::LaterFeedback later(domain_);
+  Goal goal = to({0.5, 0.1}, 1.0);
+  goal.points.insert(goal.points.begin(), {{0.4, 0.15}, {}, {0.1, 0.1}});
+  goal.points[0].time = 0.5;
+  EXPECT_EQ(outcome(goal).code, -2);
+  goal.names = {"shoulder", "elbow"};
+  const Result result = undisturbed([&] { return outcome(goal); });
+  EXPECT_EQ(result.status, ros2_test::kSucceeded) << result.text;
+  EXPECT_GT(later.take(), 10);
 }
 
 TEST_F(Ros2ActionTest, ANameThatRos2DoesNotTakeIsRefused) {

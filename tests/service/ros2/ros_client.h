@@ -381,4 +381,44 @@ class Client {
   dds_entity_t feedback_ = 0, status_ = 0;
 };
 
+// Feedback as of control_msgs 6.3.
+class LaterFeedback {
+ public:
+  explicit LaterFeedback(unsigned domain)
+      : participant_(checked(dds_create_participant(domain, nullptr, nullptr), "participant")),
+        type_(control_msgs_action_dds__FollowJointTrajectory_FeedbackMessage63__desc) {
+    type_.m_typename = control_msgs_action_dds__FollowJointTrajectory_FeedbackMessage__desc.m_typename;
+    dds_qos_t* qos = default_qos();
+    dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
+    const dds_entity_t on = topic(participant_, type_, "rt/arm/follow_joint_trajectory/_action/feedback");
+    reader_ = checked(dds_create_reader(participant_, on, qos, nullptr), "reader");
+    dds_delete_qos(qos);
+  }
+  ~LaterFeedback() { dds_delete(participant_); }
+  LaterFeedback(const LaterFeedback&) = delete;
+  LaterFeedback& operator=(const LaterFeedback&) = delete;
+
+  // How many have come that make sense to the last member.
+  int take() {
+    int count = 0;
+    void* sample = nullptr;
+    dds_sample_info_t info;
+    while (checked(dds_take(reader_, &sample, &info, 1, 1), "take") > 0) {
+      const auto& message = *static_cast<control_msgs_action_dds__FollowJointTrajectory_FeedbackMessage63_*>(sample);
+      const auto& feedback = message.feedback_;
+      count += info.valid_data && feedback.index_ == 0 && feedback.multi_dof_index_ == 0 &&
+                       feedback.actual_.positions_._length == 2
+                   ? 1
+                   : 0;
+      dds_return_loan(reader_, &sample, 1);
+      sample = nullptr;
+    }
+    return count;
+  }
+
+ private:
+  dds_entity_t participant_, reader_ = 0;
+  dds_topic_descriptor_t type_;
+};
+
 }  // namespace ros2_test

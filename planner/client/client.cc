@@ -46,8 +46,8 @@ class Client {
     Patience patience(options_.find);
     while (!port_.served()) {
       if (port_.discovery().look()) patience.progressed();
-      if (patience.over(port_.discovery().handshakes_may_take()) || cancelled())
-        throw NoAnswer(about_nobody(patience.looked()));
+      if (cancelled()) throw NobodyAsked(about_nobody(patience.looked()));
+      if (patience.over(port_.discovery().handshakes_may_take())) throw NoAnswer(about_nobody(patience.looked()));
       port_.wait(std::chrono::milliseconds(5));
       (void)port_.take_services();
     }

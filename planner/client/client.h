@@ -18,6 +18,12 @@ class NoAnswer : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// It was cancelled before anybody was there to be asked: nothing was sent.
+class NobodyAsked : public NoAnswer {
+ public:
+  using NoAnswer::NoAnswer;
+};
+
 struct ExecutionProgress {
   double time = 0, duration = 0;  // [s] within the trajectory
   Joints<double> error{};         // [rad] of the links, by their encoders

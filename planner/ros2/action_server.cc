@@ -103,11 +103,11 @@ void ActionServer::take_goal(const dds::FollowActionPort::GoalRequest& request) 
 // What cannot be executed is accepted and aborted, for a goal that is not accepted has no result to say why.
 void ActionServer::begin(Goal& goal, const FollowGoal& asked) {
   try {
+    GoalRequest request = request_of(asked, config_.reading);
     if (execution_) {
       throw GoalRefused(ResultCode::kInvalidGoal,
                         fmt::format("goal {} is being executed; cancel it first, or wait", short_name(active_)));
     }
-    GoalRequest request = request_of(asked, config_.reading);
     const std::string name = "ros2_goal_" + short_name(goal.record.id);
     execution_ = std::make_unique<GoalExecution>(GoalExecution::Where{config_.network, config_.robot_id}, name,
                                                  std::move(request), [this] { port_.wake(); });

@@ -40,6 +40,8 @@ void GoalExecution::run() {
   GoalOutcome ended;
   try {
     ended = outcome();
+  } catch (const NobodyAsked&) {
+    ended = {GoalStatus::kCanceled, {ResultCode::kInvalidGoal, "cancelled before a service was found"}};
   } catch (const std::exception& error) {  // nobody plans or executes, or whoever does is silent
     ended.result = {ResultCode::kInvalidGoal, error.what()};
   }

@@ -140,8 +140,29 @@ Eigen::MatrixXd moved_inertias(const YamlNode& root, const Parameters& p, const 
   return jacobian;
 }
 
+bool has(const Uncertainty& u, const char* name) {
+  return std::find(u.names.begin(), u.names.end(), name) != u.names.end();
+}
+
+bool is_about(const Uncertainty& u, const Payload& payload) {
+  return u.payload == payload && u.payload.mass_error == payload.mass_error &&
+         u.payload.inertia_error == payload.inertia_error;
+}
+
+Uncertainty without_payload(const Uncertainty& u) {
+  Uncertainty of_arm;
+  std::vector<Eigen::Index> kept;
+  for (std::size_t i = 0; i < u.names.size(); ++i) {
+    if (u.names[i].starts_with("payload.")) continue;
+    kept.push_back(static_cast<Eigen::Index>(i));
+    of_arm.names.push_back(u.names[i]);
+  }
+  of_arm.covariance = u.covariance(kept, kept);
+  return of_arm;
+}
+
 void append(Uncertainty& to, const char* name, double error) {
-  if (!(error > 0)) return;
+  if (!(error > 0) || has(to, name)) return;
   const Eigen::Index n = to.covariance.rows();
   to.names.emplace_back(name);
   to.covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(n + 1, n + 1));
@@ -173,6 +194,10 @@ Uncertainty read_uncertainty(const YamlNode& root, const Parameters& p) {
       reader.uncertain[in_order.back()] = can_be_uncertain(section, name);
     }
   });
+  for (const char* name : {"payload.mass", "payload.inertia"}) {
+    in_order.emplace_back(name);
+    reader.uncertain[name] = true;
+  }
   if (const auto covariance = root.find("covariance")) {
     if (covariance->is_list()) {
       for (const YamlNode& block : covariance->items()) reader.read_block(block);
@@ -199,11 +224,13 @@ Uncertainty read_uncertainty(const YamlNode& root, const Parameters& p) {
   }
   const Eigen::MatrixXd jacobian = moved_inertias(root, p, found.names);
   found.covariance = jacobian * found.covariance * jacobian.transpose();
+  if (const auto payload = root.find("payload")) found.payload = read_payload(*payload);
   return found;
 }
 
 Uncertainty uncertainty_of(const Parameters& p) {
   Uncertainty all = p.uncertainty ? *p.uncertainty : Uncertainty{};
+  if (!is_about(all, p.payload)) all = without_payload(all);
   append(all, "payload.mass", p.payload.mass_error);
   append(all, "payload.inertia", p.payload.inertia_error);
   return all;

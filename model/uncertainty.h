@@ -19,6 +19,7 @@ class YamlNode;
 struct Uncertainty {
   std::vector<std::string> names;  // "spring.stiffness[0]", ..., "payload.mass", "payload.inertia"
   Eigen::MatrixXd covariance;      // of them, in this order, each in its own unit
+  Payload payload{};               // that it is about, where it names the payload
 
   bool none() const { return names.empty(); }
   double standard_error(std::size_t i) const;
@@ -34,7 +35,8 @@ struct Uncertainty {
 // and repeated names, and for what is no covariance.
 Uncertainty read_uncertainty(const YamlNode& root, const Parameters& p);
 
-// A robot's, with that of its payload.
+// A robot's, with that of its payload. Where it carries another one than robot.yaml's covariance is about, what that
+// says of the payload is left out, and of everything else stays.
 Uncertainty uncertainty_of(const Parameters& p);
 
 // The parameter of that name; null where there is none.

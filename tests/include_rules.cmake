@@ -21,6 +21,7 @@ set(layers
   planner/certificate
   planner/certificate/proof
   planner/certificate/robust
+  planner/identify
   planner/stop
   planner/ocp
   planner/analysis
@@ -93,7 +94,7 @@ rule("only what serves, executes or talks to them knows their protocol"
 rule("only what serves or executes logs" "^planner/(protocol|dds|client|service|executor|ros2|program)/" "spdlog/")
 rule("only planner/program knows CLI11" "^planner/program/" "CLI/|CLI11")
 rule("the rig and identification stand side by side" "^(model/rig|planner/(executor|program))/" "model/rig/")
-rule("the rig and identification stand side by side" "^(model/identify|planner/program)/" "model/identify/")
+rule("the rig and identification stand side by side" "^(model/identify|planner/(identify|program))/" "model/identify/")
 rule("service and executor stand side by side" "^planner/(service|program)/" "planner/service/")
 rule("a plan library knows no batch" "^planner/(library|service|program)/" "planner/library/")
 rule("service and batches stand side by side" "^planner/(batch|program)/" "planner/batch/")

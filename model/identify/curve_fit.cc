@@ -23,6 +23,37 @@ struct Functor {
   }
 };
 
+class SlopedCost : public ceres::CostFunction {
+ public:
+  SlopedCost(const SlopedResiduals& residuals, Eigen::Index parameters, Eigen::Index size) : residuals_(residuals) {
+    mutable_parameter_block_sizes()->push_back(static_cast<int>(parameters));
+    set_num_residuals(static_cast<int>(size));
+  }
+
+  bool Evaluate(double const* const* x, double* out, double** slopes) const override {
+    const Eigen::Index parameters = parameter_block_sizes().front(), size = num_residuals();
+    const bool wanted = slopes != nullptr && slopes[0] != nullptr;
+    Eigen::VectorXd r(size);
+    Eigen::MatrixXd jacobian(wanted ? size : 0, parameters);
+    if (!residuals_(Eigen::Map<const Eigen::VectorXd>(x[0], parameters), r, wanted ? &jacobian : nullptr)) return false;
+    if (!r.allFinite() || !jacobian.allFinite()) return false;
+    Eigen::Map<Eigen::VectorXd>(out, size) = r;
+    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+    if (wanted) Eigen::Map<RowMajor>(slopes[0], size, parameters) = jacobian;
+    return true;
+  }
+
+ private:
+  const SlopedResiduals& residuals_;
+};
+
+ceres::Solver::Options quiet_options() {
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.logging_type = ceres::SILENT;
+  return options;
+}
+
 Eigen::MatrixXd dense(const ceres::CRSMatrix& sparse) {
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(sparse.num_rows, sparse.num_cols);
   for (int row = 0; row < sparse.num_rows; ++row) {
@@ -59,9 +90,7 @@ Fit curve_fit(const Residuals& residuals, Eigen::Index size, const Eigen::Vector
   ceres::Problem problem;
   problem.AddResidualBlock(cost.release(), nullptr, fit.value.data());  // the problem owns it from here
 
-  ceres::Solver::Options options;
-  options.linear_solver_type = ceres::DENSE_QR;
-  options.logging_type = ceres::SILENT;
+  ceres::Solver::Options options = quiet_options();
   options.max_num_iterations = 200;
   options.function_tolerance = 1e-14;
   options.parameter_tolerance = 1e-12;
@@ -76,6 +105,28 @@ Fit curve_fit(const Residuals& residuals, Eigen::Index size, const Eigen::Vector
   fit.residuals = Eigen::Map<const Eigen::VectorXd>(r.data(), size);
   fit.jacobian = dense(jacobian);
   add_uncertainty(fit);
+  return fit;
+}
+
+Fit curve_fit(const SlopedResiduals& residuals, Eigen::Index size, const Eigen::VectorXd& start) {
+  Fit fit;
+  fit.value = start;
+  ceres::Problem problem;
+  problem.AddResidualBlock(new SlopedCost(residuals, start.size(), size), nullptr, fit.value.data());  // it owns it
+  ceres::Solver::Options options = quiet_options();
+  options.max_num_iterations = 200;
+  options.function_tolerance = 1e-6;
+  // Parameters of one arm go along with each other, and Marquardt's damping makes the steps along them small.
+  options.trust_region_strategy_type = ceres::DOGLEG;
+  options.dogleg_type = ceres::SUBSPACE_DOGLEG;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  fit.residuals.resize(size);
+  fit.jacobian.resize(size, start.size());
+  if (!summary.IsSolutionUsable() || !residuals(fit.value, fit.residuals, &fit.jacobian))
+    return failed(size, fit.value);
+  add_uncertainty(fit);
+  fit.determined = fit.determined && summary.termination_type == ceres::CONVERGENCE;
   return fit;
 }
 

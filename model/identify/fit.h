@@ -28,6 +28,11 @@ Fit linear_fit(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 using Residuals = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& r)>;
 Fit curve_fit(const Residuals& residuals, Eigen::Index size, const Eigen::VectorXd& start);
 
+// The same with slopes of one's own: `residuals` fills r and, where asked for it, their Jacobian; false where there are
+// none. It ends when a step no longer changes |r|^2 by 1e-6 of it: what has slopes of its own is dear.
+using SlopedResiduals = std::function<bool(const Eigen::VectorXd& x, Eigen::VectorXd& r, Eigen::MatrixXd* jacobian)>;
+Fit curve_fit(const SlopedResiduals& residuals, Eigen::Index size, const Eigen::VectorXd& start);
+
 // Fills covariance, residual_rms and determined from Jacobian and residuals at the minimum.
 void add_uncertainty(Fit& fit);
 

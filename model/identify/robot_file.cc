@@ -82,6 +82,8 @@ class Writer {
       if (section == "link" && name == "damping") fill_damping(old, entry);
       text_ += format_entry(name, entry);
     });
+    write_payload();
+    write_mounting();
     write_covariance();
     return text_;
   }
@@ -100,16 +102,18 @@ class Writer {
     for (std::size_t j = 0; j < kJoints; ++j) {
       const std::string name = fmt::format("{}[{}]", path, j);
       const auto row = row_of(name);
-      if (!row) {
-        entry.error[j] = old_errors[j];
-        const bool same = values_before_.at(path)[j] == entry.value[j];
-        kept += fmt::format(
-            "{}joint {} {}", kept.empty() ? "" : "; ", j + 1,
-            same ? "assumed as before (" + old.at("source").text() + ")" : "only bounded by its log: the bound");
+      const auto from = identified_.from.find(name);
+      entry.error[j] = row ? std::sqrt(identified_.covariance(*row, *row)) : old_errors[j];
+      if (row && from != identified_.from.end()) {
+        for (const Estimate* e : from->second) logs.insert(log_text(*e));
         continue;
       }
-      entry.error[j] = std::sqrt(identified_.covariance(*row, *row));
-      for (const Estimate* e : identified_.from.at(name)) logs.insert(log_text(*e));
+      const bool same = values_before_.at(path)[j] == entry.value[j];
+      const std::string before = "(" + old.at("source").text() + ")";
+      kept += fmt::format("{}joint {} {}", kept.empty() ? "" : "; ", j + 1,
+                          row    ? "kept, as its logs hardly tell it " + before
+                          : same ? "assumed as before " + before
+                                 : "only bounded by its log: the bound");
     }
     if (!logs.empty()) {
       entry.source = "identified: " + joined(logs) + (kept.empty() ? "" : "; " + kept);
@@ -133,6 +137,31 @@ class Writer {
     }
     entry.source = use_damping_ ? "identified: free decay, eqs. (11), (13); " + found
                                 : fmt::format("{}; identified but not used: {}", old.at("source").text(), found);
+  }
+
+  void write_payload() {
+    const Payload& payload = identified_.robot.payload;
+    if (payload == Payload{} && payload.mass_error == 0 && payload.inertia_error == 0) return;
+    text_ += "\n# What is fixed to the tip.\npayload:\n";
+    write_payload_value("mass", payload.mass, payload.mass_error, kPayloadMassBound.unit);
+    write_payload_value("inertia", payload.inertia, payload.inertia_error, kPayloadInertiaBound.unit);
+  }
+
+  void write_payload_value(const std::string& name, double value, double error, const std::string& unit) {
+    std::set<std::string> logs;
+    const auto from = identified_.from.find("payload." + name);
+    if (from != identified_.from.end()) {
+      for (const Estimate* e : from->second) logs.insert(log_text(*e));
+    }
+    text_ += fmt::format("  {}: {{value: {}, unit: \"{}\", source: {}, standard_error: {}}}\n", name, value, unit,
+                         quoted(logs.empty() ? "as before" : "identified: " + joined(logs)),
+                         error_text(error > 0 ? std::optional(error) : std::nullopt));
+  }
+
+  void write_mounting() {
+    const PlaneMounting& mounting = identified_.robot.mounting;
+    if (mounting == PlaneMounting{}) return;
+    text_ += fmt::format("\nmounting: {{inclination: {}, down: {}}}\n", mounting.inclination, mounting.down);
   }
 
   void write_covariance() {

@@ -17,6 +17,7 @@
 #include "model/identify/report.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
+#include "planner/program/identify_executed.h"
 #include "planner/program/misspelt.h"
 #include "planner/results/plan_json.h"
 
@@ -28,7 +29,8 @@ namespace fs = std::filesystem;
 struct IdentifyArguments {
   std::string name, out, report, robot;
   std::vector<std::string> logs, columns;
-  int joint = 0;  // 1 or 2; 0: as the log says
+  int joint = 0;     // 1 or 2; 0: as the log says
+  double widen = 1;  // times the standard errors of the robot file
   bool json = false, link_damping = false, accept_inconsistent = false;
 };
 
@@ -121,7 +123,22 @@ fs::path report_file(const IdentifyArguments& options) {
   return fs::path(options.out).replace_extension(".html");
 }
 
+// Executed motions tell of both joints, and of the whole arm at once.
+int run_executed(const IdentifyArguments& options) {
+  const auto refuse = [](bool given, const char* option, const char* why) {
+    if (given) throw InputError(option, "", fmt::format("is not for `identify executed`: {}", why));
+  };
+  refuse(options.joint != 0, "--joint", "its logs are of both");
+  refuse(!options.report.empty(), "--report", "there are no experiments to draw; --json has all figures");
+  refuse(options.link_damping, "--link-damping", "link damping is refined where the robot file has its standard error");
+  refuse(options.accept_inconsistent, "--accept-inconsistent", "its logs are fitted together");
+  return identify_executed(
+      {options.logs, options.robot, options.out, renamed_columns(options.columns), options.widen, options.json});
+}
+
 int run(const IdentifyArguments& options) {
+  if (options.name == "executed") return run_executed(options);
+  if (options.widen != 1) throw InputError("--widen", "", "is for `identify executed` alone");
   const fs::path base = options.robot.empty() ? default_robot_file() : fs::path(options.robot);
   const Parameters robot = load_bare_parameters(base);
   const Identification found = identify_as_asked(options, robot);
@@ -153,7 +170,11 @@ void add_identify(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("identify", "Identify parameters from logs and write robot.yaml");
   std::vector<std::string> names(std::begin(kProcedures), std::end(kProcedures));
   names.emplace_back("all");
-  command->add_option("name", options->name, "Procedure: stiffness, gravity, ..., or all over a folder of logs")
+  names.emplace_back("executed");
+  command
+      ->add_option("name", options->name,
+                   "Procedure: stiffness, gravity, ..., or all over a folder of logs; executed: all that the "
+                   "executor's logs of ordinary motions tell")
       ->required()
       ->check(one_of(names));
   command->add_option("logs", options->logs, "Logs, or the folder of <experiment>_<joint>.csv")
@@ -173,6 +194,11 @@ void add_identify(CLI::App& app, int& exit_code) {
   command->add_flag("--link-damping", options->link_damping, "Write the identified link damping as the model's");
   command->add_flag("--accept-inconsistent", options->accept_inconsistent,
                     "Write robot.yaml even where two logs contradict each other");
+  command
+      ->add_option("--widen", options->widen,
+                   "Of executed: take the standard errors of the robot file for so many times as large")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->type_name("TIMES");
   command->add_flag("--json", options->json, "Only JSON on stdout");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -1,0 +1,22 @@
+// `fjr identify executed`: robot.yaml refined by ordinary motions that the executor logged.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "model/log.h"
+
+namespace fjr {
+
+struct ExecutedArguments {
+  std::vector<std::string> logs;
+  std::string robot, out;  // robot empty: the one shipped; out empty: nothing is written
+  ColumnNames renamed;
+  double widen = 1;
+  bool json = false;
+};
+
+// Exit code.
+int identify_executed(const ExecutedArguments& options);
+
+}  // namespace fjr

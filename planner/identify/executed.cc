@@ -16,7 +16,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kStep = 2e-5;           // of a parameter, by which it is moved to differentiate by it
 constexpr double kLongestStep = 0.25;    // of a prior's standard deviation
 constexpr double kStepOfStart = 0.0005;  // of kOffGuess
 constexpr Index kBlocks = 5;             // of neighbouring readings of a piece
@@ -39,7 +38,7 @@ Parameters moved(const Parameters& known, const std::vector<std::string>& names,
   return p;
 }
 
-// Steps of the prior's independent numbers, which move no parameter by more than kStep of its size.
+// Steps of the prior's independent numbers, which move no parameter by more than kSlopeStep of its size.
 VectorXd steps_of(const Parameters& known, const Prior& prior) {
   Parameters p = known;
   VectorXd sizes(prior.factor.rows());
@@ -51,7 +50,7 @@ VectorXd steps_of(const Parameters& known, const Prior& prior) {
   VectorXd steps(prior.factor.cols());
   for (Index i = 0; i < steps.size(); ++i) {
     const double largest = (prior.factor.col(i).cwiseAbs().array() / sizes.array()).maxCoeff();
-    steps[i] = std::min(kLongestStep, kStep / largest);
+    steps[i] = std::min(kLongestStep, kSlopeStep / largest);
   }
   return steps;
 }

@@ -32,6 +32,10 @@ std::vector<Piece> pieces_of(const Parameters& robot, const ExecutedMotion& moti
 std::optional<Eigen::VectorXd> replayed(const Parameters& robot, const ExecutedMotion& motion, const Piece& piece,
                                         const State<double>& start);
 
+// Of a parameter, by which it is moved to differentiate positions by it: a few standard errors of three motions, and a
+// thousand times what the integration errs by.
+inline constexpr double kSlopeStep = 2e-5;
+
 // Counts' standard deviation of each encoder, in that order: uniform within a count. [rad]
 Eigen::Vector4d count_deviation(const Parameters& robot);
 

@@ -11,6 +11,7 @@
 #include <memory>
 #include <random>
 
+#include "common/dual.h"
 #include "common/input_error.h"
 #include "common/parallel.h"
 #include "planner/executor/control.h"
@@ -121,6 +122,74 @@ TEST(Executed, ThreeMotionsMakeTheNextOnesFiveTimesAsExact) {
       EXPECT_LT(after.results[i].link_error_rms[j], 1e-4);                  // a count; measured: 3e-5 to 5e-5
       EXPECT_LT(fit.motions[i].after[static_cast<Eigen::Index>(j)], 4e-5);  // counts alone make 2.8e-5
     }
+  }
+}
+
+using Slopes = Eigen::Matrix<double, kStates, 1>;
+
+Slopes slopes_of(const Parameters& p, const std::string& name, const State<double>& x, const Joints<double>& torque,
+                 const Slopes& s) {
+  using Active = Dual<kStates>;
+  State<Active> active;
+  for (int i = 0; i < kStates; ++i)
+    active[static_cast<std::size_t>(i)] = Active::input(x[static_cast<std::size_t>(i)], i);
+  const State<Active> f = dynamics<Active>(p, active, {Active(torque[0]), Active(torque[1])});
+  Parameters more = p, less = p;
+  const double step = 1e-6 * *parameter_named(more, name);
+  *parameter_named(more, name) += step;
+  *parameter_named(less, name) -= step;
+  const State<double> above = dynamics<double>(more, x, torque), below = dynamics<double>(less, x, torque);
+  Slopes rate;
+  for (std::size_t i = 0; i < kStates; ++i) {
+    rate[static_cast<Eigen::Index>(i)] = (above[i] - below[i]) / (2 * step);
+    for (std::size_t k = 0; k < kStates; ++k) {
+      rate[static_cast<Eigen::Index>(i)] += f[i].g[k] * s[static_cast<Eigen::Index>(k)];
+    }
+  }
+  return rate;
+}
+
+State<double> moved_by(const State<double>& x, const State<double>& rate, double h) {
+  State<double> next;
+  for (std::size_t i = 0; i < kStates; ++i) next[i] = x[i] + h * rate[i];
+  return next;
+}
+
+// The variational equation dS/dt = df/dx S + df/dp, with the motion, by the midpoint rule at 5 us: the friction's rate
+// at the kink of joint 1 is 8e4/s.
+TEST(Executed, SlopesAreThoseOfTheVariationalEquation) {
+  const Executions run = executed(robot(), {.truth = robot()}, {{{0, 0}, {0.9, -1.1}, 0.5}});
+  const ExecutedMotion& motion = run.motions.front();
+  const Piece piece = pieces_of(robot(), motion, 0).at(0);
+  constexpr int kParts = 200;
+  constexpr std::size_t kRows = 200;
+  for (const char* name :
+       {"spring.stiffness[0]", "friction.viscous[1]", "link.gravity_torque[0]", "motor.inertia[1]"}) {
+    Parameters more = robot(), less = robot();
+    const double step = kSlopeStep * *parameter_named(more, name);
+    *parameter_named(more, name) += step;
+    *parameter_named(less, name) -= step;
+    const Eigen::VectorXd differences =
+        (*replayed(more, motion, piece, piece.begins) - *replayed(less, motion, piece, piece.begins)) / (2 * step);
+    State<double> x = piece.begins;
+    Slopes s = Slopes::Zero();
+    double largest = 0, worst = 0;
+    for (std::size_t row = 0; row < kRows; ++row) {
+      const Eigen::Vector4d found = differences.segment<4>(4 * static_cast<Eigen::Index>(row));
+      const Eigen::Vector4d expected(s[kStateQ], s[kStateQ + 1], s[kStateTheta], s[kStateTheta + 1]);
+      largest = std::max(largest, expected.cwiseAbs().maxCoeff());
+      worst = std::max(worst, (found - expected).cwiseAbs().maxCoeff());
+      const Joints<double>& torque = motion.torque[piece.first + row];
+      const double h = (motion.times[piece.first + row + 1] - motion.times[piece.first + row]) / kParts;
+      for (int part = 0; part < kParts; ++part) {
+        const State<double> middle = moved_by(x, dynamics<double>(robot(), x, torque), h / 2);
+        const Slopes half = s + h / 2 * slopes_of(robot(), name, x, torque, s);
+        s += h * slopes_of(robot(), name, middle, torque, half);
+        x = moved_by(x, dynamics<double>(robot(), middle, torque), h);
+      }
+    }
+    EXPECT_GT(largest, 0) << name;
+    EXPECT_LT(worst, 2e-3 * largest) << name;
   }
 }
 

@@ -81,7 +81,7 @@ void conclude(const Findings& found, Session& session, Plan& plan) {
     withdraw_rows(plan);
   } else if (!certified || plan.infeasibility) {
     tell_failure(found, plan);
-    const bool explained = plan.status == PlanStatus::kInfeasible && !session.interrupted();  // all the way
+    const bool explained = plan.status == PlanStatus::kInfeasible && !session.interrupted() && !found.swing_was_cut;
     if (!explained) plan.reason += how_far(found, session);
   }
 }

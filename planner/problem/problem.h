@@ -76,7 +76,7 @@ struct Reserve {
 };
 
 inline constexpr const char* kDefaultMethod = "hermite-simpson";
-inline constexpr double kDefaultSamplePeriod = 0.001;  // [s]
+inline constexpr double kDefaultSamplePeriod = 0.001, kLongestSamplePeriod = 0.005;  // [s]
 
 struct Problem {
   Parameters robot;
@@ -93,7 +93,9 @@ struct Problem {
   std::optional<Slack> slack;
   std::optional<double> robust;  // the fraction of the possible arms that is to keep everything; none: only the robot
   Reserve reserve;               // for them; nothing that a request says
-  double sample_period = kDefaultSamplePeriod;  // [s]
+  double sample_period = kDefaultSamplePeriod;  // [s] between rows
+  // [s] where that would take too many rows: more than sample_period only where the request leaves that open.
+  double longest_sample_period = kLongestSamplePeriod;
   std::uint64_t seed = 1;
   Thoroughness search = Thoroughness::kDefault;
   std::string method = kDefaultMethod;  // of collocation, a name of collocation/scheme.h

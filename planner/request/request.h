@@ -126,7 +126,8 @@ void visit(R& r, Visit&& v) {
   v(Key{"tip", "", "where the tip may be all the way: one of `box`, `line`, `arc`", "anywhere"}, r.tip);
   v(Key{"path", "", "straight lines in the joint angles", "none", "not beside `via`"}, r.path);
   v(Key{"limits", "", "magnitudes that are not exceeded"}, r.limits);
-  v(Key{"sample_period", "s", "between published rows", "0.001", "0.0005 to 0.005; at most 32768 rows come of it"},
+  v(Key{"sample_period", "s", "between published rows", "0.001",
+        "0.0005 to 0.005; at most 32768 rows come of it; where nothing is said, long motions have them farther apart"},
     r.sample_period);
   v(Key{"seed", "", "of the search's random starts", "1", "a whole number"}, r.seed);
   v(Key{"payload", "kg", "at the tip: a mass, or `{mass, inertia}` in kg and kg m^2", "the robot's",

@@ -101,6 +101,7 @@ std::string request_hash(const Problem& problem) {
   }
   if (problem.release) lines.add("release", static_cast<double>(*problem.release));
   lines.add("sample_period", problem.sample_period);
+  if (problem.longest_sample_period != kLongestSamplePeriod) lines.add_text("sample_period", "asked for");
   lines.add_text("seed", std::to_string(problem.seed));
   if (problem.method != kDefaultMethod) lines.add_text("method", problem.method);
   if (problem.search != Thoroughness::kDefault) lines.add_text("search", word_of(problem.search));

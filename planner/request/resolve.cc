@@ -21,8 +21,8 @@
 namespace fjr {
 namespace {
 
-constexpr double kShortestPeriod = 0.0005, kLongestPeriod = 0.005;  // [s]
-constexpr double kViaSpacing = 1e-3;                                // [s] between vias, and from both ends
+constexpr double kShortestPeriod = 0.0005;  // [s] between rows
+constexpr double kViaSpacing = 1e-3;        // [s] between vias, and from both ends
 constexpr std::size_t kMaxVias = 32;
 constexpr double kLargestWeight = 1e9;
 constexpr double kSameAngle = 1e-9;  // [rad] below this two given angles mean the same; 1e-5 of an encoder count
@@ -144,9 +144,9 @@ Weights resolve_weights(const Request& request, const Duration& duration) {
 
 double resolve_sample_period(const Request& request, const Duration& duration) {
   const Place place{request, "sample_period"};
-  const double period = request.sample_period.value_or(kDefaultSamplePeriod);
-  if (period < kShortestPeriod || period > kLongestPeriod) {
-    place.fail(fmt::format("{} s is outside [{}, {}]", period, kShortestPeriod, kLongestPeriod));
+  const double period = *request.sample_period;
+  if (period < kShortestPeriod || period > kLongestSamplePeriod) {
+    place.fail(fmt::format("{} s is outside [{}, {}]", period, kShortestPeriod, kLongestSamplePeriod));
   }
   // The small amount keeps a duration of 3 periods, 0.003 / 0.001 > 3 in floating point, from counting as 4.
   const double rows = std::ceil(duration.min / period - 1e-9) + 1;
@@ -539,7 +539,9 @@ Problem resolve(const Request& request, const Parameters& robot) {
   problem.limits = resolve_limits(request, problem.robot);
   problem.duration = resolve_duration(request);
   problem.weights = resolve_weights(request, problem.duration);
-  problem.sample_period = resolve_sample_period(request, problem.duration);
+  if (request.sample_period) {
+    problem.sample_period = problem.longest_sample_period = resolve_sample_period(request, problem.duration);
+  }
   problem.method = resolve_method(request);
   if (request.seed) problem.seed = *request.seed;
   problem.search = request.search.value_or(Thoroughness::kDefault);

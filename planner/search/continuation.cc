@@ -116,7 +116,7 @@ Continuation::Continuation(std::shared_ptr<const Problem> problem, Session& sess
 SolveOptions Continuation::options(const std::string& what) {
   SolveOptions o;
   o.linear_solver = settings().linear_solver;
-  o.max_iterations = settings().warm_iterations;
+  o.max_iterations = static_cast<int>(std::lround(patience * settings().warm_iterations));
   o.monitor = [this, what, told = 0.0](const IterationInfo& info) mutable {
     session_->tell({what, info.iteration, info.objective, info.violation});
     const double more = info.work - std::exchange(told, info.work);

@@ -92,6 +92,7 @@ class Continuation {
   double mesh_factor = 1;            // on the number of intervals of the first mesh
   double regularisation_factor = 1;  // on that of the first solution, by effort: with more it is easier to solve
   double width_factor = 1;  // on the width of the first solution's friction law: less of it is nearer to the exact law
+  double patience = 1;      // on the iterations of warm starts
 
  private:
   // What an attempt from the present solution depends on beside that.

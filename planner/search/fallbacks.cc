@@ -27,11 +27,19 @@ constexpr double kLongestInterval = 0.03;  // [s] in the mean of a mesh that is 
 constexpr double kFirstStep = 0.05;        // of the factor of the limits
 constexpr double kLongerStep = 1.25;       // times the last one, after one that could be taken
 constexpr double kGrowth = 0.06;           // fraction by which the motion may take longer after a step, by the last one
-constexpr double kShortestStep = 2e-3;     // of those that could not be taken
+constexpr double kShortestStep = 2e-4;     // of those that could not be taken
+// Where more work is allowed than usual, motions that swing get as much more patience, up to this: with little torque
+// to spare warm starts take up to 690 iterations.
+constexpr double kUsualWork = 60;  // [s]
+constexpr double kMostPatience = 5;
 // A motor that creeps finds less friction in a smoothed law: what is lifted so is not lifted with the exact one.
 constexpr double kSharper = 0.1;  // times the usual width
 
 using SharedProblem = std::shared_ptr<const Problem>;
+
+double patience_in(const Session& session) {
+  return std::clamp(session.options().most_work / kUsualWork, 1.0, kMostPatience);
+}
 
 std::optional<Continuation> try_to_begin(Continuation c, Session& session, const Guess& guess, int patience) {
   if (session.interrupted() || c.begin(guess, patience) != StartOutcome::kNew) return std::nullopt;
@@ -57,6 +65,7 @@ std::optional<Continuation> sharpened(const SharedProblem& problem, Session& ses
   Continuation c(problem, session, label);
   c.width_factor = kSharper;
   c.mesh_factor = mesh_factor;
+  c.patience = patience_in(session);
   return try_to_begin(std::move(c), session, guess_from(from.motion, from.durations, from.motion.duration()),
                       kMoreSwings);
 }
@@ -67,6 +76,7 @@ std::optional<Continuation> follow(const SharedProblem& problem, Session& sessio
   const double duration = from.motion.duration();
   if (duration / static_cast<double>(from.setup.mesh.size()) <= kLongestInterval) {
     Continuation c(problem, session, label);
+    c.patience = patience_in(session);
     if (!session.interrupted() && c.adopt(from, duration)) return c;
   }
   return sharpened(problem, session, label, from);

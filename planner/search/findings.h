@@ -48,6 +48,7 @@ struct Findings {
   std::optional<Publication> best;       // certified; or the last one that is not, where none is
   std::optional<Fastest> fastest;        // once it was looked for, the shortest that there is
   std::optional<Limits> carried_with;    // limits with which the arm was found to swing up
+  bool swing_was_cut = false;            // more work might have found it with tighter ones
   bool a_start_was_infeasible = false;   // and not only difficult
   std::string obstacle;                  // what a start without solution failed at, a clause
   std::string failure;                   // why a solution could not be published

@@ -51,7 +51,9 @@ void try_swinging(const Alternative& alternative, Findings& found, Session& sess
   if (!found.candidates.empty() || session.interrupted() || can_be_carried(*alternative)) return;
   SwungUp swung = swing_up(alternative, found.asked.duration.max, session);
   if (swung.motion) follow(std::move(*swung.motion), found, session);
-  if (swung.reached) found.carried_with = swung.reached;
+  if (!swung.reached) return;
+  found.carried_with = swung.reached;
+  found.swing_was_cut = session.interrupted();
 }
 
 // An alternative, and how it went.

@@ -152,7 +152,7 @@ def keys() -> list[Key]:
 
     >>> [key for key in keys() if key.name == "sample_period"]  # doctest: +NORMALIZE_WHITESPACE
     [Key(name='sample_period', unit='s', meaning='between published rows', otherwise='0.001',
-         allowed='0.0005 to 0.005; at most 32768 rows come of it')]
+         allowed='0.0005 to 0.005; at most 32768 rows come of it; where nothing is said, long motions have them farther apart')]
     """
     return [Key(*key) for key in _core.keys()]
 

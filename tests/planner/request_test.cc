@@ -267,6 +267,15 @@ TEST(Request, AsManyRowsAsATrajectoryMayHaveAreAccepted) {
   EXPECT_EQ(parse(kMove + "duration: 16.3835\nsample_period: 0.0005").duration.max, 16.3835);  // 32767 intervals
 }
 
+// Rows farther apart than were asked for would not be what was asked for.
+TEST(Request, OnlyWhereNothingIsSaidLongMotionsMayHaveRowsFartherApart) {
+  const Problem open = parse(kMove + "duration: 100"), asked = parse(kMove + "duration: 10\nsample_period: 0.001");
+  EXPECT_EQ(open.sample_period, asked.sample_period);
+  EXPECT_EQ(open.longest_sample_period, 0.005);
+  EXPECT_EQ(asked.longest_sample_period, 0.001);
+  EXPECT_NE(parse(kMove + "duration: 10").request_hash, asked.request_hash);
+}
+
 TEST(Request, RobotsAreFoundRelativeToTheRequest) {
   std::string name = (fs::temp_directory_path() / "fjr_XXXXXX").string();
   const fs::path folder = mkdtemp(name.data());

@@ -172,7 +172,7 @@ class Explanation {
         "duration: at most {:.6g} s is allowed{}; the shortest motion found within the limits takes {}{:.4f} s",
         allowed, where, certified_ ? "" : "about ", needed);
     if (!certified_) result_.sentence += ", as far as was planned: not exact enough to be certified yet";
-    const double rows = needed / problem_.sample_period;
+    const double rows = needed / problem_.longest_sample_period;
     if (rows > static_cast<double>(kMaxRows)) {
       result_.sentence += fmt::format(" (with a sample_period of {:.4f} s or more)",
                                       std::ceil(1e4 * needed / static_cast<double>(kMaxRows - kSpareRows)) / 1e4);

@@ -33,7 +33,7 @@ Prior prior_of(const Parameters& robot, double widened) {
   for (const char* entry : kUsuallyTold) {
     for (std::size_t j = 0; j < kJoints; ++j) {
       const std::string name = fmt::format("{}[{}]", entry, j);
-      assume(prior, name, kUnknown * std::abs(*parameter_named(values, name)));
+      assume(prior, name, kUnknownFraction * std::abs(*parameter_named(values, name)));
     }
   }
   assume(prior, "payload.mass", kUnknownPayload);

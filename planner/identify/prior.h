@@ -12,16 +12,16 @@ namespace fjr {
 // Errors of the parameters are factor times independent numbers of variance 1.
 struct Prior {
   std::vector<std::string> names;
-  std::vector<bool> assumed;  // its deviation is kUnknown's, and not the robot file's
+  std::vector<bool> assumed;  // its deviation is kUnknownFraction's, and not the robot file's
   Eigen::VectorXd deviation;
   Eigen::MatrixXd factor;
 };
 
 // The covariance of robot.yaml, its standard errors `widened` times as large. Parameters that have none there, and that
-// ordinary motions usually tell, are given a weak one: kUnknown of the value for stiffness, gravity torque, both
-// inertias, viscous friction and its amplitude, kUnknownPayload for the payload's mass. All others are kept as they
-// are.
-inline constexpr double kUnknown = 0.2;
+// ordinary motions usually tell, are given a weak one: kUnknownFraction of the value for stiffness, gravity torque,
+// both inertias, viscous friction and its amplitude, kUnknownPayload for the payload's mass. All others are kept as
+// they are.
+inline constexpr double kUnknownFraction = 0.2;
 inline constexpr double kUnknownPayload = 0.5;  // [kg]
 Prior prior_of(const Parameters& robot, double widened = 1);
 

@@ -40,6 +40,9 @@ std::string advice(const std::vector<Relaxation>& relaxations) {
                      r.from);
 }
 
+// Rows that may have been exact enough were more than there may be.
+std::string too_many_rows(const Findings& found) { return found.failure.empty() ? "" : "; " + found.failure; }
+
 // Nothing certified was found, and nobody stopped the search.
 void tell_failure(const Findings& found, Plan& plan) {
   const bool nothing_converged = found.candidates.empty();
@@ -81,6 +84,7 @@ void conclude(const Findings& found, Session& session, Plan& plan) {
     withdraw_rows(plan);
   } else if (!certified || plan.infeasibility) {
     tell_failure(found, plan);
+    if (plan.certificate) plan.reason += too_many_rows(found);
     const bool explained = plan.status == PlanStatus::kInfeasible && !session.interrupted() && !found.swing_was_cut;
     if (!explained) plan.reason += how_far(found, session);
   }

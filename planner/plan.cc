@@ -40,6 +40,7 @@ SessionOptions session_options(const Problem& problem, const PlanOptions& option
   o.deadline = options.deadline;
   o.jobs = threads_for(options);
   o.most_work = most_work(problem, options);
+  o.patience = o.most_work / PlanOptions{}.most_work;
   o.objective_scale = size_of(problem.weights);
   o.cancelled = options.cancelled;
   o.on_progress = options.on_progress;

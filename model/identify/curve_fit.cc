@@ -112,7 +112,8 @@ Fit curve_fit(const SlopedResiduals& residuals, Eigen::Index size, const Eigen::
   Fit fit;
   fit.value = start;
   ceres::Problem problem;
-  problem.AddResidualBlock(new SlopedCost(residuals, start.size(), size), nullptr, fit.value.data());  // it owns it
+  auto cost = std::make_unique<SlopedCost>(residuals, start.size(), size);
+  problem.AddResidualBlock(cost.release(), nullptr, fit.value.data());  // it owns it
   ceres::Solver::Options options = quiet_options();
   options.max_num_iterations = 200;
   options.function_tolerance = 1e-6;

@@ -4,7 +4,6 @@
 
 #include <utility>
 
-#include "common/atomic_file.h"
 #include "common/input_error.h"
 #include "model/identify/arm.h"
 #include "model/identify/procedures.h"
@@ -66,11 +65,7 @@ void refuse_contradictions(const Identification& identification, const std::stri
 
 Parameters write_robot(const fs::path& file, const fs::path& base, const Parameters& known,
                        const Identification& identification, bool use_damping) {
-  const fs::path trial = file.string() + ".refused";
-  write_file(trial, format_robot(combine(known, identification.estimates), base, use_damping));
-  Parameters written = load_parameters(trial);
-  fs::rename(trial, file);
-  return written;
+  return write_robot_file(file, format_robot(combine(known, identification.estimates), base, use_damping));
 }
 
 }  // namespace fjr

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 
+#include "common/atomic_file.h"
 #include "common/strict_yaml.h"
 
 namespace fjr {
@@ -223,6 +224,14 @@ class Writer {
 
 std::string format_robot(const Identified& identified, const std::filesystem::path& base, bool use_damping) {
   return Writer(identified, base, use_damping).write();
+}
+
+Parameters write_robot_file(const std::filesystem::path& file, const std::string& text) {
+  const std::filesystem::path trial = file.string() + ".refused";
+  write_file(trial, text);
+  Parameters written = load_parameters(trial);
+  std::filesystem::rename(trial, file);
+  return written;
 }
 
 }  // namespace fjr

@@ -37,8 +37,8 @@ class Ros2Service {
 
   // name: with its leading slash.
   Ros2Service(const Participant& participant, const std::string& name, const std::string& id)
-      : requests_(participant, participant.handle(), request_qos(id), ("rq" + name + "Request").c_str()),
-        responses_(participant, participant.handle(), response_qos(id), ("rr" + name + "Reply").c_str()) {}
+      : requests_(participant, participant.handle(), service_qos(id), ("rq" + name + "Request").c_str()),
+        responses_(participant, participant.handle(), service_qos(id), ("rr" + name + "Reply").c_str()) {}
 
   dds_entity_t arrived() const { return requests_.arrived(); }
 
@@ -78,11 +78,8 @@ class Ros2Service {
   static constexpr std::size_t kMostWaiting = 64;
   static constexpr std::chrono::milliseconds kPatience{100};
 
-  // Of the two what DDS compares is as in rmw_qos_profile_services_default; depths and waits are our own.
-  static Qos request_qos(const std::string& id) {
-    return std::move(Qos().reliable(DDS_MSECS(5)).keep_last(64).user_data(ros2_user_data("serviceid", id)));
-  }
-  static Qos response_qos(const std::string& id) {
+  // Of reader and writer; what DDS compares is as in rmw_qos_profile_services_default; depths and waits are our own.
+  static Qos service_qos(const std::string& id) {
     return std::move(Qos().reliable(DDS_MSECS(5)).keep_last(64).user_data(ros2_user_data("serviceid", id)));
   }
 

@@ -41,8 +41,8 @@ struct ExecutedFit {
 // The most likely parameters given the readings of all motions and the prior: least squares of readings off the arm
 // under the logged torques, in standard deviations of a count, and of the parameters off the prior. Standard errors
 // grow where the readings are off by more than counts, or neighbours alike. for_each: some hundred rollouts.
-// Throws InputError where the
-// motors hardly move, and where the arm that is known cannot be rolled out under the torques.
+// Throws InputError where the motors hardly move, and where the arm that is known cannot be rolled out under the
+// torques.
 ExecutedFit fit_executed(const Parameters& known, const Prior& prior, const std::vector<ExecutedMotion>& motions,
                          const ForEach& for_each = one_after_another);
 

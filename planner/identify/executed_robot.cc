@@ -1,6 +1,5 @@
 #include "planner/identify/executed_robot.h"
 
-#include "common/atomic_file.h"
 #include "model/identify/robot_file.h"
 
 namespace fjr {
@@ -36,11 +35,7 @@ Identified identified_by(const ExecutedFit& fit, const std::vector<Estimate>& lo
 Parameters write_executed_robot(const std::filesystem::path& file, const std::filesystem::path& base,
                                 const ExecutedFit& fit, const std::vector<ExecutedMotion>& motions) {
   const std::vector<Estimate> logs = logs_of(motions);
-  const std::filesystem::path trial = file.string() + ".refused";
-  write_file(trial, format_robot(identified_by(fit, logs), base, false));
-  Parameters written = load_parameters(trial);
-  std::filesystem::rename(trial, file);
-  return written;
+  return write_robot_file(file, format_robot(identified_by(fit, logs), base, false));
 }
 
 }  // namespace fjr

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <stdexcept>
 #include <utility>
 
 #include "planner/analysis/node_times.h"
@@ -448,6 +449,7 @@ bool Continuation::attempt_anew(const std::string& what, const CollocationSetup&
 }
 
 bool Continuation::split_intervals(const std::vector<double>& errors) {
+  if (errors.size() != solution_.setup.mesh.size()) throw std::logic_error("errors of another mesh");
   const CollocationSetup setup = refined(solution_.setup, errors, std::min(settings().mesh_tolerance, bulk_of(errors)));
   if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
   return attempt_or_forget(fmt::format("{}, {} intervals", label_, setup.mesh.size()), setup);

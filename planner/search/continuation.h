@@ -57,7 +57,7 @@ class Continuation {
   bool follow_homotopy();
   bool refine();
 
-  // Splits the intervals whose given errors [rad] exceed the mesh tolerance or make most of their sum, or whose limits
+  // Splits the intervals of solution() whose given errors [rad] exceed the mesh tolerance or make most of their sum, or whose limits
   // are exceeded by much, and solves again. False when there was nothing to split or no solution; the last solution
   // stays.
   bool split_intervals(const std::vector<double>& errors);

@@ -30,16 +30,13 @@ constexpr double kGrowth = 0.06;           // fraction by which the motion may t
 constexpr double kShortestStep = 2e-4;     // of those that could not be taken
 // Where more work is allowed than usual, motions that swing get as much more patience, up to this: with little torque
 // to spare warm starts take up to 690 iterations.
-constexpr double kUsualWork = 60;  // [s]
 constexpr double kMostPatience = 5;
 // A motor that creeps finds less friction in a smoothed law: what is lifted so is not lifted with the exact one.
 constexpr double kSharper = 0.1;  // times the usual width
 
 using SharedProblem = std::shared_ptr<const Problem>;
 
-double patience_in(const Session& session) {
-  return std::clamp(session.options().most_work / kUsualWork, 1.0, kMostPatience);
-}
+double patience_in(const Session& session) { return std::clamp(session.options().patience, 1.0, kMostPatience); }
 
 std::optional<Continuation> try_to_begin(Continuation c, Session& session, const Guess& guess, int patience) {
   if (session.interrupted() || c.begin(guess, patience) != StartOutcome::kNew) return std::nullopt;

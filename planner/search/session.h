@@ -20,6 +20,7 @@ struct SessionOptions {
   ContinuationSettings settings{};
   double deadline = 0;              // [s] of wall time; 0: none
   double most_work = kNoLimit;      // [s] of work (SolveReport::work) in all phases together
+  double patience = 1;              // times the usual work that most_work allows
   int jobs = 1;                     // threads at most
   double objective_scale = 1;       // what an optimised objective has to be multiplied by to be what was asked for
   std::function<bool()> cancelled;  // polled between iterations; may be empty

@@ -1,5 +1,6 @@
 // What a search spends, and what it says when it found nothing: work is bounded and not repeated, reasons are the true
 // ones.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,8 +16,11 @@
 #include "planner/problem/elbow_side.h"
 #include "planner/problem/tip_path.h"
 #include "planner/request/request.h"
+#include "planner/search/continuation.h"
 #include "planner/search/detours.h"
 #include "planner/search/follow.h"
+#include "planner/search/publication.h"
+#include "planner/search/starts.h"
 #include "planner/search/worth_refining.h"
 
 namespace fjr {
@@ -60,6 +64,38 @@ TEST(Elbow, MayChangeWhereTheRegionReachesTheStretchedArm) {
                                    "tip: {box: [[0.1, -0.45], [0.45, 0.05]]}}")),
               HasSubstr("via[0] has it on the left"));
 }
+
+// ---- being stopped ----
+
+// The verdict asks for margins, and while they are being had the mesh changes: what the verdict said of its intervals
+// must not be said of the new ones. Where that happens depends on the optimiser, so there are several motions.
+class StoppedOnTheWay : public testing::TestWithParam<std::tuple<double, double>> {};
+
+TEST_P(StoppedOnTheWay, APublicationEndsInOrder) {
+  const auto [tip_speed, looser_by] = GetParam();
+  const Problem asked =
+      request(fmt::format("{{start: {{q: [0, 0]}}, goal: {{q: [0.6, -0.4]}}, limits: {{tip_speed: {}}}}}", tip_speed));
+  Problem looser = asked;
+  looser.limits.tip_speed *= looser_by;
+  const Continuation* motion = nullptr;
+  std::size_t intervals = 0;
+  bool stopped = false;
+  SessionOptions options;
+  options.cancelled = [&] { return stopped |= motion && motion->solution().setup.mesh.size() != intervals; };
+  Session session(options);
+  session.enter(Phase::kFinding);
+  Continuation c(std::make_shared<const Problem>(looser), session, "looser");
+  ASSERT_EQ(c.begin(first_guesses(looser).front(), 400), StartOutcome::kNew);
+  ASSERT_TRUE(c.follow_homotopy() && c.settle());
+  intervals = c.solution().setup.mesh.size();
+  motion = &c;
+  const PublishResult published = publish(c, asked, session);
+  ASSERT_TRUE(published.last);
+  EXPECT_TRUE(stopped || published.certified());
+}
+
+INSTANTIATE_TEST_SUITE_P(Publish, StoppedOnTheWay,
+                         testing::Combine(testing::Values(0.5, 1.0), testing::Values(1.01, 1.03)));
 
 // ---- arcs beyond half a turn ----
 

@@ -27,6 +27,7 @@ struct ServeArguments {
 int serve(const ServeArguments& options) {
   catch_ending_signals();  // before any other thread is started
   ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of whoever writes it
   const auto log = log_to_stderr();
   ServiceConfig config = options.config.empty() ? default_service_config() : load_service_config(options.config);
   options.network.apply_to(config.network);

@@ -7,6 +7,7 @@
 #include <deque>
 #include <map>
 #include <utility>
+#include <vector>
 
 #include "planner/protocol/messages.h"
 
@@ -28,8 +29,10 @@ class ReplyCache {
     return found ? found : others_.find(id);
   }
 
-  void add(SharedReply reply) {
-    if (!find(reply->id)) (reply->state == ReplyState::kSolved ? trajectories_ : others_).add(std::move(reply));
+  // Returns what is forgotten for it.
+  std::vector<RequestId> add(SharedReply reply) {
+    if (find(reply->id)) return {};
+    return (reply->state == ReplyState::kSolved ? trajectories_ : others_).add(std::move(reply));
   }
 
   std::size_t size() const { return trajectories_.size() + others_.size(); }
@@ -44,26 +47,30 @@ class ReplyCache {
       return found == replies_.end() ? nullptr : found->second;
     }
 
-    void add(SharedReply reply) {
+    std::vector<RequestId> add(SharedReply reply) {
       const RequestId id = reply->id;
       bytes_ += size_of(*reply);
       of_each_[reply->origin].push_back(id);
       replies_.emplace(id, std::move(reply));
-      while (size() > 1 && (size() > most_ || bytes_ > most_bytes_)) drop_one();
+      std::vector<RequestId> dropped;
+      while (size() > 1 && (size() > most_ || bytes_ > most_bytes_)) dropped.push_back(drop_one());
+      return dropped;
     }
 
     std::size_t size() const { return replies_.size(); }
 
    private:
-    void drop_one() {
+    RequestId drop_one() {
       const auto most = std::max_element(of_each_.begin(), of_each_.end(), [](const auto& a, const auto& b) {
         return a.second.size() < b.second.size();
       });
-      const auto oldest = replies_.find(most->second.front());
+      const RequestId id = most->second.front();
+      const auto oldest = replies_.find(id);
       bytes_ -= size_of(*oldest->second);
       replies_.erase(oldest);
       most->second.pop_front();
       if (most->second.empty()) of_each_.erase(most);
+      return id;
     }
 
     std::size_t most_, most_bytes_;

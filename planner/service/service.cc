@@ -55,6 +55,9 @@ Service::Service(const ServiceConfig& config)
       solvers_(config.workers, {config.robot, config.warm_plans, config.library, config.jobs},
                [this] { port_.wake(); }) {
   if (config.joint_trajectory) ros_.emplace(port_.participant(), robot_, config.joint_names);
+  if (config.remember.empty()) return;
+  store_.emplace(config.remember, config.robot_id, [this] { port_.wake(); });
+  for (const SharedReply& reply : store_->take_earlier()) remember(reply);
 }
 
 void Service::stop() {
@@ -69,6 +72,7 @@ void Service::run() {
     meet_clients();
     outbox_.deliver();
     if (settled()) {
+      release_stored();
       for (const auto& wanted : port_.take_cancels()) cancel(wanted);
       take_in();
       relay();

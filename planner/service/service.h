@@ -24,6 +24,7 @@
 #include "planner/service/presence.h"
 #include "planner/service/recent_ids.h"
 #include "planner/service/reply_cache.h"
+#include "planner/service/reply_store.h"
 #include "planner/service/service_config.h"
 #include "planner/service/solvers.h"
 #include "planner/service/tally.h"
@@ -40,6 +41,11 @@ class Service {
 
  private:
   using Clock = Job::Clock;
+  struct Answer {  // a final reply, and what it answers
+    Order order;
+    Clock::time_point arrived;
+    SharedReply reply;
+  };
 
   // What comes in.
   void take_in();
@@ -60,6 +66,7 @@ class Service {
   void execute_planned(const Order& order, Clock::time_point arrived);
   bool repeat(const Order& order);
   bool in_hand(const RequestId& id) const;
+  bool being_stored(const RequestId& id) const;
   bool motion_pending() const;
   void cancel(const dds::ServicePort::Cancel& wanted);
   bool answers_cancel(const std::string& robot_id) const;
@@ -109,6 +116,10 @@ class Service {
   void give_up(const Job& job, ReplyState state, Reason reason, const std::string& sentence);
   void remember(const SharedReply& reply);
   void reject(const Order& order, Refusal why);
+  void settle(Answer answer);
+  void release(const Answer& answer);
+  void release_stored();
+  void await_stored(Clock::time_point over);
   std::optional<Refusal> refusal_to_publish(const std::vector<Sample>& rows) const;
   void publish(const Reply& reply);
   bool send(const SharedReply& reply);
@@ -142,7 +153,9 @@ class Service {
   Outbox outbox_;
   Tally tally_;
   LogLimit log_requests_, log_refusals_, log_slow_clients_, log_others_;
-  Solvers solvers_;  // last: it wakes the port
+  std::vector<Answer> being_stored_;  // they leave when they are on disk
+  std::optional<ReplyStore> store_;   // none: a restarted service remembers nothing
+  Solvers solvers_;                   // last, as the store: they wake the port
 };
 
 }  // namespace fjr

@@ -32,6 +32,7 @@ void Service::look_after_clients() {
     if (presence_.is_due(*order, now)) ask(*order);
     waiting.insert(order->id.client);
   }
+  for (const Answer& answer : being_stored_) waiting.insert(answer.reply->id.client);
   presence_.keep_if([&](const auto& client) { return waiting.contains(client); });
   const auto gone = [&](const Job& job) { return presence_.gone(job.order, now); };
   while (const auto job = queue_.remove_if(gone))

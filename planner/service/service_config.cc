@@ -67,7 +67,7 @@ ServiceConfig load_service_config(const std::filesystem::path& file) {
   ServiceConfig config = default_service_config();
   const YamlNode root = YamlNode::load(file);
   root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "jobs", "queue", "warm_plans", "library",
-                   "budget", "longest_budget", "ros2", "security", "allow_insecure_network"});
+                   "remember", "budget", "longest_budget", "ros2", "security", "allow_insecure_network"});
   read_network(root, file.parent_path(), config.network);
   read_whole(root, "workers", 1, 64, config.workers);
   read_whole(root, "jobs", 1, 256, config.jobs);
@@ -79,6 +79,7 @@ ServiceConfig load_service_config(const std::filesystem::path& file) {
   read_name(root, "robot_id", config.robot_id);
   if (const auto node = root.find("ros2")) read_ros2(*node, config);
   if (const auto node = root.find("library")) config.library = file.parent_path() / node->text();
+  if (const auto node = root.find("remember")) config.remember = file.parent_path() / node->text();
   if (const auto node = root.find("robot")) config.robot = file.parent_path() / node->text();
   return config;
 }

@@ -11,17 +11,18 @@ namespace fjr {
 
 struct ServiceConfig {
   Network network;
-  std::string instance;           // unique among the running services; by default host name and process
-  std::string robot_id = "arm";   // whose trajectories it publishes
-  std::filesystem::path robot;    // what is planned for
-  std::size_t workers = 1;        // solving processes
-  std::size_t jobs = 1;           // threads of each
-  std::size_t queue = 64;         // requests of one client that may wait
-  std::size_t warm_plans = 32;    // minimum-time plans that each worker keeps to start neighbouring ones from
-  std::filesystem::path library;  // folder of a plan library to start from and to learn into; empty: none
-  double budget = 60;             // [s] for a request that names none
-  double longest_budget = 600;    // [s] a request may ask for
-  bool joint_trajectory = false;  // for ROS 2: what goes to the executor also goes to rt/joint_trajectory
+  std::string instance;            // unique among the running services; by default host name and process
+  std::string robot_id = "arm";    // whose trajectories it publishes
+  std::filesystem::path robot;     // what is planned for
+  std::size_t workers = 1;         // solving processes
+  std::size_t jobs = 1;            // threads of each
+  std::size_t queue = 64;          // requests of one client that may wait
+  std::size_t warm_plans = 32;     // minimum-time plans that each worker keeps to start neighbouring ones from
+  std::filesystem::path library;   // folder of a plan library to start from and to learn into; empty: none
+  std::filesystem::path remember;  // folder of the replies that are remembered over a restart; empty: none are
+  double budget = 60;              // [s] for a request that names none
+  double longest_budget = 600;     // [s] a request may ask for
+  bool joint_trajectory = false;   // for ROS 2: what goes to the executor also goes to rt/joint_trajectory
   std::vector<std::string> joint_names{"joint1", "joint2"};
 };
 

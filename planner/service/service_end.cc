@@ -19,6 +19,7 @@ constexpr std::size_t kRelayedAtOnce = 128;
 void Service::end() {
   tell_stopping();
   take_last_cancels();
+  await_stored(Clock::now() + kFarewell);
   const bool handing_over = ownership_.has_standby();
   const auto farewell = [this](const Job& job) {
     give_up(job, ReplyState::kCancelled, Reason::kShuttingDown, "the service is shutting down; send the request again");
@@ -31,6 +32,7 @@ void Service::end() {
     for (const Backlog::Entry& last : last_requests()) refuse_at_end(last);
   }
   const auto over = Clock::now() + kFarewell;
+  await_stored(over);
   for (outbox_.deliver(); !outbox_.empty() && Clock::now() < over; outbox_.deliver()) {
     port_.wait(std::chrono::milliseconds(1));
   }

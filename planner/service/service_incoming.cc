@@ -164,8 +164,9 @@ bool Service::repeat(const Order& order) {
     post(reply);
     return true;
   }
-  if (!in_hand(order.id)) return false;
+  if (!in_hand(order.id) && !being_stored(order.id)) return false;
   tally_.duplicate();
+  if (being_stored(order.id)) return true;  // it is answered in a moment
   post(std::make_shared<const Reply>(reply_to(order, ReplyState::kAccepted)));
   return true;
 }
@@ -178,6 +179,7 @@ void Service::cancel(const dds::ServicePort::Cancel& wanted) {
   };
   if (const auto waiting = backlog_.take_if(waits_for_executor); !waiting.empty()) return conclude(waiting.front());
   if (const SharedReply answered = cache_.find(id)) return post(answered);
+  if (being_stored(id)) return;
   const auto is_it = [&](const Job& job) { return job.order.id == id; };
   if (const auto job = queue_.remove_if(is_it)) {
     return give_up(*job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it waited");

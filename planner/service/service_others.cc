@@ -57,9 +57,11 @@ void Service::hear(Reply reply) {
   if (!reply.final()) return backlog_.accepted(reply.id);
   reply.origin = backlog_.answered(reply.id);
   const bool of_this_robot = reply.robot_id == config_.robot_id && reply.robot_hash == robot_hash_;
-  if (!of_this_robot || !lasting(reply.why.reason)) return;
+  if (!of_this_robot || !lasting(reply.why.reason) || cache_.find(reply.id)) return;
   complete_overheard(reply);
-  cache_.add(std::make_shared<const Reply>(std::move(reply)));
+  const auto shared = std::make_shared<const Reply>(std::move(reply));
+  if (store_) store_->add(shared);
+  remember(shared);
 }
 
 // Its client may have met the other instance only.
@@ -159,6 +161,10 @@ void Service::give_up_ownership() {
   };
   while (auto job = solvers_.stop_if([](const Job&) { return true; })) put_back(std::move(*job));
   while (!queue_.empty()) put_back(queue_.pop());
+  for (Answer& answer : std::exchange(being_stored_, {})) {
+    store_->forget(answer.reply->id);
+    keep(std::move(answer.order), answer.arrived, presence_.last_heard(answer.reply->id), true);
+  }
 }
 
 }  // namespace fjr

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "planner/service/durations.h"
@@ -46,10 +47,7 @@ void Service::finish(const Job& job, Reply reply) {
   reply.solve_time = started ? seconds(now - job.started) : 0;
   reply.wait_time = seconds((started ? job.started : now) - job.arrived);
   const auto shared = std::make_shared<const Reply>(std::move(reply));
-  remember(shared);
-  tally_.count(*shared, seconds(now - job.arrived));
-  if (executes(job.order) && shared->state == ReplyState::kSolved) publish(*shared);
-  post(shared);
+  settle({job.order, job.arrived, shared});
   if (log_requests_.allows()) {
     spdlog::info("finished id={} state={} wait={:.3f} solve={:.3f} {}", text(shared->id), name(shared->state),
                  shared->wait_time, shared->solve_time, shared->why.sentence);
@@ -63,18 +61,64 @@ void Service::give_up(const Job& job, ReplyState state, Reason reason, const std
 // What was refused for the moment only is not repeated from memory: the client may ask again. A standby's copy of the
 // same request must not count as that.
 void Service::remember(const SharedReply& reply) {
-  if (lasting(reply->why.reason)) return cache_.add(reply);
-  refused_lately_.add(reply->id, reply->origin, Clock::now());
+  if (!lasting(reply->why.reason)) return refused_lately_.add(reply->id, reply->origin, Clock::now());
+  for (const RequestId& forgotten : cache_.add(reply)) {
+    if (store_) store_->forget(forgotten);
+  }
 }
 
 void Service::reject(const Order& order, Refusal why) {
   const auto reply = std::make_shared<const Reply>(reply_to(order, ReplyState::kRejected, std::move(why)));
-  remember(reply);
-  tally_.count(*reply, 0);
-  post(reply);
+  settle({order, Clock::now(), reply});
   if (log_refusals_.allows()) {
     spdlog::info("rejected id={} field={} {}", text(order.id), reply->why.field, reply->why.sentence);
   }
+}
+
+// What is remembered over a restart leaves when it is on disk: a client that has heard it hears the same again.
+void Service::settle(Answer answer) {
+  if (!store_ || !lasting(answer.reply->why.reason)) return release(answer);
+  store_->add(answer.reply);
+  being_stored_.push_back(std::move(answer));
+  release_stored();
+}
+
+void Service::release(const Answer& answer) {
+  remember(answer.reply);
+  tally_.count(*answer.reply, seconds(Clock::now() - answer.arrived));
+  if (executes(answer.order) && answer.reply->state == ReplyState::kSolved) publish(*answer.reply);
+  post(answer.reply);
+}
+
+// Its client may have left while it was stored.
+void Service::release_stored() {
+  if (!store_) return;
+  for (const RequestId& id : store_->take_settled()) {
+    const auto stored = std::find_if(being_stored_.begin(), being_stored_.end(),
+                                     [&](const Answer& answer) { return answer.reply->id == id; });
+    if (stored == being_stored_.end()) continue;  // one that was overheard
+    Answer answer = std::move(*stored);
+    being_stored_.erase(stored);
+    const bool moves = executes(answer.order) && answer.reply->state == ReplyState::kSolved;
+    if (moves && !may_start(answer.order)) {
+      store_->forget(id);
+      answer.reply = std::make_shared<const Reply>(reply_to(answer.order, ReplyState::kCancelled, client_gone()));
+    }
+    release(answer);
+  }
+}
+
+void Service::await_stored(Clock::time_point over) {
+  for (release_stored(); !being_stored_.empty() && Clock::now() < over; release_stored()) {
+    port_.wait(std::chrono::milliseconds(1));
+  }
+  if (!being_stored_.empty()) spdlog::warn("{} replies leave before they are on disk", being_stored_.size());
+  for (const Answer& answer : std::exchange(being_stored_, {})) release(answer);
+}
+
+bool Service::being_stored(const RequestId& id) const {
+  return std::any_of(being_stored_.begin(), being_stored_.end(),
+                     [&](const Answer& answer) { return answer.reply->id == id; });
 }
 
 // Only a certified trajectory has rows. A repeated request is answered again but never published again, nor is what an

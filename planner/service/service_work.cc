@@ -20,7 +20,11 @@ bool Service::in_hand(const RequestId& id) const {
 
 bool Service::motion_pending() const {
   const auto orders = orders_in_hand();
-  return std::any_of(orders.begin(), orders.end(), [](const Order* order) { return executes(*order); });
+  const auto moves = [](const Answer& answer) {
+    return executes(answer.order) && answer.reply->state == ReplyState::kSolved;
+  };
+  return std::any_of(orders.begin(), orders.end(), [](const Order* order) { return executes(*order); }) ||
+         std::any_of(being_stored_.begin(), being_stored_.end(), moves);
 }
 
 void Service::work() {

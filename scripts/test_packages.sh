@@ -1,14 +1,31 @@
 #!/usr/bin/env bash
-# Installs the Debian packages of out/packages in a clean Debian, and uses them: scripts/test_packages.sh [FOLDER].
-# Needs root, mmdebstrap and the network, and takes minutes. Makes the packages if there are none.
+# Installs the Debian packages of a folder in a clean Debian, and uses them: scripts/test_packages.sh [FOLDER [SUITE]], by
+# default out/packages and the Debian that it runs on. Needs root, mmdebstrap and the network, and takes minutes. Makes
+# the packages of what is committed if there are none, in a Debian of the suite.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 source scripts/packages.sh
 install_packages mmdebstrap
 
+here=$(. /etc/os-release && echo "$VERSION_CODENAME")
 folder=$(realpath -m "${1:-out/packages}")
-compgen -G "$folder/*.deb" >/dev/null || scripts/make_packages.sh "$folder"
-suite=$(. /etc/os-release && echo "$VERSION_CODENAME")
+suite=${2:-$here}
+
+# With the certificates of this machine: its network may have an authority of its own between it and PyPI.
+make_in_suite() {
+  mkdir -p "$folder"
+  mmdebstrap --quiet --variant=apt --include=ca-certificates \
+    --customize-hook='mkdir "$1/fjr"' \
+    --customize-hook='copy-in /etc/ssl/certs/ca-certificates.crt /etc/ssl/certs' \
+    --customize-hook='git archive HEAD | tar -x -C "$1/fjr"' \
+    --customize-hook='chroot "$1" bash /fjr/scripts/make_packages.sh /packages' \
+    --customize-hook="sync-out /packages $folder" \
+    "$suite" /dev/null
+}
+
+if ! compgen -G "$folder/*.deb" >/dev/null; then
+  if [[ $suite == "$here" ]]; then scripts/make_packages.sh "$folder"; else make_in_suite; fi
+fi
 
 inside=$(mktemp)
 trap 'rm -f "$inside"' EXIT

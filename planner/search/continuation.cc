@@ -214,8 +214,8 @@ bool Continuation::attempt_step(const std::string& what, const CollocationSetup&
   const bool scaled = has_rests() && width <= kRestWidth;
   const Collocated from = scaled ? with_rests_scaled(*problem_, solution_, width) : solution_;
   SolveOptions o = warm(what);
-  const auto within = [&](int iterations) {
-    o.max_iterations = iterations;
+  const auto within = [&](double iterations) {
+    o.max_iterations = static_cast<int>(std::lround(patience * iterations));
     const std::size_t before = stages_.size();
     const bool solved = attempt_once(what, {setup, Attempt::kWarm, o.max_iterations, o.initial_barrier},
                                      [&] { return collocate(*problem_, setup, from, o); });

@@ -57,9 +57,9 @@ class Continuation {
   bool follow_homotopy();
   bool refine();
 
-  // Splits the intervals of solution() whose given errors [rad] exceed the mesh tolerance or make most of their sum, or whose limits
-  // are exceeded by much, and solves again. False when there was nothing to split or no solution; the last solution
-  // stays.
+  // Splits the intervals of solution() whose given errors [rad] exceed the mesh tolerance or make most of their sum, or
+  // whose limits are exceeded by much, and solves again. False when there was nothing to split or no solution; the last
+  // solution stays.
   bool split_intervals(const std::vector<double>& errors);
 
   // Solves again with finer intervals and margins until the mesh is good enough and every limit holds between the
@@ -82,6 +82,7 @@ class Continuation {
   const std::string& label() const { return label_; }
   const Collocated& solution() const { return solution_; }
   double duration() const { return solution_.motion.duration(); }  // of the solution [s]
+  bool has_exact_friction() const { return solution_.setup.smoothing.friction_width == 0; }
   SolveStatus status() const { return status_; }
   // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.
   const std::string& obstacle() const { return obstacle_; }
@@ -92,7 +93,7 @@ class Continuation {
   double mesh_factor = 1;            // on the number of intervals of the first mesh
   double regularisation_factor = 1;  // on that of the first solution, by effort: with more it is easier to solve
   double width_factor = 1;  // on the width of the first solution's friction law: less of it is nearer to the exact law
-  double patience = 1;      // on the iterations of warm starts
+  double patience = 1;      // on the iterations of warm starts and of homotopy steps
 
  private:
   // What an attempt from the present solution depends on beside that.

@@ -31,8 +31,9 @@ constexpr double kShortestStep = 2e-4;     // of those that could not be taken
 // Where more work is allowed than usual, motions that swing get as much more patience, up to this: with little torque
 // to spare warm starts take up to 690 iterations.
 constexpr double kMostPatience = 5;
-// A motor that creeps finds less friction in a smoothed law: what is lifted so is not lifted with the exact one.
-constexpr double kSharper = 0.1;  // times the usual width
+// A motor that creeps finds less friction in a smoothed law: what is lifted so is not lifted with the exact one. Times
+// the usual width; with the sharper one, limits are tightened in more and longer steps.
+constexpr double kSharp = 0.1, kSharper = 0.01;
 
 using SharedProblem = std::shared_ptr<const Problem>;
 
@@ -58,9 +59,9 @@ std::optional<Continuation> attempt_patiently(const SharedProblem& problem, Sess
 
 // From a smoothed solution, or from another problem's, on a new mesh.
 std::optional<Continuation> sharpened(const SharedProblem& problem, Session& session, const std::string& label,
-                                      const Collocated& from, double mesh_factor = 1) {
+                                      const Collocated& from, double width_factor, double mesh_factor = 1) {
   Continuation c(problem, session, label);
-  c.width_factor = kSharper;
+  c.width_factor = width_factor;
   c.mesh_factor = mesh_factor;
   c.patience = patience_in(session);
   return try_to_begin(std::move(c), session, guess_from(from.motion, from.durations, from.motion.duration()),
@@ -69,14 +70,14 @@ std::optional<Continuation> sharpened(const SharedProblem& problem, Session& ses
 
 // From a solution of a neighbouring problem: on its mesh where that will do, or else from the start again.
 std::optional<Continuation> follow(const SharedProblem& problem, Session& session, const std::string& label,
-                                   const Collocated& from) {
+                                   const Collocated& from, double width_factor) {
   const double duration = from.motion.duration();
   if (duration / static_cast<double>(from.setup.mesh.size()) <= kLongestInterval) {
     Continuation c(problem, session, label);
     c.patience = patience_in(session);
     if (!session.interrupted() && c.adopt(from, duration)) return c;
   }
-  return sharpened(problem, session, label, from);
+  return sharpened(problem, session, label, from, width_factor);
 }
 
 // The problem with limits that are easier to keep, by more with a larger factor.
@@ -88,15 +89,17 @@ struct Reached {
   double factor;
 };
 
-// Step by step towards the problem's own limits, each solution starting the next, as far as that goes.
-Reached tighten(const SharedProblem& problem, Session& session, const Eased& eased, Reached from, double longest) {
+// Step by step towards the problem's own limits, each solution starting the next, as far as that goes. width_factor: of
+// solutions on new meshes.
+Reached tighten(const SharedProblem& problem, Session& session, const Eased& eased, Reached from, double longest,
+                double width_factor) {
   double step = kFirstStep;
   while (from.factor > 1 && step >= kShortestStep && !session.interrupted()) {
     const double target = std::max(1.0, from.factor / (1 + step));
     const SharedProblem tighter = target > 1 ? std::make_shared<const Problem>(eased(target)) : problem;
     const std::string label =
         target > 1 ? fmt::format("limits relaxed by {:.3g} %", 100 * (target - 1)) : "limits tightened step by step";
-    auto next = follow(tighter, session, label, from.motion.solution());
+    auto next = follow(tighter, session, label, from.motion.solution(), width_factor);
     if (next && target > 1 && next->duration() > longest) break;  // and tighter limits take longer
     if (next) {
       const double longer = std::log(next->duration() / from.motion.duration());
@@ -116,7 +119,7 @@ std::optional<Continuation> tighten_all(const SharedProblem& problem, Session& s
   const auto easiest = std::make_shared<const Problem>(eased(1 + fraction));
   auto easy = attempt(easiest, session, fmt::format("limits relaxed by {:.3g} %", 100 * fraction), guess);
   if (!easy) return std::nullopt;
-  Reached reached = tighten(problem, session, eased, {std::move(*easy), 1 + fraction}, kNoLimit);
+  Reached reached = tighten(problem, session, eased, {std::move(*easy), 1 + fraction}, kNoLimit, kSharp);
   if (reached.factor > 1) return std::nullopt;
   return std::move(reached.motion);
 }
@@ -138,12 +141,7 @@ ToCarry factors_to_carry(const Problem& problem) {
   return factors;
 }
 
-}  // namespace
-
-bool can_be_carried(const Problem& problem) { return factors_to_carry(problem).most() == 1; }
-
-SwungUp swing_up(const SharedProblem& problem, double longest, Session& session) {
-  ++session.fallbacks().swinging;
+SwungUp swing_up_with(const SharedProblem& problem, double longest, Session& session, double width_factor) {
   const ToCarry factors = factors_to_carry(*problem);
   const Eased eased = [&](double factor) {
     Problem result = *problem;
@@ -162,17 +160,31 @@ SwungUp swing_up(const SharedProblem& problem, double longest, Session& session)
     if (session.interrupted()) break;
     const Joints<double> away{back * (end[0] - begin[0]), back * (end[1] - begin[1])};
     auto carried = attempt(easy, session, label, winding_up_guess(straight, away));
-    if (carried) carried = sharpened(easy, session, label, carried->solution());
+    if (carried) carried = sharpened(easy, session, label, carried->solution(), width_factor);
     if (!carried) continue;
-    Reached reached = tighten(problem, session, eased, {std::move(*carried), easily}, longest);
+    Reached reached = tighten(problem, session, eased, {std::move(*carried), easily}, longest, width_factor);
     if (reached.factor > 1) return {std::nullopt, eased(reached.factor).limits};
     // On the coarse mesh a motion may be lifted by what the mesh does not see.
-    if (auto finer = sharpened(problem, session, "swung up, finer mesh", reached.motion.solution(), kFiner)) {
+    if (auto finer =
+            sharpened(problem, session, "swung up, finer mesh", reached.motion.solution(), width_factor, kFiner)) {
       return {std::move(*finer), std::nullopt};
     }
     return {std::move(reached.motion), std::nullopt};
   }
   return {};
+}
+
+}  // namespace
+
+bool can_be_carried(const Problem& problem) { return factors_to_carry(problem).most() == 1; }
+
+SwungUp swing_up(const SharedProblem& problem, double longest, Session& session) {
+  ++session.fallbacks().swinging;
+  SwungUp swung = swing_up_with(problem, longest, session, kSharp);
+  if (!swung.motion || session.options().patience <= 1) return swung;
+  if (swung.motion->follow_homotopy() && swung.motion->has_exact_friction()) return swung;
+  SwungUp sharper = swing_up_with(problem, longest, session, kSharper);
+  return sharper.motion ? std::move(sharper) : std::move(swung);
 }
 
 std::optional<Continuation> fall_back(const SharedProblem& problem, Session& session) {

@@ -16,7 +16,8 @@ bool can_be_carried(const Problem& problem);
 
 // Where it cannot, it has to be swung up. With limits that carry it a motion is soon found; those are tightened step by
 // step, each solution starting the next, and the motion comes to swing by itself, the more the tighter they are.
-// Motions of more than `longest` [s] are not followed.
+// Motions of more than `longest` [s] are not followed. With more than the usual patience, what only a smoothed friction
+// law lifts is searched again with a sharper one.
 struct SwungUp {
   std::optional<Continuation> motion;  // as good as Continuation::begin() leaves it
   std::optional<Limits> reached;       // where there is none: the tightest limits with which there was one

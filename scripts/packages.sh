@@ -10,12 +10,14 @@ program_packages=(
   libjs-chart.js                                                # reports: embedded in them
   coinor-libipopt-dev libmumps-seq-dev libopenblas0-serial      # optimisation; BLAS with one thread
   cyclonedds-dev cyclonedds-tools libspdlog-dev libsystemd-dev  # the planning service, its log and its watchdog
+  libcpp-httplib-dev                                            # its metrics over HTTP
   openssl                                                       # credentials of a secured service
 )
 test_packages=(
   iproute2 nftables                                             # networks that lose packets
   systemd                                                       # systemd-analyze: the units are verified
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libmpfr-dev  # tests and benchmarks
+  python3-prometheus-client                                     # reads the service's metrics
   libfastrtps-dev fastddsgen default-jre-headless               # another DDS, to test against
   python3 python3-venv python3-dev                              # bench/suite.py, a client in Python
   slurm-wlm munge parallel                                      # engines that run batches

@@ -87,6 +87,7 @@ rule("only model/identify/curve_fit.cc knows Ceres" "^model/identify/curve_fit\\
 rule("only planner/results/export/mat.cc knows libmatio" "^planner/results/export/mat\\.cc$" "matio")
 rule("only planner/store/database.cc knows SQLite" "^planner/store/database\\.cc$" "sqlite3")
 rule("only planner/batch/deflate.cc knows zlib" "^planner/batch/deflate\\.cc$" "zlib")
+rule("only planner/service/metrics_server.cc knows HTTP" "^planner/service/metrics_server\\.cc$" "httplib")
 rule("only planner/dds knows DDS and the wire types" "^planner/dds/"
   "dds/|ddsc/|fjr_(msgs|plan_request)\\.h|(follow_joint_trajectory|trajectory_msgs)\\.h")
 rule("only what serves, executes or talks to them knows their protocol"

@@ -72,6 +72,42 @@ const char* name(ReplyState state) {
   return "unknown";  // from a service of another version
 }
 
+const char* name(Reason reason) {
+  switch (reason) {
+    case Reason::kNone:
+      return "NONE";
+    case Reason::kBadInput:
+      return "BAD_INPUT";
+    case Reason::kQueueFull:
+      return "QUEUE_FULL";
+    case Reason::kWrongRobot:
+      return "WRONG_ROBOT";
+    case Reason::kInfeasible:
+      return "INFEASIBLE";
+    case Reason::kNotConverged:
+      return "NOT_CONVERGED";
+    case Reason::kUncertified:
+      return "UNCERTIFIED";
+    case Reason::kBudget:
+      return "BUDGET";
+    case Reason::kCancelled:
+      return "CANCELLED";
+    case Reason::kWorkerLost:
+      return "WORKER_LOST";
+    case Reason::kShuttingDown:
+      return "SHUTTING_DOWN";
+    case Reason::kUnsupported:
+      return "UNSUPPORTED";
+    case Reason::kArmNotAtRest:
+      return "ARM_NOT_AT_REST";
+    case Reason::kNoTrajectory:
+      return "NO_TRAJECTORY";
+    case Reason::kClientGone:
+      return "CLIENT_GONE";
+  }
+  return "unknown";  // from a service of another version
+}
+
 ReplyState state_of(PlanStatus status) {
   switch (status) {
     case PlanStatus::kCertified:

@@ -65,6 +65,7 @@ enum class Reason : std::uint8_t {
 };
 
 const char* name(ReplyState state);  // "SOLVED", ...
+const char* name(Reason reason);     // "BAD_INPUT", ...
 
 struct Refusal {
   Reason reason = Reason::kNone;

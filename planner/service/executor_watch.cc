@@ -72,6 +72,11 @@ void ExecutorWatch::concluded(const RequestId& trajectory_id) {
   if (published_ == trajectory_id) published_.reset();
 }
 
+std::optional<ExecutorState> ExecutorWatch::latest() const {
+  if (speakers_.empty() || age_of(speakers_.back().heard) > kFresh) return std::nullopt;
+  return speakers_.back().state;
+}
+
 std::optional<std::uint64_t> ExecutorWatch::epoch() const {
   if (speakers_.empty()) return std::nullopt;
   return std::min_element(speakers_.begin(), speakers_.end(),

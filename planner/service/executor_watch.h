@@ -25,8 +25,9 @@ class ExecutorWatch {
   void published(const RequestId& trajectory_id);  // to be executed: it will move the arm
   void concluded(const RequestId& trajectory_id);  // executed, or refused
 
-  bool met() const { return met_; }            // whether one was ever heard
-  std::optional<std::uint64_t> epoch() const;  // of two who speak for the robot the smaller: nothing moves meanwhile
+  bool met() const { return met_; }             // whether one was ever heard
+  std::optional<ExecutorState> latest() const;  // that was heard a moment ago
+  std::optional<std::uint64_t> epoch() const;   // of two who speak for the robot the smaller: nothing moves meanwhile
   bool runs_or_ran(const RequestId& trajectory_id) const;  // last
 
   // [ns] by the executor's clock, for what is published now; by the service's own while no executor is heard. The wall

@@ -9,6 +9,7 @@
 
 #include "planner/service/durations.h"
 #include "planner/service/memory.h"
+#include "planner/service/metrics.h"
 #include "planner/service/watchdog.h"
 
 namespace fjr {
@@ -55,6 +56,7 @@ Service::Service(const ServiceConfig& config)
       solvers_(config.workers, {config.robot, config.warm_plans, config.library, config.jobs},
                [this] { port_.wake(); }) {
   if (config.joint_trajectory) ros_.emplace(port_.participant(), robot_, config.joint_names);
+  if (config.metrics_port) metrics_.emplace(*config.metrics_port);
   if (config.remember.empty()) return;
   store_.emplace(config.remember, config.robot_id, [this] { port_.wake(); });
   for (const SharedReply& reply : store_->take_earlier()) remember(reply);
@@ -121,8 +123,20 @@ void Service::heartbeat() {
     const double budget = entry.order.budget;
     return now - entry.arrived > duration_of(budget > 0 && budget <= config_.longest_budget ? budget : config_.budget);
   });
-  port_.send(status());
+  const ServiceStatus now_so = status();
+  port_.send(now_so);
+  publish_metrics(now_so);
   tell_alive();
+}
+
+void Service::publish_metrics(const ServiceStatus& status) {
+  if (!metrics_) return;
+  Metrics metrics;
+  metrics.status = status;
+  metrics.tally = tally_;
+  metrics.executor = executor_.latest();
+  metrics.remembered = cache_.size();
+  metrics_->publish(metrics_text(metrics));
 }
 
 ServiceStatus Service::status() const {

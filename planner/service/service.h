@@ -19,6 +19,7 @@
 #include "planner/service/executor_watch.h"
 #include "planner/service/inbox.h"
 #include "planner/service/job_queue.h"
+#include "planner/service/metrics_server.h"
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"
 #include "planner/service/presence.h"
@@ -86,6 +87,7 @@ class Service {
   void give_work();
   void heartbeat();
   ServiceStatus status() const;
+  void publish_metrics(const ServiceStatus& status);
   std::chrono::nanoseconds time_to_next() const;
   void end();
   void take_last_cancels();
@@ -152,6 +154,7 @@ class Service {
   Unclaimed unclaimed_;
   Outbox outbox_;
   Tally tally_;
+  std::optional<MetricsServer> metrics_;
   LogLimit log_requests_, log_refusals_, log_slow_clients_, log_others_;
   std::vector<Answer> being_stored_;  // they leave when they are on disk
   std::optional<ReplyStore> store_;   // none: a restarted service remembers nothing

@@ -54,6 +54,12 @@ void read_ros2(const YamlNode& node, ServiceConfig& config) {
   if (config.joint_names[0] == config.joint_names[1]) names->fail("the two names are the same");
 }
 
+void read_metrics(const YamlNode& node, ServiceConfig& config) {
+  node.allow_keys({"port"});
+  config.metrics_port = 9464;  // what OpenTelemetry's exporters use
+  read_whole(node, "port", 0, 65535, *config.metrics_port);
+}
+
 }  // namespace
 
 ServiceConfig default_service_config() {
@@ -67,7 +73,7 @@ ServiceConfig load_service_config(const std::filesystem::path& file) {
   ServiceConfig config = default_service_config();
   const YamlNode root = YamlNode::load(file);
   root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "jobs", "queue", "warm_plans", "library",
-                   "remember", "budget", "longest_budget", "ros2", "security", "allow_insecure_network"});
+                   "remember", "metrics", "budget", "longest_budget", "ros2", "security", "allow_insecure_network"});
   read_network(root, file.parent_path(), config.network);
   read_whole(root, "workers", 1, 64, config.workers);
   read_whole(root, "jobs", 1, 256, config.jobs);
@@ -78,6 +84,7 @@ ServiceConfig load_service_config(const std::filesystem::path& file) {
   read_name(root, "instance", config.instance);
   read_name(root, "robot_id", config.robot_id);
   if (const auto node = root.find("ros2")) read_ros2(*node, config);
+  if (const auto node = root.find("metrics")) read_metrics(*node, config);
   if (const auto node = root.find("library")) config.library = file.parent_path() / node->text();
   if (const auto node = root.find("remember")) config.remember = file.parent_path() / node->text();
   if (const auto node = root.find("robot")) config.robot = file.parent_path() / node->text();

@@ -1,7 +1,9 @@
 // service.yaml: how `fjr serve` runs.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,7 +24,8 @@ struct ServiceConfig {
   std::filesystem::path remember;  // folder of the replies that are remembered over a restart; empty: none are
   double budget = 60;              // [s] for a request that names none
   double longest_budget = 600;     // [s] a request may ask for
-  bool joint_trajectory = false;   // for ROS 2: what goes to the executor also goes to rt/joint_trajectory
+  std::optional<std::uint16_t> metrics_port;  // on the loopback interface, for Prometheus; 0: any
+  bool joint_trajectory = false;              // for ROS 2: what goes to the executor also goes to rt/joint_trajectory
   std::vector<std::string> joint_names{"joint1", "joint2"};
 };
 

@@ -2,15 +2,24 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
+#include <utility>
 #include <vector>
 
 #include "planner/protocol/messages.h"
+#include "planner/service/histogram.h"
 
 namespace fjr {
 
 class Tally {
  public:
+  using Outcome = std::pair<ReplyState, Reason>;
+
   void count(const Reply& reply, double latency) {
+    if (!reply.final()) return;
+    ++outcomes_[{reply.state, reply.why.reason}];
+    if (reply.state != ReplyState::kRejected) waiting_.add(reply.wait_time);
+    if (reply.solve_time > 0) solving_.add(reply.solve_time);
     switch (reply.state) {
       case ReplyState::kAccepted:
         return;
@@ -37,6 +46,14 @@ class Tally {
   }
   void received() { ++counts_.received; }
   void duplicate() { ++counts_.duplicates; }
+
+  const std::map<Outcome, std::uint64_t>& outcomes() const { return outcomes_; }
+  std::uint64_t uncertified() const {
+    const auto found = outcomes_.find({ReplyState::kFailed, Reason::kUncertified});
+    return found == outcomes_.end() ? 0 : found->second;
+  }
+  const Histogram& solving() const { return solving_; }
+  const Histogram& waiting() const { return waiting_; }
 
   // Counts and latencies; the rest is left to the caller.
   ServiceStatus status() const {
@@ -66,6 +83,9 @@ class Tally {
   }
 
   ServiceStatus counts_;
+  std::map<Outcome, std::uint64_t> outcomes_{
+      {{ReplyState::kSolved, Reason::kNone}, 0}};  // there from the first reading
+  Histogram solving_, waiting_;
   std::vector<double> latencies_;  // [s] of the last solved ones
   std::size_t oldest_ = 0;
 };

@@ -1,0 +1,126 @@
+#include "planner/service/metrics.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <string_view>
+#include <utility>
+
+namespace fjr {
+namespace {
+
+constexpr std::array kExecutorModes{ExecutorMode::kResting,  ExecutorMode::kPreparing, ExecutorMode::kExecuting,
+                                    ExecutorMode::kStopping, ExecutorMode::kHolding,   ExecutorMode::kStopped};
+
+// As the format has it: a backslash, a quote and the end of a line are escaped.
+std::string label_value(std::string_view label) {
+  std::string text = "\"";
+  for (const char c : label) {
+    if (c == '\n') {
+      text += "\\n";
+      continue;
+    }
+    if (c == '\\' || c == '"') text += '\\';
+    text += c;
+  }
+  return text + "\"";
+}
+
+class Page {
+ public:
+  // The samples of a family follow it.
+  void family(std::string_view name, std::string_view type, std::string_view help) {
+    name_ = name;
+    text_ += fmt::format("# HELP {0} {2}\n# TYPE {0} {1}\n", name, type, help);
+  }
+  void sample(double value, std::string_view labels = "", std::string_view suffix = "") {
+    text_ += fmt::format("{}{}{} {}\n", name_, suffix, labels.empty() ? "" : fmt::format("{{{}}}", labels), value);
+  }
+  void gauge(std::string_view name, double value, std::string_view help) {
+    family(name, "gauge", help);
+    sample(value);
+  }
+  void counter(std::string_view name, std::uint64_t value, std::string_view help) {
+    family(name, "counter", help);
+    sample(static_cast<double>(value));
+  }
+  void histogram(std::string_view name, const Histogram& histogram, std::string_view help) {
+    family(name, "histogram", help);
+    for (std::size_t i = 0; i < Histogram::kBounds.size(); ++i) {
+      sample(static_cast<double>(histogram.at_most(i)), fmt::format("le=\"{}\"", Histogram::kBounds[i]), "_bucket");
+    }
+    sample(static_cast<double>(histogram.count()), "le=\"+Inf\"", "_bucket");
+    sample(histogram.sum(), "", "_sum");
+    sample(static_cast<double>(histogram.count()), "", "_count");
+  }
+  std::string text() && { return std::move(text_); }
+
+ private:
+  std::string_view name_;
+  std::string text_;
+};
+
+double since_1970(Metrics::Clock::time_point time) {
+  return std::chrono::duration<double>(time.time_since_epoch()).count();
+}
+
+void add_requests(Page& page, const Metrics& metrics) {
+  const ServiceStatus& s = metrics.status;
+  page.counter("fjr_requests_received_total", s.received, "Requests that were looked at, each id once.");
+  page.counter("fjr_requests_repeated_total", s.duplicates, "Requests whose id was in hand or remembered.");
+  page.family("fjr_replies_total", "counter", "Final replies by outcome and reason, each id once.");
+  for (const auto& [outcome, count] : metrics.tally.outcomes()) {
+    const auto labels = fmt::format("state=\"{}\",reason=\"{}\"", name(outcome.first), name(outcome.second));
+    page.sample(static_cast<double>(count), labels);
+  }
+  page.counter("fjr_certificates_refused_total", metrics.tally.uncertified(),
+               "Motions that were planned and not certified, so that nobody got them.");
+  page.histogram("fjr_solve_seconds", metrics.tally.solving(), "From the start of solving to the reply.");
+  page.histogram("fjr_wait_seconds", metrics.tally.waiting(), "From the arrival of a request to the start of solving.");
+  page.gauge("fjr_remembered_replies", static_cast<double>(metrics.remembered), "Replies that are given again.");
+}
+
+void add_resources(Page& page, const Metrics& metrics) {
+  const ServiceStatus& s = metrics.status;
+  page.gauge("fjr_queue_length", s.queued, "Requests that wait to be solved.");
+  page.gauge("fjr_queue_capacity", s.queue_capacity, "Requests of one participant that may wait.");
+  page.gauge("fjr_slots", s.workers, "Requests that can be solved at a time.");
+  page.gauge("fjr_slots_busy", s.solving, "Requests that are being solved.");
+  page.counter("fjr_workers_lost_total", s.workers_lost, "Solving processes that ended unexpectedly.");
+  page.gauge("fjr_memory_bytes", static_cast<double>(s.memory), "Resident memory, solving processes included.");
+}
+
+void add_instance(Page& page, const Metrics& metrics) {
+  const ServiceStatus& s = metrics.status;
+  page.gauge("fjr_owner", s.epoch > 0 ? 1 : 0, "Whether this instance answers for its robot; 0: it is a standby.");
+  page.gauge("fjr_epoch", static_cast<double>(s.epoch), "Number of this owner; 0 of a standby.");
+  page.family("fjr_info", "gauge", "Who it is; always 1.");
+  page.sample(1, fmt::format("name={},robot_id={},robot_hash={},version={}", label_value(s.instance),
+                             label_value(s.robot_id), label_value(s.robot_hash), label_value(s.version)));
+  page.gauge("fjr_uptime_seconds", s.uptime, "Since the start of this instance.");
+  page.gauge("fjr_snapshot_timestamp_seconds", since_1970(metrics.now),
+             "When these numbers were taken: a service that hangs does not renew them.");
+}
+
+void add_executor(Page& page, const std::optional<ExecutorState>& executor) {
+  page.gauge("fjr_executor_up", executor ? 1 : 0, "Whether the robot's executor is heard.");
+  page.gauge("fjr_executor_epoch", executor ? static_cast<double>(executor->epoch) : 0,
+             "Largest epoch that the executor has run.");
+  page.family("fjr_executor_mode", "gauge", "1 for what the executor is doing; 0 everywhere when it is not heard.");
+  for (const ExecutorMode mode : kExecutorModes) {
+    page.sample(executor && executor->mode == mode ? 1 : 0, fmt::format("mode=\"{}\"", name(mode)));
+  }
+}
+
+}  // namespace
+
+std::string metrics_text(const Metrics& metrics) {
+  Page page;
+  add_requests(page, metrics);
+  add_resources(page, metrics);
+  add_instance(page, metrics);
+  add_executor(page, metrics.executor);
+  return std::move(page).text();
+}
+
+}  // namespace fjr

@@ -1,0 +1,26 @@
+// How the service is doing, as Prometheus reads it: text in its exposition format, version 0.0.4.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "planner/protocol/execution_messages.h"
+#include "planner/protocol/messages.h"
+#include "planner/service/tally.h"
+
+namespace fjr {
+
+struct Metrics {
+  using Clock = std::chrono::system_clock;
+
+  ServiceStatus status;
+  Tally tally;
+  std::optional<ExecutorState> executor;  // none: nobody is heard
+  std::size_t remembered = 0;             // replies
+  Clock::time_point now = Clock::now();
+};
+
+std::string metrics_text(const Metrics& metrics);
+
+}  // namespace fjr

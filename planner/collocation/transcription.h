@@ -7,6 +7,11 @@
 //   void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const;   or with `int segment` first, where what the
 //                                                     rows mean depends on the segment of the mesh; what they depend
 //                                                     on does not (optional: kRowOfSegment says which rows)
+//   template <class T> void cost_and_rows(int segment, const T* x, const T* u, T& cost, T* rows) const;
+//   void add_curvature(const double* x, const double* u, const double* weight, double* hessian) const;
+//                                                     optional, both: what evaluate() gives without the dynamics, and
+//                                                     sum_r weight_r d2f_r/d(x, u)^2 in closed form, added to the
+//                                                     lower triangle packed by rows (Dual2)
 //   std::vector<PathBounds<kStates, kControls, kRows>> bounds;  one for all intervals, or one per interval
 //   std::vector<NodeBounds<kStates>> at_nodes;        start, goal, via points
 //   std::vector<std::array<double, 2>> durations;     [s] bounds, one per segment of the mesh
@@ -92,6 +97,7 @@ class Transcription final : public Nlp {
     stages_ = scheme_.stages();
     first_new_ = scheme_.starts_at_node ? 1 : 0;
     find_structure();
+    list_entries();
     number_rows();
     set_bounds();
     set_patterns();
@@ -137,6 +143,17 @@ class Transcription final : public Nlp {
     evaluate_at(k, v.data(), p);
     return p;
   }
+  // The same at every stage of every interval. Objective and constraints are asked for at the same point one after the
+  // other, so the last point's are kept.
+  const std::vector<PointValues>& all_values(const In& z) const {
+    if (valued_at_.size() == z.size() && valued_at_ == z) return values_;
+    values_.resize(index(intervals() * stages_));
+    for (int k = 0; k < intervals(); ++k) {
+      for (int j = 0; j < stages_; ++j) values_[index(k * stages_ + j)] = values(z, k, j);
+    }
+    valued_at_ = z;
+    return values_;
+  }
 
   // The same with their derivatives by the state and the control of that stage.
   const Point<Dual<kV>>& derivatives_at(const In& z, int k, int j) const {
@@ -144,11 +161,12 @@ class Transcription final : public Nlp {
   }
 
   double objective(const In& z) const override {
+    const auto& points = all_values(z);
     double total = 0;
     for (int s = 0; s < mesh_.segments(); ++s) total += ocp_.time_weight * z(duration_at(s));
     for (int k = 0; k < intervals(); ++k) {
       double sum = 0;
-      for (int j = 0; j < stages_; ++j) sum += scheme_.b(j) * values(z, k, j).cost;
+      for (int j = 0; j < stages_; ++j) sum += scheme_.b(j) * points[index(k * stages_ + j)].cost;
       total += step(z, k) * sum;
     }
     each_cost_node([&](const auto& at, int x) { total += node_value(at, z.data() + x); });
@@ -164,6 +182,7 @@ class Transcription final : public Nlp {
       for (int j = 0; j < stages_; ++j) {
         const auto& p = points[index(k * stages_ + j)];
         for (int i = 0; i < kV; ++i) {
+          if (!structure_.cost.depends_on(i)) continue;
           spread(k, j, i,
                  [&](int at, double coefficient) { out(at) += coefficient * h * scheme_.b(j) * p.cost.g[index(i)]; });
         }
@@ -177,20 +196,20 @@ class Transcription final : public Nlp {
   }
 
   void constraint_values(const In& z, Out out) const override {
-    std::vector<PointValues> p(index(stages_));
+    const auto& points = all_values(z);
     for (int k = 0; k < intervals(); ++k) {
       const double h = step(z, k);
-      for (int j = 0; j < stages_; ++j) p[index(j)] = values(z, k, j);
+      const PointValues* p = &points[index(k * stages_)];
       for (int i = first_new_; i < stages_; ++i) {
         for (int r = 0; r < kX; ++r) {
           double sum = 0;
-          for (int j = 0; j < stages_; ++j) sum += scheme_.A(i, j) * p[index(j)].f[index(r)];
+          for (int j = 0; j < stages_; ++j) sum += scheme_.A(i, j) * p[j].f[index(r)];
           out(defect_row(k, i, r)) = z(x_at(k, i) + r) - z(node_at(k) + r) - h * sum;
         }
       }
       for (int j = 0; j < stages_; ++j) {
         for (int c = 0; c < kC; ++c) {
-          if (path_row(k, j, c) >= 0) out(path_row(k, j, c)) = p[index(j)].rows[index(c)];
+          if (path_row(k, j, c) >= 0) out(path_row(k, j, c)) = p[j].rows[index(c)];
         }
       }
     }
@@ -201,27 +220,24 @@ class Transcription final : public Nlp {
   }
 
   void jacobian(const In& z, Out out) const override {
-    Eigen::Index next = 0;
+    double* next = out.data();
     const auto& points = first_derivatives(z);
-    for (int k = 0; k < intervals(); ++k) {
-      walk_jacobian(k, step(z, k), &points[index(k * stages_)], [&](int, int, double value) { out(next++) = value; });
-    }
-    for (std::size_t i = 0; i < sums(); ++i) each_summed(i, [&](int) { out(next++) = 1; });
+    for (int k = 0; k < intervals(); ++k) next = write_jacobian(k, step(z, k), &points[index(k * stages_)], next);
+    for (std::size_t i = 0; i < sums(); ++i) each_summed(i, [&](int) { *next++ = 1; });
   }
 
   void hessian(const In& z, double cost_factor, const In& multipliers, Out out) const override {
-    Eigen::Index next = 0;
+    double* next = out.data();
+    const auto& points = first_derivatives(z);
     for (int k = 0; k < intervals(); ++k) {
       for (int j = 0; j < stages_; ++j) {
-        const auto p = derivatives<Dual2<kV>>(z, k, j);
-        walk_hessian(k, j, step(z, k), p, cost_factor, multipliers,
-                     [&](int, int, double value) { out(next++) = value; });
+        next = write_hessian(k, j, z, points[index(k * stages_ + j)], cost_factor, multipliers, next);
       }
     }
     auto pairs = curved_at_nodes_.begin();
     each_cost_node([&](const auto& at, int x) {
       const auto cost = node_derivatives<Dual2<kX>>(at, z.data() + x);
-      for (const auto& [i, j] : *pairs++) out(next++) = cost_factor * cost.second(index(i), index(j));
+      for (const auto& [i, j] : *pairs++) *next++ = cost_factor * cost.second(index(i), index(j));
     });
   }
 
@@ -256,6 +272,9 @@ class Transcription final : public Nlp {
 
  private:
   static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
+  static constexpr bool kDynamicsInClosedForm = requires(const Ocp& ocp, const double* v, double* to) {
+    ocp.add_curvature(v, v, v, to);
+  };
 
   int interval_at(int k) const { return kX + k * (2 * kU + (stages_ - first_new_) * kX); }
   // Calls visit(variable, coefficient) for the variables that input i of stage j, a state or a control, is made of.
@@ -460,20 +479,31 @@ class Transcription final : public Nlp {
   }
 
   void set_patterns() {
-    const std::vector<Point<Dual<kV>>> none(index(stages_));
     for (int k = 0; k < intervals(); ++k) {
-      walk_jacobian(k, 0, none.data(), [&](int row, int col, double) { jacobian_pattern.push_back({row, col}); });
+      for (const DefectEntry& e : defect_entries_) {
+        jacobian_pattern.push_back({defect_row(k, e.defect, e.row), variable(k, e.of)});
+      }
+      for (int j = 0; j < stages_; ++j) {
+        for (int c = 0; c < kC; ++c) {
+          if (path_row(k, j, c) < 0) continue;
+          for (const InputEntry& e : row_entries_[index(j * kC + c)]) {
+            jacobian_pattern.push_back({path_row(k, j, c), variable(k, e.of)});
+          }
+        }
+      }
     }
     for (std::size_t i = 0; i < sums(); ++i) {
       each_summed(i, [&](int segment) { jacobian_pattern.push_back({sum_row(i), duration_at(segment)}); });
     }
-    const Point<Dual2<kV>> zero{};
-    const Eigen::VectorXd no_multipliers = Eigen::VectorXd::Zero(rows_);
     for (int k = 0; k < intervals(); ++k) {
       for (int j = 0; j < stages_; ++j) {
-        walk_hessian(k, j, 0, zero, 0, no_multipliers, [&](int row, int col, double) {
+        for (const PairEntry& e : pair_entries_[index(j)]) {
+          const int row = variable(k, e.of), col = variable(k, e.with);
           hessian_pattern.push_back({std::max(row, col), std::min(row, col)});
-        });
+        }
+        for (const InputEntry& e : cross_entries_[index(j)]) {
+          hessian_pattern.push_back({duration_of(k), variable(k, e.of)});
+        }
       }
     }
     auto pairs = curved_at_nodes_.begin();
@@ -495,81 +525,163 @@ class Transcription final : public Nlp {
     }
   }
 
-  // The entries of interval k's rows, always in this order: the pattern and the values come from one walk.
-  template <class Emit>
-  void walk_jacobian(int k, double h, const Point<Dual<kV>>* p, Emit&& emit) const {
+  // Which variables the entries of Jacobian and Hessian belong to is the same in every interval, and is found once.
+  // The pattern and the values go through the same lists, in the same order.
+  struct Variable {  // of an interval: state `at` of the node before it, or the variable `at` after its first one
+    enum Where { kNode, kInterval, kDuration } where;
+    int at;
+  };
+  struct DefectEntry {  // own - h A df/dinput, and with kDuration: -fraction sum_j A f_j
+    int defect, row, stage, input;
+    double own, factor;  // factor: of A and of the input's share of the variable
+    Variable of;
+  };
+  struct InputEntry {  // coefficient d/dinput
+    int input;
+    double coefficient;
+    Variable of;
+  };
+  struct PairEntry {  // coefficient d2/dinputs, at `packed` in a lower triangle
+    std::size_t packed;
+    double coefficient;
+    Variable of, with;
+  };
+
+  int variable(int k, const Variable& v) const {
+    if (v.where == Variable::kDuration) return duration_of(k);
+    return v.at + (v.where == Variable::kNode ? node_at(k) : interval_at(k));
+  }
+  // visit(variable, coefficient) as spread(), for any interval.
+  template <class Visit>
+  void spread_anywhere(int j, int i, Visit&& visit) const {
+    if (i >= kX) {
+      for (int end = 0; end < 2; ++end) {
+        const double coefficient = scheme_.control_fraction(j, end);
+        if (coefficient != 0) visit(Variable{Variable::kInterval, end * kU + i - kX}, coefficient);
+      }
+    } else if (j < first_new_) {
+      visit(Variable{Variable::kNode, i}, 1.0);
+    } else {
+      visit(Variable{Variable::kInterval, 2 * kU + (j - first_new_) * kX + i}, 1.0);
+    }
+  }
+
+  void list_entries() {
     for (int i = first_new_; i < stages_; ++i) {
-      for (int r = 0; r < kX; ++r) {
-        const int row = defect_row(k, i, r);
-        const auto& depends = structure_.f[index(r)];
-        double rate = 0;
-        bool node_done = false;
-        for (int j = 0; j < stages_; ++j) {
-          const auto& f = p[j].f[index(r)];
-          rate += scheme_.A(i, j) * f.v;
-          for (int c = 0; c < kV; ++c) {
-            const bool node_itself = j < first_new_ && c == r, stage_itself = j == i && c == r;
-            if (!depends.depends_on(c) && !node_itself && !stage_itself) continue;
-            const double own = node_itself ? -1 : stage_itself ? 1 : 0;
-            const double value = own - h * scheme_.A(i, j) * f.g[index(c)];
-            spread(k, j, c, [&](int at, double coefficient) { emit(row, at, coefficient * value); });
-          }
-          node_done = node_done || j < first_new_;
+      for (int r = 0; r < kX; ++r) list_defect_entries(i, r);
+    }
+    row_entries_.resize(index(stages_ * kC));
+    pair_entries_.resize(index(stages_));
+    cross_entries_.resize(index(stages_));
+    for (int j = 0; j < stages_; ++j) {
+      for (int c = 0; c < kC; ++c) {
+        for (int i = 0; i < kV; ++i) {
+          if (structure_.rows[index(c)].depends_on(i)) list_input(row_entries_[index(j * kC + c)], j, i);
         }
-        if (!node_done) emit(row, node_at(k) + r, -1);
-        emit(row, duration_of(k), -fraction(k) * rate);
+      }
+      list_pairs(j);
+      for (int i = 0; i < kV; ++i) {
+        bool present = structure_.cost.depends_on(i);
+        for (const auto& f : structure_.f) present = present || f.depends_on(i);
+        if (present) list_input(cross_entries_[index(j)], j, i);
+      }
+    }
+  }
+  void list_defect_entries(int i, int r) {
+    const auto& depends = structure_.f[index(r)];
+    for (int j = 0; j < stages_; ++j) {
+      for (int c = 0; c < kV; ++c) {
+        const bool node_itself = j < first_new_ && c == r, stage_itself = j == i && c == r;
+        if (!depends.depends_on(c) && !node_itself && !stage_itself) continue;
+        const double own = node_itself ? -1 : stage_itself ? 1 : 0;
+        spread_anywhere(j, c, [&](const Variable& of, double coefficient) {
+          defect_entries_.push_back({i, r, j, c, coefficient * own, coefficient * scheme_.A(i, j), of});
+        });
+      }
+    }
+    if (first_new_ == 0) defect_entries_.push_back({i, r, 0, r, -1, 0, {Variable::kNode, r}});
+    defect_entries_.push_back({i, r, 0, 0, 0, 0, {Variable::kDuration, 0}});
+  }
+  void list_input(std::vector<InputEntry>& to, int j, int i) {
+    spread_anywhere(j, i, [&](const Variable& of, double coefficient) { to.push_back({i, coefficient, of}); });
+  }
+  // A pair (a, a) spread over u_begin and u_end has two equal off-diagonal entries: the lower triangle holds one.
+  void list_pairs(int j) {
+    for (const auto& [a, b] : curved_pairs_) {
+      const std::size_t packed = Dual2<kV>::row(index(a)) + index(b);
+      spread_anywhere(j, a, [&, input = a, other = b](const Variable& of, double coefficient) {
+        spread_anywhere(j, other, [&](const Variable& with, double other_coefficient) {
+          if (input == other && with.at > of.at) return;
+          pair_entries_[index(j)].push_back({packed, coefficient * other_coefficient, of, with});
+        });
+      });
+    }
+  }
+
+  // The entries of interval k's rows; returns where the next go.
+  double* write_jacobian(int k, double h, const Point<Dual<kV>>* p, double* to) const {
+    for (const DefectEntry& e : defect_entries_) {
+      if (e.of.where == Variable::kDuration) {
+        double rate = 0;
+        for (int j = 0; j < stages_; ++j) rate += scheme_.A(e.defect, j) * p[j].f[index(e.row)].v;
+        *to++ = -fraction(k) * rate;
+      } else {
+        *to++ = e.own - h * e.factor * p[e.stage].f[index(e.row)].g[index(e.input)];
       }
     }
     for (int j = 0; j < stages_; ++j) {
       for (int c = 0; c < kC; ++c) {
         if (path_row(k, j, c) < 0) continue;
-        for (int i = 0; i < kV; ++i) {
-          if (structure_.rows[index(c)].depends_on(i)) {
-            const double value = p[j].rows[index(c)].g[index(i)];
-            spread(k, j, i, [&](int at, double coefficient) { emit(path_row(k, j, c), at, coefficient * value); });
-          }
-        }
+        const auto& gradient = p[j].rows[index(c)].g;
+        for (const InputEntry& e : row_entries_[index(j * kC + c)]) *to++ = e.coefficient * gradient[index(e.input)];
       }
     }
+    return to;
   }
 
-  template <class Emit>
-  void walk_hessian(int k, int j, double h, const Point<Dual2<kV>>& p, double cost_factor, const In& multipliers,
-                    Emit&& emit) const {
+  // The entries of stage j of interval k, whose first derivatives are given; returns where the next go.
+  double* write_hessian(int k, int j, const In& z, const Point<Dual<kV>>& first, double cost_factor,
+                        const In& multipliers, double* to) const {
+    const double h = step(z, k), cost_weight = cost_factor * scheme_.b(j);
     Array<kX> weight = filled<kX>(0);  // of f_j in the Lagrangian, per unit of h
     for (int i = first_new_; i < stages_; ++i) {
       for (int r = 0; r < kX; ++r) weight[index(r)] -= scheme_.A(i, j) * multipliers(defect_row(k, i, r));
     }
-    const double cost_weight = cost_factor * scheme_.b(j);
     std::array<double, Dual2<kV>::kHessian> block{};
+    add_second_derivatives(k, j, z, h, h * cost_weight, weight, multipliers, block);
+    for (const PairEntry& e : pair_entries_[index(j)]) *to++ = e.coefficient * block[e.packed];
+    Array<kV> cross;
+    for (std::size_t i = 0; i < kV; ++i) cross[i] = cost_weight * first.cost.g[i];
+    for (std::size_t r = 0; r < kX; ++r) {
+      for (std::size_t i = 0; i < kV; ++i) cross[i] += weight[r] * first.f[r].g[i];
+    }
+    for (const InputEntry& e : cross_entries_[index(j)]) *to++ = e.coefficient * fraction(k) * cross[index(e.input)];
+    return to;
+  }
+
+  // Of cost_weight L + h weight' f + multipliers' rows.
+  void add_second_derivatives(int k, int j, const In& z, double h, double cost_weight, const Array<kX>& weight,
+                              const In& multipliers, std::array<double, Dual2<kV>::kHessian>& block) const {
     const auto accumulate = [&block](double w, const Dual2<kV>& d) {
       if (w == 0) return;
       d.each([&](std::size_t, std::size_t, std::size_t at) { block[at] += w * d.h[at]; });
     };
-    accumulate(h * cost_weight, p.cost);
-    for (int r = 0; r < kX; ++r) accumulate(h * weight[index(r)], p.f[index(r)]);
+    const Array<kV> values = stage_inputs(z, k, j);
+    std::array<Dual2<kV>, static_cast<std::size_t>(kV)> v;
+    for (int i = 0; i < kV; ++i) v[index(i)] = Dual2<kV>::input(values[index(i)], i);
+    Point<Dual2<kV>> p;
+    if constexpr (kDynamicsInClosedForm) {
+      Array<kX> scaled;
+      for (std::size_t r = 0; r < kX; ++r) scaled[r] = h * weight[r];
+      ocp_.add_curvature(values.data(), values.data() + kX, scaled.data(), block.data());
+      ocp_.cost_and_rows(mesh_.intervals[index(k)].segment, v.data(), v.data() + kX, p.cost, p.rows.data());
+    } else {
+      evaluate_at(k, v.data(), p);
+      for (std::size_t r = 0; r < kX; ++r) accumulate(h * weight[r], p.f[r]);
+    }
+    accumulate(cost_weight, p.cost);
     for (int c = 0; c < kC; ++c) {
       if (path_row(k, j, c) >= 0) accumulate(multipliers(path_row(k, j, c)), p.rows[index(c)]);
-    }
-    for (const auto& [a, b] : curved_pairs_) {
-      const double value = block[index(a * (a + 1) / 2 + b)];
-      const bool diagonal = a == b;
-      spread(k, j, a, [&, second = b](int row, double row_coefficient) {
-        spread(k, j, second, [&](int col, double col_coefficient) {
-          // (a, a) spread over u_begin and u_end has two equal off-diagonal entries: the lower triangle holds one.
-          if (!diagonal || col <= row) emit(row, col, row_coefficient * col_coefficient * value);
-        });
-      });
-    }
-    for (int i = 0; i < kV; ++i) {
-      double cross = cost_weight * p.cost.g[index(i)];
-      bool present = structure_.cost.depends_on(i);
-      for (int r = 0; r < kX; ++r) {
-        cross += weight[index(r)] * p.f[index(r)].g[index(i)];
-        present = present || structure_.f[index(r)].depends_on(i);
-      }
-      if (!present) continue;
-      spread(k, j, i, [&](int at, double coefficient) { emit(duration_of(k), at, coefficient * fraction(k) * cross); });
     }
   }
 
@@ -581,7 +693,12 @@ class Transcription final : public Nlp {
   Point<Pattern<kV>> structure_;
   std::vector<std::pair<int, int>> curved_pairs_;
   std::vector<std::vector<std::pair<int, int>>> curved_at_nodes_;  // in the order of the cost nodes
-  mutable Eigen::VectorXd derived_at_;
+  std::vector<DefectEntry> defect_entries_;
+  std::vector<std::vector<InputEntry>> row_entries_;    // of row c at stage j: j kC + c
+  std::vector<std::vector<PairEntry>> pair_entries_;    // of stage j
+  std::vector<std::vector<InputEntry>> cross_entries_;  // with the duration, of stage j
+  mutable Eigen::VectorXd valued_at_, derived_at_;
+  mutable std::vector<PointValues> values_;
   mutable std::vector<Point<Dual<kV>>> derived_;
 };
 

@@ -29,7 +29,10 @@ const char* name(SolveStatus status) {
   return "unknown";
 }
 
-SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
+namespace {
+
+// Our method, if it is asked for and its linear solver is; where it breaks down, Ipopt.
+SolveReport solve_by_either(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
   const bool own = options.optimiser == Optimiser::kOwn && options.linear_solver == "stage";
   if (!own) return solve_by_ipopt(nlp, start, options);
   SolveReport first = solve_by_interior_point(nlp, start, options);
@@ -48,6 +51,14 @@ SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& opti
   second.cost += first.cost;
   second.fell_back = true;
   return second;
+}
+
+}  // namespace
+
+SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
+  SolveReport report = solve_by_either(nlp, start, options);
+  report.tolerance = options.tolerance;
+  return report;
 }
 
 // Everything but the factorisations grows with what there is to evaluate and to multiply with in an iteration.

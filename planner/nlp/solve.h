@@ -59,6 +59,7 @@ struct SolveReport {
   Iterate iterate;
   double objective = 0;
   double violation = 0;  // largest unscaled constraint violation
+  double tolerance = 0;  // SolveOptions::tolerance that it was solved with
   int iterations = 0;
   // What the solve took, counted in the optimiser's steps and not in time, so that it is the same every time: about
   // seconds of one core of the machine that the weights were measured on (bench/README.md).

@@ -106,39 +106,33 @@ struct ArmOcp {
   template <class T>
   void evaluate(int segment, const T* x, const T* u, T* f, T& cost, T* rows) const {
     const auto state = State<T>::from(x);
-    const Joints<T> compensated = F.rate ? Joints<T>{x[kArm], x[kArm + 1]} : Joints<T>{u[0], u[1]};
-    const State<T> rate = compensated_dynamics(robot, state, compensated);
+    const State<T> rate = compensated_dynamics(robot, state, compensated(x, u));
     for (int i = 0; i < kArm; ++i) f[i] = rate[i];
     if constexpr (F.rate) {
       for (int j = 0; j < kJoints; ++j) f[kArm + j] = kRateUnit * u[j];
     }
-
-    Joints<T> torque;
-    for (std::size_t j = 0; j < kJoints; ++j) torque[j] = compensated[j] + friction[j].nonlinear(state.dtheta[j]);
-    const Joints<T> torque_rate =
-        F.rate ? Joints<T>{T(kRateUnit * u[0]), T(kRateUnit * u[1])} : Joints<T>{T(0.0), T(0.0)};
-    const Moment<T> moment{robot, state, torque, torque_rate};
-    quantity_rows(moment, rows);
-    if constexpr (F.task_rows > 0) task(segment, state, rows);
     if constexpr (F.peak) {
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        const T& peak = x[kPeak + j];
-        f[kPeak + j] = T(0.0);
-        rows[kPeakRow + 2 * j] = peak - torque[j];
-        rows[kPeakRow + 2 * j + 1] = peak + torque[j];
-      }
+      for (std::size_t j = 0; j < kJoints; ++j) f[kPeak + j] = T(0.0);
     }
+    if constexpr (F.slack) f[kSlack] = T(0.0);
+    cost_and_rows(segment, state, x, u, rate.dq, cost, rows);
+  }
 
-    if constexpr (F.slack) {
-      f[kSlack] = T(0.0);
-      relax_limits(moment, x[kSlack], rows);
-    }
+  // What evaluate() gives beside the dynamics.
+  template <class T>
+  void cost_and_rows(int segment, const T* x, const T* u, T& cost, T* rows) const {
+    const auto state = State<T>::from(x);
+    const Joints<T> ddq = sees_acceleration(weights) ? link_acceleration(robot, state) : Joints<T>{T(0.0), T(0.0)};
+    cost_and_rows(segment, state, x, u, ddq, cost, rows);
+  }
 
-    cost = running_cost(weights, Instant<T>{robot, state, rate.dq, torque, kink});
-    if (regularisation > 0)
-      cost += regularisation * (compensated[0] * compensated[0] + compensated[1] * compensated[1]);
-    if constexpr (F.rate) {
-      cost += weights.torque_rate * kRateUnit * kRateUnit * (u[0] * u[0] + u[1] * u[1]);
+  // Adds sum_r weight_r d2f_r/d(x, u)^2 to a lower triangle packed by rows. Only the links' acceleration is curved.
+  void add_curvature(const double* x, const double* /*u*/, const double* weight, double* hessian) const {
+    const auto state = State<double>::from(x);
+    const LinkDerivatives ddq = derivatives_of_link_acceleration<true>(robot, state.q, state.dq, state.theta);
+    static_assert(kStateQ == 0 && kStateDq == kJoints && kStateTheta == 2 * kJoints);  // as LinkDerivatives has them
+    for (std::size_t i = 0; i < kLinkPairs; ++i) {
+      for (std::size_t j = 0; j < kJoints; ++j) hessian[i] += weight[kStateDq + j] * ddq.second[j][i];
     }
   }
 
@@ -156,6 +150,41 @@ struct ArmOcp {
   }
 
  private:
+  // u [N m]
+  template <class T>
+  static Joints<T> compensated(const T* x, const T* u) {
+    return F.rate ? Joints<T>{x[kArm], x[kArm + 1]} : Joints<T>{u[0], u[1]};
+  }
+
+  template <class T>
+  void cost_and_rows(int segment, const State<T>& state, const T* x, const T* u, const Joints<T>& ddq, T& cost,
+                     T* rows) const {
+    const Joints<T> compensated_torque = compensated(x, u);
+    Joints<T> torque;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      torque[j] = compensated_torque[j] + friction[j].nonlinear(state.dtheta[j]);
+    }
+    const Joints<T> torque_rate =
+        F.rate ? Joints<T>{T(kRateUnit * u[0]), T(kRateUnit * u[1])} : Joints<T>{T(0.0), T(0.0)};
+    const Moment<T> moment{robot, state, torque, torque_rate};
+    quantity_rows(moment, rows);
+    if constexpr (F.task_rows > 0) task(segment, state, rows);
+    if constexpr (F.peak) {
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        const T& peak = x[kPeak + j];
+        rows[kPeakRow + 2 * j] = peak - torque[j];
+        rows[kPeakRow + 2 * j + 1] = peak + torque[j];
+      }
+    }
+    if constexpr (F.slack) relax_limits(moment, x[kSlack], rows);
+
+    cost = running_cost(weights, Instant<T>{robot, state, ddq, torque, kink});
+    if (regularisation > 0) cost += regularisation * sum_of_squares(compensated_torque);
+    if constexpr (F.rate) {
+      cost += weights.torque_rate * kRateUnit * kRateUnit * (u[0] * u[0] + u[1] * u[1]);
+    }
+  }
+
   // Deflections are asked for at goals that leave a joint free; what only requests limit is left out where they do not.
   bool is_evaluated(const QuantityInfo& info) const { return info.of_robot || is_limited(info, limits); }
 

@@ -67,6 +67,10 @@ bool only_time(const Weights& weights) {
   return !any_with(weights, [](const TermInfo& term) { return term.weight != &Weights::time; });
 }
 
+bool sees_acceleration(const Weights& weights) {
+  return any_with(weights, [](const TermInfo& term) { return term.sees_acceleration; });
+}
+
 bool has_reward(const Weights& weights) {
   return any_with(weights, [](const TermInfo& term) { return term.reward; });
 }

@@ -40,6 +40,7 @@ struct TermInfo {
   int starts = 1;               // that it is worth trying: more where there are more minima
   bool sees_friction = false;   // through tau_m all the way: the friction law is sharpened in small steps
   bool settles_torque = false;  // curved in tau_m or du/dt: nothing else has to choose among torques that do the same
+  bool sees_acceleration = false;  // running() uses ddq
   bool reward = false;
 };
 
@@ -124,7 +125,8 @@ struct LinkAcceleration {
                                  .meaning = "integral of ddq^2",
                                  .weight = &Weights::link_acceleration,
                                  .size = 10,
-                                 .starts = 4};
+                                 .starts = 4,
+                                 .sees_acceleration = true};
   template <class T>
   static T running(const Instant<T>& at) {
     return sum_of_squares(at.ddq);
@@ -138,7 +140,8 @@ struct LinkJerk {
                                  .meaning = "integral of (d^3q/dt^3)^2",
                                  .weight = &Weights::link_jerk,
                                  .size = 1e3,
-                                 .starts = 4};
+                                 .starts = 4,
+                                 .sees_acceleration = true};
   template <class T>
   static T running(const Instant<T>& at) {
     return sum_of_squares(link_jerk(at.robot, at.x, at.ddq));
@@ -261,6 +264,7 @@ T node_cost(const Weights& weights, Node node, const AtNode<T>& at) {
 bool sees_friction(const Weights& weights);
 bool settles_torque(const Weights& weights);
 bool only_time(const Weights& weights);
+bool sees_acceleration(const Weights& weights);
 bool has_reward(const Weights& weights);
 // How many starts are worth trying: as many as friction asks for where it counts, and otherwise as the tamest of the
 // terms with several minima.

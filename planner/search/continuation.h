@@ -127,7 +127,7 @@ class Continuation {
   std::size_t most_intervals() const;
   std::vector<int> affordable_pieces(const std::vector<double>& errors, double tolerance) const;
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
-  bool attempt_or_forget(const std::string& what, const CollocationSetup& setup);
+  bool attempt_or_forget(const std::string& what, const CollocationSetup& setup, const SolveOptions& o);
   bool attempt_anew(const std::string& what, const CollocationSetup& setup);
   bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, const SolveOptions& options);
   bool attempt_once(const std::string& what, Attempt attempt, const std::function<Collocated()>& solve);
@@ -135,6 +135,9 @@ class Continuation {
   const ContinuationSettings& settings() const { return session_->options().settings; }
   SolveOptions options(const std::string& what);
   SolveOptions warm(const std::string& what);
+  SolveOptions loosely(const std::string& what);
+  bool solved_loosely() const;
+  void solve_to_the_end();
 
   std::shared_ptr<const Problem> problem_;
   Session* session_;

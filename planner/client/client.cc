@@ -176,6 +176,7 @@ Overview overview(const Network& network, double wait) {
   dds::OverviewPort port{dds::Participant(network.domain, network.security)};
   std::map<std::string, ServiceStatus> services;
   std::map<std::pair<std::string, dds::ExecutorStates::Source>, ExecutorState> executors;
+  std::map<std::string, ArmDrift> drifts;
   Patience patience(wait);
   const auto still_looking = [&] {
     return patience.looked() < wait ||
@@ -185,10 +186,12 @@ Overview overview(const Network& network, double wait) {
     port.wait(std::chrono::milliseconds(20));
     if (port.discovery().look()) patience.progressed();
     for (ServiceStatus& status : port.take_services()) services[status.instance] = std::move(status);
+    for (ArmDrift& drift : port.take_drifts()) drifts[drift.robot_id] = std::move(drift);
     for (auto& [source, state] : port.take_executors()) executors[{state.robot_id, source}] = std::move(state);
   }
   Overview found;
   for (auto& [instance, status] : services) found.services.push_back(std::move(status));
+  for (auto& [robot, drift] : drifts) found.drifts.push_back(std::move(drift));
   for (auto& [robot, state] : executors) found.executors.push_back(std::move(state));
   if (found.services.empty()) found.strangers = port.discovery().about_strangers();
   found.looked = patience.looked();

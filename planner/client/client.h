@@ -57,6 +57,7 @@ Answer request_plan(const Order& order, const ClientOptions& options);
 struct Overview {
   std::vector<ServiceStatus> services;
   std::vector<ExecutorState> executors;  // two that speak for one robot are two
+  std::vector<ArmDrift> drifts;          // of robots, as far as motions were looked at
   std::optional<std::string> strangers;  // without services: one sentence on who lets nothing be seen
   double looked = 0;                     // [s]
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "planner/dds/permitted.h"
 #include "planner/dds/wire_execution.h"
 
 namespace fjr::dds {
@@ -26,7 +27,8 @@ ExecutorPort::ExecutorPort(Participant participant, const std::string& robot_id)
       commands_(participant_, participant_.handle()),
       others_(participant_, of_others()),
       state_(participant_, participant_.handle(), announcing(robot_id)),
-      results_(participant_, participant_.handle()) {
+      results_(participant_, participant_.handle()),
+      drift_(if_permitted<Writer<fjr_msg_ArmDrift>>(participant_, TopicOf<fjr_msg_ArmDrift>::kName)) {
   waitset_.attach(trajectories_2_.arrived());
   waitset_.attach(trajectories_.arrived());
   waitset_.attach(commands_.arrived());
@@ -89,5 +91,9 @@ std::vector<Claimant> ExecutorPort::take_reporting() {
 void ExecutorPort::send(const ExecutorState& state) { (void)state_.write(encode(state)); }
 
 void ExecutorPort::send(const ExecutionResult& result) { (void)results_.write(encode(result).message); }
+
+void ExecutorPort::send(const ArmDrift& drift) {
+  if (drift_) (void)drift_->write(encode(drift));
+}
 
 }  // namespace fjr::dds

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,7 @@ class ExecutorPort {
 
   void send(const ExecutorState& state);
   void send(const ExecutionResult& result);
+  void send(const ArmDrift& drift);
 
   // Waits until the results have been taken, at most so long.
   void flush(std::chrono::nanoseconds timeout) const { (void)results_.flush(timeout.count()); }
@@ -48,6 +50,7 @@ class ExecutorPort {
   ExecutorStates others_;
   Writer<fjr_msg_ExecutorState> state_;
   Writer<fjr_msg_ExecutionResult> results_;
+  std::optional<Writer<fjr_msg_ArmDrift>> drift_;
 };
 
 }  // namespace fjr::dds

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "planner/dds/permitted.h"
+#include "planner/dds/wire_execution.h"
 #include "planner/dds/wire_reply.h"
 
 namespace fjr::dds {
@@ -12,7 +14,8 @@ OverviewPort::OverviewPort(Participant participant)
       waitset_(participant_),
       discovery_(participant_),
       services_(participant_, participant_.handle()),
-      executors_(participant_) {
+      executors_(participant_),
+      drifts_(if_permitted<Reader<fjr_msg_ArmDrift>>(participant_, TopicOf<fjr_msg_ArmDrift>::kName)) {
   waitset_.attach(services_.arrived());
 }
 
@@ -22,6 +25,15 @@ std::vector<ServiceStatus> OverviewPort::take_services() {
     if (info.valid_data) services.push_back(decode(message));
   });
   return services;
+}
+
+std::vector<ArmDrift> OverviewPort::take_drifts() {
+  std::vector<ArmDrift> drifts;
+  if (!drifts_) return drifts;
+  drifts_->take_all([&](const fjr_msg_ArmDrift& message, const dds_sample_info_t& info) {
+    if (info.valid_data) drifts.push_back(decode(message));
+  });
+  return drifts;
 }
 
 }  // namespace fjr::dds

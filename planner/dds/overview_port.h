@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <optional>
 #include <vector>
 
 #include "planner/dds/discovery.h"
@@ -9,6 +10,7 @@
 #include "planner/dds/participant.h"
 #include "planner/dds/reader.h"
 #include "planner/dds/waitset.h"
+#include "planner/protocol/execution_messages.h"
 #include "planner/protocol/messages.h"
 
 namespace fjr::dds {
@@ -21,6 +23,7 @@ class OverviewPort {
 
   std::vector<ServiceStatus> take_services();  // the latest word of each
   std::vector<ExecutorStates::Heard> take_executors() { return executors_.take(); }
+  std::vector<ArmDrift> take_drifts();  // the latest word of each robot's executor
   Discovery& discovery() { return discovery_; }
 
  private:
@@ -29,6 +32,7 @@ class OverviewPort {
   Discovery discovery_;
   Reader<fjr_msg_PlannerStatus> services_;
   ExecutorStates executors_;
+  std::optional<Reader<fjr_msg_ArmDrift>> drifts_;
 };
 
 }  // namespace fjr::dds

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "planner/dds/permitted.h"
 #include "planner/dds/text.h"
 #include "planner/dds/wire_execution.h"
 #include "planner/dds/wire_reply.h"
@@ -39,6 +40,7 @@ ServicePort::ServicePort(Participant participant)
       replies_of_others_(participant_, everywhere_.handle(), overheard()),
       executors_(participant_, participant_.handle()),
       results_(participant_, participant_.handle()),
+      drifts_(if_permitted<Reader<fjr_msg_ArmDrift>>(participant_, TopicOf<fjr_msg_ArmDrift>::kName)),
       status_(participant_, participant_.handle()),
       clients_(participant_) {
   waitset_.attach(peers_.arrived());
@@ -140,6 +142,15 @@ std::vector<RequestId> ServicePort::take_concluded() {
     if (info.valid_data) ids.push_back(decode(message.trajectory_id));
   });
   return ids;
+}
+
+std::vector<ArmDrift> ServicePort::take_drifts() {
+  std::vector<ArmDrift> drifts;
+  if (!drifts_) return drifts;
+  drifts_->take_all([&](const fjr_msg_ArmDrift& message, const dds_sample_info_t& info) {
+    if (info.valid_data) drifts.push_back(decode(message));
+  });
+  return drifts;
 }
 
 void ServicePort::send(const ServiceStatus& status) { (void)status_.write(encode(status)); }

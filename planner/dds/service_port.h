@@ -63,6 +63,7 @@ class ServicePort {
   };
   std::vector<Executor> take_executors();
   std::vector<RequestId> take_concluded();  // trajectories that were executed or refused
+  std::vector<ArmDrift> take_drifts();      // what executors say of their arms, of any robot
 
   const Participant& participant() const { return participant_; }
   ClientWriters& clients() { return clients_; }
@@ -89,6 +90,7 @@ class ServicePort {
   Reader<fjr_msg_PlanReply> replies_of_others_;
   Reader<fjr_msg_ExecutorState> executors_;
   Reader<fjr_msg_ExecutionResult> results_;
+  std::optional<Reader<fjr_msg_ArmDrift>> drifts_;
   Writer<fjr_msg_PlannerStatus> status_;
   std::optional<Writer<fjr_msg_Trajectory2>> trajectories_2_;
   std::optional<Writer<fjr_msg_Trajectory>> trajectories_;

@@ -137,4 +137,12 @@ struct TopicOf<fjr_msg_ExecutionResult> {
   }
 };
 
+// The latest counts, for whoever comes too.
+template <>
+struct TopicOf<fjr_msg_ArmDrift> {
+  static constexpr const char* kName = "fjr/arm_drift";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ArmDrift_desc; }
+  static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(5)).transient_local().keep_last(1)); }
+};
+
 }  // namespace fjr::dds

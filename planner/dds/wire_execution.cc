@@ -192,4 +192,42 @@ ExecutionResult decode(const fjr_msg_ExecutionResult& message) {
   return result;
 }
 
+fjr_msg_ArmDrift encode(const ArmDrift& drift) {
+  fjr_msg_ArmDrift message{};
+  set_text(message.robot_id, drift.robot_id);
+  set_text(message.robot_hash, drift.robot_hash);
+  message.motions = drift.motions;
+  message.drifts = drift.drifts;
+  message.evidence = drift.evidence;
+  message.alarm = drift.alarm;
+  set_text(message.parameter, drift.parameter);
+  set_text(message.unit, drift.unit);
+  message.share = drift.share;
+  message.known = drift.known;
+  message.change = drift.change;
+  message.change_error = drift.change_error;
+  message.since = encode(drift.since);
+  message.motions_since = drift.motions_since;
+  return message;
+}
+
+ArmDrift decode(const fjr_msg_ArmDrift& message) {
+  ArmDrift drift;
+  drift.robot_id = text_of(message.robot_id);
+  drift.robot_hash = text_of(message.robot_hash);
+  drift.motions = message.motions;
+  drift.drifts = message.drifts;
+  drift.evidence = message.evidence;
+  drift.alarm = message.alarm;
+  drift.parameter = text_of(message.parameter);
+  drift.unit = text_of(message.unit);
+  drift.share = message.share;
+  drift.known = message.known;
+  drift.change = message.change;
+  drift.change_error = message.change_error;
+  drift.since = decode(message.since);
+  drift.motions_since = message.motions_since;
+  return drift;
+}
+
 }  // namespace fjr::dds

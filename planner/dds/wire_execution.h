@@ -30,4 +30,7 @@ struct WireResult {
 WireResult encode(const ExecutionResult& result);
 ExecutionResult decode(const fjr_msg_ExecutionResult& message);
 
+fjr_msg_ArmDrift encode(const ArmDrift& drift);
+ArmDrift decode(const fjr_msg_ArmDrift& message);
+
 }  // namespace fjr::dds

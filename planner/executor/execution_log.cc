@@ -26,18 +26,9 @@ using Columns = const Joints<double>&;
 
 }  // namespace
 
-std::filesystem::path write_log(const CommandedMotion& motion, const ExecutionResult& result,
-                                const std::filesystem::path& folder, std::map<std::string, std::string> metadata) {
-  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+Log log_of(const CommandedMotion& motion) {
   Log log;
-  log.metadata = std::move(metadata);
-  log.metadata["robot_id"] = motion.order.robot_id;
-  log.metadata["robot_hash"] = motion.order.robot_hash;
-  log.metadata["request_hash"] = motion.order.request_hash;
-  log.metadata["trajectory"] = fmt::format("{}-{}", client_name(motion.order.id), motion.order.id.number);
-  log.metadata["written"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
-  log.metadata["code"] = std::to_string(static_cast<std::int32_t>(result.code));
-  if (!result.sentence.empty()) log.metadata["sentence"] = result.sentence;
+  log.metadata["missed_ticks"] = std::to_string(motion.missed_ticks);
   log.names.push_back("time");
   log.values.emplace_back();
   for (const LogRow& row : motion.log) log.values.back().push_back(row.time);
@@ -47,6 +38,22 @@ std::filesystem::path write_log(const CommandedMotion& motion, const ExecutionRe
   add(log, "q", "_plan", motion, [](const LogRow& r) -> Columns { return r.planned.state.q; });
   add(log, "theta", "_plan", motion, [](const LogRow& r) -> Columns { return r.planned.state.theta; });
   add(log, "tau", "_plan", motion, [](const LogRow& r) -> Columns { return r.planned.torque; });
+  return log;
+}
+
+std::filesystem::path write_log(const CommandedMotion& motion, const ExecutionResult& result,
+                                const std::filesystem::path& folder,
+                                const std::map<std::string, std::string>& metadata) {
+  const auto now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
+  Log log = log_of(motion);
+  for (const auto& [key, value] : metadata) log.metadata[key] = value;
+  log.metadata["robot_id"] = motion.order.robot_id;
+  log.metadata["robot_hash"] = motion.order.robot_hash;
+  log.metadata["request_hash"] = motion.order.request_hash;
+  log.metadata["trajectory"] = fmt::format("{}-{}", client_name(motion.order.id), motion.order.id.number);
+  log.metadata["written"] = fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(now));
+  log.metadata["code"] = std::to_string(static_cast<std::int32_t>(result.code));
+  if (!result.sentence.empty()) log.metadata["sentence"] = result.sentence;
   const std::string name = fmt::format("{:%Y%m%dT%H%M%SZ}_{}.csv", fmt::gmtime(now), text(motion.order.id));
   const std::filesystem::path file = std::filesystem::absolute(folder) / name;
   write_file(file, format_log(log));

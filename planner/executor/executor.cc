@@ -38,7 +38,8 @@ Executor::Executor(const ExecutorConfig& config, const Parameters& robot, Arm& a
       robot_(robot),
       port_(dds::guarded_participant(config.network), config.robot_id),
       history_(history_file(config)),
-      control_(robot, arm) {
+      control_(robot, arm),
+      drift_watch_(robot) {
   if (!config.network.security.empty()) signatures_.emplace(config.network.security);
   situation_.robot_hash = robot_hash(robot_);
   situation_.started = clock_.now();
@@ -146,6 +147,7 @@ void Executor::serve_without_orders() {
   publish_states();
   conclude_finished();
   conclude_preparation();
+  report_drift();
   look_for_others();
   obey();
 }
@@ -377,12 +379,24 @@ void Executor::conclude(CommandedMotion& motion) {
     spdlog::error("{}", error.what());
   }
   port_.send(result);
+  drift_watch_.add(motion);
+}
+
+void Executor::report_drift() {
+  std::optional<ArmDrift> drift = drift_watch_.look();
+  if (!drift) return;
+  drift->robot_id = config_.robot_id;
+  drift->robot_hash = situation_.robot_hash;
+  if (news(drift_, *drift))
+    spdlog::log(drift->drifts ? spdlog::level::warn : spdlog::level::info, "arm {}", sentence_of(*drift));
+  port_.send(*drift);
+  drift_ = std::move(drift);
 }
 
 std::string Executor::log(const CommandedMotion& motion, const ExecutionResult& result) const {
   if (config_.logs.empty() || motion.log.size() < 2) return "";
   try {
-    return write_log(motion, result, config_.logs, {{"missed_ticks", std::to_string(motion.missed_ticks)}}).string();
+    return write_log(motion, result, config_.logs).string();
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
     return "";

@@ -13,6 +13,7 @@
 #include "planner/dds/executor_port.h"
 #include "planner/executor/acceptance.h"
 #include "planner/executor/control.h"
+#include "planner/executor/drift_watch.h"
 #include "planner/executor/executor_config.h"
 #include "planner/executor/history.h"
 #include "planner/executor/realtime.h"
@@ -54,6 +55,7 @@ class Executor {
   void conclude_finished();
   void conclude(CommandedMotion& motion);
   std::string log(const CommandedMotion& motion, const ExecutionResult& result) const;
+  void report_drift();
   void report_again(const History::Entry& entry);
   void come_to_rest();
   void stop_silently();
@@ -91,7 +93,9 @@ class Executor {
     std::chrono::steady_clock::time_point refused_at;
   };
   std::deque<Unsigned> unsigned_;
-  Lateness lateness_;  // of the tick; the tick's until it has ended
+  DriftWatch drift_watch_;
+  std::optional<ArmDrift> drift_;  // last reported
+  Lateness lateness_;              // of the tick; the tick's until it has ended
   std::atomic<bool> stopping_ = false, over_ = false;
 };
 

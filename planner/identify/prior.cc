@@ -12,6 +12,8 @@ namespace {
 constexpr std::array<const char*, 6> kUsuallyTold{"link.inertia",  "link.gravity_torque", "spring.stiffness",
                                                   "motor.inertia", "friction.viscous",    "friction.amplitude"};
 
+constexpr const char* kPayloadMass = "payload.mass";
+
 void assume(Prior& prior, const std::string& name, double deviation) {
   if (!(deviation > 0) || std::find(prior.names.begin(), prior.names.end(), name) != prior.names.end()) return;
   const Eigen::Index n = prior.factor.rows(), r = prior.factor.cols();
@@ -30,15 +32,36 @@ Prior prior_of(const Parameters& robot, double widened) {
   prior.assumed.assign(known.names.size(), false);
   if (!known.none()) prior.factor = widened * known.factor();
   Parameters values = robot;
-  for (const char* entry : kUsuallyTold) {
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      const std::string name = fmt::format("{}[{}]", entry, j);
-      assume(prior, name, kUnknownFraction * std::abs(*parameter_named(values, name)));
-    }
+  for (const std::string& name : usually_told(robot)) {
+    const bool payload = name == kPayloadMass;
+    assume(prior, name, payload ? kUnknownPayload : kUnknownFraction * std::abs(*parameter_named(values, name)));
   }
-  assume(prior, "payload.mass", kUnknownPayload);
   prior.deviation = prior.factor.rowwise().norm();
   return prior;
+}
+
+std::vector<std::string> usually_told(const Parameters& robot) {
+  Parameters values = robot;
+  std::vector<std::string> names;
+  for (const char* entry : kUsuallyTold) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      std::string name = fmt::format("{}[{}]", entry, j);
+      if (*parameter_named(values, name) != 0) names.push_back(std::move(name));
+    }
+  }
+  names.emplace_back(kPayloadMass);
+  return names;
+}
+
+std::string unit_of(const std::string& name) {
+  if (name == kPayloadMass) return "kg";
+  if (name == "payload.inertia") return "kg m^2";
+  std::string found;
+  const Parameters any{};
+  visit_parameters(any, [&](const std::string& section, const std::string& entry, const char* unit, const auto&) {
+    if (name.starts_with(section + "." + entry + "[")) found = unit;
+  });
+  return found;
 }
 
 }  // namespace fjr

@@ -25,4 +25,10 @@ inline constexpr double kUnknownFraction = 0.2;
 inline constexpr double kUnknownPayload = 0.5;  // [kg]
 Prior prior_of(const Parameters& robot, double widened = 1);
 
+// Names of the parameters that ordinary motions usually tell: those that have such a weak one, the payload's mass last.
+std::vector<std::string> usually_told(const Parameters& robot);
+
+// Of a parameter by its name; empty where there is none.
+std::string unit_of(const std::string& name);
+
 }  // namespace fjr

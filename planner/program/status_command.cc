@@ -82,6 +82,18 @@ nlohmann::ordered_json json_of(const ExecutorState& s) {
           {"torque", s.torque},       {"feedback", s.feedback}};
 }
 
+std::string text_for_people(const ArmDrift& d) { return fmt::format("arm of {}: {}\n", d.robot_id, sentence_of(d)); }
+
+nlohmann::ordered_json json_of(const ArmDrift& d) {
+  return {{"robot_id", d.robot_id},    {"robot_hash", d.robot_hash},
+          {"motions", d.motions},      {"drifts", d.drifts},
+          {"evidence", d.evidence},    {"alarm", d.alarm},
+          {"parameter", d.parameter},  {"unit", d.unit},
+          {"share", d.share},          {"known", d.known},
+          {"change", d.change},        {"change_error", d.change_error},
+          {"since", to_text(d.since)}, {"motions_since", d.motions_since}};
+}
+
 template <class List>
 nlohmann::ordered_json show(const List& list, bool json) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
@@ -97,6 +109,7 @@ int run(const StatusArguments& options) {
   nlohmann::ordered_json all;
   all["services"] = show(found.services, options.json);
   all["executors"] = show(found.executors, options.json);
+  all["arms"] = show(found.drifts, options.json);
   if (options.json) fmt::print("{}", json_text(all));
   if (!found.services.empty()) return 0;
   fmt::print(stderr, "fjr: no planning service on DDS domain {} (looked for {:.3g} s){}\n", options.domain,
@@ -113,7 +126,7 @@ void add_status(CLI::App& app, int& exit_code) {
   command->add_option("--wait", options->wait, "How long to listen, in seconds")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
-  command->add_flag("--json", options->json, "Only JSON on stdout: {services: [...], executors: [...]}");
+  command->add_flag("--json", options->json, "Only JSON on stdout: {services: [...], executors: [...], arms: [...]}");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

@@ -1,5 +1,7 @@
 #include "planner/protocol/execution_messages.h"
 
+#include <fmt/format.h>
+
 namespace fjr {
 
 const char* name(ResultCode code) {
@@ -36,6 +38,27 @@ const char* name(ExecutorMode mode) {
       return "preparing";
   }
   return "unknown";  // from an executor of another version
+}
+
+bool news(const std::optional<ArmDrift>& before, const ArmDrift& now) {
+  if (!before) return now.drifts;
+  return before->drifts != now.drifts || (now.drifts && before->parameter != now.parameter);
+}
+
+std::string sentence_of(const ArmDrift& drift) {
+  const char* plural = drift.motions == 1 ? "" : "s";
+  if (!drift.drifts) {
+    return fmt::format("{} motion{} as robot.yaml has it (evidence of a drift {:.2g}, alarm above {:g})", drift.motions,
+                       plural, drift.evidence, drift.alarm);
+  }
+  std::string off = fmt::format("{:.6g} +- {:.1g} {}", drift.known + drift.change, drift.change_error, drift.unit);
+  if (drift.known != 0) off += fmt::format(", {:+.2g} %", 100 * drift.change / drift.known);
+  return fmt::format(
+      "drifts from robot.yaml since {} ({} of {} motion{}): {} is {} and not {:.6g}, for which {:.0f} % of the "
+      "evidence "
+      "speaks (false alarms: one in {:g} motions at most)",
+      text(drift.since), drift.motions_since, drift.motions, plural, drift.parameter, off, drift.known,
+      100 * drift.share, drift.alarm);
 }
 
 }  // namespace fjr

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -90,5 +91,26 @@ struct ExecutionResult {
   std::vector<LimitMargin> limits;
   std::string log_file;  // on the executor's machine; empty: none
 };
+
+// Whether the arm is still the one of the executor's robot.yaml, by what was executed since the executor was started.
+struct ArmDrift {
+  std::string robot_id, robot_hash;
+  std::uint64_t motions = 0;            // that were looked at
+  bool drifts = false;                  // `evidence` is above `alarm`
+  double evidence = 0, alarm = 0;       // without a drift there are at least `alarm` motions in the mean before that
+  std::string parameter, unit;          // that explains best what evidence there is, as in "spring.stiffness[0]"
+  double share = 0;                     // of the evidence that is for it, from 0 to 1
+  double known = 0;                     // its value in robot.yaml
+  double change = 0, change_error = 0;  // by how much it is off that, and the standard error of this
+  RequestId since;                      // trajectory that was the first with it
+  std::uint64_t motions_since = 0;      // that one and those after it
+};
+
+// Whether the second says what the first, if there was one, did not: a drift, another cause of it, or that there is
+// none any more.
+bool news(const std::optional<ArmDrift>& before, const ArmDrift& now);
+
+// One sentence for people: what drifts, by how much, since when; or that nothing does.
+std::string sentence_of(const ArmDrift& drift);
 
 }  // namespace fjr

@@ -104,6 +104,7 @@ class Service {
   void hear(const dds::ServicePort::Peer& peer);
   void hear(dds::Relayed relayed);
   void hear(Reply reply);
+  void hear(ArmDrift drift);
   bool takes_part(const ServiceStatus& other) const;
   void relay();
   void open();
@@ -138,6 +139,7 @@ class Service {
 
   Ownership ownership_;
   ExecutorWatch executor_;
+  std::optional<ArmDrift> drift_;  // last heard of the robot's arm
   Backlog backlog_;
   Inbox inbox_;
   Presence presence_;

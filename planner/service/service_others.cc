@@ -29,6 +29,7 @@ void Service::listen_to_others() {
     executor.alive ? executor_.heard(executor.state, executor.source) : executor_.lost(executor.state.robot_id);
   }
   for (const RequestId& id : port_.take_concluded()) executor_.concluded(id);
+  for (ArmDrift& drift : port_.take_drifts()) hear(std::move(drift));
   if (const auto epoch = executor_.epoch()) ownership_.heard_executor(*epoch);
   if (settled()) review_ownership();
 }
@@ -51,6 +52,14 @@ void Service::hear(const dds::ServicePort::Peer& peer) {
   } else if (!status.robot_id.empty() && takes_part(status)) {
     ownership_.heard(status.instance, status.robot_id, status.epoch);
   }
+}
+
+// Told when it changes: an arm that drifts does so at every motion.
+void Service::hear(ArmDrift drift) {
+  if (drift.robot_id != config_.robot_id) return;
+  const auto level = drift.drifts ? spdlog::level::warn : spdlog::level::info;
+  if (news(drift_, drift)) spdlog::log(level, "arm of robot={} {}", drift.robot_id, sentence_of(drift));
+  drift_ = std::move(drift);
 }
 
 void Service::hear(Reply reply) {

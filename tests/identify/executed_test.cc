@@ -14,82 +14,13 @@
 #include "common/dual.h"
 #include "common/input_error.h"
 #include "common/parallel.h"
-#include "planner/executor/control.h"
-#include "planner/executor/execution_log.h"
-#include "planner/executor/executor_config.h"
-#include "planner/executor/virtual_arm.h"
 #include "planner/identify/executed_robot.h"
-#include "tests/executor/flat_motion.h"
+#include "tests/identify/executions.h"
 
 namespace fjr {
 namespace {
 
 using testing::HasSubstr;
-
-const Parameters& robot() {
-  static const Parameters p = load_parameters(default_robot_file());
-  return p;
-}
-
-struct Move {
-  Joints<double> from, to;
-  double duration;
-};
-const std::vector<Move> kMoves{
-    {{0, 0}, {1.2, -0.8}, 0.8}, {{1.2, -0.8}, {-0.5, 0.9}, 1.0}, {{-0.5, 0.9}, {0.4, 0.3}, 0.7}};
-
-// One after the other, planned for `planned_for` by flatness, on the arm that there is.
-struct Executions {
-  std::vector<ExecutedMotion> motions;
-  std::vector<ExecutionResult> results;
-};
-
-Executions executed(const Parameters& planned_for, const VirtualArmOptions& arm_options,
-                    const std::vector<Move>& moves = kMoves) {
-  VirtualArm arm(arm_options, moves.front().from);
-  Control control(planned_for, arm);
-  const auto tick = [&](int count) {
-    for (int i = 0; i < count; ++i) {
-      control.tick();
-      while (control.state()) {
-      }
-    }
-  };
-  tick(200);
-  Executions all;
-  for (const Move& move : moves) {
-    TrajectoryOrder order;
-    order.id.number = all.motions.size() + 1;
-    order.rows = flat_motion(planned_for, move.from, move.to, move.duration).samples;
-    Tolerances wide = ExecutorConfig{}.tolerances;
-    wide.path = {0.5, 0.5};
-    wide.goal = {0.5, 0.5};
-    const auto motion = prepare_without_stops(planned_for, order, wide);
-    EXPECT_TRUE(control.begin(motion.get()));
-    for (int i = 0; i < 5000 && !control.finished(); ++i) tick(1);
-    const ExecutionResult result = result_of(*motion, planned_for);
-    EXPECT_EQ(result.code, ResultCode::kSuccessful) << result.sentence;
-    const auto file = write_log(*motion, result, testing::TempDir(), {{"missed_ticks", "0"}});
-    all.motions.push_back(executed_motion(read_log(file)));
-    all.results.push_back(result);
-    tick(100);
-  }
-  return all;
-}
-
-Parameters wrong_arm() {
-  Parameters truth = robot();
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    truth.spring.stiffness[j] *= 0.95;
-    truth.friction.viscous[j] *= 1.2;
-  }
-  truth.payload.mass = 0.1;
-  return truth;
-}
-
-const ForEach kTwoThreads = [](std::size_t count, const std::function<void(std::size_t)>& task) {
-  for_each_index(count, 2, task);
-};
 
 const RefinedParameter& named(const ExecutedFit& fit, const std::string& name) {
   for (const RefinedParameter& p : fit.parameters) {

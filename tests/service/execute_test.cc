@@ -18,8 +18,10 @@ const std::string kToBack = "goal: {q: [0.3, 0.2]}\nobjective: fastest\n";  // f
 class ExecuteTest : public ServiceTest {
  protected:
   // The arm rests at the start of kFast.
-  void start_executor(const std::string& at = "0.3,0.2") {
-    executor_ = start_fjr({"executor", "--start", at, "--state", path("state"), "--domain", domain()}, "executor");
+  void start_executor(const std::string& at = "0.3,0.2", const std::vector<std::string>& more = {}) {
+    std::vector<std::string> words{"executor", "--start", at, "--state", path("state"), "--domain", domain()};
+    words.insert(words.end(), more.begin(), more.end());
+    executor_ = start_fjr(words, "executor");
   }
   Process& executor() { return *executor_; }
   void wait_for(const std::string& in_log) {
@@ -64,6 +66,27 @@ TEST_F(ExecuteTest, WhatWasPlannedBeforeIsExecutedByItsId) {
   // The same id again is the same execution, which is over.
   EXPECT_EQ(answer_to(execute).state, ReplyState::kSolved);
   EXPECT_THAT(executor().output(), testing::Not(HasSubstr("refused")));
+}
+
+// 0.5 g at the tip that nobody planned with: what the encoders read tells them, far within all tolerances.
+TEST_F(ExecuteTest, AnArmThatIsNotAsItsRobotFileSaysIsTold) {
+  serve();
+  start_executor("0.3,0.2", {"--payload", "0.0005"});
+  Order execute = order(kFast);
+  execute.action = Action::kPlanAndExecute;
+  ASSERT_EQ(answer_to(execute).state, ReplyState::kSolved);
+  wait_for("finished id=" + text(execute.id) + " code=0");
+  const std::string told = "drifts from robot.yaml since " + text(execute.id) + " (1 of 1 motion): ";
+  const auto began = Clock::now();
+  while (service().output().find(told) == std::string::npos && seconds_since(began) < 60) listen_once();
+  EXPECT_THAT(service().output(), HasSubstr("arm of robot=arm " + told));
+  EXPECT_THAT(executor().output(), HasSubstr("arm " + told));
+  Process status = fjr({"status", "--json", "--domain", domain()}, "status");
+  EXPECT_EQ(status.wait(), 0);
+  EXPECT_THAT(status.output(), HasSubstr("\"drifts\": true"));
+  Process people = fjr({"status", "--domain", domain()}, "people");
+  EXPECT_EQ(people.wait(), 0);
+  EXPECT_THAT(people.output(), HasSubstr("arm of arm: " + told));
 }
 
 // A standby passes on what it has heard, late: what was refused for the moment is not done then, behind its client's

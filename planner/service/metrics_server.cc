@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
 #include <thread>
 #include <utility>
@@ -20,7 +21,11 @@ constexpr std::chrono::seconds kTryPortAgain{1}, kToEnd{1};
 // One reader after the other, in the thread that accepts them: many of them cost no more descriptors than one.
 class OneByOne : public httplib::TaskQueue {
  public:
-  void enqueue(std::function<void()> serve) override { serve(); }
+  using Taken = decltype(std::declval<httplib::TaskQueue&>().enqueue({}));  // bool, but void in Debian 12
+  Taken enqueue(std::function<void()> serve) override {
+    serve();
+    return static_cast<Taken>(true);
+  }
   void shutdown() override {}
 };
 

@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "common/degrees.h"
+#include "common/input_error.h"
 #include "model/dynamics.h"
 
 namespace fjr {
@@ -27,6 +28,7 @@ constexpr double kDamping = 0.5;         // fraction of critical, of the motor o
 constexpr double kFastest = 300;         // [rad/s] kd / J: a third of a tick's rate
 constexpr double kFilterRatio = 5;       // of the feedback's bandwidth, by the cut-off of its filter
 constexpr double kLeastFilter = 30;      // [Hz]
+constexpr int kDigits = 4;               // of gains and filters: more would be pretended
 constexpr double kTriangle = 1e-9;       // relative: rounding
 
 // ---- reading ----
@@ -64,8 +66,9 @@ void read(const YamlNode& node, const char* unit, GivenInertia& to) {
   if (!node.is_map()) return read_moments(node, unit, to);
   node.allow_keys({"value", "about"});
   read_moments(node.at("value"), unit, to);
-  const std::vector<YamlNode> points = node.at("about").items();
-  if (points.size() != kJoints) node.at("about").fail("must be two points, [joint 1, joint 2]");
+  const YamlNode about = node.at("about");
+  const std::vector<YamlNode> points = about.is_list() ? about.items() : std::vector<YamlNode>(kJoints, about);
+  if (points.size() != kJoints) about.fail("must be one point for both links, or two, [joint 1, joint 2]");
   for (std::size_t j = 0; j < kJoints; ++j) {
     to.about_center_of_mass[j] = points[j].one_of({"joint", "center_of_mass"}) == 1;
   }
@@ -139,9 +142,15 @@ void read_member(const Key& key, const YamlNode& node, T& member) {
 struct Entry {
   Joints<double> value;
   std::string source;
+  std::string key;  // of the description, whose value it is or is computed from; empty for what is assumed
   std::string about;
   std::string error = "null";
 };
+
+// Without the digits that rounding left: 0.12 / 0.25 is 0.48.
+Joints<double> rounded(const Joints<double>& values, int digits = 15) {
+  return {std::stod(fmt::format("{:.{}g}", values[0], digits)), std::stod(fmt::format("{:.{}g}", values[1], digits))};
+}
 
 std::string quoted(const std::string& text) {
   std::string result;
@@ -153,13 +162,20 @@ Joints<double> product(const Joints<double>& a, const Joints<double>& b) { retur
 
 class Writer {
  public:
-  explicit Writer(const RobotDescription& d) : d_(d), given_(d.source.value_or("given to fjr robot new")) {}
-
-  std::string write() {
+  explicit Writer(const RobotDescription& d) : d_(d), given_(d.source.value_or("given to fjr robot new")) {
     links();
     drives();
     limits();
     feedback();
+  }
+
+  // The key of the description that an entry of robot.yaml, "link.mass", is from; empty where there is none.
+  std::string key_of(const std::string& entry) const {
+    const auto found = entries_.find(entry);
+    return found == entries_.end() ? "" : found->second.key;
+  }
+
+  std::string text() const {
     std::string text = fmt::format(
         "# {}\n# SI units; motor quantities are in link coordinates, after the gear; [joint 1, joint 2] everywhere.\n"
         "# source: where a value is from; `computed:` from others, `assumption:` chosen where nothing was given.\n",
@@ -181,12 +197,12 @@ class Writer {
   }
 
  private:
-  void put(const std::string& name, const Joints<double>& value, const std::string& source,
+  void put(const std::string& name, const Joints<double>& value, const std::string& source, const char* key = "",
            const std::string& error = "null") {
-    entries_[name] = {value, source, "", error};
+    entries_[name] = {value, source, key, "", error};
   }
   void given(const std::string& name, const Joints<double>& value, const char* key) {
-    put(name, value, given_, error_of(key, {1, 1}));
+    put(name, value, given_, key, error_of(key, {1, 1}));
   }
   void given_or(const std::string& name, const std::optional<Joints<double>>& value, const char* key,
                 const Joints<double>& otherwise, const std::string& assumption) {
@@ -199,24 +215,24 @@ class Writer {
     const auto found = d_.standard_error ? d_.standard_error->find(key) : std::nullopt;
     if (!found) return "null";
     const Joints<double> error = found->pair("");
-    return fmt::format("[{}, {}]", error[0] * factor[0], error[1] * factor[1]);
+    return fmt::format("[{}]", fmt::join(rounded(product(error, factor)), ", "));
   }
 
   void links() {
     const Joints<double> inverse{1 / d_.length[0], 1 / d_.length[1]};
     given("link.length", d_.length, "length");
     given("link.mass", d_.mass, "mass");
-    put("link.com_fraction", product(d_.center_of_mass, inverse), given_ + "; computed: center_of_mass / length",
-        error_of("center_of_mass", inverse));
+    put("link.com_fraction", rounded(product(d_.center_of_mass, inverse)),
+        given_ + "; computed: center_of_mass / length", "center_of_mass", error_of("center_of_mass", inverse));
     const auto point = [&](std::size_t j) { return d_.inertia.about_center_of_mass[j] ? "center_of_mass" : "joint"; };
     given("link.inertia", {d_.inertia.moments[0][2], d_.inertia.moments[1][2]}, "inertia");
     entries_["link.inertia"].about = fmt::format(" about: [{}, {}],", point(0), point(1));
     const double second = d_.mass[1] * d_.center_of_mass[1] * kPaperGravity;
     const double first = (d_.mass[0] * d_.center_of_mass[0] + d_.mass[1] * d_.length[0]) * kPaperGravity;
-    given_or("link.gravity_torque", d_.gravity_torque, "gravity_torque", {first, second},
+    given_or("link.gravity_torque", d_.gravity_torque, "gravity_torque", rounded({first, second}),
              fmt::format("computed: masses, lengths and centres of mass, with {} m/s^2", kPaperGravity));
     given_or("link.damping", d_.damping, "damping", {0, 0}, "assumption: none");
-    given_or("link.radius", d_.radius, "radius", {kSlender * d_.length[0], kSlender * d_.length[1]},
+    given_or("link.radius", d_.radius, "radius", rounded({kSlender * d_.length[0], kSlender * d_.length[1]}),
              fmt::format("assumption: {:.0f} % of the lengths", 100 * kSlender));
     given("spring.stiffness", d_.stiffness, "stiffness");
   }
@@ -224,21 +240,23 @@ class Writer {
   void drives() {
     const Joints<double> square = product(d_.gear, d_.gear);
     inertia_ = product(d_.rotor_inertia, square);
-    put("motor.inertia", inertia_, given_ + "; computed: rotor_inertia gear^2", error_of("rotor_inertia", square));
+    put("motor.inertia", rounded(inertia_), given_ + "; computed: rotor_inertia gear^2", "rotor_inertia",
+        error_of("rotor_inertia", square));
     const GivenFriction none{};
     const GivenFriction& f = d_.friction ? *d_.friction : none;
     const std::string source = d_.friction ? given_ : "assumption: no friction";
-    put("friction.viscous", f.viscous, source);
-    put("friction.amplitude", f.coulomb, source);
+    put("friction.viscous", f.viscous, source, "friction.viscous");
+    put("friction.amplitude", f.coulomb, source, "friction.coulomb");
     const bool width = f.width.has_value();
     put("friction.width", f.width.value_or(Joints<double>{kFrictionWidth, kFrictionWidth}),
-        width ? source : "assumption: where friction turns its sign");
+        width ? source : "assumption: where friction turns its sign", width ? "friction.width" : "");
     put("friction.second_weight", {0, 0}, "assumption: Coulomb and viscous friction alone");
     put("friction.second_shape", {0, 0}, "assumption: of no account with a weight of 0");
     const Joints<double> counts = d_.motor_encoder.value_or(Joints<double>{kMotorCounts, kMotorCounts});
     put("encoder.motor_counts", {std::round(counts[0] * d_.gear[0]), std::round(counts[1] * d_.gear[1])},
         (d_.motor_encoder ? given_ : fmt::format("assumption: {} per turn of the motor", kMotorCounts)) +
-            "; computed: times gear");
+            "; computed: times gear",
+        d_.motor_encoder ? "motor_encoder" : "");
     given_or("encoder.link_counts", d_.link_encoder, "link_encoder", {kLinkCounts, kLinkCounts},
              fmt::format("assumption: {} per turn", kLinkCounts));
   }
@@ -247,12 +265,15 @@ class Writer {
     given("limits.torque", d_.torque, "torque");
     given("limits.motor_velocity", d_.velocity, "velocity");
     const auto& [low, high] = d_.position;
-    put("limits.link_position", {(high[0] - low[0]) / 2, (high[1] - low[1]) / 2}, given_ + ": half of the range");
-    if (high[0] + low[0] != 0 || high[1] + low[1] != 0) {
-      put("limits.link_middle", {(high[0] + low[0]) / 2, (high[1] + low[1]) / 2}, given_ + ": middle of the range");
+    const bool symmetric = high[0] + low[0] == 0 && high[1] + low[1] == 0;
+    const Joints<double> half{(high[0] - low[0]) / 2, (high[1] - low[1]) / 2};
+    put("limits.link_position", symmetric ? high : rounded(half), given_ + ": half of the range", "position");
+    if (!symmetric) {
+      put("limits.link_middle", rounded({(high[0] + low[0]) / 2, (high[1] + low[1]) / 2}),
+          given_ + ": middle of the range", "position");
     }
     given("limits.spring_deflection", d_.deflection, "deflection");
-    given_or("drive.peak_torque", d_.peak_torque, "peak_torque", {kPeak * d_.torque[0], kPeak * d_.torque[1]},
+    given_or("drive.peak_torque", d_.peak_torque, "peak_torque", rounded({kPeak * d_.torque[0], kPeak * d_.torque[1]}),
              fmt::format("assumption: {} times the planning limit", kPeak));
   }
 
@@ -284,9 +305,9 @@ class Writer {
     }
     const std::string how = fmt::format("assumption: the motor alone at {} rad/s or more, and {} times the spring",
                                         kBandwidth, kOverSpring);
-    put("feedback.position_gain", position, how);
-    put("feedback.velocity_gain", velocity, "assumption: damps the links on their springs");
-    put("feedback.velocity_filter", filter, "assumption: well above the feedback's bandwidth");
+    put("feedback.position_gain", rounded(position, kDigits), how);
+    put("feedback.velocity_gain", rounded(velocity, kDigits), "assumption: damps the links on their springs");
+    put("feedback.velocity_filter", rounded(filter, kDigits), "assumption: well above the feedback's bandwidth");
   }
 
   const RobotDescription& d_;
@@ -310,6 +331,14 @@ void check_standard_errors(const YamlNode& errors) {
       if (values[j] < 0) node.fail_at(j, fmt::format("{} must be >= 0", values[j]));
     }
   }
+}
+
+// What robot.yaml is refused for is told of the description that it was made of: link.inertia.value[0] is inertia[0].
+InputError in_terms_of(const Writer& writer, const InputError& error) {
+  const std::string& field = error.field();
+  const std::string entry = field.substr(0, std::min(field.find(".value"), field.find('[')));
+  const std::string key = writer.key_of(entry), index = field.ends_with(']') ? field.substr(field.rfind('[')) : "";
+  return {error.source(), key.empty() ? field : key + index, error.problem()};
 }
 
 void check_parts(const RobotDescription& d) {
@@ -354,6 +383,16 @@ RobotDescription read_description(const YamlNode& root) {
   return d;
 }
 
-std::string robot_yaml(const RobotDescription& description) { return Writer(description).write(); }
+NewRobot new_robot(const YamlNode& root) {
+  const RobotDescription description = read_description(root);
+  const Writer writer(description);
+  NewRobot robot{writer.text(), {}};
+  try {
+    robot.parameters = read_parameters(YamlNode::parse(robot.yaml, root.source()));
+  } catch (const InputError& error) {
+    throw in_terms_of(writer, error);
+  }
+  return robot;
+}
 
 }  // namespace fjr

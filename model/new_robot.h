@@ -56,7 +56,7 @@ void visit(R& r, Visit&& v) {
   v(Key{"center_of_mass", "m", "from the link's joint, along the link", kNeeded}, r.center_of_mass);
   v(Key{"inertia", "kg m^2",
         "about the axis of motion through the centre of mass, [I1, I2]; or {value: [I1, I2], about: [joint, "
-        "center_of_mass]}; I may be [Ixx, Iyy, Izz]",
+        "center_of_mass]} or {..., about: joint}; I may be [Ixx, Iyy, Izz]",
         kNeeded},
     r.inertia);
   v(Key{"stiffness", "N m/rad", "of the springs", kNeeded}, r.stiffness);
@@ -94,7 +94,14 @@ void check_answer(const Key& key, const YamlNode& value);
 // Throws InputError for what is missing, unknown, or contradicts itself (triangle inequality of the moments).
 RobotDescription read_description(const YamlNode& root);
 
-// A complete robot.yaml that load_parameters() takes, unless there can be no such arm.
-std::string robot_yaml(const RobotDescription& description);
+// A complete robot.yaml, and what is read of it.
+struct NewRobot {
+  std::string yaml;
+  Parameters parameters;
+};
+
+// Of a description. Throws InputError as read_description() does, and where there can be no such arm, naming the key of
+// the description that has the value.
+NewRobot new_robot(const YamlNode& root);
 
 }  // namespace fjr

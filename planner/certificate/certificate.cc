@@ -73,7 +73,7 @@ class Verdict {
 
   void judge_limits() {
     for (const LimitCheck& check : certificate_.limits) {
-      if (!check.passed) refuse(violation(check));
+      if (!check.passed) refuse(violation(check, Limits::of(robot_)));
     }
   }
 

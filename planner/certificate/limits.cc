@@ -187,13 +187,24 @@ std::vector<LimitCheck> check_limits(const Parameters& p, const Limits& limits, 
   return checks;
 }
 
-std::string violation(const LimitCheck& c) {
+std::string counted_from(const LimitCheck& c, const Limits& limits) {
+  for (const LimitName& name : kLimitNames) {
+    if (c.joint == 0 || name.joint != c.joint || name.quantity->name != c.name) continue;
+    const double middle = name.quantity->counted_from(limits, name.j());
+    return middle == 0 ? "" : fmt::format(", both counted from {:.6g}", middle);
+  }
+  return "";
+}
+
+std::string violation(const LimitCheck& c, const Limits& limits) {
+  const std::string from = counted_from(c, limits);
   const std::string whose = c.joint > 0 ? fmt::format("{} of joint {}", c.name, c.joint) : c.name;
   if (c.reached > c.limit * (1 + kPublishedFraction)) {
-    return fmt::format("{} reaches {:.9g} at {:.6f} s, its limit is {:.9g}", whose, c.reached, c.time, c.limit);
+    return fmt::format("{} reaches {:.9g} at {:.6f} s, its limit is {:.9g}{}", whose, c.reached, c.time, c.limit, from);
   }
-  return fmt::format("{} reaches {:.9g} in the closed-loop rollout, more than exactness explains; its limit is {:.9g}",
-                     whose, c.rollout, c.limit);
+  return fmt::format(
+      "{} reaches {:.9g} in the closed-loop rollout, more than exactness explains; its limit is {:.9g}{}", whose,
+      c.rollout, c.limit, from);
 }
 
 }  // namespace fjr

@@ -1,6 +1,7 @@
 // The limits, held against the published rows with their interpolation and against the closed-loop rollout.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "planner/certificate/comparison.h"
@@ -17,7 +18,10 @@ std::vector<LimitCheck> check_limits(const Parameters& p, const Limits& limits, 
 // What the rollout may reach: more than the limit only by what the exactness explains.
 Limits rollout_allowance(const Parameters& p, const Limits& limits);
 
+// ", both counted from 0.1" where the limit and what is reached of it are not counted from zero; else empty.
+std::string counted_from(const LimitCheck& check, const Limits& limits);
+
 // One sentence for a check that did not pass.
-std::string violation(const LimitCheck& check);
+std::string violation(const LimitCheck& check, const Limits& limits);
 
 }  // namespace fjr

@@ -38,7 +38,7 @@ int run(int argc, char** argv) {
   } catch (const CLI::ParseError& error) {  // --help and --version arrive here too, with code 0
     if (error.get_exit_code() == 0) return app.exit(error);
     const std::vector<std::string> words(argv + 1, argv + argc);
-    throw fjr::InputError("command line", "", error.what() + fjr::suggestion(app, words) + " (see --help)");
+    throw fjr::InputError("command line", "", fjr::refusal(app, words, error.what()) + " (see --help)");
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw std::runtime_error("cannot write to stdout");
   return exit_code;

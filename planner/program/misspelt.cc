@@ -34,24 +34,26 @@ std::vector<std::string> shown_subcommands(const CLI::App& app) {
   return names;
 }
 
-std::string suggestion(const CLI::App& app, const std::vector<std::string>& words) {
+std::string refusal(const CLI::App& app, const std::vector<std::string>& words, const std::string& said) {
   const CLI::App* command = &app;
   for (const std::string& word : words) {
     if (word.starts_with("--")) {
       const std::string name = word.substr(0, word.find('='));
       const std::vector<std::string> known = options_of(*command);
-      if (std::find(known.begin(), known.end(), name) == known.end()) return suggest(name, known);
+      if (std::find(known.begin(), known.end(), name) == known.end()) return said + suggest(name, known);
       continue;
     }
     const std::vector<std::string> known = shown_subcommands(*command);
     const auto found = std::find(known.begin(), known.end(), word);
     if (found != known.end()) {
       command = command->get_subcommand(word);
-    } else if (!known.empty()) {
-      return suggest(word, known);
+    } else if (!known.empty() && !word.starts_with("-")) {
+      const std::string meant = suggest(word, known);
+      if (command->get_require_subcommand_min() > 0) return fmt::format("no subcommand is called {}{}", word, meant);
+      if (!meant.empty()) return said + meant;
     }
   }
-  return "";
+  return said;
 }
 
 CLI::Validator one_of(std::vector<std::string> names) {

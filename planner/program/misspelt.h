@@ -10,9 +10,10 @@ namespace fjr {
 // Those that --help lists.
 std::vector<std::string> shown_subcommands(const CLI::App& app);
 
-// "; did you mean plan?": for the first word of the command line that is no subcommand, or no option of its
-// subcommand, by the parser's own lists. "" where none is near.
-std::string suggestion(const CLI::App& app, const std::vector<std::string>& words);
+// What is wrong with a command line that the parser refuses with the sentence `said`, and what its first word that is
+// no subcommand, or no option of its subcommand, may have meant, by the parser's own lists: "no subcommand is called
+// paln; did you mean plan?".
+std::string refusal(const CLI::App& app, const std::vector<std::string>& words, const std::string& said);
 
 // The value is one of `names`; what is not is refused with the nearest of them.
 CLI::Validator one_of(std::vector<std::string> names);

@@ -71,7 +71,11 @@ int check(const std::string& file, bool json) {
     fmt::print("{}", json_text(json_of(file, robot, findings)));
   } else {
     fmt::print("{}: {}\n", file, any_impossible(findings) ? "there can be no such arm" : "there can be such an arm");
-    for (const Finding& finding : findings) fmt::print("{}", line(finding));
+    for (const Verdict verdict : {Verdict::kImpossible, Verdict::kDoubtful, Verdict::kFine}) {
+      for (const Finding& finding : findings) {
+        if (finding.verdict == verdict) fmt::print("{}", line(finding));
+      }
+    }
   }
   if (any_impossible(findings)) return 2;
   (void)load_parameters(fs::path(file));  // whatever else planning would refuse
@@ -145,11 +149,10 @@ int make(const std::string& description, const std::string& out) {
   }
   const RequestFile file = asked ? RequestFile{interview(), "answers", "."} : read_request_file(description);
   try {
-    const std::string text = robot_yaml(read_description(YamlNode::parse(file.text, file.source)));
-    const Parameters robot = read_parameters(YamlNode::parse(text, out));
-    write_file(out, text);
+    const NewRobot robot = new_robot(YamlNode::parse(file.text, file.source));
+    write_file(out, robot.yaml);
     fmt::print("{}\n", out);
-    for (const Finding& finding : check_robot(robot)) {
+    for (const Finding& finding : check_robot(robot.parameters)) {
       if (finding.verdict != Verdict::kFine) fmt::print("{}", line(finding));
     }
   } catch (const InputError&) {

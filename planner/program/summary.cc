@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "planner/certificate/limits.h"
 #include "planner/problem/quantities.h"
 
 namespace fjr {
@@ -76,13 +77,13 @@ std::string robustness(const Robustness& r, double tolerance) {
   return text;
 }
 
-std::string limit_text(const LimitCheck& check) {
+std::string limit_text(const LimitCheck& check, const Limits& limits) {
   const std::string joint = check.joint == 0 ? "" : fmt::format(" {}", check.joint);
-  return fmt::format("{}{} {:.6g} of {:.6g} {} at {:.4f} s", check.name, joint, check.reached, check.limit,
-                     unit_of_limit(check.name), check.time);
+  return fmt::format("{}{} {:.6g} of {:.6g} {} at {:.4f} s{}", check.name, joint, check.reached, check.limit,
+                     unit_of_limit(check.name), check.time, counted_from(check, limits));
 }
 
-std::string tightest_limits(const Certificate& certificate) {
+std::string tightest_limits(const Certificate& certificate, const Limits& limits) {
   std::vector<LimitCheck> checks;
   std::copy_if(certificate.limits.begin(), certificate.limits.end(), std::back_inserter(checks),
                [](const LimitCheck& check) { return std::isfinite(check.limit) && check.limit > 0; });
@@ -90,7 +91,7 @@ std::string tightest_limits(const Certificate& certificate) {
                    [](const LimitCheck& a, const LimitCheck& b) { return a.reached / a.limit > b.reached / b.limit; });
   checks.resize(std::min(checks.size(), kTightest));
   std::string text;
-  for (const LimitCheck& check : checks) text += line(text.empty() ? "tightest" : "", limit_text(check));
+  for (const LimitCheck& check : checks) text += line(text.empty() ? "tightest" : "", limit_text(check, limits));
   return text;
 }
 
@@ -218,7 +219,7 @@ std::string search(const Plan& plan) {
 
 }  // namespace
 
-std::string summary(const Certificate& certificate) {
+std::string summary(const Certificate& certificate, const Limits& limits) {
   const auto& feedback = certificate.closed_loop.feedback_torque;
   std::string text =
       line("exactness", fmt::format("allowed: 1 count of the link encoder = {:.3e} rad", certificate.tolerance));
@@ -230,7 +231,7 @@ std::string summary(const Certificate& certificate) {
                                           after_perturbed(perturbed, certificate.tolerance)));
   }
   text += line("feedback", fmt::format("at most {:.2e} and {:.2e} N m", feedback[0], feedback[1]));
-  text += tightest_limits(certificate);
+  text += tightest_limits(certificate, limits);
   for (const TaskCheck& check : certificate.task) {
     text += line(text.find("task") == std::string::npos ? "task" : "",
                  fmt::format("{}{} keeps a clearance of {:.3g} {} at {:.4f} s", check.name,
@@ -262,7 +263,7 @@ std::string summary(const Problem& problem, const Plan& plan) {
     text += line("objective", fmt::format("{:.6g} ({})", plan.objective, terms(problem, plan, true)));
     text += line("besides", terms(problem, plan, false));
   }
-  if (plan.certificate) text += summary(*plan.certificate);
+  if (plan.certificate) text += summary(*plan.certificate, problem.limits);
   if (plan.analysis) text += what_robustness_costs(problem, plan) + what_limits(problem, plan) + optimality(plan);
   if (plan.minima.size() > 1) text += line("minima", minima(plan));
   text += line("solver", effort(plan));

@@ -65,7 +65,7 @@ std::string text_for_people(const VerifyArguments& options, const Trajectory& tr
       v.certificate.certified ? "certified" : "certificate failed", v.header.limits.empty() ? "" : " and the request's",
       trajectory.samples.size(), v.complete ? "" : "; how many there were is not said, so some may be missing",
       trajectory.end_time() - trajectory.start_time(), motion_of("starts", v.robot, trajectory.samples.front()),
-      motion_of("ends", v.robot, trajectory.samples.back()), header_text(v), summary(v.certificate));
+      motion_of("ends", v.robot, trajectory.samples.back()), header_text(v), summary(v.certificate, v.limits));
 }
 
 VerifyOptions verify_options(const VerifyArguments& options) {

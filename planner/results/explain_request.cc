@@ -60,12 +60,18 @@ Json::json_pointer pointer_to(const std::string& key) {
   return Json::json_pointer(path);
 }
 
-std::string text_of(const Json& value) {
+enum class Digits { kAll, kForPeople };
+
+std::string text_of(const Json& value, Digits digits) {
   if (value.is_string()) return value.get<std::string>();
-  if (!value.is_array()) return value.is_number_float() ? fmt::format("{}", value.get<double>()) : value.dump();
+  if (value.is_number_float()) {
+    const auto number = value.get<double>();
+    return digits == Digits::kAll ? fmt::format("{}", number) : fmt::format("{:.6g}", number);
+  }
+  if (!value.is_array()) return value.dump();
   std::string items;
   for (const Json& item : value) {
-    items += (items.empty() ? "" : ", ") + (item.is_null() ? std::string("free") : text_of(item));
+    items += (items.empty() ? "" : ", ") + (item.is_null() ? std::string("free") : text_of(item, digits));
   }
   return "[" + items + "]";
 }
@@ -93,6 +99,13 @@ std::optional<std::string> in_one_word(const std::string& key, const Problem& pr
   return std::nullopt;
 }
 
+// Limits are magnitudes, also of positions that are counted from the middle of an asymmetric range.
+std::string note_on(const std::string& key, const Problem& problem) {
+  const Joints<double>& middle = problem.limits.link_middle;
+  if (key != "limits.link_position" || middle == Joints<double>{}) return "";
+  return fmt::format("to either side of [{:.6g}, {:.6g}]", middle[0], middle[1]);
+}
+
 // A part of the request that is not there has no defaults of its own, unless it was resolved to some.
 bool says_something(const std::string& value) { return !value.empty() && !value.starts_with(kNeeded); }
 
@@ -103,7 +116,7 @@ std::vector<UnderstoodKey> understood(const YamlNode& root, const Problem& probl
   std::vector<UnderstoodKey> keys;
   for (const KeyLine& line : all_keys()) {
     for (const Instance& at : instances(root, line.name)) {
-      UnderstoodKey key{at.key, line.unit, "", plain(line.meaning), at.node.has_value()};
+      UnderstoodKey key{at.key, line.unit, "", "", note_on(at.key, problem), plain(line.meaning), at.node.has_value()};
       const Json::json_pointer pointer = pointer_to(at.key);
       const bool is_resolved = resolved.contains(pointer) && !resolved[pointer].is_null();
       if (at.node) {
@@ -111,11 +124,13 @@ std::vector<UnderstoodKey> understood(const YamlNode& root, const Problem& probl
       } else if (const auto word = in_one_word(at.key, problem, robot)) {
         key.value = *word;
       } else if (is_resolved && !resolved[pointer].is_object() && !resolved[pointer].empty()) {
-        key.value = text_of(resolved[pointer]);
+        key.value = text_of(resolved[pointer], Digits::kAll);
+        key.shown = text_of(resolved[pointer], Digits::kForPeople);
       } else if (at.below_given) {
         key.value = plain(line.otherwise);
         key.unit = "";
       }
+      if (key.shown.empty()) key.shown = key.value;
       if (says_something(key.value)) keys.push_back(std::move(key));
     }
   }
@@ -131,7 +146,9 @@ std::string explanation_of_request(const std::string& name, const std::vector<Un
     if (weight && !key.given && key.value == "0") continue;
     const bool number = key.value.find_first_of("0123456789") < 3 && key.value[0] != '{';  // or a list of them
     const std::string unit = !number || key.unit.empty() || key.unit == "1" ? "" : " " + key.unit;
-    text += fmt::format("  {:<8} {:<{}}  {}{}\n", key.given ? "given" : "default", key.key, widest, key.value, unit);
+    const std::string note = key.note.empty() ? "" : ' ' + key.note + unit;
+    text += fmt::format("  {:<8} {:<{}}  {}{}{}\n", key.given ? "given" : "default", key.key, widest, key.shown, unit,
+                        note);
   }
   return text;
 }
@@ -141,6 +158,7 @@ Json explanation_json(const std::string& name, const std::vector<UnderstoodKey>&
   for (const UnderstoodKey& key : keys) {
     list.push_back(
         {{"key", key.key}, {"value", key.value}, {"unit", key.unit}, {"given", key.given}, {"meaning", key.meaning}});
+    if (!key.note.empty()) list.back()["note"] = key.note;
   }
   return {{"version", FJR_VERSION}, {"request", name}, {"keys", std::move(list)}};
 }

@@ -14,6 +14,8 @@ struct UnderstoodKey {
   std::string key;      // "start.dq", "via[0].time"
   std::string unit;     // "" where there is none
   std::string value;    // as it would stand in a request; or words, where nothing counts ("none")
+  std::string shown;    // the same for people: what was computed, without its last digits
+  std::string note;     // what else there is to say of it: "to either side of [0.1, -0.85]"; mostly empty
   std::string meaning;  // as `fjr keys` has it
   bool given = false;   // by the request; otherwise it is the default that applies
 };

@@ -282,7 +282,7 @@ std::string fault_of_stop(const Parameters& robot, const Trajectory& stop) {
   const Comparison closed = compare(rollout, robot, t, drive, comparison_instants(t), kSharpCorner);
   if (!closed.errors.completed) return closed.errors.failure;
   for (const LimitCheck& check : check_limits(robot, limits, stop, closed)) {
-    if (!check.passed) return violation(check);
+    if (!check.passed) return violation(check, limits);
   }
   const double allowed = stop_exactness(robot);
   if (closed.errors.max_link() <= allowed) return "";

@@ -40,16 +40,26 @@ class Robot:
 
     def to_dict(self) -> dict[str, Any]:
         """The values by section and name, in the units of docs/new-robot.md: lists of two, for joint 1 and joint 2.
-        ``payload`` is ``{"mass": kg, "inertia": kg m^2}``."""
+        ``payload`` is ``{"mass": kg, "inertia": kg m^2}``; ``mounting``, of an arm that does not hang in an upright
+        plane, ``{"inclination": rad, "down": rad}``."""
         values: dict[str, Any] = json.loads(self._core.to_json())
         return values
 
     def replace(
-        self, *, payload: float | Mapping[str, float] | None = None, **sections: Mapping[str, Sequence[float]]
+        self,
+        *,
+        payload: float | Mapping[str, float] | None = None,
+        mounting: Mapping[str, float] | None = None,
+        **sections: Mapping[str, Sequence[float]],
     ) -> Robot:
         """Another robot, of which these values are different. payload: [kg], or ``{"mass": kg, "inertia": kg m^2}``.
+        mounting: ``{"inclination": rad, "down": rad}``, of which what is left out is upright and hanging at q = 0.
 
         Raises BadInput where there can be no such robot, and KeyError for a section that robots do not have.
+
+        >>> table = Robot.load().replace(mounting={"inclination": 0})
+        >>> table["mounting"]
+        {'inclination': 0.0, 'down': 0.0}
         """
         values = self.to_dict()
         for section, entries in sections.items():
@@ -58,6 +68,8 @@ class Robot:
             values[section].update({name: list(pair) for name, pair in entries.items()})
         if payload is not None:
             values["payload"] = dict(payload) if isinstance(payload, Mapping) else payload
+        if mounting is not None:
+            values["mounting"] = dict(mounting)
         return self.from_dict(values)
 
     def __getitem__(self, section: str) -> dict[str, Any]:

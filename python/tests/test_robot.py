@@ -24,6 +24,19 @@ def test_values_go_round():
     assert loaded["payload"] == {"mass": 0.1, "inertia": 0} and loaded != robot
 
 
+def test_an_arm_is_mounted_otherwise():
+    robot = fjr.Robot.load()
+    table = robot.replace(mounting={"inclination": 0})
+    assert fjr.Robot.from_dict(table.to_dict()) == table != robot
+    still = fjr.plan({"start": {"q": [0.5, 0.3]}, "goal": {"q": [0.9, 0.1]}}, robot=table)
+    assert abs(still.theta - still.q)[0].max() < 1e-12  # no gravity deflects the springs
+    softer = table.replace(spring={"stiffness": [20, 17.5]})
+    assert softer["mounting"] == {"inclination": 0, "down": 0}
+    assert softer.replace(mounting={}) == robot.replace(spring={"stiffness": [20, 17.5]})
+    with pytest.raises(fjr.BadInput, match="30 degrees are 0.523599 rad"):
+        robot.replace(mounting={"inclination": 30})
+
+
 def test_what_cannot_be_is_refused_with_its_field():
     robot = fjr.Robot.load()
     with pytest.raises(fjr.BadInput) as caught:

@@ -19,6 +19,16 @@ def test_figures_show_the_plan(reach):
     assert abs(error.get_ydata()).max() <= fjr.simulate(reach).max_link_error
 
 
+def test_limits_are_drawn_around_the_middle_of_a_range():
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    robot = fjr.Robot.load().replace(limits={"link_position": [1.2, 1.5], "link_middle": [0.4, -0.5]})
+    plan = fjr.plan({"start": {"q": [0, 0]}, "goal": {"q": [1.2, -0.8]}}, robot=robot)
+    positions = plan.plot().axes[0].lines
+    drawn = sorted(line.get_ydata()[0] for line in positions if line.get_linestyle() == ":")
+    assert drawn == pytest.approx([-2, -0.8, 1, 1.6])  # of both joints, lowest and highest
+
+
 def test_the_example_runs(capsys):
     example.main()
     assert "certified: True" in capsys.readouterr().out

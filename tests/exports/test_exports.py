@@ -21,7 +21,7 @@ FJR = os.environ.get("FJR", str(SOURCE / "build" / "fjr"))
 TICK = 0.002  # [s], which the motion's duration is no multiple of
 REQUEST = """start: {q: [0, 0]}
 goal: {q: [0.9, -0.5]}
-limits: {tip_speed: 4}
+limits: {tip_speed: 4, motor_power: [80, .inf]}
 obstacles: [{center: [0.15, -0.9], radius: 0.05}]
 walls: [{point: [0, -0.75], normal: [0, 1]}]
 """
@@ -146,8 +146,24 @@ def test_matlab(plan, table, tmp_path):
     limits = mat["limits"][0, 0]
     assert limits["torque"].tolist() == [[12, 5]]
     assert limits["tip_speed"].tolist() == [[4]]
+    assert limits["motor_power"].tolist() == [[80, math.inf]]
     assert mat["status"][0] == "certified"
     assert mat["tick_s"][0, 0] == TICK
+
+
+def test_ranges_that_are_not_symmetric(tmp_path):
+    robot = (SOURCE / "config" / "robot.yaml").read_text()
+    symmetric = "link_middle: {value: [0, 0]"
+    assert robot.count(symmetric) == 1
+    (tmp_path / "robot.yaml").write_text(robot.replace(symmetric, "link_middle: {value: [0.5, 0]"))
+    (tmp_path / "request.yaml").write_text("robot: robot.yaml\nstart: {q: [0, 0]}\ngoal: {q: [0.4, -0.3]}\n")
+    fjr("plan", tmp_path / "request.yaml", "--out", tmp_path / "out", "--quiet")
+    schema, limits = messages(export(tmp_path / "out", tmp_path, "mcap"))["/fjr/limits"]
+    of_links = {name: value for name, value in limits[0][1].items() if "position" in name}
+    assert of_links == {"link_position_1_lowest_rad": -2.7, "link_position_1_highest_rad": 3.7, "link_position_2_rad": 2.6}
+    assert set(json.loads(schema.data)["properties"]) == set(limits[0][1])
+    mat = scipy.io.loadmat(export(tmp_path / "out", tmp_path, "mat"))["limits"][0, 0]
+    assert mat["link_position"].tolist() == [[3.2, 2.6]] and mat["link_middle"].tolist() == [[0.5, 0]]
 
 
 def test_mcap(plan, table, log, tmp_path):
@@ -163,6 +179,7 @@ def test_mcap(plan, table, log, tmp_path):
     assert [m["tip_x_m"] for _, m in topics["/fjr/tip"][1]] == table.tip_x_m.tolist()
     limits = topics["/fjr/limits"][1]
     assert len(limits) == 2 and limits[0][1]["torque_1_N_m"] == 12 and limits[0][1]["tip_speed_m_per_s"] == 4
+    assert [name for name in limits[0][1] if "power" in name] == ["motor_power_1_W"]
 
     schema, scene = topics["/fjr/scene"]
     assert schema.name == "foxglove.SceneUpdate"

@@ -38,8 +38,7 @@ std::string without(const std::string& key) {
 }
 
 Parameters robot_of(const std::string& description) {
-  const RobotDescription d = read_description(YamlNode::parse(description, "short.yaml"));
-  return read_parameters(YamlNode::parse(robot_yaml(d), "robot.yaml"));
+  return new_robot(YamlNode::parse(description, "short.yaml")).parameters;
 }
 
 std::string refusal(const std::string& description) {
@@ -68,8 +67,8 @@ TEST(NewRobot, IsWhatWasDescribed) {
 }
 
 TEST(NewRobot, SaysWhereEveryValueIsFrom) {
-  const RobotDescription d = read_description(YamlNode::parse(kShort + "source: CAD of May\n", "short.yaml"));
-  const YamlNode root = YamlNode::parse(robot_yaml(d), "robot.yaml");
+  const NewRobot robot = new_robot(YamlNode::parse(kShort + "source: CAD of May\n", "short.yaml"));
+  const YamlNode root = YamlNode::parse(robot.yaml, "robot.yaml");
   Parameters unused;
   visit_parameters(unused, [&](const char* section, const char* name, const char*, Joints<double>&) {
     if (may_be_left_out(section, name) && !root.at(section).find(name)) return;
@@ -99,10 +98,32 @@ TEST(NewRobot, IsRefusedWhereItCannotBe) {
       "short.yaml: inertia[0]: 0.031 kg m^2 is more than the other two moments together, 0.03 kg m^2: no body has "
       "that");
   // 0.001 kg m^2 about the joint, of 1.5 kg at 0.2 m: a point mass has 0.06 kg m^2.
-  EXPECT_THAT(
-      refusal(without("inertia") + "inertia: {value: [0.001, 0.006], about: [joint, center_of_mass]}\n"),
-      HasSubstr("robot.yaml: link.inertia.value[0]: 0.001 kg m^2 about the joint is 0.0167 of the 0.06 kg m^2"));
+  EXPECT_THAT(refusal(without("inertia") + "inertia: {value: [0.001, 0.006], about: [joint, center_of_mass]}\n"),
+              HasSubstr("short.yaml: inertia[0]: 0.001 kg m^2 about the joint is 0.0167 of the 0.06 kg m^2"));
   EXPECT_THAT(refusal(kShort + "mounting: {inclination: 30}\n"), HasSubstr("30 degrees are 0.523599 rad"));
+}
+
+TEST(NewRobot, InertiaIsAboutOnePointOrAnotherOfEachLink) {
+  const auto inertia = [](const std::string& about) {
+    return without("inertia") + "inertia: {value: [0.09, 0.016], about: " + about + "}\n";
+  };
+  const Parameters one = robot_of(inertia("joint")), both = robot_of(inertia("[joint, joint]"));
+  EXPECT_EQ(one.link.inertia, both.link.inertia);
+  EXPECT_DOUBLE_EQ(one.link.inertia[0], 0.09);
+  EXPECT_THAT(refusal(inertia("elbow")), HasSubstr("short.yaml: inertia.about: "));
+  EXPECT_THAT(refusal(inertia("[joint]")), HasSubstr("inertia.about: must be one point for both links, or two"));
+}
+
+// 0.12 / 0.25 is not the number nearest to 0.48, nor are 1.4 + 1.2 and 1.4 - 1.2 halved those nearest to 1.3 and 0.1.
+TEST(NewRobot, WritesNoDigitsThatRoundingLeft) {
+  const std::string yaml = new_robot(YamlNode::parse(without("length") + "length: [0.25, 0.2]\n", "short.yaml")).yaml;
+  EXPECT_THAT(yaml, HasSubstr("com_fraction: {value: [0.8, 0.6]"));
+  const NewRobot uneven =
+      new_robot(YamlNode::parse(without("position") + "position: [[-1.2, 1.4], [-2.2, 0.5]]\n", "short.yaml"));
+  EXPECT_THAT(uneven.yaml, HasSubstr("link_position: {value: [1.3, 1.35]"));
+  EXPECT_THAT(uneven.yaml, HasSubstr("link_middle: {value: [0.1, -0.85]"));
+  EXPECT_THAT(uneven.yaml, testing::Not(HasSubstr("00000")));
+  EXPECT_THAT(uneven.yaml, testing::Not(HasSubstr("99999")));
 }
 
 std::string verdict_of(const Parameters& p, const std::string& check, int joint) {

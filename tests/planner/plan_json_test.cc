@@ -210,7 +210,7 @@ TEST(PlanJson, CertificateTakesTheLargestErrorOfTheJoints) {
 TEST(PlanJson, AProofIsToldWhereItWasAskedFor) {
   Certificate certificate = some_certificate();
   EXPECT_TRUE(certificate_json(certificate)["proof"].is_null());
-  EXPECT_THAT(summary(certificate), testing::Not(HasSubstr("proven")));
+  EXPECT_THAT(summary(certificate, {}), testing::Not(HasSubstr("proven")));
   certificate.proof.evaluated = true;
   certificate.proof.until = 0.25;
   certificate.proof.reason = "not proven from t = 0.250000 s: open loop: link 1 may be off";
@@ -224,10 +224,10 @@ TEST(PlanJson, AProofIsToldWhereItWasAskedFor) {
   EXPECT_TRUE(proof["limits"][0]["rollout"].is_null());
   EXPECT_EQ(proof["limits"][1]["rollout"], 1.6);
   EXPECT_TRUE(proof["limits"][1]["joint"].is_null());
-  EXPECT_THAT(summary(certificate), HasSubstr("not proven"));
+  EXPECT_THAT(summary(certificate, {}), HasSubstr("not proven"));
   certificate.proof.proven = true;
   EXPECT_EQ(certificate_json(certificate)["proof"]["verdict"], "proven");
-  EXPECT_THAT(summary(certificate), HasSubstr("proven      at all times"));
+  EXPECT_THAT(summary(certificate, {}), HasSubstr("proven      at all times"));
 }
 
 TEST(PlanJson, AFailedCertificateSaysSo) {

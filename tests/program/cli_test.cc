@@ -124,7 +124,7 @@ TEST_F(Cli, SaysWhatMayHaveBeenMeant) {
   write("word.yaml", good_but("fastest", "fastst"));
   write("degrees.yaml", good_but("[1.2, -0.8]", "[45, -30]"));
   const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
-      {{"paln", "good.yaml"}, "did you mean plan?"},
+      {{"paln", "good.yaml"}, "no subcommand is called paln; did you mean plan?"},
       {{"plan", "good.yaml", "--out", "out", "--keep-uncertfied"}, "did you mean --keep-uncertified?"},
       {{"plan", "good.yaml", "--out", "out", "--linear-solver", "mups"}, "did you mean mumps?"},
       {{"experiment", "stifness", "--joint", "1", "--out", "log.csv"}, "did you mean stiffness?"},
@@ -157,9 +157,9 @@ TEST_F(Cli, ExplainsARequestWithoutPlanningIt) {
   write("request.yaml", "start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\nduration: 1.5\nvia: [{q: [0.6, 0]}]\n");
   const Result text = run({"plan", "--explain-request", "request.yaml"});
   EXPECT_EQ(text.exit_code, 0) << text.err;
-  for (const char* line :
-       {"given    goal.q ", "default  start.dq ", "default  objective ", "gentle", "default  limits.torque ",
-        "[12, 5] N m", "default  via[0].dq ", "default  sample_period ", "0.001 s", "default  seed "}) {
+  for (const char* line : {"given    goal.q ", "default  start.dq ", "default  objective ", "gentle",
+                           "default  limits.torque ", "[12, 5] N m", "[1.49087, -0.788372] rad", "default  via[0].dq ",
+                           "default  sample_period ", "0.001 s", "default  seed "}) {
     EXPECT_THAT(text.out, HasSubstr(line));
   }
   const Result json = run({"plan", "--explain-request", "request.yaml", "--json"});
@@ -220,7 +220,12 @@ TEST_F(Cli, ANewRobotIsDescribedCheckedAndPlannedFor) {
   EXPECT_EQ(planned.exit_code, 0) << planned.out << planned.err;
   EXPECT_EQ(plan_json()["robot_hash"], Json::parse(checked.out)["robot_hash"]);
 
-  EXPECT_THAT(contents(path("out/report.html")), HasSubstr("limits 1±2 and ±2.5 rad"));
+  EXPECT_THAT(contents(path("out/report.html")), HasSubstr("limits -1 to 3 and ±2.5 rad"));
+  EXPECT_THAT(contents(path("out/report.html")),
+              HasSubstr("link position 1 is counted from 1 rad, the middle of -1 to 3"));
+  EXPECT_THAT(contents(path("out/report.html")), HasSubstr("\"gravity\":{\"fraction\":1.0,\"down\":0.0}"));
+  EXPECT_THAT(run({"plan", "good.yaml", "--robot", "robot.yaml", "--explain-request"}).out,
+              HasSubstr("[2, 2.5] rad to either side of [1, 0] rad\n"));
 
   const std::string before = contents(path("robot.yaml"));  // nothing is overwritten
   EXPECT_EQ(run({"robot", "new", "short.yaml", "--out", "robot.yaml"}).exit_code, 2);
@@ -236,7 +241,7 @@ TEST_F(Cli, RobotsThatCannotBeAreRefusedWithTheReason) {
   write("short.yaml", impossible);
   const Result made = run({"robot", "new", "short.yaml", "--out", "robot.yaml"});
   EXPECT_EQ(made.exit_code, 2);
-  EXPECT_THAT(made.err, HasSubstr("0.001 kg m^2 about the joint is 0.0167 of the 0.06 kg m^2"));
+  EXPECT_THAT(made.err, HasSubstr("short.yaml: inertia[0]: 0.001 kg m^2 about the joint is 0.0167 of the 0.06 kg m^2"));
   EXPECT_FALSE(fs::exists(path("robot.yaml")));
 
   std::string text = contents(FJR_SOURCE_DIR "/config/robot.yaml");
@@ -245,7 +250,7 @@ TEST_F(Cli, RobotsThatCannotBeAreRefusedWithTheReason) {
   const Result checked = run({"robot", "check", "robot.yaml"});
   EXPECT_EQ(checked.exit_code, 2);
   EXPECT_THAT(checked.out, HasSubstr("there can be no such arm"));
-  EXPECT_THAT(checked.out, HasSubstr("impossible parallel axes, joint 1: 0.001 kg m^2"));
+  EXPECT_THAT(checked.out, HasSubstr("no such arm\n  impossible parallel axes, joint 1: 0.001 kg m^2"));  // first
   write("good.yaml", kGood);
   EXPECT_THAT(run({"plan", "good.yaml", "--out", "out", "--robot", "robot.yaml"}).err, HasSubstr("0.00972 of the"));
   EXPECT_EQ(run({"robot", "new", "--out", "x.yaml"}).exit_code, 2);  // no terminal to ask on

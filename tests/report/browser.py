@@ -30,11 +30,18 @@ REQUESTS = {
     "second": "start: {q: [0.0, 0.0]}\ngoal: {q: [0.6, -0.4]}\nduration: 0.6\nobjective: {link_acceleration: 1}\n",
     "impossible": "start: {q: [0.0, 0.0]}\ngoal: {q: [0.6, -0.4]}\nduration: 0.1\n" + OBSTACLES,
 }
+# An arm of a third of the length, on a slope of 30 degrees that pulls it to the right.
+SMALL = Path(__file__).resolve().parents[2] / "config/robots/asr_twodof.yaml"
+SLOPE = "\nmounting: {inclination: 0.523599, down: 1.570796}\n"
 CONTRAST = 4.5  # WCAG 2.1, AA
 
 
 def make_pages(program, folder):
     """Plans of REQUESTS and the reports on them."""
+    (folder / "small.yaml").write_text(SMALL.read_text() + SLOPE)
+    (folder / "slope.yaml").write_text("robot: small.yaml\nstart: {q: [0.0, 0.0]}\ngoal: {q: [0.2, 0.1]}\n")
+    subprocess.run([program, "plan", "-q", folder / "slope.yaml", "--out", folder / "slope", "--report"],
+                   check=True, stdout=subprocess.DEVNULL)
     for name, text in REQUESTS.items():
         (folder / f"{name}.yaml").write_text(text)
         command = [program, "plan", "-q", folder / f"{name}.yaml", "--out", folder / name, "--report", "--starts", "1"]
@@ -160,6 +167,33 @@ class Pages(unittest.TestCase):
                                 "draw(text, x, y); }; show(time); delete pen.fillText; return seen")
         for text in ("x (m)", "y (m)", "x", "y", "0", "-0.6"):
             self.assertIn(text, texts)
+
+    def test_gravity_is_an_arrow_of_the_way_it_pulls(self):
+        for page, text, way in (("first/report.html", "g", [0, 1]), ("slope/report.html", "0.5 g", [1, 0])):
+            self.open(page)
+            seen = self.run_script(
+                "const seen = [], text = pen.fillText.bind(pen), line = pen.lineTo.bind(pen);"
+                "pen.fillText = (t, x, y) => { seen.push(t); text(t, x, y); };"
+                "pen.lineTo = (x, y) => { seen.push([x, y]); line(x, y); };"
+                "const move = pen.moveTo.bind(pen); pen.moveTo = (x, y) => { seen.push([x, y]); move(x, y); };"
+                "drawGravity(); delete pen.fillText; delete pen.lineTo; delete pen.moveTo; return seen")
+            (x0, y0), (x1, y1) = seen[:2]
+            length = ((x1 - x0)**2 + (y1 - y0)**2)**0.5
+            self.assertAlmostEqual((x1 - x0) / length, way[0], places=5)
+            self.assertAlmostEqual((y1 - y0) / length, way[1], places=5)
+            self.assertEqual(seen[-1], text)
+            self.assert_silent()
+
+    def test_marks_are_as_large_as_the_arm_asks_for(self):
+        shares = []
+        for page in ("second/report.html", "slope/report.html"):
+            self.open(page)
+            radii = self.run_script("const seen = [], arc = pen.arc.bind(pen);"
+                                    "pen.arc = (x, y, r, ...rest) => { seen.push(r); arc(x, y, r, ...rest); };"
+                                    "drawArm(0); delete pen.arc; return seen.map(r => r / scale / (plan.arm.length[0] + plan.arm.length[1]))")
+            shares.append([min(radii), max(radii)])
+        for one, other in zip(*shares):
+            self.assertAlmostEqual(one, other, places=9)
 
     def test_a_request_without_a_motion_shows_what_was_asked_for(self):
         self.open("impossible/report.html")

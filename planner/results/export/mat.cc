@@ -10,6 +10,7 @@
 #include <system_error>
 #include <vector>
 
+#include "planner/problem/quantities.h"
 #include "planner/results/export/formats.h"
 
 namespace fjr {
@@ -65,6 +66,14 @@ void write(mat_t* file, const Variable& variable) {
   }
 }
 
+// As plan.json has them, and what those of the links' positions are counted from where that is not zero.
+nlohmann::ordered_json limits_with_middle(const PlanRecord& plan) {
+  nlohmann::ordered_json limits = plan.plan.at("resolved_request").at("limits");
+  const Joints<double>& middle = plan.robot.limits.link_middle;
+  if (middle != Joints<double>{}) limits["link_middle"] = middle;
+  return limits;
+}
+
 // The struct `limits`, a field for each, of one number for each joint.
 Variable limits_of(const nlohmann::ordered_json& limits) {
   std::vector<const char*> names;
@@ -74,8 +83,8 @@ Variable limits_of(const nlohmann::ordered_json& limits) {
       checked(Variable(Mat_VarCreateStruct("limits", 2, one.data(), names.data(), static_cast<unsigned>(names.size()))),
               "limits");
   for (const auto& [name, value] : limits.items()) {
-    const std::vector<double> numbers =
-        value.is_array() ? value.get<std::vector<double>>() : std::vector{value.get<double>()};
+    std::vector<double> numbers;
+    for (const auto& number : value) numbers.push_back(number.is_null() ? kNoLimit : number.get<double>());
     Mat_VarSetStructFieldByName(all.get(), name.c_str(), 0, matrix(name.c_str(), numbers, 1, numbers.size()).release());
   }
   return all;
@@ -94,7 +103,7 @@ void write_mat(const Exported& exported, const ExportTable& table, const fs::pat
     }
     if (exported.plan != nullptr) {
       const auto& plan = exported.plan->plan;
-      write(mat.get(), limits_of(plan.at("resolved_request").at("limits")));
+      write(mat.get(), limits_of(limits_with_middle(*exported.plan)));
       for (const char* key : {"request", "status", "request_hash", "robot_hash"}) {
         write(mat.get(), text(key, plan.at(key).get<std::string>()));
       }

@@ -43,27 +43,40 @@ void add_table(McapWriter& file, const std::string& topic, const std::string& ti
   }
 }
 
-// "torque" of joint 1 -> "torque_1"; with the unit as columns have it.
-std::string limit_name(const LimitName& limit) {
+// "torque" of joint 1 -> "torque_1"; with the unit as columns have it. end: "_lowest", of a range that is not to either
+// side of zero.
+std::string limit_name(const LimitName& limit, const char* end = "") {
   std::string unit = limit.quantity->unit;
   for (std::size_t slash = unit.find('/'); slash != std::string::npos; slash = unit.find('/')) {
     unit.replace(slash, 1, "_per_");
   }
   for (char& c : unit) c = c == ' ' ? '_' : c;
   const std::string joint = limit.joint == 0 ? "" : fmt::format("_{}", limit.joint);
-  return fmt::format("{}{}_{}", limit.quantity->name, joint, unit);
+  return fmt::format("{}{}{}_{}", limit.quantity->name, joint, end, unit);
 }
 
 // The limits of the plan at both ends, so that they are drawn as lines.
 void add_limits(McapWriter& file, const PlanRecord& plan, double end) {
   std::vector<std::string> names;
   Json message = Json::object();
+  const auto add = [&](std::string name, Json value) {
+    message[name] = std::move(value);
+    names.push_back(std::move(name));
+  };
+  const Limits of_robot = Limits::of(plan.robot);
   const Json& limits = plan.plan.at("resolved_request").at("limits");
   for (const LimitName& limit : kLimitNames) {
     const auto found = limits.find(limit.quantity->name);
     if (found == limits.end()) continue;
-    names.push_back(limit_name(limit));
-    message[names.back()] = limit.joint == 0 ? *found : (*found)[limit.j()];
+    const Json& value = limit.joint == 0 ? *found : (*found)[limit.j()];
+    if (value.is_null()) continue;  // of the other joint alone
+    const double middle = limit.joint == 0 ? 0 : limit.quantity->counted_from(of_robot, limit.j());
+    if (middle == 0) {
+      add(limit_name(limit), value);
+    } else {
+      add(limit_name(limit, "_lowest"), middle - value.get<double>());
+      add(limit_name(limit, "_highest"), middle + value.get<double>());
+    }
   }
   const std::uint16_t id =
       file.add_topic("/fjr/limits", "json", "fjr.Limits", "jsonschema", schema_of("fjr.Limits", names));

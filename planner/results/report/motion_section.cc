@@ -36,6 +36,12 @@ void add_joints(Chart& chart, const std::vector<Sample>& samples, const std::str
   }
 }
 
+// "±1.3", or "-1.2 to 1.4" where the middle is not zero.
+std::string range_text(double middle, double limit) {
+  if (middle == 0) return fmt::format("±{:.4g}", limit);
+  return fmt::format("{:.4g} to {:.4g}", middle - limit, middle + limit);
+}
+
 // The limits of `name` to either side of the middle: in the title, and drawn where they are near enough not to flatten
 // the curves.
 void add_limits(Chart& chart, const std::vector<ReachedLimit>& limits, const std::string& name, double end,
@@ -45,8 +51,7 @@ void add_limits(Chart& chart, const std::vector<ReachedLimit>& limits, const std
     const ReachedLimit* limit = find_limit(limits, name, joint);
     if (limit == nullptr) continue;
     const auto j = static_cast<std::size_t>(joint - 1);
-    const std::string about = middle[j] == 0 ? "" : fmt::format("{:.4g}", middle[j]);
-    said += fmt::format("{}{}±{:.4g}", said.empty() ? "" : " and ", about, limit->limit);
+    said += (said.empty() ? "" : " and ") + range_text(middle[j], limit->limit);
     if (limit->reached < kNear * limit->limit) continue;
     chart.series.push_back(both_sides(fmt::format("limit {}", joint), kJointColour[j], limit->limit, 0, end));
     for (double& y : chart.series.back().y) y += middle[j];
@@ -152,11 +157,10 @@ Json arm_json(const Parameters& robot) {
 
 // What plan_page.js draws; motions and poses are yet to come.
 Json stage_json(const Parameters& robot, const Json& scene) {
-  return {{"arm", arm_json(robot)},
-          {"limits", Json::object()},
-          {"scene", scene},
-          {"motions", Json::array()},
-          {"poses", Json::array()}};
+  return {
+      {"arm", arm_json(robot)},   {"gravity", {{"fraction", robot.mounting.gravity}, {"down", robot.mounting.down}}},
+      {"limits", Json::object()}, {"scene", scene},
+      {"motions", Json::array()}, {"poses", Json::array()}};
 }
 
 // Limits that the picture shows something against.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstddef>
 #include <set>
 #include <tuple>
 #include <vector>
@@ -56,7 +57,19 @@ Cell bar(double percent, const std::string& css) {
       fmt::format("<span class='bar {}'><i style='width:{:.1f}%'></i></span>", css, std::clamp(percent, 0.0, 100.0)));
 }
 
-void add_margins(ChartPage& page, const std::vector<ReachedLimit>& limits) {
+// What magnitudes of the links' positions are counted from, where that is not zero.
+void add_middles(ChartPage& page, const Parameters& robot) {
+  std::string ranges;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double middle = robot.limits.link_middle[j];
+    if (middle == 0) continue;
+    ranges += fmt::format("{}link position {} is counted from {:.4g} rad, the middle of {:.4g} to {:.4g}",
+                          ranges.empty() ? "" : "; ", j + 1, middle, robot.lowest(j), robot.highest(j));
+  }
+  if (!ranges.empty()) page.add_paragraph(ranges + ".", "note");
+}
+
+void add_margins(ChartPage& page, const std::vector<ReachedLimit>& limits, const Parameters& robot) {
   page.add_heading("Margins");
   Rows rows{{cell("limit"), cell("allowed"), cell("reached"), cell("unit"), cell(""), cell("share"), cell("margin"),
              cell("at"), cell("closed-loop rollout")}};
@@ -69,6 +82,7 @@ void add_margins(ChartPage& page, const std::vector<ReachedLimit>& limits) {
                     time_button(l.time), cell(number_text(l.rollout, 6))});
   }
   page.add_html(html_table(rows));
+  add_middles(page, robot);
 }
 
 // What the request asks for on the way.
@@ -294,7 +308,7 @@ std::string plan_page(const PlanRecord& record) {
   if (record.trajectory) {
     const std::vector<ComparedMotion> motions = compared_motions(record.robot, *record.trajectory);
     add_motion(page, record, scene, limits, motions);
-    add_margins(page, limits);
+    add_margins(page, limits, record.robot);
     add_task_margins(page, plan.at("certificate").at("task"));
     add_certificate(page, plan.at("certificate"));
     add_comparison(page, record.robot, motions, *record.trajectory, weighted_terms(plan), limits, !scene.empty());

@@ -32,6 +32,7 @@ function sample(m, t) {
 
 // ---- the arm: x to the right, y up, q = 0 hangs straight down ----
 const armOf = m => (m && m.arm) || plan.arm;
+const inArms = fraction => fraction * (plan.arm.length[0] + plan.arm.length[1]);  // m: marks are as large as the arm asks for
 const along = (from, angle, length) => [from[0] + length * Math.sin(angle), from[1] - length * Math.cos(angle)];
 function pose(angles, [l1, l2]) {  // angle of link 1, angle of link 2 relative to link 1; lengths
   const elbow = along([0, 0], angles[0], l1);
@@ -105,7 +106,7 @@ const onCanvas = angle => Math.PI / 2 - angle;
 
 // The spring between the motor's side and the link's: a zigzag along an arc.
 function spring(joint, from, to, radius, fraction) {
-  const steps = 16, amplitude = 0.014, points = [];
+  const steps = 16, amplitude = inArms(0.021), points = [];
   for (let i = 0; i <= steps; ++i) {
     const off = i === 0 || i === steps ? 0 : (i % 2 ? amplitude : -amplitude);
     points.push(along(joint, from + (to - from) * i / steps, radius + off));
@@ -149,12 +150,13 @@ const scenery = {
     disc(o.center, o.radius, paint.forbidden, paint.edge);
   },
   wall: o => {  // hatched on the far side
-    const size = Math.hypot(...o.normal), [nx, ny] = o.normal.map(n => n / size), far = 3, step = 0.03;
+    const size = Math.hypot(...o.normal), [nx, ny] = o.normal.map(n => n / size), far = inArms(4.6), step = inArms(0.046);
+    const hatch = inArms(0.03);
     const on = along => [o.at[0] - ny * along, o.at[1] + nx * along];
     stroke([on(-far), on(far)], paint.edge, 2);
     for (let along = -far; along < far; along += step) {
       const [x, y] = on(along);
-      stroke([[x, y], [x - 0.02 * nx - 0.02 * ny, y - 0.02 * ny + 0.02 * nx]], paint.margin, 1);
+      stroke([[x, y], [x - hatch * (nx + ny), y - hatch * (ny - nx)]], paint.margin, 1);
     }
   },
   box: o => {
@@ -170,16 +172,16 @@ const scenery = {
     stroke(pointsOf(o), paint.wanted, 1);
   },
   curve: o => stroke(o.points, paint.curve, 3),
-  point: o => disc(o.at, 0.008, paint.wanted),
+  point: o => disc(o.at, inArms(0.012), paint.wanted),
 };
 // Points, each with what is around it [m]; a wall ends nowhere.
 const boundsOf = {
   disc: o => [[...o.center, o.radius + o.margin]],
-  box: o => o.corners.map(corner => [...corner, 0.01]),
+  box: o => o.corners.map(corner => [...corner, inArms(0.015)]),
   line: o => [o.from, o.to].map(end => [...end, o.tolerance]),
   arc: o => pointsOf(o).map(point => [...point, o.tolerance]),
-  curve: o => o.points.map(point => [...point, 0.01]),
-  point: o => [[...o.at, 0.02]],
+  curve: o => o.points.map(point => [...point, inArms(0.015)]),
+  point: o => [[...o.at, inArms(0.03)]],
 };
 const pointsOf = o => Array.from({ length: 61 }, (_, i) => onArc(o, o.from + (o.to - o.from) * i / 60));
 const onArc = (o, angle) => [o.center[0] + o.radius * Math.cos(angle), o.center[1] + o.radius * Math.sin(angle)];
@@ -251,6 +253,27 @@ function drawAxes() {
   pen.restore();
 }
 
+// Which way gravity pulls in the plane, in a corner of the picture: not at all on a table, by a part of it on a slope.
+function drawGravity() {
+  const { fraction, down } = plan.gravity, level = Math.abs(fraction) < 1e-9, size = 30;
+  const [x, y] = [border.left + 22, border.top + 22];
+  const [dx, dy] = level ? [0, 0] : [Math.sin(down), Math.cos(down)];  // on the canvas, y down
+  pen.strokeStyle = pen.fillStyle = ink("soft");
+  pen.lineWidth = 1.5;
+  pen.beginPath();
+  pen.moveTo(x - size / 2 * dx, y - size / 2 * dy);
+  pen.lineTo(x + size / 2 * dx, y + size / 2 * dy);
+  for (const side of level ? [] : [-1, 1]) {
+    pen.moveTo(x + size / 2 * dx, y + size / 2 * dy);
+    pen.lineTo(x + size / 4 * dx + side * 5 * dy, y + size / 4 * dy - side * 5 * dx);
+  }
+  pen.stroke();
+  pen.font = "12px system-ui, sans-serif";
+  pen.textAlign = "left";
+  const share = fraction > 1 - 1e-9 ? "g" : `${+fraction.toPrecision(2)} g`;
+  if (level) pen.fillText("no gravity", border.left + 6, border.top + 14); else pen.fillText(share, x + 8 + 12 * Math.abs(dx), y + 4);
+}
+
 // x and y at the first joint, to a tenth of the arm.
 function drawFrame() {
   const size = 0.16 * (plan.arm.length[0] + plan.arm.length[1]);
@@ -293,6 +316,7 @@ function drawPicture(t) {
     disc([0, 0], l1 + l2, null, paint.still);
     drawScene();
     drawFrame();
+    drawGravity();
     if (motion) drawArm(t); else drawPoses();
     if (beside) drawBeside(t);
     drawLabels();
@@ -337,11 +361,11 @@ function drawArm(t) {
     stroke([joints[j], along(joints[j], motor, arm.length[j])], colours[j], 1.3, [5, 4]);
     spring(joints[j], motor, link, 0.55 * arm.length[j], Math.min(1, Math.abs(now.theta[j] - now.q[j]) / limit));
     if (plan.limits.torque) {
-      torqueRing(joints[j], link + Math.PI, now.torque[j], plan.limits.torque[j], 0.075 - 0.02 * j, colours[j]);
+      torqueRing(joints[j], link + Math.PI, now.torque[j], plan.limits.torque[j], inArms(0.115 - 0.03 * j), colours[j]);
     }
-    disc(joints[j], 0.012, ink("paper"), ink("text"));
+    disc(joints[j], inArms(0.018), ink("paper"), ink("text"));
   });
-  disc(tip, 0.008, ink("text"));
+  disc(tip, inArms(0.012), ink("text"));
 }
 
 // ---- figures of the instant ----
@@ -354,7 +378,7 @@ function showFigures(t) {
   const now = sample(motion, t), table = at("readout");
   table.replaceChildren();
   const heading = table.insertRow();
-  ["", "link", "motor", "spring", "motor", "torque"].forEach(text => cell(heading, text, true));
+  ["", "link", "motor", "spring", "speed", "torque"].forEach(text => cell(heading, text, true));
   [0, 1].forEach(j => {
     const row = table.insertRow();
     cell(row, "joint " + (j + 1));

@@ -61,11 +61,17 @@ std::string text_of(const Payload& payload) {
                      entry(payload.inertia, payload.inertia_error, kPayloadInertiaBound));
 }
 
+std::string text_of_limit(double limit) { return limit == kNoLimit ? ".inf" : text_of(limit); }
+std::string text_of_limits(const Joints<double>& limits) {
+  return fmt::format("[{}, {}]", text_of_limit(limits[0]), text_of_limit(limits[1]));
+}
+
 std::string text_of(const Limits& limits) {
   Map map;
   for (const QuantityInfo& quantity : Quantities::infos) {
     if (!is_limited(quantity, limits)) continue;
-    map.add(quantity.name, quantity.of_tip ? text_of(limits.*quantity.of_tip) : text_of(limits.*quantity.per_joint));
+    map.add(quantity.name,
+            quantity.of_tip ? text_of_limit(limits.*quantity.of_tip) : text_of_limits(limits.*quantity.per_joint));
   }
   return map.text();
 }

@@ -64,6 +64,19 @@ void read(const YamlNode& node, const char* unit, TipBox& box) {
 
 void read(const YamlNode& node, const char*, Payload& payload) { payload = read_payload(node); }
 
+// Infinity, as YAML, C++ and JSON write it, is no limit but the robot's: [10, .inf] is one of joint 1 alone.
+double read_limit(const YamlNode& node, const char* unit) {
+  for (const char* infinity : {".inf", "inf", "Infinity"}) {
+    if (node.says(infinity)) return kNoLimit;
+  }
+  return node.number(unit);
+}
+
+Joints<double> read_limits(const YamlNode& node, const char* unit) {
+  if (!node.is_list() || node.items().size() != kJoints) return node.pair(unit);
+  return {read_limit(node.items()[0], unit), read_limit(node.items()[1], unit)};
+}
+
 void read(const YamlNode& node, const char*, Limits& limits) {
   std::vector<std::string_view> names;
   for (const QuantityInfo& quantity : Quantities::infos) names.emplace_back(quantity.name);
@@ -71,8 +84,8 @@ void read(const YamlNode& node, const char*, Limits& limits) {
   for (const QuantityInfo& quantity : Quantities::infos) {
     const auto given = node.find(quantity.name);
     if (!given) continue;
-    if (quantity.of_tip) limits.*quantity.of_tip = given->number(quantity.unit);
-    if (quantity.per_joint) limits.*quantity.per_joint = given->pair(quantity.unit);
+    if (quantity.of_tip) limits.*quantity.of_tip = read_limit(*given, quantity.unit);
+    if (quantity.per_joint) limits.*quantity.per_joint = read_limits(*given, quantity.unit);
   }
 }
 

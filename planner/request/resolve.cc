@@ -525,9 +525,15 @@ double resolve_confidence(const Request& request, const Parameters& robot) {
   return confidence;
 }
 
+// Members that a program set hold what a document may say, too: finite numbers above all.
+void check_as_document(const Request& request) {
+  (void)read_request(YamlNode::parse(format_request(request), request.source));
+}
+
 }  // namespace
 
 Problem resolve(const Request& request, const Parameters& robot) {
+  check_as_document(request);
   Problem problem;
   problem.name = std::filesystem::path(request.source).stem().string();
   problem.robot = robot;

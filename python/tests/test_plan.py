@@ -378,3 +378,11 @@ def test_ctrl_c_cancels():
     process.send_signal(signal.SIGINT)
     rest = process.communicate(timeout=60)[0]  # LONG takes minutes
     assert process.returncode == 7 and rest.endswith("interrupted\n")
+
+
+def test_one_joint_alone_may_be_limited():
+    request = {"start": {"q": [0, 0]}, "goal": {"q": [0.4, -0.3]}, "limits": {"torque": (9, np.inf)}}
+    assert fjr.plan(request).to_dict()["resolved_request"]["limits"]["torque"] == [9, 5]
+    with pytest.raises(fjr.BadInput) as caught:
+        fjr.plan({**request, "limits": {"torque": (np.nan, 4)}})
+    assert caught.value.field == "limits.torque[0]"

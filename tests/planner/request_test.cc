@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -98,6 +99,53 @@ TEST(Request, OneMemberThatIsSetCountsWhateverWasThereBefore) {
   expect_weights(problem.weights, 1, 0.01, 0, 1e-3);
   EXPECT_FALSE(problem.goal.dq_free);
   EXPECT_EQ(problem.goal.dq, (Joints<double>{0.5, 0}));
+}
+
+// A limit of one joint is written and read again, and there is none of the other but the robot's.
+TEST(Request, OneJointAloneMayBeLimited) {
+  const Parameters robot = load_parameters(kRobot);
+  Request request = read(kMove);
+  request.limits.torque[0] = 10;
+  for (const Request& same : {request, read(format_request(request)), read(kMove + "limits: {torque: [10, .inf]}\n")}) {
+    EXPECT_EQ(resolve(same, robot).limits.torque, (Joints<double>{10, robot.limits.torque[1]}));
+  }
+}
+
+// What no document can say is refused in a program's request too, by the name of its member.
+TEST(BrokenRequest, MembersThatAProgramSet) {
+  const Parameters robot = load_parameters(kRobot);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto refusal = [&](auto edit) -> std::string {
+    Request request = read(kMove);
+    edit(request);
+    try {
+      resolve(request, robot);
+    } catch (const InputError& error) {
+      return error.field();
+    }
+    return "accepted";
+  };
+  EXPECT_EQ(refusal([&](Request& r) { r.start->q = {0, nan}; }), "start.q[1]");
+  EXPECT_EQ(refusal([&](Request& r) { r.start->dq = {nan, 0}; }), "start.dq[0]");
+  EXPECT_EQ(refusal([&](Request& r) { r.goal.q = AnglesOrFree{1.2, nan}; }), "goal.q[1]");
+  EXPECT_EQ(refusal([&](Request& r) { r.goal.dq = Joints<double>{0, nan}; }), "goal.dq[1]");
+  EXPECT_EQ(refusal([&](Request& r) { r.duration = RequestedDuration{nan, {}}; }), "duration.min");
+  EXPECT_EQ(refusal([&](Request& r) { r.objective = Weights{.time = 1, .effort = nan}; }), "objective.effort");
+  EXPECT_EQ(refusal([&](Request& r) { r.limits.torque = {nan, 4}; }), "limits.torque[0]");
+  EXPECT_EQ(refusal([&](Request& r) { r.limits.torque = {-1, 4}; }), "limits.torque[0]");
+  EXPECT_EQ(refusal([&](Request& r) { r.sample_period = nan; }), "sample_period");
+  EXPECT_EQ(refusal([&](Request& r) { r.payload = Payload{.mass = nan}; }), "payload.mass");
+  EXPECT_EQ(refusal([&](Request& r) { r.via.emplace_back().q = {nan, 0}; }), "via[0].q[0]");
+  EXPECT_EQ(refusal([&](Request& r) {
+              r.obstacles.push_back({.center = {0.5, nan}, .radius = 0.1});
+            }),
+            "obstacles[0].center[1]");
+  // What contradicts another member.
+  EXPECT_EQ(refusal([&](Request& r) { r.goal.tip = Coordinates{0.3, -0.4}; }), "goal.q");
+  EXPECT_EQ(refusal([&](Request& r) { r.goal.elbow = Elbow::kLeft; }), "goal.elbow");
+  EXPECT_EQ(refusal([&](Request& r) { r.duration = RequestedDuration{2, 1}; }), "duration");
+  EXPECT_EQ(refusal([&](Request& r) { r.via.emplace_back() = {0.2, Joints<double>{0.5, 0}, {}}; }), "via[0].time");
+  EXPECT_EQ(refusal([&](Request& r) { r.start.reset(); }), "start");
 }
 
 TEST(Request, AStartThatSaysNothingIsLeftOut) {

@@ -21,7 +21,7 @@ Limits rollout_allowance(const Parameters& p, const Limits& limits);
 // ", both counted from 0.1" where the limit and what is reached of it are not counted from zero; else empty.
 std::string counted_from(const LimitCheck& check, const Limits& limits);
 
-// One sentence for a check that did not pass.
-std::string violation(const LimitCheck& check, const Limits& limits);
+// One sentence for a check that did not pass. limits: that it was judged by; without them all is counted from zero.
+std::string violation(const LimitCheck& check, const Limits& limits = {});
 
 }  // namespace fjr

@@ -6,6 +6,7 @@
 // are in units of the request's objective.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,7 @@ struct ShadowPrice {
     double begin, end;  // [s]
   };
   std::vector<Stretch> active;
+  std::size_t index = 0;  // of the limit; of a constraint of the task, beyond them, its first row's
 };
 
 struct ViaPrices {

@@ -61,12 +61,12 @@ void add_regularisation(const Problem& problem, const Collocated& solution, std:
     }
   }
   for (ShadowPrice& price : prices) {
+    if (price.index >= kLimits || price.active.empty()) continue;
     Problem changed = problem;
-    double* limit = limit_of(changed.limits, price.name, price.joint);
-    if (limit == nullptr || price.active.empty()) continue;
+    double& limit = kLimitNames[price.index].in(changed.limits);
     const double step = 1e-4 * price.limit;
     const auto weight = [&](double change) {
-      *limit = price.limit + change;
+      limit = price.limit + change;
       return make_arm_ocp<F>(changed, reg).regularisation;
     };
     price.price -= squares * (weight(step) - weight(-step)) / (2 * step);

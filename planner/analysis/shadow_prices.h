@@ -106,8 +106,8 @@ class ShadowPrices {
     std::vector<ShadowPrice> result;
     for (ShadowPrice& price : prices_) {
       if (!std::isfinite(price.limit)) continue;
-      const bool more = !result.empty() && result.back().name == price.name && result.back().joint == price.joint;
-      if (!more) result.push_back(price);  // a constraint of the task may have several rows
+      const bool more = continues_constraint(price.index);
+      if (!more) result.push_back(price);
       if (more) result.back().price += price.price;
       if (more) std::copy(price.active.begin(), price.active.end(), std::back_inserter(result.back().active));
     }
@@ -121,11 +121,18 @@ class ShadowPrices {
  private:
   void name_all(const Problem& problem) {
     for (const LimitName& limit : kLimitNames) {
-      prices_.push_back({limit.quantity->name, limit.joint, limit.quantity->unit, limit.in(problem.limits), 0, 0, {}});
+      const QuantityInfo& info = *limit.quantity;
+      prices_.push_back({info.name, limit.joint, info.unit, limit.in(problem.limits), 0, 0, {}, prices_.size()});
     }
     for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) {
-      prices_.push_back({row.name, row.link, row.unit(), row.scale, 0, 0, {}});
+      prices_.push_back({row.name, row.link, row.unit(), row.scale, 0, 0, {}, prices_.size()});
+      constraints_.push_back({row.constraint, row.link});
     }
+  }
+
+  // A constraint of the task may have several rows, one after the other, and has one price for each link.
+  bool continues_constraint(std::size_t index) const {
+    return index > kLimits && constraints_[index - kLimits] == constraints_[index - kLimits - 1];
   }
 
   static constexpr double kGap = 0.01;  // fraction of the duration: shorter interruptions are passed over
@@ -195,6 +202,7 @@ class ShadowPrices {
   std::vector<TightenedLimits> tightened_;
   PerLimit scales_;
   Eigen::VectorXd rows_;
+  std::vector<std::pair<std::size_t, int>> constraints_;  // and the link, of each row of the task
   std::vector<char> counted_variable_, counted_row_;
   std::vector<ShadowPrice> prices_;  // in the order of PerLimit
 };

@@ -120,7 +120,7 @@ class PublishedExtremes {
       for (std::size_t before = 0, k = 1; k < rows_.size(); ++k) {
         if (rows_[k].time - rows_[before].time < apart) continue;
         while (rows_[k].time - rows_[before + 1].time >= apart) ++before;
-        include(first_limit_of(LimitedTorqueRate::info.name) + j,
+        include(first_limit_of(LimitedTorqueRate::info) + j,
                 (u(rows_[k]) - u(rows_[before])) / (rows_[k].time - rows_[before].time), rows_[k].time);
       }
     }

@@ -161,13 +161,13 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
 // of its own from the limits on torque and power; a limit that a slack relaxes is left to its path constraints.
 template <Features F>
 void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
-  const auto limit_that_stays = [&](std::string_view name, const Joints<double>& limit, std::size_t j) {
-    return problem.slack && problem.slack->direction[first_limit_of(name) + j] > 0 ? kNoLimit : limit[j];
+  const auto limit_that_stays = [&](const QuantityInfo& info, std::size_t j) {
+    return problem.slack && problem.slack->direction[first_limit_of(info) + j] > 0 ? kNoLimit
+                                                                                   : info.in(problem.limits, j);
   };
   for (std::size_t j = 0; j < kJoints; ++j) {
-    const double by_power =
-        limit_that_stays("motor_power", problem.limits.motor_power, j) / std::abs(problem.start.dtheta[j]);
-    const double limit = std::min(limit_that_stays("torque", problem.limits.torque, j), by_power) * (1 - kBaseMargin);
+    const double by_power = limit_that_stays(MotorPower::info, j) / std::abs(problem.start.dtheta[j]);
+    const double limit = std::min(limit_that_stays(Torque::info, j), by_power) * (1 - kBaseMargin);
     if (limit == kNoLimit) continue;
     const double friction = ocp.friction[j].nonlinear(problem.start.dtheta[j]);
     ocp.at_nodes.front().lower[ArmOcp<F>::kArm + j] = -limit - friction;

@@ -14,7 +14,7 @@ double* limit_of(Limits& limits, std::string_view name, int joint) {
 std::string_view unit_of_limit(std::string_view name) {
   const auto found = std::find_if(Quantities::infos.begin(), Quantities::infos.end(),
                                   [name](const QuantityInfo& info) { return info.name == name; });
-  return found == Quantities::infos.end() ? "" : found->unit;
+  return found == Quantities::infos.end() ? "" : found->get().unit;
 }
 
 Limits Limits::of(const Parameters& p) {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string_view>
 
@@ -220,7 +221,8 @@ struct MotorPower {
 
 template <class... Quantity>
 struct QuantityList {
-  static constexpr std::array<QuantityInfo, sizeof...(Quantity)> infos{Quantity::info...};
+  // Of each the one that there is, so that an address tells which it is.
+  static constexpr std::array<std::reference_wrapper<const QuantityInfo>, sizeof...(Quantity)> infos{Quantity::info...};
   static constexpr std::size_t kLimits = (Quantity::info.count() + ...);
   // Calls visit(quantity) for one value of each type.
   template <class Visit>
@@ -262,9 +264,9 @@ inline Limits Limits::all(double value) noexcept {
 }
 
 // The index of a quantity's first limit.
-constexpr std::size_t first_limit_of(std::string_view name) {
+constexpr std::size_t first_limit_of(const QuantityInfo& quantity) {
   std::size_t i = 0;
-  while (name != kLimitNames[i].quantity->name) ++i;
+  while (kLimitNames[i].quantity != &quantity) ++i;
   return i;
 }
 

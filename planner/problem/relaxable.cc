@@ -14,21 +14,33 @@ constexpr double kBoxSize = 0.1;   // [m] what fractions of a box's growth are t
 
 void add_limits(std::vector<Relaxable>& all, const Problem& problem) {
   const Limits robots = Limits::of(problem.robot);
-  for (const LimitName& name : kLimitNames) {
+  for (std::size_t i = 0; i < kLimits; ++i) {
+    const LimitName& name = kLimitNames[i];
     const double limit = name.in(problem.limits);
     if (!std::isfinite(limit)) continue;
-    all.push_back({RelaxableKind::kLimit, name.quantity->name, name.joint, name.quantity->unit, limit, 1,
-                   kMostTimes * limit, name.in(robots)-limit,
-                   [name](Problem& p, double value) { name.in(p.limits) = value; }, name.quantity});
+    Relaxable one{RelaxableKind::kLimit,
+                  name.quantity->name,
+                  name.joint,
+                  name.quantity->unit,
+                  limit,
+                  1,
+                  kMostTimes * limit,
+                  name.in(robots)-limit,
+                  [name](Problem& p, double value) { name.in(p.limits) = value; },
+                  name.quantity};
+    one.indices = {i};
+    all.push_back(std::move(one));
   }
 }
 
 // As it was, but for its number.
 template <class Constraint>
-void relax(Problem& problem, const std::string& name, const Constraint& as_it_was, double value) {
-  each_constraint(problem.task, [&](const std::string& other, auto& constraint) {
+void relax(Problem& problem, std::size_t number, const Constraint& as_it_was, double value) {
+  std::size_t next = 0;
+  each_constraint(problem.task, [&](const std::string&, auto& constraint) {
+    const bool meant = next++ == number;
     if constexpr (std::is_same_v<std::remove_reference_t<decltype(constraint)>, Constraint>) {
-      if (other != name) return;
+      if (!meant) return;
       if constexpr (std::is_same_v<Constraint, JointPath>) {  // corners are passed within a part of the tolerance
         for (Via& via : problem.via) via.tolerance *= value / constraint.tolerance;
       }
@@ -38,13 +50,20 @@ void relax(Problem& problem, const std::string& name, const Constraint& as_it_wa
   });
 }
 
-void add_task(std::vector<Relaxable>& all, const Task& task) {
-  each_constraint(task, [&](const std::string& name, const auto& constraint) {
+void add_task(std::vector<Relaxable>& all, const Problem& problem) {
+  const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, 0);
+  std::size_t next = 0;
+  each_constraint(problem.task, [&](const std::string& name, const auto& constraint) {
+    const std::size_t number = next++;
     const ConstraintInfo& info = constraint.info;
     const double from = constraint.relaxed_by(), most = info.most > 0 ? info.most : from;
-    const auto set = [name, constraint](Problem& p, double value) { relax(p, name, constraint, value); };
-    all.push_back({RelaxableKind::kConstraint, name, 0, info.unit, from, info.sign, most,
-                   info.sign > 0 ? most - from : most, set, nullptr, &constraint.info});
+    const auto set = [number, constraint](Problem& p, double value) { relax(p, number, constraint, value); };
+    Relaxable one{RelaxableKind::kConstraint,         name, 0,       info.unit,        from,  info.sign, most,
+                  info.sign > 0 ? most - from : most, set,  nullptr, &constraint.info, number};
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      if (rows[r].constraint == number) one.indices.push_back(kLimits + r);
+    }
+    all.push_back(std::move(one));
   });
 }
 
@@ -71,7 +90,7 @@ void add_velocities(std::vector<Relaxable>& all, const Problem& problem) {
 std::vector<Relaxable> relaxables(const Problem& problem) {
   std::vector<Relaxable> all;
   add_limits(all, problem);
-  add_task(all, problem.task);
+  add_task(all, problem);
   add_velocities(all, problem);
   return all;
 }
@@ -82,6 +101,7 @@ Relaxable both_joints(const Problem& problem, const QuantityInfo& quantity) {
     p.limits.*quantity.per_joint = {factor * limit[0], factor * limit[1]};
   };
   Relaxable both{RelaxableKind::kBothJoints, quantity.name, 0, "times", 1, 1, kMostTimes, 0, set, &quantity};
+  for (std::size_t j = 0; j < kJoints; ++j) both.indices.push_back(first_limit_of(quantity) + j);
   const Joints<double> robots = Limits::of(problem.robot).*quantity.per_joint;
   both.allowed = std::min({kMostTimes, robots[0] / limit[0] - 1, robots[1] / limit[1] - 1});
   return both;

@@ -34,7 +34,11 @@ struct Relaxable {
   std::function<void(Problem&, double value)> set;
   const QuantityInfo* quantity = nullptr;      // of a limit
   const ConstraintInfo* constraint = nullptr;  // of the task
-  std::size_t point = 0;                       // of a velocity: the via point, with their number the goal
+  // Of a constraint: its number among the task's (each_constraint()). Of a velocity: the via point, with their number
+  // the goal.
+  std::size_t number = 0;
+  // What it relaxes, of the limits by their index and then the task's rows; none of a velocity, or of all limits.
+  std::vector<std::size_t> indices{};
 
   double value(double amount) const { return from + sign * amount; }
   Problem relaxed(Problem problem, double amount) const {

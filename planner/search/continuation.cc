@@ -371,7 +371,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
       const double margin = setup.margins.empty() ? 0 : setup.margins[k][i];
       const double fraction = (excess[k][i] + margin) / scales[i];  // zero without a limit
       if (fraction <= kExcessWorthSplitting) continue;
-      if (const std::size_t j = i - first_limit_of("torque"); j < kJoints) {
+      if (const std::size_t j = i - first_limit_of(Torque::info); j < kJoints) {
         if (const auto reversal = reversal_in(solution_.motion, k, j)) {
           steps[k].push_back(*reversal);
           continue;

@@ -40,7 +40,7 @@ class Grid {
       size_[axis] = std::max(3, static_cast<int>(std::ceil(2 * limit_[axis] / spacing)) + 1);
     }
     std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
-    std::erase_if(rows, [](const TaskRow& row) { return row.link == 0 && row.name != "tip_box" && !is_wide(row); });
+    std::erase_if(rows, [](const TaskRow& row) { return row.link == 0 && row.info != &TipBox::info && !is_wide(row); });
     clearance_.resize(static_cast<std::size_t>(size_[0] * size_[1]));
     for (std::size_t c = 0; c < clearance_.size(); ++c) clearance_[c] = clearance_at(problem.robot, rows, q_of(c));
     cost_.assign(clearance_.size(), 1);
@@ -203,16 +203,16 @@ bool same_path(const Grid& grid, const Path& a, const Path& b) {
   return true;
 }
 
-std::vector<std::string> broken_on(const Problem& problem, std::size_t segment, const Path& path) {
-  std::set<std::string> names;
+std::vector<std::size_t> broken_on(const Problem& problem, std::size_t segment, const Path& path) {
+  std::set<std::size_t> broken;
   const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
   for (const Joints<double>& q : path) {
     const auto posture = Posture<double>::of(problem.robot, q);
     for (const TaskRow& row : rows) {
-      if (row.clearance(row.value(problem.robot, posture)) < 0) names.insert(row.name);
+      if (row.clearance(row.value(problem.robot, posture)) < 0) broken.insert(row.constraint);
     }
   }
-  return {names.begin(), names.end()};
+  return {broken.begin(), broken.end()};
 }
 
 }  // namespace
@@ -265,7 +265,7 @@ std::string beyond_reach(const Problem& problem) {
     return fmt::format(
         "{} passes [{:.4g}, {:.4g}] m, {:.4g} m from the base; with the joints' limits the tip reaches from "
         "{:.4g} to {:.4g} m",
-        task.line ? "tip_line" : "tip_arc", tip[0], tip[1], away, nearest, furthest);
+        task.line ? TipLine::info.name : TipArc::info.name, tip[0], tip[1], away, nearest, furthest);
   }
   return "";
 }
@@ -273,11 +273,11 @@ std::string beyond_reach(const Problem& problem) {
 }  // namespace
 
 NoPath no_path(const Problem& problem) {
-  if (std::string sentence = beyond_reach(problem); !sentence.empty()) {
-    return {sentence, {problem.task.line ? "tip_line" : "tip_arc"}, 0};
-  }
+  const Task& task = problem.task;
+  const auto number_of_curve = [&] { return task.line ? number_of(task, *task.line) : number_of(task, *task.arc); };
+  if (std::string sentence = beyond_reach(problem); !sentence.empty()) return {sentence, {number_of_curve()}, 0};
   if (std::string sentence = barred_elbow(problem); !sentence.empty()) {
-    return {sentence, {problem.task.box ? "tip_box" : problem.task.line ? "tip_line" : "tip_arc"}, 0};
+    return {sentence, {task.box ? number_of(task, *task.box) : number_of_curve()}, 0};
   }
   // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
   const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);
@@ -289,11 +289,13 @@ NoPath no_path(const Problem& problem) {
     if (find_detours(problem, s, points[s], points[s + 1], 0).clearance > 0) continue;
     const Detours fine = find_detours(problem, s, points[s], points[s + 1], 0, kFineGrid);
     if (fine.clearance > -doubt) continue;
+    std::vector<std::string> names;
+    for (const std::size_t number : fine.barred_by) names.push_back(constraint_name(task, number));
     const std::string stretch = points.size() == 2 ? "from the start to the goal"
                                                    : fmt::format("on the stretch {} of {}", s + 1, points.size() - 1);
     return {
         fmt::format("every way {} within the joints' limits is barred by {}; {:.2g} m more clearance would open one",
-                    stretch, fmt::join(fine.barred_by, ", "), -fine.clearance),
+                    stretch, fmt::join(names, ", "), -fine.clearance),
         fine.barred_by, -fine.clearance};
   }
   return {};

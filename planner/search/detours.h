@@ -18,7 +18,7 @@ struct Detours {
   // would have to be smaller, or a box larger.
   double clearance = 0;
   Path widest;
-  std::vector<std::string> barred_by;  // names of the constraints that are broken there
+  std::vector<std::size_t> barred_by;  // the numbers of the constraints that are broken there (each_constraint())
 };
 
 inline constexpr double kCoarseGrid = 0.06, kFineGrid = 0.02;  // [rad]: 4 cm and 1 cm at the stretched tip
@@ -33,9 +33,9 @@ Detours find_detours(const Problem& problem, std::size_t segment, const Joints<d
 
 // Why there is no path at all within the limits of the joints.
 struct NoPath {
-  std::string sentence;            // names what bars it; empty when there is a path, or the grid is too coarse to tell
-  std::vector<std::string> names;  // of the constraints that bar the widest path: obstacles[0], tip_box
-  double missing = 0;              // [m] clearance that would open one, to within the grid; 0 where it is not known
+  std::string sentence;  // names what bars it; empty when there is a path, or the grid is too coarse to tell
+  std::vector<std::size_t> constraints;  // that bar the widest path, by their number (each_constraint())
+  double missing = 0;  // [m] clearance that would open one, to within the grid; 0 where it is not known
 };
 NoPath no_path(const Problem& problem);
 

@@ -107,6 +107,10 @@ TEST(Explain, CarryingTakesTheGravityOfTheWorstPosture) {
   EXPECT_NEAR(needs.torque[1], g[1], 1e-4);
   EXPECT_NEAR(needs.posture[0][0], std::numbers::pi / 2, 0.01);
   EXPECT_NEAR(needs.deflection[0], needs.torque[0] / problem.robot.spring.stiffness[0], 1e-12);
+  // Of a limit as those know it who look for what is in the way.
+  const Relaxable torque = relaxables(problem).front();
+  ASSERT_EQ(torque.name, "torque");
+  EXPECT_EQ(needs.of(*torque.quantity, 0), needs.torque[0]);
 }
 
 // The rows of an obstacle that is relaxed and those of the smaller one say the same about every posture.

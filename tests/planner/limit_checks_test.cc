@@ -82,7 +82,7 @@ TEST(LimitChecks, ALimitOnlyTheRolloutExceedsIsRefused) {
   EXPECT_FALSE(checks[1].passed);  // 0.1 % of 8 is 0.008
   EXPECT_THAT(violation(checks[1]), HasSubstr("closed-loop rollout"));
   Comparison brief;
-  brief.events = {{0.005, &Quantities::infos[1], 1}};
+  brief.events = {{0.005, &MotorVelocity::info, 1}};
   EXPECT_FALSE(check_limits(robot(), limits, trajectory, brief)[0].passed);
 }
 

@@ -201,7 +201,7 @@ class RowsProver {
     const std::vector<Sample>& rows = trajectory.samples;
     const double apart = 0.5 * longest_interval(trajectory);
     for (std::size_t j = 0; j < kJoints; ++j) {
-      const std::size_t limit = first_limit_of(LimitedTorqueRate::info.name) + j;
+      const std::size_t limit = first_limit_of(LimitedTorqueRate::info) + j;
       if (!(kLimitNames[limit].in(claims_.published) < kNoLimit)) continue;
       const FrictionLaw law = FrictionLaw::of(robot_, static_cast<int>(j));
       const auto u = [&](const Sample& row) { return Ball(row.torque[j]) - law.nonlinear(Ball(row.state.dtheta[j])); };

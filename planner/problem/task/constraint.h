@@ -38,12 +38,14 @@ struct ConstraintInfo {
 struct TaskRows {
   const Parameters& robot;
   std::size_t segment;
-  std::string name;  // of the constraint
+  std::string name;  // of the constraint, with its kind and its number, as in TaskRow
+  const ConstraintInfo* info;
+  std::size_t constraint;
   std::vector<TaskRow>& rows;
 
   void add(TaskRow::Kind kind, const std::array<double, 2>& vector, double number, double lower, double upper,
            double scale, int link = 0) {
-    rows.push_back({kind, vector, number, lower, upper, scale, name, link});
+    rows.push_back({kind, vector, number, lower, upper, scale, name, link, info, constraint});
   }
 };
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <string>
 
@@ -22,6 +23,8 @@ struct Posture {
   }
 };
 
+struct ConstraintInfo;
+
 struct TaskRow {
   enum class Kind {
     kTip,         // vector . tip - number                                 [m]
@@ -37,7 +40,9 @@ struct TaskRow {
   double lower, upper;
   double scale;      // size of the constraint, as a limit's size is: what fractions of it are taken of  [m or rad]
   std::string name;  // in plan.json: obstacles[0], walls[0], tip_box, tip_line, tip_arc, path
-  int link = 0;      // 1 or 2 for obstacles and walls; 0: neither
+  int link;          // 1 or 2 for obstacles and walls; 0: neither
+  const ConstraintInfo* info;  // what kind of constraint it is of, and
+  std::size_t constraint;      // its number among the task's, in the order of each_constraint()
 
   template <class T>
   T value(const Parameters& robot, const Posture<T>& at) const;

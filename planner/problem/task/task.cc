@@ -4,11 +4,21 @@ namespace fjr {
 
 std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::size_t segment) {
   std::vector<TaskRow> rows;
+  std::size_t number = 0;
   each_constraint(task, [&](const std::string& name, const auto& constraint) {
-    TaskRows to{robot, segment, name, rows};
+    TaskRows to{robot, segment, name, &constraint.info, number++, rows};
     constraint.add_rows(to);
   });
   return rows;
+}
+
+std::string constraint_name(const Task& task, std::size_t number) {
+  std::string found;
+  std::size_t next = 0;
+  each_constraint(task, [&](const std::string& name, const auto&) {
+    if (next++ == number) found = name;
+  });
+  return found;
 }
 
 std::size_t count_of_rows(const Task& task) {

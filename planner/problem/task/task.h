@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "planner/problem/task/disc.h"
@@ -50,7 +51,8 @@ std::string name_of(const std::vector<Constraint>&, std::size_t i) {
   return fmt::format("{}[{}]", Constraint::info.name, i);
 }
 
-// visit(name, constraint) for each that there is; name: as in messages and in plan.json, such as obstacles[0].
+// visit(name, constraint) for each that there is; name: as in messages and in plan.json, such as obstacles[0]. Their
+// number in this order tells which one is meant.
 template <class T, class Visit>
 void each_constraint(T& task, Visit&& visit) {
   visit_constraints(task, [&](const char*, auto& member) {
@@ -61,6 +63,20 @@ void each_constraint(T& task, Visit&& visit) {
     }
   });
 }
+
+// The number of a constraint, which is a member of the task or an element of one.
+template <class Constraint>
+std::size_t number_of(const Task& task, const Constraint& constraint) {
+  std::size_t number = 0, found = 0;
+  each_constraint(task, [&](const std::string&, const auto& other) {
+    if (static_cast<const void*>(&other) == static_cast<const void*>(&constraint)) found = number;
+    ++number;
+  });
+  return found;
+}
+
+// What the constraint of this number is called: obstacles[0], tip_box, ...
+std::string constraint_name(const Task& task, std::size_t number);
 
 // The rows of a task while the motion is in `segment` of its mesh: the same kinds at every segment, in the same order.
 std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::size_t segment);

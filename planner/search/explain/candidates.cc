@@ -24,14 +24,11 @@ Candidate worst_excess_of(const Problem& problem, const Relaxable& what, const C
   const auto excess = excesses(problem, solution.setup.mesh, solution.motion);
   const PerLimit scales = limit_scales(problem);
   Candidate worst{what, {}, 0};
-  for (int joint = 0; joint <= kJoints; ++joint) {
-    if (what.joint != 0 && joint != what.joint) continue;
-    for (const std::size_t i : indices_of(problem, what.name, joint)) {
-      for (std::size_t k = 0; k < excess.size(); ++k) {
-        if (!(excess[k][i] / scales[i] > worst.weight)) continue;
-        worst.weight = excess[k][i] / scales[i];
-        worst.time = solution.motion.intervals[k].start;
-      }
+  for (const std::size_t i : what.indices) {
+    for (std::size_t k = 0; k < excess.size(); ++k) {
+      if (!(excess[k][i] / scales[i] > worst.weight)) continue;
+      worst.weight = excess[k][i] / scales[i];
+      worst.time = solution.motion.intervals[k].start;
     }
   }
   return worst;
@@ -58,7 +55,7 @@ std::vector<Candidate> active_in(const Continuation& fastest) {
     Candidate candidate{what, {}, 0};
     double longest = 0;
     for (const ShadowPrice& limit : analysis.sensitivity.limits) {
-      const bool same = limit.name == what.name && (what.joint == 0 || limit.joint == what.joint);
+      const bool same = std::count(what.indices.begin(), what.indices.end(), limit.index) > 0;
       if (!same || limit.price <= 0) continue;
       candidate.weight += limit.price * size_of(what);
       for (const auto& stretch : limit.active) {

@@ -139,9 +139,11 @@ class Explanation {
 
   void explain_barred(const NoPath& barred) {
     result_.sentence = barred.sentence;
-    if (!barred.names.empty()) result_.limit = barred.names.front();
     for (const Relaxable& what : relaxables(problem_)) {
-      if (std::count(barred.names.begin(), barred.names.end(), what.name) > 0) widen(what, barred.missing);
+      const auto& bars = barred.constraints;
+      if (what.constraint == nullptr || std::count(bars.begin(), bars.end(), what.number) == 0) continue;
+      if (result_.limit.empty()) result_.limit = what.name;
+      widen(what, barred.missing);
     }
   }
 
@@ -303,10 +305,10 @@ class Explanation {
   bool tell_reached() {
     if (!reached_) return false;
     for (const Relaxable& what : relaxables(problem_)) {
-      Limits limits = *reached_;
-      const double* limit = limit_of(limits, what.name, what.joint);
-      if (limit == nullptr || *limit == what.from) continue;
-      result_.relaxations.push_back(relaxation_of(what, *limit));
+      if (what.kind != RelaxableKind::kLimit) continue;
+      const double limit = kLimitNames[what.indices.front()].in(*reached_);
+      if (limit == what.from) continue;
+      result_.relaxations.push_back(relaxation_of(what, limit));
       result_.relaxations.back().rough = true;
     }
     if (result_.relaxations.size() != 1) result_.relaxations.clear();

@@ -28,14 +28,14 @@ void relax_rows(const Problem& problem, const Relaxable& what, std::vector<doubl
   if (is_obstacle(what)) {
     for (std::size_t r = 0; r < rows.size(); ++r) {
       const double apart = rows[r].number, least = rows[r].link > 0 ? least_apart(problem, rows[r]) : apart;
-      if (rows[r].name == what.name) direction[kLimits + r] += (apart * apart - least * least) / (2 * apart);
+      if (rows[r].constraint == what.number) direction[kLimits + r] += (apart * apart - least * least) / (2 * apart);
     }
     return;
   }
   const Problem wider = what.relaxed(problem, kDifference);
   const std::vector<TaskRow> after = task_rows(wider.robot, wider.task, 0);
   for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (rows[r].name != what.name) continue;
+    if (rows[r].constraint != what.number) continue;
     const double moved = rows[r].number - after[r].number;  // value() counts from there
     const double below = rows[r].lower - after[r].lower + moved, above = after[r].upper - rows[r].upper - moved;
     const double more = std::isfinite(below) ? below : above;
@@ -52,12 +52,11 @@ void relax(const Problem& problem, const Relaxable& what, std::vector<double>& d
     }
     return;
   }
-  for (std::size_t i = 0; i < kLimits; ++i) {
-    if (kLimitNames[i].quantity != what.quantity || kLimitNames[i].joint != what.joint) continue;
-    direction[i] += size_of(what);
-    return;
+  if (what.kind == RelaxableKind::kLimit) {
+    direction[what.indices.front()] += size_of(what);
+  } else {
+    relax_rows(problem, what, direction);
   }
-  relax_rows(problem, what, direction);
 }
 
 Problem with_slack(const Problem& problem) {
@@ -76,7 +75,7 @@ Problem with_slack(const Problem& problem, const Relaxable& what) {
   Problem result = with_slack(problem);
   Slack& slack = *result.slack;
   if (is_velocity(what)) {
-    slack.velocity = what.point;
+    slack.velocity = what.number;
     slack.most = 1;
   } else {
     relax(problem, what, slack.direction);
@@ -103,7 +102,7 @@ double value_with(const Problem& problem, const Relaxable& what, double slack) {
   if (!is_obstacle(what)) return what.value(slack * size_of(what));
   double value = what.from;
   for (const TaskRow& row : task_rows(problem.robot, problem.task, 0)) {
-    if (row.name != what.name) continue;
+    if (row.constraint != what.number) continue;
     const double least = least_apart(problem, row);
     const double squared = row.number * row.number - slack * (row.number * row.number - least * least);
     value = std::min(value, std::sqrt(std::max(0.0, squared)) - least);

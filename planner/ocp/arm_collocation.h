@@ -17,12 +17,10 @@
 namespace fjr {
 
 inline constexpr Features kPlain{};
-inline constexpr Features kRateControlled{.rate = true};
 inline constexpr Features kWithTask{.task_rows = 24};
 inline constexpr Features kRateWithTask{.rate = true, .task_rows = 24};
 inline constexpr Features kWithPeak{.task_rows = 24, .peak = true};
 inline constexpr Features kEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows), .peak = true};
-inline constexpr Features kSlackOnly{.slack = true};
 inline constexpr Features kSlackTask{.task_rows = 24, .slack = true};
 inline constexpr Features kSlackEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows), .slack = true};
 
@@ -37,7 +35,6 @@ auto with_features(const Problem& problem, Visit&& visit) {
   const bool task = rows > 0 || problem.goal.any_free(), peak = problem.weights.peak_torque > 0;
   const bool few = rows <= static_cast<std::size_t>(kWithTask.task_rows);
   if (!task && !peak && !rate) return visit.template operator()<kPlain>();
-  if (!task && !peak) return visit.template operator()<kRateControlled>();
   if (few && !peak && !rate) return visit.template operator()<kWithTask>();
   if (few && !peak) return visit.template operator()<kRateWithTask>();
   if (few && !rate) return visit.template operator()<kWithPeak>();
@@ -48,12 +45,9 @@ auto with_features(const Problem& problem, Visit&& visit) {
 template <class Visit>
 auto with_slack_features(const Problem& problem, Visit&& visit) {
   const Joints<double>& rate = problem.limits.torque_rate;
-  const std::size_t rows = count_of_rows(problem.task);
-  if (rate[0] < kNoLimit || rate[1] < kNoLimit || rows > static_cast<std::size_t>(kSlackTask.task_rows)) {
-    return visit.template operator()<kSlackEverything>();
-  }
-  if (rows > 0 || problem.goal.any_free()) return visit.template operator()<kSlackTask>();
-  return visit.template operator()<kSlackOnly>();
+  const bool few = count_of_rows(problem.task) <= static_cast<std::size_t>(kSlackTask.task_rows);
+  if (few && rate[0] == kNoLimit && rate[1] == kNoLimit) return visit.template operator()<kSlackTask>();
+  return visit.template operator()<kSlackEverything>();
 }
 
 // From a guess, or from an earlier solution: one of them is given.
@@ -314,12 +308,10 @@ Collocated collocate_with(const Problem& problem, const CollocationSetup& setup,
                                                       const Collocated*, const SolveOptions&);
 
 FJR_ARM_COLLOCATION(extern, kPlain)
-FJR_ARM_COLLOCATION(extern, kRateControlled)
 FJR_ARM_COLLOCATION(extern, kWithTask)
 FJR_ARM_COLLOCATION(extern, kRateWithTask)
 FJR_ARM_COLLOCATION(extern, kWithPeak)
 FJR_ARM_COLLOCATION(extern, kEverything)
-FJR_ARM_COLLOCATION(extern, kSlackOnly)
 FJR_ARM_COLLOCATION(extern, kSlackTask)
 FJR_ARM_COLLOCATION(extern, kSlackEverything)
 

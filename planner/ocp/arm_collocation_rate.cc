@@ -1,7 +1,0 @@
-#include "planner/ocp/arm_collocation.h"
-
-namespace fjr {
-
-FJR_ARM_COLLOCATION(, kRateControlled)
-
-}  // namespace fjr

@@ -33,7 +33,7 @@ install(CODE "
   endif()
   file(READ \"${PROJECT_SOURCE_DIR}/cmake/confined.service.in\" FJR_CONFINED)
   string(STRIP \"\${FJR_CONFINED}\" FJR_CONFINED)
-  foreach(unit fjr.service fjr-executor.service)
+  foreach(unit fjr.service fjr-executor.service fjr-worker.service)
     configure_file(\"${PROJECT_SOURCE_DIR}/cmake/\${unit}.in\" \"${PROJECT_BINARY_DIR}/cmake/\${unit}\" @ONLY)
     file(INSTALL \"${PROJECT_BINARY_DIR}/cmake/\${unit}\" DESTINATION \"\${CMAKE_INSTALL_PREFIX}/lib/systemd/system\")
   endforeach()

@@ -89,7 +89,7 @@ rule("only planner/store/database.cc knows SQLite" "^planner/store/database\\.cc
 rule("only planner/batch/deflate.cc knows zlib" "^planner/batch/deflate\\.cc$" "zlib")
 rule("only planner/service/metrics_server.cc knows HTTP" "^planner/service/metrics_server\\.cc$" "httplib")
 rule("only planner/dds knows DDS and the wire types" "^planner/dds/"
-  "dds/|ddsc/|fjr_(msgs|plan_request)\\.h|(follow_joint_trajectory|trajectory_msgs)\\.h")
+  "dds/|ddsc/|fjr_(msgs|plan_request|work)\\.h|(follow_joint_trajectory|trajectory_msgs)\\.h")
 rule("only what serves, executes or talks to them knows their protocol"
   "^planner/(protocol|dds|client|service|executor|ros2|program)/" "planner/(protocol|dds|client)/")
 rule("only what serves or executes logs" "^planner/(protocol|dds|client|service|executor|ros2|program)/" "spdlog/")

@@ -55,6 +55,8 @@ function(unit name command credentials exposure)
 endfunction()
 
 unit(fjr.service "serve --config ${prefix}/etc/fjr/service.yaml" ${prefix}/etc/fjr/security/service 20)
+unit(fjr-worker.service "serve --worker-only --config ${prefix}/etc/fjr/service.yaml" ${prefix}/etc/fjr/security/worker
+  20)
 unit(fjr-executor.service "executor --config ${prefix}/etc/fjr/executor.yaml --logs %L/fjr-executor"
   ${prefix}/etc/fjr/security/executor 20)
 file(REMOVE_RECURSE ${prefix})

@@ -66,6 +66,7 @@ class ServicePort {
   std::vector<ArmDrift> take_drifts();      // what executors say of their arms, of any robot
 
   const Participant& participant() const { return participant_; }
+  Waitset& waitset() { return waitset_; }
   ClientWriters& clients() { return clients_; }
   void send(const ServiceStatus& status);
 

@@ -4,6 +4,7 @@
 #include <dds/dds.h>
 #include <fjr_msgs.h>
 #include <fjr_plan_request.h>
+#include <fjr_work.h>
 
 #include "planner/dds/qos.h"
 
@@ -143,6 +144,31 @@ struct TopicOf<fjr_msg_ArmDrift> {
   static constexpr const char* kName = "fjr/arm_drift";
   static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ArmDrift_desc; }
   static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(5)).transient_local().keep_last(1)); }
+};
+
+// A worker's heartbeat. Who joins hears of it at once.
+template <>
+struct TopicOf<fjr_msg_WorkerOffer> {
+  static constexpr const char* kName = "fjr/worker_offer";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_WorkerOffer_desc; }
+  static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(5)).transient_local().keep_last(1)); }
+};
+
+// One writer per worker, in the worker's own partition: a worker that is stuck costs the others nothing. What it has
+// not heard when its lease runs out is granted to somebody else.
+template <>
+struct TopicOf<fjr_msg_WorkLease> {
+  static constexpr const char* kName = "fjr/work_lease";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_WorkLease_desc; }
+  static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(0)).keep_all()); }
+};
+
+// Said again until it is taken; so an owner that is stuck keeps nobody waiting.
+template <>
+struct TopicOf<fjr_msg_WorkResult> {
+  static constexpr const char* kName = "fjr/work_result";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_WorkResult_desc; }
+  static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(0)).keep_all()); }
 };
 
 }  // namespace fjr::dds

@@ -5,15 +5,18 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <thread>
 
+#include "common/input_error.h"
 #include "planner/program/commands.h"
 #include "planner/program/ending.h"
 #include "planner/program/network_arguments.h"
 #include "planner/program/service_log.h"
 #include "planner/service/service.h"
 #include "planner/service/solve_loop.h"
+#include "planner/service/worker_host.h"
 
 namespace fjr {
 namespace {
@@ -21,8 +24,18 @@ namespace {
 struct ServeArguments {
   std::string config;
   NetworkArguments network;
-  int workers = 0;  // 0: as configured
+  std::optional<std::size_t> workers;  // by default as configured
+  bool worker_only = false;
+  double rehearsal = 0;  // [s]
 };
+
+template <class Host>
+int run(const ServiceConfig& config) {
+  Host host(config);
+  const std::jthread ending = stop_at_end(host);
+  host.run();
+  return 0;
+}
 
 int serve(const ServeArguments& options) {
   catch_ending_signals();  // before any other thread is started
@@ -31,11 +44,11 @@ int serve(const ServeArguments& options) {
   const auto log = log_to_stderr();
   ServiceConfig config = options.config.empty() ? default_service_config() : load_service_config(options.config);
   options.network.apply_to(config.network);
-  if (options.workers > 0) config.workers = static_cast<std::size_t>(options.workers);
-  Service service(config);
-  const std::jthread ending = stop_at_end(service);
-  service.run();
-  return 0;
+  config.workers = options.workers.value_or(config.workers);
+  config.rehearsal = options.rehearsal;
+  if (!options.worker_only) return run<Service>(config);
+  if (config.workers == 0) throw InputError(options.config, "workers", "0: a worker has at least one solving process");
+  return run<WorkerHost>(config);
 }
 
 // Results have stdout for themselves; whatever a library prints goes to stderr. Without the service there is nothing to
@@ -55,7 +68,13 @@ void add_serve(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("serve", "Plan for others: the planning service on DDS, until SIGTERM");
   command->add_option("--config", options->config, "Configuration; without it the defaults")->type_name("SERVICE.yaml");
   add_network_options(*command, options->network);
-  command->add_option("--workers", options->workers, "Solving processes")->check(CLI::Range(1, 64));
+  command->add_option("--workers", options->workers, "Solving processes; 0: those of other machines alone")
+      ->check(CLI::Range(0, 64));
+  command->add_flag("--worker-only", options->worker_only,
+                    "Solve for the service of the same robot_id on another machine, and answer nobody");
+  command->add_option("--rehearse", options->rehearsal, "Wait for so many seconds in place of planning anything")
+      ->check(CLI::PositiveNumber)
+      ->group("");  // to try out networks: every request ends as not converged
   command->callback([options, &exit_code] { exit_code = serve(*options); });
 }
 
@@ -67,6 +86,7 @@ void add_worker(CLI::App& app, int& exit_code) {
   command->add_option("--warm-plans", settings->warm_plans, "Earlier plans to keep");
   command->add_option("--library", settings->library, "Folder of a plan library, to start from and to learn into");
   command->add_option("--jobs", settings->jobs, "Threads that a request is planned with");
+  command->add_option("--rehearse", settings->rehearsal, "Seconds to wait in place of planning");
   command->callback([settings, &exit_code] { exit_code = work(*settings); });
 }
 

@@ -20,7 +20,8 @@ struct Job {
   using Clock = std::chrono::steady_clock;
 
   Order order;
-  Request request;  // the motion that is to be planned, its start given by now
+  Request request;       // the motion that is to be planned, its start given by now
+  std::string document;  // the same, as solving processes read it
   std::string request_hash;
   std::string robot_hash;  // of the robot it is planned for: the served one, or that with the request's payload
   bool rest_to_rest = false;

@@ -53,8 +53,7 @@ Service::Service(const ServiceConfig& config)
       refused_lately_(kRefusedLately, kRelaysEnd),
       unclaimed_(kUnclaimedOfOne, kUnclaimedBytes),
       outbox_([this](const SharedReply& reply) { return send(reply); }, kOutboxBytes),
-      solvers_(config.workers, {config.robot, config.warm_plans, config.library, config.jobs},
-               [this] { port_.wake(); }) {
+      solvers_(config.workers, worker_settings(config), [this] { port_.wake(); }) {
   if (config.joint_trajectory) ros_.emplace(port_.participant(), robot_, config.joint_names);
   if (config.metrics_port) metrics_.emplace(*config.metrics_port);
   if (config.remember.empty()) return;

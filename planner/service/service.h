@@ -27,7 +27,7 @@
 #include "planner/service/reply_cache.h"
 #include "planner/service/reply_store.h"
 #include "planner/service/service_config.h"
-#include "planner/service/solvers.h"
+#include "planner/service/slots.h"
 #include "planner/service/tally.h"
 #include "planner/service/unclaimed.h"
 
@@ -160,7 +160,7 @@ class Service {
   LogLimit log_requests_, log_refusals_, log_slow_clients_, log_others_;
   std::vector<Answer> being_stored_;  // they leave when they are on disk
   std::optional<ReplyStore> store_;   // none: a restarted service remembers nothing
-  Solvers solvers_;                   // last, as the store: they wake the port
+  Slots solvers_;                     // last, as the store: they wake the port
 };
 
 }  // namespace fjr

@@ -69,13 +69,17 @@ ServiceConfig default_service_config() {
   return config;
 }
 
+WorkerSettings worker_settings(const ServiceConfig& config) {
+  return {config.robot, config.warm_plans, config.library, config.jobs, config.rehearsal};
+}
+
 ServiceConfig load_service_config(const std::filesystem::path& file) {
   ServiceConfig config = default_service_config();
   const YamlNode root = YamlNode::load(file);
   root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "jobs", "queue", "warm_plans", "library",
                    "remember", "metrics", "budget", "longest_budget", "ros2", "security", "allow_insecure_network"});
   read_network(root, file.parent_path(), config.network);
-  read_whole(root, "workers", 1, 64, config.workers);
+  read_whole(root, "workers", 0, 64, config.workers);
   read_whole(root, "jobs", 1, 256, config.jobs);
   read_whole(root, "queue", 1, 4096, config.queue);
   read_whole(root, "warm_plans", 0, 4096, config.warm_plans);

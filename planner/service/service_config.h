@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planner/protocol/network.h"
+#include "planner/service/solve_loop.h"
 
 namespace fjr {
 
@@ -16,7 +17,7 @@ struct ServiceConfig {
   std::string instance;            // unique among the running services; by default host name and process
   std::string robot_id = "arm";    // whose trajectories it publishes
   std::filesystem::path robot;     // what is planned for
-  std::size_t workers = 1;         // solving processes
+  std::size_t workers = 1;         // solving processes; 0: those of other machines alone
   std::size_t jobs = 1;            // threads of each
   std::size_t queue = 64;          // requests of one client that may wait
   std::size_t warm_plans = 32;     // minimum-time plans that each worker keeps to start neighbouring ones from
@@ -27,10 +28,13 @@ struct ServiceConfig {
   std::optional<std::uint16_t> metrics_port;  // on the loopback interface, for Prometheus; 0: any
   bool joint_trajectory = false;              // for ROS 2: what goes to the executor also goes to rt/joint_trajectory
   std::vector<std::string> joint_names{"joint1", "joint2"};
+  double rehearsal = 0;  // [s] that each solving process waits in place of planning; 0: it plans
 };
 
 // The defaults, with the robot shipped with the program and the credentials that FJR_SECURITY names.
 ServiceConfig default_service_config();
+
+WorkerSettings worker_settings(const ServiceConfig& config);
 
 // Throws InputError naming file, field, value and what is allowed.
 ServiceConfig load_service_config(const std::filesystem::path& file);

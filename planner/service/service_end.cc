@@ -31,13 +31,15 @@ void Service::end() {
     while (!queue_.empty()) farewell(queue_.pop());
     for (const Backlog::Entry& last : last_requests()) refuse_at_end(last);
   }
+  const std::size_t in_hand = orders_in_hand().size();
+  solvers_.disown();
   const auto over = Clock::now() + kFarewell;
   await_stored(over);
   for (outbox_.deliver(); !outbox_.empty() && Clock::now() < over; outbox_.deliver()) {
     port_.wait(std::chrono::milliseconds(1));
   }
   port_.clients().flush(over - Clock::now());
-  spdlog::info("stopped handed_over={}", handing_over ? solvers_.jobs().size() + queue_.size() : 0);
+  spdlog::info("stopped handed_over={}", handing_over ? in_hand : 0);
 }
 
 // The standby has heard most of it already. The writer keeps the last 256 for whoever is slow: no more are under way at

@@ -113,6 +113,7 @@ void Service::admit(Order order, Clock::time_point arrived, Clock::time_point he
   job.order = std::move(order);
   if (auto refusal = resolve_start(job.request)) return reject(job.order, std::move(*refusal));
   if (auto refusal = refusal_of_motion(job, robot_)) return reject(job.order, std::move(*refusal));
+  job.document = format_request(job.request);
   enqueue(std::move(job), arrived);
 }
 

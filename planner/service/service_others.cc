@@ -140,6 +140,8 @@ void Service::review_ownership() {
 void Service::take_over() {
   spdlog::info("owner robot_id={} epoch={} remembered={}", config_.robot_id, ownership_.epoch(), backlog_.size());
   port_.own(ownership_.epoch());
+  solvers_.own(port_.participant(), port_.waitset(), {config_.instance, config_.robot_id, robot_hash_},
+               ownership_.epoch());
   if (!owned_) took_over_at_ = Clock::now();  // otherwise only its epoch has grown
   owned_ = true;
 }
@@ -169,6 +171,7 @@ void Service::give_up_ownership() {
     keep(std::move(job.order), job.arrived, heard, true);
   };
   while (auto job = solvers_.stop_if([](const Job&) { return true; })) put_back(std::move(*job));
+  solvers_.disown();
   while (!queue_.empty()) put_back(queue_.pop());
   for (Answer& answer : std::exchange(being_stored_, {})) {
     store_->forget(answer.reply->id);

@@ -37,6 +37,7 @@ void Service::work() {
       give_up(job, ReplyState::kFailed, Reason::kWorkerLost, "two solving processes ended unexpectedly over it");
     }
   }
+  for (Job& job : news.returned) queue_.push_front(std::move(job));
   for (SolveOutcome& outcome : news.outcomes) {
     const bool moves = executes(outcome.job.order) && outcome.state == ReplyState::kSolved;
     if (moves && !may_start(outcome.job.order)) {
@@ -59,7 +60,7 @@ void Service::give_work() {
   while (solvers_.idle()) {
     auto job = queue_.pop_if(ready);
     if (!job) return;
-    solvers_.solve(std::move(*job));
+    if (auto untold = solvers_.solve(std::move(*job))) queue_.push_front(std::move(*untold));
   }
 }
 

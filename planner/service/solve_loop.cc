@@ -1,9 +1,12 @@
 #include "planner/service/solve_loop.h"
 
+#include <fmt/format.h>
+
 #include <chrono>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <thread>
 
 #include "common/input_error.h"
 #include "planner/library/learnt_plans.h"
@@ -62,6 +65,12 @@ void find_stops(int out, const Parameters& robot, const Trajectory& plan) {
   send_done(out, PlanStatus::kCertified, "");
 }
 
+// To try out machines and networks: no motion comes of it.
+void rehearse(int out, double seconds) {
+  std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+  send_done(out, PlanStatus::kNotConverged, fmt::format("rehearsed for {:g} s: nothing was planned", seconds));
+}
+
 }  // namespace
 
 void solve_requests(int in, int out, const WorkerSettings& settings) {
@@ -72,6 +81,10 @@ void solve_requests(int in, int out, const WorkerSettings& settings) {
     if (frame->kind == FrameKind::kName) name = frame->payload;
     if (frame->kind == FrameKind::kFindStops) find_stops(out, parameters, {from_payload<Sample>(frame->payload), {}});
     if (frame->kind != FrameKind::kSolve) continue;
+    if (settings.rehearsal > 0) {
+      rehearse(out, settings.rehearsal);
+      continue;
+    }
     try {
       solve(out, parse_request(frame->payload, name, parameters), frame->payload, settings, learnt);
     } catch (const InputError& error) {

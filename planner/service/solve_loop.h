@@ -10,6 +10,7 @@ struct WorkerSettings {
   std::size_t warm_plans = 0;     // earlier plans kept, to start neighbouring ones from
   std::filesystem::path library;  // the folder of a plan library; empty: none
   std::size_t jobs = 1;           // threads that a request is planned with
+  double rehearsal = 0;           // [s] to wait in place of planning, which is answered as not converged; 0: it plans
 };
 
 // Reads requests from `in` and writes progress and results to `out` until `in` ends.

@@ -48,6 +48,10 @@ bool Solvers::idle() const {
   return std::any_of(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.worker && !s.job; });
 }
 
+double Solvers::load() const {
+  return solvers_.empty() ? 1 : static_cast<double>(jobs().size()) / static_cast<double>(solvers_.size());
+}
+
 // One that is gone by now says so itself.
 void Solvers::solve(Job job) {
   const auto solver =
@@ -62,7 +66,7 @@ void Solvers::solve(Job job) {
     solver->result.rows = planned->rows;
     return find_stops(*solver);
   }
-  (void)solver->worker->solve(solver->job->order.name, format_request(solver->job->request));
+  (void)solver->worker->solve(solver->job->order.name, solver->job->document);
 }
 
 void Solvers::find_stops(Solver& solver) {

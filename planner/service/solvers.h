@@ -30,13 +30,15 @@ class Solvers {
   Solvers(std::size_t count, WorkerSettings settings, std::function<void()> wake);
 
   bool idle() const;       // one of them is
+  double load() const;     // the share of them that is solving, 0 to 1
   void solve(Job job);     // by an idle one
   void replace_missing();  // starts those again that have ended
 
   struct News {
     std::vector<ProgressReport> progress;
     std::vector<SolveOutcome> outcomes;
-    std::vector<Job> lost;  // with their workers
+    std::vector<Job> lost;      // with their workers
+    std::vector<Job> returned;  // by another machine, or because nothing is heard of it
   };
   News take_news();
 

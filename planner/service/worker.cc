@@ -37,6 +37,7 @@ Worker::Worker(const WorkerSettings& settings, Listener listener) {
                                     std::to_string(settings.warm_plans),
                                     "--jobs",
                                     std::to_string(settings.jobs)};
+  if (settings.rehearsal > 0) words.insert(words.end(), {"--rehearse", std::to_string(settings.rehearsal)});
   if (!settings.library.empty()) words.insert(words.end(), {"--library", settings.library.string()});
   pid_ = spawn_self(words, requests.from.number(), results.to.number());
   to_worker_ = std::move(requests.to);

@@ -49,7 +49,7 @@ def refused_by_fastddsgen(folder, file):
 
 def main():
     folder = Path(sys.argv[1])
-    files = ["fjr_msgs.idl", "fjr_plan_request.idl"]
+    files = ["fjr_msgs.idl", "fjr_plan_request.idl", "fjr_work.idl"]
     found = [*faults(folder, files[:1]), *faults(folder, files)]
     if shutil.which("fastddsgen"):
         for file in files:

@@ -110,6 +110,17 @@ TEST_F(SecurityTest, HoldsAndStopsForThoseWhoMay) {
   EXPECT_THAT(halt("stop", as("client")), HasSubstr("0 arm: stopped until"));
 }
 
+TEST_F(SecurityTest, LeasesWorkToThoseWhoMay) {
+  const auto service = serve({"--workers", "0"}, as("service"));
+  const auto guest = fjr({"serve", "--worker-only"}, "guest.log", as("client"));
+  EXPECT_NE(guest->wait(), 0);
+  EXPECT_THAT(guest->output(), HasSubstr("Not Allowed By Security"));
+  const auto worker = fjr({"serve", "--worker-only"}, "worker.log", as("worker"));
+  const auto request = fjr({"request", path("quick.yaml"), "--out", path("out")}, "request.log", as("client"));
+  EXPECT_EQ(request->wait(), 0) << request->output();
+  EXPECT_THAT(worker->output(), HasSubstr("leased by="));
+}
+
 // Everybody shakes hands with everybody: 31 participants, 465 times. Nobody gives up while that goes on.
 TEST_F(SecurityTest, ServesManyClientsThatComeAtOnce) {
   const auto service = serve({}, as("service"));

@@ -40,7 +40,7 @@ TEST(ServiceConfig, MutatedFilesAreReadOrRefused) {
     try {
       const ServiceConfig config = load_service_config(file);
       EXPECT_LE(config.network.domain, 230u);
-      EXPECT_GE(config.workers, 1u);
+      EXPECT_LE(config.workers, 64u);
       EXPECT_GE(config.queue, 1u);
       EXPECT_GT(config.budget, 0);
       EXPECT_GT(config.longest_budget, 0);

@@ -13,6 +13,7 @@
 #include "planner/dds/text.h"
 #include "planner/dds/wire_reply.h"
 #include "planner/dds/wire_request.h"
+#include "planner/dds/wire_work.h"
 #include "planner/problem/problem.h"
 #include "planner/protocol/document.h"
 #include "planner/request/request.h"
@@ -355,6 +356,99 @@ TEST(ReplyCache, IsBoundedInBytes) {
     cache.add(std::make_shared<const Reply>(reply));
   }
   EXPECT_EQ(cache.size(), 2u);
+}
+
+// ---- work of other machines ----
+
+WorkResult solved() {
+  WorkResult result;
+  result.lease = {{1, 2}, 3, 4};
+  result.worker = {5};
+  result.outcome = WorkOutcome::kDone;
+  result.state = ReplyState::kSolved;
+  result.errors = {{0.1, 0.2}, {0.3, 0.4}};
+  result.plan_json = "{\n  \"name\": \"reach\"\n}\n";
+  result.rows.resize(2);
+  result.rows[1].time = 0.5;
+  result.rows[1].torque = {6, 7};
+  result.stops.resize(1);
+  result.stops[0].duration = 0.25;
+  return result;
+}
+
+WorkResult over_the_wire(const WorkResult& result) { return dds::decode(dds::encode(result)); }
+
+TEST(WorkWire, AResultComesAsItWent) {
+  const WorkResult sent = solved(), got = over_the_wire(sent);
+  EXPECT_EQ(got.lease, sent.lease);
+  EXPECT_EQ(got.worker, sent.worker);
+  EXPECT_EQ(got.outcome, WorkOutcome::kDone);
+  EXPECT_EQ(got.state, ReplyState::kSolved);
+  EXPECT_EQ(got.errors.certified, sent.errors.certified);
+  EXPECT_EQ(got.errors.predicted, sent.errors.predicted);
+  EXPECT_EQ(got.plan_json, sent.plan_json);
+  ASSERT_EQ(got.rows.size(), 2u);
+  EXPECT_EQ(got.rows[1].time, 0.5);
+  EXPECT_EQ(got.rows[1].torque, sent.rows[1].torque);
+  ASSERT_EQ(got.stops.size(), 1u);
+  EXPECT_EQ(got.stops[0].duration, 0.25);
+}
+
+// Whoever wrote it: nobody is answered with it, and the service does not fall over it.
+TEST(WorkWire, AResultThatCannotBeMeantCountsAsLost) {
+  const auto becomes = [](auto change) {
+    WorkResult result = solved();
+    change(result);
+    return over_the_wire(result);
+  };
+  const std::vector<std::function<void(WorkResult&)>> changes = {
+      [](WorkResult& r) { r.rows.clear(); },
+      [](WorkResult& r) { r.state = ReplyState::kFailed; },  // with rows
+      [](WorkResult& r) { r.state = ReplyState::kAccepted; },
+      [](WorkResult& r) { r.state = static_cast<ReplyState>(99); },
+      [](WorkResult& r) { r.why.reason = static_cast<Reason>(99); },
+      [](WorkResult& r) { r.outcome = static_cast<WorkOutcome>(99); },
+      [](WorkResult& r) { r.rows[1].state.q[0] = kNan; },
+      [](WorkResult& r) { r.rows[1].time = kInfinity; },
+  };
+  for (const auto& change : changes) {
+    const WorkResult got = becomes(change);
+    EXPECT_EQ(got.outcome, WorkOutcome::kLost);
+    EXPECT_EQ(got.lease, solved().lease);
+    EXPECT_TRUE(got.rows.empty());
+  }
+}
+
+TEST(WorkWire, ALeaseAndAnOfferComeAsTheyWent) {
+  LeaseWord word;
+  word.lease = {{1}, 2, 3};
+  word.kind = LeaseKind::kGranted;
+  word.instance = "cell-1";
+  word.id = {{9}, 8};
+  word.name = "reach";
+  word.executes = true;
+  word.document = kShort;
+  const LeaseWord got = dds::decode(dds::encode(word));
+  EXPECT_EQ(got.lease, word.lease);
+  EXPECT_EQ(got.kind, LeaseKind::kGranted);
+  EXPECT_EQ(got.instance, "cell-1");
+  EXPECT_EQ(got.id, word.id);
+  EXPECT_EQ(got.name, "reach");
+  EXPECT_TRUE(got.executes);
+  EXPECT_EQ(got.document, kShort);
+
+  WorkerOffer offer;
+  offer.worker = {7};
+  offer.slots = 3;
+  offer.held = {{word.lease, {"solve", 12, 0.5, 1e-3}}};
+  const dds::WireOffer wire = dds::encode(offer);
+  const WorkerOffer heard = dds::decode(wire.message);
+  EXPECT_EQ(heard.worker, offer.worker);
+  EXPECT_EQ(heard.slots, 3u);
+  ASSERT_EQ(heard.held.size(), 1u);
+  EXPECT_EQ(heard.held[0].lease, word.lease);
+  EXPECT_EQ(heard.held[0].progress.stage, "solve");
+  EXPECT_EQ(heard.held[0].progress.iteration, 12);
 }
 
 }  // namespace

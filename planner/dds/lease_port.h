@@ -1,0 +1,55 @@
+// The owner's side of work that others do: offers and results come in, leases go out.
+#pragma once
+
+#include <map>
+#include <vector>
+
+#include "planner/dds/participant.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/waitset.h"
+#include "planner/dds/writer.h"
+#include "planner/protocol/work_messages.h"
+
+namespace fjr::dds {
+
+class LeasePort {
+ public:
+  // What comes ends the waits of `waitset`, which must outlive this.
+  LeasePort(const Participant& participant, Waitset& waitset);
+  ~LeasePort();
+  LeasePort(const LeasePort&) = delete;
+  LeasePort& operator=(const LeasePort&) = delete;
+
+  struct Offer {
+    WorkerOffer offer;  // of one that is gone only the worker
+    bool alive = false;
+  };
+  std::vector<Offer> take_offers();  // the latest word of each
+  std::vector<WorkResult> take_results();
+
+  // Meets a worker: leases can be sent once it is reachable, which takes milliseconds.
+  void meet(const WorkerId& worker);
+  void forget(const WorkerId& worker);
+  bool knows(const WorkerId& worker) const { return workers_.contains(worker); }
+  bool reachable(const WorkerId& worker) const;
+  bool send(const WorkerId& worker, const LeaseWord& word);  // false: it is not reachable, or too slow
+
+  // Waits until the workers have heard everything, at most so long.
+  void flush(std::chrono::nanoseconds timeout) const;
+
+ private:
+  struct Worker {
+    Worker(const Participant& participant, const WorkerId& worker);
+
+    Entity publisher;
+    Writer<fjr_msg_WorkLease> leases;
+  };
+
+  const Participant& participant_;
+  Reader<fjr_msg_WorkerOffer> offers_;
+  Reader<fjr_msg_WorkResult> results_;
+  std::map<WorkerId, Worker> workers_;
+  std::vector<std::map<WorkerId, Worker>::node_type> forgotten_;
+};
+
+}  // namespace fjr::dds

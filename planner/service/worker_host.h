@@ -1,0 +1,68 @@
+// `fjr serve --worker-only`: solves for the owners of its robot, wherever they are. It takes as many leases as it has
+// solving processes, says again and again which ones it has, and keeps each result until that is taken.
+#pragma once
+
+#include <atomic>
+#include <chrono>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "planner/dds/worker_port.h"
+#include "planner/protocol/log_limit.h"
+#include "planner/service/service_config.h"
+#include "planner/service/solvers.h"
+
+namespace fjr {
+
+class WorkerHost {
+ public:
+  // Of the configuration: the network, the instance, the robot, and what concerns solving.
+  explicit WorkerHost(const ServiceConfig& config);
+
+  // Until stop(); then what is leased is returned. Throws InputError when the owner of its robot has another
+  // robot.yaml.
+  void run();
+  void stop();  // from any thread
+
+ private:
+  using Clock = Job::Clock;
+  struct Held {
+    std::string instance;  // of the owner
+    Progress progress;
+    std::optional<WorkResult> result;
+    Clock::time_point say_at;  // the result, again
+  };
+  struct Owner {
+    std::uint64_t process = 0;
+    Clock::time_point heard;
+  };
+
+  void heartbeat();
+  void send_offer();
+  void look_for_owners();
+  void drop_if_owned_by(const std::string& instance);
+  void receive(LeaseWord word);
+  void begin(LeaseWord word);
+  void drop(const LeaseId& lease);
+  void refused(const LeaseWord& word);
+  void take_news();
+  void conclude(const RequestId& id, WorkResult result);
+  void say_results();
+  void end();
+
+  const ServiceConfig config_;
+  const std::string robot_hash_;
+  const WorkerId worker_;
+  dds::WorkerPort port_;
+  std::atomic<bool> stopping_ = false;
+  Clock::time_point next_heartbeat_{};
+  std::map<LeaseId, Held> held_;
+  std::map<std::string, Owner> owners_;  // by instance; standbys, too
+  std::string refused_;                  // the sentence that was logged
+  LogLimit log_;
+  Solvers solvers_;  // last: they wake the port
+};
+
+}  // namespace fjr

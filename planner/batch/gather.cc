@@ -58,9 +58,9 @@ std::string quoted_column(const std::string& column) {
   return text + "\"";
 }
 
-void write_units(const Database& database) {
+void write_units(const Database& database, const Columns& columns) {
   database.execute("CREATE TABLE units (\"column\" TEXT PRIMARY KEY, unit TEXT)");
-  const Json units = table_units();
+  const Json units = table_units(columns);
   for (const auto& [column, unit] : units.items()) {
     database.run("INSERT INTO units VALUES (?, ?)", column, unit.get<std::string>());
   }
@@ -153,7 +153,7 @@ void gather(const Manifest& manifest) {
     Transaction transaction(database);
     create_results(database, columns);
     insert_results(database, manifest, columns);
-    write_units(database);
+    write_units(database, columns);
     transaction.commit();
     fs::rename(fresh, file);
   } catch (...) {

@@ -3,15 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "planner/problem/objective_terms.h"
+#include "planner/request/keys.h"
 
 namespace fjr {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::string_view kAxis = "axes.";
 
 // The value at a path such as /solver/iterations, null if there is none.
 Json value_at(const Json& plan, const char* path) { return plan.value(Json::json_pointer(path), Json()); }
@@ -83,17 +88,20 @@ std::vector<Json> Columns::values(const Row& row) const {
   return values;
 }
 
+Columns columns_of(const std::vector<Row>& rows) {
+  Columns columns;
+  for (const Row& row : rows) columns.add(row);
+  return columns;
+}
+
 std::string table_csv(const std::vector<Row>& rows) {
-  Columns table;
-  for (const Row& row : rows) table.add(row);
-  const std::vector<std::string>& columns = table.names();
+  const Columns table = columns_of(rows);
   std::vector<std::string> header;
-  for (const std::string& column : columns) header.push_back(quoted(column));
+  for (const std::string& column : table.names()) header.push_back(quoted(column));
   std::string text;
-  const Json units = table_units();
+  const Json units = table_units(table);
   for (const auto& [column, unit] : units.items()) {
-    const bool there = std::find(columns.begin(), columns.end(), column) != columns.end();
-    if (there) text += fmt::format("# unit.{}: {}\n", column, unit.get<std::string>());
+    text += fmt::format("# unit.{}: {}\n", column, unit.get<std::string>());
   }
   text += csv_line(header);
   for (const Row& row : rows) {
@@ -104,11 +112,15 @@ std::string table_csv(const std::vector<Row>& rows) {
   return text;
 }
 
-Json table_units() {
-  Json units{{"duration", "s"}};
-  for (const TermInfo& term : Terms::infos) units["terms." + std::string(term.name)] = term.unit;
-  for (const char* error : {"open_loop_error", "closed_loop_error"}) units[error] = "rad";
-  units["time"] = "s";
+Json table_units(const Columns& columns) {
+  std::map<std::string, std::string> known{
+      {"duration", "s"}, {"open_loop_error", "rad"}, {"closed_loop_error", "rad"}, {"time", "s"}};
+  for (const TermInfo& term : Terms::infos) known["terms." + std::string(term.name)] = term.unit;
+  Json units = Json::object();
+  for (const std::string& column : columns.names()) {
+    const std::string unit = column.starts_with(kAxis) ? unit_of_key(column.substr(kAxis.size())) : known[column];
+    if (!unit.empty()) units[column] = unit;
+  }
   return units;
 }
 

@@ -30,11 +30,14 @@ class Columns {
   std::vector<std::string> names_;
 };
 
-// The units of the columns as comment lines, as in trajectory.csv ("# unit.duration: s"), then header and rows. Axes
-// have the units of requests. RFC 4180; null is empty.
+// Of these rows.
+Columns columns_of(const std::vector<Row>& rows);
+
+// The units of the columns as comment lines, as in trajectory.csv ("# unit.duration: s"), then header and rows. RFC
+// 4180; null is empty.
 std::string table_csv(const std::vector<Row>& rows);
 
-// Column -> unit, of those that have one and are the same in every table.
-nlohmann::ordered_json table_units();
+// Column -> unit, of those of the table that have one. Axes have the units of the request's keys.
+nlohmann::ordered_json table_units(const Columns& columns);
 
 }  // namespace fjr

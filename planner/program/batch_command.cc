@@ -163,7 +163,7 @@ Json summary_json(const Batch& batch) {
           {"status", count_statuses(batch.rows).to_json()},
           {"planned", batch.planned},
           {"finished_earlier", batch.earlier},
-          {"units", table_units()},
+          {"units", table_units(columns_of(batch.rows))},
           {"rows", batch.rows}};
 }
 

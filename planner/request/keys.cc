@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
 #include <string_view>
 
@@ -72,6 +73,20 @@ std::vector<KeyLine> all_keys() {
   Lines lines;
   Below<Request>::list("", lines);
   return lines;
+}
+
+std::string unit_of_key(const std::string& path) {
+  std::string key;  // with [] for what is counted: via[].q
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    key += path[i];
+    if (path[i] == '[') i = std::min(path.find(']', i), path.size()) - 1;
+  }
+  for (;; key.resize(key.size() - 2)) {  // a number's place within what has the unit
+    for (const KeyLine& line : all_keys()) {
+      if (line.name == key) return line.unit == "1" ? "" : line.unit;
+    }
+    if (!key.ends_with("[]")) return "";
+  }
 }
 
 std::string keys_table() {

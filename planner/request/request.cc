@@ -29,7 +29,8 @@ fs::path robot_file_of(const Request& request, const fs::path& folder, const fs:
   const fs::path file = folder / *request.robot;  // an absolute path stays as it is
   std::error_code error;
   if (!fs::is_regular_file(file, error)) {
-    Place{request, "robot"}.fail(fmt::format("no such file: {}", shown(file.string())));
+    const char* const what = fs::exists(file, error) ? "not a file" : "no such file";
+    Place{request, "robot"}.fail(fmt::format("{}: {}", what, shown(file.string())));
   }
   return file;
 }

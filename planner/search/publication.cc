@@ -34,15 +34,6 @@ Publication with_certificate(const Continuation& c, const Problem& asked, Trajec
   return p;
 }
 
-// With rows farther apart where the motion is too long for them, unless their distance was asked for.
-Problem with_allowed_period(Problem asked, double duration) {
-  while (duration > asked.sample_period * static_cast<double>(kMaxRows)) {
-    if (asked.sample_period >= asked.longest_sample_period) break;
-    asked.sample_period = std::min(2 * asked.sample_period, asked.longest_sample_period);
-  }
-  return asked;
-}
-
 // Local errors of the published rows against the exact model; where the rollout has no answer, the mesh's own
 // estimate. [rad] per interval
 std::vector<double> rollout_errors(const Parameters& robot, const Collocated& solution, const Trajectory& trajectory) {
@@ -56,6 +47,18 @@ std::vector<double> rollout_errors(const Parameters& robot, const Collocated& so
 
 }  // namespace
 
+Trajectory rows_of(Problem asked, const Motion& motion, double row_error, std::size_t most) {
+  const auto farther_apart = [&] {
+    if (asked.sample_period >= asked.longest_sample_period) return false;
+    asked.sample_period = std::min(2 * asked.sample_period, asked.longest_sample_period);
+    return true;
+  };
+  while (motion.duration() > asked.sample_period * static_cast<double>(most) && farther_apart()) continue;
+  Trajectory rows = sample(asked, motion, row_error);
+  while (rows.samples.size() > most && farther_apart()) rows = sample(asked, motion, row_error);
+  return rows;
+}
+
 PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
   PublishResult published;
   double row_error = kRowVelocityError;
@@ -63,7 +66,7 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
   for (int round = 0; round < kRounds && !session.interrupted(); ++round) {
     {
       const Timed timed(session, "certificate");
-      Trajectory trajectory = sample(with_allowed_period(asked, c.duration()), c.solution().motion, row_error);
+      Trajectory trajectory = rows_of(asked, c.solution().motion, row_error);
       if (trajectory.samples.size() > kMaxRows) {
         published.failure =
             fmt::format("the trajectory needs {} rows, more than the {} allowed: a longer sample_period would do",

@@ -1,6 +1,7 @@
 // From a solution to rows that are certified.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <optional>
@@ -32,6 +33,11 @@ struct PublishResult {
 
   bool certified() const { return last && last->certificate.certified; }
 };
+
+// Rows of a motion (ocp/sampling.h), farther apart than is usual where there would be more than `most` of them, unless
+// their distance was asked for. A motion that is published again with finer rows has those where its torque asks for
+// them, and so needs fewer elsewhere.
+Trajectory rows_of(Problem asked, const Motion& motion, double row_error, std::size_t most = kMaxRows);
 
 // Publishes what a continuation came to. Where it is not certified, the solution is refined for what is missing, and
 // published again, as long as that changes anything. asked: with the limits and the duration that were asked for.

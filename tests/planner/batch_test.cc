@@ -352,8 +352,8 @@ TEST(Table, HasAColumnForEveryAxisAndTerm) {
       "objective": {"total": 2, "terms": {"effort": 1.5, "time": null}}, "solver": {"iterations": 7},
       "certificate": null, "timing": {"total": 0.25}})");
   EXPECT_EQ(table_csv({make_row(plain, "failed", "two\nlines"), make_row(point, plan)}),
-            "# unit.duration: s\n# unit.terms.time: s\n# unit.terms.effort: N^2 m^2 s\n# unit.open_loop_error: rad\n"
-            "# unit.closed_loop_error: rad\n# unit.time: s\n"
+            "# unit.axes.goal.q[0]: rad\n# unit.duration: s\n# unit.terms.effort: N^2 m^2 s\n# unit.terms.time: s\n"
+            "# unit.open_loop_error: rad\n# unit.closed_loop_error: rad\n# unit.time: s\n"
             "name,axes.goal.q[0],axes.objective,status,reason,duration,objective,terms.effort,terms.time,iterations,"
             "intervals,starts,distinct_minima,open_loop_error,closed_loop_error,time\n"
             "a,,,failed,\"two\nlines\",,,,,,,,,,,\n"

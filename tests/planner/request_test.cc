@@ -15,6 +15,7 @@
 #include "common/input_error.h"
 #include "model/flatness.h"
 #include "planner/problem/problem.h"
+#include "planner/request/keys.h"
 #include "tests/support/random_requests.h"
 
 namespace fjr {
@@ -156,6 +157,17 @@ TEST(Request, AStartThatSaysNothingIsLeftOut) {
 }
 
 // The hash of what says nothing of it is that of before there was a choice.
+TEST(Keys, HaveUnitsThatNumbersBelowThemShare) {
+  EXPECT_EQ(unit_of_key("goal.q[1]"), "rad");
+  EXPECT_EQ(unit_of_key("via[2].time"), "s");
+  EXPECT_EQ(unit_of_key("via[2].dq[0]"), "rad/s");
+  EXPECT_EQ(unit_of_key("tip.box[0][1]"), "m");
+  EXPECT_EQ(unit_of_key("limits.torque[0]"), "N m");
+  EXPECT_EQ(unit_of_key("objective"), "");  // a number without a unit
+  EXPECT_EQ(unit_of_key("goal"), "");
+  EXPECT_EQ(unit_of_key("gaol[0"), "");
+}
+
 TEST(Request, SearchIsAChoice) {
   EXPECT_EQ(parse(kMove).search, Thoroughness::kDefault);
   EXPECT_EQ(parse(kMove + "search: default\n").request_hash, parse(kMove).request_hash);
@@ -627,7 +639,7 @@ TEST(BrokenRequest, LimitsAndSampling) {
       {kMove + "seed: -1", "seed: \"-1\" is not a whole number from 0 to 18446744073709551615"},
       {kMove + "seed: 1.5", "seed: \"1.5\" is not a whole number from 0 to 18446744073709551615"},
       {kMove + "robot: none.yaml", "robot: no such file: \"./none.yaml\""},
-      {kMove + "robot: /dev/zero", "robot: no such file: \"/dev/zero\""},
+      {kMove + "robot: /dev/zero", "robot: not a file: \"/dev/zero\""},
       {kMove + "robot: [a]", "robot: must be text, not a list of 1"},
   });
 }

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "model/friction.h"
+#include "planner/search/publication.h"
 
 namespace fjr {
 namespace {
@@ -248,6 +249,20 @@ TEST(Sampling, IsTheSameToTheBitTheSecondTime) {
     EXPECT_EQ(a[i].time, b[i].time);
     EXPECT_EQ(a[i].torque, b[i].torque);
   }
+}
+
+// Rows that were made finer where the torque asks for it are farther apart elsewhere, rather than too many.
+TEST(Rows, LieFartherApartWhereThereWouldBeTooMany) {
+  const Motion motion = made(uneven_nodes());
+  const std::size_t usual = rows_of(problem(), motion, kRowVelocityError).samples.size();
+  EXPECT_EQ(usual, sample(problem(), motion).samples.size());
+  const Trajectory fewer = rows_of(problem(), motion, kRowVelocityError, usual - 1);
+  EXPECT_LT(fewer.samples.size(), usual);
+  EXPECT_EQ(fewer.end_time(), motion.duration());
+  Problem asked = problem();
+  asked.longest_sample_period = asked.sample_period;
+  EXPECT_EQ(rows_of(asked, motion, kRowVelocityError, usual - 1).samples.size(), usual)
+      << "their distance is asked for";
 }
 
 }  // namespace

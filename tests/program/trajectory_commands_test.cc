@@ -160,6 +160,7 @@ TEST_F(Cli, VerifyTakesPayloadAndLimitsFromTheFileAndNeverLooserOnes) {
   EXPECT_THAT(tighter.out, HasSubstr("of 0.5 N m"));
   const Result looser = with("limits.torque[0]: 8 N m", "limits.torque[0]: 100 N m");
   EXPECT_THAT(looser.err, HasSubstr("limits.torque[0]: the file says 100 N m, but the robot's 12 N m hold\n"));
+  EXPECT_THAT(looser.out, HasSubstr("limits.torque[0] 12 N m"));  // with what it was judged
   const Result wrong = with("payload: 0.1 kg", "payload: a cup");
   EXPECT_EQ(wrong.exit_code, 2);
   EXPECT_EQ(wrong.err, "fjr: t.csv: payload: 'a cup' must be a number >= 0 and its unit, such as '0.5 kg'\n");

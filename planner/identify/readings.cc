@@ -53,7 +53,7 @@ Readings::Readings(const Parameters& known, const Prior& prior, const std::vecto
       steps_(steps_of(known, prior)),
       noise_(count_deviation(known)) {
   for (std::size_t i = 0; i < motions.size(); ++i) {
-    for (const Piece& piece : pieces_of(known, motions[i], i)) {
+    for (const ReplayedPiece& piece : pieces_of(known, motions[i], i)) {
       pieces_.push_back(piece);
       first_.push_back(readings_);
       readings_ += count(pieces_.size() - 1);
@@ -67,7 +67,7 @@ Parameters Readings::robot_at(const VectorXd& x) const {
 
 // Positions less readings, in standard deviations of a count.
 std::optional<VectorXd> Readings::off(const Parameters& robot, const VectorXd& x, std::size_t piece) const {
-  const Piece& at = pieces_[piece];
+  const ReplayedPiece& at = pieces_[piece];
   const ExecutedMotion& m = motions_[at.motion];
   State<double> start = at.begins;
   for (Index i = 0; i < kStates; ++i) {

@@ -55,7 +55,7 @@ class Readings {
   const ForEach& for_each_;
   Eigen::VectorXd steps_;
   Eigen::Vector4d noise_;
-  std::vector<Piece> pieces_;
+  std::vector<ReplayedPiece> pieces_;
   std::vector<Eigen::Index> first_;
   Eigen::Index readings_ = 0;
 };

@@ -77,9 +77,9 @@ State<double> state_at(const ExecutedMotion& motion, std::size_t first) {
 
 }  // namespace
 
-std::vector<Piece> pieces_of(const Parameters& robot, const ExecutedMotion& motion, std::size_t index) {
+std::vector<ReplayedPiece> pieces_of(const Parameters& robot, const ExecutedMotion& motion, std::size_t index) {
   const std::vector<bool> parked = parked_rows(robot, motion);
-  std::vector<Piece> pieces;
+  std::vector<ReplayedPiece> pieces;
   for (std::size_t first = 0; first < parked.size();) {
     std::size_t end = first;
     while (end < parked.size() && !parked[end]) ++end;
@@ -103,8 +103,8 @@ Eigen::Vector4d count_deviation(const Parameters& robot) {
   return deviation;
 }
 
-std::optional<Eigen::VectorXd> replayed(const Parameters& robot, const ExecutedMotion& motion, const Piece& piece,
-                                        const State<double>& start) {
+std::optional<Eigen::VectorXd> replayed(const Parameters& robot, const ExecutedMotion& motion,
+                                        const ReplayedPiece& piece, const State<double>& start) {
   if (!can_be(robot)) return std::nullopt;
   Eigen::VectorXd positions(4 * static_cast<Eigen::Index>(piece.count));
   State<double> x = start;

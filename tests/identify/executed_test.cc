@@ -91,7 +91,7 @@ State<double> moved_by(const State<double>& x, const State<double>& rate, double
 TEST(Executed, SlopesAreThoseOfTheVariationalEquation) {
   const Executions run = executed(robot(), {.truth = robot()}, {{{0, 0}, {0.9, -1.1}, 0.5}});
   const ExecutedMotion& motion = run.motions.front();
-  const Piece piece = pieces_of(robot(), motion, 0).at(0);
+  const ReplayedPiece piece = pieces_of(robot(), motion, 0).at(0);
   constexpr int kParts = 200;
   constexpr std::size_t kRows = 200;
   for (const char* name :

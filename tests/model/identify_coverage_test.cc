@@ -55,9 +55,10 @@ TEST(FullLength, RealInstrumentsCostLittle) {
   }
 }
 
-// Ten arms of which other ones are believed, ten labs each.
+// Ten arms of which other ones are believed, five labs each: of 50 intervals at 95 %, 42 or fewer would hold the truth with
+// a probability of 0.0045 for each parameter; the rms of 50 errors in standard errors is 1 +- 0.1.
 TEST(Coverage, NinetyFivePercentIntervalsHoldTheTruth) {
-  constexpr int kArms = 10, kLabs = 10;
+  constexpr int kArms = 10, kLabs = 5;
   std::mt19937_64 random(1);
   std::map<std::string, int> held;
   std::map<std::string, double> square;  // of errors in standard errors
@@ -90,8 +91,8 @@ TEST(Coverage, NinetyFivePercentIntervalsHoldTheTruth) {
   }
   for (const auto& [name, times] : held) {
     RecordProperty(name, times);
-    EXPECT_GE(times, 90) << name << ", rms " << std::sqrt(square[name]);
-    EXPECT_LT(square[name], 1.3 * 1.3) << name;  // 1 by right; beyond 1.2 by chance once in 200
+    EXPECT_GE(times, 43) << name << ", rms " << std::sqrt(square[name]);
+    EXPECT_LT(square[name], 1.3 * 1.3) << name;
   }
 }
 

@@ -28,6 +28,7 @@ set(layers
   planner/search
   planner/search/explain
   planner  # plan.h, the story of one request
+  planner/design
   planner/results
   planner/results/report
   planner/results/export

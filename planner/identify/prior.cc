@@ -25,7 +25,7 @@ void assume(Prior& prior, const std::string& name, double deviation) {
 
 }  // namespace
 
-Prior prior_of(const Parameters& robot, double widened) {
+Prior prior_of(const Parameters& robot, double widened, PayloadMass payload) {
   const Uncertainty known = uncertainty_of(robot);
   Prior prior;
   prior.names = known.names;
@@ -33,8 +33,11 @@ Prior prior_of(const Parameters& robot, double widened) {
   if (!known.none()) prior.factor = widened * known.factor();
   Parameters values = robot;
   for (const std::string& name : usually_told(robot)) {
-    const bool payload = name == kPayloadMass;
-    assume(prior, name, payload ? kUnknownPayload : kUnknownFraction * std::abs(*parameter_named(values, name)));
+    if (name != kPayloadMass) {
+      assume(prior, name, kUnknownFraction * std::abs(*parameter_named(values, name)));
+    } else if (payload == PayloadMass::kUncertain) {
+      assume(prior, name, kUnknownPayload);
+    }
   }
   prior.deviation = prior.factor.rowwise().norm();
   return prior;

@@ -19,11 +19,15 @@ struct Prior {
 
 // The covariance of robot.yaml, its standard errors `widened` times as large. Parameters that have none there, and that
 // ordinary motions usually tell, are given a weak one: kUnknownFraction of the value for stiffness, gravity torque,
-// both inertias, viscous friction and its amplitude, kUnknownPayload for the payload's mass. All others are kept as
-// they are.
+// both inertias, viscous friction and its amplitude, kUnknownPayload for the payload's mass unless it is known. All
+// others are kept as they are.
 inline constexpr double kUnknownFraction = 0.2;
 inline constexpr double kUnknownPayload = 0.5;  // [kg]
-Prior prior_of(const Parameters& robot, double widened = 1);
+enum class PayloadMass {
+  kUncertain,
+  kKnown  // as the robot file has it: it cannot be told from link 2's own mass
+};
+Prior prior_of(const Parameters& robot, double widened = 1, PayloadMass payload = PayloadMass::kUncertain);
 
 // Names of the parameters that ordinary motions usually tell: those that have such a weak one, the payload's mass last.
 std::vector<std::string> usually_told(const Parameters& robot);

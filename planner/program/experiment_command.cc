@@ -1,4 +1,4 @@
-// fjr experiment: the virtual rig performs the experiments of section IV.
+// fjr experiment: the virtual rig performs the experiments of section IV; or an experiment of another kind is designed.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -15,7 +15,9 @@
 #include "common/input_error.h"
 #include "model/rig/experiments.h"
 #include "model/rig/rig_file.h"
+#include "planner/design/experiment_design.h"
 #include "planner/program/commands.h"
+#include "planner/program/experiment_design.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/misspelt.h"
 #include "planner/program/progress_line.h"
@@ -82,6 +84,8 @@ void perform_all(const ExperimentArguments& options, const RigSetup& setup) {
 }
 
 int run(const ExperimentArguments& options) {
+  if (options.name.empty()) throw InputError("command line", "", "an experiment is needed, or `design` (see --help)");
+  if (options.out.empty()) throw InputError("--out", "", "is needed: the log; of all experiments a folder");
   catch_interrupts();
   const RigSetup setup = setup_of(options);
   if (options.name == "all") {
@@ -94,19 +98,48 @@ int run(const ExperimentArguments& options) {
   return 0;
 }
 
+void add_design(CLI::App& experiment, int& exit_code) {
+  const auto options = std::make_shared<ExperimentDesignArguments>();
+  CLI::App* command = experiment.add_subcommand(
+      "design", "Plan motions that tell the arm's parameters best: requests for the service, one after the other");
+  command->add_option("--out", options->out, "Folder of 01.yaml, 02.yaml, ... and design.json; empty or not there")
+      ->required()
+      ->type_name("DIR");
+  command->add_option("--robot", options->robot,
+                      "What is known of the arm; without it the robot.yaml shipped with fjr");
+  command->add_option("--start", options->start, "Link angles where the arm rests before the first of them, rad; 0 0")
+      ->expected(2)
+      ->type_name("Q1 Q2");
+  command->add_option("--duration", options->duration, "Of all motions together at most, s")
+      ->check(CLI::Range(1.0, kLongestDesign))
+      ->capture_default_str();
+  command->add_option("--candidates", options->candidates, "Planned for each motion, of which the best is taken")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--seed", options->seed, "Of the candidates")->capture_default_str();
+  command
+      ->add_option("--widen", options->widen, "Take the standard errors of the robot file for so many times as large")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->type_name("TIMES");
+  command->add_flag("--payload-known", options->payload_known,
+                    "The mass at the tip is as in the robot file; otherwise it is taken for unknown within 0.5 kg");
+  command->add_flag("--json", options->json, "Only JSON on stdout");
+  command->callback([options, &exit_code] { exit_code = experiment_design(*options); });
+}
+
 }  // namespace
 
 void add_experiment(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<ExperimentArguments>();
-  CLI::App* command = app.add_subcommand("experiment", "Perform an experiment on the virtual rig and write its log");
+  CLI::App* command = app.add_subcommand(
+      "experiment", "Perform an experiment on the virtual rig and write its log; or design one for the real arm");
+  add_design(*command, exit_code);
   std::vector<std::string> names(std::begin(kExperiments), std::end(kExperiments));
   names.emplace_back("all");
   command->add_option("name", options->name, "Which: stiffness, gravity, ..., or all for both joints")
-      ->required()
       ->check(one_of(names));
   command->add_option("--joint", options->joint, "Joint")->check(CLI::Range(1, 2));
   command->add_option("--out", options->out, "The log; of all experiments the folder of <experiment>_<joint>.csv")
-      ->required()
       ->type_name("LOG.csv|DIR");
   command->add_flag("--ideal", options->ideal, "Without noise, quantisation and hysteresis; slow speeds included");
   command->add_flag("--slow", options->slow, "Include the slow speeds of motor friction without --ideal");
@@ -119,7 +152,9 @@ void add_experiment(CLI::App& app, int& exit_code) {
   command->add_option("--torque-noise", options->torque_noise, "Standard deviations, N m")->expected(2);
   command->add_option("--hysteresis", options->hysteresis, "Half openings of the springs' loops, N m")->expected(2);
   command->add_option("--link-damping", options->link_damping, "True damping, N m s/rad")->expected(2);
-  command->callback([options, &exit_code] { exit_code = run(*options); });
+  command->callback([options, command, &exit_code] {
+    if (!command->got_subcommand("design")) exit_code = run(*options);
+  });
 }
 
 }  // namespace fjr

@@ -31,7 +31,7 @@ struct IdentifyArguments {
   std::vector<std::string> logs, columns;
   int joint = 0;     // 1 or 2; 0: as the log says
   double widen = 1;  // times the standard errors of the robot file
-  bool json = false, link_damping = false, accept_inconsistent = false;
+  bool json = false, link_damping = false, accept_inconsistent = false, payload_known = false;
 };
 
 ColumnNames renamed_columns(const std::vector<std::string>& pairs) {
@@ -132,13 +132,15 @@ int run_executed(const IdentifyArguments& options) {
   refuse(!options.report.empty(), "--report", "there are no experiments to draw; --json has all figures");
   refuse(options.link_damping, "--link-damping", "link damping is refined where the robot file has its standard error");
   refuse(options.accept_inconsistent, "--accept-inconsistent", "its logs are fitted together");
-  return identify_executed(
-      {options.logs, options.robot, options.out, renamed_columns(options.columns), options.widen, options.json});
+  const PayloadMass payload = options.payload_known ? PayloadMass::kKnown : PayloadMass::kUncertain;
+  return identify_executed({options.logs, options.robot, options.out, renamed_columns(options.columns), options.widen,
+                            payload, options.json});
 }
 
 int run(const IdentifyArguments& options) {
   if (options.name == "executed") return run_executed(options);
   if (options.widen != 1) throw InputError("--widen", "", "is for `identify executed` alone");
+  if (options.payload_known) throw InputError("--payload-known", "", "is for `identify executed` alone");
   const fs::path base = options.robot.empty() ? default_robot_file() : fs::path(options.robot);
   const Parameters robot = load_bare_parameters(base);
   const Identification found = identify_as_asked(options, robot);
@@ -199,6 +201,8 @@ void add_identify(CLI::App& app, int& exit_code) {
                    "Of executed: take the standard errors of the robot file for so many times as large")
       ->check(CLI::Range(1.0, 1000.0))
       ->type_name("TIMES");
+  command->add_flag("--payload-known", options->payload_known,
+                    "Of executed: the mass at the tip is as in the robot file, and not to be found");
   command->add_flag("--json", options->json, "Only JSON on stdout");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

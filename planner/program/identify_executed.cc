@@ -134,7 +134,7 @@ int identify_executed(const ExecutedArguments& options) {
   const std::vector<ExecutedMotion> motions = motions_in(options);
   const int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const ExecutedFit fit =
-      fit_executed(known, prior_of(known, options.widen), motions,
+      fit_executed(known, prior_of(known, options.widen, options.payload), motions,
                    [&](std::size_t count, const auto& task) { for_each_index(count, threads, task); });
   if (options.json) {
     fmt::print("{}", json_text(fit_json(fit, motions)));

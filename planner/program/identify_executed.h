@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/log.h"
+#include "planner/identify/prior.h"
 
 namespace fjr {
 
@@ -13,6 +14,7 @@ struct ExecutedArguments {
   std::string robot, out;  // robot empty: the one shipped; out empty: nothing is written
   ColumnNames renamed;
   double widen = 1;
+  PayloadMass payload = PayloadMass::kUncertain;
   bool json = false;
 };
 

@@ -29,15 +29,15 @@ struct Move {
 inline const std::vector<Move> kMoves{
     {{0, 0}, {1.2, -0.8}, 0.8}, {{1.2, -0.8}, {-0.5, 0.9}, 1.0}, {{-0.5, 0.9}, {0.4, 0.3}, 0.7}};
 
-// One after the other, planned for `planned_for` by flatness, on the arm that there is.
 struct Executions {
   std::vector<ExecutedMotion> motions;
   std::vector<ExecutionResult> results;
 };
 
+// Plans for `planned_for`, one after the other, on the arm that there is.
 inline Executions executed(const Parameters& planned_for, const VirtualArmOptions& arm_options,
-                           const std::vector<Move>& moves = kMoves) {
-  VirtualArm arm(arm_options, moves.front().from);
+                           const std::vector<Trajectory>& plans) {
+  VirtualArm arm(arm_options, plans.front().samples.front().state.q);
   Control control(planned_for, arm);
   const auto tick = [&](int count) {
     for (int i = 0; i < count; ++i) {
@@ -48,10 +48,10 @@ inline Executions executed(const Parameters& planned_for, const VirtualArmOption
   };
   tick(200);
   Executions all;
-  for (const Move& move : moves) {
+  for (const Trajectory& plan : plans) {
     TrajectoryOrder order;
     order.id.number = all.motions.size() + 1;
-    order.rows = flat_motion(planned_for, move.from, move.to, move.duration).samples;
+    order.rows = plan.samples;
     Tolerances wide = ExecutorConfig{}.tolerances;
     wide.path = {0.5, 0.5};
     wide.goal = {0.5, 0.5};
@@ -66,6 +66,14 @@ inline Executions executed(const Parameters& planned_for, const VirtualArmOption
     tick(100);
   }
   return all;
+}
+
+// The same by flatness.
+inline Executions executed(const Parameters& planned_for, const VirtualArmOptions& arm_options,
+                           const std::vector<Move>& moves = kMoves) {
+  std::vector<Trajectory> plans;
+  for (const Move& move : moves) plans.push_back(flat_motion(planned_for, move.from, move.to, move.duration));
+  return executed(planned_for, arm_options, plans);
 }
 
 inline Parameters wrong_arm() {

@@ -1,0 +1,161 @@
+#include "planner/identify/planned_information.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <unsupported/Eigen/MatrixFunctions>
+#include <vector>
+
+#include "common/dual.h"
+#include "model/dynamics.h"
+#include "model/friction.h"
+#include "planner/control/motor_feedback.h"
+#include "planner/identify/readings.h"
+
+namespace fjr {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Flow = Eigen::Matrix<double, kStates, kStates>;
+
+constexpr double kGentle = 0.2;     // of a tick's generator: below it five terms of the exponential err by 3e-6
+constexpr double kRateStep = 1e-4;  // of a parameter, by which the model's rates are differentiated
+
+// As the executor will log it, but for counts.
+ExecutedMotion as_planned(const Trajectory& plan) {
+  ExecutedMotion motion;
+  Interpolator at(plan);
+  const auto ticks = static_cast<long>(std::floor((plan.end_time() - plan.start_time()) / kTick + 1e-9));
+  for (long k = 0; k <= ticks; ++k) {
+    const double time = plan.start_time() + static_cast<double>(k) * kTick;
+    const Sample row = at.at(time);
+    motion.times.push_back(time);
+    motion.q.push_back(row.state.q);
+    motion.theta.push_back(row.state.theta);
+    motion.torque.push_back(at.mean_torque(time, time + kTick));
+    motion.planned_theta.push_back(row.state.theta);
+  }
+  return motion;
+}
+
+// Slopes of the state by where its piece began and by the parameters, along a plan.
+class Variation {
+ public:
+  Variation(const Parameters& known, const Prior& prior) : known_(known) {
+    for (Index i = 0; i < prior.factor.cols(); ++i) {
+      const VectorXd by = kRateStep * prior.factor.col(i) /
+                          prior.deviation.cwiseInverse().cwiseProduct(prior.factor.col(i)).cwiseAbs().maxCoeff();
+      more_.push_back(moved(known, prior.names, by));
+      less_.push_back(moved(known, prior.names, -by));
+      apart_.push_back(2 * by.norm() / prior.factor.col(i).norm());
+    }
+  }
+
+  void start() {
+    by_start_.setIdentity();
+    by_parameters_ = MatrixXd::Zero(kStates, static_cast<Index>(apart_.size()));
+  }
+  const Flow& by_start() const { return by_start_; }
+  const MatrixXd& by_parameters() const { return by_parameters_; }
+
+  // Over a tick with the torque held: dS/dt = A S + F, both as in the middle, friction's slope as in the mean.
+  void pass(const Sample& begin, const Sample& middle, const Sample& end, double duration) {
+    Flow a = jacobian(middle);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const auto row = static_cast<Index>(kStateDtheta + j);
+      a(row, row) = -mean_slope(j, begin.state.dtheta[j], end.state.dtheta[j]) / known_.motor.inertia[j];
+    }
+    const MatrixXd forced = (rates(begin) + 4 * rates(middle) + rates(end)) / 6;
+    const Flow generator = duration * a;
+    Flow through, held;  // exp(a h), and its integral over the tick
+    if (generator.cwiseAbs().maxCoeff() < kGentle) {
+      const Flow one = Flow::Identity();
+      held =
+          duration * (one + generator * (one / 2 + generator * (one / 6 + generator * (one / 24 + generator / 120))));
+      through = one + a * held;
+    } else {
+      Eigen::Matrix<double, 2 * kStates, 2 * kStates> both = Eigen::Matrix<double, 2 * kStates, 2 * kStates>::Zero();
+      both.topLeftCorner<kStates, kStates>() = generator;
+      both.topRightCorner<kStates, kStates>().diagonal().setConstant(duration);
+      const Eigen::Matrix<double, 2 * kStates, 2 * kStates> exponential = both.exp();
+      through = exponential.topLeftCorner<kStates, kStates>();
+      held = exponential.topRightCorner<kStates, kStates>();
+    }
+    by_start_ = through * by_start_;
+    by_parameters_ = through * by_parameters_ + held * forced;
+  }
+
+ private:
+  double mean_slope(std::size_t j, double from, double to) const {
+    const FrictionLaw law = FrictionLaw::of(known_, static_cast<int>(j));
+    const bool apart = std::abs(to - from) > 1e-9;
+    return apart ? (law.torque(to) - law.torque(from)) / (to - from) : law.slope(0.5 * (from + to));
+  }
+
+  Flow jacobian(const Sample& at) const {
+    using Active = Dual<kStates>;
+    State<Active> x;
+    for (std::size_t i = 0; i < kStates; ++i) x[i] = Active::input(at.state[i], static_cast<int>(i));
+    const State<Active> f = dynamics<Active>(known_, x, {Active(at.torque[0]), Active(at.torque[1])});
+    Flow a;
+    for (std::size_t i = 0; i < kStates; ++i) {
+      for (std::size_t k = 0; k < kStates; ++k) a(static_cast<Index>(i), static_cast<Index>(k)) = f[i].g[k];
+    }
+    return a;
+  }
+
+  MatrixXd rates(const Sample& at) const {
+    MatrixXd all(kStates, static_cast<Index>(apart_.size()));
+    for (std::size_t i = 0; i < apart_.size(); ++i) {
+      State<double> above = dynamics<double>(more_[i], at.state, at.torque);
+      const State<double> below = dynamics<double>(less_[i], at.state, at.torque);
+      for (std::size_t k = 0; k < kStates; ++k) {
+        all(static_cast<Index>(k), static_cast<Index>(i)) = (above[k] - below[k]) / apart_[i];
+      }
+    }
+    return all;
+  }
+
+  const Parameters& known_;
+  std::vector<Parameters> more_, less_;
+  std::vector<double> apart_;  // in the prior's independent numbers
+  Flow by_start_;
+  MatrixXd by_parameters_;
+};
+
+// What the starts make up for of the parameters is taken out.
+MatrixXd without_start(const MatrixXd& all, Index n) {
+  const MatrixXd mixed = all.bottomLeftCorner(kStates, n);
+  return all.topLeftCorner(n, n) - mixed.transpose() * all.bottomRightCorner<kStates, kStates>().ldlt().solve(mixed);
+}
+
+}  // namespace
+
+MatrixXd planned_information(const Parameters& known, const Prior& prior, const Trajectory& plan) {
+  const ExecutedMotion motion = as_planned(plan);
+  const Eigen::Vector4d noise = count_deviation(known);
+  const Index n = prior.factor.cols();
+  Variation variation(known, prior);
+  Interpolator at(plan);
+  MatrixXd information = MatrixXd::Zero(n, n);
+  for (const ReplayedPiece& piece : pieces_of(known, motion, 0)) {
+    variation.start();
+    MatrixXd all = MatrixXd::Zero(n + kStates, n + kStates), row(4, n + kStates);
+    for (std::size_t k = 0; k < piece.count; ++k) {
+      const auto& s = variation.by_parameters();
+      const auto& x = variation.by_start();
+      row << s.topRows<2>(), x.topRows<2>(), s.middleRows<2>(kStateTheta), x.middleRows<2>(kStateTheta);
+      all += row.transpose() * noise.cwiseAbs2().cwiseInverse().asDiagonal() * row;
+      if (k + 1 == piece.count) break;
+      const double now = motion.times[piece.first + k], next = motion.times[piece.first + k + 1];
+      const Sample begin = at.at(now), middle = at.at(0.5 * (now + next)), end = at.at(next);
+      variation.pass(begin, middle, end, next - now);
+    }
+    information += without_start(all, n);
+  }
+  return information;
+}
+
+}  // namespace fjr

@@ -152,7 +152,8 @@ Parameters drawn_from(const Parameters& known, std::mt19937& random) {
 }
 
 // Of 20 arms at 95 %, 15 or fewer would be covered with a probability of 0.0026 for each parameter. The rms of errors
-// in standard errors is that of 20 numbers as good as independent, for one motion tells all parameters together: 1 +- 0.16.
+// in standard errors is that of 20 numbers as good as independent, for one motion tells all parameters together: 1 +-
+// 0.16.
 TEST(Executed, IntervalsCoverTheTruth) {
   constexpr int kArms = 20;
   const Parameters known = uncertain_by(0.02);

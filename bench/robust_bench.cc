@@ -48,11 +48,7 @@ struct Shares {
 };
 
 Shares try_arms(const Problem& problem, const Plan& plan, const Options& options) {
-  TaskOfMotion task{{}, plan.via_times};
-  task.ends.push_back(plan.duration);
-  for (std::size_t s = 0; s < task.ends.size(); ++s) {
-    task.rows.push_back(task_rows(problem.robot, problem.task, s));
-  }
+  const TaskOfMotion task = TaskOfMotion::of(problem.robot, problem.task, plan.segment_ends());
   const std::vector<Parameters> arms = draw_arms(problem.robot, options);
   std::vector<Trial> trials(arms.size());
   for_each_index(arms.size(), static_cast<int>(std::thread::hardware_concurrency()), [&](std::size_t i) {

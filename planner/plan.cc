@@ -80,7 +80,8 @@ std::optional<Infeasibility> search(int starts, Findings& found, Session& sessio
 // A certified plan that cannot be proven is none.
 void demand_proof(const Problem& problem, Session& session, Plan& plan) {
   const Timed timed(session, "proof");
-  demand_proof(problem.robot, problem.limits, *plan.trajectory, *plan.certificate,
+  const TaskOfMotion asked = TaskOfMotion::of(problem.robot, problem.task, plan.segment_ends());
+  demand_proof(problem.robot, problem.limits, asked, *plan.trajectory, *plan.certificate,
                [&](std::size_t count, const auto& task) { session.for_each(count, task); });
   if (plan.certificate->certified) return;
   plan.status = PlanStatus::kUncertified;

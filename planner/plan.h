@@ -89,6 +89,13 @@ struct Plan {
   std::shared_ptr<const Collocated> solution;  // of the certified trajectory
   std::optional<Analysis> analysis;            // of that solution
   std::map<std::string, double> timing;        // [s] by part, and "total"; CPU time: of `cost`, and "cpu" of all
+
+  // When the motion's segments end. [s]
+  std::vector<double> segment_ends() const {
+    std::vector<double> ends = via_times;
+    ends.push_back(duration);
+    return ends;
+  }
 };
 
 Plan plan(const Problem& problem, const PlanOptions& options);

@@ -111,6 +111,17 @@ struct LimitBound {
   std::optional<double> rollout{};  // nor of the exact motion in closed loop; none: a property of the plan
 };
 
+// One constraint of the task against bounds that hold for certain at all times.
+struct TaskBound {
+  std::string name;      // as in TaskCheck
+  int link = 0;          // 1 or 2; 0: neither
+  std::string unit;      // m or rad
+  double may_miss = 0;   // by which the published rows may miss it, for rounding
+  double published = 0;  // they leave at least so much free, with their interpolation; negative: miss it by up to that
+  double time = 0;       // [s] where that may be
+  double rollout = 0;    // the exact motion in closed loop likewise
+};
+
 // What is certain of the exact motion, and not only as exact as an integrator (proof/prove.h).
 struct Proof {
   struct Loop {
@@ -130,6 +141,7 @@ struct Proof {
   std::string reason;  // "not proven from t = ...: ..."; empty when proven
   Loop open_loop, closed_loop;
   std::vector<LimitBound> limits;
+  std::vector<TaskBound> task;
 };
 
 // What the uncertainty of the arm's parameters makes of a motion in the executor's closed loop (robust/robustness.h).

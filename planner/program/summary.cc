@@ -47,7 +47,13 @@ std::string proven_loop(const char* name, const Proof::Loop& loop, double tolera
 std::string proof(const Proof& proof, double tolerance) {
   const std::string loops = fmt::format("{}; {}", proven_loop("open loop", proof.open_loop, tolerance),
                                         proven_loop("closed loop", proof.closed_loop, tolerance));
-  return proof.proven ? line("proven", "at all times: " + loops) : line("not proven", loops);
+  std::string text = proof.proven ? line("proven", "at all times: " + loops) : line("not proven", loops);
+  for (const TaskBound& bound : proof.task) {
+    text += line("", fmt::format("{}{} keeps a clearance of at least {:.3g} {}, the exact motion {:.3g}", bound.name,
+                                 bound.link == 0 ? "" : fmt::format(" link {}", bound.link), bound.published,
+                                 bound.unit, bound.rollout));
+  }
+  return text;
 }
 
 std::string margin(const Robustness::Margin& m) {

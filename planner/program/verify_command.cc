@@ -75,9 +75,8 @@ std::string text_for_people(const VerifyArguments& options, const Trajectory& tr
 VerifyOptions verify_options(const VerifyArguments& options) {
   VerifyOptions o{payload_given(options), options.proven};
   if (options.robust > 0) o.robust = options.robust;
-  if (options.robust > 0 && std::filesystem::is_directory(options.trajectory)) {
-    o.planned = planned_task(options.trajectory);
-  }
+  const bool minds_task = options.proven || options.robust > 0;
+  if (minds_task && std::filesystem::is_directory(options.trajectory)) o.planned = planned_task(options.trajectory);
   return o;
 }
 

@@ -85,6 +85,15 @@ Json proof_json(const Proof& proof) {
                       {"published", number(bound.published)},
                       {"rollout", bound.rollout ? number(*bound.rollout) : Json(nullptr)}});
   }
+  Json task = Json::array();
+  for (const TaskBound& bound : proof.task) {
+    task.push_back({{"name", bound.name},
+                    {"link", bound.link == 0 ? Json(nullptr) : Json(bound.link)},
+                    {"unit", bound.unit},
+                    {"room", number(bound.published)},
+                    {"time", number(bound.time)},
+                    {"rollout", number(bound.rollout)}});
+  }
   Json closed_loop = proven_loop_json(proof.closed_loop);
   closed_loop["link_velocity_error"] = numbers(proof.closed_loop.link_velocity);
   closed_loop["feedback_torque"] = numbers(proof.closed_loop.feedback_torque);
@@ -93,7 +102,8 @@ Json proof_json(const Proof& proof) {
           {"reason", text_or_null(proof.reason)},
           {"open_loop", proven_loop_json(proof.open_loop)},
           {"closed_loop", std::move(closed_loop)},
-          {"limits", std::move(limits)}};
+          {"limits", std::move(limits)},
+          {"task", std::move(task)}};
 }
 
 Json margins_json(const std::vector<Robustness::Margin>& margins, const char* whose) {

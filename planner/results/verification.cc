@@ -91,12 +91,9 @@ Verification verify(const Trajectory& trajectory, const std::string& source, con
   tighten(v);
   compare_robots(trajectory, v);
   v.certificate = certify(v.robot, v.limits, trajectory);
-  if (options.proven) demand_proof(v.robot, v.limits, trajectory, v.certificate, on_all_cores);
+  const TaskOfMotion task = TaskOfMotion::of(v.robot, options.planned.task, options.planned.ends);
+  if (options.proven) demand_proof(v.robot, v.limits, task, trajectory, v.certificate, on_all_cores);
   if (options.robust) {
-    TaskOfMotion task{{}, options.planned.ends};
-    for (std::size_t s = 0; s < task.ends.size(); ++s) {
-      task.rows.push_back(task_rows(v.robot, options.planned.task, s));
-    }
     demand_robustness(v.robot, v.limits, task, trajectory, *options.robust, v.certificate, on_all_cores);
   }
   check_completeness(trajectory, v);

@@ -16,11 +16,7 @@ constexpr double kWider = 1.05;              // of a margin, for the motion that
 constexpr std::size_t kReservePieces = 200;  // of the motion, in which a margin stays the same
 
 TaskOfMotion task_of(const Publication& p) {
-  TaskOfMotion task{{}, segment_ends(p.solution.durations)};
-  for (std::size_t s = 0; s < task.ends.size(); ++s) {
-    task.rows.push_back(task_rows(p.problem->robot, p.problem->task, s));
-  }
-  return task;
+  return TaskOfMotion::of(p.problem->robot, p.problem->task, segment_ends(p.solution.durations));
 }
 
 // When a motion is at a place, counted in segments. [s]

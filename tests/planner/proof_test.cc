@@ -14,6 +14,7 @@
 #include "planner/certificate/proof/arm_flow.h"
 #include "planner/certificate/proof/prove.h"
 #include "planner/certificate/proof/reach.h"
+#include "planner/certificate/proof/task_reaches.h"
 #include "planner/certificate/rollout.h"
 #include "planner/certificate/thresholds.h"
 #include "support/exact_trajectories.h"
@@ -25,7 +26,7 @@ using enclosure::Ball;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-Proof proof_of(const Trajectory& trajectory) { return prove(robot(), robot_limits(), trajectory); }
+Proof proof_of(const Trajectory& trajectory) { return prove(robot(), robot_limits(), {}, trajectory); }
 
 // The motion of the exact arm under the rows' torque, by Runge-Kutta in small fixed steps, at every row.
 std::vector<State<double>> integrated(const Trajectory& trajectory) {
@@ -157,10 +158,10 @@ TEST(Proof, WhatIsNotProvenIsNotCertifiedWhereAProofIsDemanded) {
   trajectory.samples.resize(100);
   Certificate certificate;
   certificate.certified = true;
-  demand_proof(robot(), robot_limits(), trajectory, certificate);
+  demand_proof(robot(), robot_limits(), {}, trajectory, certificate);
   EXPECT_TRUE(certificate.certified && certificate.proof.proven);
   trajectory.samples[50].state.q[0] += 1.5e-4;
-  demand_proof(robot(), robot_limits(), trajectory, certificate);
+  demand_proof(robot(), robot_limits(), {}, trajectory, certificate);
   EXPECT_FALSE(certificate.certified);
   EXPECT_THAT(certificate.failures, testing::ElementsAre(HasSubstr("not proven from t = 0.049")));
 }
@@ -220,6 +221,169 @@ TEST(Proof, RolloutsLieInTheEnclosure) {
   }
 }
 
+// ---- the task ----
+
+// A row of one bound, for a motion that leaves it `least` at an extreme value or distance.
+struct RowCase {
+  const char* name;
+  TaskRow row;  // without its bound
+  bool is_lower;
+
+  // With a bound that leaves so much of it free.
+  TaskRow leaving(double clearance, double extreme) const {
+    TaskRow r = row;
+    const double bound = is_lower ? extreme - clearance : extreme + clearance;
+    const bool of_distance = !r.is_distance();
+    if (of_distance) r.number = bound;
+    r.lower = is_lower ? (of_distance ? 0 : bound) : -task::kNone;
+    r.upper = is_lower ? task::kNone : (of_distance ? 0 : bound);
+    return r;
+  }
+};
+
+// What a row is about: its value, or the distance that it is the square of.
+double measured(const TaskRow& row, const Joints<double>& q) {
+  const auto at = Posture<double>::of(robot(), q);
+  if (row.is_distance()) return row.value(robot(), at);
+  TaskRow unit = row;
+  unit.number = 1;
+  return std::sqrt(1 + 2 * unit.value(robot(), at));
+}
+
+// The largest, or the least, at instants that are close enough to tell 1e-10 of it: 60 times between two rows.
+double extreme_of(const RowCase& c, const Trajectory& trajectory, double from, double to) {
+  constexpr int kParts = 60;
+  Interpolator plan(trajectory);
+  double extreme = c.is_lower ? HUGE_VAL : -HUGE_VAL;
+  for (std::size_t k = 0; k + 1 < trajectory.samples.size(); ++k) {
+    for (int i = 0; i <= kParts; ++i) {
+      const double begin = trajectory.samples[k].time, end = trajectory.samples[k + 1].time;
+      const double time = begin + (end - begin) * i / kParts;
+      if (time < from || time > to) continue;
+      const double value = measured(c.row, plan.at(time).state.q);
+      extreme = c.is_lower ? std::min(extreme, value) : std::max(extreme, value);
+    }
+  }
+  return extreme;
+}
+
+// All kinds of rows; discs beside both links, at the elbow and beyond the tip, where the nearest point of the link is
+// in between, an end, or goes from one to the other.
+std::vector<RowCase> row_cases() {
+  using Kind = TaskRow::Kind;
+  const State<double> middle = Interpolator(reference_trajectory()).at(0.1).state;
+  const auto at = Posture<double>::of(robot(), middle.q);
+  const auto row = [](Kind kind, const task::Two& vector) {
+    return TaskRow{kind, vector, kind == Kind::kTipRadius ? 0.3 : 0, 0, 0, 0.1, "row", 0, nullptr, 0};
+  };
+  const auto from = [](const Point<double>& p, double x, double y) { return task::Two{p.x + x, p.y + y}; };
+  const Point<double> half{(at.elbow.x + at.tip.x) / 2, (at.elbow.y + at.tip.y) / 2};
+  const double beyond = 0.08 / robot().link.length[1];
+  const auto last = Posture<double>::of(robot(), reference_trajectory().samples.back().state.q);
+  const double angle = last.q[0] + last.q[1];  // 5 cm ahead of the end of the link, where that comes to rest
+  const task::Two ahead = from(last.tip, 0.05 * std::cos(angle) - 0.005 * std::sin(angle),
+                               0.05 * std::sin(angle) + 0.005 * std::cos(angle));
+  return {
+      {"tip, from below", row(Kind::kTip, {0.6, 0.8}), true},
+      {"tip, from above", row(Kind::kTip, {0.6, -0.8}), false},
+      {"elbow", row(Kind::kElbow, {-0.8, 0.6}), true},
+      {"angles", row(Kind::kAngles, {0.5, 1}), false},
+      {"inside of a circle", row(Kind::kTipRadius, {0.1, -0.3}), false},
+      {"outside of a circle", row(Kind::kTipRadius, from(at.tip, 0.1, 0.05)), true},
+      {"disc beside link 1", row(Kind::kClearance1, {0.2, -0.1}), true},
+      {"disc at the elbow", row(Kind::kClearance1, from(at.elbow, 0.05, -0.07)), true},
+      {"disc beside link 2", row(Kind::kClearance2, from(half, 0.1, 0.02)), true},
+      {"disc beyond the tip",
+       row(Kind::kClearance2, from(at.tip, beyond * (at.tip.x - at.elbow.x), beyond * (at.tip.y - at.elbow.y))), true},
+      {"disc ahead of the tip", row(Kind::kClearance2, ahead), true}};
+}
+
+TaskOfMotion task_with(const std::vector<TaskRow>& rows) { return {{rows}, {reference_trajectory().end_time()}}; }
+
+// The published rows against one row of a task that may not be missed at all; what is proven to be left free of it.
+struct OfRows {
+  bool kept = true;
+  double clearance = 0;
+};
+OfRows proven_by_rows(const TaskRow& row, const Trajectory& trajectory) {
+  const TaskOfMotion task = task_with({row});
+  TaskReaches reaches(robot(), task, 6, [](const TaskRow&) { return 0.0; });
+  OfRows result;
+  for (std::size_t k = 0; k + 1 < trajectory.samples.size(); ++k) {
+    const RowPolynomials near = RowPolynomials::between(trajectory.samples[k], trajectory.samples[k + 1]);
+    const RowPolynomials over = near.shifted(Ball::between(0, near.duration.upper()));
+    result.kept =
+        result.kept && reaches.include({near.state.q, over.state.q}, near.duration, trajectory.samples[k].time, 0);
+  }
+  result.clearance = reaches.clearances().front().clearance;
+  return result;
+}
+
+TEST(ProofOfTasks, WhatIsMissedByANanometreIsNeverProven) {
+  const Trajectory& trajectory = reference_trajectory();
+  for (const RowCase& c : row_cases()) {
+    SCOPED_TRACE(c.name);
+    const double extreme = extreme_of(c, trajectory, 0, trajectory.end_time());
+    EXPECT_FALSE(proven_by_rows(c.leaving(-1e-9, extreme), trajectory).kept);
+    // Extremes are found to 1e-6 of the row's scale, 0.1 m or rad; squares of distances to that of the distance.
+    constexpr double kFound = 4e-7;
+    const OfRows proven = proven_by_rows(c.leaving(kFound, extreme), trajectory);
+    EXPECT_TRUE(proven.kept);
+    EXPECT_LE(proven.clearance, kFound + 1e-14);
+    EXPECT_GE(proven.clearance, 0);
+  }
+}
+
+TEST(ProofOfTasks, TheExactMotionKeepsThemTooAndBoundsAreNotAboveIt) {
+  Trajectory trajectory = bulging(0.5 * exactness_tolerance(robot()));
+  trajectory.samples.resize(250);
+  const std::vector<State<double>> exact = integrated(trajectory);  // in closed loop it is 1e-10 rad from there or less
+  std::vector<TaskRow> rows;
+  std::vector<double> of_rows, of_motion;
+  for (const RowCase& c : row_cases()) {
+    constexpr double kClearance = 0.01;
+    const TaskRow row = c.leaving(kClearance, extreme_of(c, trajectory, 0, trajectory.end_time()));
+    rows.push_back(row);
+    rows.back().name = c.name;
+    double least = HUGE_VAL;
+    for (const State<double>& x : exact) {
+      least = std::min(least, row.distance(row.value(robot(), Posture<double>::of(robot(), x.q))));
+    }
+    of_motion.push_back(least);
+    of_rows.push_back(kClearance);
+  }
+  const TaskOfMotion task = task_with(rows);
+  const Proof proof = prove(robot(), robot_limits(), task, trajectory);
+  ASSERT_TRUE(proof.proven) << proof.reason;
+  ASSERT_EQ(proof.task.size(), rows.size());
+  constexpr double kFeedback = 5e-5;  // [m] of a motion that is half a count off the plan, less in closed loop
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_LE(proof.task[i].published, of_rows[i] + 1e-12) << rows[i].name;
+    EXPECT_GE(proof.task[i].published, of_rows[i] - 4e-7) << rows[i].name;
+    EXPECT_NEAR(proof.task[i].rollout, of_motion[i], kFeedback) << rows[i].name;
+  }
+}
+
+TEST(ProofOfTasks, RowsHoldInTheirSegmentAlone) {
+  const Trajectory& trajectory = reference_trajectory();
+  constexpr double kEnd = 0.1003;  // [s] between rows
+  const RowCase angle{"angle", {TaskRow::Kind::kAngles, {1, 0}, 0, 0, 0, 0.1, "path", 0, nullptr, 0}, false};
+  const double before = extreme_of(angle, trajectory, 0, kEnd), after = extreme_of(angle, trajectory, kEnd, 0.43);
+  ASSERT_GT(after, before + 1e-3);
+  const auto proof_with = [&](double first, double second) {
+    const TaskOfMotion task{{{angle.leaving(0, first)}, {angle.leaving(0, second)}}, {kEnd, trajectory.end_time()}};
+    return prove(robot(), robot_limits(), task, trajectory);
+  };
+  constexpr double kRoom = 1e-6;  // [rad] that instants 1/60 ms apart may have passed over
+  EXPECT_TRUE(proof_with(before + kRoom, after + kRoom).proven);
+  const Proof refused = proof_with(before + kRoom, before);
+  EXPECT_FALSE(refused.proven);
+  EXPECT_THAT(refused.reason, HasSubstr("not proven from t = 0.100"));
+  EXPECT_THAT(refused.reason, HasSubstr("path may be missed by"));
+  // What rounding may take is a millionth of the scale, 1e-7 rad; a nanoradian more is refused.
+  EXPECT_FALSE(proof_with(before + kRoom, after - 1e-7 - 1e-9).proven);
+}
+
 TEST(Reach, FindsTheLargestMagnitude) {
   Reach reach(10);
   EXPECT_TRUE(reach.include({1.0, 4.0, -4.0}, 1.0, 5));  // 2 at 0.5
@@ -231,6 +395,15 @@ TEST(Reach, FindsTheLargestMagnitude) {
   EXPECT_FALSE(reach.include({0.0, 20.0 + 1e-9}, 0.5, 7));
   EXPECT_FALSE(Reach(1).include({Ball(0, 1.0 + 1e-12), 0.0}, 0.5, 7));
   EXPECT_FALSE(Reach(1).include({Ball::unbounded(), 0.0}, 0.5, 7));
+}
+
+TEST(Reach, FindsTheLargestValue) {
+  Reach reach = Reach::of_values(-1, 10);
+  EXPECT_TRUE(reach.include({-6.0, 4.0, -4.0}, 1.0, 5));  // -5 at 0.5
+  EXPECT_NEAR(reach.bound(), -5, 1e-5);
+  EXPECT_GE(reach.bound(), -5);
+  EXPECT_FALSE(reach.include({-2.0, 0.0, 4.0 * (1 + 1e-9)}, 0.5, 6));
+  EXPECT_GT(reach.bound(), -1);
 }
 
 }  // namespace

@@ -13,6 +13,7 @@
 #include "planner/certificate/proof/arm_flow.h"
 #include "planner/certificate/proof/quantity_series.h"
 #include "planner/certificate/proof/reach.h"
+#include "planner/certificate/proof/task_reaches.h"
 #include "planner/certificate/thresholds.h"
 
 namespace fjr {
@@ -39,6 +40,23 @@ double magnitude(const QuantityInfo& quantity, double bound) {
 
 std::string whose(const LimitName& name) {
   return name.joint > 0 ? fmt::format("{} of joint {}", name.quantity->name, name.joint) : name.quantity->name;
+}
+
+// By how much a row of the task may be missed by what is off its motion by `link` in each joint. [m or rad]
+double moved_by(const Parameters& robot, const TaskRow& row, double link) {
+  const double near = robot.link.length[0], far = near + robot.link.length[1];
+  switch (row.kind) {
+    case TaskRow::Kind::kAngles:
+      return link * (std::abs(row.vector[0]) + std::abs(row.vector[1]));
+    case TaskRow::Kind::kElbow:
+    case TaskRow::Kind::kClearance1:
+      return link * near;
+    case TaskRow::Kind::kTip:
+    case TaskRow::Kind::kTipRadius:
+    case TaskRow::Kind::kClearance2:
+      break;
+  }
+  return link * (far + robot.link.length[1]);
 }
 
 // The first thing that could not be proved, where more than one were tried.
@@ -76,6 +94,8 @@ class LoopProver {
         velocity_{Reach(claims.link_velocity), Reach(claims.link_velocity)},
         feedback_{Reach(claims.feedback[0]), Reach(claims.feedback[1])},
         limits_(claims.rollout),
+        task_(robot, closed ? claims.task : TaskOfMotion{}, kArmOrder,
+              [&](const TaskRow& row) { return claims.task_fraction * row.scale + moved_by(robot, row, claims.link); }),
         quantities_(robot, claims.rollout, kArmOrder,
                     [](const QuantityInfo& quantity) { return quantity.in_rollout != InRollout::kOfPlan; }) {}
 
@@ -104,6 +124,7 @@ class LoopProver {
     return r;
   }
   const LimitReaches& limits() const { return limits_; }
+  const TaskReaches& task() const { return task_; }
 
  private:
   bool keeps(const ArmStep& step) {
@@ -111,7 +132,7 @@ class LoopProver {
     for (std::size_t j = 0; j < kJoints && kept; ++j) {
       kept = keeps_link(step, j) && (!closed_ || (keeps_velocity(step, j) && keeps_feedback(step, j)));
     }
-    return kept && (!closed_ || keeps_limits(step));
+    return kept && (!closed_ || (keeps_limits(step) && keeps_task(step)));
   }
   bool keeps_link(const ArmStep& step, std::size_t j) {
     const Polynomial error = difference(step.solution.near[kStateQ + j], step.plan.state.q[j]);
@@ -152,6 +173,18 @@ class LoopProver {
     }
     return true;
   }
+  // Steps do not reach from one segment into another.
+  bool keeps_task(const ArmStep& step) {
+    AlongLinks links;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      links.near[j] = step.solution.near[kStateQ + j];
+      links.over[j] = step.solution.over[kStateQ + j];
+    }
+    const double middle = step.time + step.solution.length.mid / 2;
+    if (task_.include(links, step.solution.length, step.time, claims_.task.segment_at(middle))) return true;
+    gap_.note(task_.gap().time, task_.gap().reason);
+    return false;
+  }
   bool fail(const Reach& reach, const std::string& what, const char* unit) {
     gap_.note(reach.time(), fmt::format("{} {:.9g} {}, allowed {:.9g}", what, reach.bound(), unit, reach.allowed()));
     return false;
@@ -162,6 +195,7 @@ class LoopProver {
   bool closed_;
   Joints<Reach> link_, velocity_, feedback_;
   LimitReaches limits_;
+  TaskReaches task_;
   QuantitySeries quantities_;
   Followed followed_;
   Gap gap_;
@@ -174,16 +208,21 @@ class RowsProver {
       : robot_(robot),
         claims_(claims),
         limits_(claims.published),
+        task_(robot, claims.task, kRowOrder, [&](const TaskRow& row) { return claims.task_fraction * row.scale; }),
         quantities_(robot, claims.published, kRowOrder,
                     [](const QuantityInfo& quantity) { return quantity.bound != BoundOn::kControl; }) {}
 
   void run(const Trajectory& trajectory) {
     const enclosure::RoundingToNearest nearest;
     const std::vector<Sample>& rows = trajectory.samples;
-    for (std::size_t k = 0; k + 1 < rows.size(); ++k) include(rows[k], rows[k + 1]);
+    for (std::size_t k = 0; k + 1 < rows.size(); ++k) {
+      include(rows[k], rows[k + 1]);
+      if (!claims_.task.empty()) include_task(rows[k], rows[k + 1]);
+    }
     if (is_limited(LimitedTorqueRate::info, claims_.published)) torque_rates(trajectory);
   }
   const LimitReaches& limits() const { return limits_; }
+  const TaskReaches& task() const { return task_; }
   const Gap& gap() const { return gap_; }
 
  private:
@@ -194,6 +233,22 @@ class RowsProver {
     for (std::size_t i = 0; i < values.size(); ++i) {
       const std::size_t limit = quantities_.limits()[i];
       if (!limits_[limit].include(values[i], rows.duration, from.time)) note(limit);
+    }
+  }
+  // Each part of the interval in the segment that it is in.
+  void include_task(const Sample& from, const Sample& to) {
+    const RowPolynomials rows = RowPolynomials::between(from, to);
+    for (double begin = from.time; begin < to.time;) {
+      const std::vector<double>& ends = claims_.task.ends;
+      const auto next = std::upper_bound(ends.begin(), ends.end(), begin);
+      const double end = next == ends.end() ? to.time : std::min(*next, to.time);
+      const Ball length = Ball(end) - Ball(begin);
+      const RowPolynomials near = rows.shifted(Ball(begin) - Ball(from.time));
+      const RowPolynomials over = near.shifted(Ball::between(0, length.upper()));
+      if (!task_.include({near.state.q, over.state.q}, length, begin, claims_.task.segment_at(0.5 * (begin + end)))) {
+        gap_.note(task_.gap().time, task_.gap().reason + " in the published rows");
+      }
+      begin = end;
     }
   }
   // The difference quotients that limits.cc takes.
@@ -222,9 +277,30 @@ class RowsProver {
   const Parameters& robot_;
   const Claims& claims_;
   LimitReaches limits_;
+  TaskReaches task_;
   QuantitySeries quantities_;
   Gap gap_;
 };
+
+std::vector<TaskBound> task_bounds(const TaskReaches& published, const TaskReaches& rollout) {
+  std::vector<TaskBound> bounds;
+  const auto of_rollout = rollout.clearances();
+  for (const TaskReaches::Clearance& c : published.clearances()) {
+    bounds.push_back({c.name, c.link, c.unit, c.may_miss, c.clearance, c.time, of_rollout[bounds.size()].clearance});
+  }
+  return bounds;
+}
+
+// Until the end, broken where segments of the motion end.
+std::vector<Piece> closed_loop_pieces(const Parameters& robot, const Trajectory& trajectory, const TaskOfMotion& task) {
+  const Drive drive = Drive::closed_loop(trajectory, robot);
+  std::vector<Piece> pieces;
+  for (const double end : task.empty() ? std::vector<double>{} : task.ends) {
+    if (end > trajectory.start_time() && end < trajectory.end_time()) pieces.push_back({end, drive, pieces.empty()});
+  }
+  pieces.push_back({trajectory.end_time(), drive, pieces.empty()});
+  return pieces;
+}
 
 std::vector<LimitBound> limit_bounds(const Claims& claims, const LimitReaches& published, const LimitReaches& rollout) {
   std::vector<LimitBound> bounds;
@@ -240,23 +316,29 @@ std::vector<LimitBound> limit_bounds(const Claims& claims, const LimitReaches& p
 
 }  // namespace
 
-Claims Claims::of(const Parameters& robot, const Limits& limits) {
-  Claims claims{exactness_tolerance(robot), rollout_velocity_tolerance(robot), feedback_limit(robot), limits,
-                rollout_allowance(robot, limits)};
+Claims Claims::of(const Parameters& robot, const Limits& limits, const TaskOfMotion& task) {
+  Claims claims{exactness_tolerance(robot),
+                rollout_velocity_tolerance(robot),
+                feedback_limit(robot),
+                limits,
+                rollout_allowance(robot, limits),
+                task,
+                kPublishedFraction};
   for (const LimitName& name : kLimitNames) name.in(claims.published) *= 1 + kPublishedFraction;
   return claims;
 }
 
-void demand_proof(const Parameters& robot, const Limits& limits, const Trajectory& trajectory, Certificate& certificate,
-                  const ForEach& for_each) {
-  certificate.proof = prove(robot, limits, trajectory, for_each);
+void demand_proof(const Parameters& robot, const Limits& limits, const TaskOfMotion& task, const Trajectory& trajectory,
+                  Certificate& certificate, const ForEach& for_each) {
+  certificate.proof = prove(robot, limits, task, trajectory, for_each);
   if (certificate.proof.proven) return;
   certificate.certified = false;
   certificate.failures.push_back(certificate.proof.reason);
 }
 
-Proof prove(const Parameters& robot, const Limits& limits, const Trajectory& trajectory, const ForEach& for_each) {
-  return prove(robot, trajectory, Claims::of(robot, limits), for_each);
+Proof prove(const Parameters& robot, const Limits& limits, const TaskOfMotion& task, const Trajectory& trajectory,
+            const ForEach& for_each) {
+  return prove(robot, trajectory, Claims::of(robot, limits, task), for_each);
 }
 
 Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims& claims, const ForEach& for_each) {
@@ -274,14 +356,13 @@ Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims&
         const std::vector<Stretch> stretches = stretches_of_amplification(robot, trajectory);
         open.run(trajectory, open_loop_pieces(robot, trajectory, stretches));
       },
-      [&] {
-        closed.run(trajectory, {{trajectory.end_time(), Drive::closed_loop(trajectory, robot), true}});
-      },
+      [&] { closed.run(trajectory, closed_loop_pieces(robot, trajectory, claims.task)); },
       [&] { rows.run(trajectory); }};
   for_each(parts.size(), [&](std::size_t i) { parts[i](); });
   proof.open_loop = open.result();
   proof.closed_loop = closed.result();
   proof.limits = limit_bounds(claims, rows.limits(), closed.limits());
+  proof.task = task_bounds(rows.task(), closed.task());
   Gap first;
   if (!proof.open_loop.proven) first.note(proof.open_loop.until, "open loop: " + proof.open_loop.reason);
   if (!proof.closed_loop.proven) first.note(proof.closed_loop.until, "closed loop: " + proof.closed_loop.reason);

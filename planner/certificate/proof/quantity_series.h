@@ -1,16 +1,16 @@
 // The limited quantities along a motion, as polynomials with rigorous coefficients.
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "common/enclosure/taylor.h"
 #include "planner/certificate/proof/row_polynomials.h"
+#include "planner/certificate/proof/series_along.h"
 #include "planner/problem/quantities.h"
 
 namespace fjr {
 
-// Polynomials of the state and the torque over a time: `near` of the time since its beginning, the last coefficients of
-// which may hold a remainder; `over`: Taylor coefficients at any of its instants.
+// The state and the torque over a time, as SeriesAlong::set() takes them.
 struct AlongState {
   State<enclosure::Polynomial> near, over;
   Joints<enclosure::Polynomial> torque_near, torque_over;
@@ -29,21 +29,15 @@ class QuantitySeries {
   const std::vector<enclosure::Polynomial>& along(const AlongState& motion);
 
  private:
-  static void set_inputs(enclosure::Series& series, const State<enclosure::Polynomial>& x,
-                         const Joints<enclosure::Polynomial>& torque, std::size_t order);
-
   enclosure::Recording recording_{kStates + kJoints};
   std::vector<std::size_t> limits_;
-  std::size_t order_;
-  std::vector<enclosure::Series> near_, over_;  // of one each, made when the recording is complete
-  std::vector<enclosure::Polynomial> values_;
+  std::optional<SeriesAlong> series_;  // made when the recording is complete
 };
 
 // ---- details of templates ----
 
 template <class Which>
-QuantitySeries::QuantitySeries(const Parameters& robot, const Limits& limits, std::size_t order, const Which& which)
-    : order_(order) {
+QuantitySeries::QuantitySeries(const Parameters& robot, const Limits& limits, std::size_t order, const Which& which) {
   State<enclosure::Active> x;
   for (std::size_t i = 0; i < kStates; ++i) x[i] = recording_.input(i);
   const Joints<enclosure::Active> torque{recording_.input(kStates), recording_.input(kStates + 1)}, no_rate{};
@@ -59,9 +53,7 @@ QuantitySeries::QuantitySeries(const Parameters& robot, const Limits& limits, st
     }
     next += quantity.info.count();
   });
-  near_.emplace_back(recording_, order);
-  over_.emplace_back(recording_, order);
-  values_.assign(limits_.size(), enclosure::Polynomial(order + 1));
+  series_.emplace(recording_, order);
 }
 
 }  // namespace fjr

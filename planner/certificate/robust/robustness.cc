@@ -80,7 +80,7 @@ class Channels {
         limited[next++] = quantity.info.squared ? std::sqrt(std::max(0.0, value)) : value;
       }
     });
-    const std::vector<TaskRow>* rows = task_.rows.empty() ? nullptr : &task_.rows[segment_at(at.time)];
+    const std::vector<TaskRow>* rows = task_.rows.empty() ? nullptr : &task_.rows[task_.segment_at(at.time)];
     const auto posture = Posture<double>::of(arm, at.state.q);
     for (Eigen::Index c = 0; c < count(); ++c) {
       const Channel& channel = all_[static_cast<std::size_t>(c)];
@@ -105,12 +105,6 @@ class Channels {
   }
 
  private:
-  std::size_t segment_at(double time) const {
-    std::size_t segment = 0;
-    while (segment + 1 < task_.ends.size() && time > task_.ends[segment]) ++segment;
-    return segment;
-  }
-
   const TaskOfMotion& task_;
   std::vector<Channel> all_;
 };

@@ -7,16 +7,11 @@
 
 #include "common/parallel.h"
 #include "planner/certificate/certificate.h"
+#include "planner/certificate/task_of_motion.h"
 
 namespace fjr {
 
 inline constexpr double kCertainty = 0.95;  // with which the fraction of arms is found by draws
-
-// What is kept beside the limits: the rows of the task in each segment of the motion, and when the segments end [s].
-struct TaskOfMotion {
-  std::vector<std::vector<TaskRow>> rows;
-  std::vector<double> ends;
-};
 
 // How many arms have to be drawn, and how many of them may leave their tubes, to be certain of a fraction.
 struct Draws {

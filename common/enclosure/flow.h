@@ -97,13 +97,16 @@ class Flow {
     expand(point_, center, now, slope_order());
     expand(box_, hull, now, options_.order);
     const double left = duration.upper() - reached_;
-    double h = std::min({length_by_decay(), kLonger * usual_, left});
-    for (;; h *= kShorter) {
+    double h = std::min({length_by_decay(), longer_ * usual_, left});
+    longer_ = std::min(kLonger, kRegained * longer_);
+    for (;; h = h > usual_ ? usual_ : kShorter * h) {
       if (h < left && !(h > options_.shortest)) return false;
       choose_end(h, duration);
       if (enclose(signals)) break;
+      longer_ = 1;
     }
     usual_ = is_last_ ? std::max(usual_, h) : h;
+    wider_ = std::max(1.0, kForgotten * wider_);
     tell();
     return transport();
   }
@@ -161,8 +164,8 @@ class Flow {
     for (std::size_t i = 0; i < N; ++i) {
       without[i] = box_.at(i, 0);
       for (std::size_t k = 1; k < p; ++k) without[i] += box_.at(i, k) * power(k);
-      const double guess = 4 * std::abs(box_.at(i, p).mid) * last_power.magnitude() + allowed(i);
-      tried[i] = without[i] + Ball(0, guess);
+      const double predicted = 4 * std::abs(box_.at(i, p).mid) * last_power.magnitude() + allowed(i);
+      tried[i] = without[i] + Ball(0, wider_ * predicted);
     }
     for (int attempt = 0; attempt < kAttempts; ++attempt) {
       expand(ahead_, tried, during, p);
@@ -177,9 +180,8 @@ class Flow {
         }
       }
       if (!small) return false;
-      if (inside) {
-        return true;
-      }
+      if (inside) return true;
+      wider_ = kWider;
     }
     return false;
   }
@@ -232,8 +234,10 @@ class Flow {
     }
   }
 
-  static constexpr double kShorter = 0.7, kLonger = 1.5;
-  static constexpr double kSlack = 4;  // of a remainder, beyond what was predicted
+  // Where steps cannot become longer, as in steep friction, each one that is tried in vain costs as much as a step.
+  static constexpr double kShorter = 0.8, kLonger = 1.5, kRegained = 1.05, kForgotten = 0.999;
+  static constexpr double kSlack = 4;    // of a remainder, beyond what was predicted
+  static constexpr double kWider = 4.4;  // all of that, and roundings: found at once, or not at all
   static constexpr int kAttempts = 3;
 
   std::size_t signals_;
@@ -243,7 +247,9 @@ class Flow {
   Set<N> set_;
   Step<N> last_;
   double reached_ = 0, next_ = 0;
-  double usual_ = 1e300;  // length of the last step that nothing cut short
+  double usual_ = 1e300;     // length of the last step that nothing cut short
+  double longer_ = kLonger;  // than that the next one may be
+  double wider_ = 1;         // than predicted the first box of a step is; more where that was too little
   bool is_last_ = false;
   long steps_ = 0;
 };

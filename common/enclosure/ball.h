@@ -5,8 +5,8 @@
 // nearest. Nothing depends on switched rounding modes, which compilers move code across, so any number of threads
 // may compute at once. A fused multiply-add rounds once where two roundings were allowed for: contraction is harmless.
 //
-// Assumptions, each held by tests/enclosure/ball_test.cc:
-// - IEEE 754 doubles, evaluated as doubles, without -ffast-math (checked below at compile time);
+// Assumptions, each held by tests/enclosure (ball_test.cc, alone.cmake):
+// - IEEE 754 doubles, evaluated as doubles, without -ffast-math or parts of it (checked below at compile time);
 // - rounding to nearest while balls are computed (RoundingToNearest sees to that, and restores what was there);
 // - std::sin, cos, tanh and exp are off by at most kElementaryError of their value (glibc 2.36 documents 1 to 2 units
 //   in the last place, 2.2e-16 each).
@@ -24,7 +24,9 @@
 
 namespace enclosure {
 
-#ifdef __FAST_MATH__
+// Parts of -ffast-math alone, too: sums in another order, products with reciprocals, no infinities.
+#if defined(__FAST_MATH__) || defined(__ASSOCIATIVE_MATH__) || defined(__RECIPROCAL_MATH__) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__)
 #error "error bounds do not hold with -ffast-math"
 #endif
 static_assert(std::numeric_limits<double>::is_iec559 && FLT_EVAL_METHOD == 0, "doubles that are computed as doubles");

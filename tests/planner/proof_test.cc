@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cfenv>
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -172,6 +173,25 @@ TEST(Proof, FeedbackBeyondWhatIsAllowedIsNotProven) {
   Claims claims = Claims::of(robot(), robot_limits());
   claims.feedback[1] = 0.002;
   EXPECT_THAT(prove(robot(), trajectory, claims).closed_loop.reason, HasSubstr("feedback torque of joint 2"));
+}
+
+// On all threads, and nothing of it stays.
+TEST(Proof, WhichWayItsCallerRoundsIsNothingToIt) {
+  Trajectory trajectory = reference_trajectory();
+  trajectory.samples.resize(30);
+  const Proof usual = proof_of(trajectory);
+  ASSERT_EQ(std::fesetround(FE_UPWARD), 0);
+  const auto on_threads = [](std::size_t count, const auto& task) { for_each_index(count, 2, task); };
+  const Proof upward = prove(robot(), robot_limits(), {}, trajectory, on_threads);
+  EXPECT_EQ(std::fegetround(), FE_UPWARD);
+  std::fesetround(FE_TONEAREST);
+  EXPECT_TRUE(upward.proven);
+  EXPECT_EQ(upward.open_loop.link, usual.open_loop.link);
+  EXPECT_EQ(upward.closed_loop.feedback_torque, usual.closed_loop.feedback_torque);
+  for (std::size_t i = 0; i < usual.limits.size(); ++i) {
+    EXPECT_EQ(upward.limits[i].published, usual.limits[i].published) << usual.limits[i].name;
+    EXPECT_EQ(upward.limits[i].rollout, usual.limits[i].rollout) << usual.limits[i].name;
+  }
 }
 
 TEST(Proof, WhatIsNoTrajectoryIsNotProven) {

@@ -114,7 +114,7 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
     const Timed timed(session, "certificate");
     predict(problem.robot, *plan.trajectory, *plan.certificate);
   }
-  if (options.proven && plan.status == PlanStatus::kCertified) demand_proof(problem, session, plan);
+  if ((options.proven || problem.proven) && plan.status == PlanStatus::kCertified) demand_proof(problem, session, plan);
   if (plan.solution && plan.trajectory) plan.analysis = analyse(*found.best->problem, *plan.solution, found.scale);
   if (plan.analysis && plan.certificate->robustness.evaluated)
     tell_savings(*plan.analysis, plan.certificate->robustness);

@@ -50,7 +50,7 @@ struct PlanOptions {
   double most_work = 60;
   // Tried first, and instead of everything else if it leads to a certified plan.
   std::optional<WarmStart> warm;
-  bool proven = false;  // certified only if the certificate is proven too (certificate/proof/prove.h)
+  bool proven = false;  // as if the request asked for it: Problem::proven
   std::function<void(const Progress&)> on_progress;
   std::function<bool()> cancelled;  // polled between iterations
 };

@@ -53,8 +53,9 @@ bool is_final(const Json& plan, const Problem& problem, bool want_proven) {
       !says(plan, "robot_hash", robot_hash(problem.robot))) {
     return false;
   }
-  const PlanStatus doubtful = want_proven ? PlanStatus::kCertified : PlanStatus::kUncertified;
-  return !says(plan, "status", name(doubtful)) || has_proof(plan) == want_proven;
+  const bool wanted = want_proven || problem.proven;
+  const PlanStatus doubtful = wanted ? PlanStatus::kCertified : PlanStatus::kUncertified;
+  return !says(plan, "status", name(doubtful)) || has_proof(plan) == wanted;
 }
 
 std::optional<Json> finished_earlier(const Problem& problem, const fs::path& folder, bool want_uncertified,

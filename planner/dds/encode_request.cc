@@ -207,6 +207,7 @@ void encode_motion(const Request& request, WireRequest& wire) {
   encode_tip(request, message.tip);
   encode_limits(request, message.limits);
   if (request.robust) refuse(request, "robust", "only a request as a document can say it");
+  if (request.proven) refuse(request, "proven", "only a request as a document can say it");
   message.payload.given = request.payload.has_value();
   if (request.payload) {
     message.payload.mass = request.payload->mass;

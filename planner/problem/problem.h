@@ -93,6 +93,7 @@ struct Problem {
   std::optional<Slack> slack;
   std::optional<double> robust;  // the fraction of the possible arms that is to keep everything; none: only the robot
   Reserve reserve;               // for them; nothing that a request says
+  bool proven = false;           // certified only if the certificate is proven too (certificate/proof/prove.h)
   double sample_period = kDefaultSamplePeriod;  // [s] between rows
   // [s] where that would take too many rows: more than sample_period only where the request leaves that open.
   double longest_sample_period = kLongestSamplePeriod;

@@ -100,6 +100,7 @@ struct Request {
   std::optional<std::string> method;
   std::optional<Thoroughness> search;
   std::optional<RequestedRobustness> robust;
+  bool proven = false;
 };
 
 // ---- the keys ----
@@ -142,6 +143,9 @@ void visit(R& r, Visit&& v) {
   v(Key{"robust", "", "margins for the arms that the robot's uncertainty leaves possible ([how](#robust-motions))",
         "none: the motion is for the robot's values"},
     r.robust);
+  v(Key{"proven", "", "certified only with bounds that hold with mathematical certainty ([which](theory.md#the-proof))",
+        "`false`", "`true`, `false`"},
+    r.proven);
 }
 
 template <class R, class Visit>

@@ -115,6 +115,7 @@ std::string request_hash(const Problem& problem) {
       }
     }
   }
+  if (problem.proven) lines.add_text("proven", "asked for");
   return lines.hash();
 }
 

@@ -542,6 +542,7 @@ Problem resolve(const Request& request, const Parameters& robot) {
     problem.robot.payload = *request.payload;
   }
   if (request.robust) problem.robust = resolve_confidence(request, problem.robot);
+  problem.proven = request.proven;
   problem.limits = resolve_limits(request, problem.robot);
   problem.duration = resolve_duration(request);
   problem.weights = resolve_weights(request, problem.duration);

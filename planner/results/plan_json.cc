@@ -367,7 +367,8 @@ Json resolved_request_json(const Problem& problem) {
           {"seed", problem.seed},
           {"search", word_of(problem.search)},
           {"method", problem.method},
-          {"robust", problem.robust ? Json{{"confidence", *problem.robust}} : Json(nullptr)}};
+          {"robust", problem.robust ? Json{{"confidence", *problem.robust}} : Json(nullptr)},
+          {"proven", problem.proven}};
 }
 
 Json certificate_json(const Certificate& certificate) {

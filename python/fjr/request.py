@@ -124,6 +124,8 @@ class Request:
     """``quick``, ``default`` or ``thorough``."""
     robust: Part | None = None
     """``{"confidence": 0.99}``: margins for the arms that the robot's uncertainty leaves possible."""
+    proven: bool | None = None
+    """Certified only with bounds that hold with mathematical certainty."""
 
     def to_dict(self) -> dict[str, Any]:
         """As the mapping of a request file: nothing that is None."""

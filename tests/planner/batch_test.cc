@@ -282,6 +282,8 @@ TEST_F(Earlier, WhoAsksForAProofGetsOneAndWhoDoesNotIsNotRefusedForIt) {
   plan_["status"] = "uncertified";
   EXPECT_FALSE(finished_for(false));
   EXPECT_TRUE(finished_for(true));
+  problem_.proven = true;  // the request says so itself
+  EXPECT_TRUE(finished_for(false));
 }
 
 TEST_F(Earlier, TheSameRequestRobotAndVersionAreFinished) {

@@ -105,7 +105,7 @@ TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
   EXPECT_THAT(keys(json["mesh"]), ElementsAre("intervals", "method", "error_estimate", "node_times", "errors"));
   EXPECT_THAT(keys(json["resolved_request"]),
               ElementsAre("start", "goal", "other_goals", "duration", "objective", "via", "task", "limits",
-                          "sample_period", "seed", "search", "method", "robust"));
+                          "sample_period", "seed", "search", "method", "robust", "proven"));
   EXPECT_THAT(keys(json["solver"]), ElementsAre("iterations", "factorisations", "stages", "starts", "warm",
                                                 "cut_by_work", "distinct_minima", "minima", "fallbacks"));
   EXPECT_THAT(keys(json["certificate"]), ElementsAre("verdict", "failures", "tolerance_rad", "open_loop", "closed_loop",

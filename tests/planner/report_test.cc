@@ -386,6 +386,45 @@ TEST(PlanPage, ShowsTheSceneAndTheRoomLeftInIt) {
   EXPECT_THAT(html, HasSubstr("They go straight, whatever else the request asks for on the way"));
 }
 
+TEST(PlanPage, ShowsWhatIsProven) {
+  PlanRecord record = reach();
+  const std::string heading = "<h2>Proof</h2>";
+  EXPECT_THAT(plan_page(record), Not(HasSubstr(heading)));
+  const double count = record.plan["certificate"]["tolerance_rad"];
+  const auto loop = [&](double first, double second) {
+    return Json{{"proven", first <= count},
+                {"until", 0.25},
+                {"reason", nullptr},
+                {"link_error_rad", {first, second}},
+                {"time_of_max_link_error", 0.1},
+                {"uncertainty_rad", 3e-10},
+                {"steps", 1234}};
+  };
+  Json& proof = record.plan["certificate"]["proof"];
+  proof = {
+      {"verdict", "proven"},
+      {"until", 0.43},
+      {"reason", nullptr},
+      {"open_loop", loop(count / 4, count / 8)},
+      {"closed_loop", loop(count / 16, 0)},
+      {"limits",
+       {{{"name", "motor_velocity"}, {"joint", 2}, {"allowed", 8.000008}, {"published", 7.75}, {"rollout", 7.875}}}},
+      {"task",
+       {{{"name", "obstacles[0]"}, {"link", 1}, {"unit", "m"}, {"room", 0.0125}, {"time", 0.1}, {"rollout", 0.0124}}}}};
+  std::string html = plan_page(record);
+  EXPECT_THAT(html, HasSubstr(heading));
+  EXPECT_THAT(html, HasSubstr("Proven: enclosures of the exact motion hold these bounds"));
+  EXPECT_THAT(html, HasSubstr("<td>open loop</td><td>0.25</td><td>0.125</td><td>3e-10</td><td>0.25</td><td>1234</td>"));
+  EXPECT_THAT(html, HasSubstr("<td>motor velocity 2</td><td>8.000008</td><td>7.75</td><td>7.875</td>"));
+  EXPECT_THAT(html, HasSubstr("<td>obstacles[0], link 1</td><td>0.0125</td><td>0.0124</td><td>m</td>"));
+  proof["verdict"] = "not_proven";
+  proof["reason"] = "not proven from t = 0.250000 s: open loop: link 1 may be off";
+  proof["open_loop"] = loop(2 * count, 0);
+  html = plan_page(record);
+  EXPECT_THAT(html, HasSubstr("<p class='warning'>not proven from t = 0.250000 s: open loop: link 1 may be off</p>"));
+  EXPECT_THAT(html, HasSubstr("<td>open loop</td><td class='over'>2</td>"));
+}
+
 TEST(PlanPage, ComparesOnlyWhatLeadsFromRestToRest) {
   PlanRecord record = reach();
   record.trajectory->samples.resize(record.trajectory->samples.size() / 2);

@@ -187,6 +187,14 @@ TEST(Request, SearchIsAChoice) {
             "request.yaml: search: \"slow\" is not one of quick, default, thorough");
 }
 
+TEST(Request, AProofIsAskedForOrNot) {
+  EXPECT_FALSE(parse(kMove).proven);
+  EXPECT_TRUE(parse(kMove + "proven: true\n").proven);
+  EXPECT_NE(parse(kMove + "proven: true\n").request_hash, parse(kMove).request_hash);
+  EXPECT_EQ(parse(kMove + "proven: false\n").request_hash, parse(kMove).request_hash);
+  EXPECT_EQ(error_of(kMove + "proven: perhaps\n"), "request.yaml: proven: must be true or false");
+}
+
 TEST(Request, MethodIsAScheme) {
   EXPECT_EQ(parse(kMove).method, "hermite-simpson");
   EXPECT_EQ(parse(kMove + "method: hermite-simpson\n").request_hash, parse(kMove).request_hash);
@@ -370,10 +378,10 @@ TEST(BrokenRequest, ShapeOfTheDocument) {
       {"# nothing\n", "empty"},
       {"fastest",
        "must be a map with the keys robot, start, goal, duration, objective, via, obstacles, walls, tip, path, limits, "
-       "sample_period, seed, payload, method, search, robust, not the text \"fastest\""},
+       "sample_period, seed, payload, method, search, robust, proven, not the text \"fastest\""},
       {kMove + "durtion: 1",
        "unknown key \"durtion\"; allowed: robot, start, goal, duration, objective, via, obstacles, "
-       "walls, tip, path, limits, sample_period, seed, payload, method, search, robust; did you mean duration?"},
+       "walls, tip, path, limits, sample_period, seed, payload, method, search, robust, proven; did you mean duration?"},
       {kMove + "seed: 1\nseed: 2", "line 4: key \"seed\" is given twice"},
       {kGoal, "start: missing; only a request to the service may leave it out, which then starts where the arm rests"},
       {kStart, "goal: missing"},

@@ -97,6 +97,9 @@ TEST_F(Cli, APlanIsProvenOnDemand) {
   EXPECT_EQ(proof["verdict"], "proven");
   EXPECT_EQ(proof["until"], plan_json("out")["duration"]);
   EXPECT_EQ(proof["limits"].size(), 8U);
+  write("asks.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\nobjective: fastest\nproven: true\n");
+  EXPECT_EQ(run({"plan", "asks.yaml", "--out", "asked"}).exit_code, 0);
+  EXPECT_EQ(plan_json("asked")["certificate"]["proof"], proof);
 }
 
 TEST_F(Cli, VerifyRefusesATamperedFile) {

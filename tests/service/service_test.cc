@@ -42,6 +42,20 @@ TEST_F(ServiceTest, PlansAnArcTheLongWayRound) {
   EXPECT_NEAR(leftmost, 0.32 - 0.1, 0.03);
 }
 
+TEST_F(ServiceTest, ProvesWhatIsAskedForWithProof) {
+  serve();
+  const Order one = order(kFast + "proven: true\n"), other = order(kFast);
+  send(one);
+  send(other);
+  const auto proof_of = [&](const Order& asked) {
+    const Reply reply = final_reply(asked.id);
+    EXPECT_EQ(reply.state, ReplyState::kSolved);
+    return nlohmann::json::parse(reply.plan_json)["certificate"]["proof"];
+  };
+  EXPECT_EQ(proof_of(one)["verdict"], "proven");
+  EXPECT_TRUE(proof_of(other).is_null());
+}
+
 TEST_F(ServiceTest, SolvesTheSameIdOnce) {
   serve();
   const Order one = order(kFast);
@@ -423,7 +437,7 @@ TEST_F(ServiceTest, RefusesDocumentsThatAreNoRequests) {
   EXPECT_EQ(refusal(""), "document: empty");
   EXPECT_THAT(refusal("just words"), HasSubstr("document: must be a map with the keys robot, start, goal"));
   EXPECT_THAT(refusal("- 1\n- 2\n"), HasSubstr("objective, via, obstacles, walls, tip, path, limits, sample_period, "
-                                               "seed, payload, method, search, robust, not a list of 2"));
+                                               "seed, payload, method, search, robust, proven, not a list of 2"));
   EXPECT_THAT(refusal("goal: {q: [1, 0]"), HasSubstr("not valid YAML"));
   EXPECT_EQ(refusal(kFast + "robot: /etc/passwd\n"), "robot: the robot is given already");
   EXPECT_THAT(refusal(kFast + "include: other.yaml\n"), HasSubstr("unknown key \"include\""));

@@ -78,8 +78,19 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& tas
 PlannedTask planned_task(const std::filesystem::path& folder) {
   const YamlNode plan = YamlNode::load(folder / "plan.json");
   PlannedTask planned{read_task(plan.at("resolved_request").at("task")), {}};
-  for (const YamlNode& time : plan.at("via_times").items()) planned.ends.push_back(time.number("s"));
-  planned.ends.push_back(plan.at("duration").number("s"));
+  const auto add_end = [&](const YamlNode& time) {
+    const double end = time.number("s"), before = planned.ends.empty() ? 0 : planned.ends.back();
+    if (!(end > before)) time.fail(fmt::format("{} s is not later than {} s, where the segment begins", end, before));
+    planned.ends.push_back(end);
+  };
+  const YamlNode via_times = plan.at("via_times");
+  for (const YamlNode& time : via_times.items()) add_end(time);
+  add_end(plan.at("duration"));
+  const std::optional<JointPath>& path = planned.task.path;
+  if (path && path->corners.size() != planned.ends.size() + 1) {
+    via_times.fail(fmt::format("has {} times, but there are {} corners of the path", via_times.items().size(),
+                               path->corners.size()));
+  }
   return planned;
 }
 

@@ -27,7 +27,8 @@ struct PlannedTask {
   std::vector<double> ends;
 };
 
-// From the plan.json in the folder of a plan. Throws InputError where there is none, or none of a motion.
+// From the plan.json in the folder of a plan. Throws InputError where there is none, or none of a motion, or where its
+// via_times are no times between the motion's segments.
 PlannedTask planned_task(const std::filesystem::path& folder);
 
 struct VerifyOptions {

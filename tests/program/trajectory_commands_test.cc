@@ -102,6 +102,29 @@ TEST_F(Cli, APlanIsProvenOnDemand) {
   EXPECT_EQ(plan_json("asked")["certificate"]["proof"], proof);
 }
 
+// What is proven of a task is proven segment by segment: times that belong to no segments are refused.
+TEST_F(Cli, VerifyRefusesAPlanWhoseSegmentsAreNone) {
+  write_csv(at_rest(), path("trajectory.csv"));
+  const auto verify = [&](const std::string& via_times, const std::string& duration) {
+    write("plan.json",
+          R"({"resolved_request": {"task": {"path": {"corners": [[0, 0], [1e-3, 0], [0, 0]], "tolerance": 0.01}}}, )"
+          R"("via_times": )" +
+              via_times + R"(, "duration": )" + duration + "}");
+    return run({"verify", ".", "--proven"});
+  };
+  EXPECT_EQ(verify("[0.01]", "0.02").exit_code, 0);
+  const auto refusal = [&](const std::string& via_times, const std::string& duration) {
+    const Result result = verify(via_times, duration);
+    EXPECT_EQ(result.exit_code, 2);
+    return result.err;
+  };
+  EXPECT_THAT(refusal("[0.03]", "0.02"), HasSubstr("plan.json: duration: 0.02 s is not later than 0.03 s"));
+  EXPECT_THAT(refusal("[0]", "0.02"), HasSubstr("via_times[0]: 0 s is not later than 0 s, where the segment begins"));
+  EXPECT_THAT(refusal("[]", "0.02"), HasSubstr("via_times: has 0 times, but there are 3 corners of the path"));
+  EXPECT_THAT(refusal("[0.005, 0.01]", "0.02"),
+              HasSubstr("via_times: has 2 times, but there are 3 corners of the path"));
+}
+
 TEST_F(Cli, VerifyRefusesATamperedFile) {
   Trajectory trajectory = at_rest();
   trajectory.samples[10].state.q[0] += 2e-4;  // two counts of the link encoder

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace fjr {
 namespace {
@@ -117,7 +118,10 @@ void TaskReaches::add(const Parameters& robot, const TaskRow& row, double may_mi
     }
   }
   if (row.lower > -task::kNone) to.sides.push_back(Side::make(row, of, true, output, length, may_miss));
-  if (row.upper < task::kNone) to.sides.push_back(Side::make(row, of, false, output, length, may_miss));
+  if (row.upper == task::kNone) return;
+  // A point is never nearer to a link than to the line through it, but may well be farther.
+  if (of == Side::Of::kSquareToLink) throw std::logic_error("TaskReaches: distances from links are bounded from below");
+  to.sides.push_back(Side::make(row, of, false, output, length, may_miss));
 }
 
 bool TaskReaches::include(const AlongLinks& motion, const Ball& length, double time, std::size_t segment) {

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Measures the planner: `suite.py all` everything, `suite.py run` motions alone, `suite.py compare A.json B.json`,
-`suite.py counts` what the examples take in iterations and factorisations."""
+`suite.py counts` what the examples take in iterations and factorisations, `suite.py proofs` what proofs take beside
+certificates."""
 import argparse
 import json
 import os
@@ -348,6 +349,34 @@ def grown(before, after):
     return sorted(set(names))
 
 
+def verified(fjr, *words):
+    """Runs `fjr verify` with these words; its exit code, and its CPU time [s] on all threads."""
+    process = subprocess.Popen([fjr, "verify", *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                               env=ENVIRONMENT)
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    return process.returncode, usage.ru_utime + usage.ru_stime
+
+
+def measure_proofs(arguments):
+    """CPU time of the proofs of plans, a folder each, beside that of their certificates; less that of starting up."""
+    nothing = min(verified(arguments.fjr, os.devnull)[1] for _ in range(arguments.repetitions))
+    print(f"{'':20}{'certificate s':>14}{'proof s':>9}{'ratio':>7}")
+    unproven = []
+    for path in sorted(arguments.plans.glob("*/trajectory.csv")):
+        runs = [(verified(arguments.fjr, str(path.parent)), verified(arguments.fjr, "--proven", str(path.parent)))
+                for _ in range(arguments.repetitions)]
+        certificate = min(alone[1] for alone, _ in runs)
+        proof = min(both[1] for _, both in runs) - certificate
+        certificate -= nothing
+        proven = all(both[0] == 0 for _, both in runs)
+        print(f"{path.parent.name:20}{certificate:14.3f}{proof:9.3f}{proof / certificate:7.1f}"
+              f"{'' if proven else '  not proven'}", flush=True)
+        if not proven:
+            unproven.append(path.parent.name)
+    return 1 if unproven else 0
+
+
 def add_motion_options(parser):
     parser.add_argument("requests", nargs="*", type=pathlib.Path, help="motions; default: all of config/requests")
     parser.add_argument("--fjr", default=str(ROOT / "build/fjr"))
@@ -378,6 +407,12 @@ def main():
     d.add_argument("--record", action="store_true", help="plan the examples and record what they take")
     d.add_argument("--fjr", default=str(ROOT / "build/fjr"))
     d.set_defaults(do=check_counts)
+    e = commands.add_parser("proofs", help="time of the proofs of plans beside that of their certificates; exit code 1 "
+                            "where one is not proven")
+    e.add_argument("--plans", type=pathlib.Path, default=pathlib.Path("out/requests"), help="folder of the plans")
+    e.add_argument("--fjr", default=str(ROOT / "build/fjr"))
+    e.add_argument("--repetitions", type=int, default=3)
+    e.set_defaults(do=measure_proofs)
     c = commands.add_parser("compare", help="times of two results; exit code 1 if a motion is no longer certified, or "
                             "takes a fifth more iterations or factorisations")
     c.add_argument("before", type=pathlib.Path)

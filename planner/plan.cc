@@ -53,14 +53,18 @@ std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
   Problem asked = *(found.fastest ? found.fastest->alternative : found.alternatives.front());
   asked.duration = found.asked.duration;
   const auto problem = std::make_shared<const Problem>(std::move(asked));
-  const bool certified = found.fastest && found.fastest->certified;
-  const WhyNot why =
-      explain(*problem, found.fastest ? &found.fastest->motion : nullptr, certified, found.carried_with, session);
-  if (why.start && !session.stopped()) {
-    found.candidates.clear();
-    try_starts({{problem, *why.start, "from the least slack"}}, found, session);
+  Known known{.reached = found.carried_with, .out_of_reach = found.out_of_reach};
+  if (found.fastest) {
+    known.fastest = &found.fastest->motion;
+    known.certified = found.fastest->certified;
   }
-  return why.infeasibility;
+  const WhyNot why = explain(*problem, known, session);
+  if (!why.start || session.stopped()) return why.infeasibility;
+  found.candidates.clear();
+  try_starts({{problem, *why.start, "from the least slack"}}, found, session);
+  if (found.certified() || session.interrupted()) return std::nullopt;
+  known.start_failed = true;
+  return explain(*problem, known, session).infeasibility;
 }
 
 // A certified plan, where the search comes to one; otherwise why there is none, as far as that can be told.

@@ -44,6 +44,22 @@ Problem fastest_of(Problem problem) {
   return problem;
 }
 
+Problem fastest_to_via(Problem problem, std::size_t i) {
+  const Via via = problem.via[i];
+  problem.goal = Goal{};
+  problem.goal.q = via.q;
+  problem.goal.dq = via.dq.value_or(Joints<double>{});
+  problem.goal.dq_free = !via.dq;
+  problem.goal.at_rest = false;
+  problem.other_goals.clear();
+  problem.release.reset();
+  problem.via.resize(i);
+  const double before = i > 0 ? problem.via.back().time.value_or(0) : 0;
+  problem.duration = {before + kShortestDuration, kLongestDuration};
+  problem.weights = {.time = 1};
+  return problem;
+}
+
 void try_from_fastest(const std::shared_ptr<const Problem>& alternative, Findings& found, Session& session) {
   const double allowed = alternative->duration.max;
   if (!found.candidates.empty() || session.interrupted()) return;

@@ -9,6 +9,9 @@ namespace fjr {
 // The same request for the fastest motion, whatever time it takes, via points passed at any time.
 Problem fastest_of(Problem problem);
 
+// The fastest motion through via point i, to end there: the times of those before it kept, whatever comes after.
+Problem fastest_to_via(Problem problem, std::size_t i);
+
 // The fastest motion of an alternative, with the exact friction law, for a smoothed motion may take some per cent
 // longer. Where it takes no longer than allowed, it is the start of the alternative; where nothing comes of that, its
 // own mesh is.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "planner/search/continuation.h"
+#include "planner/search/out_of_reach.h"
 #include "planner/search/publication.h"
 #include "planner/search/race.h"
 #include "planner/search/worth_refining.h"
@@ -38,20 +39,21 @@ struct Findings {
   std::vector<std::shared_ptr<const Problem>>
       alternatives;  // what is optimised: one problem for each goal that will do
 
-  int starts = 0;                        // that were solved
-  int starts_planned = 0;                // that are solved in any case
-  int refined = 0;                       // candidates that were followed to the exact problem
-  int patience = 400;                    // iterations a start may take
-  std::vector<CoarseMotion> candidates;  // in the order in which they were found
-  std::vector<double> minima;            // objectives of the distinct ones, as optimised, on their first meshes
-  StepObjectives reached;                // on the way from there to exact friction
-  std::optional<Publication> best;       // certified; or the last one that is not, where none is
-  std::optional<Fastest> fastest;        // once it was looked for, the shortest that there is
-  std::optional<Limits> carried_with;    // limits with which the arm was found to swing up
-  bool swing_was_cut = false;            // more work might have found it with tighter ones
-  bool a_start_was_infeasible = false;   // and not only difficult
-  std::string obstacle;                  // what a start without solution failed at, a clause
-  std::string failure;                   // why a solution could not be published
+  int starts = 0;                          // that were solved
+  int starts_planned = 0;                  // that are solved in any case
+  int refined = 0;                         // candidates that were followed to the exact problem
+  int patience = 400;                      // iterations a start may take
+  std::vector<CoarseMotion> candidates;    // in the order in which they were found
+  std::vector<double> minima;              // objectives of the distinct ones, as optimised, on their first meshes
+  StepObjectives reached;                  // on the way from there to exact friction
+  std::optional<Publication> best;         // certified; or the last one that is not, where none is
+  std::optional<Fastest> fastest;          // once it was looked for, the shortest that there is
+  std::optional<Limits> carried_with;      // limits with which the arm was found to swing up
+  bool swing_was_cut = false;              // more work might have found it with tighter ones
+  std::optional<OutOfReach> out_of_reach;  // clearly, so that no more was tried
+  bool a_start_was_infeasible = false;     // and not only difficult
+  std::string obstacle;                    // what a start without solution failed at, a clause
+  std::string failure;                     // why a solution could not be published
 
   bool certified() const { return best && best->certificate.certified; }
 

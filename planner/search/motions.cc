@@ -13,6 +13,7 @@
 #include "planner/search/fallbacks.h"
 #include "planner/search/fastest.h"
 #include "planner/search/follow.h"
+#include "planner/search/out_of_reach.h"
 #include "planner/search/starts.h"
 
 namespace fjr {
@@ -25,7 +26,8 @@ constexpr double kNearBy = 0.3;  // [rad] that the best motion so far is displac
 // however many cores there are, so that a plan is, too.
 constexpr std::size_t kWave = 4;
 constexpr int kGivenUp = 2;                 // failures of an alternative's first starts, while another led somewhere
-constexpr std::size_t kBeforeSwinging = 1;  // starts that led nowhere before it is asked whether it has to swing
+constexpr std::size_t kBeforeSwinging = 1;  // starts that led nowhere before it is asked whether it has to swing, or
+                                            // is out of reach
 constexpr std::size_t kBeforeHurrying = 2;  // and before it is asked whether there is time
 
 // Minima lie side by side: from a place near the best motion so far others are met, and in half the iterations.
@@ -54,6 +56,21 @@ void try_swinging(const Alternative& alternative, Findings& found, Session& sess
   if (!swung.reached) return;
   found.carried_with = swung.reached;
   found.swing_was_cut = session.interrupted();
+}
+
+// Where that is so of all of them nothing more is tried, but the fastest motion where it may be for want of time.
+void ask_whether_out_of_reach(const std::vector<Alternative>& open, Findings& found, Session& session) {
+  if (!found.candidates.empty()) return;
+  std::optional<OutOfReach> first;
+  for (const Alternative& alternative : open) {
+    const auto what = out_of_reach(*alternative, session);
+    if (!what) return;
+    if (!first) first = what;
+  }
+  found.out_of_reach = first;
+  if (first != OutOfReach::kAllLimits) return;
+  for (const Alternative& alternative : open) try_from_fastest(alternative, found, session);
+  if (!found.candidates.empty()) found.out_of_reach.reset();
 }
 
 // An alternative, and how it went.
@@ -107,6 +124,8 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
   for (std::size_t i = 0; i < most; ++i) {
     if (i == kBeforeSwinging && found.candidates.empty()) {
       for (const Alternative& alternative : open) try_swinging(alternative, found, session);
+      ask_whether_out_of_reach(open, found, session);
+      if (found.out_of_reach) return;
     }
     if (i == kBeforeHurrying && found.candidates.empty()) {
       for (const Alternative& alternative : open) try_from_fastest(alternative, found, session);
@@ -138,7 +157,7 @@ void find_motions(int count, Findings& found, Session& session) {
   }
   take_turns(open, count, found, session);
   for (const Alternative& alternative : open) {
-    if (!found.candidates.empty() || session.interrupted() || found.too_short()) break;
+    if (!found.candidates.empty() || session.interrupted() || found.too_short() || found.out_of_reach) break;
     if (auto motion = fall_back(alternative, session)) follow(std::move(*motion), found, session);
   }
 }

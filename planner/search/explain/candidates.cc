@@ -5,7 +5,7 @@
 #include "planner/analysis/analysis.h"
 #include "planner/ocp/margins.h"
 #include "planner/problem/statics.h"
-#include "planner/search/explain/slack.h"
+#include "planner/search/slack.h"
 
 namespace fjr {
 namespace {

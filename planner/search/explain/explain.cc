@@ -10,9 +10,9 @@
 #include "planner/search/detours.h"
 #include "planner/search/explain/candidates.h"
 #include "planner/search/explain/search.h"
-#include "planner/search/explain/slack.h"
 #include "planner/search/explain/via_times.h"
 #include "planner/search/fastest.h"
+#include "planner/search/slack.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -23,28 +23,31 @@ constexpr double kMargin =
 constexpr double kSpare = 2e-4;  // fraction of a shortest duration
 constexpr std::size_t kSpareRows = 1000;                  // for what comes between the regular ones
 constexpr double kMore[] = {1, 1.03, 1.1, 1.25, 1.5, 2};  // times the least change, until planning finds it enough
+constexpr double kEased[] = {0.02, 0.05, 0.1};            // fractions of what it is
 constexpr double kRoughMargin = 0.1;                      // the same where friction stayed smooth
 constexpr double kGridMargin = 1.1;                       // times the clearance that a grid found missing
 constexpr double kClose = 0.05;                           // slack of a sketch that a more exact one may do without
-constexpr double kPossible = 2e-3;  // slack below which the request is possible, as far as can be told
-constexpr double kLoose = 3;        // fraction by which limits are relaxed for a duration to start from
-constexpr double kLonger = 2;       // times the duration of a hurried motion that the least change may take
+constexpr double kPossible = 2e-3;           // slack below which the request is possible, as far as can be told
+constexpr double kLoose = 3;                 // fraction by which limits are relaxed for a duration to start from
+constexpr double kMuch = 0.25;               // fraction of all limits at once
+constexpr std::size_t kBesides = 2;          // things that are tried beside each other
+constexpr int kMostIterationsOfSlack = 250;  // of one solve: those that lead somewhere took up to 190
+constexpr double kLonger = 2;                // times the duration of a hurried motion that the least change may take
 
 class Explanation {
  public:
-  Explanation(const Problem& problem, const Continuation* fastest, bool certified, const std::optional<Limits>& reached,
-              Session& session)
-      : problem_(problem), fastest_(fastest), certified_(certified), reached_(reached), search_(session) {}
+  Explanation(const Problem& problem, const Known& known, Session& session)
+      : problem_(problem), known_(known), session_(session), search_(session) {}
 
   WhyNot run() {
     if (const NoPath barred = no_path(problem_); !barred.sentence.empty()) {
       explain_barred(barred);
-    } else if (fastest_ != nullptr && shortest() > problem_.duration.max) {
+    } else if (known_.fastest != nullptr && shortest() > problem_.duration.max) {
       explain_duration();
     } else {
-      if (fastest_ != nullptr) result_.shortest_duration = rounded_up(shortest());
-      explain_via_times();
-      if (result_.sentence.empty() && (fastest_ == nullptr || any_timed(problem_))) explain_limits();
+      if (known_.fastest != nullptr) result_.shortest_duration = rounded_up(shortest());
+      if (known_.out_of_reach != OutOfReach::kVelocity) explain_via_times();
+      if (result_.sentence.empty() && (known_.fastest == nullptr || any_timed(problem_))) explain_limits();
     }
     if (start_) return {{}, start_};
     if (result_.sentence.empty()) return {};
@@ -53,86 +56,140 @@ class Explanation {
   }
 
  private:
-  double shortest() const { return fastest_->solution().motion.duration(); }
+  double shortest() const { return known_.fastest->solution().motion.duration(); }
 
   // What is told of a shortest duration: rounded up, and with a little to spare, so that a request for it can be met.
   static double rounded_up(double duration) { return std::ceil(1e4 * (1 + kSpare) * duration) / 1e4; }
 
-  // The least change of this one thing that makes the problem possible, from these guesses.
-  bool relax(const Problem& problem, const Candidate& candidate, const std::vector<Guess>& guesses) {
-    const Problem with_slack_of_it = with_slack(problem, candidate.what);
-    auto solution = least(with_slack_of_it, name_of(candidate.what.name, candidate.what.joint), guesses);
-    const bool rough = !solution;
-    if (rough) solution = search_.last_sketch();
-    if (!solution || (rough && solution->solution().slack < kPossible)) return false;
-    if (!rough && fastest_ == nullptr && is_possible(*solution)) return false;
-    const double slack = (1 + (rough ? kRoughMargin : kMargin)) * solution->solution().slack;
-    if (slack > with_slack_of_it.slack->most) return false;
-    const Relaxable& what = candidate.what;
-    const double to = value_with(problem, what, slack);
-    const auto time = candidate.time ? candidate.time : worst_moment(problem, what, solution->solution());
-    Relaxation named = relaxation_of(what, to);
-    named.rough = rough;
-    // Where the fastest is known only about, planning would take as long as was saved by not refining it.
-    const bool too_long_to_plan = fastest_ != nullptr && !certified_;
-    if (what.constraint || (!rough && named.within_robot && !too_long_to_plan)) {
-      named = verified(problem, what, named, guess_of(*solution));
-    } else if (too_long_to_plan) {
-      named.rough = true;
+  // What came of relaxing one thing.
+  struct Relaxed {
+    std::optional<Relaxation> enough;
+    std::optional<Guess> start;  // of a motion for the request itself, without relaxing anything
+  };
+
+  // Relaxes each of these alone, from these guesses, and keeps what is enough. True when something is. Two at a time:
+  // each may take half of what is left, so that together they take no more than there is.
+  bool relax_each(const std::vector<Candidate>& candidates, const std::vector<Guess>& guesses) {
+    bool any = false;
+    for (std::size_t first = 0; first < candidates.size() && !search_.over() && !start_; first += kBesides) {
+      anything_tried_ = true;
+      std::vector<Relaxed> relaxed(std::min(kBesides, candidates.size() - first));
+      const double budget = search_.left() / static_cast<double>(relaxed.size());
+      const std::vector<bool> counts = session_.do_all(relaxed.size(), [&](std::size_t i, Session& own) {
+        Search search(own, budget);
+        relaxed[i] = relax(candidates[first + i], guesses, search);
+      });
+      for (std::size_t i = 0; i < relaxed.size(); ++i) any = (counts[i] && keep(relaxed[i])) || any;
     }
-    named.time = time;
-    result_.relaxations.push_back(named);
-    return true;
+    return any;
+  }
+
+  // True when it is enough.
+  bool keep(const Relaxed& relaxed) {
+    if (relaxed.start && !start_) start_ = relaxed.start;
+    if (relaxed.enough) result_.relaxations.push_back(*relaxed.enough);
+    return relaxed.enough.has_value();
+  }
+
+  // The least change of this one thing that makes the problem possible, from these guesses.
+  Relaxed relax(const Candidate& candidate, const std::vector<Guess>& guesses, Search& search) const {
+    const Problem with_slack_of_it = with_slack(problem_, candidate.what);
+    // Where the fastest is known only about, planning would take as long as was saved by not refining it.
+    const bool too_long_to_plan = known_.fastest != nullptr && !known_.certified;
+    // How fast a motion can be is hardly a matter of friction, and what is told is planned with the exact law anyway.
+    const bool sketched = too_long_to_plan || candidate.what.kind == RelaxableKind::kVelocity;
+    const std::string name = name_of(candidate.what.name, candidate.what.joint);
+    auto solution = least(with_slack_of_it, name, guesses, sketched, search);
+    const bool nearly_possible = solution && solution->solution().slack < kClose;
+    if (sketched && !too_long_to_plan && nearly_possible) {
+      solution = search.solve(with_slack_of_it, name, {guess_of(*solution)});
+    }
+    const bool rough = !solution || !solution->has_exact_friction();
+    if (!solution) solution = search.last_sketch();
+    if (!solution) return {};
+    const Relaxable& what = candidate.what;
+    if (solution->solution().slack < kPossible && (rough || known_.fastest == nullptr)) {
+      if (rough) return {};
+      if (known_.start_failed) return {eased(what, guess_of(*solution), search), {}};
+      return {{}, guess_of(*solution)};
+    }
+    const bool planned_soon = sketched && !too_long_to_plan;  // and with more of it until it is enough
+    const double slack = (1 + (rough && !planned_soon ? kRoughMargin : kMargin)) * solution->solution().slack;
+    if (slack > with_slack_of_it.slack->most) return {};
+    Relaxation named = relaxation_of(what, value_with(problem_, what, slack));
+    named.rough = rough;
+    if (!too_long_to_plan && (what.constraint || ((sketched || !rough) && named.within_robot))) {
+      named = verified(what, named, guess_of(*solution), search);
+    }
+    named.time = candidate.time ? candidate.time : worst_moment(problem_, what, solution->solution());
+    return {named, {}};
   }
 
   // A slack is minimised with rows that hold at the collocation points of a coarse mesh, and between them a motion cuts
   // corners. So the motion is planned with the change as it is told, and where that is not enough with more of it.
-  Relaxation verified(const Problem& problem, const Relaxable& what, Relaxation named, const Guess& near) {
+  Relaxation verified(const Relaxable& what, Relaxation named, const Guess& near, Search& search) const {
     const double amount = std::abs(named.to - what.from);
     for (const double more : kMore) {
-      if (more * amount > what.most || search_.over()) break;
+      if (more * amount > what.most || search.over()) break;
       const Relaxation tried = relaxation_of(what, what.value(more * amount));
-      Problem easier = problem;
+      Problem easier = problem_;
       what.set(easier, tried.to);
-      if (is_enough(easier, what.name, near)) return tried;
+      if (is_enough(easier, what.name, near, search)) return tried;
     }
     named.rough = true;
     return named;
   }
 
+  // Where hardly any change is needed and still nothing was found: how much makes it easy enough.
+  std::optional<Relaxation> eased(const Relaxable& what, const Guess& near, Search& search) const {
+    for (const double fraction : kEased) {
+      const double amount = fraction * size_of(what);
+      if (amount > what.allowed || known_.fastest != nullptr || search.over()) break;
+      const Relaxation tried = relaxation_of(what, what.value(amount));
+      Problem easier = problem_;
+      what.set(easier, tried.to);
+      const Problem quick = any_timed(easier) ? easier : fastest_of(easier);
+      if (const auto found = search.plan(quick, what.name, {near}); found && found->duration() <= easier.duration.max)
+        return tried;
+    }
+    return std::nullopt;
+  }
+
   // Whether a motion within the limits takes no longer than it may, found as it would be when asked for or near the one
   // that told the change.
-  bool is_enough(const Problem& easier, const std::string& what, const Guess& near) {
+  static bool is_enough(const Problem& easier, const std::string& what, const Guess& near, Search& search) {
     Problem quick = fastest_of(easier);
     if (any_timed(easier)) {
       quick.via = easier.via;
       quick.duration = easier.duration;
     }
-    std::vector<Guess> guesses = search_.guesses(quick);
+    std::vector<Guess> guesses = search.guesses(quick);
     guesses.push_back(near);
-    const auto found = search_.plan(quick, what, guesses);
+    const auto found = search.plan(quick, what, guesses);
     return found && (any_timed(easier) || (1 + kSpare) * found->duration() <= easier.duration.max);
   }
 
   // Without a slack it is a motion for the request itself.
   bool is_possible(const Continuation& solution) {
-    if (solution.solution().slack >= kPossible) return false;
+    if (solution.solution().slack >= kPossible || known_.start_failed) return false;
     start_ = guess_of(solution);
     return true;
   }
 
   // Where the duration is free: first with a large weight of time, and then with as much more time as the mesh is fine
   // enough for, since it takes time to gain speed.
-  std::optional<Continuation> least(Problem relaxed, const std::string& what, std::vector<Guess> guesses) {
+  std::optional<Continuation> least(Problem relaxed, const std::string& what, std::vector<Guess> guesses, bool roughly,
+                                    Search& search) const {
     Duration& duration = relaxed.duration;
     const double soon = kLonger * guesses.front().duration();
     if (!any_timed(problem_) && !relaxed.slack->velocity && duration.max > std::max(soon, duration.min)) {
-      const auto first = search_.sketch(hurried(relaxed), what + ", hurried", guesses);
+      const auto first = search.sketch(hurried(relaxed), what + ", hurried", guesses, kMostIterationsOfSlack);
       if (!first) return std::nullopt;
       guesses = {guess_of(*first)};
       duration.max = std::clamp(kLonger * guesses.front().duration(), duration.min, duration.max);
     }
-    return search_.solve(relaxed, what, guesses);
+    return roughly ? search.sketch(relaxed, what, guesses, kMostIterationsOfSlack)
+                   : search.solve(relaxed, what, guesses, kMostIterationsOfSlack);
   }
 
   // ---- no way round ----
@@ -155,6 +212,7 @@ class Explanation {
     for (const double more : {1.0, 1.5, 2.0}) {
       const double amount = more * kGridMargin * missing;
       if (amount >= what.most || search_.over()) return;
+      anything_tried_ = true;
       const Problem wider = what.relaxed(problem_, amount);
       if (!no_path(wider).sentence.empty()) continue;
       if (!search_.solve(wider, what.name, search_.guesses(wider))) continue;
@@ -167,13 +225,13 @@ class Explanation {
 
   void explain_duration() {
     const double allowed = problem_.duration.max;
-    const double needed = rounded_up((certified_ ? 1 : 1 + kMargin) * shortest());
+    const double needed = rounded_up((known_.certified ? 1 : 1 + kMargin) * shortest());
     result_.shortest_duration = needed;
     const std::string where = allowed == kLongestByDefault ? " where nothing else is said" : "";
     result_.sentence = fmt::format(
         "duration: at most {:.6g} s is allowed{}; the shortest motion found within the limits takes {}{:.4f} s",
-        allowed, where, certified_ ? "" : "about ", needed);
-    if (!certified_) result_.sentence += ", as far as was planned: not exact enough to be certified yet";
+        allowed, where, known_.certified ? "" : "about ", needed);
+    if (!known_.certified) result_.sentence += ", as far as was planned: not exact enough to be certified yet";
     const double rows = needed / problem_.longest_sample_period;
     if (rows > static_cast<double>(kMaxRows)) {
       result_.sentence += fmt::format(" (with a sample_period of {:.4f} s or more)",
@@ -183,16 +241,27 @@ class Explanation {
     result_.time = allowed;
     if (!any_timed(problem_)) {
       result_.relaxations.push_back(relaxation_of_time(RelaxableKind::kDuration, "duration", allowed, needed));
-      result_.relaxations.back().rough = !certified_;
+      result_.relaxations.back().rough = !known_.certified;
     } else {
       explain_times_as_well();
     }
-    const Collocated& fastest = fastest_->solution();
+    const Collocated& fastest = known_.fastest->solution();
     const std::vector<Guess> hurried{guess_from(fastest.motion, fastest.durations, allowed)};
-    bool any = false;
-    const std::vector<Candidate> active = active_in(*fastest_);
-    for (const Candidate& candidate : active) any = relax(problem_, candidate, hurried) || any;
-    if (!any) relax_together(active, hurried);
+    const std::vector<Candidate> active = active_in(*known_.fastest);
+    if (!relax_each(worth_trying_alone(active, hurried), hurried)) relax_together(active, hurried);
+  }
+
+  // Alone, each would have to change by no less than all of them together. Where that is much, and more than a request
+  // may ask for, nobody is helped by what it comes to, and mostly it comes to nothing.
+  std::vector<Candidate> worth_trying_alone(std::vector<Candidate> single, const std::vector<Guess>& guesses) {
+    const Problem everything = with_slack(problem_, all_limits(problem_));
+    const auto least = search_.sketch(everything, "all_limits", guesses, kMostIterationsOfSlack);
+    if (least && least->solution().slack > kMuch) keep_within_robot(single, least->solution().slack);
+    return single;
+  }
+
+  static void keep_within_robot(std::vector<Candidate>& single, double slack) {
+    std::erase_if(single, [&](const Candidate& c) { return c.what.allowed < slack * size_of(c.what); });
   }
 
   // What no single limit does may take both joints' of one quantity, or else all of them.
@@ -201,10 +270,10 @@ class Explanation {
       for (const Candidate& joint2 : single) {
         if (joint1.what.quantity == nullptr || joint1.what.quantity != joint2.what.quantity) continue;
         if (joint1.what.joint != 1 || joint2.what.joint != 2) continue;
-        if (relax(problem_, {both_joints(problem_, *joint1.what.quantity), {}, 0}, guesses)) return;
+        if (relax_each({{both_joints(problem_, *joint1.what.quantity), {}, 0}}, guesses)) return;
       }
     }
-    relax(problem_, {all_limits(problem_), {}, 0}, guesses);
+    relax_each({{all_limits(problem_), {}, 0}}, guesses);
   }
 
   // The shortest motion passes its via points when it likes: what it takes at the times that were asked for, or which
@@ -240,17 +309,42 @@ class Explanation {
       const auto earliest = earliest_at(problem_, i, search_);
       if (!earliest || *earliest <= asked) continue;
       tell_via(i, fmt::format("within the limits it cannot be passed before {:.4f} s", *earliest));
-      if (const auto time = nearest_time(problem_, i, *earliest + kMargin * (*earliest - asked), search_)) {
-        move_via(i, *time);
-      }
+      const double enough = *earliest + kMargin * (*earliest - asked);
+      if (explain_duration_besides(i, enough)) continue;
+      anything_tried_ = true;
+      if (const auto time = nearest_time(problem_, i, enough, search_)) move_via(i, *time);
     }
     for (std::size_t i = 0; i < problem_.via.size() && result_.sentence.empty() && !search_.over(); ++i) {
       if (!problem_.via[i].time) continue;
+      anything_tried_ = true;
       const auto time = nearest_time(problem_, i, {}, search_);
       if (!time) continue;
       tell_via(i, fmt::format("that leaves too little time {} it", *time > *problem_.via[i].time ? "before" : "after"));
       move_via(i, *time);
     }
+  }
+
+  // Where the fastest motion takes longer than is allowed too, whatever the times of the via points: how long it takes,
+  // and what would do together. True then.
+  bool explain_duration_besides(std::size_t via, double time) {
+    const Problem hurry = fastest_of(problem_);
+    const auto sketched = search_.sketch(hurry, "duration", search_.guesses(hurry));
+    if (!sketched || sketched->duration() <= problem_.duration.max) return false;
+    const auto fastest = search_.solve(hurry, "duration", {guess_of(*sketched)});
+    if (!fastest || fastest->duration() <= problem_.duration.max) return false;
+    result_.shortest_duration = rounded_up((1 + kMargin) * fastest->duration());
+    result_.sentence += fmt::format(
+        "; besides, at most {:.6g} s is allowed for all of the motion, and the shortest takes about {:.4f} s",
+        problem_.duration.max, *result_.shortest_duration);
+    Problem moved = fastest_of(problem_);
+    moved.via = problem_.via;
+    moved.via[via].time = told(*problem_.via[via].time, time);
+    for (const Via& v : moved.via) moved.duration.min = v.time.value_or(moved.duration.min) + kShortestDuration;
+    if (const auto both = search_.plan(moved, "duration", {guess_of(*fastest)})) {
+      result_.sentence += fmt::format("; via[{}].time of {:.4g} s and a duration of {:.4f} s would do together", via,
+                                      *moved.via[via].time, rounded_up((1 + kMargin) * both->duration()));
+    }
+    return true;
   }
 
   void tell_via(std::size_t i, const std::string& why) {
@@ -270,7 +364,7 @@ class Explanation {
       const Relaxation tried = relaxation_of_time(RelaxableKind::kViaTime, name, asked, asked + more * (time - asked));
       Problem moved = problem_;
       moved.via[i].time = tried.to;
-      if (!is_enough(moved, name, search_.guesses(moved).front())) continue;
+      if (!is_enough(moved, name, search_.guesses(moved).front(), search_)) continue;
       result_.relaxations.push_back(tried);
       return;
     }
@@ -281,19 +375,24 @@ class Explanation {
   // ---- limits that no motion keeps ----
 
   void explain_limits() {
-    if (tell_reached()) return;
+    if (tell_reached() || tell_velocities()) return;
     const Problem loose = hurried(with_slack_everywhere(problem_));
     auto everything = search_.sketch(loose, "everything", search_.guesses(relaxed(problem_, kLoose)));
     if (everything && everything->solution().slack < kClose) {  // nearly possible: a sketch cannot tell
-      everything = search_.solve(loose, "everything", {guess_of(*everything)});
-      if (!everything || is_possible(*everything)) return;
+      auto exact = search_.solve(loose, "everything", {guess_of(*everything)});
+      if (exact && is_possible(*exact)) return;
+      if (!exact && !known_.start_failed) return;
+      if (exact) everything = std::move(exact);
     }
     const Continuation* near = everything ? &*everything : nullptr;
     const std::vector<Guess> from = near != nullptr ? std::vector<Guess>{guess_of(*near)} : search_.guesses(problem_);
-    for (const Candidate& candidate : candidates(problem_, near)) {
-      if (search_.over() || start_) break;
-      relax(problem_, candidate, from);
-    }
+    std::vector<Candidate> single = candidates(problem_, near);
+    const auto limits = std::stable_partition(
+        single.begin(), single.end(), [](const Candidate& c) { return c.what.kind == RelaxableKind::kVelocity; });
+    std::vector<Candidate> others(limits, single.end());
+    single.erase(limits, single.end());
+    if (relax_each(single, from) && near != nullptr) keep_within_robot(others, near->solution().slack);
+    if (!start_) relax_each(others, from);
     if (start_) return;
     if (result_.relaxations.empty() && near != nullptr) relax_together(candidates(problem_, near), from);
     if (result_.relaxations.empty() && near == nullptr) return explain_by_statics();
@@ -303,10 +402,10 @@ class Explanation {
 
   // Where the search came to a motion with one limit relaxed, that is what it takes, about.
   bool tell_reached() {
-    if (!reached_) return false;
+    if (!known_.reached) return false;
     for (const Relaxable& what : relaxables(problem_)) {
       if (what.kind != RelaxableKind::kLimit) continue;
-      const double limit = kLimitNames[what.indices.front()].in(*reached_);
+      const double limit = kLimitNames[what.indices.front()].in(*known_.reached);
       if (limit == what.from) continue;
       result_.relaxations.push_back(relaxation_of(what, limit));
       result_.relaxations.back().rough = true;
@@ -314,6 +413,15 @@ class Explanation {
     if (result_.relaxations.size() != 1) result_.relaxations.clear();
     if (!result_.relaxations.empty()) name_what_is_in_the_way(nullptr);
     return !result_.relaxations.empty();
+  }
+
+  // Where velocities are known to be out of reach, limits that let the arm move so fast are far beyond the robot's.
+  bool tell_velocities() {
+    if (known_.out_of_reach != OutOfReach::kVelocity) return false;
+    if (!relax_each(candidates(problem_, nullptr), search_.guesses(problem_))) return false;
+    std::stable_sort(result_.relaxations.begin(), result_.relaxations.end(), easier);
+    name_what_is_in_the_way(nullptr);
+    return true;
   }
 
   static bool easier(const Relaxation& a, const Relaxation& b) {
@@ -395,23 +503,23 @@ class Explanation {
       any = true;
       result_.sentence += "; " + sentence_of(r);
     }
-    if (!any && !search_.over()) result_.sentence += "; no other change of a single limit was found to do";
+    if (!any && anything_tried_ && !search_.over())
+      result_.sentence += "; no other change of a single limit was found to do";
   }
 
   const Problem& problem_;
-  const Continuation* fastest_;
-  const bool certified_;  // the fastest
-  const std::optional<Limits> reached_;
+  const Known& known_;
+  Session& session_;
   Search search_;
   Infeasibility result_;
-  std::optional<Guess> start_;  // of a motion for the request, which turned out to be possible
+  bool anything_tried_ = false;  // of what might have been relaxed
+  std::optional<Guess> start_;   // of a motion for the request, which turned out to be possible
 };
 
 }  // namespace
 
-WhyNot explain(const Problem& problem, const Continuation* fastest, bool certified,
-               const std::optional<Limits>& reached, Session& session) {
-  return Explanation(problem, fastest, certified, reached, session).run();
+WhyNot explain(const Problem& problem, const Known& known, Session& session) {
+  return Explanation(problem, known, session).run();
 }
 
 }  // namespace fjr

@@ -7,6 +7,7 @@
 #include "planner/search/continuation.h"
 #include "planner/search/explain/relaxation.h"
 #include "planner/search/guesses.h"
+#include "planner/search/out_of_reach.h"
 
 namespace fjr {
 
@@ -17,10 +18,16 @@ struct WhyNot {
   std::optional<Guess> start;
 };
 
-// problem: what no motion was found for. `fastest`: the solution of fastest_of(problem), null if there is none.
-// certified: whether its rows are exact enough to be published; otherwise its duration is told as about what it takes.
-// reached: limits with which a motion was found on the way, on a coarse mesh; none where that was not tried.
-WhyNot explain(const Problem& problem, const Continuation* fastest, bool certified,
-               const std::optional<Limits>& reached, Session& session);
+// What the search came to before it was asked why.
+struct Known {
+  const Continuation* fastest = nullptr;  // the solution of fastest_of(problem); null if there is none
+  bool certified = false;                 // its rows are exact enough; else its duration is told as about what it takes
+  std::optional<Limits> reached;          // with which a motion was found on the way, on a coarse mesh
+  std::optional<OutOfReach> out_of_reach;  // clearly
+  bool start_failed = false;               // a start that was told before led to no plan: what makes it easier is told
+};
+
+// problem: what no motion was found for.
+WhyNot explain(const Problem& problem, const Known& known, Session& session);
 
 }  // namespace fjr

@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kUsual = 1;         // [s] motions that take longer are begun with as many intervals as one of this
 constexpr std::size_t kGuesses = 2;  // of the usual ones
-constexpr int kMostIterationsOfStart = 450;  // iterations of one start
 
 }  // namespace
 
@@ -37,7 +36,7 @@ bool Search::refine(Continuation& c, Exactness exactness) {
 }
 
 std::optional<Continuation> Search::solve(const Problem& problem, const std::string& what,
-                                          const std::vector<Guess>& guesses, Exactness exactness) {
+                                          const std::vector<Guess>& guesses, Exactness exactness, int most_iterations) {
   const auto kept = std::make_shared<const Problem>(problem);
   last_sketch_.reset();
   for (const Guess& guess : guesses) {
@@ -45,7 +44,7 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
     Continuation c(kept, session_, "why not: " + what);
     const bool coarse = exactness != Exactness::kKeepsLimits && kept->task.obstacles.empty();
     if (coarse) c.mesh_factor = std::min(1.0, kUsual / guess.duration());
-    const bool sketched = c.begin(guess, kMostIterationsOfStart) == StartOutcome::kNew,
+    const bool sketched = c.begin(guess, most_iterations) == StartOutcome::kNew,
                solved = sketched && refine(c, exactness);
     if (solved) return c;
     if (sketched) last_sketch_ = std::move(c);
@@ -54,18 +53,18 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
 }
 
 std::optional<Continuation> Search::solve(const Problem& problem, const std::string& what,
-                                          const std::vector<Guess>& guesses) {
-  return solve(problem, what, guesses, Exactness::kExactFriction);
+                                          const std::vector<Guess>& guesses, int most_iterations) {
+  return solve(problem, what, guesses, Exactness::kExactFriction, most_iterations);
 }
 
 std::optional<Continuation> Search::plan(const Problem& problem, const std::string& what,
                                          const std::vector<Guess>& guesses) {
-  return solve(problem, what, guesses, Exactness::kKeepsLimits);
+  return solve(problem, what, guesses, Exactness::kKeepsLimits, kMostIterations);
 }
 
 std::optional<Continuation> Search::sketch(const Problem& problem, const std::string& what,
-                                           const std::vector<Guess>& guesses) {
-  return solve(problem, what, guesses, Exactness::kSketch);
+                                           const std::vector<Guess>& guesses, int most_iterations) {
+  return solve(problem, what, guesses, Exactness::kSketch, most_iterations);
 }
 
 }  // namespace fjr

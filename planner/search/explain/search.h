@@ -15,20 +15,28 @@ namespace fjr {
 
 class Search {
  public:
-  explicit Search(Session& session) : session_(session), work_before_(session.account().work) {}
+  static constexpr double kBudget = 10;        // [s] of work (SolveReport::work)
+  static constexpr int kMostIterations = 450;  // of one start
+
+  explicit Search(Session& session, double budget = kBudget)
+      : session_(session), budget_(budget), work_before_(session.account().work) {}
+
+  // What is left of the budget [s].
+  double left() const { return budget_ - (session_.account().work - work_before_); }
 
   // Nothing more will be solved: interrupted, or the budget is spent.
-  bool over() const { return session_.interrupted() || session_.account().work - work_before_ >= kBudget; }
+  bool over() const { return session_.interrupted() || left() <= 0; }
 
   // The first solution from one of these guesses, with the exact friction law.
-  std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses);
+  std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
+                                    int most_iterations = kMostIterations);
 
   // The same on a mesh and with margins that keep every limit between the collocation points too.
   std::optional<Continuation> plan(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses);
 
   // The same only as exact as finding it takes: on a coarse mesh, with friction smoothed.
-  std::optional<Continuation> sketch(const Problem& problem, const std::string& what,
-                                     const std::vector<Guess>& guesses);
+  std::optional<Continuation> sketch(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
+                                     int most_iterations = kMostIterations);
 
   // What the last solve() came to with friction smoothed, where it did not get to the exact law; none otherwise.
   std::optional<Continuation> last_sketch() const { return last_sketch_; }
@@ -37,15 +45,13 @@ class Search {
   std::vector<Guess> guesses(const Problem& problem) const;
 
  private:
-  static constexpr double kBudget = 10;  // [s] of work (SolveReport::work)
-
   enum class Exactness { kSketch, kExactFriction, kKeepsLimits };
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
-                                    Exactness exactness);
+                                    Exactness exactness, int most_iterations);
   static bool refine(Continuation& c, Exactness exactness);
 
   Session& session_;
-  const double work_before_;  // [s]
+  const double budget_, work_before_;  // [s]
   std::optional<Continuation> last_sketch_;
 };
 

@@ -5,35 +5,19 @@
 #include <cmath>
 #include <numeric>
 
+#include "planner/search/fastest.h"
+
 namespace fjr {
 namespace {
 
 constexpr double kTimeTolerance = 0.02;  // fraction of a change of time to which it is found
-
-// The fastest motion through via point i, to end there.
-Problem up_to(const Problem& problem, std::size_t i) {
-  Problem result = problem;
-  const Via& via = problem.via[i];
-  result.goal = Goal{};
-  result.goal.q = via.q;
-  result.goal.dq = via.dq.value_or(Joints<double>{});
-  result.goal.dq_free = !via.dq;
-  result.goal.at_rest = false;
-  result.other_goals.clear();
-  result.release.reset();
-  result.via.resize(i);
-  const double before = i > 0 ? result.via.back().time.value_or(0) : 0;
-  result.duration = {before + kShortestDuration, kLongestDuration};
-  result.weights = {.time = 1};
-  return result;
-}
 
 std::string name_of(std::size_t i) { return fmt::format("via[{}].time", i); }
 
 }  // namespace
 
 std::optional<double> earliest_at(const Problem& problem, std::size_t i, Search& search) {
-  const Problem hurry = up_to(problem, i);
+  const Problem hurry = fastest_to_via(problem, i);
   const auto earliest = search.solve(hurry, name_of(i), search.guesses(hurry));
   if (!earliest) return std::nullopt;
   return earliest->solution().motion.duration();

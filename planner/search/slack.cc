@@ -1,4 +1,4 @@
-#include "planner/search/explain/slack.h"
+#include "planner/search/slack.h"
 
 #include <algorithm>
 #include <cmath>

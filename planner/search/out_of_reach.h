@@ -1,0 +1,26 @@
+// Whether a request for which the first start led nowhere is worth more of them. Patience, other meshes and limits that
+// are tightened step by step cost ten times what it costs to ask what is missing, and for most requests that cannot be
+// had they find nothing.
+#pragma once
+
+#include <optional>
+
+#include "planner/problem/problem.h"
+#include "planner/search/session.h"
+
+namespace fjr {
+
+// What no motion gets to, so that no more is tried.
+enum class OutOfReach {
+  kVelocity,   // the goal or a via point moves too fast, whatever time there is
+  kViaTime,    // the fastest motion to a via point gets there too late
+  kAllLimits,  // all of them together would have to be larger
+};
+
+// Which of these is so, clearly: by half of a velocity, a twentieth of a via point's time, half of all limits. It is
+// found by optimising with a smoothed friction law on coarse meshes, so that what is only just out of reach, or not
+// known, is not called so. Nothing is said of arms that have to swing up, nor of motions with a task: the least excess
+// found there is that of one way among others.
+std::optional<OutOfReach> out_of_reach(const Problem& problem, Session& session);
+
+}  // namespace fjr

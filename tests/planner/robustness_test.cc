@@ -1,9 +1,14 @@
 // Requests that can be had for certain are planned, whatever they are made of.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 
+#include "planner/ocp/collocate.h"
 #include "planner/plan.h"
 #include "planner/request/request.h"
 #include "planner/search/fallbacks.h"
@@ -124,6 +129,63 @@ TEST(Robustness, WorkIsBounded) {
   EXPECT_LT(work, kMost + kOneStep);
   EXPECT_TRUE(result.cut_by_work);
   EXPECT_NE(result.reason.find("may take no more"), std::string::npos) << result.reason;
+}
+
+// The memory [bytes] of a process that does this, at its largest.
+double memory_of(const std::function<void()>& task) {
+  const pid_t child = fork();
+  if (child == 0) {
+    task();
+    _exit(0);
+  }
+  int status = 0;
+  rusage used{};
+  EXPECT_EQ(wait4(child, &status, 0, &used), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  return 1024.0 * static_cast<double>(used.ru_maxrss);
+}
+
+constexpr double kMostMemory = 300e6;  // [bytes] of a request, whatever it asks for
+
+// A swing with little torque and hardly any room for joint 2 took 1.2 GB and more while its mesh grew. 61 MB measured,
+// with a fifth of the usual work as with all of it.
+TEST(Robustness, MemoryIsBoundedWhereNothingIsFound) {
+  const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
+  const Problem problem = parse_request(
+      "start: {q: [0, 0]}\n"
+      "goal: {q: [2.4, 0]}\n"
+      "objective: fastest\n"
+      "limits: {torque: [6.3, 5], link_position: [2.45, 0.3]}\n",
+      "cramped.yaml", robot);
+  PlanOptions options;
+  options.most_work /= 5;
+  EXPECT_LT(memory_of([&] { plan(problem, options); }), kMostMemory);
+}
+
+// Memory grows with rows, of which this has nearly as many as there may be, and with intervals.
+TEST(Robustness, MemoryIsBoundedForTheLongestMotion) {
+  const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
+  const Problem problem = parse_request(
+      "start: {q: [0, 0]}\ngoal: {q: [1.2, 0.8]}\nduration: {max: 60}\n"
+      "limits: {motor_velocity: [0.05, 0.05]}\n",
+      "slow.yaml", robot);
+  EXPECT_LT(memory_of([&] { plan(problem, {}); }), kMostMemory);
+}
+
+// Memory grows with iterations only until everything has been allocated, in the first of them.
+TEST(Robustness, MemoryIsBoundedForTheFinestMesh) {
+  const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
+  const Problem problem = parse_request("start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n", "reach.yaml", robot);
+  const auto solve = [&] {
+    const Guess guess = minimum_jerk_guess(problem, duration_guess(problem));
+    const auto intervals = static_cast<int>(ContinuationSettings{}.most_intervals);
+    SolveOptions options;
+    options.max_iterations = 5;
+    const Collocated c =
+        collocate(problem, {hermite_simpson(), uniform_mesh(guess.durations, intervals), {0.1}}, guess, options);
+    if (c.report.iterations < options.max_iterations) _exit(1);
+  };
+  EXPECT_LT(memory_of(solve), kMostMemory);
 }
 
 TEST(Robustness, RandomRequestsAreTheSameForTheSameSeed) {

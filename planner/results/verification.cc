@@ -53,6 +53,15 @@ void compare_robots(const Trajectory& trajectory, Verification& v) {
                                          planned_for->second, hash, v.header.payload ? "" : " or payload"));
 }
 
+// Rows beside the plan.json of another request, whose task is not what they were planned for.
+void compare_requests(const Trajectory& trajectory, const PlannedTask& planned, Verification& v) {
+  const auto hash = trajectory.metadata.find("request_hash");
+  if (planned.request_hash.empty() || hash == trajectory.metadata.end() || hash->second == planned.request_hash) return;
+  v.contradictions.push_back(
+      fmt::format("it was planned for another request (request_hash {}, that of plan.json is {})", hash->second,
+                  planned.request_hash));
+}
+
 // Whether all rows are there that the file says that it had; nothing where it does not say.
 std::optional<bool> is_complete(const Trajectory& trajectory) {
   const auto rows = trajectory.metadata.find("rows");
@@ -78,6 +87,7 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& tas
 PlannedTask planned_task(const std::filesystem::path& folder) {
   const YamlNode plan = YamlNode::load(folder / "plan.json");
   PlannedTask planned{read_task(plan.at("resolved_request").at("task")), {}};
+  if (const auto hash = plan.find("request_hash")) planned.request_hash = hash->text();
   const auto add_end = [&](const YamlNode& time) {
     const double end = time.number("s"), before = planned.ends.empty() ? 0 : planned.ends.back();
     if (!(end > before)) time.fail(fmt::format("{} s is not later than {} s, where the segment begins", end, before));
@@ -101,6 +111,7 @@ Verification verify(const Trajectory& trajectory, const std::string& source, con
   v.limits = Limits::of(v.robot);
   tighten(v);
   compare_robots(trajectory, v);
+  compare_requests(trajectory, options.planned, v);
   v.certificate = certify(v.robot, v.limits, trajectory);
   const TaskOfMotion task = TaskOfMotion::of(v.robot, options.planned.task, options.planned.ends);
   if (options.proven) demand_proof(v.robot, v.limits, task, trajectory, v.certificate, on_all_cores);

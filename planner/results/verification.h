@@ -25,6 +25,7 @@ struct Verification {
 struct PlannedTask {
   Task task;
   std::vector<double> ends;
+  std::string request_hash{};  // empty: not said
 };
 
 // From the plan.json in the folder of a plan. Throws InputError where there is none, or none of a motion, or where its

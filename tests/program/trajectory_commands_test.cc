@@ -125,6 +125,20 @@ TEST_F(Cli, VerifyRefusesAPlanWhoseSegmentsAreNone) {
               HasSubstr("via_times: has 2 times, but there are 3 corners of the path"));
 }
 
+TEST_F(Cli, VerifySaysWhereRowsAndPlanAreOfDifferentRequests) {
+  Trajectory trajectory = at_rest();
+  trajectory.metadata["request_hash"] = "abc";
+  write_csv(trajectory, path("trajectory.csv"));
+  const auto warnings = [&](const std::string& hash) {
+    write("plan.json", R"({"request_hash": ")" + hash +
+                           R"(", "resolved_request": {"task": {}}, "via_times": [], "duration": 0.02})");
+    return run({"verify", ".", "--proven"}).err;
+  };
+  EXPECT_EQ(warnings("abc"), "");
+  EXPECT_THAT(warnings("def"),
+              HasSubstr("it was planned for another request (request_hash abc, that of plan.json is def)"));
+}
+
 TEST_F(Cli, VerifyRefusesATamperedFile) {
   Trajectory trajectory = at_rest();
   trajectory.samples[10].state.q[0] += 2e-4;  // two counts of the link encoder

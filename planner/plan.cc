@@ -1,7 +1,9 @@
 #include "planner/plan.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <mutex>
 #include <thread>
 #include <utility>
 
@@ -81,13 +83,30 @@ std::optional<Infeasibility> search(int starts, Findings& found, Session& sessio
   return find_out_why(found, session);
 }
 
-// A certified plan that cannot be proven is none.
+void withdraw(Plan& plan) {
+  plan.status = PlanStatus::kCancelled;
+  plan.reason = "stopped on request";
+  plan.trajectory.reset();
+  plan.certificate.reset();
+  plan.solution.reset();
+}
+
+// A certified plan that cannot be proven is none. A deadline is for the search: the proof comes after it.
 void demand_proof(const Problem& problem, Session& session, Plan& plan) {
   const Timed timed(session, "proof");
   const TaskOfMotion asked = TaskOfMotion::of(problem.robot, problem.task, plan.segment_ends());
-  demand_proof(problem.robot, problem.limits, asked, *plan.trajectory, *plan.certificate,
-               [&](std::size_t count, const auto& task) { session.for_each(count, task); });
+  std::mutex asking;
+  std::atomic<bool> stopped = false;
+  demand_proof(
+      problem.robot, problem.limits, asked, *plan.trajectory, *plan.certificate,
+      [&](std::size_t count, const auto& task) { session.for_each(count, task); },
+      [&] {
+        const std::lock_guard lock(asking);
+        stopped = stopped || (session.options().cancelled && session.options().cancelled());
+        return stopped.load();
+      });
   if (plan.certificate->certified) return;
+  if (stopped) return withdraw(plan);
   plan.status = PlanStatus::kUncertified;
   plan.reason = plan.certificate->failures.back();
   plan.solution.reset();

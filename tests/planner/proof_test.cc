@@ -8,6 +8,7 @@
 #include <cfenv>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -18,6 +19,8 @@
 #include "planner/certificate/proof/task_reaches.h"
 #include "planner/certificate/rollout.h"
 #include "planner/certificate/thresholds.h"
+#include "planner/plan.h"
+#include "planner/request/request.h"
 #include "support/exact_trajectories.h"
 
 namespace fjr {
@@ -173,6 +176,30 @@ TEST(Proof, FeedbackBeyondWhatIsAllowedIsNotProven) {
   Claims claims = Claims::of(robot(), robot_limits());
   claims.feedback[1] = 0.002;
   EXPECT_THAT(prove(robot(), trajectory, claims).closed_loop.reason, HasSubstr("feedback torque of joint 2"));
+}
+
+TEST(Proof, IsStoppedOnRequest) {
+  const auto stopped = [] { return true; };
+  const Proof proof = prove(robot(), robot_limits(), {}, reference_trajectory(), one_after_another, stopped);
+  EXPECT_FALSE(proof.proven || proof.open_loop.proven || proof.closed_loop.proven);
+  EXPECT_THAT(proof.reason, HasSubstr("stopped on request"));
+  EXPECT_LT(proof.closed_loop.steps, 200);
+}
+
+TEST(Proof, AsksWhetherThePlanIsCancelled) {
+  const Problem problem = parse_request("start: {q: [0.3, 0.2]}\ngoal: {q: [0.42, 0.08]}\n", "r.yaml", robot());
+  PlanOptions options;
+  options.jobs = 1;  // as often asked in either run
+  int asked = 0, most = std::numeric_limits<int>::max();
+  options.cancelled = [&] { return ++asked > most; };
+  EXPECT_EQ(plan(problem, options).status, PlanStatus::kCertified);
+  most = asked;
+  asked = 0;
+  options.proven = true;
+  const Plan cancelled = plan(problem, options);
+  EXPECT_EQ(cancelled.status, PlanStatus::kCancelled);
+  EXPECT_EQ(cancelled.reason, "stopped on request");
+  EXPECT_FALSE(cancelled.trajectory || cancelled.certificate);
 }
 
 // On all threads, and nothing of it stays.

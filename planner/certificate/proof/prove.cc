@@ -22,7 +22,8 @@ namespace {
 using enclosure::Ball;
 using enclosure::Polynomial;
 
-constexpr std::size_t kRowOrder = 6;  // more than any polynomial quantity has between rows
+constexpr int kBetweenQuestions = 100;  // steps after which it is asked whether a proof is to stop, some milliseconds
+constexpr std::size_t kRowOrder = 6;    // more than any polynomial quantity has between rows
 
 Polynomial difference(const Polynomial& a, const Polynomial& b) {
   Polynomial d = a;
@@ -86,9 +87,10 @@ class LimitReaches {
 
 class LoopProver {
  public:
-  LoopProver(const Parameters& robot, const Claims& claims, bool closed)
+  LoopProver(const Parameters& robot, const Claims& claims, bool closed, const std::function<bool()>& stopped)
       : robot_(robot),
         claims_(claims),
+        stopped_(stopped),
         closed_(closed),
         link_{Reach(claims.link), Reach(claims.link)},
         velocity_{Reach(claims.link_velocity), Reach(claims.link_velocity)},
@@ -128,6 +130,10 @@ class LoopProver {
 
  private:
   bool keeps(const ArmStep& step) {
+    if (++steps_ % kBetweenQuestions == 0 && stopped_()) {
+      gap_.note(step.time, "stopped on request");
+      return false;
+    }
     bool kept = true;
     for (std::size_t j = 0; j < kJoints && kept; ++j) {
       kept = keeps_link(step, j) && (!closed_ || (keeps_velocity(step, j) && keeps_feedback(step, j)));
@@ -192,7 +198,9 @@ class LoopProver {
 
   const Parameters& robot_;
   const Claims& claims_;
+  const std::function<bool()>& stopped_;
   bool closed_;
+  long steps_ = 0;
   Joints<Reach> link_, velocity_, feedback_;
   LimitReaches limits_;
   TaskReaches task_;
@@ -329,19 +337,20 @@ Claims Claims::of(const Parameters& robot, const Limits& limits, const TaskOfMot
 }
 
 void demand_proof(const Parameters& robot, const Limits& limits, const TaskOfMotion& task, const Trajectory& trajectory,
-                  Certificate& certificate, const ForEach& for_each) {
-  certificate.proof = prove(robot, limits, task, trajectory, for_each);
+                  Certificate& certificate, const ForEach& for_each, const std::function<bool()>& stopped) {
+  certificate.proof = prove(robot, limits, task, trajectory, for_each, stopped);
   if (certificate.proof.proven) return;
   certificate.certified = false;
   certificate.failures.push_back(certificate.proof.reason);
 }
 
 Proof prove(const Parameters& robot, const Limits& limits, const TaskOfMotion& task, const Trajectory& trajectory,
-            const ForEach& for_each) {
-  return prove(robot, trajectory, Claims::of(robot, limits, task), for_each);
+            const ForEach& for_each, const std::function<bool()>& stopped) {
+  return prove(robot, trajectory, Claims::of(robot, limits, task), for_each, stopped);
 }
 
-Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims& claims, const ForEach& for_each) {
+Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims& claims, const ForEach& for_each,
+            const std::function<bool()>& stopped) {
   const enclosure::RoundingToNearest nearest;
   Proof proof;
   proof.evaluated = true;
@@ -349,7 +358,7 @@ Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims&
     proof.reason = std::move(reason);
     return proof;
   }
-  LoopProver open(robot, claims, false), closed(robot, claims, true);
+  LoopProver open(robot, claims, false, stopped), closed(robot, claims, true, stopped);
   RowsProver rows(robot, claims);
   const std::array<std::function<void()>, 3> parts{
       [&] {

@@ -1,6 +1,7 @@
 // Bounds of the exact motion that hold with mathematical certainty: the certificate's rollouts, proved.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "common/parallel.h"
@@ -23,16 +24,20 @@ struct Claims {
   static Claims of(const Parameters& robot, const Limits& limits, const TaskOfMotion& task = {});
 };
 
+inline bool not_stopped() { return false; }
+
 // Encloses the exact solutions of the model under the published samples, in open and in closed loop, from the exact
 // start and over all of the time, and compares them with the plan's cubics, the limits and the task. What is covered,
-// what is assumed and how: docs/theory.md. for_each: three independent pieces of work.
+// what is assumed and how: docs/theory.md. for_each: three independent pieces of work. stopped: asked now and then, by
+// all of them; what is stopped is not proven.
 Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims& claims,
-            const ForEach& for_each = one_after_another);
+            const ForEach& for_each = one_after_another, const std::function<bool()>& stopped = not_stopped);
 Proof prove(const Parameters& robot, const Limits& limits, const TaskOfMotion& task, const Trajectory& trajectory,
-            const ForEach& for_each = one_after_another);
+            const ForEach& for_each = one_after_another, const std::function<bool()>& stopped = not_stopped);
 
 // Asks a certificate for that too: what is certified and not proven is certified no longer, and says why.
 void demand_proof(const Parameters& robot, const Limits& limits, const TaskOfMotion& task, const Trajectory& trajectory,
-                  Certificate& certificate, const ForEach& for_each = one_after_another);
+                  Certificate& certificate, const ForEach& for_each = one_after_another,
+                  const std::function<bool()>& stopped = not_stopped);
 
 }  // namespace fjr

@@ -25,12 +25,13 @@ constexpr std::size_t kSpareRows = 1000;                  // for what comes betw
 constexpr double kMore[] = {1, 1.03, 1.1, 1.25, 1.5, 2};  // times the least change, until planning finds it enough
 constexpr double kEased[] = {0.02, 0.05, 0.1};            // fractions of what it is
 constexpr double kRoughMargin = 0.1;                      // the same where friction stayed smooth
-constexpr double kGridMargin = 1.1;                       // times the clearance that a grid found missing
-constexpr double kClose = 0.05;                           // slack of a sketch that a more exact one may do without
-constexpr double kPossible = 2e-3;           // slack below which the request is possible, as far as can be told
-constexpr double kLoose = 3;                 // fraction by which limits are relaxed for a duration to start from
-constexpr double kMuch = 0.25;               // fraction of all limits at once
-constexpr std::size_t kBesides = 2;          // things that are tried beside each other
+constexpr double kRoom = 0.1;        // fraction of a change, or a duration, beyond two that only just do together
+constexpr double kGridMargin = 1.1;  // times the clearance that a grid found missing
+constexpr double kClose = 0.05;      // slack of a sketch that a more exact one may do without
+constexpr double kPossible = 2e-3;   // slack below which the request is possible, as far as can be told
+constexpr double kLoose = 3;         // fraction by which limits are relaxed for a duration to start from
+constexpr double kMuch = 0.25;       // fraction of all limits at once
+constexpr std::size_t kBesides = 2;  // things that are tried beside each other
 constexpr int kMostIterationsOfSlack = 250;  // of one solve: those that lead somewhere took up to 190
 constexpr double kLonger = 2;                // times the duration of a hurried motion that the least change may take
 
@@ -338,11 +339,12 @@ class Explanation {
         problem_.duration.max, *result_.shortest_duration);
     Problem moved = fastest_of(problem_);
     moved.via = problem_.via;
-    moved.via[via].time = told(*problem_.via[via].time, time);
+    const double asked = *problem_.via[via].time;
+    moved.via[via].time = told(asked, time + kRoom * (time - asked));
     for (const Via& v : moved.via) moved.duration.min = v.time.value_or(moved.duration.min) + kShortestDuration;
     if (const auto both = search_.plan(moved, "duration", {guess_of(*fastest)})) {
       result_.sentence += fmt::format("; via[{}].time of {:.4g} s and a duration of {:.4f} s would do together", via,
-                                      *moved.via[via].time, rounded_up((1 + kMargin) * both->duration()));
+                                      *moved.via[via].time, rounded_up((1 + kRoom) * both->duration()));
     }
     return true;
   }

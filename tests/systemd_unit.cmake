@@ -54,9 +54,9 @@ function(unit name command credentials exposure)
   message(STATUS "${name}: ${overall}")
 endfunction()
 
-unit(fjr.service "serve --config ${prefix}/etc/fjr/service.yaml" ${prefix}/etc/fjr/security/service 20)
+unit(fjr.service "serve --config ${prefix}/etc/fjr/service.yaml" ${prefix}/etc/fjr/security/service 15)
 unit(fjr-worker.service "serve --worker-only --config ${prefix}/etc/fjr/service.yaml" ${prefix}/etc/fjr/security/worker
-  20)
+  15)
 unit(fjr-executor.service "executor --config ${prefix}/etc/fjr/executor.yaml --logs %L/fjr-executor"
-  ${prefix}/etc/fjr/security/executor 20)
+  ${prefix}/etc/fjr/security/executor 15)
 file(REMOVE_RECURSE ${prefix})

@@ -172,17 +172,26 @@ class Client {
 
 Answer request_plan(const Order& order, const ClientOptions& options) { return Client(order, options).run(); }
 
-Overview overview(const Network& network, double wait) {
-  dds::OverviewPort port{dds::Participant(network.domain, network.security)};
+struct Lookout::Seen {
+  explicit Seen(const Network& network) : port(dds::Participant(network.domain, network.security)) {}
+
+  dds::OverviewPort port;
+  std::map<std::string, ArmDrift> drifts;
+};
+
+Lookout::Lookout(const Network& network) : seen_(std::make_unique<Seen>(network)) {}
+Lookout::~Lookout() = default;
+
+Overview Lookout::look(double wait, const std::function<bool()>& enough) {
+  auto& [port, drifts] = *seen_;
   std::map<std::string, ServiceStatus> services;
   std::map<std::pair<std::string, dds::ExecutorStates::Source>, ExecutorState> executors;
-  std::map<std::string, ArmDrift> drifts;
   Patience patience(wait);
   const auto still_looking = [&] {
     return patience.looked() < wait ||
            (services.empty() && executors.empty() && !patience.over(port.discovery().handshakes_may_take()));
   };
-  while (still_looking()) {
+  while (still_looking() && !(enough && enough())) {
     port.wait(std::chrono::milliseconds(20));
     if (port.discovery().look()) patience.progressed();
     for (ServiceStatus& status : port.take_services()) services[status.instance] = std::move(status);
@@ -191,11 +200,13 @@ Overview overview(const Network& network, double wait) {
   }
   Overview found;
   for (auto& [instance, status] : services) found.services.push_back(std::move(status));
-  for (auto& [robot, drift] : drifts) found.drifts.push_back(std::move(drift));
+  for (const auto& [robot, drift] : drifts) found.drifts.push_back(drift);
   for (auto& [robot, state] : executors) found.executors.push_back(std::move(state));
   if (found.services.empty()) found.strangers = port.discovery().about_strangers();
   found.looked = patience.looked();
   return found;
 }
+
+Overview overview(const Network& network, double wait) { return Lookout(network).look(wait); }
 
 }  // namespace fjr

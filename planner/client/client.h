@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -62,5 +63,20 @@ struct Overview {
   double looked = 0;                     // [s]
 };
 Overview overview(const Network& network, double wait);
+
+// The same again and again. What each look tells was heard during it, but for the drifts, which are seldom told.
+class Lookout {
+ public:
+  explicit Lookout(const Network& network);
+  ~Lookout();
+  Lookout(const Lookout&) = delete;
+  Lookout& operator=(const Lookout&) = delete;
+
+  Overview look(double wait, const std::function<bool()>& enough = {});  // enough: polled; then the look ends
+
+ private:
+  struct Seen;
+  std::unique_ptr<Seen> seen_;
+};
 
 }  // namespace fjr

@@ -6,6 +6,7 @@
 #include <string>
 #include <thread>
 
+#include "common/input_error.h"
 #include "planner/program/commands.h"
 #include "planner/program/ending.h"
 #include "planner/program/network_arguments.h"
@@ -28,6 +29,9 @@ struct Ros2ActionArguments {
 // What it needs is in the service's configuration already.
 ActionServerConfig configured(const Ros2ActionArguments& options) {
   const ServiceConfig service = options.config.empty() ? default_service_config() : load_service_config(options.config);
+  if (options.robot_id.empty() && !service.robots.empty()) {
+    throw InputError(options.config, "robots", "of these one is meant: give its id as --robot-id");
+  }
   ActionServerConfig config;
   config.network = service.network;
   options.network.apply_to(config.network);

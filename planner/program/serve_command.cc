@@ -14,6 +14,7 @@
 #include "planner/program/ending.h"
 #include "planner/program/network_arguments.h"
 #include "planner/program/service_log.h"
+#include "planner/service/one_per_robot.h"
 #include "planner/service/service.h"
 #include "planner/service/solve_loop.h"
 #include "planner/service/worker_host.h"
@@ -31,9 +32,9 @@ struct ServeArguments {
 
 template <class Host>
 int run(const ServiceConfig& config) {
-  Host host(config);
-  const std::jthread ending = stop_at_end(host);
-  host.run();
+  OnePerRobot<Host> hosts(config);
+  const std::jthread ending = stop_at_end(hosts);
+  hosts.run();
   return 0;
 }
 
@@ -48,6 +49,7 @@ int serve(const ServeArguments& options) {
   config.rehearsal = options.rehearsal;
   if (!options.worker_only) return run<Service>(config);
   if (config.workers == 0) throw InputError(options.config, "workers", "0: a worker has at least one solving process");
+  config.metrics_port.reset();  // its owner's are of its slots, too
   return run<WorkerHost>(config);
 }
 

@@ -1,14 +1,22 @@
 // fjr status: how the planning services and executors are doing.
+#include <fmt/chrono.h>
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "planner/client/client.h"
 #include "planner/program/commands.h"
+#include "planner/program/interrupt.h"
 #include "planner/results/plan_json.h"
 
 namespace fjr {
@@ -18,6 +26,7 @@ struct StatusArguments {
   unsigned domain = 0;
   double wait = 1;
   bool json = false;
+  bool watch = false;
 };
 
 std::string text_for_people(const ServiceStatus& s) {
@@ -104,12 +113,71 @@ nlohmann::ordered_json show(const List& list, bool json) {
   return all;
 }
 
-int run(const StatusArguments& options) {
-  const Overview found = overview({.domain = options.domain}, options.wait);
+nlohmann::ordered_json show(const Overview& found, bool json) {
   nlohmann::ordered_json all;
-  all["services"] = show(found.services, options.json);
-  all["executors"] = show(found.executors, options.json);
-  all["arms"] = show(found.drifts, options.json);
+  all["services"] = show(found.services, json);
+  all["executors"] = show(found.executors, json);
+  all["arms"] = show(found.drifts, json);
+  return all;
+}
+
+// Who was heard before and is heard no more.
+class Missing {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  // Their names, and for how long they have been silent [s].
+  std::vector<std::pair<std::string, double>> after(const Overview& found) {
+    const auto now = Clock::now();
+    for (const ServiceStatus& service : found.services) heard_[service.instance] = now;
+    for (const ExecutorState& executor : found.executors) heard_["executor of " + executor.robot_id] = now;
+    std::vector<std::pair<std::string, double>> missing;
+    for (const auto& [name, last] : heard_) {
+      if (last != now) missing.emplace_back(name, std::chrono::duration<double>(now - last).count());
+    }
+    return missing;
+  }
+
+ private:
+  std::map<std::string, Clock::time_point> heard_;
+};
+
+// On a terminal each look takes the place of the one before; elsewhere they follow each other, with --json one a line.
+void show_again(const Overview& found, Missing& missing, bool json) {
+  const auto silent = missing.after(found);
+  if (json) {
+    nlohmann::ordered_json all = show(found, true);
+    all["silent"] = nlohmann::ordered_json::array();
+    for (const auto& [name, seconds] : silent) all["silent"].push_back({{"name", name}, {"seconds", seconds}});
+    fmt::print("{}\n", all.dump());
+  } else {
+    const bool terminal = ::isatty(STDOUT_FILENO) != 0;
+    const std::string time = fmt::format("{:%Y-%m-%d %H:%M:%S}", fmt::localtime(std::time(nullptr)));
+    fmt::print("{}{}\n", terminal ? "\033[H\033[2J" : "", time);
+    (void)show(found, false);
+    for (const auto& [name, seconds] : silent) fmt::print("{}: silent for {:.0f} s\n", name, seconds);
+    if (found.services.empty()) fmt::print("no planning service is heard\n");
+    if (!terminal) fmt::print("\n");
+  }
+  std::fflush(stdout);
+}
+
+// Until Ctrl-C.
+int watch(const StatusArguments& options) {
+  catch_interrupts();
+  Lookout lookout({.domain = options.domain});
+  Missing missing;
+  for (;;) {
+    const Overview found = lookout.look(options.wait, interrupted);
+    if (interrupted()) return 0;
+    show_again(found, missing, options.json);
+  }
+}
+
+int run(const StatusArguments& options) {
+  if (options.watch) return watch(options);
+  const Overview found = overview({.domain = options.domain}, options.wait);
+  const nlohmann::ordered_json all = show(found, options.json);
   if (options.json) fmt::print("{}", json_text(all));
   if (!found.services.empty()) return 0;
   fmt::print(stderr, "fjr: no planning service on DDS domain {} (looked for {:.3g} s){}\n", options.domain,
@@ -126,6 +194,8 @@ void add_status(CLI::App& app, int& exit_code) {
   command->add_option("--wait", options->wait, "How long to listen, in seconds")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  command->add_flag("--watch", options->watch,
+                    "Again and again until Ctrl-C, every --wait seconds, and who is silent; with --json one a line");
   command->add_flag("--json", options->json, "Only JSON on stdout: {services: [...], executors: [...], arms: [...]}");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

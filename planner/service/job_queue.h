@@ -50,6 +50,11 @@ class JobQueue {
   void push(Job job) { jobs_.push_back(std::move(job)); }
   void push_front(Job job) { jobs_.push_front(std::move(job)); }  // it has had its turn
 
+  template <class Ready>
+  bool any_of(Ready&& ready) const {
+    return std::any_of(jobs_.begin(), jobs_.end(), ready);
+  }
+
   // Removes and returns the next of those of which `ready` holds.
   template <class Ready>
   std::optional<Job> pop_if(Ready&& ready) {

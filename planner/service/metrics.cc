@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace fjr {
 namespace {
@@ -28,13 +30,20 @@ std::string label_value(std::string_view label) {
 
 class Page {
  public:
-  // The samples of a family follow it.
+  // What stands in front of the labels of all samples from now on.
+  void label_all(std::string labels) { common_ = std::move(labels); }
+
+  // The samples of a family follow it; the format has those of all services stand together.
   void family(std::string_view name, std::string_view type, std::string_view help) {
-    name_ = name;
-    text_ += fmt::format("# HELP {0} {2}\n# TYPE {0} {1}\n", name, type, help);
+    const auto is_it = [&](const Family& family) { return family.name == name; };
+    family_ = static_cast<std::size_t>(std::ranges::find_if(families_, is_it) - families_.begin());
+    if (family_ < families_.size()) return;
+    families_.push_back({name, fmt::format("# HELP {0} {2}\n# TYPE {0} {1}\n", name, type, help)});
   }
   void sample(double value, std::string_view labels = "", std::string_view suffix = "") {
-    text_ += fmt::format("{}{}{} {}\n", name_, suffix, labels.empty() ? "" : fmt::format("{{{}}}", labels), value);
+    Family& family = families_[family_];
+    const std::string all = fmt::format("{}{}{}", common_, common_.empty() || labels.empty() ? "" : ",", labels);
+    family.text += fmt::format("{}{}{} {}\n", family.name, suffix, all.empty() ? "" : "{" + all + "}", value);
   }
   void gauge(std::string_view name, double value, std::string_view help) {
     family(name, "gauge", help);
@@ -53,11 +62,20 @@ class Page {
     sample(histogram.sum(), "", "_sum");
     sample(static_cast<double>(histogram.count()), "", "_count");
   }
-  std::string text() && { return std::move(text_); }
+  std::string text() const {
+    std::string all;
+    for (const Family& family : families_) all += family.text;
+    return all;
+  }
 
  private:
-  std::string_view name_;
-  std::string text_;
+  struct Family {
+    std::string_view name;
+    std::string text;
+  };
+  std::string common_;
+  std::vector<Family> families_;
+  std::size_t family_ = 0;  // of the samples that follow
 };
 
 double since_1970(Metrics::Clock::time_point time) {
@@ -94,9 +112,6 @@ void add_instance(Page& page, const Metrics& metrics) {
   const ServiceStatus& s = metrics.status;
   page.gauge("fjr_owner", s.epoch > 0 ? 1 : 0, "Whether this instance answers for its robot; 0: it is a standby.");
   page.gauge("fjr_epoch", static_cast<double>(s.epoch), "Number of this owner; 0 of a standby.");
-  page.family("fjr_info", "gauge", "Who it is; always 1.");
-  page.sample(1, fmt::format("name={},robot_id={},robot_hash={},version={}", label_value(s.instance),
-                             label_value(s.robot_id), label_value(s.robot_hash), label_value(s.version)));
   page.gauge("fjr_uptime_seconds", s.uptime, "Since the start of this instance.");
   page.gauge("fjr_snapshot_timestamp_seconds", since_1970(metrics.now),
              "When these numbers were taken: a service that hangs does not renew them.");
@@ -112,15 +127,28 @@ void add_executor(Page& page, const std::optional<ExecutorState>& executor) {
   }
 }
 
+// It names the robot itself.
+void add_identity(Page& page, const ServiceStatus& s) {
+  page.label_all("");
+  page.family("fjr_info", "gauge", "Who it is; always 1.");
+  page.sample(1, fmt::format("name={},robot_id={},robot_hash={},version={}", label_value(s.instance),
+                             label_value(s.robot_id), label_value(s.robot_hash), label_value(s.version)));
+}
+
 }  // namespace
 
-std::string metrics_text(const Metrics& metrics) {
+std::string metrics_text(const std::vector<std::optional<Metrics>>& services) {
   Page page;
-  add_requests(page, metrics);
-  add_resources(page, metrics);
-  add_instance(page, metrics);
-  add_executor(page, metrics.executor);
-  return std::move(page).text();
+  for (const std::optional<Metrics>& metrics : services) {
+    if (!metrics) continue;
+    page.label_all(services.size() > 1 ? "robot_id=" + label_value(metrics->status.robot_id) : "");
+    add_requests(page, *metrics);
+    add_resources(page, *metrics);
+    add_instance(page, *metrics);
+    add_executor(page, metrics->executor);
+    add_identity(page, metrics->status);
+  }
+  return page.text();
 }
 
 }  // namespace fjr

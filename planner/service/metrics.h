@@ -4,6 +4,7 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "planner/protocol/execution_messages.h"
 #include "planner/protocol/messages.h"
@@ -21,6 +22,7 @@ struct Metrics {
   Clock::time_point now = Clock::now();
 };
 
-std::string metrics_text(const Metrics& metrics);
+// Of one service, or of several in one process, each sample then with its robot_id; none: of one nothing is known yet.
+std::string metrics_text(const std::vector<std::optional<Metrics>>& services);
 
 }  // namespace fjr

@@ -6,6 +6,7 @@
 #include <iterator>
 
 #include "planner/service/admission.h"
+#include "planner/service/version.h"
 
 namespace fjr {
 namespace {
@@ -80,10 +81,10 @@ void RemoteSolvers::hear(const WorkerOffer& offer, Solvers::News& news) {
                   fmt::format("robot_id {} is served by instance {} with another robot (hash {}, here {})",
                               owner_.robot_id, owner_.instance, owner_.robot_hash, offer.robot_hash));
   }
-  if (offer.version != FJR_VERSION) {
+  if (offer.version != program_version()) {
     return refuse(offer, RefusedFor::kVersion,
                   fmt::format("instance {} is fjr {}, this worker is fjr {}: what it plans would not be the same",
-                              owner_.instance, FJR_VERSION, offer.version));
+                              owner_.instance, program_version(), offer.version));
   }
   if (names_.try_emplace(offer.worker, offer.instance).second) {
     spdlog::info("worker met name={} slots={}", offer.instance, offer.slots);

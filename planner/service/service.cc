@@ -9,8 +9,7 @@
 
 #include "planner/service/durations.h"
 #include "planner/service/memory.h"
-#include "planner/service/metrics.h"
-#include "planner/service/watchdog.h"
+#include "planner/service/version.h"
 
 namespace fjr {
 namespace {
@@ -37,8 +36,9 @@ std::optional<Signer> signer_of(const Network& network) {
 
 }  // namespace
 
-Service::Service(const ServiceConfig& config)
+Service::Service(const ServiceConfig& config, Companion companion)
     : config_(config),
+      companion_(std::move(companion)),
       robot_(load_parameters(config.robot)),
       robot_hash_(robot_hash(robot_)),
       signer_(signer_of(config.network)),
@@ -53,9 +53,9 @@ Service::Service(const ServiceConfig& config)
       refused_lately_(kRefusedLately, kRelaysEnd),
       unclaimed_(kUnclaimedOfOne, kUnclaimedBytes),
       outbox_([this](const SharedReply& reply) { return send(reply); }, kOutboxBytes),
-      solvers_(config.workers, worker_settings(config), [this] { port_.wake(); }) {
+      solvers_(
+          config.workers, worker_settings(config), [this] { port_.wake(); }, companion_.turns()) {
   if (config.joint_trajectory) ros_.emplace(port_.participant(), robot_, config.joint_names);
-  if (config.metrics_port) metrics_.emplace(*config.metrics_port);
   if (config.remember.empty()) return;
   store_.emplace(config.remember, config.robot_id, [this] { port_.wake(); });
   for (const SharedReply& reply : store_->take_earlier()) remember(reply);
@@ -125,17 +125,17 @@ void Service::heartbeat() {
   const ServiceStatus now_so = status();
   port_.send(now_so);
   publish_metrics(now_so);
-  tell_alive();
+  companion_.tell_alive();
 }
 
 void Service::publish_metrics(const ServiceStatus& status) {
-  if (!metrics_) return;
+  if (!companion_.has_metrics()) return;
   Metrics metrics;
   metrics.status = status;
   metrics.tally = tally_;
   metrics.executor = executor_.latest();
   metrics.remembered = cache_.size();
-  metrics_->publish(metrics_text(metrics));
+  companion_.publish(std::move(metrics));
 }
 
 ServiceStatus Service::status() const {
@@ -143,7 +143,7 @@ ServiceStatus Service::status() const {
   status.instance = config_.instance;
   status.robot_id = config_.robot_id;
   status.robot_hash = robot_hash_;
-  status.version = FJR_VERSION;
+  status.version = program_version();
   status.epoch = ownership_.epoch();
   status.uptime = seconds(Clock::now() - began_);
   status.queued = static_cast<std::uint32_t>(queue_.size());

@@ -2,7 +2,7 @@
 // all of it; workers and signals only leave word and wake it.
 //
 // Of several instances for a robot one, the owner, answers; the others remember what they hear and take over when it is
-// gone (ownership.h).
+// gone (ownership.h). It serves one robot; a process may have several of them (one_per_robot.h).
 #pragma once
 
 #include <atomic>
@@ -16,10 +16,10 @@
 #include "planner/protocol/signature.h"
 #include "planner/service/admission.h"
 #include "planner/service/backlog.h"
+#include "planner/service/companions.h"
 #include "planner/service/executor_watch.h"
 #include "planner/service/inbox.h"
 #include "planner/service/job_queue.h"
-#include "planner/service/metrics_server.h"
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"
 #include "planner/service/presence.h"
@@ -35,7 +35,7 @@ namespace fjr {
 
 class Service {
  public:
-  explicit Service(const ServiceConfig& config);
+  Service(const ServiceConfig& config, Companion companion);
 
   void run();   // until stop(); then answers what is in flight
   void stop();  // from any thread
@@ -129,6 +129,7 @@ class Service {
   void post(SharedReply reply);
 
   const ServiceConfig config_;
+  const Companion companion_;
   const Parameters robot_;
   const std::string robot_hash_;
   const Clock::time_point began_ = Clock::now();
@@ -156,7 +157,6 @@ class Service {
   Unclaimed unclaimed_;
   Outbox outbox_;
   Tally tally_;
-  std::optional<MetricsServer> metrics_;
   LogLimit log_requests_, log_refusals_, log_slow_clients_, log_others_;
   std::vector<Answer> being_stored_;  // they leave when they are on disk
   std::optional<ReplyStore> store_;   // none: a restarted service remembers nothing

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 
 #include "common/strict_yaml.h"
@@ -54,6 +55,37 @@ void read_ros2(const YamlNode& node, ServiceConfig& config) {
   if (config.joint_names[0] == config.joint_names[1]) names->fail("the two names are the same");
 }
 
+// Its services are instances of their own, by this name.
+std::string instance_of(const ServiceConfig& config, const std::string& robot_id) {
+  return config.instance + "/" + robot_id;
+}
+
+void read_robots(const YamlNode& root, const std::filesystem::path& folder, ServiceConfig& config) {
+  const auto list = root.find("robots");
+  if (!list) return;
+  for (const char* key : {"robot_id", "robot"}) {
+    if (const auto node = root.find(key)) node->fail("stands beside `robots`, which names id and file of each robot");
+  }
+  for (const YamlNode& item : list->items()) {
+    item.allow_keys({"id", "robot"});
+    ServedRobot& robot = config.robots.emplace_back();
+    (void)item.at("id");
+    read_name(item, "id", robot.id);
+    const auto same = [&](const ServedRobot& other) { return other.id == robot.id; };
+    if (std::ranges::count_if(config.robots, same) > 1) item.at("id").fail("the same as of a robot before it");
+    if (const std::size_t length = instance_of(config, robot.id).size(); length > kLongestName) {
+      item.at("id").fail(
+          fmt::format("with the instance's name {} characters, above the {} allowed", length, kLongestName));
+    }
+    const auto file = item.find("robot");
+    robot.file = file ? folder / file->text() : default_robot_file();
+  }
+  if (config.robots.empty()) list->fail("no robot");
+  if (config.robots.size() > 1 && config.joint_trajectory) {
+    root.at("ros2").at("joint_trajectory").fail("true, but the topic is one robot's alone, and `robots` has several");
+  }
+}
+
 void read_metrics(const YamlNode& node, ServiceConfig& config) {
   node.allow_keys({"port"});
   config.metrics_port = 9464;  // what OpenTelemetry's exporters use
@@ -69,6 +101,19 @@ ServiceConfig default_service_config() {
   return config;
 }
 
+std::vector<ServiceConfig> one_per_robot(const ServiceConfig& config) {
+  if (config.robots.empty()) return {config};
+  std::vector<ServiceConfig> all;
+  for (const ServedRobot& robot : config.robots) {
+    ServiceConfig& one = all.emplace_back(config);
+    one.robots.clear();
+    one.robot_id = robot.id;
+    one.robot = robot.file;
+    if (config.robots.size() > 1) one.instance = instance_of(config, robot.id);
+  }
+  return all;
+}
+
 WorkerSettings worker_settings(const ServiceConfig& config) {
   return {config.robot, config.warm_plans, config.library, config.jobs, config.rehearsal};
 }
@@ -76,8 +121,9 @@ WorkerSettings worker_settings(const ServiceConfig& config) {
 ServiceConfig load_service_config(const std::filesystem::path& file) {
   ServiceConfig config = default_service_config();
   const YamlNode root = YamlNode::load(file);
-  root.allow_keys({"domain", "instance", "robot_id", "robot", "workers", "jobs", "queue", "warm_plans", "library",
-                   "remember", "metrics", "budget", "longest_budget", "ros2", "security", "allow_insecure_network"});
+  root.allow_keys({"domain", "instance", "robot_id", "robot", "robots", "workers", "jobs", "queue", "warm_plans",
+                   "library", "remember", "metrics", "budget", "longest_budget", "ros2", "security",
+                   "allow_insecure_network"});
   read_network(root, file.parent_path(), config.network);
   read_whole(root, "workers", 0, 64, config.workers);
   read_whole(root, "jobs", 1, 256, config.jobs);
@@ -92,6 +138,7 @@ ServiceConfig load_service_config(const std::filesystem::path& file) {
   if (const auto node = root.find("library")) config.library = file.parent_path() / node->text();
   if (const auto node = root.find("remember")) config.remember = file.parent_path() / node->text();
   if (const auto node = root.find("robot")) config.robot = file.parent_path() / node->text();
+  read_robots(root, file.parent_path(), config);
   return config;
 }
 

@@ -12,19 +12,25 @@
 
 namespace fjr {
 
+struct ServedRobot {
+  std::string id;
+  std::filesystem::path file;
+};
+
 struct ServiceConfig {
   Network network;
-  std::string instance;            // unique among the running services; by default host name and process
-  std::string robot_id = "arm";    // whose trajectories it publishes
-  std::filesystem::path robot;     // what is planned for
-  std::size_t workers = 1;         // solving processes; 0: those of other machines alone
-  std::size_t jobs = 1;            // threads of each
-  std::size_t queue = 64;          // requests of one client that may wait
-  std::size_t warm_plans = 32;     // minimum-time plans that each worker keeps to start neighbouring ones from
-  std::filesystem::path library;   // folder of a plan library to start from and to learn into; empty: none
-  std::filesystem::path remember;  // folder of the replies that are remembered over a restart; empty: none are
-  double budget = 60;              // [s] for a request that names none
-  double longest_budget = 600;     // [s] a request may ask for
+  std::string instance;             // unique among the running services; by default host name and process
+  std::string robot_id = "arm";     // whose trajectories it publishes
+  std::filesystem::path robot;      // what is planned for
+  std::vector<ServedRobot> robots;  // in place of these two: several in one process
+  std::size_t workers = 1;          // solving processes; 0: those of other machines alone
+  std::size_t jobs = 1;             // threads of each
+  std::size_t queue = 64;           // requests of one client that may wait
+  std::size_t warm_plans = 32;      // minimum-time plans that each worker keeps to start neighbouring ones from
+  std::filesystem::path library;    // folder of a plan library to start from and to learn into; empty: none
+  std::filesystem::path remember;   // folder of the replies that are remembered over a restart; empty: none are
+  double budget = 60;               // [s] for a request that names none
+  double longest_budget = 600;      // [s] a request may ask for
   std::optional<std::uint16_t> metrics_port;  // on the loopback interface, for Prometheus; 0: any
   bool joint_trajectory = false;              // for ROS 2: what goes to the executor also goes to rt/joint_trajectory
   std::vector<std::string> joint_names{"joint1", "joint2"};
@@ -33,6 +39,9 @@ struct ServiceConfig {
 
 // The defaults, with the robot shipped with the program and the credentials that FJR_SECURITY names.
 ServiceConfig default_service_config();
+
+// The same for each robot alone, which gives the instance a name of its own where there are several.
+std::vector<ServiceConfig> one_per_robot(const ServiceConfig& config);
 
 WorkerSettings worker_settings(const ServiceConfig& config);
 

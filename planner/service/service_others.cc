@@ -8,7 +8,6 @@
 #include "planner/service/durations.h"
 #include "planner/service/overheard.h"
 #include "planner/service/service.h"
-#include "planner/service/watchdog.h"
 
 namespace fjr {
 namespace {
@@ -124,7 +123,7 @@ void Service::open() {
   spdlog::info("serving instance={} domain={} workers={} queue={} robot={} {}", config_.instance,
                config_.network.domain, config_.workers, config_.queue, robot_hash_.substr(0, 12),
                ownership_.owner() ? "as owner" : "as standby");
-  tell_ready();
+  companion_.tell_ready();
 }
 
 void Service::review_ownership() {

@@ -7,6 +7,7 @@
 
 #include "planner/service/durations.h"
 #include "planner/service/service.h"
+#include "planner/service/version.h"
 
 namespace fjr {
 
@@ -17,7 +18,7 @@ Reply Service::reply_to(const Order& order, ReplyState state, Refusal why) const
   reply.why = std::move(why);
   reply.robot_id = config_.robot_id;
   reply.robot_hash = robot_hash_;
-  reply.version = FJR_VERSION;
+  reply.version = program_version();
   reply.origin = order.origin;
   return reply;
 }

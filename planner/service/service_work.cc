@@ -57,11 +57,10 @@ void Service::work() {
 
 void Service::give_work() {
   const auto ready = [this](const Job& job) { return !executes(job.order) || may_start(job.order); };
-  while (solvers_.idle()) {
-    auto job = queue_.pop_if(ready);
-    if (!job) return;
-    if (auto untold = solvers_.solve(std::move(*job))) queue_.push_front(std::move(*untold));
+  while (queue_.any_of(ready) && solvers_.idle()) {
+    if (auto untold = solvers_.solve(*queue_.pop_if(ready))) queue_.push_front(std::move(*untold));
   }
+  if (!queue_.any_of(ready)) solvers_.withdraw();
 }
 
 void Service::expire() {

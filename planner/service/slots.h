@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -13,9 +14,9 @@ namespace fjr {
 
 class Slots {
  public:
-  // `wake` is called from other threads whenever take_news() has something to tell.
-  Slots(std::size_t here, WorkerSettings settings, std::function<void()> wake)
-      : here_(here, std::move(settings), std::move(wake)) {}
+  // As Solvers.
+  Slots(std::size_t here, WorkerSettings settings, std::function<void()> wake, std::shared_ptr<Turns> turns)
+      : here_(here, std::move(settings), std::move(wake), std::move(turns)) {}
 
   // From now on, until disown(), workers of other machines are given leases.
   void own(const dds::Participant& participant, dds::Waitset& waitset, RemoteSolvers::Owner owner, std::uint64_t epoch);
@@ -23,6 +24,7 @@ class Slots {
   void disown();
 
   bool idle() const { return here_.idle() || (owner_ && elsewhere_->load()); }
+  void withdraw() const { here_.withdraw(); }
   std::optional<Job> solve(Job job);  // where the least is going on; returns it where nobody can be told of it
   void replace_missing() { here_.replace_missing(); }
   Solvers::News take_news();

@@ -13,8 +13,8 @@
 
 namespace fjr {
 
-Solvers::Solvers(std::size_t count, WorkerSettings settings, std::function<void()> wake)
-    : settings_(std::move(settings)), wake_(std::move(wake)), solvers_(count) {
+Solvers::Solvers(std::size_t count, WorkerSettings settings, std::function<void()> wake, std::shared_ptr<Turns> turns)
+    : settings_(std::move(settings)), wake_(std::move(wake)), turn_(std::move(turns), wake_), solvers_(count) {
   replace_missing();
 }
 
@@ -44,9 +44,18 @@ void Solvers::start(Solver& solver) {
   }
 }
 
-bool Solvers::idle() const {
-  return std::any_of(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.worker && !s.job; });
+std::size_t Solvers::free() const {
+  return static_cast<std::size_t>(
+      std::count_if(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.worker && !s.job; }));
 }
+
+bool Solvers::idle() const {
+  if (free() > 0) return turn_.ask();
+  turn_.withdraw();  // others need not wait for one of these
+  return false;
+}
+
+void Solvers::withdraw() const { turn_.withdraw(); }
 
 double Solvers::load() const {
   return solvers_.empty() ? 1 : static_cast<double>(jobs().size()) / static_cast<double>(solvers_.size());
@@ -56,6 +65,7 @@ double Solvers::load() const {
 void Solvers::solve(Job job) {
   const auto solver =
       std::find_if(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.worker && !s.job; });
+  turn_.begin();
   job.started = Job::Clock::now();
   solver->job = std::move(job);
   solver->result = {};
@@ -77,6 +87,7 @@ void Solvers::find_stops(Solver& solver) {
 // What it was doing is over; its later words are of a serial nobody knows.
 Job Solvers::stop(Solver& solver) {
   Job job = std::move(*solver.job);
+  turn_.end();
   start(solver);
   return job;
 }
@@ -137,6 +148,7 @@ void Solvers::conclude(Solver& solver, const std::string& payload, News& news) {
   if (status == PlanStatus::kCertified && executes(solver.job->order) && !solver.planned) return find_stops(solver);
   SolveOutcome outcome = std::exchange(solver.result, {});
   outcome.job = std::move(*std::exchange(solver.job, std::nullopt));
+  turn_.end();
   outcome.state = state_of(status);
   outcome.why = {reason_of(status), "", payload.substr(1)};
   if (status != PlanStatus::kCertified) outcome.rows.clear();
@@ -149,6 +161,7 @@ void Solvers::lose(Solver& solver, News& news) {
   spdlog::error("worker lost pid={} solving={}", solver.worker->pid(),
                 solver.job ? text(solver.job->order.id) : "none");
   if (solver.job) {
+    turn_.end();
     ++solver.job->lost;
     news.lost.push_back(std::move(*solver.job));
   }

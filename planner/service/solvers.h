@@ -10,6 +10,7 @@
 
 #include "planner/protocol/log_limit.h"
 #include "planner/service/job_queue.h"
+#include "planner/service/turns.h"
 #include "planner/service/worker.h"
 
 namespace fjr {
@@ -26,13 +27,17 @@ struct SolveOutcome {
 
 class Solvers {
  public:
-  // `wake` is called from other threads whenever take_news() has something to tell.
-  Solvers(std::size_t count, WorkerSettings settings, std::function<void()> wake);
+  // `wake` is called from other threads whenever take_news() has something to tell, or it is their turn. turns: shared
+  // with others; none: all may solve at once.
+  Solvers(std::size_t count, WorkerSettings settings, std::function<void()> wake,
+          std::shared_ptr<Turns> turns = nullptr);
 
-  bool idle() const;       // one of them is
-  double load() const;     // the share of them that is solving, 0 to 1
-  void solve(Job job);     // by an idle one
-  void replace_missing();  // starts those again that have ended
+  bool idle() const;         // one of them is, and may solve; asked for as long as there is something to solve
+  void withdraw() const;     // there is nothing more to solve
+  std::size_t free() const;  // how many are idle, whether or not it is their turn
+  double load() const;       // the share of them that is solving, 0 to 1
+  void solve(Job job);       // by an idle one
+  void replace_missing();    // starts those again that have ended
 
   struct News {
     std::vector<ProgressReport> progress;
@@ -79,6 +84,7 @@ class Solvers {
 
   const WorkerSettings settings_;
   const std::function<void()> wake_;
+  const Turn turn_;
   std::uint64_t next_serial_ = 1, lost_ = 0;
   LogLimit log_start_;
   std::mutex events_mutex_;

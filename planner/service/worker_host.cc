@@ -10,6 +10,7 @@
 #include "common/input_error.h"
 #include "model/parameters.h"
 #include "planner/service/lease_table.h"
+#include "planner/service/version.h"
 #include "planner/service/watchdog.h"
 
 namespace fjr {
@@ -38,12 +39,14 @@ Job job_of(LeaseWord word) {
 
 }  // namespace
 
-WorkerHost::WorkerHost(const ServiceConfig& config)
+WorkerHost::WorkerHost(const ServiceConfig& config, Companion companion)
     : config_(config),
+      companion_(std::move(companion)),
       robot_hash_(robot_hash(load_parameters(config.robot))),
       worker_(new_client().client),
       port_(dds::guarded_participant(config.network), worker_),
-      solvers_(config.workers, worker_settings(config), [this] { port_.wake(); }) {}
+      solvers_(
+          config.workers, worker_settings(config), [this] { port_.wake(); }, companion_.turns()) {}
 
 void WorkerHost::stop() {
   stopping_ = true;
@@ -53,11 +56,12 @@ void WorkerHost::stop() {
 void WorkerHost::run() {
   spdlog::info("offering slots={} instance={} domain={} robot_id={} robot={}", solvers_.size(), config_.instance,
                config_.network.domain, config_.robot_id, robot_hash_.substr(0, 12));
-  tell_ready();
+  companion_.tell_ready();
   while (!stopping_) {
     if (Clock::now() >= next_heartbeat_) heartbeat();
     for (LeaseWord& word : port_.take_leases()) receive(std::move(word));
     take_news();
+    give_work();
     say_results();
     port_.wait(std::max(Clock::duration::zero(), next_heartbeat_ - Clock::now()));
   }
@@ -67,9 +71,10 @@ void WorkerHost::run() {
 void WorkerHost::heartbeat() {
   next_heartbeat_ = Clock::now() + kOfferPause;
   solvers_.replace_missing();
+  return_what_cannot_be_solved();
   look_for_owners();
   send_offer();
-  tell_alive();
+  companion_.tell_alive();
 }
 
 void WorkerHost::send_offer() {
@@ -78,7 +83,7 @@ void WorkerHost::send_offer() {
   offer.instance = config_.instance;
   offer.robot_id = config_.robot_id;
   offer.robot_hash = robot_hash_;
-  offer.version = FJR_VERSION;
+  offer.version = program_version();
   offer.slots = static_cast<std::uint32_t>(solvers_.size());
   for (const auto& [lease, held] : held_) offer.held.push_back({lease, held.progress});
   port_.send(offer);
@@ -125,14 +130,34 @@ void WorkerHost::begin(LeaseWord word) {
   if (held_.contains(word.lease) || held_.size() >= kMaxHeld) return;
   Held& held = held_[word.lease];
   held.instance = word.instance;
-  if (!solvers_.idle()) return conclude(job_id(word.lease), {});  // taken by another owner's, or just lost
+  if (waiting_.size() >= solvers_.free()) {  // taken by another owner's, or just lost
+    return conclude(job_id(word.lease), {});
+  }
   if (log_.allows()) spdlog::info("leased by={} id={} name={}", word.instance, text(word.id), word.name);
   refused_.clear();
-  solvers_.solve(job_of(std::move(word)));
+  waiting_.push_back(job_of(std::move(word)));
+  give_work();
+}
+
+void WorkerHost::give_work() {
+  while (!waiting_.empty() && solvers_.idle()) {
+    solvers_.solve(std::move(waiting_.front()));
+    waiting_.pop_front();
+  }
+  if (waiting_.empty()) solvers_.withdraw();
+}
+
+// A process that has ended may have been the one that it would have had.
+void WorkerHost::return_what_cannot_be_solved() {
+  while (waiting_.size() > solvers_.free()) {
+    conclude(waiting_.back().order.id, {});
+    waiting_.pop_back();
+  }
 }
 
 void WorkerHost::drop(const LeaseId& lease) {
   held_.erase(lease);
+  std::erase_if(waiting_, [&](const Job& job) { return job.order.id == job_id(lease); });
   (void)solvers_.stop_if([&](const Job& job) { return job.order.id == job_id(lease); });
 }
 

@@ -1,9 +1,11 @@
 // `fjr serve --worker-only`: solves for the owners of its robot, wherever they are. It takes as many leases as it has
-// solving processes, says again and again which ones it has, and keeps each result until that is taken.
+// solving processes, says again and again which ones it has, and keeps each result until that is taken. Where one
+// process does so for several robots, which share its processors, what is leased may wait for its turn.
 #pragma once
 
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <map>
 #include <optional>
 #include <string>
@@ -11,6 +13,7 @@
 
 #include "planner/dds/worker_port.h"
 #include "planner/protocol/log_limit.h"
+#include "planner/service/companions.h"
 #include "planner/service/service_config.h"
 #include "planner/service/solvers.h"
 
@@ -19,7 +22,7 @@ namespace fjr {
 class WorkerHost {
  public:
   // Of the configuration: the network, the instance, the robot, and what concerns solving.
-  explicit WorkerHost(const ServiceConfig& config);
+  WorkerHost(const ServiceConfig& config, Companion companion);
 
   // Until stop(); then what is leased is returned. Throws InputError when the owner of its robot has another
   // robot.yaml.
@@ -46,6 +49,8 @@ class WorkerHost {
   void receive(LeaseWord word);
   void begin(LeaseWord word);
   void drop(const LeaseId& lease);
+  void give_work();
+  void return_what_cannot_be_solved();
   void refused(const LeaseWord& word);
   void take_news();
   void conclude(const RequestId& id, WorkResult result);
@@ -53,12 +58,14 @@ class WorkerHost {
   void end();
 
   const ServiceConfig config_;
+  const Companion companion_;
   const std::string robot_hash_;
   const WorkerId worker_;
   dds::WorkerPort port_;
   std::atomic<bool> stopping_ = false;
   Clock::time_point next_heartbeat_{};
   std::map<LeaseId, Held> held_;
+  std::deque<Job> waiting_;              // of what is held, for their turn; no more than there are idle processes
   std::map<std::string, Owner> owners_;  // by instance; standbys, too
   std::string refused_;                  // the sentence that was logged
   LogLimit log_;

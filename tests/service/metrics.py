@@ -162,6 +162,22 @@ def check_dashboard(source, port):
     assert not untold, f"docs/service.md does not name {untold}"
 
 
+def check_several(program, folder):
+    """Each sample of a service of two robots says of which, and those of a metric stand together."""
+    service = Service(program, folder, "{metrics: {port: 0}, robots: [{id: left}, {id: right}]}\n", "several.log")
+    port = service.port()
+    owner = wait_for(lambda: (s := samples(port)) and value(s, "fjr_owner", robot_id="left") == 1 and
+                     value(s, "fjr_owner", robot_id="right") == 1 and s)
+    unlabelled = [key for key in owner if "robot_id" not in dict(key[1])]
+    assert not unlabelled, unlabelled
+    assert {dict(labels)["robot_id"] for name, labels in owner if name == "fjr_info"} == {"left", "right"}
+    text = get(port)[1]
+    names = [line.split("{")[0] for line in text.splitlines() if not line.startswith("#")]
+    assert names.count("fjr_owner") == 2 and names.index("fjr_owner") + 1 == names.index("fjr_owner", names.index("fjr_owner") + 1)
+    assert text.count("# TYPE fjr_owner ") == 1
+    service.end()
+
+
 def main(source, program):
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -190,6 +206,7 @@ def main(source, program):
             assert second.port() == port
             wait_for(lambda: value(samples(port), "fjr_requests_received_total") == 0)
             second.end()
+            check_several(program, folder)
         except BaseException:
             for log in folder.glob("*.log"):
                 print(log.read_text())

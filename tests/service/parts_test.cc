@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
 #include <thread>
 
 #include "planner/protocol/epoch.h"
@@ -12,6 +13,7 @@
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"
 #include "planner/service/recent_ids.h"
+#include "planner/service/turns.h"
 #include "planner/service/unclaimed.h"
 
 namespace fjr {
@@ -23,6 +25,56 @@ using testing::HasSubstr;
 void meet(Ownership& a, Ownership& b) {
   a.heard("b", "arm", b.epoch());
   b.heard("a", "arm", a.epoch());
+}
+
+// Two services that share one slot.
+struct TwoInTurn {
+  std::shared_ptr<Turns> turns = std::make_shared<Turns>(1);
+  int woken_a = 0, woken_b = 0;
+  Turn a{turns, [this] { ++woken_a; }}, b{turns, [this] { ++woken_b; }};
+};
+
+TEST(Turns, WhoHadOneLongestAgoIsNext) {
+  TwoInTurn two;
+  ASSERT_TRUE(two.a.ask());
+  two.a.begin();
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_FALSE(two.a.ask());
+    EXPECT_FALSE(two.b.ask());
+    two.a.end();
+    EXPECT_EQ(two.woken_b, i + 1);
+    EXPECT_FALSE(two.a.ask());  // however often it asks
+    ASSERT_TRUE(two.b.ask());
+    two.b.begin();
+    two.b.end();
+    EXPECT_EQ(two.woken_a, i + 1);
+    ASSERT_TRUE(two.a.ask());
+    two.a.begin();
+  }
+}
+
+TEST(Turns, WhoHasNothingToSolveStandsInNobodysWay) {
+  TwoInTurn two;
+  ASSERT_TRUE(two.a.ask());
+  two.a.begin();
+  EXPECT_FALSE(two.a.ask());
+  EXPECT_FALSE(two.b.ask());
+  two.b.withdraw();  // before it is its turn
+  two.a.end();
+  ASSERT_TRUE(two.a.ask());
+  EXPECT_FALSE(two.b.ask());
+  two.a.withdraw();  // with a slot kept for it
+  EXPECT_EQ(two.woken_b, 1);
+  EXPECT_TRUE(two.b.ask());
+  EXPECT_TRUE(two.b.ask());  // the same
+  EXPECT_FALSE(two.a.ask());
+}
+
+TEST(Turns, AloneItIsAlwaysItsTurn) {
+  const Turn alone;
+  EXPECT_TRUE(alone.ask());
+  alone.begin();
+  EXPECT_TRUE(alone.ask());
 }
 
 TEST(Ownership, OfTwoThatStartTogetherOneOwns) {

@@ -58,5 +58,49 @@ TEST(ServiceConfig, MutatedFilesAreReadOrRefused) {
   EXPECT_GT(refused, 100);
 }
 
+class RobotsTest : public testing::Test {
+ protected:
+  ~RobotsTest() override { fs::remove(file_); }
+  ServiceConfig read(const std::string& text) const {
+    std::ofstream(file_) << text;
+    return load_service_config(file_);
+  }
+  std::string refusal_of(const std::string& text) const {
+    try {
+      (void)read(text);
+    } catch (const InputError& error) {
+      return error.field() + ": " + error.problem();
+    }
+    return "";
+  }
+  const fs::path file_ = fs::temp_directory_path() / ("fjr_robots_test_" + std::to_string(::getpid()) + ".yaml");
+};
+
+TEST_F(RobotsTest, EachIsServedByAnInstanceOfItsOwn) {
+  const auto all = one_per_robot(read("{instance: cell, workers: 3, robots: [{id: a, robot: a.yaml}, {id: b}]}\n"));
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].robot_id, "a");
+  EXPECT_EQ(all[0].robot, file_.parent_path() / "a.yaml");
+  EXPECT_EQ(all[0].instance, "cell/a");
+  EXPECT_EQ(all[1].robot_id, "b");
+  EXPECT_EQ(all[1].robot, default_service_config().robot);
+  EXPECT_EQ(all[1].instance, "cell/b");
+  EXPECT_EQ(all[1].workers, 3u);
+  EXPECT_EQ(one_per_robot(read("{instance: cell, robots: [{id: a}]}\n")).front().instance, "cell");
+  EXPECT_EQ(one_per_robot(read("{instance: cell, robot_id: a}\n")).front().instance, "cell");
+}
+
+TEST_F(RobotsTest, WhatCannotBeMeantIsRefused) {
+  EXPECT_EQ(refusal_of("{robot_id: a, robots: [{id: a}]}\n"),
+            "robot_id: stands beside `robots`, which names id and file of each robot");
+  EXPECT_EQ(refusal_of("robots: []\n"), "robots: no robot");
+  EXPECT_EQ(refusal_of("robots: [{id: a}, {id: b}, {id: a}]\n"), "robots[2].id: the same as of a robot before it");
+  EXPECT_EQ(refusal_of("robots: [{robot: a.yaml}]\n"), "robots[0].id: missing");
+  EXPECT_EQ(refusal_of("{instance: " + std::string(60, 'i') + ", robots: [{id: left}]}\n"),
+            "robots[0].id: with the instance's name 65 characters, above the 64 allowed");
+  EXPECT_EQ(refusal_of("{ros2: {joint_trajectory: true}, robots: [{id: a}, {id: b}]}\n"),
+            "ros2.joint_trajectory: true, but the topic is one robot's alone, and `robots` has several");
+}
+
 }  // namespace
 }  // namespace fjr

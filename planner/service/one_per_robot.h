@@ -1,0 +1,59 @@
+// One host for each robot that service.yaml names, in one process: each with a thread, a DDS participant and a name of
+// its own, so that owners and standbys, epochs, queues and executors of the robots have nothing to do with each other.
+#pragma once
+
+#include <cstddef>
+#include <exception>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "planner/service/companions.h"
+#include "planner/service/service_config.h"
+
+namespace fjr {
+
+// Host: Service or WorkerHost.
+template <class Host>
+class OnePerRobot {
+ public:
+  explicit OnePerRobot(const ServiceConfig& config) {
+    const std::vector<ServiceConfig> all = one_per_robot(config);
+    const auto companions = std::make_shared<Companions>(config, all.size());
+    for (const ServiceConfig& one : all) {
+      hosts_.push_back(std::make_unique<Host>(one, Companion(companions, hosts_.size())));
+    }
+  }
+
+  // Until stop(), the first in this thread. When one of them fails all end, and its problem is thrown.
+  void run() {
+    std::vector<std::exception_ptr> problems(hosts_.size());
+    {
+      std::vector<std::jthread> threads;
+      for (std::size_t i = 1; i < hosts_.size(); ++i) {
+        threads.emplace_back([this, i, &problem = problems[i]] { run(*hosts_[i], problem); });
+      }
+      run(*hosts_.front(), problems.front());
+    }
+    for (const std::exception_ptr& problem : problems) {
+      if (problem) std::rethrow_exception(problem);
+    }
+  }
+  void stop() {  // from any thread
+    for (const auto& host : hosts_) host->stop();
+  }
+
+ private:
+  void run(Host& host, std::exception_ptr& problem) {
+    try {
+      host.run();
+    } catch (...) {
+      problem = std::current_exception();
+      stop();
+    }
+  }
+
+  std::vector<std::unique_ptr<Host>> hosts_;
+};
+
+}  // namespace fjr

@@ -37,6 +37,7 @@ nav:
       - Exports: docs/exports.md
   - The arm and its machines:
       - Service: docs/service.md
+      - Scaling: docs/scaling.md
       - ROS 2: docs/ros2.md
       - Executor: docs/executor.md
       - First motion on a real arm: planner/executor/README.md

@@ -73,7 +73,7 @@ class Client {
     if (order_.action == Action::kPlan || answer.reply.state != ReplyState::kSolved) return answer;
     const double duration = answer.reply.rows.back().time;
     port_.follow_executors();
-    for (const auto began = Clock::now(); !abandoned();) {
+    for (const auto began = Clock::now(); !abandoned(answer.reply.robot_id);) {
       for (ExecutionResult& result : port_.take_results()) {
         if (result.trajectory_id == order_.id) {
           answer.result = std::move(result);
@@ -98,10 +98,10 @@ class Client {
   }
 
   // True: it is cancelled, and nobody here stops the arm.
-  bool abandoned() {
+  bool abandoned(const std::string& robot_id) {
     if (!cancelled() || stopped_) return false;
     if (!options_.stop_execution) return true;
-    options_.stop_execution();
+    options_.stop_execution(robot_id);
     stopped_ = true;
     return false;
   }

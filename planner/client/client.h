@@ -40,9 +40,9 @@ struct ClientOptions {
   std::function<void(const ProgressReport&)> on_progress;
   std::function<void(const ExecutionProgress&)> on_execution;
   std::function<bool()> cancelled;  // polled; then the request is cancelled, which is answered too
-  // How to stop the arm, for a cancellation that comes once the trajectory is published: the executor's result is
-  // waited for even so. Without it nobody waits, and the execution goes on.
-  std::function<void()> stop_execution;
+  // How to stop the arm of that robot_id (halt.h), for a cancellation that comes once the trajectory is published: the
+  // executor's result is waited for even so. Without it nobody waits, and the execution goes on.
+  std::function<void(const std::string& robot_id)> stop_execution;
 };
 
 // Sends the order under its id and returns the final reply. Throws NoAnswer, and InputError for a document that has not

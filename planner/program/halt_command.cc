@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/executor/halt.h"
+#include "planner/client/halt.h"
 #include "planner/program/commands.h"
 #include "planner/program/network_arguments.h"
 #include "planner/results/plan_json.h"

@@ -12,6 +12,7 @@
 #include "common/input_error.h"
 #include "common/strict_yaml.h"
 #include "planner/client/client.h"
+#include "planner/client/halt.h"
 #include "planner/program/commands.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/network_arguments.h"
@@ -171,6 +172,10 @@ Answer ask(const RequestArguments& options, const Order& order) {
                           p.error[0], p.error[1]));
   };
   client.cancelled = interrupted;
+  client.stop_execution = [&](const std::string& robot_id) {
+    line.show("bringing the arm to rest");
+    (void)halt(ExecutorCommand::kHold, {.network = client.network, .robot_id = robot_id});
+  };
   return request_plan(order, client);
 }
 

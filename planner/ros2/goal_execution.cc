@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "planner/client/client.h"
-#include "planner/executor/halt.h"
+#include "planner/client/halt.h"
 
 namespace fjr {
 namespace {
@@ -63,8 +63,8 @@ GoalOutcome GoalExecution::outcome() {
   client.network = where_.network;
   client.cancelled = [this] { return cancelled_ || strayed_; };
   client.on_execution = [this](const ExecutionProgress& progress) { follow(progress.time, progress.state); };
-  client.stop_execution = [this] {
-    (void)halt(ExecutorCommand::kHold, {.network = where_.network, .robot_id = where_.robot_id});
+  client.stop_execution = [this](const std::string& robot_id) {
+    (void)halt(ExecutorCommand::kHold, {.network = where_.network, .robot_id = robot_id});
   };
   const Answer answer = request_plan(order, client);
   if (answer.result) return executed(*answer.result);

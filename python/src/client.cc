@@ -15,6 +15,7 @@
 #include <variant>
 
 #include "common/input_error.h"
+#include "planner/client/halt.h"
 #include "planner/results/report/plan_files.h"
 #include "python/src/parts.h"
 #include "python/src/planned.h"
@@ -60,6 +61,9 @@ Answered ask(const Connection& connection, Order order, const nb::object& listen
     options.on_progress = [&wire](const ProgressReport& report) { wire.tell(report); };
     options.on_execution = [&wire](const ExecutionProgress& progress) { wire.tell(progress); };
     options.cancelled = [&wire] { return wire.cancelled(); };
+    options.stop_execution = [&options](const std::string& robot_id) {
+      (void)halt(ExecutorCommand::kHold, {.network = options.network, .robot_id = robot_id});
+    };
     Answer answer = request_plan(order, options);
     return Answered{to_text(order.id), std::move(answer.reply), std::move(answer.result)};
   });

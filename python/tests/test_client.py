@@ -73,6 +73,27 @@ def test_it_is_executed_and_followed(client):
     assert np.allclose(client.overview(0.5).executors[0]["q"], goal, atol=1e-3)
 
 
+def test_who_no_longer_follows_has_the_arm_brought_to_rest(client):
+    goal = [0.9, -0.6]
+    plan, done = client.plan_and_execute({"goal": {"q": goal}, "duration": 5}, follow=lambda told: told.time < 0.3)
+    assert plan.certified and not done.successful and done.sentence
+    arm = client.overview(0.5).executors[0]
+    assert arm["mode"] in ("holding", "resting") and not np.allclose(arm["q"], goal, atol=1e-3)
+
+
+def test_what_was_planned_before_is_executed(client):
+    """Tried again where the ticks of a busy machine were missed."""
+    for _ in range(3):
+        q = client.overview(0.5).executors[0]["q"]
+        goal = [0.4, -0.3] if abs(q[0]) < 0.2 else [0, 0]
+        plan = client.plan({"goal": {"q": goal}, "duration": 1}, priority=3, budget=30)
+        done = client.execute(plan)
+        if done:
+            break
+        time.sleep(1)
+    assert done.successful and np.allclose(client.overview(0.5).executors[0]["q"], goal, atol=1e-3)
+
+
 def test_what_was_planned_before_is_not_executed_from_elsewhere(client):
     plan = client.plan({"start": {"q": [1, 0.5]}, "goal": {"q": [0.4, -0.3]}})
     done = client.execute(plan)

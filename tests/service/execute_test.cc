@@ -169,6 +169,18 @@ TEST_F(ExecuteTest, TheFolderOfAnEarlierRequestIsExecuted) {
   EXPECT_THAT(empty.output(), HasSubstr("has no trajectory.id"));
 }
 
+TEST_F(ExecuteTest, WhoeverIsInterruptedBringsTheArmToRest) {
+  serve();
+  start_executor();
+  write("long.yaml", "goal: {q: [0.6, -0.2]}\nduration: 5\n");
+  Process request = fjr({"request", path("long.yaml"), "--domain", domain(), "--execute"}, "request.log");
+  wait_for("executing id=");
+  request.send(SIGINT);
+  EXPECT_EQ(request.wait(), 1);
+  EXPECT_THAT(request.output(), HasSubstr("not executed to its end: "));
+  wait_for("hold commanded");
+}
+
 TEST_F(ExecuteTest, WithoutAStartItIsWhereTheArmRests) {
   serve();
   start_executor();

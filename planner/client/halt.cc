@@ -1,4 +1,4 @@
-#include "planner/executor/halt.h"
+#include "planner/client/halt.h"
 
 #include <fmt/format.h>
 

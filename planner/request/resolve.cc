@@ -218,8 +218,9 @@ void check_deflection(const StatePlace& state, const Problem& problem, const Joi
     const double deflection = std::abs(theta[j] - q[j]), limit = problem.limits.spring_deflection[j];
     if (deflection <= limit) continue;
     state.place.first_of({{"theta", state.theta}, {"dq", state.dq}, {"q", state.q}})
-        .fail(fmt::format("joint {}: the spring would be deflected by {:.6g} rad{}, above the limit of {} rad", j + 1,
-                          deflection, with_load(problem), limit));
+        .fail(fmt::format("joint {}: the spring would be deflected by {:.6g} rad{}, above the limit of {} rad{}", j + 1,
+                          deflection, with_load(problem), limit,
+                          degrees_suspected(theta[j], q[j] - limit, q[j] + limit)));
   }
 }
 

@@ -106,16 +106,32 @@ std::string note_on(const std::string& key, const Problem& problem) {
   return fmt::format("to either side of [{:.6g}, {:.6g}]", middle[0], middle[1]);
 }
 
-// A part of the request that is not there has no defaults of its own, unless it was resolved to some.
 bool says_something(const std::string& value) { return !value.empty() && !value.starts_with(kNeeded); }
+
+// A part of the request that is not there has no defaults of its own, unless it was resolved to some, or needs nothing:
+// `limits` and `objective`, whose keys all can be left out.
+bool needs_nothing(const std::string& part, const std::vector<KeyLine>& lines) {
+  return std::all_of(lines.begin(), lines.end(), [&](const KeyLine& line) {
+    return !line.name.starts_with(part + ".") || (!line.otherwise.empty() && !line.otherwise.starts_with(kNeeded));
+  });
+}
+
+// Keys that are for goals of the tip say nothing of others.
+bool is_for_another_goal(const std::string& key, const YamlNode& root) {
+  const std::optional<YamlNode> goal = root.find("goal");
+  return (key == "goal.elbow" || key == "goal.tip_velocity") && !(goal && goal->is_map() && goal->find("tip"));
+}
 
 }  // namespace
 
 std::vector<UnderstoodKey> understood(const YamlNode& root, const Problem& problem, const std::string& robot) {
   const Json resolved = resolved_request_json(problem);
   std::vector<UnderstoodKey> keys;
-  for (const KeyLine& line : all_keys()) {
+  const std::vector<KeyLine> lines = all_keys();
+  for (const KeyLine& line : lines) {
+    const bool optional_part = needs_nothing(line.name.substr(0, line.name.rfind('.')), lines);
     for (const Instance& at : instances(root, line.name)) {
+      if (is_for_another_goal(at.key, root)) continue;
       UnderstoodKey key{at.key, line.unit, "", "", note_on(at.key, problem), plain(line.meaning), at.node.has_value()};
       const Json::json_pointer pointer = pointer_to(at.key);
       const bool is_resolved = resolved.contains(pointer) && !resolved[pointer].is_null();
@@ -126,7 +142,7 @@ std::vector<UnderstoodKey> understood(const YamlNode& root, const Problem& probl
       } else if (is_resolved && !resolved[pointer].is_object() && !resolved[pointer].empty()) {
         key.value = text_of(resolved[pointer], Digits::kAll);
         key.shown = text_of(resolved[pointer], Digits::kForPeople);
-      } else if (at.below_given) {
+      } else if (at.below_given || optional_part) {
         key.value = plain(line.otherwise);
         key.unit = "";
       }

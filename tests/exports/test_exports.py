@@ -48,11 +48,31 @@ def rows(plan):
     return pd.read_csv(plan / "trajectory.csv", comment="#")
 
 
-@pytest.fixture(scope="session")
-def log(tmp_path_factory):
-    file = tmp_path_factory.mktemp("log") / "motor_inertia.csv"
-    fjr("experiment", "motor_inertia", "--joint", "1", "--out", file)
-    return file
+def experiment_log(folder):
+    fjr("experiment", "motor_inertia", "--joint", "1", "--out", folder / "motor_inertia.csv")
+    return folder / "motor_inertia.csv"
+
+
+def executed_log(folder):
+    """What the executor writes while it runs what a service has planned, both over the loopback interface."""
+    network = ("--domain", "93")
+    (folder / "request.yaml").write_text(REQUEST)
+    programs = [
+        subprocess.Popen([FJR, *words, *network], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        for words in (("serve",), ("executor", "--fast", "--state", folder / "state", "--logs", folder / "logs"))
+    ]
+    try:
+        fjr("request", folder / "request.yaml", "--execute", "--find", "20", *network)
+    finally:
+        for program in programs:
+            program.terminate()
+            program.wait(timeout=30)
+    return next((folder / "logs").glob("*.csv"))
+
+
+@pytest.fixture(scope="session", params=[experiment_log, executed_log])
+def log(request, tmp_path_factory):
+    return request.param(tmp_path_factory.mktemp("log"))
 
 
 def export(plan, tmp_path, form, *more):

@@ -272,6 +272,13 @@ TEST(PlanPage, TheObjectiveIsComparedWithThatOfTheProfiles) {
                             "objective: 0.01 x effort + 0.001 x link acceleration"}) {
     EXPECT_THAT(html, HasSubstr(label));
   }
+  EXPECT_THAT(html, Not(HasSubstr("Not compared is")));
+}
+
+TEST(PlanPage, SaysWhatOfTheObjectiveIsNotCompared) {
+  PlanRecord record = gentle();
+  record.plan["resolved_request"]["objective"]["torque_rate"] = 0.1;
+  EXPECT_THAT(plan_page(record), HasSubstr("Not compared is what the plan was to do as to torque rate"));
 }
 
 TEST(PlanPage, WithoutAMotionShowsWhatWasAskedFor) {

@@ -175,6 +175,9 @@ TEST_F(Cli, ExplainsARequestWithoutPlanningIt) {
   EXPECT_EQ(keys["goal.dq"]["value"], "[0, 0]");
   EXPECT_EQ(keys["via"]["given"], true);
   EXPECT_EQ(keys["obstacles"]["value"], "none");
+  EXPECT_EQ(keys["limits.tip_speed"]["given"], false);  // what no key above it is written for applies all the same
+  EXPECT_FALSE(keys.contains("goal.elbow"));            // it is for goals of the tip
+  EXPECT_FALSE(keys.contains("robust.confidence"));
   EXPECT_FALSE(fs::exists(path("out")));
 
   write("request.yaml", "goal: {q: [1.2, -0.8]}\n");

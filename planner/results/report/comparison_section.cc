@@ -33,6 +33,12 @@ void add_peaks(Rows& rows, const std::vector<ComparedMotion>& motions, const std
   }
 }
 
+// Whether rows of a run say what a term comes to: torques there jump from tick to tick, so that they have no rate, and
+// nothing is let go.
+bool is_told_by_rows(const WeightedTerm& term, const std::map<std::string, double>& terms_of_run) {
+  return terms_of_run.count(term.info->name) > 0;
+}
+
 // What each run comes to, until the end of the plan, of what was asked for.
 void add_objective_rows(Rows& rows, const Parameters& robot, const std::vector<ComparedMotion>& motions,
                         const std::vector<WeightedTerm>& objective, double end) {
@@ -49,7 +55,7 @@ void add_objective_rows(Rows& rows, const Parameters& robot, const std::vector<C
     for (const auto& of_run : terms) rows.back().push_back(cell(number_text(value(of_run), 5)));
     rows.back().push_back(cell(""));
   };
-  const auto known = [&](const WeightedTerm& term) { return terms.front().count(term.info->name) > 0; };
+  const auto known = [&](const WeightedTerm& term) { return is_told_by_rows(term, terms.front()); };
   for (const WeightedTerm& term : objective) {
     if (!known(term)) continue;
     add(fmt::format("objective: {} ({})", spaced(term.info->name), term.info->unit),
@@ -86,6 +92,21 @@ Rows comparison_table(const Parameters& robot, const std::vector<ComparedMotion>
   add_peaks(rows, motions, limits, SpringDeflection::info, "spring deflection");
   add_peaks(rows, motions, limits, MotorVelocity::info, "motor velocity");
   return rows;
+}
+
+// One sentence on what of the objective is not in the table; empty where all of it is.
+std::string about_what_is_missing(const Parameters& robot, const Trajectory& plan,
+                                  const std::vector<WeightedTerm>& objective) {
+  const std::map<std::string, double> told = terms_of_rows(robot, plan);
+  std::string names;
+  for (const WeightedTerm& term : objective) {
+    if (!is_told_by_rows(term, told)) names += (names.empty() ? "" : ", ") + spaced(term.info->name);
+  }
+  if (names.empty()) return "";
+  return fmt::format(
+      "Not compared is what the plan was to do as to {}, nor the whole objective: in such runs torques jump from tick "
+      "to tick, so that they have no rate, and nothing is let go.",
+      names);
 }
 
 std::vector<Chart> comparison_charts(const std::vector<ComparedMotion>& motions, const Trajectory& plan,
@@ -151,6 +172,8 @@ void add_comparison(ChartPage& page, const Parameters& robot, const std::vector<
       plan.end_time() - plan.start_time(),
       with_scene ? " They go straight, whatever else the request asks for on the way." : ""));
   page.add_html(html_table(comparison_table(robot, motions, objective, limits, plan.end_time())));
+  const std::string missing = about_what_is_missing(robot, plan, objective);
+  if (!missing.empty()) page.add_paragraph(missing);
   for (const ComparedMotion& m : motions) {
     if (!m.run.simulation.failure.empty()) page.add_paragraph(m.name + ": " + m.run.simulation.failure, "warning");
   }

@@ -296,6 +296,21 @@ TEST(PlanPage, WithoutAMotionShowsWhatWasAskedFor) {
   EXPECT_THAT(html, HasSubstr("A goal with a free joint is not drawn."));
 }
 
+// With rows (--keep-uncertified) and without.
+TEST(PlanPage, WhatIsUncertifiedIsCalledSoAndDrawn) {
+  PlanRecord record = reach();
+  record.plan["status"] = "uncertified";
+  record.plan["reason"] = "link 2 is up to 0.7 rad off the plan";
+  const std::string html = plan_page(record);
+  EXPECT_THAT(html, HasSubstr("<span class='badge bad'>uncertified</span>"));
+  EXPECT_THAT(html, HasSubstr("link 2 is up to 0.7 rad off the plan"));
+  EXPECT_FALSE(data_of(html)["motions"].empty());
+  record.trajectory.reset();
+  const Json data = data_of(plan_page(record));
+  EXPECT_TRUE(data["motions"].empty());
+  EXPECT_EQ(data["poses"].size(), 2U);
+}
+
 TEST(PlanPage, NeedsNothingButItself) {
   std::string html = plan_page(reach());
   const std::size_t library = html.find(kChartJs);

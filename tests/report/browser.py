@@ -4,6 +4,7 @@ At the widths of a desk and of a phone, by day and by night: no message on the c
 77 where there is no Chromium, chromedriver or Selenium, which Debian has as chromium, chromium-driver and python3-selenium.
 """
 import base64
+import itertools
 import shutil
 import subprocess
 import sys
@@ -123,9 +124,10 @@ class Pages(unittest.TestCase):
             self.assert_silent()
 
     def test_another_motion_is_laid_over(self):
-        for page, others in (("first/report.html", ["this plan", "minimum jerk", "trapezoidal velocity"]),
-                             ("first/compared.html", ["first", "second"])):
-            self.open(page)
+        pages = {"first/report.html": ["this plan", "minimum jerk", "trapezoidal velocity"],
+                 "first/compared.html": ["first", "second"]}
+        for (page, others), width in itertools.product(pages.items(), WIDTHS):
+            self.open(page, width)
             options = [o.text for o in self.driver.find_elements(By.CSS_SELECTOR, "#beside option")]
             self.assertEqual(options, ["nothing", *others])
             self.choose("time", "400")

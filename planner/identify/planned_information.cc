@@ -76,10 +76,10 @@ class Variation {
           duration * (one + generator * (one / 2 + generator * (one / 6 + generator * (one / 24 + generator / 120))));
       through = one + a * held;
     } else {
-      Eigen::Matrix<double, 2 * kStates, 2 * kStates> both = Eigen::Matrix<double, 2 * kStates, 2 * kStates>::Zero();
+      MatrixXd both = MatrixXd::Zero(2 * kStates, 2 * kStates);  // of fixed size it takes a minute to compile
       both.topLeftCorner<kStates, kStates>() = generator;
       both.topRightCorner<kStates, kStates>().diagonal().setConstant(duration);
-      const Eigen::Matrix<double, 2 * kStates, 2 * kStates> exponential = both.exp();
+      const MatrixXd exponential = both.exp();
       through = exponential.topLeftCorner<kStates, kStates>();
       held = exponential.topRightCorner<kStates, kStates>();
     }

@@ -20,8 +20,6 @@ using Clock = std::chrono::steady_clock;
 constexpr double kCancelPatience = 3;  // [s] for the answer to a cancellation
 constexpr std::chrono::milliseconds kCancelAgain{500};
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
 class Client {
  public:
   Client(const Order& order, const ClientOptions& options)
@@ -81,13 +79,13 @@ class Client {
         }
       }
       follow(duration);
-      if (seconds_since(began) > options_.find && !port_.any_executor()) {
+      if (Patience::since(began) > options_.find && !port_.any_executor()) {
         throw NoAnswer(
             fmt::format("the trajectory was published, but there is no executor on DDS domain {}: is `fjr "
                         "executor` running?",
                         options_.network.domain));
       }
-      if (seconds_since(began) > duration + options_.execution) {
+      if (Patience::since(began) > duration + options_.execution) {
         throw NoAnswer("the trajectory was published, but the executor has not reported: is it for the same robot?");
       }
       port_.wait(std::chrono::milliseconds(20));
@@ -125,12 +123,13 @@ class Client {
       last_cancel_ = now;
       port_.cancel(order_.id, order_.robot_id);
     }
-    if (seconds_since(*cancelled_at_) > kCancelPatience) throw NoAnswer("the service does not answer the cancellation");
+    if (Patience::since(*cancelled_at_) > kCancelPatience)
+      throw NoAnswer("the service does not answer the cancellation");
   }
 
   void ask_again_if_silent() {
-    if (seconds_since(last_heard_) > options_.silence) throw NoAnswer(about_the_silence());
-    if (seconds_since(last_heard_) < options_.ask_again || seconds_since(last_sent_) < options_.ask_again) return;
+    if (Patience::since(last_heard_) > options_.silence) throw NoAnswer(about_the_silence());
+    if (Patience::since(last_heard_) < options_.ask_again || Patience::since(last_sent_) < options_.ask_again) return;
     last_sent_ = Clock::now();
     port_.send(order_);
   }

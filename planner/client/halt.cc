@@ -24,8 +24,6 @@ constexpr double kQuiet = 0.25;  // [s] without anybody new, after which everybo
 constexpr double kMeeting =
     0.5;  // [s] for who takes commands to show that it reports states; otherwise it only listens
 
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
 const char* verb(ExecutorCommand command) { return command == ExecutorCommand::kStop ? "stop" : "hold"; }
 
 class Halt {
@@ -52,7 +50,7 @@ class Halt {
   void send() {
     const std::size_t readers = port_.readers();
     if (readers > readers_) delivered_.reset();
-    if (readers > readers_ || (readers > 0 && seconds_since(sent_) > kAgain)) {
+    if (readers > readers_ || (readers > 0 && Patience::since(sent_) > kAgain)) {
       sent_ = Clock::now();
       (void)port_.send(order_);
       ++times_;
@@ -66,7 +64,7 @@ class Halt {
     for (auto& [source, state] : port_.executors().take()) {
       if (const auto peer = port_.executors().peer(source)) heard_of_.insert(*peer);
       if (state.robot_id != options_.robot_id) continue;
-      const bool after = delivered_ && seconds_since(*delivered_) > kObey;
+      const bool after = delivered_ && Patience::since(*delivered_) > kObey;
       states_.insert_or_assign(source, Word{state, after && complied(state.mode)});
     }
     std::erase_if(states_, [this](const auto& word) { return !port_.executors().there(word.first); });
@@ -92,7 +90,7 @@ class Halt {
       const auto& [key, peer] = entry;
       if (heard_of_.contains(key)) return false;
       if (dds::CommandPort::reports_states(peer)) return true;
-      return dds::CommandPort::takes_commands(peer) && seconds_since(peer.met) < kMeeting;
+      return dds::CommandPort::takes_commands(peer) && Patience::since(peer.met) < kMeeting;
     }));
   }
 

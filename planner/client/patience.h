@@ -14,10 +14,12 @@ class Patience {
 
   explicit Patience(double seconds) : seconds_(seconds) {}
 
+  static double since(Clock::time_point start) { return seconds(Clock::now() - start); }  // [s]
+
   void progressed() { last_ = Clock::now(); }
-  double looked() const { return seconds(Clock::now() - began_); }      // [s]
-  double nothing_new() const { return seconds(Clock::now() - last_); }  // [s] since the last progress, or the beginning
-  bool over(double under_way = 0) const {  // [s] that what is under way may take beyond the usual
+  double looked() const { return since(began_); }      // [s]
+  double nothing_new() const { return since(last_); }  // [s] since the last progress, or the beginning
+  bool over(double under_way = 0) const {              // [s] that what is under way may take beyond the usual
     return nothing_new() > seconds_ + under_way || looked() > kMost * seconds_;
   }
 

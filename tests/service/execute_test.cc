@@ -172,7 +172,7 @@ TEST_F(ExecuteTest, TheFolderOfAnEarlierRequestIsExecuted) {
 TEST_F(ExecuteTest, WhoeverIsInterruptedBringsTheArmToRest) {
   serve();
   start_executor();
-  write("long.yaml", "goal: {q: [0.6, -0.2]}\nduration: 5\n");
+  write("long.yaml", "goal: {q: [0.6, -0.2]}\nduration: 2\nsearch: quick\n");
   Process request = fjr({"request", path("long.yaml"), "--domain", domain(), "--execute"}, "request.log");
   wait_for("executing id=");
   request.send(SIGINT);

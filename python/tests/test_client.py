@@ -75,7 +75,8 @@ def test_it_is_executed_and_followed(client):
 
 def test_who_no_longer_follows_has_the_arm_brought_to_rest(client):
     goal = [0.9, -0.6]
-    plan, done = client.plan_and_execute({"goal": {"q": goal}, "duration": 3, "search": "quick"}, follow=lambda told: told.time < 0.3)
+    request = {"goal": {"q": goal}, "duration": 3, "search": "quick"}
+    plan, done = client.plan_and_execute(request, follow=lambda told: told.time < 0.3)
     assert plan.certified and not done.successful and done.sentence
     arm = client.overview(0.5).executors[0]
     assert arm["mode"] in ("holding", "resting") and not np.allclose(arm["q"], goal, atol=1e-3)

@@ -381,7 +381,8 @@ TEST(BrokenRequest, ShapeOfTheDocument) {
        "sample_period, seed, payload, method, search, robust, proven, not the text \"fastest\""},
       {kMove + "durtion: 1",
        "unknown key \"durtion\"; allowed: robot, start, goal, duration, objective, via, obstacles, "
-       "walls, tip, path, limits, sample_period, seed, payload, method, search, robust, proven; did you mean duration?"},
+       "walls, tip, path, limits, sample_period, seed, payload, method, search, robust, proven; did you mean "
+       "duration?"},
       {kMove + "seed: 1\nseed: 2", "line 4: key \"seed\" is given twice"},
       {kGoal, "start: missing; only a request to the service may leave it out, which then starts where the arm rests"},
       {kStart, "goal: missing"},

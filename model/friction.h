@@ -73,6 +73,12 @@ struct FrictionLaw {
   // for ever. [rad/s]
   double unstable_band() const;
 
+  // d torque / dv in the mean between two velocities: what a tick feels of a kink that is narrower. [N m s/rad]
+  double mean_slope(double from, double to) const {
+    constexpr double kApart = 1e-9;  // [rad/s] below it the difference is roundings
+    return std::abs(to - from) > kApart ? (torque(to) - torque(from)) / (to - from) : slope(0.5 * (from + to));
+  }
+
   // d torque / dv at v.
   double slope(double v) const {
     const double s = v / width;

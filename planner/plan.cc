@@ -1,7 +1,6 @@
 #include "planner/plan.h"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <mutex>
 #include <thread>
@@ -49,22 +48,27 @@ SessionOptions session_options(const Problem& problem, const PlanOptions& option
   return o;
 }
 
+Known known_of(const Findings& found) {
+  Known known{.reached = found.carried_with, .out_of_reach = found.out_of_reach};
+  if (found.fastest) {
+    known.fastest = &found.fastest->motion;
+    known.certified = found.fastest->certified;
+  }
+  return known;
+}
+
 // Why there is no plan; where that leads to a motion after all, from there.
 std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
   session.enter(Phase::kExplaining);
   Problem asked = *(found.fastest ? found.fastest->alternative : found.alternatives.front());
   asked.duration = found.asked.duration;
   const auto problem = std::make_shared<const Problem>(std::move(asked));
-  Known known{.reached = found.carried_with, .out_of_reach = found.out_of_reach};
-  if (found.fastest) {
-    known.fastest = &found.fastest->motion;
-    known.certified = found.fastest->certified;
-  }
-  const WhyNot why = explain(*problem, known, session);
+  const WhyNot why = explain(*problem, known_of(found), session);
   if (!why.start || session.stopped()) return why.infeasibility;
   found.candidates.clear();
   try_starts({{problem, *why.start, "from the least slack"}}, found, session);
   if (found.certified() || session.interrupted()) return std::nullopt;
+  Known known = known_of(found);  // the start may have led to a fastest motion
   known.start_failed = true;
   return explain(*problem, known, session).infeasibility;
 }
@@ -96,14 +100,14 @@ void demand_proof(const Problem& problem, Session& session, Plan& plan) {
   const Timed timed(session, "proof");
   const TaskOfMotion asked = TaskOfMotion::of(problem.robot, problem.task, plan.segment_ends());
   std::mutex asking;
-  std::atomic<bool> stopped = false;
+  bool stopped = false;  // read again when all have ended
   demand_proof(
       problem.robot, problem.limits, asked, *plan.trajectory, *plan.certificate,
       [&](std::size_t count, const auto& task) { session.for_each(count, task); },
       [&] {
         const std::lock_guard lock(asking);
         stopped = stopped || (session.options().cancelled && session.options().cancelled());
-        return stopped.load();
+        return stopped;
       });
   if (plan.certificate->certified) return;
   if (stopped) return withdraw(plan);

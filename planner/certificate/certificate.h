@@ -116,10 +116,9 @@ struct TaskBound {
   std::string name;      // as in TaskCheck
   int link = 0;          // 1 or 2; 0: neither
   std::string unit;      // m or rad
-  double may_miss = 0;   // by which the published rows may miss it, for rounding
   double published = 0;  // they leave at least so much free, with their interpolation; negative: miss it by up to that
   double time = 0;       // [s] where that may be
-  double rollout = 0;    // the exact motion in closed loop likewise
+  double rollout = 0;    // the exact motion in closed loop likewise, until closed_loop.until
 };
 
 // What is certain of the exact motion, and not only as exact as an integrator (proof/prove.h).

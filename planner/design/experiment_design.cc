@@ -53,7 +53,7 @@ Request drawn(const Parameters& robot, const Joints<double>& from, double longes
 struct Candidate {
   DesignedMotion motion;
   MatrixXd information;
-  double worth = 0;  // per second; 0: it cannot be had
+  double gain_rate = 0;  // [1/s] of the log determinant; 0: it cannot be had
 };
 
 double log_determinant(const MatrixXd& information) {
@@ -80,9 +80,10 @@ class Designer {
       std::mt19937_64 random(seeds);
       evaluate(drawn(robot_, from, seconds, random), seconds, before, candidates[i]);
     });
-    const auto best = std::max_element(candidates.begin(), candidates.end(),
-                                       [](const Candidate& a, const Candidate& b) { return a.worth < b.worth; });
-    if (best == candidates.end() || !(best->worth > 0)) return std::nullopt;
+    const auto best =
+        std::max_element(candidates.begin(), candidates.end(),
+                         [](const Candidate& a, const Candidate& b) { return a.gain_rate < b.gain_rate; });
+    if (best == candidates.end() || !(best->gain_rate > 0)) return std::nullopt;
     known_ += best->information;
     return std::move(best->motion);
   }
@@ -103,7 +104,7 @@ class Designer {
     if (planned.status != PlanStatus::kCertified || planned.duration > longest) return;
     c.motion = {request, std::move(*planned.trajectory)};
     c.information = planned_information(robot_, prior_, c.motion.trajectory);
-    c.worth = (log_determinant(known_ + c.information) - before) / planned.duration;
+    c.gain_rate = (log_determinant(known_ + c.information) - before) / planned.duration;
   }
 
   // None where a random posture cannot be held, or is too near.

@@ -21,7 +21,7 @@ struct DesignOptions {
   int candidates = 16;                           // that are planned for each motion; the best of them is taken
   std::uint64_t seed = 1;                        // of the candidates
   std::function<void(double done)> on_progress;  // fraction of the duration
-  std::function<bool()> cancelled;
+  std::function<bool()> cancelled;               // polled, from several threads at once where for_each has them
 };
 
 struct DesignedMotion {

@@ -3,12 +3,11 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <unsupported/Eigen/MatrixFunctions>
 #include <vector>
 
-#include "common/dual.h"
 #include "model/dynamics.h"
 #include "model/friction.h"
+#include "model/variational.h"
 #include "planner/control/motor_feedback.h"
 #include "planner/identify/readings.h"
 
@@ -18,9 +17,7 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Flow = Eigen::Matrix<double, kStates, kStates>;
 
-constexpr double kGentle = 0.2;     // of a tick's generator: below it five terms of the exponential err by 3e-6
 constexpr double kRateStep = 1e-4;  // of a parameter, by which the model's rates are differentiated
 
 // As the executor will log it, but for counts.
@@ -53,59 +50,32 @@ class Variation {
     }
   }
 
-  void start() {
+  void start(const Sample& begin) {
+    at_ = begin;
+    rates_ = rates(begin);
     by_start_.setIdentity();
     by_parameters_ = MatrixXd::Zero(kStates, static_cast<Index>(apart_.size()));
   }
-  const Flow& by_start() const { return by_start_; }
+  const StateMatrix& by_start() const { return by_start_; }
   const MatrixXd& by_parameters() const { return by_parameters_; }
 
   // Over a tick with the torque held: dS/dt = A S + F, both as in the middle, friction's slope as in the mean.
-  void pass(const Sample& begin, const Sample& middle, const Sample& end, double duration) {
-    Flow a = jacobian(middle);
+  void pass(const Sample& middle, const Sample& end, double duration) {
+    StateMatrix a = state_jacobian(known_, middle.state, middle.torque);
     for (std::size_t j = 0; j < kJoints; ++j) {
       const auto row = static_cast<Index>(kStateDtheta + j);
-      a(row, row) = -mean_slope(j, begin.state.dtheta[j], end.state.dtheta[j]) / known_.motor.inertia[j];
+      const FrictionLaw law = FrictionLaw::of(known_, static_cast<int>(j));
+      a(row, row) = -law.mean_slope(at_.state.dtheta[j], end.state.dtheta[j]) / known_.motor.inertia[j];
     }
-    const MatrixXd forced = (rates(begin) + 4 * rates(middle) + rates(end)) / 6;
-    const Flow generator = duration * a;
-    Flow through, held;  // exp(a h), and its integral over the tick
-    if (generator.cwiseAbs().maxCoeff() < kGentle) {
-      const Flow one = Flow::Identity();
-      held =
-          duration * (one + generator * (one / 2 + generator * (one / 6 + generator * (one / 24 + generator / 120))));
-      through = one + a * held;
-    } else {
-      MatrixXd both = MatrixXd::Zero(2 * kStates, 2 * kStates);  // of fixed size it takes a minute to compile
-      both.topLeftCorner<kStates, kStates>() = generator;
-      both.topRightCorner<kStates, kStates>().diagonal().setConstant(duration);
-      const MatrixXd exponential = both.exp();
-      through = exponential.topLeftCorner<kStates, kStates>();
-      held = exponential.topRightCorner<kStates, kStates>();
-    }
-    by_start_ = through * by_start_;
-    by_parameters_ = through * by_parameters_ + held * forced;
+    const MatrixXd rates_at_end = rates(end), forced = (rates_ + 4 * rates(middle) + rates_at_end) / 6;
+    const Transition transition = transition_over(a, duration);
+    by_start_ = transition.start * by_start_;
+    by_parameters_ = transition.start * by_parameters_ + transition.input * forced;
+    at_ = end;
+    rates_ = rates_at_end;
   }
 
  private:
-  double mean_slope(std::size_t j, double from, double to) const {
-    const FrictionLaw law = FrictionLaw::of(known_, static_cast<int>(j));
-    const bool apart = std::abs(to - from) > 1e-9;
-    return apart ? (law.torque(to) - law.torque(from)) / (to - from) : law.slope(0.5 * (from + to));
-  }
-
-  Flow jacobian(const Sample& at) const {
-    using Active = Dual<kStates>;
-    State<Active> x;
-    for (std::size_t i = 0; i < kStates; ++i) x[i] = Active::input(at.state[i], static_cast<int>(i));
-    const State<Active> f = dynamics<Active>(known_, x, {Active(at.torque[0]), Active(at.torque[1])});
-    Flow a;
-    for (std::size_t i = 0; i < kStates; ++i) {
-      for (std::size_t k = 0; k < kStates; ++k) a(static_cast<Index>(i), static_cast<Index>(k)) = f[i].g[k];
-    }
-    return a;
-  }
-
   MatrixXd rates(const Sample& at) const {
     MatrixXd all(kStates, static_cast<Index>(apart_.size()));
     for (std::size_t i = 0; i < apart_.size(); ++i) {
@@ -121,7 +91,9 @@ class Variation {
   const Parameters& known_;
   std::vector<Parameters> more_, less_;
   std::vector<double> apart_;  // in the prior's independent numbers
-  Flow by_start_;
+  Sample at_;                  // where it has come to
+  MatrixXd rates_;
+  StateMatrix by_start_;
   MatrixXd by_parameters_;
 };
 
@@ -141,7 +113,7 @@ MatrixXd planned_information(const Parameters& known, const Prior& prior, const 
   Interpolator at(plan);
   MatrixXd information = MatrixXd::Zero(n, n);
   for (const ReplayedPiece& piece : pieces_of(known, motion, 0)) {
-    variation.start();
+    variation.start(at.at(motion.times[piece.first]));
     MatrixXd all = MatrixXd::Zero(n + kStates, n + kStates), row(4, n + kStates);
     for (std::size_t k = 0; k < piece.count; ++k) {
       const auto& s = variation.by_parameters();
@@ -150,8 +122,7 @@ MatrixXd planned_information(const Parameters& known, const Prior& prior, const 
       all += row.transpose() * noise.cwiseAbs2().cwiseInverse().asDiagonal() * row;
       if (k + 1 == piece.count) break;
       const double now = motion.times[piece.first + k], next = motion.times[piece.first + k + 1];
-      const Sample begin = at.at(now), middle = at.at(0.5 * (now + next)), end = at.at(next);
-      variation.pass(begin, middle, end, next - now);
+      variation.pass(at.at(0.5 * (now + next)), at.at(next), next - now);
     }
     information += without_start(all, n);
   }

@@ -23,10 +23,27 @@ void assume(Prior& prior, const std::string& name, double deviation) {
   prior.factor(n, r) = deviation;
 }
 
+// The rest, given that the payload's mass is as it is said to be.
+Uncertainty without_payload_mass(Uncertainty u) {
+  const auto found = std::find(u.names.begin(), u.names.end(), kPayloadMass);
+  if (found == u.names.end()) return u;
+  const Eigen::Index k = found - u.names.begin(), n = u.covariance.rows();
+  const Eigen::VectorXd with_mass = u.covariance.col(k);
+  u.covariance -= with_mass * with_mass.transpose() / with_mass[k];
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    if (i != k) kept.push_back(i);
+  }
+  u.covariance = Eigen::MatrixXd(u.covariance(kept, kept));
+  u.names.erase(found);
+  return u;
+}
+
 }  // namespace
 
 Prior prior_of(const Parameters& robot, double widened, PayloadMass payload) {
-  const Uncertainty known = uncertainty_of(robot);
+  Uncertainty known = uncertainty_of(robot);
+  if (payload == PayloadMass::kKnown) known = without_payload_mass(std::move(known));
   Prior prior;
   prior.names = known.names;
   prior.assumed.assign(known.names.size(), false);

@@ -9,6 +9,7 @@
 #include "common/atomic_file.h"
 #include "common/input_error.h"
 #include "planner/design/experiment_design.h"
+#include "planner/plan.h"
 #include "planner/program/doubts.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/progress_line.h"
@@ -19,8 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 using DesignJson = nlohmann::ordered_json;
-
-constexpr int kInterrupted = 1;  // the exit code of a plan that was cancelled
 
 fs::path empty_folder(const std::string& name) {
   std::error_code error;
@@ -90,7 +89,10 @@ int experiment_design(const ExperimentDesignArguments& arguments) {
     design = design_experiment(robot, prior, options_of(arguments, line),
                                [&](std::size_t count, const auto& task) { for_each_index(count, threads, task); });
   }
-  if (interrupted()) return kInterrupted;
+  if (interrupted()) {
+    fmt::print(stderr, "fjr: experiment design: cancelled; nothing was written\n");
+    return exit_code(PlanStatus::kCancelled);
+  }
   for (std::size_t i = 0; i < design.motions.size(); ++i) {
     Request request = design.motions[i].request;
     if (!arguments.robot.empty()) request.robot = fs::absolute(arguments.robot).string();

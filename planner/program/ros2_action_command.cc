@@ -29,13 +29,14 @@ struct Ros2ActionArguments {
 // What it needs is in the service's configuration already.
 ActionServerConfig configured(const Ros2ActionArguments& options) {
   const ServiceConfig service = options.config.empty() ? default_service_config() : load_service_config(options.config);
-  if (options.robot_id.empty() && !service.robots.empty()) {
+  const std::vector<ServiceConfig> arms = one_per_robot(service);
+  if (options.robot_id.empty() && arms.size() > 1) {
     throw InputError(options.config, "robots", "of these one is meant: give its id as --robot-id");
   }
   ActionServerConfig config;
   config.network = service.network;
   options.network.apply_to(config.network);
-  config.robot_id = options.robot_id.empty() ? service.robot_id : options.robot_id;
+  config.robot_id = options.robot_id.empty() ? arms.front().robot_id : options.robot_id;
   config.action = options.action;
   config.reading = {{service.joint_names[0], service.joint_names[1]}, options.leave_accelerations};
   config.with_indices = options.with_indices;

@@ -48,6 +48,7 @@ std::string proof(const Proof& proof, double tolerance) {
   const std::string loops = fmt::format("{}; {}", proven_loop("open loop", proof.open_loop, tolerance),
                                         proven_loop("closed loop", proof.closed_loop, tolerance));
   std::string text = proof.proven ? line("proven", "at all times: " + loops) : line("not proven", loops);
+  if (!proof.proven) return text;  // of the task only what was looked at until then is known
   for (const TaskBound& bound : proof.task) {
     text += line("", fmt::format("{}{} keeps a clearance of at least {:.3g} {}, the exact motion {:.3g}", bound.name,
                                  bound.link == 0 ? "" : fmt::format(" link {}", bound.link), bound.published,

@@ -76,7 +76,8 @@ VerifyOptions verify_options(const VerifyArguments& options) {
   VerifyOptions o{payload_given(options), options.proven};
   if (options.robust > 0) o.robust = options.robust;
   const bool minds_task = options.proven || options.robust > 0;
-  if (minds_task && std::filesystem::is_directory(options.trajectory)) o.planned = planned_task(options.trajectory);
+  const bool has_plan = std::filesystem::exists(std::filesystem::path(options.trajectory) / "plan.json");
+  if (minds_task && has_plan) o.planned = planned_task(options.trajectory);
   return o;
 }
 

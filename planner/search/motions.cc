@@ -61,15 +61,17 @@ void try_swinging(const Alternative& alternative, Findings& found, Session& sess
 // Where that is so of all of them nothing more is tried, but the fastest motion where it may be for want of time.
 void ask_whether_out_of_reach(const std::vector<Alternative>& open, Findings& found, Session& session) {
   if (!found.candidates.empty()) return;
-  std::optional<OutOfReach> first;
+  std::vector<OutOfReach> why;
   for (const Alternative& alternative : open) {
     const auto what = out_of_reach(*alternative, session);
     if (!what) return;
-    if (!first) first = what;
+    why.push_back(*what);
   }
-  found.out_of_reach = first;
-  if (first != OutOfReach::kAllLimits) return;
-  for (const Alternative& alternative : open) try_from_fastest(alternative, found, session);
+  if (why.empty()) return;
+  found.out_of_reach = why.front();
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    if (why[i] == OutOfReach::kAllLimits) try_from_fastest(open[i], found, session);
+  }
   if (!found.candidates.empty()) found.out_of_reach.reset();
 }
 

@@ -17,6 +17,9 @@ Problem with_slack(const Problem& problem, const Relaxable& what);
 // The same with everything but velocities relaxed at once, each in proportion to its size. [fractions of it]
 Problem with_slack_everywhere(const Problem& problem);
 
+// Fraction by which limits are relaxed for the duration that such a problem starts from.
+inline constexpr double kLoose = 3;
+
 // The same with time in a hurry, so that a first solution does not wander off into motions that take for ever.
 Problem hurried(Problem with_slack);
 

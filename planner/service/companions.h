@@ -16,7 +16,7 @@
 
 namespace fjr {
 
-// Of all threads.
+// May be called from any thread.
 class Companions {
  public:
   Companions(const ServiceConfig& config, std::size_t count);

@@ -57,7 +57,7 @@ void Service::work() {
 
 void Service::give_work() {
   const auto ready = [this](const Job& job) { return !executes(job.order) || may_start(job.order); };
-  while (queue_.any_of(ready) && solvers_.idle()) {
+  while (queue_.any_of(ready) && solvers_.may_solve()) {
     if (auto untold = solvers_.solve(*queue_.pop_if(ready))) queue_.push_front(std::move(*untold));
   }
   if (!queue_.any_of(ready)) solvers_.withdraw();

@@ -23,8 +23,8 @@ class Slots {
   // What is still leased is nobody's from now on: to be called when it has been stopped, or handed over.
   void disown();
 
-  bool idle() const { return here_.idle() || (owner_ && elsewhere_->load()); }
-  void withdraw() const { here_.withdraw(); }
+  bool may_solve() { return here_.may_solve() || (owner_ && elsewhere_->load()); }
+  void withdraw() { here_.withdraw(); }
   std::optional<Job> solve(Job job);  // where the least is going on; returns it where nobody can be told of it
   void replace_missing() { here_.replace_missing(); }
   Solvers::News take_news();

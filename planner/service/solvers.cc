@@ -49,13 +49,13 @@ std::size_t Solvers::free() const {
       std::count_if(solvers_.begin(), solvers_.end(), [](const Solver& s) { return s.worker && !s.job; }));
 }
 
-bool Solvers::idle() const {
+bool Solvers::may_solve() {
   if (free() > 0) return turn_.ask();
   turn_.withdraw();  // others need not wait for one of these
   return false;
 }
 
-void Solvers::withdraw() const { turn_.withdraw(); }
+void Solvers::withdraw() { turn_.withdraw(); }
 
 double Solvers::load() const {
   return solvers_.empty() ? 1 : static_cast<double>(jobs().size()) / static_cast<double>(solvers_.size());

@@ -32,8 +32,8 @@ class Solvers {
   Solvers(std::size_t count, WorkerSettings settings, std::function<void()> wake,
           std::shared_ptr<Turns> turns = nullptr);
 
-  bool idle() const;         // one of them is, and may solve; asked for as long as there is something to solve
-  void withdraw() const;     // there is nothing more to solve
+  bool may_solve();  // one of them is idle and it is their turn, which is then theirs until solve() or withdraw()
+  void withdraw();   // there is nothing more to solve
   std::size_t free() const;  // how many are idle, whether or not it is their turn
   double load() const;       // the share of them that is solving, 0 to 1
   void solve(Job job);       // by an idle one

@@ -14,7 +14,7 @@
 
 namespace fjr {
 
-// Of all threads.
+// May be called from any thread.
 class Turns {
  public:
   explicit Turns(std::size_t slots) : free_(slots) {}

@@ -140,7 +140,7 @@ void WorkerHost::begin(LeaseWord word) {
 }
 
 void WorkerHost::give_work() {
-  while (!waiting_.empty() && solvers_.idle()) {
+  while (!waiting_.empty() && solvers_.may_solve()) {
     solvers_.solve(std::move(waiting_.front()));
     waiting_.pop_front();
   }

@@ -194,6 +194,26 @@ TEST(Executed, WhatIsNotExcitedKeepsItsPrior) {
   EXPECT_TRUE(named(fit, "spring.stiffness[0]").refined());
 }
 
+// Errors that go together: knowing the payload's mass leaves of the other's variance 1 - correlation^2.
+TEST(Prior, AKnownPayloadIsNotToBeFound) {
+  const auto has_mass = [](const Prior& prior) {
+    return std::find(prior.names.begin(), prior.names.end(), "payload.mass") != prior.names.end();
+  };
+  EXPECT_TRUE(has_mass(prior_of(robot())));
+  EXPECT_FALSE(has_mass(prior_of(robot(), 1, PayloadMass::kKnown)));
+  Parameters p = robot();
+  p.payload = {0.1, 0, 0.02, 0};
+  Uncertainty u;
+  u.names = {"payload.mass", "spring.stiffness[0]"};
+  u.covariance = (Eigen::Matrix2d() << 4e-4, 0.6 * 0.02 * 0.3, 0.6 * 0.02 * 0.3, 0.09).finished();
+  u.payload = p.payload;
+  p.uncertainty = std::make_shared<const Uncertainty>(u);
+  const Prior known = prior_of(p, 1, PayloadMass::kKnown);
+  EXPECT_FALSE(has_mass(known));
+  ASSERT_EQ(known.names.front(), "spring.stiffness[0]");
+  EXPECT_NEAR(known.deviation[0], 0.3 * std::sqrt(1 - 0.6 * 0.6), 1e-12);
+}
+
 TEST(Executed, WritesWhatItFound) {
   const std::string kink = "friction.second_shape[0]";
   const Parameters known = uncertain_by(0.02, {kink});

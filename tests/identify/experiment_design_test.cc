@@ -84,7 +84,7 @@ TEST(ExperimentDesign, ErrorsThatArePredictedAreThoseOfTheFit) {
   }
 }
 
-// The sum of the logarithms of independent errors: more to choose from tells more.
+// By the product of the standard errors, which is the determinant but for their correlations.
 TEST(ExperimentDesign, MoreCandidatesTellMore) {
   const ExperimentDesign any = design_experiment(robot(), prior_of(robot()), short_design(1), kTwoThreads);
   EXPECT_LT(design().error.array().log().sum(), any.error.array().log().sum());

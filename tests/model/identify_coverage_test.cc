@@ -56,7 +56,7 @@ TEST(FullLength, RealInstrumentsCostLittle) {
 }
 
 // Ten arms of which other ones are believed, five labs each: of 50 intervals at 95 %, 42 or fewer would hold the truth
-// with a probability of 0.0045 for each parameter; the rms of 50 errors in standard errors is 1 +- 0.1.
+// with a probability of 0.0032 for each parameter; the rms of 50 errors in standard errors is 1 +- 0.1.
 TEST(Coverage, NinetyFivePercentIntervalsHoldTheTruth) {
   constexpr int kArms = 10, kLabs = 5;
   std::mt19937_64 random(1);

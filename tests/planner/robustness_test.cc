@@ -78,8 +78,6 @@ TEST(Robustness, ASwingComesWhileLimitsAreTightened) {
   EXPECT_EQ(swung.motion->problem(), problem) << "the motion is of a problem with other limits";
 }
 
-// A motor that has time to spare trembled, more finely than rows can hold, until a trace of jerk stilled it. 31 s of
-// motion; 4 s of CPU measured.
 // Where more intervals are wanted than there may be, the worst are split, and not none.
 TEST(Robustness, AMeshThatMayNotGrowAsWantedGrowsWhereItErrsMost) {
   constexpr std::size_t kMost = 28;  // the first mesh has 25, and four times as many are wanted
@@ -153,7 +151,8 @@ TEST(Robustness, MemoryIsBoundedWhereNothingIsFound) {
   EXPECT_LT(memory_of([&] { plan(problem, options); }), kMostMemory);
 }
 
-// Memory grows with rows, of which this has nearly as many as there may be, and with intervals.
+// A motor that has time to spare trembled, more finely than rows can hold, until a trace of jerk stilled it. Memory
+// grows with rows, of which these 31 s have nearly as many as there may be, and with intervals.
 TEST(Robustness, ALongMotionOfSlowMotorsIsCertifiedInLittleMemory) {
   const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   const Problem problem = parse_request(

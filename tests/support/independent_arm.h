@@ -15,7 +15,7 @@ namespace fjr::independent {
 
 using Real = long double;
 using Numbers = std::array<Real, 8>;  // q1, q2, dq1, dq2, theta1, theta2, dtheta1, dtheta2
-using Pair = std::array<Real, 2>;
+using PerJoint = std::array<Real, 2>;
 
 struct Arm {
   Parameters p;
@@ -28,7 +28,7 @@ struct Arm {
   }
 
   // (1), for a payload that is a body at the tip. tau: of the motors [N m].
-  Numbers rate(const Numbers& x, const Pair& tau) const {
+  Numbers rate(const Numbers& x, const PerJoint& tau) const {
     const Real l1 = p.link.length[0], l2 = p.link.length[1], m2 = p.link.mass[1], r2 = p.link.com_fraction[1] * l2,
                mp = p.payload.mass, weight = mp * 9.8L;  // g of (6) and (7)
     const Real inner = p.link.inertia[1] + m2 * r2 * r2 + p.payload.inertia + mp * l2 * l2,
@@ -39,11 +39,12 @@ struct Arm {
     const Real sag = x[0] - p.mounting.down, slope = p.mounting.gravity;
     const Real g2 = slope * (p.link.gravity_torque[1] + weight * l2) * std::sin(sag + x[1]),
                g1 = slope * (p.link.gravity_torque[0] + weight * l1) * std::sin(sag) + g2;
-    const Pair spring{p.spring.stiffness[0] * (x[4] - x[0]), p.spring.stiffness[1] * (x[5] - x[1])};
-    const Real r1 = spring[0] - g1 - p.link.damping[0] * x[2] + bend * s * (2 * x[2] * x[3] + x[3] * x[3]),
-               r2_ = spring[1] - g2 - p.link.damping[1] * x[3] - bend * s * x[2] * x[2];
+    const PerJoint spring{p.spring.stiffness[0] * (x[4] - x[0]), p.spring.stiffness[1] * (x[5] - x[1])};
+    const Real forced1 = spring[0] - g1 - p.link.damping[0] * x[2] + bend * s * (2 * x[2] * x[3] + x[3] * x[3]),
+               forced2 = spring[1] - g2 - p.link.damping[1] * x[3] - bend * s * x[2] * x[2];
     const Real determinant = m11 * m22 - m12 * m12;
-    Numbers f{x[2], x[3], (m22 * r1 - m12 * r2_) / determinant, (m11 * r2_ - m12 * r1) / determinant, x[6], x[7]};
+    Numbers f{x[2], x[3], (m22 * forced1 - m12 * forced2) / determinant, (m11 * forced2 - m12 * forced1) / determinant,
+              x[6], x[7]};
     for (std::size_t j = 0; j < 2; ++j) f[6 + j] = (tau[j] - spring[j] - friction(j, x[6 + j])) / p.motor.inertia[j];
     return f;
   }
@@ -66,7 +67,7 @@ struct Between {
     }
     return x;
   }
-  Pair torque(Real t) const {
+  PerJoint torque(Real t) const {
     const Real s = t / length();
     return {a.torque[0] + s * (static_cast<Real>(b.torque[0]) - a.torque[0]),
             a.torque[1] + s * (static_cast<Real>(b.torque[1]) - a.torque[1])};
@@ -77,7 +78,7 @@ struct Between {
 struct Errors {
   Real link = 0;           // [rad]   largest |q - plan|, between steps too
   Real link_velocity = 0;  // [rad/s] largest |dq - plan|
-  Pair feedback{};         // [N m]   largest
+  PerJoint feedback{};     // [N m]   largest
 };
 
 // The largest magnitude over [0, h] of a cubic with these values and slopes at the ends.
@@ -106,10 +107,10 @@ class Run {
  private:
   static constexpr Real kTolerance = 1e-13L;  // of a step, of components of size 1
 
-  Pair feedback(const Between& plan, Real t, const Numbers& x) const {
+  PerJoint feedback(const Between& plan, Real t, const Numbers& x) const {
     if (!closed_) return {};
     const Numbers wanted = plan.state(t);
-    Pair u;
+    PerJoint u;
     for (std::size_t j = 0; j < 2; ++j) {
       u[j] = arm_.p.feedback.position_gain[j] * (wanted[4 + j] - x[4 + j]) +
              arm_.p.feedback.velocity_gain[j] * (wanted[6 + j] - x[6 + j]);
@@ -117,7 +118,7 @@ class Run {
     return u;
   }
   Numbers rate(const Between& plan, Real t, const Numbers& x) const {
-    const Pair u = feedback(plan, t, x), tau = plan.torque(t);
+    const PerJoint u = feedback(plan, t, x), tau = plan.torque(t);
     return arm_.rate(x, {tau[0] + u[0], tau[1] + u[1]});
   }
 
@@ -170,8 +171,8 @@ class Run {
     for (std::size_t i = 0; i < 8; ++i) {
       Real off = 0;
       for (std::size_t stage = 0; stage < k.size(); ++stage) off += h * kError[stage] * k[stage][i];
-      const Real share = std::abs(off) / (kTolerance * (1 + std::abs(x_[i])));
-      error = share >= error || std::isnan(share) ? share : error;
+      const Real fraction = std::abs(off) / (kTolerance * (1 + std::abs(x_[i])));
+      error = fraction >= error || std::isnan(fraction) ? fraction : error;
     }
     return {y, error};
   }
@@ -179,7 +180,7 @@ class Run {
   // After a step of length h to t, which began in `before`.
   void compare(const Between& plan, Real t, const Numbers& before, Real h) {
     const Numbers wanted = plan.state(t), wanted_before = plan.state(t - h);
-    const Pair u = feedback(plan, t, x_);
+    const PerJoint u = feedback(plan, t, x_);
     for (std::size_t j = 0; j < 2; ++j) {
       const Real off = largest_of_cubic(before[j] - wanted_before[j], before[2 + j] - wanted_before[2 + j],
                                         x_[j] - wanted[j], x_[2 + j] - wanted[2 + j], h);

@@ -294,7 +294,7 @@ std::vector<TaskBound> task_bounds(const TaskReaches& published, const TaskReach
   std::vector<TaskBound> bounds;
   const auto of_rollout = rollout.clearances();
   for (const TaskReaches::Clearance& c : published.clearances()) {
-    bounds.push_back({c.name, c.link, c.unit, c.may_miss, c.clearance, c.time, of_rollout[bounds.size()].clearance});
+    bounds.push_back({c.name, c.link, c.unit, c.clearance, c.time, of_rollout[bounds.size()].clearance});
   }
   return bounds;
 }

@@ -29,7 +29,7 @@ inline bool not_stopped() { return false; }
 // Encloses the exact solutions of the model under the published samples, in open and in closed loop, from the exact
 // start and over all of the time, and compares them with the plan's cubics, the limits and the task. What is covered,
 // what is assumed and how: docs/theory.md. for_each: three independent pieces of work. stopped: asked now and then, by
-// all of them; what is stopped is not proven.
+// both loops; what is stopped is not proven.
 Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims& claims,
             const ForEach& for_each = one_after_another, const std::function<bool()>& stopped = not_stopped);
 Proof prove(const Parameters& robot, const Limits& limits, const TaskOfMotion& task, const Trajectory& trajectory,

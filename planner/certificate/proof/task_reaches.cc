@@ -173,9 +173,8 @@ std::vector<TaskReaches::Clearance> TaskReaches::clearances() const {
       auto known = std::find_if(all.begin(), all.end(),
                                 [&](const Clearance& c) { return c.name == row.name && c.link == row.link; });
       if (known == all.end()) {
-        known = all.insert(all.end(), {row.name, row.link, row.unit(), side.may_miss, HUGE_VAL, 0});
+        known = all.insert(all.end(), {row.name, row.link, row.unit(), HUGE_VAL, 0});
       }
-      known->may_miss = std::min(known->may_miss, side.may_miss);
       if (side.clearance() >= known->clearance) continue;
       known->clearance = side.clearance();
       known->time = side.shortfall.time();

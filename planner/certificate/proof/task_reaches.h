@@ -41,7 +41,6 @@ class TaskReaches {
     std::string name;
     int link;  // 1 or 2; 0: neither
     std::string unit;
-    double may_miss;  // least of the rows
     double clearance;
     double time;  // [s] where
   };

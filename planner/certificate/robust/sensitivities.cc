@@ -5,10 +5,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
 
-#include "common/dual.h"
 #include "model/dynamics.h"
+#include "model/variational.h"
 #include "planner/certificate/simulation.h"
 #include "planner/control/motor_feedback.h"
 
@@ -17,7 +16,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using StateMatrix = Eigen::Matrix<double, kStates, kStates>;
 
 constexpr double kSteep = 0.1;        // of a motor's velocity, that friction takes in a tick
 constexpr int kSteepPieces = 16;      // of such a tick
@@ -52,33 +50,15 @@ std::vector<Neighbours> neighbours_of(const Parameters& robot, const Uncertainty
   return all;
 }
 
-StateMatrix jacobian(const Parameters& robot, const Sample& at) {
-  using Active = Dual<kStates>;
-  State<Active> x;
-  for (std::size_t i = 0; i < kStates; ++i) x[i] = Active::input(at.state[i], static_cast<int>(i));
-  const State<Active> f = dynamics<Active>(robot, x, {Active(at.torque[0]), Active(at.torque[1])});
-  StateMatrix a;
-  for (std::size_t row = 0; row < kStates; ++row) {
-    for (std::size_t column = 0; column < kStates; ++column) {
-      a(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(column)) = f[row].g[column];
-    }
-  }
-  return a;
-}
-
 // Mean slope of the friction of a motor that goes from one velocity to another at a steady acceleration, and swings
 // about them by `swing`, as the executor's dither has it. [N m s/rad]
 double mean_slope(const FrictionLaw& law, double from, double to, double swing) {
   constexpr int kPhases = 16;
-  const auto between = [&](double a, double b) {
-    const bool apart = std::abs(b - a) > 1e-9;
-    return apart ? (law.torque(b) - law.torque(a)) / (b - a) : law.slope(0.5 * (a + b));
-  };
-  if (swing == 0) return between(from, to);
+  if (swing == 0) return law.mean_slope(from, to);
   double sum = 0;
   for (int i = 0; i < kPhases; ++i) {
     const double by = swing * std::sin(2 * std::numbers::pi * (i + 0.5) / kPhases);
-    sum += between(from + by, to + by) / kPhases;
+    sum += law.mean_slope(from + by, to + by) / kPhases;
   }
   return sum;
 }
@@ -170,25 +150,15 @@ class Propagation {
 
   void advance(double from, double to) {
     const Sample begin = plan_.at(from), middle = plan_.at(0.5 * (from + to)), end = plan_.at(to);
-    StateMatrix a = jacobian(robot_, middle);
+    StateMatrix a = state_jacobian(robot_, middle.state, middle.torque);
     MatrixXd forced = (by_parameters(begin) + 4 * by_parameters(middle) + by_parameters(end)) / 6;
     for (std::size_t j = 0; j < kJoints; ++j) {
       const auto of_motor = static_cast<Eigen::Index>(kStateDtheta + j);
       a(of_motor, of_motor) = -mean_rate(j, begin, end);
       forced.row(of_motor) += torque_.row(static_cast<Eigen::Index>(j)) / robot_.motor.inertia[j];
     }
-    propagate(a, forced, to - from);
-  }
-
-  // dS/dt = a S + forced, both constant: by the exponential of [a 1; 0 0], whose upper right part is what the force
-  // comes to. Where friction is steep a h is -80, which no explicit step would bear.
-  void propagate(const StateMatrix& a, const MatrixXd& forced, double duration) {
-    Eigen::Matrix<double, 2 * kStates, 2 * kStates> generator = Eigen::Matrix<double, 2 * kStates, 2 * kStates>::Zero();
-    generator.topLeftCorner<kStates, kStates>() = duration * a;
-    generator.topRightCorner<kStates, kStates>().diagonal().setConstant(duration);
-    const Eigen::Matrix<double, 2 * kStates, 2 * kStates> exponential = generator.exp();
-    state_ = exponential.topLeftCorner<kStates, kStates>() * state_ +
-             exponential.topRightCorner<kStates, kStates>() * forced;
+    const Transition transition = transition_over(a, to - from);
+    state_ = transition.start * state_ + transition.input * forced;
   }
 
   const Parameters& robot_;

@@ -69,6 +69,7 @@ void add_proof(ChartPage& page, const JsonField& certificate) {
         "at the rows.");
   } else {
     page.add_paragraph(proof->at("reason").text(), "warning");
+    page.add_paragraph("What is said of the exact motion below holds until the closed loop was followed to.");
   }
   add_loops(page, *proof, certificate.at("tolerance_rad").number());
   add_limits(page, proof->at("limits"));

@@ -9,9 +9,9 @@
 #include "planner/problem/statics.h"
 #include "planner/search/detours.h"
 #include "planner/search/explain/candidates.h"
-#include "planner/search/explain/search.h"
 #include "planner/search/explain/via_times.h"
 #include "planner/search/fastest.h"
+#include "planner/search/search.h"
 #include "planner/search/slack.h"
 #include "planner/trajectory/trajectory.h"
 
@@ -29,11 +29,9 @@ constexpr double kRoom = 0.1;        // fraction of a change, or a duration, bey
 constexpr double kGridMargin = 1.1;  // times the clearance that a grid found missing
 constexpr double kClose = 0.05;      // slack of a sketch that a more exact one may do without
 constexpr double kPossible = 2e-3;   // slack below which the request is possible, as far as can be told
-constexpr double kLoose = 3;         // fraction by which limits are relaxed for a duration to start from
 constexpr double kMuch = 0.25;       // fraction of all limits at once
 constexpr std::size_t kBesides = 2;  // things that are tried beside each other
-constexpr int kMostIterationsOfSlack = 250;  // of one solve: those that lead somewhere took up to 190
-constexpr double kLonger = 2;                // times the duration of a hurried motion that the least change may take
+constexpr double kLonger = 2;        // times the duration of a hurried motion that the least change may take
 
 class Explanation {
  public:
@@ -184,13 +182,13 @@ class Explanation {
     Duration& duration = relaxed.duration;
     const double soon = kLonger * guesses.front().duration();
     if (!any_timed(problem_) && !relaxed.slack->velocity && duration.max > std::max(soon, duration.min)) {
-      const auto first = search.sketch(hurried(relaxed), what + ", hurried", guesses, kMostIterationsOfSlack);
+      const auto first = search.sketch(hurried(relaxed), what + ", hurried", guesses, Search::kMostIterationsOfSlack);
       if (!first) return std::nullopt;
       guesses = {guess_of(*first)};
       duration.max = std::clamp(kLonger * guesses.front().duration(), duration.min, duration.max);
     }
-    return roughly ? search.sketch(relaxed, what, guesses, kMostIterationsOfSlack)
-                   : search.solve(relaxed, what, guesses, kMostIterationsOfSlack);
+    return roughly ? search.sketch(relaxed, what, guesses, Search::kMostIterationsOfSlack)
+                   : search.solve(relaxed, what, guesses, Search::kMostIterationsOfSlack);
   }
 
   // ---- no way round ----
@@ -256,7 +254,7 @@ class Explanation {
   // may ask for, nobody is helped by what it comes to, and mostly it comes to nothing.
   std::vector<Candidate> worth_trying_alone(std::vector<Candidate> single, const std::vector<Guess>& guesses) {
     const Problem everything = with_slack(problem_, all_limits(problem_));
-    const auto least = search_.sketch(everything, "all_limits", guesses, kMostIterationsOfSlack);
+    const auto least = search_.sketch(everything, "all_limits", guesses, Search::kMostIterationsOfSlack);
     if (least && least->solution().slack > kMuch) keep_within_robot(single, least->solution().slack);
     return single;
   }

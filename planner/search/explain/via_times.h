@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "planner/problem/problem.h"
-#include "planner/search/explain/search.h"
+#include "planner/search/search.h"
 
 namespace fjr {
 

@@ -1,4 +1,4 @@
-#include "planner/search/explain/search.h"
+#include "planner/search/search.h"
 
 #include <algorithm>
 
@@ -65,6 +65,16 @@ std::optional<Continuation> Search::plan(const Problem& problem, const std::stri
 std::optional<Continuation> Search::sketch(const Problem& problem, const std::string& what,
                                            const std::vector<Guess>& guesses, int most_iterations) {
   return solve(problem, what, guesses, Exactness::kSketch, most_iterations);
+}
+
+std::optional<Continuation> Search::least_sketch(const Problem& problem, const std::string& what,
+                                                 const std::vector<Guess>& guesses) {
+  std::optional<Continuation> best;
+  for (const Guess& guess : guesses) {
+    auto c = sketch(problem, what, {guess}, kMostIterationsOfSlack);
+    if (c && (!best || c->solution().report.objective < best->solution().report.objective)) best = std::move(c);
+  }
+  return best;
 }
 
 }  // namespace fjr

@@ -1,5 +1,5 @@
-// The solves that an explanation may spend: each from its guesses, all of them within a budget that is counted in the
-// optimiser's work and not in time, so that the same request is told the same every time.
+// The solves that a question or an explanation may spend: each from its guesses, all of them within a budget that is
+// counted in the optimiser's work and not in time, so that the same request is told the same every time.
 #pragma once
 
 #include <optional>
@@ -17,6 +17,8 @@ class Search {
  public:
   static constexpr double kBudget = 10;        // [s] of work (SolveReport::work)
   static constexpr int kMostIterations = 450;  // of one start
+  static constexpr int kMostIterationsOfSlack =
+      250;  // of one that minimises a slack: those that lead somewhere took up to 190
 
   explicit Search(Session& session, double budget = kBudget)
       : session_(session), budget_(budget), work_before_(session.account().work) {}
@@ -37,6 +39,10 @@ class Search {
   // The same only as exact as finding it takes: on a coarse mesh, with friction smoothed.
   std::optional<Continuation> sketch(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
                                      int most_iterations = kMostIterations);
+
+  // The least objective of what all of these guesses lead to, as exact as that.
+  std::optional<Continuation> least_sketch(const Problem& problem, const std::string& what,
+                                           const std::vector<Guess>& guesses);
 
   // What the last solve() came to with friction smoothed, where it did not get to the exact law; none otherwise.
   std::optional<Continuation> last_sketch() const { return last_sketch_; }

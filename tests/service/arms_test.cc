@@ -12,12 +12,6 @@ const std::vector<std::string> kArms = {"left", "right"};
 const std::vector<std::string> kRehearsal = {"--rehearse", "0.2"};  // s that a request takes, of waiting
 constexpr double kTakes = 0.2;
 
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t found = 0;
-  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++found;
-  return found;
-}
-
 class ArmsTest : public ServiceTest {
  protected:
   using Instance = std::unique_ptr<Process>;

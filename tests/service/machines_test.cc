@@ -45,11 +45,6 @@ class MachinesTest : public ServiceTest {
     }
     return true;
   }
-  static std::size_t count(const std::string& text, const std::string& what) {
-    std::size_t found = 0;
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++found;
-    return found;
-  }
   void expect_answered_once(const std::vector<RequestId>& ids) {
     for (const RequestId& id : ids) EXPECT_EQ(final_reply(id).state, ReplyState::kFailed);
     listen_once();

@@ -15,12 +15,6 @@ namespace {
 const std::string kRefused = "start: {q: [0, 0]}\ngoal: {q: [1.2, 3.4]}\n";  // at once
 const std::string kNotRemembered = "replies are not remembered over a restart while this lasts";
 
-std::size_t count(const std::string& text, const std::string& what) {
-  std::size_t found = 0;
-  for (auto at = text.find(what); at != text.npos; at = text.find(what, at + 1)) ++found;
-  return found;
-}
-
 // All that a client is told, short enough to be shown.
 std::string told(const Reply& reply) { return sha256_hex(to_record(reply)); }
 

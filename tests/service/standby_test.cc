@@ -62,12 +62,6 @@ class StandbyTest : public ServiceTest {
     to_be.action = Action::kPlanAndExecute;
     return to_be;
   }
-  // How many trajectories the executor began, and reports it refused.
-  static std::size_t count(const std::string& text, const std::string& what) {
-    std::size_t found = 0;
-    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++found;
-    return found;
-  }
   void wait_until_executed(const Process& executor) {
     wait_until([&] { return count(executor.output(), "finished id=") == 1; });
     settle();

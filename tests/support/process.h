@@ -34,6 +34,13 @@ inline std::vector<pid_t> children_of(pid_t parent) {
   return pids;
 }
 
+// How often a text has another in it.
+inline std::size_t count(const std::string& text, const std::string& what) {
+  std::size_t found = 0;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++found;
+  return found;
+}
+
 class Process {
  public:
   // stdout and stderr go to `log`; it runs in `folder`, by default the test's.

@@ -12,7 +12,7 @@ page() {
   name=$(IFS=-; echo "fjr${*:+-$*}")
   about=$(sed -n '1{s/^fjr: //;p}' <<<"$help")
   help2man --no-info --section 1 --version-string "$version" --name "$about" "$program${*:+ $*}" |
-    sed -e "s/^\.TH [^ ]*/.TH ${name^^}/" -e "s/^fjr[a-z ]* \\\\- /$name \\\\- /" | gzip -9n > "$folder/$name.1.gz"
+    sed -e "s/^\.TH .* \"1\"/.TH ${name^^} \"1\"/" -e "s/^fjr[a-z0-9 \\\\-]* \\\\- /$name \\\\- /" | gzip -9n > "$folder/$name.1.gz"
   for command in $(awk '/^Subcommands:/ { on = 1; next } /^$/ { on = 0 } on && /^  [a-z]/ { print $1 }' <<<"$help"); do
     page "$@" "$command"
   done

@@ -23,6 +23,7 @@ test_packages=(
   slurm-wlm munge parallel                                      # engines that run batches
   python3-pandas octave                                         # programs that read our tables
   chromium chromium-driver python3-selenium fonts-dejavu-core   # reports in a browser
+  help2man                                                      # man pages
   clang-format clang-tidy                                       # style
   mkdocs doxygen                                                # docs/ as a site, and the library's pages
 )

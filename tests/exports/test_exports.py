@@ -9,6 +9,7 @@ import os
 import subprocess
 from pathlib import Path
 
+import jsonschema
 import numpy as np
 import pandas as pd
 import pytest
@@ -184,6 +185,41 @@ def test_ranges_that_are_not_symmetric(tmp_path):
     assert set(json.loads(schema.data)["properties"]) == set(limits[0][1])
     mat = scipy.io.loadmat(export(tmp_path / "out", tmp_path, "mat"))["limits"][0, 0]
     assert mat["link_position"].tolist() == [[3.2, 2.6]] and mat["link_middle"].tolist() == [[0.5, 0]]
+
+
+def strict(schema):
+    """The same, and objects have no other keys than those that it names."""
+    if isinstance(schema, list):
+        return [strict(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    more = {"additionalProperties": False} if schema.get("type") == "object" and "properties" in schema else {}
+    return {key: strict(value) for key, value in schema.items()} | more
+
+
+def test_the_scene_is_as_foxglove_has_it(plan, tmp_path):
+    # Foxglove's own definition: SceneUpdate of the npm package @foxglove/schemas 2.1.0 (MIT, Foxglove Technologies Inc.), as it is.
+    own = strict(json.loads((SOURCE / "tests" / "exports" / "foxglove.SceneUpdate.json").read_text()))
+    jsonschema.Draft202012Validator.check_schema(own)
+    validator = jsonschema.Draft202012Validator(own)
+    schema, scene = messages(export(plan, tmp_path, "mcap"))["/fjr/scene"]
+    assert schema.name == own["title"] and schema.encoding == "jsonschema"
+    assert json.loads(schema.data)["properties"].keys() == own["properties"].keys()
+    shapes = set()
+    for _, message in scene:
+        validator.validate(message)
+        for entity in message["entities"]:
+            shapes |= {key for key, value in entity.items() if isinstance(value, list) and value}
+    assert shapes == {"lines", "cylinders"}
+    # And it would have been seen: a key less, one more, and a number for a point.
+    for spoil in (
+        lambda entity: entity.pop("frame_id"),
+        lambda entity: entity.update(frame="base"),
+        lambda entity: entity["lines"][0]["points"].append(0.5),
+    ):
+        wrong = json.loads(json.dumps(scene[-1][1]))
+        spoil(wrong["entities"][0])
+        assert not validator.is_valid(wrong)
 
 
 def test_mcap(plan, table, log, tmp_path):

@@ -4,9 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <functional>
 #include <numbers>
 #include <string>
+#include <vector>
 
 #include "common/input_error.h"
 #include "common/strict_yaml.h"
@@ -164,6 +168,188 @@ TEST(RobotCheck, FindsWhatAnArmCannotDo) {
   p = good;
   p.link.inertia[0] = 0.001;
   EXPECT_EQ(verdict_of(p, "parallel axes", 1), "impossible");
+}
+
+// What can be found, each with the number that it rests on. Figures are worked out by hand from kShort: link 1 has 0.09
+// kg m^2 about its joint, link 2 0.00592 about its centre of mass and 0.016 about its joint; gravity 5.684 and 0.8232
+// N m; q2 = 0 gives m11 = 0.09 + 0.00592 + 0.7 (0.4^2 + 0.12^2 + 2 0.4 0.12) = 0.2852 kg m^2.
+struct Found {
+  const char* check;
+  int joint;
+  Verdict verdict;
+  std::vector<const char*> numbers;
+  std::function<void(Parameters&)> change = [](Parameters&) {};
+};
+
+constexpr double squared(double x) { return x * x; }
+constexpr double kRadPerHz = 2 * std::numbers::pi;
+
+const std::vector<Found> kFound{
+    {"parallel axes", 1, Verdict::kFine, {"0.09 kg m^2 about the joint is 1.5 of the 0.06 kg m^2"}},
+    {"parallel axes",
+     1,
+     Verdict::kDoubtful,  // 1.5 kg at 0.2 m
+     {"0.048 kg m^2 about the joint is 0.8 of the 0.06 kg m^2"},
+     [](Parameters& p) { p.link.inertia[0] = 0.048; }},
+    {"parallel axes", 1, Verdict::kImpossible, {"is 0.0167 of"}, [](Parameters& p) { p.link.inertia[0] = 0.001; }},
+    {"inertia within the link",
+     1,
+     Verdict::kDoubtful,  // 1.5 (0.25 0.25 + 0.05^2) at the ends of a link 0.1 m thick, and 1.5 0.2^2
+     {"0.63 kg m^2 about the joint is 4 times", "1.5 kg within a link of 0.4 m can have, 0.1575 kg m^2"},
+     [](Parameters& p) {
+       p.link.radius[0] = 0.05;
+       p.link.inertia[0] = 0.63;
+     }},
+    {"inertia within the link",
+     2,
+     Verdict::kImpossible,  // 0.7 (0.14 0.2 + 0.02^2)
+     {"0.2982 kg m^2 about the centre of mass is 15 times", "0.01988 kg m^2"},
+     [](Parameters& p) {
+       p.link.radius[1] = 0.02;
+       p.link.inertia[1] = 0.2982;
+     }},
+    {"inertia of a rod",
+     2,
+     Verdict::kDoubtful,  // 0.7 0.3^2 / 12
+     {"2.625e-05 kg m^2 about the centre of mass is 0.005 of", "0.00525 kg m^2"},
+     [](Parameters& p) { p.link.inertia[1] = 2.625e-5; }},
+    {"flexible joint",
+     1,
+     Verdict::kDoubtful,
+     {"at 250 Hz", "no flexible joint"},
+     [](Parameters& p) { p.spring.stiffness[0] = 0.2852 * squared(250 * kRadPerHz); }},
+    {"flexible joint",
+     2,
+     Verdict::kFine,
+     {"at 150 Hz"},
+     [](Parameters& p) { p.spring.stiffness[1] = 0.016 * squared(150 * kRadPerHz); }},
+    {"friction brakes",
+     1,
+     Verdict::kImpossible,  // f tanh - 1.5 f tanh
+     {"drives the motor by 0.5 N m"},
+     [](Parameters& p) {
+       p.friction.amplitude[0] = 1;
+       p.friction.width[0] = 0.02;
+       p.friction.second_weight[0] = 1.5;
+       p.friction.second_shape[0] = p.friction.viscous[0] = 0;
+     }},
+    {"friction brakes",
+     2,
+     Verdict::kFine,  // at 8 rad/s
+     {"brakes at all speeds, up to 2 N m"},
+     [](Parameters& p) {
+       p.friction.viscous[1] = 0.25;
+       p.friction.amplitude[1] = 0;
+     }},
+    {"link encoder",
+     1,
+     Verdict::kDoubtful,
+     {"a count is 0.0126 rad"},
+     [](Parameters& p) { p.encoder.link_counts[0] = 500; }},
+    {"link encoder", 2, Verdict::kFine, {"a count is 9.59e-05 rad"}},
+    {"shape",
+     1,
+     Verdict::kDoubtful,
+     {"0.25 m makes a link of 0.4 m thicker"},
+     [](Parameters& p) { p.link.radius[0] = 0.25; }},
+    {"shape",
+     2,
+     Verdict::kFine,
+     {"0.05 m is the radius of a link of 0.3 m"},
+     [](Parameters& p) { p.link.radius[1] = 0.05; }},
+    {"gravity",
+     1,
+     Verdict::kImpossible,
+     {"8.526 N m is 1.5 times the 5.684 N m"},
+     [](Parameters& p) { p.link.gravity_torque[0] *= 1.5; }},
+    {"gravity",
+     1,
+     Verdict::kDoubtful,  // half: a plane at 30 degrees
+     {"2.842 N m is 0.5 of the 5.684 N m", "inclined by 30 degrees"},
+     [](Parameters& p) { p.link.gravity_torque[0] /= 2; }},
+    {"gravity",
+     2,
+     Verdict::kImpossible,
+     {"1.646 N m does not go with joint 1's 5.684 N m", "0.8232 N m"},
+     [](Parameters& p) { p.link.gravity_torque[1] *= 2; }},
+    {"mass matrix", 1, Verdict::kFine, {"smallest eigenvalue is 0.0", "kg m^2, at q2 = ", ": positive definite"}},
+    {"mass matrix",
+     1,
+     Verdict::kImpossible,  // at q2 = pi: [0.12488, -0.04352; ., -0.00992]
+     {"-0.02275 kg m^2, at q2 = 3.14 rad: not positive definite"},
+     [](Parameters& p) { p.link.inertia[1] = -0.02; }},
+    {"springs hold the arm",
+     1,
+     Verdict::kImpossible,  // 6.5072 / 12
+     {"by up to 0.5423 rad at rest, 108 % of the 0.5 rad"},
+     [](Parameters& p) { p.spring.stiffness[0] = 12; }},
+    {"springs hold the arm", 2, Verdict::kFine, {"by up to 0.05488 rad at rest, 18 % of the 0.3 rad"}},
+    {"range", 1, Verdict::kFine, {"from -1 to 3 rad, 0.637 turns"}},
+    {"range",
+     2,
+     Verdict::kDoubtful,
+     {"from -10 to 10 rad, 3.18 turns", "10 degrees are 0.1745 rad"},
+     [](Parameters& p) { p.limits.link_position[1] = 10; }},
+    {"motor encoder",
+     1,
+     Verdict::kDoubtful,  // 30 N m/rad of 2 N m
+     {"a count is 0.00628 rad, 0.188 N m of spring torque (9.4 % of the limit), and 6.28 rad/s"},
+     [](Parameters& p) {
+       p.encoder.motor_counts[0] = 1000;
+       p.limits.torque[0] = 2;
+     }},
+    {"motor encoder", 2, Verdict::kFine, {"0.0471 N m"}, [](Parameters& p) { p.encoder.motor_counts[1] = 2000; }},
+    {"holding still",
+     1,
+     Verdict::kDoubtful,  // 65.536 counts of 65536 a turn
+     {"65.5 counts of the link", "0.314 N m, and friction 0 N m: nothing holds"},
+     [](Parameters& p) {
+       p.encoder.motor_counts[0] = 1000;
+       p.feedback.position_gain[0] = 50;
+       p.friction.amplitude[0] = 0;
+     }},
+    {"holding still",
+     2,
+     Verdict::kFine,
+     {"friction 1 N m: friction holds the motor"},
+     [](Parameters& p) { p.friction.amplitude[1] = 1; }},
+    {"drive", 1, Verdict::kImpossible, {"7 N m is 0.5 times"}, [](Parameters& p) { p.drive.peak_torque[0] = 7; }},
+    {"drive", 2, Verdict::kDoubtful, {"5.1 N m is 1.02 times"}, [](Parameters& p) { p.drive.peak_torque[1] = 5.1; }},
+    {"acceleration", 1, Verdict::kFine, {"in 27.4 ms, 27.4 ticks"}},  // 0.064 kg m^2 to 6 rad/s by 14 N m
+    {"acceleration",
+     2,
+     Verdict::kDoubtful,
+     {"in 0.16 ms, 0.16 ticks"},
+     [](Parameters& p) { p.motor.inertia[1] = 1e-4; }},
+    {"motors hold the arm",
+     1,
+     Verdict::kDoubtful,
+     {"up to 6.507 N m of 5;"},
+     [](Parameters& p) { p.limits.torque[0] = 5; }},
+    {"motors hold the arm", 1, Verdict::kFine, {"up to 6.507 N m of 14; both motors hold 100 %"}},
+    {"motors hold the arm", 2, Verdict::kFine, {"up to 0.8232 N m of 5;"}},
+    {"reach", 1, Verdict::kFine, {"from 0.1 to 0.7 m", "by up to 0.0671 mm"}},  // 9.59e-5 rad at 0.7 m
+};
+
+TEST(RobotCheck, EachFindingHasItsNumber) {
+  for (const Found& expected : kFound) {
+    Parameters p = robot_of(kShort);
+    expected.change(p);
+    const std::vector<Finding> findings = check_robot(p);
+    const auto found = std::ranges::find_if(
+        findings, [&](const Finding& f) { return f.check == expected.check && f.joint == expected.joint; });
+    ASSERT_NE(found, findings.end()) << expected.check << expected.joint;
+    EXPECT_EQ(found->verdict, expected.verdict) << found->text();
+    for (const char* number : expected.numbers) EXPECT_THAT(found->text(), HasSubstr(number));
+  }
+}
+
+TEST(RobotCheck, NothingIsFoundThatIsNotTriedHere) {
+  for (const Finding& finding : check_robot(robot_of(kShort))) {
+    EXPECT_TRUE(std::ranges::any_of(
+        kFound, [&](const Found& f) { return f.check == finding.check && f.joint == finding.joint; }))
+        << finding.check << finding.joint;
+  }
 }
 
 TEST(RobotCheck, TheShippedRobotsCanBe) {

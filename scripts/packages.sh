@@ -15,7 +15,7 @@ program_packages=(
 )
 test_packages=(
   iproute2 nftables                                             # networks that lose packets
-  systemd                                                       # systemd-analyze: the units are verified
+  systemd systemd-container                                     # systemd-analyze: the units are verified; and run
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libmpfr-dev  # tests and benchmarks
   python3-prometheus-client                                     # reads the service's metrics
   libfastrtps-dev fastddsgen default-jre-headless               # another DDS, to test against

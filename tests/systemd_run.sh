@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs the installed units under a systemd of their own, with credentials:  tests/systemd_run.sh BUILD
+# Runs the three installed units under a systemd of their own, with credentials:  tests/systemd_run.sh BUILD
 # As root, with systemd-nspawn (Debian: systemd-container). It boots a copy-on-write view of this machine without a
 # network, and leaves nothing behind. Exit code 77: that cannot be had here.
 set -euo pipefail
@@ -21,7 +21,8 @@ DESTDIR=$root cmake --install "$build" --prefix /usr/local > /dev/null
 printf 'start: {q: [0, 0]}\ngoal: {q: [0.3, -0.2]}\nobjective: fastest\n' > "$root/there.yaml"
 printf 'goal: {q: [0, 0]}\nobjective: fastest\n' > "$root/back.yaml"
 mkdir -p "$root/etc/systemd/system/multi-user.target.wants"
-for unit in fjr fjr-executor; do
+sed -i 's|^# remember: DIR .*|remember: /var/lib/fjr|; s|^# metrics: |metrics: |' "$root/etc/fjr/service.yaml"
+for unit in fjr fjr-worker fjr-executor; do
   ln -sf "/usr/local/lib/systemd/system/$unit.service" "$root/etc/systemd/system/multi-user.target.wants/"
 done
 
@@ -38,12 +39,15 @@ become() { for _ in {1..150}; do [[ $("$@") == "$wanted" ]] && return; sleep 0.1
 show() { systemctl show -P "$2" "$1"; }
 main() { show "$1" MainPID; }
 as() { FJR_SECURITY=/etc/fjr/security/$1 timeout 60 fjr "${@:2}"; }
+slots() { as observer status --json | python3 -c 'import json, sys; print(json.load(sys.stdin)["services"][0]["workers"]["all"])'; }
+page() { python3 -c 'import urllib.request as u; print(u.urlopen("http://127.0.0.1:9464/metrics").read().decode())'; }
 moves() { as client request "$1" --execute | grep -q 'code 0 SUCCESSFUL'; }
 
 wanted=active
 expect "the service runs" become show fjr ActiveState
+expect "the worker runs" become show fjr-worker ActiveState
 expect "the executor runs" become show fjr-executor ActiveState
-for unit in fjr fjr-executor; do
+for unit in fjr fjr-worker fjr-executor; do
   user=$(ps -o uid= -p "$(main $unit)")
   expect "$unit is not root but user $user" test "$user" -ge 61184
   expect "$unit has its credentials by systemd" test -r "/run/credentials/$unit.service/key.pem"
@@ -55,7 +59,10 @@ if bash -c 'ulimit -r 99 -l unlimited' 2> /dev/null; then
 else
   echo "left out  real-time priority and locked memory: root may not raise limits here (CAP_SYS_RESOURCE)"
 fi
+wanted=2
+expect "the owner has its own slot and the worker's" become slots
 expect "a motion is planned and executed" moves /there.yaml
+expect "metrics are served" eval 'page | grep -q "^fjr_replies_total.*SOLVED.* 1"'
 expect "without credentials nobody is served" bash -c '! timeout 20 fjr status > /dev/null'
 expect "fjr hold succeeds" as client hold
 before=$(main fjr)
@@ -64,13 +71,16 @@ wanted=1
 expect "a service that hangs is started again by the watchdog" become show fjr NRestarts
 wanted=active
 expect "and runs" become show fjr ActiveState
+expect "and remembers what it has answered" eval 'journalctl --sync; journalctl -o cat -u fjr | grep -q "remembers 1 earlier repl"'
 expect "the arm moves back" moves /back.yaml
+expect "the worker ends when it is told to" systemctl stop fjr-worker
+expect "and with code 0" test "$(show fjr-worker ExecMainStatus)" == 0
 expect "the executor ends when it is told to" systemctl stop fjr-executor
 expect "and with code 0" test "$(show fjr-executor ExecMainStatus)" == 0
 expect "the service ends when it is told to" systemctl stop fjr
 expect "and with code 0" test "$(show fjr ExecMainStatus)" == 0
 expect "what the executor has run outlives it" test -s /var/lib/fjr-executor/executor-0-arm
-journalctl --no-pager -o cat -u fjr -u fjr-executor > /journal.log
+journalctl --no-pager -o cat -u fjr -u fjr-worker -u fjr-executor > /journal.log
 echo "$failed" > /trial.result
 systemctl poweroff --force
 TRIAL

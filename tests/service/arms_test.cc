@@ -47,32 +47,17 @@ class ArmsTest : public ServiceTest {
                                  arm + ".executor");
     }
     for (const auto& [arm, executor] : executors) {
-      wait_until([&, &e = executor] { return e->output().find("executing for") != std::string::npos; });
+      EXPECT_TRUE(says(*executor, "executing for"));
     }
     settle();
     return executors;
   }
 
-  void listen() {
-    listen_once([&](const ServiceStatus& status) { heard_[status.instance] = status; });
-  }
-  template <class Holds>
-  void wait_until(Holds holds, double limit = 15) {
-    const auto began = Clock::now();
-    while (!holds() && seconds_since(began) < limit) listen();
-    ASSERT_TRUE(holds());
-  }
   std::uint64_t epoch(const std::string& instance) { return heard_[instance].epoch; }
   void wait_for_owner(const std::string& name) {
     wait_until([&] { return epoch(name + "/left") > 0 && epoch(name + "/right") > 0; });
     settle();
   }
-  bool says(const Process& process, const std::string& what) {
-    const auto began = Clock::now();
-    while (process.output().find(what) == std::string::npos && seconds_since(began) < 15) listen();
-    return process.output().find(what) != std::string::npos;
-  }
-
   Order for_arm(const std::string& arm, Action action = Action::kPlan) {
     Order one = order(kFast);
     one.robot_id = arm;
@@ -107,8 +92,6 @@ class ArmsTest : public ServiceTest {
     EXPECT_GT(took, static_cast<double>(before + kFew - 1) * kTakes);
     EXPECT_FALSE(next_final(0.3));
   }
-
-  std::map<std::string, ServiceStatus> heard_;
 };
 
 TEST_F(ArmsTest, EachHasItsRobotItsOwnerAndItsExecutor) {

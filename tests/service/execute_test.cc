@@ -17,18 +17,11 @@ const std::string kToBack = "goal: {q: [0.3, 0.2]}\nobjective: fastest\n";  // f
 
 class ExecuteTest : public ServiceTest {
  protected:
-  // The arm rests at the start of kFast.
-  void start_executor(const std::string& at = "0.3,0.2", const std::vector<std::string>& more = {}) {
-    std::vector<std::string> words{"executor", "--start", at, "--state", path("state"), "--domain", domain()};
-    words.insert(words.end(), more.begin(), more.end());
-    executor_ = start_fjr(words, "executor");
+  void start_executor(const std::string& at = "0.3,0.2", const std::vector<std::string>& more = {"--fast"}) {
+    executor_ = ServiceTest::start_executor(at, more);
   }
   Process& executor() { return *executor_; }
-  void wait_for(const std::string& in_log) {
-    const auto began = Clock::now();
-    while (executor().output().find(in_log) == std::string::npos && seconds_since(began) < 10) listen_once();
-    EXPECT_THAT(executor().output(), HasSubstr(in_log));
-  }
+  void wait_for(const std::string& in_log) { EXPECT_TRUE(says(executor(), in_log)) << executor().output(); }
 
   Order execution_of(const RequestId& planned) {
     Order execute = order("");
@@ -71,15 +64,13 @@ TEST_F(ExecuteTest, WhatWasPlannedBeforeIsExecutedByItsId) {
 // 0.5 g at the tip that nobody planned with: what the encoders read tells them, far within all tolerances.
 TEST_F(ExecuteTest, AnArmThatIsNotAsItsRobotFileSaysIsTold) {
   serve();
-  start_executor("0.3,0.2", {"--payload", "0.0005"});
+  start_executor("0.3,0.2", {"--fast", "--payload", "0.0005"});
   Order execute = order(kFast);
   execute.action = Action::kPlanAndExecute;
   ASSERT_EQ(answer_to(execute).state, ReplyState::kSolved);
   wait_for("finished id=" + text(execute.id) + " code=0");
   const std::string told = "drifts from robot.yaml since " + text(execute.id) + " (1 of 1 motion): ";
-  const auto began = Clock::now();
-  while (service().output().find(told) == std::string::npos && seconds_since(began) < 60) listen_once();
-  EXPECT_THAT(service().output(), HasSubstr("arm of robot=arm " + told));
+  wait_until([&] { return count(service().output(), "arm of robot=arm " + told) > 0; }, 60);
   EXPECT_THAT(executor().output(), HasSubstr("arm " + told));
   Process status = fjr({"status", "--json", "--domain", domain()}, "status");
   EXPECT_EQ(status.wait(), 0);
@@ -101,10 +92,10 @@ TEST_F(ExecuteTest, ACopyOfWhatWasRefusedForTheMomentDoesNotMoveTheArm) {
   ASSERT_EQ(answer_to(plan).state, ReplyState::kSolved);
   const dds::Participant standby(domain_);
   dds::Writer<fjr_msg_RelayedRequest> relayed(standby, standby.handle());
-  while (!relayed.has_reader()) listen_once();
+  while (!relayed.has_reader()) listen();
   EXPECT_TRUE(relayed.write(dds::encode(dds::Relayed{execute, 0, false})));
   EXPECT_TRUE(relayed.flush(DDS_SECS(5)));
-  for (const auto began = Clock::now(); seconds_since(began) < 1;) listen_once();
+  listen_for(1);
   EXPECT_THAT(executor().output(), testing::Not(HasSubstr("executing id=")));
   EXPECT_EQ(answer_to(execute).state, ReplyState::kSolved);  // its client asks again
   wait_for("executing id=" + text(execute.id));
@@ -169,39 +160,6 @@ TEST_F(ExecuteTest, TheFolderOfAnEarlierRequestIsExecuted) {
   EXPECT_THAT(empty.output(), HasSubstr("has no trajectory.id"));
 }
 
-TEST_F(ExecuteTest, WhoeverIsInterruptedBringsTheArmToRest) {
-  serve();
-  start_executor();
-  write("long.yaml", "goal: {q: [0.6, -0.2]}\nduration: 2\nsearch: quick\n");
-  Process request = fjr({"request", path("long.yaml"), "--domain", domain(), "--execute"}, "request.log");
-  wait_for("executing id=");
-  request.send(SIGINT);
-  EXPECT_EQ(request.wait(), 1);
-  EXPECT_THAT(request.output(), HasSubstr("not executed to its end: "));
-  wait_for("hold commanded");
-}
-
-TEST_F(ExecuteTest, WithoutAStartItIsWhereTheArmRests) {
-  serve();
-  start_executor();
-  wait_for_executor();
-  settle();
-  Order there = order("goal: {q: [0.42, 0.08]}\nobjective: fastest\n");
-  there.action = Action::kPlanAndExecute;
-  const Reply first = answer_to(there);
-  ASSERT_EQ(first.state, ReplyState::kSolved) << first.why.sentence;
-  expect_refused(order(kToBack), "start", "left out, but the arm is");
-  wait_for("finished id=" + text(there.id) + " code=0");
-  settle();
-  Order back = order(kToBack);
-  back.action = Action::kPlanAndExecute;
-  const Reply second = answer_to(back);
-  ASSERT_EQ(second.state, ReplyState::kSolved) << second.why.sentence;
-  // The goal that is held, to the last bit: not what the encoders count.
-  EXPECT_EQ(second.rows.front().state.q, (Joints<double>{0.42, 0.08}));
-  wait_for("finished id=" + text(back.id) + " code=0");
-}
-
 // An executor that has refused a trajectory does not move: nobody has to wait until it would have begun.
 TEST_F(ExecuteTest, AfterARefusedTrajectoryTheArmRestsAsBefore) {
   serve();
@@ -249,7 +207,7 @@ TEST_F(ExecuteTest, TheExecutorsMemoryIsOnTheDisk) {
   executor_ = std::make_unique<Process>(
       std::vector<std::string>{"/usr/bin/env", "LD_PRELOAD=" FJR_RECORDED_FILES,
                                "FJR_RECORDED_FILES=" + path("files").string(), FJR_EXECUTABLE, "executor", "--start",
-                               "0.3,0.2", "--state", path("state"), "--domain", domain()},
+                               "0.3,0.2", "--state", path("state"), "--fast", "--domain", domain()},
       path("executor"));
   wait_for_executor();
   settle();
@@ -358,7 +316,7 @@ TEST_F(ExecuteTest, Ros2SeesWhatIsExecuted) {
   ros.reliable(DDS_MSECS(100)).keep_last(10);
   dds::Reader<dds::JointTrajectory> reader(participant, participant.handle(), ros);
   const auto began = Clock::now();
-  while (!reader.has_writer() && seconds_since(began) < 5) listen_once();
+  while (!reader.has_writer() && seconds_since(began) < 5) listen();
   Order there = order(kFast);
   there.action = Action::kPlanAndExecute;
   const Reply reply = answer_to(there);
@@ -391,7 +349,7 @@ TEST_F(ExecuteTest, Ros2SeesWhatIsExecuted) {
       }
       EXPECT_NEAR(gained, reply.rows[last].state.dq[0], 0.02 * std::abs(reply.rows[last].state.dq[0]) + 1e-6);
     });
-    listen_once();
+    listen();
   }
   EXPECT_EQ(messages, 1u);
 }

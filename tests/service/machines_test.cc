@@ -37,17 +37,9 @@ class MachinesTest : public ServiceTest {
   void wait_for_slots(std::uint32_t slots) {
     status_when([&](const ServiceStatus& status) { return status.epoch > 0 && status.workers == slots; }, 10);
   }
-  // Whether it comes to be said within a while.
-  bool says(const Process& process, const std::string& what, double limit = 10) {
-    for (const auto began = Clock::now(); process.output().find(what) == std::string::npos;) {
-      if (seconds_since(began) > limit) return false;
-      listen_once();
-    }
-    return true;
-  }
   void expect_answered_once(const std::vector<RequestId>& ids) {
     for (const RequestId& id : ids) EXPECT_EQ(final_reply(id).state, ReplyState::kFailed);
-    listen_once();
+    listen();
     EXPECT_FALSE(next_final(0.3));
   }
   std::vector<RequestId> ask(int requests) {
@@ -94,8 +86,7 @@ TEST_F(MachinesTest, AWorkersPlanIsTheOneThatIsPlannedHere) {
 TEST_F(MachinesTest, MotionsAreExecutedOnceWithTheirStops) {
   serve_by_others();
   const Instance worker = start_worker("worker");
-  const Instance executor =
-      start_fjr({"executor", "--start", "0.3,0.2", "--state", path("state"), "--domain", domain()}, "executor.log");
+  const Instance executor = start_executor();
   wait_for_executor();
   wait_for_slots(1);
   Order there = order(kFast);
@@ -171,8 +162,7 @@ TEST_F(MachinesTest, ASolvingProcessThatDiesCostsOneAttempt) {
   const Order one = order(kFast);
   send(one);
   for (std::size_t attempt = 1; attempt <= 2; ++attempt) {
-    const auto began = Clock::now();
-    while (count(worker->output(), "leased by=owner") < attempt && seconds_since(began) < 10) listen_once();
+    EXPECT_TRUE(says(*worker, "leased by=owner", attempt));
     for (const pid_t process : worker->children()) ::kill(process, SIGKILL);
   }
   const Reply reply = final_reply(one.id);
@@ -187,9 +177,7 @@ TEST_F(MachinesTest, ACancelledRequestLeavesItsWorker) {
   EXPECT_TRUE(says(*worker, "leased by=owner"));
   cancel(ids[0]);
   EXPECT_EQ(final_reply(ids[0]).why.reason, Reason::kCancelled);
-  const auto began = Clock::now();
-  while (count(worker->output(), "leased by=owner") < 2 && seconds_since(began) < 5) listen_once();
-  EXPECT_EQ(count(worker->output(), "leased by=owner"), 2u);  // the next one has its place
+  EXPECT_TRUE(says(*worker, "leased by=owner", 2));  // the next one has its place
 }
 
 TEST_F(MachinesTest, WhatTheKilledOwnerHadLeasedIsDoneForItsStandby) {

@@ -107,8 +107,7 @@ TEST_F(RememberTest, TheSameIdIsAnsweredWithTheSameBytesAfterAKill) {
 TEST_F(RememberTest, WhatIsRememberedMovesTheArmOnlyWhenItIsAsked) {
   start();
   connect();
-  const auto executor =
-      start_fjr({"executor", "--start", "0.3,0.2", "--state", path("state"), "--domain", domain()}, "executor");
+  const auto executor = start_executor();
   wait_for_executor();
   const Order planned = order(kFast);
   EXPECT_EQ(ask(planned).state, ReplyState::kSolved);

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -63,16 +64,36 @@ class ServiceTest : public testing::Test {
     ASSERT_TRUE(port_->served());
   }
 
-  // Waits a little; replies are kept for next().
-  template <class Use>
-  void listen_once(Use use) {
+  // Waits a little; replies are kept for next(), and what each instance says of itself in heard_.
+  virtual void listen() {
     port_->wait(milliseconds(20));
     (void)port_->take_progress();
-    for (const ServiceStatus& status : port_->take_services()) use(status);
+    for (ServiceStatus& status : port_->take_services()) {
+      status_ = status;
+      heard_[status.instance] = std::move(status);
+    }
     for (Reply& reply : port_->take_replies()) arrived_.push_back(std::move(reply));
   }
-  void listen_once() {
-    listen_once([&](const ServiceStatus& status) { status_ = status; });
+  void listen_for(double seconds) {
+    for (const auto began = Clock::now(); seconds_since(began) < seconds;) listen();
+  }
+  // Time for whoever has just started to meet everybody, and to hear of epochs.
+  void settle() { listen_for(0.4); }
+  // Returns how long it took [s].
+  template <class Holds>
+  double wait_until(Holds holds, double limit = 20) {
+    const auto began = Clock::now();
+    while (!holds() && seconds_since(began) < limit) listen();
+    EXPECT_TRUE(holds());
+    return seconds_since(began);
+  }
+  // Whether it comes to be said.
+  bool says(const Process& process, const std::string& what, std::size_t times = 1) {
+    for (const auto began = Clock::now(); count(process.output(), what) < times;) {
+      if (seconds_since(began) > 15) return false;
+      listen();
+    }
+    return true;
   }
 
   Process& service() { return *service_; }
@@ -80,6 +101,14 @@ class ServiceTest : public testing::Test {
   Process fjr(std::vector<std::string> words, const std::string& log) const {
     words.insert(words.begin(), FJR_EXECUTABLE);
     return Process(words, path(log));
+  }
+  // At the start of kFast by default. What does not look at a motion under way need not wait for the clock, which a
+  // busy machine cannot keep.
+  std::unique_ptr<Process> start_executor(const std::string& at = "0.3,0.2",
+                                          const std::vector<std::string>& more = {"--fast"}) const {
+    std::vector<std::string> words{"executor", "--start", at, "--state", path("state"), "--domain", domain()};
+    words.insert(words.end(), more.begin(), more.end());
+    return start_fjr(words, "executor");
   }
   std::unique_ptr<Process> start_fjr(std::vector<std::string> words, const std::string& log) const {
     words.insert(words.begin(), FJR_EXECUTABLE);
@@ -105,16 +134,10 @@ class ServiceTest : public testing::Test {
   }
   void cancel(const RequestId& id, const std::string& robot_id = "") { EXPECT_TRUE(port_->cancel(id, robot_id)); }
 
-  // Time for whoever has just started to meet everybody.
-  void settle() {
-    const auto began = Clock::now();
-    while (seconds_since(began) < 0.4) listen_once();
-  }
-
   void wait_for_executor() {
     port_->follow_executors();
     const auto began = Clock::now();
-    while (port_->take_executors().empty() && seconds_since(began) < 10) listen_once();
+    while (port_->take_executors().empty() && seconds_since(began) < 10) listen();
   }
 
   // The next reply to `id` within `limit` seconds of which `wanted` holds.
@@ -130,14 +153,14 @@ class ServiceTest : public testing::Test {
         arrived_.erase(std::remove_if(arrived_.begin(), end, [&](const Reply& r) { return r.id == id; }), end);
         return found;
       }
-      listen_once();
+      listen();
     }
     ADD_FAILURE() << "no such reply within " << limit << " s";
     return std::nullopt;
   }
   // What an executor says of a trajectory next, within `limit` seconds.
   std::optional<ExecutionResult> result_of(const RequestId& id, double limit = 10) {
-    for (const auto began = Clock::now(); seconds_since(began) < limit; listen_once()) {
+    for (const auto began = Clock::now(); seconds_since(began) < limit; listen()) {
       for (ExecutionResult& result : port_->take_results()) {
         if (result.trajectory_id == id) return std::move(result);
       }
@@ -147,7 +170,7 @@ class ServiceTest : public testing::Test {
 
   // The next final one, to whatever request.
   std::optional<Reply> next_final(double limit = 20) {
-    for (const auto began = Clock::now(); seconds_since(began) < limit; listen_once()) {
+    for (const auto began = Clock::now(); seconds_since(began) < limit; listen()) {
       const auto found = std::find_if(arrived_.begin(), arrived_.end(), [](const Reply& r) { return r.final(); });
       if (found == arrived_.end()) continue;
       Reply reply = std::move(*found);
@@ -168,11 +191,7 @@ class ServiceTest : public testing::Test {
   // What the service says of itself once `holds`.
   template <class Holds>
   ServiceStatus status_when(Holds holds, double limit = 5) {
-    const auto began = Clock::now();
-    while (!holds(status_) && seconds_since(began) < limit) {
-      listen_once();
-    }
-    EXPECT_TRUE(holds(status_));
+    wait_until([&] { return holds(status_); }, limit);
     return status_;
   }
   void wait_until_solving() {
@@ -181,6 +200,7 @@ class ServiceTest : public testing::Test {
 
   const unsigned domain_ = own_domain();
   const RequestId me_ = new_client();
+  std::map<std::string, ServiceStatus> heard_;  // the last word of each instance
 
  private:
   fs::path folder_ = fs::temp_directory_path() / ("fjr_service_test_" + std::to_string(::getpid()));

@@ -210,7 +210,7 @@ TEST_F(ServiceTest, StartsFromWhatItHasLearntBeforeItWasRestarted) {
     return status.wait() == 0 && status.output().find("\"plans\": 1") != std::string::npos;
   };
   const auto began = Clock::now();
-  while (!is_learnt() && seconds_since(began) < 10) listen_once();
+  while (!is_learnt() && seconds_since(began) < 10) listen();
   service().send(SIGTERM);
   EXPECT_EQ(service().wait(), 0);
 

@@ -1,12 +1,15 @@
 // Two services for one robot: one answers, the other takes over; whatever happens to the first, nothing runs twice.
 #include <cstdlib>
-#include <map>
 #include <thread>
 
 #include "tests/service/service_fixture.h"
 
 namespace fjr {
 namespace {
+
+bool is_stopped(const Process& process) {
+  return contents("/proc/" + std::to_string(process.pid()) + "/stat").find(") T ") != std::string::npos;
+}
 
 class StandbyTest : public ServiceTest {
  protected:
@@ -17,9 +20,8 @@ class StandbyTest : public ServiceTest {
     return start_fjr({"serve", "--config", path(name + ".yaml"), "--domain", domain()}, name);
   }
   Instance start_executor(const std::string& at = "0.3,0.2") {
-    Instance executor =
-        start_fjr({"executor", "--start", at, "--state", path("state"), "--domain", domain()}, "executor");
-    wait_until([&] { return executor->output().find("executing for") != std::string::npos; });
+    Instance executor = ServiceTest::start_executor(at);
+    EXPECT_TRUE(says(*executor, "executing for"));
     return executor;
   }
   // a owns the robot, b is its standby.
@@ -32,20 +34,6 @@ class StandbyTest : public ServiceTest {
     settle();
   }
 
-  void settle() {  // each hears of the other's epoch, and of the writers of requests
-    for (const auto began = Clock::now(); seconds_since(began) < 0.4;) listen();
-  }
-
-  void listen() {
-    listen_once([&](const ServiceStatus& status) { heard_[status.instance] = status; });
-  }
-  template <class Holds>
-  double wait_until(Holds holds, double limit = 10) {
-    const auto began = Clock::now();
-    while (!holds() && seconds_since(began) < limit) listen();
-    EXPECT_TRUE(holds());
-    return seconds_since(began);
-  }
   // The one with the largest epoch.
   std::string owner() const {
     const auto largest = std::max_element(heard_.begin(), heard_.end(),
@@ -68,7 +56,6 @@ class StandbyTest : public ServiceTest {
     EXPECT_EQ(count(executor.output(), "executing id="), 1u) << executor.output();
   }
 
-  std::map<std::string, ServiceStatus> heard_;
   Instance a_, b_;
 };
 
@@ -105,7 +92,7 @@ TEST_F(StandbyTest, WhoJoinsWhileTheOwnerCannotBeReachedOwnsTheRobot) {
   wait_until_executed(*executor);
   const std::uint64_t ran = epoch("a");
   a_->send(SIGSTOP);
-  for (const auto began = Clock::now(); seconds_since(began) < 1;) listen();  // twice its lease
+  listen_for(1);  // twice its lease
   b_ = start("b");
   wait_until([&] { return epoch("b") > ran; });
   settle();
@@ -240,7 +227,7 @@ TEST_F(ClientDeathTest, OfTheOwnerThenOfTheClient) {
     a_->send(SIGKILL);
     settle();
     client_->send(SIGKILL);
-    wait_until([&] { return b_->output().find("owner robot_id=arm") != std::string::npos; });
+    EXPECT_TRUE(says(*b_, "owner robot_id=arm"));
     if (b_->output().find("remembered=1") != std::string::npos) return expect_given_up_by("b");
     for (Instance* started : {&executor_, &client_, &b_, &a_}) started->reset();
     heard_.clear();
@@ -256,10 +243,7 @@ TEST_F(ClientDeathTest, OfTheClientWhoseRequestWaitedForAnAbsentOwner) {
   wait_until([&] { return owner() == "a"; });
   write("fast.yaml", kFast);
   Process client({FJR_PATIENT_CLIENT, domain(), path("fast.yaml").string()}, path("client"));
-  const auto client_stopped = [&] {
-    return contents("/proc/" + std::to_string(client.pid()) + "/stat").find(") T ") != std::string::npos;
-  };
-  wait_until(client_stopped);
+  wait_until([&] { return is_stopped(client); });
   settle();
   a_->send(SIGSTOP);
   client.send(SIGCONT);
@@ -278,8 +262,7 @@ TEST_F(ClientDeathTest, OfClientAndOwnerAtTheSameInstant) {
   executor_ = start_executor();
   write("fast.yaml", kFast);
   Process client({FJR_PATIENT_CLIENT, domain(), path("fast.yaml").string()}, path("client"));
-  wait_until(
-      [&] { return contents("/proc/" + std::to_string(client.pid()) + "/stat").find(") T ") != std::string::npos; });
+  wait_until([&] { return is_stopped(client); });
   settle();
   a_->send(SIGSTOP);
   client.send(SIGCONT);
@@ -307,8 +290,7 @@ TEST_F(ClientDeathTest, OfOneWhoWantsPlansOnly) {
   send(mine);
   for (const Instance& client : clients) client->send(SIGKILL);
   EXPECT_EQ(final_reply(mine.id).state, ReplyState::kSolved);
-  wait_until([&] { return heard_["a"].cancelled == 3; });
-  EXPECT_EQ(heard_["a"].solving + heard_["a"].queued, 0u);
+  wait_until([&, &a = heard_["a"]] { return a.cancelled == 3 && a.solving + a.queued == 0; });
 }
 
 TEST_F(ClientDeathTest, AClientSaysHowLongItsRequestOutlivesIt) {
@@ -339,9 +321,7 @@ class CancelledTest : public StandbyTest {
  protected:
   void stop(Process& instance) {
     instance.send(SIGSTOP);
-    wait_until([&] {
-      return contents("/proc/" + std::to_string(instance.pid()) + "/stat").find(") T ") != std::string::npos;
-    });
+    wait_until([&] { return is_stopped(instance); });
   }
   std::string expect_cancelled(const RequestId& id) {
     const Reply reply = final_reply(id);
@@ -390,7 +370,7 @@ TEST_F(CancelledTest, WhereTheOwnerCannotHaveHeard) {
 TEST_F(CancelledTest, WhenTheServiceEndsBeforeItHasAnsweredThemAll) {
   constexpr int kCancelled = 60;  // with the owner stopped the client's writer has room for about 100 requests
   start_both();
-  for (const auto began = Clock::now(); seconds_since(began) < 2;) listen();  // nobody waits for an executor any more
+  listen_for(2);  // nobody waits for an executor any more
   stop(*a_);
   std::vector<RequestId> cancelled;
   for (int i = 0; i < kCancelled; ++i) {

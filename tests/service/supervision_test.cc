@@ -5,7 +5,6 @@
 
 #include <cstdlib>
 #include <cstring>
-#include <map>
 
 #include "common/descriptor.h"
 #include "planner/dds/participant.h"
@@ -105,13 +104,7 @@ class TwoRobotsTest : public SupervisionTest {
     serve("{instance: one, robot_id: left, workers: 1}\n");
     write("other.yaml", "{instance: two, robot_id: right, workers: 1}\n");
     other_ = start_fjr({"serve", "--config", path("other.yaml"), "--domain", domain()}, "other.log");
-    std::map<std::string, ServiceStatus> heard;
-    const auto began = Clock::now();
-    const auto served = [&] { return heard["one"].epoch > 0 && heard["two"].epoch > 0; };
-    while (!served() && seconds_since(began) < 10) {
-      listen_once([&](const ServiceStatus& status) { heard[status.instance] = status; });
-    }
-    ASSERT_TRUE(served());
+    wait_until([&] { return heard_["one"].epoch > 0 && heard_["two"].epoch > 0; });
     settle();
   }
 
@@ -152,8 +145,7 @@ TEST_F(TwoRobotsTest, ACancelledRequestThatWaitsForTheExecutorIsAnsweredByItsOwn
   other_->send(SIGKILL);
   (void)other_->wait();
   other_ = start_fjr({"serve", "--config", path("other.yaml"), "--domain", domain()}, "other.log");
-  const auto began = Clock::now();
-  while (other_->output().find("owner robot_id=right") == std::string::npos && seconds_since(began) < 10) listen_once();
+  EXPECT_TRUE(says(*other_, "owner robot_id=right"));
   settle();
   for (const std::string named : {"", "right"}) {
     const Order waits = order_for("right", "goal: {q: [0.1, 0.1]}\n");

@@ -30,31 +30,21 @@ class UpgradeTest : public ServiceTest, public testing::WithParamInterface<bool>
     heard_.erase(name);
     instance = start(name, to_);
     wait_until([&] { return heard_[name].version == to_.name; });
-    wait_until([&] { return instance->output().find("as standby") != std::string::npos; });
+    EXPECT_TRUE(says(*instance, "as standby"));
   }
 
   // Meanwhile requests keep coming.
-  void listen() {
+  void listen() override {
     if (asking_ && seconds_since(asked_last_) > 0.25) {
       orders_.push_back(order(kFast));
       send(orders_.back());
       asked_last_ = Clock::now();
     }
-    listen_once([&](const ServiceStatus& status) { heard_[status.instance] = status; });
-  }
-  template <class Holds>
-  void wait_until(Holds holds, double limit = 20) {
-    const auto began = Clock::now();
-    while (!holds() && seconds_since(began) < limit) listen();
-    ASSERT_TRUE(holds());
-  }
-  void keep_asking(double seconds) {
-    for (const auto began = Clock::now(); seconds_since(began) < seconds;) listen();
+    ServiceTest::listen();
   }
 
   const Version this_{FJR_EXECUTABLE, FJR_VERSION}, next_{FJR_NEXT, kNext};
   const Version from_ = GetParam() ? this_ : next_, to_ = GetParam() ? next_ : this_;
-  std::map<std::string, ServiceStatus> heard_;
   bool asking_ = false;
   std::vector<Order> orders_;
 
@@ -70,9 +60,8 @@ TEST_P(UpgradeTest, OneAfterTheOtherLosesNothing) {
   connect();
   wait_until([&] { return heard_["a"].epoch > 0; });
   Instance b = start("b", from_);
-  wait_until([&] { return b->output().find("as standby") != std::string::npos; });
-  const Instance executor = start_fjr(
-      {"executor", "--start", "0.3,0.2", "--state", path("state"), "--fast", "--domain", domain()}, "executor");
+  EXPECT_TRUE(says(*b, "as standby"));
+  const Instance executor = start_executor();
   wait_for_executor();
   const Order first = order(kFast);
   send(first);
@@ -80,16 +69,16 @@ TEST_P(UpgradeTest, OneAfterTheOtherLosesNothing) {
   EXPECT_EQ(answer.version, from_.name);
   settle();  // its standby has heard it, too
   asking_ = true;
-  keep_asking(0.5);
+  listen_for(0.5);
   upgrade(b, "b");
-  keep_asking(0.5);
+  listen_for(0.5);
   Order move = order(kFast);
   move.action = Action::kPlanAndExecute;
   send(move);
   expect_accepted(move.id);
   upgrade(a, "a");
   wait_until([&] { return heard_["b"].epoch > 0; });
-  keep_asking(0.5);
+  listen_for(0.5);
   asking_ = false;
   const Reply moved = final_reply(move.id);
   EXPECT_EQ(moved.state, ReplyState::kSolved) << moved.why.sentence;
@@ -118,7 +107,7 @@ TEST_P(UpgradeTest, WorkersAreGivenWorkByTheOwnerOfTheirVersion) {
   const Instance earlier = start("earlier", from_, {"--worker-only"}), later = start("later", to_, {"--worker-only"});
   connect();
   wait_until([&] { return heard_["owner"].workers == 1; });
-  wait_until([&] { return later->output().find("no leases for this worker") != std::string::npos; });
+  EXPECT_TRUE(says(*later, "no leases for this worker"));
   EXPECT_THAT(later->output(), HasSubstr("instance owner is fjr " + from_.name + ", this worker is fjr " + to_.name));
   const Order before = order(kFast);
   send(before);

@@ -26,6 +26,7 @@ from fjr.errors import (
     NotConverged,
     Uncertified,
 )
+from fjr.experiments import ExperimentDesign, design_experiment
 from fjr.identification import Estimate, Identification, Parameter, identify
 from fjr.packed import PackedBatch
 from fjr.planning import Plan, Price, Samples, plan
@@ -45,6 +46,7 @@ __all__ = [
     "Estimate",
     "Execution",
     "ExecutionProgress",
+    "ExperimentDesign",
     "Goal",
     "Identification",
     "Infeasible",
@@ -71,6 +73,7 @@ __all__ = [
     "Via",
     "__version__",
     "batch",
+    "design_experiment",
     "identify",
     "keys",
     "plan",

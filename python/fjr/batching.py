@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import json
 import os
-import signal
-import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
 
-from fjr._files import program
-from fjr.errors import BadInput, Error
+from fjr._program import run
 from fjr.planning import Plan
 from fjr.request import Document, Request, RequestLike
 
@@ -100,7 +97,7 @@ def batch(
         words += [] if value is None else [option, str(value)]
     if report:
         words.append("--report")
-    return Batch(folder, _run(["batch", "--json", "--out", str(folder), *words]))
+    return Batch(folder, run(["batch", "--json", "--out", str(folder), *words]))
 
 
 def _files(requests: Requests, folder: Path) -> list[Path]:
@@ -126,24 +123,3 @@ def _absolute(request: RequestLike) -> str:
     if isinstance(mapping.get("robot"), str):
         mapping["robot"] = str(document.folder / mapping["robot"])
     return json.dumps(mapping, ensure_ascii=False) + "\n"
-
-
-def _run(arguments: list[str]) -> dict[str, Any]:
-    """Runs the program in a session of its own, so that Ctrl-C reaches it once, from here."""
-    with subprocess.Popen(
-        [program(), *arguments], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    ) as process:
-        try:
-            told, complaints = process.communicate()
-        except KeyboardInterrupt:
-            process.send_signal(signal.SIGINT)
-            process.communicate()
-            raise
-    try:
-        summary: dict[str, Any] = json.loads(told)
-    except ValueError:
-        complaint = complaints.strip().removeprefix("fjr: ") or f"fjr batch ended with {process.returncode}"
-        if process.returncode == 2:
-            raise BadInput("batch", "", complaint) from None
-        raise Error(complaint) from None
-    return summary

@@ -123,8 +123,12 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
   }
   session.tell_starts(found.starts, found.starts_planned);
   Wave wave;
+  const bool much_too_fast = std::any_of(open.begin(), open.end(), [](const Alternative& alternative) {
+    return asks_for_more_speed_than_motors_have(*alternative);
+  });
+  const std::size_t before_asking = much_too_fast ? 0 : kBeforeSwinging;
   for (std::size_t i = 0; i < most; ++i) {
-    if (i == kBeforeSwinging && found.candidates.empty()) {
+    if (i == before_asking && found.candidates.empty()) {
       for (const Alternative& alternative : open) try_swinging(alternative, found, session);
       ask_whether_out_of_reach(open, found, session);
       if (found.out_of_reach) return;

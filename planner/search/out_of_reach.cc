@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "planner/problem/relaxable.h"
 #include "planner/problem/task/task.h"
@@ -48,6 +49,19 @@ bool takes_more(const Problem& problem, Search& search) {
 }
 
 }  // namespace
+
+bool asks_for_more_speed_than_motors_have(const Problem& problem) {
+  constexpr double kMuchFaster = 2;  // times the motor's limit
+  const auto fast = [&](const Joints<double>& dq) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      if (std::abs(dq[j]) > kMuchFaster * problem.limits.motor_velocity[j]) return true;
+    }
+    return false;
+  };
+  const auto passes_fast = [&](const Via& via) { return via.dq && fast(*via.dq); };
+  return (!problem.goal.dq_free && fast(problem.goal.dq)) ||
+         std::any_of(problem.via.begin(), problem.via.end(), passes_fast);
+}
 
 std::optional<OutOfReach> out_of_reach(const Problem& problem, Session& session) {
   if (!can_be_carried(problem) || !task_rows(problem.robot, problem.task, 0).empty()) return std::nullopt;

@@ -17,6 +17,10 @@ enum class OutOfReach {
   kAllLimits,  // all of them together would have to be larger
 };
 
+// Whether a link is to move more than twice as fast as its motor may: springs hardly add as much again, so that it is
+// asked before the first start whether that is out of reach.
+bool asks_for_more_speed_than_motors_have(const Problem& problem);
+
 // Which of these is so, clearly: by half of a velocity, a twentieth of a via point's time, half of all limits. It is
 // found by optimising with a smoothed friction law on coarse meshes, so that what is only just out of reach, or not
 // known, is not called so. Nothing is said of arms that have to swing up, nor of motions with a task: the least excess

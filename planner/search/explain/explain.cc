@@ -133,7 +133,7 @@ class Explanation {
       const Relaxation tried = relaxation_of(what, what.value(more * amount));
       Problem easier = problem_;
       what.set(easier, tried.to);
-      if (is_enough(easier, what.name, near, search)) return tried;
+      if (is_enough(easier, what.name, near, what.kind == RelaxableKind::kVelocity, search)) return tried;
     }
     named.rough = true;
     return named;
@@ -155,15 +155,16 @@ class Explanation {
   }
 
   // Whether a motion within the limits takes no longer than it may, found as it would be when asked for or near the one
-  // that told the change.
-  static bool is_enough(const Problem& easier, const std::string& what, const Guess& near, Search& search) {
+  // that told the change; near that one first where it is all but a solution.
+  static bool is_enough(const Problem& easier, const std::string& what, const Guess& near, bool near_first,
+                        Search& search) {
     Problem quick = fastest_of(easier);
     if (any_timed(easier)) {
       quick.via = easier.via;
       quick.duration = easier.duration;
     }
     std::vector<Guess> guesses = search.guesses(quick);
-    guesses.push_back(near);
+    guesses.insert(near_first ? guesses.begin() : guesses.end(), near);
     const auto found = search.plan(quick, what, guesses);
     return found && (any_timed(easier) || (1 + kSpare) * found->duration() <= easier.duration.max);
   }
@@ -364,7 +365,7 @@ class Explanation {
       const Relaxation tried = relaxation_of_time(RelaxableKind::kViaTime, name, asked, asked + more * (time - asked));
       Problem moved = problem_;
       moved.via[i].time = tried.to;
-      if (!is_enough(moved, name, search_.guesses(moved).front(), search_)) continue;
+      if (!is_enough(moved, name, search_.guesses(moved).front(), false, search_)) continue;
       result_.relaxations.push_back(tried);
       return;
     }

@@ -25,7 +25,11 @@ namespace {
 // steps of about three keep every warm start within tens of iterations. Without effort the law only moves a torque
 // limit, and large steps do; there the regularisation by effort is what makes the first problems easy: with 0.1 of it
 // the time is up to 2 % longer; with 0.01, which remains, by 0.03 to 0.1 %, and half the iterations are enough.
-const std::vector<Smoothing>& homotopy_steps(const Problem& problem) {
+// A motion that swings with hardly any torque to spare keeps fifty times of it, as its time is nearly the same for many
+// motions. It is begun at 0.001 rad/s; of longer steps from there the first two could not be taken.
+const std::vector<Smoothing>& homotopy_steps(const Problem& problem, bool swings) {
+  static const std::vector<Smoothing> swinging{{0.1, 0.5}, {0.00056, 0.5}, {0.00032, 0.5}, {0, 0.5}};
+  if (swings) return swinging;
   static const std::vector<Smoothing> fine{{0.1}, {0.03}, {0.01}, {0.003}, {0.001}, {0.0003}, {0}};
   static const std::vector<Smoothing> coarse{{0.1, 0.1}, {0.01, 0.1}, {0, 0.01}};
   return sees_friction(problem.weights) ? fine : coarse;
@@ -194,7 +198,7 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   const bool own = only_time(problem_->weights) && count_of_rows(problem_->task) == 0;
   o.optimiser = own ? Optimiser::kOwn : Optimiser::kIpopt;
   const int usual = coarse_intervals(*problem_, guess.duration());
-  Smoothing smoothest = homotopy_steps(*problem_).front();
+  Smoothing smoothest = homotopy_steps(*problem_, swings).front();
   smoothest.regularisation *= regularisation_factor;
   smoothest.friction_width *= width_factor;
   const CollocationSetup setup{settings().scheme,
@@ -217,7 +221,7 @@ bool Continuation::attempt_step(const std::string& what, const CollocationSetup&
   const double width = setup.smoothing.friction_width;
   const bool scaled = has_rests() && width <= kRestWidth;
   const Collocated from = scaled ? with_rests_scaled(*problem_, solution_, width) : solution_;
-  SolveOptions o = warm(what);
+  SolveOptions o = swings ? loosely(what) : warm(what);
   const auto within = [&](double iterations) {
     o.max_iterations = static_cast<int>(std::lround(patience * iterations));
     const std::size_t before = stages_.size();
@@ -288,7 +292,7 @@ void Continuation::compare_step() {
 // least, with the exact law, is kept: a sharper law usually helps, but now and then a step slips into a worse minimum
 // or fails.
 bool Continuation::take_step() {
-  const std::vector<Smoothing>& steps = homotopy_steps(*problem_);
+  const std::vector<Smoothing>& steps = homotopy_steps(*problem_, swings);
   if (!homotopy_) {
     const double width = solution_.setup.smoothing.friction_width;
     std::size_t next = 1;
@@ -330,7 +334,7 @@ bool Continuation::keep_best_step() {
 // Where the objective comes to much less than its weights let expect, the regularisation by effort that chooses among
 // torques would outweigh it: that is reduced until it is small beside the objective.
 bool Continuation::fade_regularisation() {
-  if (settles_torque(problem_->weights)) return true;
+  if (settles_torque(problem_->weights) || swings) return true;
   for (int round = 0; round < kFadeRounds; ++round) {
     Smoothing step = solution_.setup.smoothing;
     const double weight = make_arm_ocp<Features{}>(*problem_, step.regularisation).regularisation;
@@ -440,7 +444,7 @@ std::size_t Continuation::most_intervals() const {
 
 bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup, const SolveOptions& o) {
   if (attempt(what, setup, nullptr, o)) return true;
-  return status_ != SolveStatus::kStopped && attempt_anew(what, setup);
+  return status_ != SolveStatus::kStopped && !swings && attempt_anew(what, setup);
 }
 
 // Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
@@ -551,7 +555,7 @@ bool Continuation::resume(const Collocated& neighbour) {
   // What was fitted to the other problem and may not suit this one.
   CollocationSetup& setup = solution_.setup;
   setup.creep.clear();
-  const Smoothing& exact = homotopy_steps(*problem_).back();
+  const Smoothing& exact = homotopy_steps(*problem_, swings).back();
   setup.smoothing.regularisation = std::min(setup.smoothing.regularisation, exact.regularisation);
   if (!sees_friction(problem_->weights)) setup.smoothing.friction_width = exact.friction_width;
   const std::size_t limits = limit_scales(*problem_).size();

@@ -16,11 +16,12 @@ bool can_be_carried(const Problem& problem);
 
 // Where it cannot, it has to be swung up. With limits that carry it a motion is soon found; those are tightened step by
 // step, each solution starting the next, and the motion comes to swing by itself, the more the tighter they are.
+// Where much torque is missing, the least torque for a motion that folds link 2 on the way is asked for instead.
 // Motions of more than `longest` [s] are not followed. With more than the usual patience, what only a smoothed friction
 // law lifts is searched again with a sharper one.
 struct SwungUp {
   std::optional<Continuation> motion;  // as good as Continuation::begin() leaves it
-  std::optional<Limits> reached;       // where there is none: the tightest limits with which there was one
+  std::optional<Limits> reached;       // the tightest limits with which there was one, or is likely to be
 };
 SwungUp swing_up(const std::shared_ptr<const Problem>& problem, double longest, Session& session);
 

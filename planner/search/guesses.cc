@@ -232,6 +232,27 @@ Guess winding_up_guess(Guess guess, const Joints<double>& back) {
   return guess;
 }
 
+Guess folding_guess(const Problem& problem, double duration, double swing) {
+  constexpr double kBackUntil = 0.4;             // fraction of the swing
+  constexpr Joints<double> kBack{-0.5, -0.45};   // of link 1's way, and of link 2's room
+  constexpr Joints<double> kFolded{0.85, 0.98};  // likewise
+  const Joints<double> from = problem.start.q, to = problem.goal.q;
+  const double way = to[0] - from[0];
+  const double room = std::copysign(problem.limits.link_position[1], way), middle = problem.robot.limits.link_middle[1];
+  const auto at = [&](const Joints<double>& fractions) {
+    return Joints<double>{from[0] + fractions[0] * way, middle + fractions[1] * room};
+  };
+  const std::array<Waypoint, 4> points{
+      {{0, from}, {kBackUntil * swing / duration, at(kBack)}, {swing / duration, at(kFolded)}, {1, to}}};
+  const auto state = [points, robot = problem.robot](double s) {
+    std::size_t leg = 0;
+    while (leg + 2 < points.size() && s >= points[leg + 1].fraction) ++leg;
+    const double inside = (s - points[leg].fraction) / (points[leg + 1].fraction - points[leg].fraction);
+    return rest_at(robot, between(points[leg].q, points[leg + 1].q, inside * inside * (3 - 2 * inside)));
+  };
+  return {"folding", {duration}, state, [](double) { return Joints<double>{0, 0}; }};
+}
+
 Guess displaced_guess(const Problem& problem, double duration, double size, std::uint64_t seed) {
   Guess guess = straight_guess(problem, duration);
   guess.name = "displaced";

@@ -34,6 +34,11 @@ Guess displaced_guess(Guess guess, double size, std::uint64_t seed);
 // The guess with its links going this far [rad] the other way first, as whoever takes a swing does.
 Guess winding_up_guess(Guess guess, const Joints<double>& back);
 
+// Link 1 goes back first and then, with link 2 folded the same way, past where gravity takes most; then link 2 unfolds.
+// That is how an arm gets up with less torque than it takes to be held: folded it weighs less, and link 2 pulls link 1
+// along while it folds and unfolds. At rest throughout. swing: [s] from the start to where it is folded.
+Guess folding_guess(const Problem& problem, double duration, double swing);
+
 // The guess in what remains of its time when it waits for these fractions of it first, and at last.
 Guess waiting_guess(Guess guess, double first, double last);
 

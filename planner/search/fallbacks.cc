@@ -42,11 +42,12 @@ constexpr double kSharp = 0.1, kSharper = 0.01;
 // Where carrying the arm takes more than so many times the torque of joint 1, limits that are tightened step by step
 // come near it in ever shorter steps: with 5.6 of 6.7 N m (1.196 times) in 2,300 iterations, with 5.5 in none.
 constexpr double kMuchTooHeavy = 1.205;
-constexpr double kPeriods[] = {3.4, 4.5};  // of small swings, that the motion may take
-constexpr double kSwing = 1.5;             // of them, until link 1 is past where gravity takes most
-constexpr double kFewer = 0.6;             // times the usual number of intervals
-constexpr int kLiftIterations = 650;       // those that lead somewhere took up to 590
-constexpr double kSwingPatience = 2;       // times the usual iterations of warm starts
+constexpr double kPeriods[] = {2.3, 3.4, 4.5};  // of small swings, that the motion may take
+constexpr double kFarFromIt = 0.03;             // fraction of the torque: twice what more time gains
+constexpr double kSwing = 1.5;                  // of them, until link 1 is past where gravity takes most
+constexpr double kFewer = 0.6;                  // times the usual number of intervals
+constexpr int kLiftIterations = 650;            // those that lead somewhere took up to 590
+constexpr double kSwingPatience = 2;            // times the usual iterations of warm starts
 constexpr double kSurely = 0.01;   // fraction of the torque that is told to be missing where no plan comes of it
 constexpr double kNoSlack = 1e-3;  // fraction of the torque: as good as none
 
@@ -243,6 +244,7 @@ SwungUp swing_up_folded(const SharedProblem& problem, double longest, Session& s
     const auto lifted = least_torque(*problem, torque, duration, kSwing * period, session);
     if (!lifted) continue;
     least = std::min(least, lifted->solution().slack);
+    if (lifted->solution().slack > kFarFromIt) break;
     if (lifted->solution().slack > kNoSlack) continue;
     Continuation swung(problem, session, "swung up, folded");
     swung.width_factor = kSharper;

@@ -175,7 +175,8 @@ TEST(Explain, BothMotorsThatAreTooSlow) {
 
 TEST(Explain, AGoalThatMovesTooFast) {
   const Problem problem = request("{start: {q: [0.0, 0.0]}, goal: {q: [1.2, -0.8], dq: [20, 0]}}");
-  const Infeasibility why = impossible(problem, 1900);  // 1472 measured; 2379 with a start before it, planned from scratch as it is told
+  const Infeasibility why =
+      impossible(problem, 1900);  // 1472 measured; 2379 with a start before it, planned from scratch as it is told
   EXPECT_EQ(why.limit, "goal.dq");
   expect_least(problem, why, "goal.dq", 0);
 }

@@ -150,7 +150,8 @@ inline Ball sech2(const Ball& a) {
   const Ball middle = value(Ball(std::abs(a.mid)));
   // |(sech^2)'| = 2 |tanh| sech^2, and sech^2 grows at most e^(2 r)-fold over a distance r.
   if (a.rad < kNarrow) return {middle.mid, rounded_up(middle.rad + middle.magnitude() * 3 * a.rad)};
-  return Ball::between(0, std::min(1.0, value(Ball(a.mignitude())).upper()));
+  return Ball::between(std::max(0.0, value(Ball(a.magnitude())).lower()),
+                       std::min(1.0, value(Ball(a.mignitude())).upper()));
 }
 
 // Sums of products, with the error of the whole sum instead of one after every term: n products summed in any order

@@ -46,6 +46,19 @@ struct Step {
   std::array<Polynomial, N> near, over;
 };
 
+// Taylor coefficients up to `order` of the solution from x, of all nodes; the last ones of the outputs are left out.
+template <std::size_t N>
+void expand(Series& s, const Balls<N>& x, const std::vector<Polynomial>& signals, std::size_t order) {
+  for (std::size_t i = 0; i < N; ++i) s.at(i, 0) = x[i];
+  for (std::size_t j = 0; j < signals.size(); ++j) {
+    for (std::size_t k = 0; k <= order; ++k) s.at(N + j, k) = k < signals[j].size() ? signals[j][k] : Ball{};
+  }
+  for (std::size_t k = 0; k < order; ++k) {
+    s.compute(k);
+    for (std::size_t i = 0; i < N; ++i) s.at(i, k + 1) = s.output(i, k) / Ball(static_cast<double>(k + 1));
+  }
+}
+
 struct FlowOptions {
   std::size_t order = 12;        // p
   std::size_t slope_order = 12;  // of the derivatives of the flow; what is left out is enclosed over the box
@@ -57,9 +70,8 @@ template <std::size_t N>
 class Flow {
  public:
   // f: N + signals inputs, N outputs; it must outlive the flow.
-  Flow(const Recording& f, std::size_t signals, const FlowOptions& options = {})
-      : signals_(signals),
-        options_(options),
+  explicit Flow(const Recording& f, const FlowOptions& options = {})
+      : options_(options),
         point_(f, options.slope_order),
         box_(f, options.order),
         ahead_(f, options.order),
@@ -119,18 +131,6 @@ class Flow {
     is_last_ = next_ >= duration.lower() - 0.1 * h;
     last_.from = reached_;
     last_.length = (is_last_ ? duration : Ball(next_)) - Ball(reached_);
-  }
-
-  // Taylor coefficients up to `order` of the solution from x.
-  void expand(Series& s, const Balls<N>& x, const std::vector<Polynomial>& signals, std::size_t order) const {
-    for (std::size_t i = 0; i < N; ++i) s.at(i, 0) = x[i];
-    for (std::size_t j = 0; j < signals_; ++j) {
-      for (std::size_t k = 0; k <= order; ++k) s.at(N + j, k) = k < signals[j].size() ? signals[j][k] : Ball{};
-    }
-    for (std::size_t k = 0; k < order; ++k) {
-      s.compute(k);
-      for (std::size_t i = 0; i < N; ++i) s.at(i, k + 1) = s.output(i, k) / Ball(static_cast<double>(k + 1));
-    }
   }
 
   // After which the last coefficients would come to what a remainder may.
@@ -240,7 +240,6 @@ class Flow {
   static constexpr double kWider = 4.4;  // all of that, and roundings: found at once, or not at all
   static constexpr int kAttempts = 3;
 
-  std::size_t signals_;
   FlowOptions options_;
   Series point_, box_, ahead_;  // from the center, over the set's hull, over the whole step
   Slopes<N> slopes_;

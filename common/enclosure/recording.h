@@ -81,6 +81,43 @@ class Recording {
 
   void output(const Active& value) { outputs_.push_back(node_of(value)); }
 
+  // The function that has this output alone, with the nodes that it takes and all inputs.
+  Recording only(std::size_t output) const {
+    std::vector<char> needed(nodes_.size(), 0);
+    needed[outputs_[output]] = 1;
+    for (std::size_t i = nodes_.size(); i-- > inputs_;) {
+      if (needed[i]) needed[first_of_group(i)] = 1;
+      if (needed[i]) needed[nodes_[i].a] = needed[nodes_[i].b] = 1;
+    }
+    Recording r(inputs_);
+    std::vector<std::size_t> moved(nodes_.size());
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+      moved[i] = i < inputs_ ? i : r.nodes_.size();
+      const Node& n = nodes_[i];
+      if (i >= inputs_ && needed[first_of_group(i)]) r.nodes_.push_back({n.op, moved[n.a], moved[n.b], n.constant});
+    }
+    r.outputs_.push_back(moved[outputs_[output]]);
+    return r;
+  }
+
+  // The same function, to which an input, and the output of that number, are given as two more inputs, in this order:
+  // what takes the place of a state of x' = f(x) and of its rate.
+  Recording with_given(std::size_t number) const {
+    constexpr std::size_t kGiven = 2;
+    Recording r(inputs_ + kGiven);
+    const auto moved = [&](std::size_t node) {
+      if (node == number) return inputs_;
+      return node < inputs_ ? node : node + kGiven;
+    };
+    for (std::size_t i = inputs_; i < nodes_.size(); ++i) {
+      const Node& n = nodes_[i];
+      r.nodes_.push_back({n.op, moved(n.a), moved(n.b), n.constant});
+    }
+    for (const std::size_t node : outputs_) r.outputs_.push_back(moved(node));
+    r.outputs_[number] = inputs_ + 1;
+    return r;
+  }
+
   // The node of this operation: the one that there is, if it was recorded before.
   Active add(Op op, std::size_t a, std::size_t b = 0, const Ball& c = {}) {
     const auto [at, is_new] = known_.try_emplace({op, a, b, c.mid, c.rad}, nodes_.size());
@@ -100,6 +137,19 @@ class Recording {
   }
 
  private:
+  // Of nodes that are computed together, and refer to each other by their places.
+  std::size_t first_of_group(std::size_t i) const {
+    switch (nodes_[i].op) {
+      case Op::kCosine:
+      case Op::kTanhRate:
+        return i - 1;
+      case Op::kSech2:
+        return i - 2;
+      default:
+        return i;
+    }
+  }
+
   std::size_t inputs_;
   std::vector<Node> nodes_;
   std::vector<std::size_t> outputs_;

@@ -5,7 +5,7 @@ cmake_minimum_required(VERSION 3.25)
 
 file(REMOVE_RECURSE ${WORK})
 file(COPY ${SOURCE}/common/enclosure DESTINATION ${WORK}/common)
-file(WRITE ${WORK}/alone.cc "#include \"common/enclosure/flow.h\"\nint main() { return enclosure::Ball(1).contains(1.0) ? 0 : 1; }\n")
+file(WRITE ${WORK}/alone.cc "#include \"common/enclosure/held.h\"\nint main() { return enclosure::Ball(1).contains(1.0) ? 0 : 1; }\n")
 
 # Besides each other they include the standard library alone.
 file(GLOB headers ${WORK}/common/enclosure/*)

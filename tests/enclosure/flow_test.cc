@@ -28,7 +28,7 @@ const auto ignore = [](const auto&) { return true; };
 
 template <std::size_t N>
 Balls<N> after(const Recording& f, const Balls<N>& start, double duration, const FlowOptions& options = {}) {
-  Flow<N> flow(f, 0, options);
+  Flow<N> flow(f, options);
   flow.start(start);
   EXPECT_TRUE(flow.run({}, duration, ignore));
   return flow.set().hull();
@@ -126,7 +126,7 @@ TEST(Flow, PendulumKeepsItsEnergy) {
 
 TEST(Flow, SignalsArePolynomialsOfTheTimeSinceTheRunBegan) {
   const Recording f = record<1>([](const auto&, const auto& u) { return std::array{u[0]}; }, 1);
-  Flow<1> flow(f, 1);
+  Flow<1> flow(f);
   flow.start({1.0});
   const std::vector<Polynomial> u{{1.0, 2.0, 3.0, 4.0}};
   ASSERT_TRUE(flow.run(u, 2.0, ignore));
@@ -180,7 +180,7 @@ TEST(Flow, HoldsAllSolutionsFromABox) {
 
 TEST(Flow, StepsHoldTheSolutionAtAllTimes) {
   const Recording f = record<2>([](const auto& x, const auto& u) { return oscillator(x, u); });
-  Flow<2> flow(f, 0);
+  Flow<2> flow(f);
   flow.start({1.0, 0.0});
   double next = 0;
   ASSERT_TRUE(flow.run({}, 3.0, [&](const Step<2>& step) {
@@ -225,7 +225,7 @@ TEST(Flow, AModelThatIsOffByTenDigitsIsToldApart) {
 
 TEST(Flow, SaysWhereItCannotGoOn) {
   const Recording f = record<1>([](const auto& x, const auto&) { return std::array{x[0] * x[0]}; });
-  Flow<1> flow(f, 0);
+  Flow<1> flow(f);
   flow.start({1.0});
   EXPECT_FALSE(flow.run({}, 2.0, ignore));  // 1 / (1 - t)
   EXPECT_GT(flow.reached(), 0.9);
@@ -237,7 +237,7 @@ TEST(Flow, ABoxThatDoesNotHoldWhatComesOutOfItIsNotBelieved) {
   const Recording f = record<1>([](const auto& x, const auto&) { return std::array{x[0] * x[0]}; });
   FlowOptions options;
   options.remainder = 1e30;
-  Flow<1> flow(f, 0, options);
+  Flow<1> flow(f, options);
   flow.start({1.0});
   EXPECT_FALSE(flow.run({}, 2.0, ignore));
   EXPECT_LT(flow.reached(), 1.0);
@@ -245,7 +245,7 @@ TEST(Flow, ABoxThatDoesNotHoldWhatComesOutOfItIsNotBelieved) {
 
 TEST(Flow, ADivisionByWhatMayBeZeroIsNoEnclosure) {
   const Recording f = record<1>([](const auto& x, const auto&) { return std::array{1.0 / x[0]}; });
-  Flow<1> flow(f, 0);
+  Flow<1> flow(f);
   flow.start({Ball(0, 1)});
   EXPECT_FALSE(flow.run({}, 1.0, ignore));
 }

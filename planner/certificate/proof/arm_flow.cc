@@ -1,8 +1,10 @@
 #include "planner/certificate/proof/arm_flow.h"
 
 #include <algorithm>
+#include <memory>
 #include <set>
 
+#include "common/enclosure/held.h"
 #include "model/dynamics.h"
 
 namespace fjr {
@@ -81,6 +83,51 @@ Balls<kStates> state_at_beginning(const RowPolynomials& plan) {
   return x;
 }
 
+// The arm under one drive, from one breakpoint to the next.
+class ArmFlow {
+ public:
+  ArmFlow(const Parameters& robot, const Drive& drive) : model_(arm(robot, drive)), flow_(model_, kOptions) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      held_[j] = std::make_unique<enclosure::HeldFlow<kStates>>(model_, kStateDtheta + j, kOptions);
+    }
+  }
+
+  ArmFlow(const ArmFlow&) = delete;  // its parts point to its model
+  ArmFlow& operator=(const ArmFlow&) = delete;
+
+  void start(const enclosure::Set<kStates>& set) { flow_.start(set); }
+  const enclosure::Set<kStates>& set() const { return flow_.set(); }
+
+  // As Flow::run(): a motor that stays in steep friction all of the time is held, for its series would take forty steps
+  // and more for a millisecond.
+  template <class Observe>
+  bool run(const std::vector<Polynomial>& signals, const Ball& duration, const Observe& observe) {
+    for (auto& held : held_) {
+      enclosure::Set<kStates> set = flow_.set();
+      const enclosure::Holding result = held->run(set, signals, duration, observe);
+      if (result == enclosure::Holding::kNotHeld) continue;
+      reached_ = held->reached();
+      flow_.start(set);
+      return result == enclosure::Holding::kHeld;
+    }
+    const bool followed = flow_.run(signals, duration, observe);
+    reached_ = flow_.reached();
+    return followed;
+  }
+  double reached() const { return reached_; }
+  long steps() const {
+    long steps = flow_.steps();
+    for (const auto& held : held_) steps += held->steps();
+    return steps;
+  }
+
+ private:
+  Recording model_;
+  enclosure::Flow<kStates> flow_;
+  Joints<std::unique_ptr<enclosure::HeldFlow<kStates>>> held_;
+  double reached_ = 0;
+};
+
 }  // namespace
 
 Followed follow(const Parameters& robot, const Trajectory& trajectory, const std::vector<Piece>& pieces,
@@ -90,8 +137,7 @@ Followed follow(const Parameters& robot, const Trajectory& trajectory, const std
   std::optional<enclosure::Set<kStates>> reached;
   double from = trajectory.start_time();
   for (const Piece& piece : pieces) {
-    const Recording model = arm(robot, piece.drive);
-    enclosure::Flow<kStates> flow(model, kJoints, kOptions);
+    ArmFlow flow(robot, piece.drive);
     flow.start(piece.afresh || !reached
                    ? enclosure::Set<kStates>(state_at_beginning(plan_from(trajectory, from)), kScale)
                    : *reached);

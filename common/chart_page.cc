@@ -41,7 +41,7 @@ th:first-child, td:first-child { text-align: left; } th { border-bottom: 1px sol
 
 // Draws `charts`, which stands before it.
 constexpr const char* kScript = R"js(
-const isLine = s => ["line", "thin line", "dashes"].includes(s.style);
+const isLine = s => ["line", "thin line", "dashes", "area"].includes(s.style);
 Chart.defaults.font.family = "system-ui, sans-serif";
 const ink = name => getComputedStyle(document.documentElement).getPropertyValue("--" + name).trim();
 const atNight = matchMedia("(prefers-color-scheme: dark)");
@@ -63,12 +63,16 @@ const timeTicks = scale => {  // at most six, 1, 2 or 5 times a power of ten apa
   scale.ticks = Array.from({ length: last - first + 1 }, (_, i) => ({ value: (first + i) * step }));
 };
 const timeAxis = text => ({ ...axis(text, false), bounds: "data", afterBuildTicks: timeTicks });
+const areaOpacity = 0.3;
+const filled = s => s.style === "rings" ? "transparent"
+  : s.style === "area" ? shade(s.colour) + Math.round(255 * areaOpacity).toString(16) : shade(s.colour);
 const dataset = s => ({
   label: s.name,
   data: s.points,
   borderColor: shade(s.colour),
-  backgroundColor: s.style === "rings" ? "transparent" : shade(s.colour),
-  borderWidth: s.style === "dots" ? 0 : s.style === "line" || s.style === "rings" ? 1.5 : 1,
+  backgroundColor: filled(s),
+  fill: s.style === "area" ? "shape" : false,
+  borderWidth: s.style === "dots" ? 0 : s.style === "line" || s.style === "rings" ? 1.5 : s.style === "area" ? 0.5 : 1,
   borderDash: s.style === "dashes" ? [5, 4] : [],
   showLine: isLine(s),
   pointRadius: isLine(s) ? 0 : s.style === "rings" ? 3 : 1.7,
@@ -89,7 +93,7 @@ atNight.addEventListener("change", () => drawn.forEach((chart, i) => {
   Chart.defaults.color = ink("soft");
   chart.data.datasets.forEach((set, k) => {
     set.borderColor = shade(charts[i].series[k].colour);
-    if (set.backgroundColor !== "transparent") set.backgroundColor = set.borderColor;
+    set.backgroundColor = filled(charts[i].series[k]);
   });
   for (const scale of Object.values(chart.options.scales)) {
     scale.grid.color = ink("grid");
@@ -134,7 +138,8 @@ function svgOf(chart, about, title) {
   const shown = chart.data.datasets.map((set, i) => [set, about.series[i], chart.isDatasetVisible(i)]).filter(entry => entry[2]);
   for (const [set, series] of [...shown].reverse()) {
     if (isLine(series)) {
-      parts.push(`<path class="line" d="${pathOf(chart, set)}" fill="none" stroke="${xml(series.colour)}" ` +
+      const fill = series.style === "area" ? `fill="${xml(series.colour)}" fill-opacity="${areaOpacity}"` : 'fill="none"';
+      parts.push(`<path class="line" d="${pathOf(chart, set)}" ${fill} stroke="${xml(series.colour)}" ` +
         `stroke-width="${set.borderWidth}" stroke-dasharray="${set.borderDash.join(" ")}"/>`);
     } else {
       const fill = series.style === "rings" ? "none" : xml(series.colour);
@@ -179,6 +184,8 @@ const char* name_of(Style style) {
       return "thin line";
     case Style::kDashes:
       return "dashes";
+    case Style::kArea:
+      return "area";
   }
   return "";
 }

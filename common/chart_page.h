@@ -6,9 +6,9 @@
 
 namespace fjr {
 
-enum class Style { kDots, kRings, kLine, kThinLine, kDashes };
+enum class Style { kDots, kRings, kLine, kThinLine, kDashes, kArea };
 
-// Equally many x and y; a point that is not finite interrupts a line.
+// Equally many x and y; a point that is not finite interrupts a line. Of an area they go round its edge.
 struct Series {
   std::string name, colour;  // colour: as in CSS
   Style style = Style::kDots;

@@ -79,7 +79,8 @@ std::string robustness(const Robustness& r, double tolerance) {
   margins.resize(std::min(margins.size(), kTightest));
   for (const Robustness::Margin& m : margins) text += line("", margin(m));
   if (!r.costs.empty()) {
-    text += line("", fmt::format("{} costs most; not covered: {}", r.costs.front().first, Robustness::kNotCovered));
+    text += line(
+        "", fmt::format("{} widens the margins most; not covered: {}", r.costs.front().first, Robustness::kNotCovered));
   }
   return text;
 }
@@ -127,14 +128,15 @@ std::string gain(const Problem& problem, const Plan& plan, double objective) {
   return fmt::format("{:.3g} ({})", objective, percent(objective / std::abs(plan.objective)));
 }
 
-// What margins for other arms cost, and which parameter most of it.
+// What margins for other arms cost, and what knowing the dearest parameter better would give back of it.
 std::string what_robustness_costs(const Problem& problem, const Plan& plan) {
   const Robustness& r = plan.certificate->robustness;
   if (!r.price || r.savings.empty()) return "";
-  std::string text = fmt::format("{} for a probability of {}", gain(problem, plan, *r.price), r.confidence);
+  const std::string of = only_time(problem.weights) ? fmt::format(" of {:.3g}", 1e3 * plan.duration) : "";
+  std::string text = fmt::format("{}{} for a probability of {}", gain(problem, plan, *r.price), of, r.confidence);
   if (r.savings.front().second > 0) {
-    text += fmt::format("; {} less if {} were known twice as well", gain(problem, plan, r.savings.front().second),
-                        r.savings.front().first);
+    text += fmt::format("; {} of it for {}, if that were known twice as well",
+                        gain(problem, plan, r.savings.front().second), r.savings.front().first);
   }
   return line("margins", text);
 }

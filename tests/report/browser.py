@@ -5,6 +5,8 @@ At the widths of a desk and of a phone, by day and by night: no message on the c
 """
 import base64
 import itertools
+import json
+import re
 import shutil
 import subprocess
 import sys
@@ -26,9 +28,11 @@ WIDTHS = {"desk": 1280, "phone": 390}
 VIEWS = [(width, night) for width in WIDTHS for night in (False, True)]
 # A disc beyond the arm's reach on the right, one at its edge below, and a label that would run out of the picture.
 OBSTACLES = "obstacles:\n  - {center: [0.95, 0.2], radius: 0.1}\n  - {center: [0.0, -0.8], radius: 0.1, margin: 0.02}\n"
+ROBOT = Path(__file__).parents[2] / "config/robot.yaml"
 REQUESTS = {
     "first": "start: {q: [0.0, 0.0]}\ngoal: {q: [0.6, -0.4]}\n" + OBSTACLES,
     "second": "start: {q: [0.0, 0.0]}\ngoal: {q: [0.6, -0.4]}\nduration: 0.6\nobjective: {link_acceleration: 1}\n",
+    "robust": "robot: uncertain.yaml\nstart: {q: [0.0, 0.0]}\ngoal: {q: [0.3, -0.2]}\nrobust: {confidence: 0.5}\n",
     "impossible": "start: {q: [0.0, 0.0]}\ngoal: {q: [0.6, -0.4]}\nduration: 0.1\n" + OBSTACLES,
 }
 # An arm of a third of the length, on a slope of 30 degrees that pulls it to the right.
@@ -38,7 +42,10 @@ CONTRAST = 4.5  # WCAG 2.1, AA
 
 
 def make_pages(program, folder):
-    """Plans of REQUESTS and the reports on them."""
+    """Plans of REQUESTS and the reports on them; of `robust` with springs that are known to 1 %."""
+    text, springs = re.subn(r"(stiffness: .*standard_error: )null", r"\1[0.2, 0.18]", ROBOT.read_text())
+    assert springs == 1
+    (folder / "uncertain.yaml").write_text(text)
     (folder / "small.yaml").write_text(SMALL.read_text() + SLOPE)
     (folder / "slope.yaml").write_text("robot: small.yaml\nstart: {q: [0.0, 0.0]}\ngoal: {q: [0.2, 0.1]}\n")
     subprocess.run([program, "plan", "-q", folder / "slope.yaml", "--out", folder / "slope", "--report"],
@@ -92,7 +99,7 @@ class Pages(unittest.TestCase):
         self.assertEqual([entry["message"] for entry in self.driver.get_log("browser")], [])
 
     def test_every_page_is_silent_and_fits_the_width(self):
-        for page in ("first/report.html", "second/report.html", "impossible/report.html", "first/compared.html"):
+        for page in ("first/report.html", "second/report.html", "robust/report.html", "impossible/report.html", "first/compared.html"):
             for width, night in VIEWS:
                 with self.subTest(page=page, width=width, night=night):
                     self.open(page, width, night)
@@ -232,6 +239,40 @@ class Pages(unittest.TestCase):
                                 "document.querySelector('button.svg').click(); return seen")
         self.assertEqual(saved, ["positions_limits_3_2_and_2_6_rad.svg"])
         self.assert_silent()
+
+    def test_tubes_are_drawn_about_every_limited_quantity(self):
+        robustness = json.loads((self.folder / "robust/plan.json").read_text())["certificate"]["robustness"]
+        halves = {(m["name"], m["joint"]): m["tube"] for m in robustness["limits"]}
+        halves |= {("link", joint + 1): tube for joint, tube in enumerate(robustness["link_tubes_rad"])}
+        for night in (False, True):
+            self.open("robust/report.html", night=night)
+            shown = {"Positions": "link", "Spring deflections": "spring_deflection", "Motor torques": "torque",
+                     "Motor velocities": "motor_velocity"}
+            titles = self.run_script("return [...document.querySelectorAll('figcaption span')].map(s => s.textContent)")
+            for title, name in shown.items():
+                chart = next(i for i, text in enumerate(titles) if text.startswith(title))
+                for joint in (1, 2):
+                    with self.subTest(chart=title, joint=joint, night=night):
+                        half = self.run_script(
+                            "const area = charts[arguments[0]].series.find(s => s.name === arguments[1]).points, n = area.length;"
+                            "return area.slice(0, n / 2).map((p, i) => [p.x, (p.y - area[n - 1 - i].y) / 2])", chart, f"tube {joint}")
+                        self.assertGreater(len(half), 100)
+                        digits = 1e-6 * max(abs(v) for v in (3.2, 12))  # seven are on the page
+                        for time, width in half:
+                            at = min(sum(t < time for t in robustness["times"]), len(robustness["times"]) - 1)
+                            self.assertAlmostEqual(width, halves[name, joint][at], delta=digits)
+                        changed = self.run_script(
+                            "const chart = drawn[arguments[0]], look = () => chart.canvas.toDataURL(), before = look();"
+                            "const i = chart.data.datasets.findIndex(d => d.label === arguments[1]);"
+                            "chart.hide(i); chart.update(); const without = look(); chart.show(i); chart.update();"
+                            "return [before !== without, chart.data.datasets[i].fill]", chart, f"tube {joint}")
+                        self.assertEqual(changed, [True, "shape"])
+            self.assert_silent()
+        text = self.driver.find_element(By.TAG_NAME, "body").text
+        self.assertIn("Other arms", text)
+        self.assertIn("Not covered: " + robustness["not_covered"], text)
+        svg = self.run_script("return svgOf(drawn[2], charts[2], 'torques')")
+        self.assertEqual(len(re.findall('fill-opacity="0.3"', svg)), 2)
 
     def test_it_can_be_read_by_night(self):
         for night in (False, True):

@@ -5,11 +5,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <string_view>
 
 #include "model/kinematics.h"
 #include "planner/problem/quantities.h"
 #include "planner/results/report/plan_page_text.h"
+#include "planner/results/report/robust_section.h"
 #include "planner/results/report/time_charts.h"
 
 namespace fjr {
@@ -28,6 +30,19 @@ double link_velocity(const Sample& s, std::size_t j) { return s.state.dq[j]; }
 double motor_velocity(const Sample& s, std::size_t j) { return s.state.dtheta[j]; }
 double deflection(const Sample& s, std::size_t j) { return s.state.theta[j] - s.state.q[j]; }
 double torque(const Sample& s, std::size_t j) { return s.torque[j]; }
+
+// Of the limit of `name`, or of the links' positions, about the lines that the chart begins with.
+void add_tubes(Chart& chart, const std::optional<Tubes>& tubes, const std::string& name, int first_joint = 1) {
+  if (!tubes) return;
+  const std::size_t lines = std::min<std::size_t>(chart.series.size(), first_joint == 0 ? 1 : kJoints);
+  for (std::size_t j = 0; j < lines; ++j) {
+    const int joint = first_joint == 0 ? 0 : static_cast<int>(j) + 1;
+    const std::vector<double>* half = tubes->find(name, joint);
+    if (half == nullptr) continue;
+    const std::string whose = joint == 0 ? "tube" : fmt::format("tube {}", joint);
+    chart.series.push_back(tube_about(chart.series[j], whose, tubes->times, *half));
+  }
+}
 
 void add_joints(Chart& chart, const std::vector<Sample>& samples, const std::string& what, Quantity quantity,
                 const Joints<const char*>& colours, Style style = Style::kLine) {
@@ -59,7 +74,8 @@ void add_limits(Chart& chart, const std::vector<ReachedLimit>& limits, const std
   if (!said.empty()) chart.title += fmt::format(" (limits {} {})", said, unit_of_limit(name));
 }
 
-Chart tip_speed_chart(const Parameters& robot, const Trajectory& trajectory, const std::vector<ReachedLimit>& limits) {
+Chart tip_speed_chart(const Parameters& robot, const Trajectory& trajectory, const std::vector<ReachedLimit>& limits,
+                      const std::optional<Tubes>& tubes) {
   Chart chart = time_chart("Tip speed", "m/s");
   Series series{"tip", "#3a7d44", Style::kLine, {}, {}};
   for (const Sample& s : trajectory.samples) {
@@ -67,6 +83,7 @@ Chart tip_speed_chart(const Parameters& robot, const Trajectory& trajectory, con
     series.y.push_back(std::sqrt(std::max(0.0, tip_speed_squared(robot, s.state.q[1], s.state.dq))));
   }
   chart.series.push_back(std::move(series));
+  add_tubes(chart, tubes, "tip_speed", 0);
   if (const ReachedLimit* limit = find_limit(limits, "tip_speed", 0)) {
     chart.title += fmt::format(" (limit {:.4g} m/s)", limit->limit);
     chart.series.push_back(
@@ -76,7 +93,8 @@ Chart tip_speed_chart(const Parameters& robot, const Trajectory& trajectory, con
 }
 
 // Charts of what is limited and is in no other chart; rates of torque are not drawn.
-std::vector<Chart> further_charts(const PlanRecord& record, const std::vector<ReachedLimit>& limits) {
+std::vector<Chart> further_charts(const PlanRecord& record, const std::vector<ReachedLimit>& limits,
+                                  const std::optional<Tubes>& tubes) {
   constexpr std::array<std::string_view, 5> kElsewhere{"torque", "motor_velocity", "link_position", "spring_deflection",
                                                        "tip_speed"};
   const Joints<double> no_rate{};
@@ -95,6 +113,7 @@ std::vector<Chart> further_charts(const PlanRecord& record, const std::vector<Re
       }
       chart.series.push_back(std::move(series));
     }
+    add_tubes(chart, tubes, info.name, first);
     add_limits(chart, limits, info.name, record.trajectory->end_time());
     charts.push_back(std::move(chart));
   });
@@ -105,24 +124,29 @@ std::vector<Chart> motion_charts(const PlanRecord& record, const std::vector<Rea
   const Trajectory& trajectory = *record.trajectory;
   const std::vector<Sample>& rows = trajectory.samples;
   const double end = trajectory.end_time();
+  const std::optional<Tubes> tubes = read_tubes(JsonField(record.plan, record.source));
   Chart positions = time_chart("Positions", "rad");
   add_joints(positions, rows, "link", link, kJointColour);
   add_joints(positions, rows, "motor", motor, kMotorColour, Style::kThinLine);
+  add_tubes(positions, tubes, "link");
   add_limits(positions, limits, "link_position", end, record.robot.limits.link_middle);
   Chart springs = time_chart("Spring deflections", "rad");
   add_joints(springs, rows, "spring", deflection, kJointColour);
+  add_tubes(springs, tubes, "spring_deflection");
   add_limits(springs, limits, "spring_deflection", end);
   Chart torques = time_chart("Motor torques", "N m");
   add_joints(torques, rows, "motor", torque, kJointColour);
+  add_tubes(torques, tubes, "torque");
   add_limits(torques, limits, "torque", end);
   Chart motors = time_chart("Motor velocities", "rad/s");
   add_joints(motors, rows, "motor", motor_velocity, kJointColour);
+  add_tubes(motors, tubes, "motor_velocity");
   add_limits(motors, limits, "motor_velocity", end);
   Chart links = time_chart("Link velocities", "rad/s");
   add_joints(links, rows, "link", link_velocity, kJointColour);
   std::vector<Chart> charts{positions, springs, torques,
-                            motors,    links,   tip_speed_chart(record.robot, trajectory, limits)};
-  for (Chart& chart : further_charts(record, limits)) charts.push_back(std::move(chart));
+                            motors,    links,   tip_speed_chart(record.robot, trajectory, limits, tubes)};
+  for (Chart& chart : further_charts(record, limits, tubes)) charts.push_back(std::move(chart));
   return charts;
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string_view>
 
 #include "planner/results/report/html_table.h"
 
@@ -31,5 +32,14 @@ std::string objective_formula(const std::vector<WeightedTerm>& terms) {
 std::string objective_unit(const std::vector<WeightedTerm>& terms) {
   return terms.size() == 1 && terms.front().weight == 1 ? terms.front().info->unit : "";
 }
+
+Gain Gain::of(const std::vector<WeightedTerm>& objective) {
+  const bool alone = objective.size() == 1;
+  if (alone && std::string_view(objective[0].info->name) == Time::info.name) return {1e3 / objective[0].weight, "ms"};
+  const std::string unit = objective_unit(objective);
+  return {1, fmt::format("{}{}of {}", unit, unit.empty() ? "" : " ", objective_formula(objective))};
+}
+
+std::string Gain::saved(double objective) const { return number_text(factor * objective, 3); }
 
 }  // namespace fjr

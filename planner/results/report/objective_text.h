@@ -23,4 +23,13 @@ std::string objective_formula(const std::vector<WeightedTerm>& terms);
 // Of the sum: that of the only term where its weight is 1; otherwise none, "".
 std::string objective_unit(const std::vector<WeightedTerm>& terms);
 
+// How gains of the objective are told: as time where nothing else counts.
+struct Gain {
+  double factor;
+  std::string unit;
+
+  static Gain of(const std::vector<WeightedTerm>& objective);
+  std::string saved(double objective) const;
+};
+
 }  // namespace fjr

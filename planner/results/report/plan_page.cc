@@ -21,6 +21,7 @@
 #include "planner/results/report/plan_limits.h"
 #include "planner/results/report/plan_page_text.h"
 #include "planner/results/report/proof_section.h"
+#include "planner/results/report/robust_section.h"
 #include "planner/results/report/scene.h"
 #include "planner/results/report/sensitivity_section.h"
 #include "planner/results/report/time_charts.h"
@@ -313,6 +314,7 @@ std::string plan_page(const PlanRecord& record) {
     add_task_margins(page, plan.at("certificate").at("task"));
     add_certificate(page, plan.at("certificate"));
     add_proof(page, plan.at("certificate"));
+    add_robustness(page, plan);
     add_comparison(page, record.robot, motions, *record.trajectory, weighted_terms(plan), limits, !scene.empty());
     add_mesh(page, plan.at("mesh"));
     add_objective(page, plan);

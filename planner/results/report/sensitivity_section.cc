@@ -13,23 +13,10 @@
 namespace fjr {
 namespace {
 
-// How gains of the objective are told: as time where nothing else counts.
-struct Gain {
-  double factor;
-  std::string unit;
-
-  static Gain of(const std::vector<WeightedTerm>& objective) {
-    const bool alone = objective.size() == 1;
-    if (alone && std::string_view(objective[0].info->name) == Time::info.name) return {1e3 / objective[0].weight, "ms"};
-    const std::string unit = objective_unit(objective);
-    return {1, fmt::format("{}{}of {}", unit, unit.empty() ? "" : " ", objective_formula(objective))};
-  }
-  std::string saved(double objective) const { return number_text(factor * objective, 3); }
-  // Of a thousandth of the unit: a whole radian, or second, is far beyond first order.
-  Cell per_thousandth(const std::string& unit_of_what, double objective) const {
-    return cell(fmt::format("{} per m{}", saved(1e-3 * objective), unit_of_what));
-  }
-};
+// Of a thousandth of the unit: a whole radian, or second, is far beyond first order.
+Cell per_thousandth(const Gain& gain, const std::string& unit_of_what, double objective) {
+  return cell(fmt::format("{} per m{}", gain.saved(1e-3 * objective), unit_of_what));
+}
 
 // The change of a limit or duration that prices are told for, as in the summary.
 constexpr double kOnePercentMore = 0.01;
@@ -70,7 +57,7 @@ void add_pair(Rows& rows, const std::string& name, const JsonField& values, cons
   if (values.is_null()) return;
   const Joints<double> pair = values.pair();
   for (std::size_t j = 0; j < kJoints; ++j) {
-    rows.push_back({cell(fmt::format("{} {}", name, j + 1)), gain.per_thousandth(unit, pair[j])});
+    rows.push_back({cell(fmt::format("{} {}", name, j + 1)), per_thousandth(gain, unit, pair[j])});
   }
 }
 
@@ -88,7 +75,7 @@ void add_givens(ChartPage& page, const JsonField& plan, const Gain& gain) {
     add_pair(rows, name + "link", via.at("q"), gain, "rad");
     add_pair(rows, name + "velocity of link", via.at("dq"), gain, "rad/s");
     if (const JsonField later = via.at("later"); !later.is_null()) {
-      rows.push_back({cell(name + "time"), gain.per_thousandth("s", later.number())});
+      rows.push_back({cell(name + "time"), per_thousandth(gain, "s", later.number())});
     }
   }
   add_pair(rows, "goal: link", sensitivity.at("goal").at("q"), gain, "rad");

@@ -64,7 +64,8 @@ def test_a_packed_batch_is_read_where_it_is(reach, program, tmp_path):
 
 def test_ctrl_c_ends_a_batch(tmp_path):
     script = textwrap.dedent(f"""
-        import fjr, threading, _thread, sys
+        import fjr, signal, sys
+        signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored where the tests run in the background
         request = {{"start": {{"q": [0, 0]}}, "goal": {{"q": [2.8, -0.8]}}, "duration": 15, "objective": "efficient",
                    "search": "thorough"}}
         try:

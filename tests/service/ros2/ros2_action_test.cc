@@ -183,8 +183,8 @@ TEST_F(Ros2ActionTest, ACancelledGoalLeavesTheArmAtRest) {
   std::optional<Client::Cancelled> cancelled;
   const Result result = undisturbed([&] {
     id = ros2_test::random_uuid();
-    EXPECT_EQ(client().send(id, to({1.2, -0.8}, 4.0)), true);
-    wait_for_feedback_at(id, 1.0);
+    EXPECT_EQ(client().send(id, to({1.2, -0.8}, 2.5)), true);
+    wait_for_feedback_at(id, 0.6);
     cancelled = client().cancel(id);
     return this->result(id);
   });
@@ -344,7 +344,7 @@ TEST_F(Ros2ActionTest, TolerancesOfAGoalAreKeptOrItIsAborted) {
 
   goal.points[0].positions = {0.5, 0.0};
   goal.path_tolerance[0].position = 1e-9;
-  goal.points[0].time = 3.0;
+  goal.points[0].time = 1.0;
   const Result off_path = undisturbed([&] { return outcome(goal); });
   EXPECT_EQ(off_path.status, ros2_test::kAborted);
   EXPECT_EQ(off_path.code, -4) << off_path.text;
@@ -497,8 +497,8 @@ TEST_F(Ros2ActionTest, HostileBytesAreDropped) {
 // Whoever ends the bridge wants no motion that nobody listens to.
 TEST_F(Ros2ActionTest, AnEndedBridgeLeavesTheArmAtRest) {
   const Uuid id = ros2_test::random_uuid();
-  ASSERT_EQ(client().send(id, to({1.2, -0.8}, 5.0)), true);
-  wait_for_feedback_at(id, 1.0);
+  ASSERT_EQ(client().send(id, to({1.2, -0.8}, 2.5)), true);
+  wait_for_feedback_at(id, 0.6);
   bridge().send(SIGTERM);
   EXPECT_EQ(bridge().wait(), 0) << bridge().output();
   const Arm arm = this->arm();

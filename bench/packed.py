@@ -113,7 +113,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("build", type=Path)
     parser.add_argument("--requests", type=int, nargs="+", default=[1000, 10000, 100000])
-    parser.add_argument("--folder", type=Path, help="with room for 40 kB a request; default: a temporary one")
+    parser.add_argument("--folder", type=Path, help="with room for 90 kB a request; default: a temporary one")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory(dir=arguments.folder) as folder:
         fjr = arguments.build.resolve() / "fjr"

@@ -45,8 +45,7 @@ std::string promise(const JsonField& r) {
   const bool kept = r.at("verdict").text() == "kept";
   return fmt::format(
       "{} With a probability of {} over the {} parameters that are uncertain, links stay within {} and {} counts of "
-      "the "
-      "plan{}: the tubes in the charts, with the executor's feedback. Found with arms drawn from the parameters' "
+      "the plan{}: the tubes in the charts, with the executor's feedback. Found with arms drawn from the parameters' "
       "covariance, {:.0f} % certain. Torques are held against what the drives can give. Not covered: {}.",
       kept ? "Kept." : "Lacking.", number_text(r.at("confidence").number()), number_text(r.at("parameters").number()),
       number_text(counts[0], 3), number_text(counts[1], 3), kept ? " and no limit is exceeded" : "",

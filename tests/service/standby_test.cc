@@ -201,6 +201,20 @@ class ClientDeathTest : public StandbyTest {
     std::printf("given up after %.1f s\n", took);
     EXPECT_EQ(count(executor_->output(), "executing id="), 0u) << executor_->output();
   }
+  // By the standby, once the client and the owner are dead. A client may have met the owner alone when it asked, and a
+  // standby that has not heard of a request has nothing to give up: then all begin again.
+  template <class Kill>
+  void expect_given_up_after(Kill kill) {
+    for (int trial = 0; trial < 4; ++trial) {
+      ask_for_a_motion();
+      kill();
+      EXPECT_TRUE(says(*b_, "owner robot_id=arm"));
+      if (b_->output().find("remembered=1") != std::string::npos) return expect_given_up_by("b");
+      for (Instance* started : {&executor_, &client_, &b_, &a_}) started->reset();
+      heard_.clear();
+    }
+    FAIL() << "of four requests the standby heard none";
+  }
 
   Instance executor_, client_;
 };
@@ -212,27 +226,19 @@ TEST_F(ClientDeathTest, OfTheClientAlone) {
 }
 
 TEST_F(ClientDeathTest, OfTheClientThenOfTheOwner) {
-  ask_for_a_motion();
-  client_->send(SIGKILL);
-  settle();
-  a_->send(SIGKILL);
-  expect_given_up_by("b");
+  expect_given_up_after([&] {
+    client_->send(SIGKILL);
+    settle();
+    a_->send(SIGKILL);
+  });
 }
 
-// A client may have met the owner alone when it asked, and a standby that has not heard of a request has nothing to
-// give up: then all begin again.
 TEST_F(ClientDeathTest, OfTheOwnerThenOfTheClient) {
-  for (int trial = 0; trial < 4; ++trial) {
-    ask_for_a_motion();
+  expect_given_up_after([&] {
     a_->send(SIGKILL);
     settle();
     client_->send(SIGKILL);
-    EXPECT_TRUE(says(*b_, "owner robot_id=arm"));
-    if (b_->output().find("remembered=1") != std::string::npos) return expect_given_up_by("b");
-    for (Instance* started : {&executor_, &client_, &b_, &a_}) started->reset();
-    heard_.clear();
-  }
-  FAIL() << "of four requests the standby heard none";
+  });
 }
 
 // The client is killed while its service is absent: what it asked for then comes after its death.

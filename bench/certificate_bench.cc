@@ -6,6 +6,7 @@
 
 #include "model/parameters.h"
 #include "planner/certificate/comparison.h"
+#include "planner/certificate/judge.h"
 #include "planner/certificate/limits.h"
 #include "planner/certificate/residual.h"
 #include "planner/certificate/tracking.h"

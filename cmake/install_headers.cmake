@@ -1,21 +1,16 @@
-# Installs the public headers, and what they include of this project, from FJR_SOURCE to FJR_INCLUDE below the prefix.
+# Installs the public headers from FJR_SOURCE to FJR_INCLUDE below the prefix. One that includes another header of this
+# project, which nobody would find there, is an error.
 cmake_policy(VERSION 3.25)
 include(${FJR_SOURCE}/cmake/public_headers.cmake)
 
-set(waiting ${FJR_PUBLIC_HEADERS})
-set(headers "")
-while(waiting)
-  list(POP_FRONT waiting header)
-  if(header IN_LIST headers)
-    continue()
-  endif()
-  list(APPEND headers ${header})
+foreach(header ${FJR_PUBLIC_HEADERS})
   file(STRINGS ${FJR_SOURCE}/${header} includes REGEX "^#include \"")
   list(TRANSFORM includes REPLACE "^#include \"(.*)\".*$" "\\1")
-  list(APPEND waiting ${includes})
-endwhile()
-
-foreach(header ${headers})
+  foreach(include ${includes})
+    if(NOT include IN_LIST FJR_PUBLIC_HEADERS)
+      message(FATAL_ERROR "${header} is public and includes ${include}, which is not (cmake/public_headers.cmake)")
+    endif()
+  endforeach()
   cmake_path(GET header PARENT_PATH folder)
   file(INSTALL ${FJR_SOURCE}/${header} DESTINATION ${CMAKE_INSTALL_PREFIX}/${FJR_INCLUDE}/${folder})
 endforeach()

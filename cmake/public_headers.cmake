@@ -1,17 +1,37 @@
-# What other programs may include; docs/library.md says what each is for. What these include in turn is installed with
-# them, but may change without notice.
+# The headers that are installed, all of them: what other programs may include. docs/library.md says what each is for. They
+# include nothing of this project but each other.
 set(FJR_PUBLIC_HEADERS
+  common/chart.h
+  common/dual.h
   common/input_error.h
-  model/parameters.h
   model/dynamics.h
-  model/kinematics.h
   model/flatness.h
+  model/friction.h
+  model/identify/agreement.h
+  model/identify/estimate.h
   model/identify/from_files.h
-  planner/request/request.h
-  planner/plan.h
-  planner/trajectory/trajectory.h
+  model/kinematics.h
+  model/link_derivatives.h
+  model/link_dynamics.h
+  model/parameters.h
+  planner/analysis/analysis.h
   planner/certificate/certificate.h
   planner/certificate/simulation.h
+  planner/client/client.h
+  planner/nlp/solve_cost.h
+  planner/plan.h
+  planner/problem/objective_terms.h
+  planner/problem/problem.h
+  planner/problem/quantities.h
+  planner/problem/task/shapes.h
+  planner/protocol/execution_messages.h
+  planner/protocol/messages.h
+  planner/protocol/network.h
+  planner/request/request.h
   planner/results/plan_json.h
   planner/results/report/plan_page.h
-  planner/client/client.h)
+  planner/results/report/plan_record.h
+  planner/search/account.h
+  planner/search/explain/relaxation.h
+  planner/stop/stop.h
+  planner/trajectory/trajectory.h)

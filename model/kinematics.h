@@ -16,6 +16,9 @@ struct Point {
 // x, y of a point or of a vector in the plane, as users write them. [m]
 using Coordinates = std::array<double, 2>;
 
+// On which side of the line from the base to the tip, looking along it, the elbow lies.
+enum class Elbow { kAny, kLeft, kRight };
+
 template <class T>
 Point<T> elbow_position(const Parameters& p, const Joints<T>& q) {
   using std::cos;

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "common/cpu_time.h"
+#include "planner/certificate/judge.h"
 #include "planner/certificate/proof/prove.h"
 #include "planner/conclusion.h"
 #include "planner/plan_fields.h"

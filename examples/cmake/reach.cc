@@ -12,7 +12,7 @@ int main() {
     fjr::Request request;
     request.source = "reach";
     request.start.emplace().q = {0, 0};
-    request.goal.q = {1.2, -0.8};
+    request.goal = fjr::JointGoal{{1.2, -0.8}, fjr::AtRest{}};
     request.objective = fjr::Preset::kFastest;
     request.limits.torque = {10, 5};
 

@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <map>
 
+#include "model/identify/arm.h"
+
 namespace fjr {
 namespace {
 

@@ -4,10 +4,12 @@
 #include <string>
 #include <vector>
 
-#include "model/identify/arm.h"
 #include "model/identify/estimate.h"
+#include "model/parameters.h"
 
 namespace fjr {
+
+struct Identified;  // model/identify/arm.h
 
 // In standard errors of their difference: two experiments that are further apart are worth a warning; one of them is
 // wrong.

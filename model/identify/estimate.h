@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "common/chart_page.h"
+#include "common/chart.h"
 
 namespace fjr {
 

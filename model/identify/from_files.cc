@@ -8,6 +8,7 @@
 #include "model/identify/arm.h"
 #include "model/identify/procedures.h"
 #include "model/identify/robot_file.h"
+#include "model/log.h"
 
 namespace fjr {
 namespace {

@@ -3,12 +3,12 @@
 
 #include <array>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "model/identify/agreement.h"
 #include "model/identify/estimate.h"
-#include "model/log.h"
 #include "model/parameters.h"
 
 namespace fjr {
@@ -25,15 +25,16 @@ struct Identification {
 
 struct LogFiles {
   std::vector<std::string> files;
-  int joint = 0;  // 1 or 2; 0: as the logs say
-  ColumnNames renamed{};
+  int joint = 0;                                 // 1 or 2; 0: as the logs say
+  std::map<std::string, std::string> renamed{};  // columns of ours -> those of the files, where they differ
 };
 
 // One procedure on logs of its experiment. Throws InputError as the procedures do.
 Identification identify_logs(const std::string& procedure, const LogFiles& logs, const Parameters& known);
 
 // All of them, in order, on <experiment>_<joint>.csv in a folder: what comes later may need what came before.
-Identification identify_folder(const std::string& folder, const ColumnNames& renamed, const Parameters& known);
+Identification identify_folder(const std::string& folder, const std::map<std::string, std::string>& renamed,
+                               const Parameters& known);
 
 // Throws InputError where two logs are kContradictoryApart or more apart: one of them is wrong, and nobody knows which:
 // a column doubled, another unit, the wrong file. source: what to name.

@@ -14,6 +14,7 @@
 #include "planner/ocp/arm_ocp.h"
 #include "planner/ocp/collocate.h"
 #include "planner/ocp/margins.h"
+#include "planner/problem/task/task.h"
 
 namespace fjr {
 

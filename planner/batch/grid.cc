@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "common/input_error.h"
+#include "common/strict_yaml.h"
 
 namespace fjr {
 namespace {

@@ -8,6 +8,7 @@
 #include "planner/certificate/amplification.h"
 #include "planner/certificate/comparison.h"
 #include "planner/certificate/consistency.h"
+#include "planner/certificate/judge.h"
 #include "planner/certificate/limits.h"
 #include "planner/certificate/perturbed.h"
 #include "planner/certificate/residual.h"

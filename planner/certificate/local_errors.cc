@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "planner/certificate/certificate.h"
+#include "planner/certificate/judge.h"
 #include "planner/certificate/rollout.h"
 
 namespace fjr {

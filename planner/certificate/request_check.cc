@@ -8,6 +8,7 @@
 #include "planner/certificate/comparison.h"
 #include "planner/certificate/residual.h"
 #include "planner/certificate/thresholds.h"
+#include "planner/problem/task/task.h"
 
 namespace fjr {
 namespace {

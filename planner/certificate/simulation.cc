@@ -6,6 +6,7 @@
 #include "planner/certificate/comparison.h"
 #include "planner/certificate/residual.h"
 #include "planner/certificate/rollout.h"
+#include "planner/certificate/ticks.h"
 
 namespace fjr {
 namespace {

@@ -1,11 +1,9 @@
 // A trajectory on an arm that need not be the one it was planned for.
 #pragma once
 
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "planner/control/motor_feedback.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -34,19 +32,5 @@ Simulation simulate(const Parameters& planned_for, const Parameters& arm, const 
 // Where a trajectory begins on that arm: in its first row's state, or where that is rest for the one that it was
 // planned for, in the rest of the other.
 State<double> start_on(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory);
-
-// One tick of the executor on the simulated arm.
-struct SimulatedTick {
-  double end = 0;  // [s]
-  TickController::Command command;
-  State<double> state;  // at its end
-};
-
-// Ticks until the trajectory ends; the last may be shorter.
-long tick_count(const Trajectory& trajectory);
-
-// From `start`, until the trajectory ends. False: the integration broke down.
-bool roll_out_ticks(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
-                    const State<double>& start, const std::function<void(const SimulatedTick&)>& observe);
 
 }  // namespace fjr

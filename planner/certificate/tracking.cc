@@ -5,6 +5,7 @@
 
 #include "model/encoder.h"
 #include "planner/certificate/simulation.h"
+#include "planner/certificate/ticks.h"
 
 namespace fjr {
 namespace {

@@ -5,10 +5,11 @@
 #include <array>
 #include <cmath>
 #include <iterator>
+#include <utility>
 
 #include "planner/dds/text.h"
 #include "planner/dds/wire_request.h"
-#include "planner/request/request.h"
+#include "planner/request/request_keys.h"
 
 namespace fjr::dds {
 namespace {
@@ -63,8 +64,8 @@ AnglesOrFree goal_angles_of(Taker& take, const fjr_msg_GoalState& goal) {
   return q;
 }
 
-RequestedGoal goal_of(Taker& take, const fjr_msg_GoalState& wire, bool dq_free) {
-  RequestedGoal goal;
+GoalByKey goal_keys_of(Taker& take, const fjr_msg_GoalState& wire, bool dq_free) {
+  GoalByKey goal;
   if (take.choice("goal.kind", wire.kind, fjr_msg_GOAL_TIP) == fjr_msg_GOAL_TIP) {
     constexpr std::array kElbows{Elbow::kAny, Elbow::kLeft, Elbow::kRight};
     goal.tip = take.pair("goal.tip", wire.tip);
@@ -83,14 +84,10 @@ RequestedGoal goal_of(Taker& take, const fjr_msg_GoalState& wire, bool dq_free) 
   return goal;
 }
 
-std::optional<RequestedDuration> duration_of(Taker& take, const fjr_msg_DurationRange& wire) {
-  if (!wire.has_min && !wire.has_max) return std::nullopt;
-  if (wire.has_min && wire.has_max && wire.min == wire.max) {
-    const double fixed = take.number("duration", wire.min);
-    return RequestedDuration{fixed, fixed};
-  }
-  return RequestedDuration{take.optional("duration.min", wire.has_min, wire.min),
-                           take.optional("duration.max", wire.has_max, wire.max)};
+RequestedDuration duration_of(Taker& take, const fjr_msg_DurationRange& wire) {
+  if (wire.has_min && wire.has_max && wire.min == wire.max) return take.number("duration", wire.min);
+  return FreeDuration{take.optional("duration.min", wire.has_min, wire.min),
+                      take.optional("duration.max", wire.has_max, wire.max)};
 }
 
 std::optional<RequestedObjective> objective_of(Taker& take, const fjr_msg_PlanRequest2& message) {
@@ -185,10 +182,11 @@ Request motion_of(Taker& take, const fjr_msg_PlanRequest2& extended) {
   const fjr_msg_PlanRequest& message = extended.request;
   Request request;
   request.start = start_of(take, message.start);
-  request.goal = goal_of(take, message.goal, extended.goal_dq_free);
+  const GoalByKey goal = goal_keys_of(take, message.goal, extended.goal_dq_free);
+  request.goal = goal_of(goal);
   request.duration = duration_of(take, message.duration);
   request.objective = objective_of(take, extended);
-  request.via = vias_of(take, extended);
+  std::vector<RequestedVia> vias = vias_of(take, extended);
   request.obstacles = obstacles_of(take, message.obstacles);
   request.tip = tip_of(take, message.tip);
   request.limits = limits_of(take, message.limits);
@@ -196,9 +194,14 @@ Request motion_of(Taker& take, const fjr_msg_PlanRequest2& extended) {
     request.payload = Payload{take.number("payload.mass", message.payload.mass),
                               take.number("payload.inertia", message.payload.inertia)};
   }
-  request.path = path_of(take, extended.path);
+  std::optional<RequestedPath> path = path_of(take, extended.path);
+  const bool both = path && !vias.empty();
+  request.way = path ? RequestedWay{std::move(*path)} : RequestedWay{std::move(vias)};
   request.sample_period = take.optional("sample_period", message.has_sample_period, message.sample_period);
   if (message.has_seed) request.seed = message.seed;
+  // Numbers that are none come first, by the names of their fields.
+  if (const auto fault = fault_of(goal)) take.refuse(fmt::format("goal.{}", fault->key), fault->sentence);
+  if (both) take.refuse("path", kPathAndVia);
   return request;
 }
 

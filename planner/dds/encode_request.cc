@@ -12,6 +12,7 @@
 #include "planner/problem/objective_terms.h"
 #include "planner/protocol/document.h"
 #include "planner/request/request.h"
+#include "planner/request/request_keys.h"
 
 namespace fjr::dds {
 namespace {
@@ -38,38 +39,43 @@ void set_optional(const std::optional<T>& value, bool& given, T& to) {
 void encode_start(const Request& request, fjr_msg_StartState& start) {
   start.given = request.start.has_value();
   if (!start.given) return;
-  if (!request.start->q) refuse(request, "start.q", "missing");
-  set_pair(*request.start->q, start.q);
+  set_pair(request.start->q, start.q);
   set_optional(request.start->dq, start.has_dq, start.dq);
   set_optional(request.start->theta, start.has_theta, start.theta);
   set_optional(request.start->dtheta, start.has_dtheta, start.dtheta);
 }
 
-// What goes with the other kind of goal has no place on the wire.
-void encode_goal(const Request& request, fjr_msg_PlanRequest2& message) {
+void encode_goal(const RequestedGoal& asked, fjr_msg_PlanRequest2& message) {
   fjr_msg_GoalState& goal = message.request.goal;
-  const RequestedGoal& asked = request.goal;
-  if (asked.tip) {
-    if (asked.q) refuse(request, "goal.q", "give either q or tip");
+  if (const auto* tip = std::get_if<TipGoal>(&asked)) {
     goal.kind = fjr_msg_GOAL_TIP;
-    set_pair(*asked.tip, goal.tip);
-    set_optional(asked.tip_velocity, goal.has_tip_velocity, goal.tip_velocity);
-    goal.elbow = static_cast<std::uint8_t>(asked.elbow.value_or(Elbow::kAny));
-  } else {
-    if (asked.elbow) refuse(request, "goal.elbow", "goes with goal.tip; with goal.q give dq");
-    if (asked.tip_velocity) refuse(request, "goal.tip_velocity", "goes with goal.tip; with goal.q give dq");
-    if (!asked.q) refuse(request, "goal.q", "missing");
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      goal.q_free[j] = !(*asked.q)[j];
-      goal.q[j] = (*asked.q)[j].value_or(0);
-    }
+    set_pair(tip->tip, goal.tip);
+    set_optional(tip->velocity, goal.has_tip_velocity, goal.tip_velocity);
+    goal.elbow = static_cast<std::uint8_t>(tip->elbow);
+    return;
   }
-  const auto* dq = asked.dq ? std::get_if<Joints<double>>(&*asked.dq) : nullptr;
-  message.goal_dq_free = asked.dq && dq == nullptr;
-  goal.has_dq = dq != nullptr;
-  if (goal.has_dq) set_pair(*dq, goal.dq);
-  set_optional(asked.theta, goal.has_theta, goal.theta);
-  set_optional(asked.dtheta, goal.has_dtheta, goal.dtheta);
+  const auto& [q, arrival] = std::get<JointGoal>(asked);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    goal.q_free[j] = !q[j];
+    goal.q[j] = q[j].value_or(0);
+  }
+  message.goal_dq_free = std::holds_alternative<AnyVelocity>(arrival);
+  const auto* moving = std::get_if<Moving>(&arrival);
+  goal.has_dq = moving != nullptr;
+  if (moving == nullptr) return;
+  set_pair(moving->dq, goal.dq);
+  set_optional(moving->theta, goal.has_theta, goal.theta);
+  set_optional(moving->dtheta, goal.has_dtheta, goal.dtheta);
+}
+
+void encode_duration(const RequestedDuration& asked, fjr_msg_DurationRange& duration) {
+  if (const auto* fixed = std::get_if<double>(&asked)) {
+    duration = {true, *fixed, true, *fixed};
+    return;
+  }
+  const auto& [min, max] = std::get<FreeDuration>(asked);
+  set_optional(min, duration.has_min, duration.min);
+  set_optional(max, duration.has_max, duration.max);
 }
 
 void encode_objective(const Request& request, fjr_msg_PlanRequest2& message) {
@@ -98,9 +104,11 @@ void refuse_long_list(const Request& request, const std::string& field, std::siz
 }
 
 std::vector<fjr_msg_ViaPoint> encode_vias(const Request& request, fjr_msg_PlanRequest2& message) {
-  refuse_long_list(request, "via", request.via.size(), fjr_msg_MAX_VIAS);
   std::vector<fjr_msg_ViaPoint> vias;
-  for (const RequestedVia& asked : request.via) {
+  const auto* all = std::get_if<std::vector<RequestedVia>>(&request.way);
+  if (all == nullptr) return vias;
+  refuse_long_list(request, "via", all->size(), fjr_msg_MAX_VIAS);
+  for (const RequestedVia& asked : *all) {
     if (asked.release) {
       const std::string field = fmt::format("via[{}].release", vias.size());
       if (message.has_release) refuse(request, field, "is said of another via point already");
@@ -109,7 +117,7 @@ std::vector<fjr_msg_ViaPoint> encode_vias(const Request& request, fjr_msg_PlanRe
     }
     fjr_msg_ViaPoint via{};
     set_optional(asked.time, via.has_time, via.time);
-    set_pair(asked.q.value_or(Joints<double>{}), via.q);
+    set_pair(asked.q, via.q);
     set_optional(asked.dq, via.has_dq, via.dq);
     vias.push_back(via);
   }
@@ -182,11 +190,12 @@ void encode_limits(const Request& request, fjr_msg_TightenedLimits& limits) {
 
 std::vector<fjr_msg_Posture> encode_path(const Request& request, fjr_msg_JointPath& path) {
   std::vector<fjr_msg_Posture> postures;
-  path.given = request.path.has_value();
+  const auto* asked = std::get_if<RequestedPath>(&request.way);
+  path.given = asked != nullptr;
   if (!path.given) return postures;
-  path.tolerance = request.path->tolerance;
-  refuse_long_list(request, "path.points", request.path->points.size(), fjr_msg_MAX_PATH_POINTS);
-  for (const Joints<double>& point : request.path->points) set_pair(point, postures.emplace_back().q);
+  path.tolerance = asked->tolerance;
+  refuse_long_list(request, "path.points", asked->points.size(), fjr_msg_MAX_PATH_POINTS);
+  for (const Joints<double>& point : asked->points) set_pair(point, postures.emplace_back().q);
   return postures;
 }
 
@@ -196,11 +205,8 @@ void encode_motion(const Request& request, WireRequest& wire) {
   if (!request.walls.empty()) refuse(request, "walls", kForNewServices);
   fjr_msg_PlanRequest& message = wire.message.request;
   encode_start(request, message.start);
-  encode_goal(request, wire.message);
-  if (request.duration) {
-    set_optional(request.duration->min, message.duration.has_min, message.duration.min);
-    set_optional(request.duration->max, message.duration.has_max, message.duration.max);
-  }
+  encode_goal(request.goal, wire.message);
+  encode_duration(request.duration, message.duration);
   encode_objective(request, wire.message);
   wire.via = encode_vias(request, wire.message);
   wire.obstacles = encode_obstacles(request);

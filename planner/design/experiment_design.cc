@@ -46,7 +46,7 @@ Request drawn(const Parameters& robot, const Joints<double>& from, double longes
     to[j] = rounded(std::clamp(from[j] + most * seconds * even(random), middle - range, middle + range));
     if (slow) request.limits.motor_velocity[j] = most;
   }
-  request.goal.q = to;
+  request.goal = JointGoal{to, AtRest{}};
   return request;
 }
 
@@ -128,7 +128,7 @@ void check_start(const Parameters& robot, const Joints<double>& start) {
   request.source = "experiment design";
   request.start = RequestedStart{start, {}, {}, {}};
   const double inwards = start[0] > robot.limits.link_middle[0] ? -1e-2 : 1e-2;  // a goal has to be elsewhere
-  request.goal.q = AnglesOrFree{start[0] + inwards, start[1]};
+  request.goal = JointGoal{{start[0] + inwards, start[1]}, AtRest{}};
   (void)resolve_for(request, robot);
 }
 
@@ -150,7 +150,8 @@ ExperimentDesign design_experiment(const Parameters& robot, const Prior& prior, 
   while (left > kLittleLeft && !designer.cancelled()) {
     std::optional<DesignedMotion> motion = designer.next(at, left, design.motions.size(), for_each);
     if (!motion) break;
-    at = {*(*motion->request.goal.q)[0], *(*motion->request.goal.q)[1]};
+    const AnglesOrFree& end = std::get<JointGoal>(motion->request.goal).q;
+    at = {*end[0], *end[1]};
     design.motions.push_back(std::move(*motion));
     left = options.duration - design.duration();
     if (options.on_progress) options.on_progress(1 - left / options.duration);

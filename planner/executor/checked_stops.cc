@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "planner/stop/stop_motion.h"
+
 namespace fjr {
 
 CheckedStops::CheckedStops(std::vector<Trajectory> stops)

@@ -9,7 +9,9 @@
 #include <thread>
 
 #include "planner/certificate/certificate.h"
+#include "planner/certificate/judge.h"
 #include "planner/control/motor_feedback.h"
+#include "planner/stop/stop_motion.h"
 
 namespace fjr {
 namespace {

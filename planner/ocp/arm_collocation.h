@@ -13,6 +13,8 @@
 #include "planner/ocp/collocate.h"
 #include "planner/ocp/margins.h"
 #include "planner/ocp/segments.h"
+#include "planner/problem/task/task.h"
+#include "planner/trajectory/motion.h"
 
 namespace fjr {
 

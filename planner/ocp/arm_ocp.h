@@ -14,6 +14,7 @@
 #include "model/kinematics.h"
 #include "planner/collocation/transcription.h"
 #include "planner/problem/problem.h"
+#include "planner/problem/task/task.h"
 
 namespace fjr {
 

@@ -7,6 +7,8 @@
 
 #include "model/friction.h"
 #include "planner/ocp/segments.h"
+#include "planner/problem/task/task.h"
+#include "planner/trajectory/motion.h"
 
 namespace fjr {
 namespace {

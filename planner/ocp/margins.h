@@ -8,6 +8,7 @@
 
 #include "planner/collocation/mesh.h"
 #include "planner/problem/problem.h"
+#include "planner/problem/task/task.h"
 #include "planner/trajectory/motion.h"
 
 namespace fjr {

@@ -4,6 +4,7 @@
 
 #include "planner/ocp/sampling.h"
 #include "planner/ocp/segments.h"
+#include "planner/trajectory/motion.h"
 
 namespace fjr {
 namespace {

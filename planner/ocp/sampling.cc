@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "model/friction.h"
+#include "planner/trajectory/motion.h"
 
 namespace fjr {
 namespace {

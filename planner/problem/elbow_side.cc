@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "planner/problem/inverse_kinematics.h"
+#include "planner/problem/task/task.h"
 #include "planner/problem/tip_path.h"
 
 namespace fjr {
@@ -29,7 +30,7 @@ double between_zero(double lower, double upper) { return std::clamp(0.0, lower, 
 Band of_box(const TipBox& box) {
   const double x = std::max(std::abs(box.lower[0]), std::abs(box.upper[0])),
                y = std::max(std::abs(box.lower[1]), std::abs(box.upper[1]));
-  return {TipBox::info.name,
+  return {kInfo<TipBox>.name,
           std::hypot(between_zero(box.lower[0], box.upper[0]), between_zero(box.lower[1], box.upper[1])),
           std::hypot(x, y)};
 }
@@ -52,8 +53,8 @@ Band of_points(const char* region, const std::vector<Coordinates>& points, doubl
 
 std::optional<Band> band_of(const Task& task) {
   if (task.box) return of_box(*task.box);
-  if (task.line) return of_points(TipLine::info.name, points_along(*task.line), task.line->tolerance);
-  if (task.arc) return of_points(TipArc::info.name, points_along(*task.arc), task.arc->tolerance);
+  if (task.line) return of_points(kInfo<TipLine>.name, points_along(*task.line), task.line->tolerance);
+  if (task.arc) return of_points(kInfo<TipArc>.name, points_along(*task.arc), task.arc->tolerance);
   return std::nullopt;
 }
 

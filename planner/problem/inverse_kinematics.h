@@ -10,9 +10,6 @@
 
 namespace fjr {
 
-// On which side of the line from the base to the tip, looking along it, the elbow lies.
-enum class Elbow { kAny, kLeft, kRight };
-
 // All q [rad] within the limits that put the tip at `tip` [m]: up to two elbows, and full turns of joint 1 where
 // the limits leave room for them. Nearest to `near` (largest angle) first. Empty when there is none.
 std::vector<Joints<double>> inverse_kinematics(const Parameters& robot, const Coordinates& tip, Elbow elbow,

@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include "planner/trajectory/motion.h"
+
 namespace fjr {
 namespace {
 

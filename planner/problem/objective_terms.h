@@ -12,10 +12,11 @@
 
 #include "model/dynamics.h"
 #include "model/kinematics.h"
-#include "planner/trajectory/motion.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
+
+struct Motion;  // planner/trajectory/motion.h
 
 // The objective is the sum of weights times terms; what is a reward counts negatively.
 struct Weights {

@@ -13,7 +13,7 @@
 #include "model/parameters.h"
 #include "planner/problem/objective_terms.h"
 #include "planner/problem/quantities.h"
-#include "planner/problem/task/task.h"
+#include "planner/problem/task/shapes.h"
 
 namespace fjr {
 

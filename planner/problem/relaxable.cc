@@ -6,6 +6,8 @@
 #include <cmath>
 #include <type_traits>
 
+#include "planner/problem/task/task.h"
+
 namespace fjr {
 namespace {
 
@@ -45,7 +47,7 @@ void relax(Problem& problem, std::size_t number, const Constraint& as_it_was, do
         for (Via& via : problem.via) via.tolerance *= value / constraint.tolerance;
       }
       constraint = as_it_was;
-      constraint.relax(value);
+      relax(constraint, value);
     }
   });
 }
@@ -55,11 +57,11 @@ void add_task(std::vector<Relaxable>& all, const Problem& problem) {
   std::size_t next = 0;
   each_constraint(problem.task, [&](const std::string& name, const auto& constraint) {
     const std::size_t number = next++;
-    const ConstraintInfo& info = constraint.info;
-    const double from = constraint.relaxed_by(), most = info.most > 0 ? info.most : from;
+    const ConstraintInfo& info = kInfo<std::decay_t<decltype(constraint)>>;
+    const double from = relaxed_by(constraint), most = info.most > 0 ? info.most : from;
     const auto set = [number, constraint](Problem& p, double value) { relax(p, number, constraint, value); };
-    Relaxable one{RelaxableKind::kConstraint,         name, 0,       info.unit,        from,  info.sign, most,
-                  info.sign > 0 ? most - from : most, set,  nullptr, &constraint.info, number};
+    Relaxable one{RelaxableKind::kConstraint,         name, 0,       info.unit, from,  info.sign, most,
+                  info.sign > 0 ? most - from : most, set,  nullptr, &info,     number};
     for (std::size_t r = 0; r < rows.size(); ++r) {
       if (rows[r].constraint == number) one.indices.push_back(kLimits + r);
     }

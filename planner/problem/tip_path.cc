@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "planner/problem/task/task.h"
+
 namespace fjr {
 namespace {
 
@@ -23,7 +25,7 @@ Coordinates along(const TipLine&, const Coordinates& from, const Coordinates& to
 
 Coordinates along(const TipArc& arc, const Coordinates& from, const Coordinates& to, double fraction) {
   const double radius = std::hypot(arc.from[0] - arc.center[0], arc.from[1] - arc.center[1]);
-  const double angle = arc.angle_of(from) + fraction * turn_between(arc, from, to);
+  const double angle = angle_of(arc, from) + fraction * turn_between(arc, from, to);
   return {arc.center[0] + radius * std::cos(angle), arc.center[1] + radius * std::sin(angle)};
 }
 

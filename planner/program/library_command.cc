@@ -18,6 +18,7 @@
 #include "common/atomic_file.h"
 #include "common/cpu_time.h"
 #include "common/input_error.h"
+#include "common/strict_yaml.h"
 #include "planner/batch/items.h"
 #include "planner/batch/statuses.h"
 #include "planner/library/plan_library.h"
@@ -31,6 +32,7 @@
 #include "planner/program/progress_line.h"
 #include "planner/program/scratch.h"
 #include "planner/request/request.h"
+#include "planner/request/request_keys.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/solution_file.h"
 
@@ -213,8 +215,7 @@ struct LibraryCheck {
 // The goal moved by `away` in a random direction. None: outside what is allowed.
 std::optional<Problem> moved(const LibraryEntry& entry, double away, double angle, const LibraryArguments& options) {
   Request request = read_request(YamlNode::parse(entry.request, entry.name));
-  request.goal = {};
-  request.goal.q = AnglesOrFree{entry.goal[0] + away * std::cos(angle), entry.goal[1] + away * std::sin(angle)};
+  request.goal = JointGoal{{entry.goal[0] + away * std::cos(angle), entry.goal[1] + away * std::sin(angle)}, AtRest{}};
   try {
     return resolve(request, load_parameters(robot_file_of(request, {}, options.robot)));
   } catch (const InputError&) {

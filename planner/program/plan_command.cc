@@ -31,6 +31,7 @@
 #include "planner/program/result_files.h"
 #include "planner/program/summary.h"
 #include "planner/request/request.h"
+#include "planner/request/request_keys.h"
 #include "planner/results/explain_request.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/report/plan_files.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "planner/protocol/messages.h"
-#include "planner/stop/stop_motion.h"
+#include "planner/stop/stop.h"
 
 namespace fjr {
 

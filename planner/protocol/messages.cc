@@ -41,8 +41,10 @@ std::size_t size_of(const Order& order) {
   std::size_t size = sizeof(Order) + order.document.size();
   if (order.motion) {
     const Request& r = *order.motion;
-    size += r.via.size() * sizeof(RequestedVia) + r.obstacles.size() * sizeof(Disc) + r.walls.size() * sizeof(Wall) +
-            (r.path ? r.path->points.size() * sizeof(Joints<double>) : 0);
+    const auto* vias = std::get_if<std::vector<RequestedVia>>(&r.way);
+    size += vias != nullptr ? vias->size() * sizeof(RequestedVia)
+                            : std::get<RequestedPath>(r.way).points.size() * sizeof(Joints<double>);
+    size += r.obstacles.size() * sizeof(Disc) + r.walls.size() * sizeof(Wall);
   }
   return size;
 }

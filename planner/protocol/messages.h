@@ -12,7 +12,7 @@
 
 #include "planner/plan.h"
 #include "planner/request/request.h"
-#include "planner/stop/stop_motion.h"
+#include "planner/stop/stop.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {

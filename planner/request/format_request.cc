@@ -28,6 +28,9 @@ template <class T>
 std::string text_of(const std::vector<T>& list);
 template <Keyed R>
 std::string text_of(const R& r);
+template <class Kind, class Variant>
+std::string text_of(const OneOf<Kind, Variant>& member);
+std::string text_of(const RequestedGoal& goal);
 std::string text_of(const RequestedDuration& duration);
 std::string text_of(const RequestedTip& tip);
 
@@ -105,14 +108,29 @@ bool is_said(const std::vector<T>& list) {
 }
 bool is_said(const Limits& limits) { return text_of(limits) != "{}"; }
 bool is_said(bool value) { return value; }
+bool is_said(const RequestedDuration& duration) {
+  const auto* free = std::get_if<FreeDuration>(&duration);
+  return free == nullptr || free->min || free->max;
+}
+template <class Kind, class Variant>
+bool is_said(const OneOf<Kind, Variant>& member);
 template <class T>
 bool is_said(const T&) {
   return true;
 }
 
+template <class Kind, class Variant>
+bool is_said(const OneOf<Kind, Variant>& member) {
+  return member.get() != nullptr && is_said(*member.get());
+}
+
 template <class T>
 std::string text_of(const std::optional<T>& value) {
   return text_of(*value);
+}
+template <class Kind, class Variant>
+std::string text_of(const OneOf<Kind, Variant>& member) {
+  return text_of(*member.get());
 }
 
 template <Keyed R>
@@ -125,10 +143,11 @@ std::string text_of_keys(const R& r) {
 }
 
 std::string text_of(const RequestedDuration& duration) {
-  if (!duration.min && !duration.max) return "free";
-  if (duration.min && duration.max && *duration.min == *duration.max) return text_of(*duration.min);
-  return text_of_keys(duration);
+  const auto* fixed = std::get_if<double>(&duration);
+  return fixed != nullptr ? text_of(*fixed) : text_of_keys(std::get<FreeDuration>(duration));
 }
+
+std::string text_of(const RequestedGoal& goal) { return text_of_keys(by_key(goal)); }
 
 std::string text_of(const RequestedTip& tip) { return text_of_keys(by_kind(tip)); }
 

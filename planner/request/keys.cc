@@ -37,6 +37,15 @@ struct Below<std::vector<T>> {
   static void list(const std::string& name, Lines& lines) { Below<T>::list(name + "[]", lines); }
 };
 
+template <class Kind, class Variant>
+struct Below<OneOf<Kind, Variant>> : Below<Kind> {};
+
+template <>
+struct Below<RequestedGoal> : Below<GoalByKey> {};
+
+template <>
+struct Below<RequestedDuration> : Below<FreeDuration> {};
+
 template <>
 struct Below<RequestedTip> : Below<TipByKind> {};
 

@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
+#include <variant>
 
 #include "common/spelling.h"
 #include "planner/request/request.h"
@@ -18,7 +20,10 @@ template <class T>
 void read(const YamlNode& node, const char* unit, std::vector<T>& list);
 template <Keyed R>
 void read(const YamlNode& node, const char* unit, R& r);
+template <class Kind, class Variant>
+void read(const YamlNode& node, const char* unit, OneOf<Kind, Variant>& member);
 void read(const YamlNode& node, const char* unit, std::optional<RequestedStart>& start);
+void read(const YamlNode& node, const char* unit, RequestedGoal& goal);
 void read(const YamlNode& node, const char* unit, RequestedDuration& duration);
 void read(const YamlNode& node, const char* unit, RequestedTip& tip);
 
@@ -151,16 +156,45 @@ void read(const YamlNode& node, const char*, RequestedTip& tip) {
 
 void read(const YamlNode& node, const char* unit, RequestedDuration& duration) {
   if (node.says("free")) return;
-  if (node.is_map()) return read_keys(node, duration);
+  if (node.is_map()) {
+    FreeDuration free;
+    read_keys(node, free);
+    const bool fixed = free.min && free.max && *free.min == *free.max;
+    duration = fixed ? RequestedDuration{*free.min} : RequestedDuration{free};
+    return;
+  }
   if (!node.is_scalar()) node.fail("must be a number of seconds, free, or {min, max}");
-  duration.min = duration.max = node.number(unit);
+  duration = node.number(unit);
+}
+
+void read(const YamlNode& node, const char*, RequestedGoal& goal) {
+  GoalByKey keys;
+  read_keys(node, keys);
+  if (const auto fault = fault_of(keys)) node.at(fault->key).fail(fault->sentence);  // at() tells what is missing
+  goal = goal_of(keys);
+}
+
+// A path beside via points; `via: []` says nothing.
+void refuse_another(const YamlNode& node, const RequestedWay& way) {
+  const auto* via = std::get_if<std::vector<RequestedVia>>(&way);
+  if (via == nullptr || !via->empty()) node.fail(kPathAndVia);
+}
+
+template <class Kind, class Variant>
+void read(const YamlNode& node, const char* unit, OneOf<Kind, Variant>& member) {
+  Kind kind{};
+  read(node, unit, kind);
+  refuse_another(node, member.all);
+  member.all = std::move(kind);
 }
 
 // Nothing in it says as little as leaving it out.
 void read(const YamlNode& node, const char*, std::optional<RequestedStart>& start) {
   if (node.is_null()) return;
   read_keys(node, start.emplace());
-  if (start->empty()) start.reset();
+  if (node.find("q")) return;
+  if (node.keys().empty()) return start.reset();
+  (void)node.at("q");  // which tells that it is missing
 }
 
 }  // namespace
@@ -181,6 +215,10 @@ Request read_request(const YamlNode& root) {
   request.source = root.source();
   read_keys(root, request);
   return request;
+}
+
+Request read_request(const std::string& yaml, const std::string& source) {
+  return read_request(YamlNode::parse(yaml, source));
 }
 
 }  // namespace fjr

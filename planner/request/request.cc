@@ -2,7 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <initializer_list>
+#include <utility>
+
 #include "planner/request/place.h"
+#include "planner/request/request_keys.h"
 
 namespace fjr {
 namespace {
@@ -14,6 +18,60 @@ Parameters robot_of(const Request& request, const fs::path& folder, const fs::pa
 }
 
 }  // namespace
+
+GoalByKey by_key(const RequestedGoal& goal) {
+  GoalByKey keys;
+  if (const auto* tip = std::get_if<TipGoal>(&goal)) {
+    keys.tip = tip->tip;
+    if (tip->elbow != Elbow::kAny) keys.elbow = tip->elbow;
+    keys.tip_velocity = tip->velocity;
+    return keys;
+  }
+  const auto& [q, arrival] = std::get<JointGoal>(goal);
+  keys.q = q;
+  if (std::holds_alternative<AnyVelocity>(arrival)) keys.dq = AnyVelocity{};
+  if (const auto* moving = std::get_if<Moving>(&arrival)) {
+    keys.dq = moving->dq;
+    keys.theta = moving->theta;
+    keys.dtheta = moving->dtheta;
+  }
+  return keys;
+}
+
+std::optional<KeyFault> fault_of(const GoalByKey& goal) {
+  const auto first_of = [](std::initializer_list<std::pair<std::string_view, bool>> keys, const char* sentence) {
+    for (const auto& [key, given] : keys) {
+      if (given) return std::optional(KeyFault{key, sentence});
+    }
+    return std::optional<KeyFault>{};
+  };
+  const std::pair<std::string_view, bool> theta{"theta", goal.theta.has_value()},
+      dtheta{"dtheta", goal.dtheta.has_value()};
+  if (goal.tip) {
+    return first_of({{"q", goal.q.has_value()}, {"dq", goal.dq.has_value()}, theta, dtheta},
+                    "does not go with goal.tip, which decides it");
+  }
+  if (auto fault = first_of({{"elbow", goal.elbow.has_value()}, {"tip_velocity", goal.tip_velocity.has_value()}},
+                            "goes with goal.tip; with goal.q give dq")) {
+    return fault;
+  }
+  if (!goal.q) return KeyFault{"q", "missing"};
+  if (!goal.dq) {
+    return first_of({theta, dtheta},
+                    "needs goal.dq beside it; without goal.dq the arm ends at rest and the motors with it");
+  }
+  if (!std::holds_alternative<AnyVelocity>(*goal.dq)) return std::nullopt;
+  return first_of({theta, dtheta}, "does not go with goal.dq: free, which leaves the motors free");
+}
+
+RequestedGoal goal_of(const GoalByKey& goal) {
+  if (goal.tip) return TipGoal{*goal.tip, goal.elbow.value_or(Elbow::kAny), goal.tip_velocity};
+  JointGoal joints{goal.q.value_or(AnglesOrFree{}), AtRest{}};
+  if (!goal.dq) return joints;
+  const auto* dq = std::get_if<Joints<double>>(&*goal.dq);
+  joints.arrival = dq != nullptr ? Arrival{Moving{*dq, goal.theta, goal.dtheta}} : Arrival{AnyVelocity{}};
+  return joints;
+}
 
 TipByKind by_kind(const RequestedTip& tip) {
   TipByKind kinds;

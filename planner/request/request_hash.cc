@@ -6,6 +6,7 @@
 
 #include "common/sha256.h"
 #include "model/uncertainty.h"
+#include "planner/problem/task/task.h"
 #include "planner/request/request.h"
 #include "planner/request/words.h"
 

@@ -15,6 +15,7 @@
 #include "planner/problem/inverse_kinematics.h"
 #include "planner/request/place.h"
 #include "planner/request/request.h"
+#include "planner/request/request_keys.h"
 #include "planner/request/resolve_task.h"
 #include "planner/trajectory/trajectory.h"
 
@@ -76,14 +77,13 @@ double checked_seconds(const Place& place, double seconds) {
 }
 
 Duration resolve_duration(const Request& request) {
-  Duration duration{kShortestDuration, kLongestByDefault};
-  if (!request.duration) return duration;
   const Place place{request, "duration"};
-  const auto& [min, max] = *request.duration;
-  if (min && max && *min == *max) {
-    duration.min = duration.max = checked_seconds(place, *min);
-    return duration;
+  if (const auto* fixed = std::get_if<double>(&request.duration)) {
+    const double seconds = checked_seconds(place, *fixed);
+    return {seconds, seconds};
   }
+  Duration duration{kShortestDuration, kLongestByDefault};
+  const auto& [min, max] = std::get<FreeDuration>(request.duration);
   if (min) duration.min = checked_seconds(place.at("min"), *min);
   if (max) duration.max = checked_seconds(place.at("max"), *max);
   if (!max && duration.min > duration.max) duration.max = kLongestDuration;
@@ -175,10 +175,9 @@ void check_angle(const Place& angles, std::size_t j, double angle, const Limits&
   check_angle(angles.at(j), angle, limits.lowest(j), limits.highest(j));
 }
 
-Joints<double> checked_angles(const Place& state, const std::optional<Joints<double>>& q, const Limits& limits) {
-  if (!q) state.at("q").fail("missing");
-  for (std::size_t j = 0; j < kJoints; ++j) check_angle(state.at("q"), j, (*q)[j], limits);
-  return *q;
+Joints<double> checked_angles(const Place& state, const Joints<double>& q, const Limits& limits) {
+  for (std::size_t j = 0; j < kJoints; ++j) check_angle(state.at("q"), j, q[j], limits);
+  return q;
 }
 
 // The robot has no limit on link velocities; this one only keeps the absurd from reaching the arithmetic.
@@ -286,10 +285,8 @@ void resolve_start(const Request& request, Problem& problem) {
   if (problem.start_at_rest) check_holding(state, problem, q);
 }
 
-// What the goal asks of the motors; nothing given with a moving goal leaves them free.
-void resolve_goal_motors(const RequestedGoal& asked, const Problem& problem, Goal& goal) {
-  goal.theta = asked.theta;
-  goal.dtheta = asked.dtheta;
+// Whether the goal is one at rest, and the motors with it then.
+void settle_goal(const Problem& problem, Goal& goal) {
   if (goal.dq_free) {
     goal.at_rest = false;
     return;
@@ -313,54 +310,45 @@ void check_goal(const StatePlace& state, const Problem& problem, const Goal& goa
 }
 
 // A free joint keeps the start's angle in a guess.
-void resolve_goal_angles(const Place& place, const RequestedGoal& asked, const Problem& problem, Goal& goal) {
-  if (!asked.q) place.at("q").fail("missing");
+void resolve_goal_angles(const Place& place, const AnglesOrFree& asked, const Problem& problem, Goal& goal) {
   for (std::size_t j = 0; j < kJoints; ++j) {
-    goal.free[j] = !(*asked.q)[j];
-    goal.q[j] = (*asked.q)[j].value_or(problem.start.q[j]);
+    goal.free[j] = !asked[j];
+    goal.q[j] = asked[j].value_or(problem.start.q[j]);
     check_angle(place.at("q"), j, goal.q[j], problem.limits);
   }
-  if (!goal.any_free()) return;
   if (goal.free[0] && goal.free[1]) place.at("q").fail("one joint may be free, not both");
-  if (asked.theta) place.at("theta").fail("has no meaning beside a free joint");
-  if (asked.dtheta) place.at("dtheta").fail("has no meaning beside a free joint");
 }
 
-bool leaves_free(const VelocityOrFree& velocity) { return std::holds_alternative<AnyVelocity>(velocity); }
-
-// Motors may be given where the links' velocities are.
-void check_goal_motors_may_be_given(const Place& place, const RequestedGoal& asked) {
-  if (asked.dq && !leaves_free(*asked.dq)) return;
-  const Place given = place.first_of({{"theta", asked.theta.has_value()}, {"dtheta", asked.dtheta.has_value()}});
-  if (given.field == place.field) return;
-  given.fail(asked.dq ? "does not go with goal.dq: free, which leaves the motors free"
-                      : "needs goal.dq beside it; without goal.dq the arm ends at rest and the motors with it");
+// What nothing is said of is free.
+void resolve_goal_velocity(const Place& place, const Moving& asked, Goal& goal) {
+  const Place motors = place.first_of({{"theta", asked.theta.has_value()}, {"dtheta", asked.dtheta.has_value()}});
+  if (goal.any_free() && motors.field != place.field) motors.fail("has no meaning beside a free joint");
+  goal.dq = checked_velocity(place, asked.dq);
+  goal.theta = asked.theta;
+  goal.dtheta = asked.dtheta;
 }
 
-void resolve_joint_goal(const Request& request, Problem& problem) {
+void resolve_joint_goal(const Request& request, const JointGoal& asked, Problem& problem) {
   const Place place{request, "goal"};
-  const RequestedGoal& asked = request.goal;
-  const Place misplaced =
-      place.first_of({{"elbow", asked.elbow.has_value()}, {"tip_velocity", asked.tip_velocity.has_value()}});
-  if (misplaced.field != place.field) misplaced.fail("goes with goal.tip; with goal.q give dq");
   Goal& goal = problem.goal;
-  resolve_goal_angles(place, asked, problem, goal);
-  check_goal_motors_may_be_given(place, asked);
-  goal.dq_free = asked.dq && leaves_free(*asked.dq);
-  if (asked.dq && !goal.dq_free) goal.dq = checked_velocity(place, std::get<Joints<double>>(*asked.dq));
-  resolve_goal_motors(asked, problem, goal);
-  check_goal({place, true, asked.dq.has_value(), asked.theta.has_value(), asked.dtheta.has_value()}, problem, goal);
+  resolve_goal_angles(place, asked.q, problem, goal);
+  goal.dq_free = std::holds_alternative<AnyVelocity>(asked.arrival);
+  const auto* moving = std::get_if<Moving>(&asked.arrival);
+  if (moving != nullptr) resolve_goal_velocity(place, *moving, goal);
+  settle_goal(problem, goal);
+  check_goal({place, true, moving != nullptr, moving != nullptr && moving->theta, moving != nullptr && moving->dtheta},
+             problem, goal);
 }
 
 // The goal at q; none, and `why`, when the arm cannot be there.
-std::optional<Goal> tip_goal(const Request& request, const Problem& problem, const Joints<double>& q,
-                             std::optional<InputError>& why) {
+std::optional<Goal> tip_goal(const Request& request, const TipGoal& asked, const Problem& problem,
+                             const Joints<double>& q, std::optional<InputError>& why) {
   const Place place{request, "goal"};
   Goal goal;
   goal.q = q;
   try {
-    if (const auto& velocity = request.goal.tip_velocity) {
-      const auto dq = inverse_velocity(problem.robot, q, *velocity);
+    if (asked.velocity) {
+      const auto dq = inverse_velocity(problem.robot, q, *asked.velocity);
       if (!dq) place.at("tip_velocity").fail("the stretched or folded arm cannot move its tip this way");
       goal.dq = *dq;
       for (const double rate : goal.dq) {
@@ -370,7 +358,7 @@ std::optional<Goal> tip_goal(const Request& request, const Problem& problem, con
         }
       }
     }
-    resolve_goal_motors(request.goal, problem, goal);
+    settle_goal(problem, goal);
     check_goal({place}, problem, goal);
     return goal;
   } catch (const InputError& error) {
@@ -388,21 +376,14 @@ void check_reach(const Place& place, const Parameters& robot, const Joints<doubl
 }
 
 // A tip position is a set of goals: one for each elbow, and for each turn within the limits.
-void resolve_tip_goal(const Request& request, Problem& problem) {
+void resolve_tip_goal(const Request& request, const TipGoal& asked, Problem& problem) {
   const Place place{request, "goal"};
-  const RequestedGoal& asked = request.goal;
-  const Place misplaced = place.first_of({{"q", asked.q.has_value()},
-                                          {"dq", asked.dq.has_value()},
-                                          {"theta", asked.theta.has_value()},
-                                          {"dtheta", asked.dtheta.has_value()}});
-  if (misplaced.field != place.field) misplaced.fail("does not go with goal.tip, which decides it");
-  const Joints<double>& tip = *asked.tip;
+  const Coordinates& tip = asked.tip;
   check_reach(place.at("tip"), problem.robot, tip);
-  const Elbow elbow = asked.elbow.value_or(Elbow::kAny);
   std::optional<InputError> why;
   std::vector<Goal> goals;
-  for (const Joints<double>& q : inverse_kinematics(problem.robot, tip, elbow, problem.limits, problem.start.q)) {
-    if (const auto goal = tip_goal(request, problem, q, why)) goals.push_back(*goal);
+  for (const Joints<double>& q : inverse_kinematics(problem.robot, tip, asked.elbow, problem.limits, problem.start.q)) {
+    if (const auto goal = tip_goal(request, asked, problem, q, why)) goals.push_back(*goal);
   }
   if (goals.empty() && why) throw InputError(*why);
   if (goals.empty()) {
@@ -412,7 +393,7 @@ void resolve_tip_goal(const Request& request, Problem& problem) {
                                         : fmt::format("[{}, {}]", limits.lowest(j), limits.highest(j));
     };
     place.at("tip").fail(fmt::format("[{}, {}] m takes a joint beyond its limits of {} and {} rad{}", tip[0], tip[1],
-                                     range(0), range(1), elbow == Elbow::kAny ? "" : "; the other elbow may do"));
+                                     range(0), range(1), asked.elbow == Elbow::kAny ? "" : "; the other elbow may do"));
   }
   problem.goal = goals.front();
   problem.other_goals.assign(goals.begin() + 1, goals.end());
@@ -461,13 +442,13 @@ void check_via_times(const Place& vias, const Problem& problem) {
   }
 }
 
-void resolve_vias(const Request& request, Problem& problem) {
+void resolve_vias(const Request& request, const std::vector<RequestedVia>& asked, Problem& problem) {
   const Place place{request, "via"};
-  if (request.via.size() > kMaxVias) {
-    place.fail(fmt::format("{} points, above the {} allowed", request.via.size(), kMaxVias));
+  if (asked.size() > kMaxVias) {
+    place.fail(fmt::format("{} points, above the {} allowed", asked.size(), kMaxVias));
   }
-  for (std::size_t i = 0; i < request.via.size(); ++i) {
-    problem.via.push_back(resolve_via(place.at(i), request.via[i], problem));
+  for (std::size_t i = 0; i < asked.size(); ++i) {
+    problem.via.push_back(resolve_via(place.at(i), asked[i], problem));
   }
   check_via_times(place, problem);
 }
@@ -490,13 +471,15 @@ void check_time_left(const Request& request, const Problem& problem) {
 // What is thrown is let go where a via point says so; otherwise at the goal if the arm moves there, and at the last via
 // point if it does not.
 void resolve_release(const Request& request, Problem& problem) {
-  if (problem.goal.at_rest && !request.via.empty()) problem.release = request.via.size() - 1;
-  bool said = false;
-  for (std::size_t i = 0; i < request.via.size(); ++i) {
-    if (!request.via[i].release) continue;
-    if (said) Place{request, "via"}.at(i).at("release").fail("is said of another via point already");
-    said = true;
-    problem.release = i;
+  if (const auto* vias = std::get_if<std::vector<RequestedVia>>(&request.way)) {
+    if (problem.goal.at_rest && !vias->empty()) problem.release = vias->size() - 1;
+    bool said = false;
+    for (std::size_t i = 0; i < vias->size(); ++i) {
+      if (!(*vias)[i].release) continue;
+      if (said) Place{request, "via"}.at(i).at("release").fail("is said of another via point already");
+      said = true;
+      problem.release = i;
+    }
   }
   if (problem.weights.tip_speed > 0 && !problem.release && problem.goal.at_rest) {
     Place{request, "objective.tip_speed"}.fail(
@@ -554,8 +537,10 @@ Problem resolve(const Request& request, const Parameters& robot) {
   if (request.seed) problem.seed = *request.seed;
   problem.search = request.search.value_or(Thoroughness::kDefault);
   resolve_start(request, problem);
-  request.goal.tip ? resolve_tip_goal(request, problem) : resolve_joint_goal(request, problem);
-  resolve_vias(request, problem);
+  const auto* tip = std::get_if<TipGoal>(&request.goal);
+  tip != nullptr ? resolve_tip_goal(request, *tip, problem)
+                 : resolve_joint_goal(request, std::get<JointGoal>(request.goal), problem);
+  if (const auto* vias = std::get_if<std::vector<RequestedVia>>(&request.way)) resolve_vias(request, *vias, problem);
   resolve_release(request, problem);
   resolve_task(request, problem);
   check_time_left(request, problem);

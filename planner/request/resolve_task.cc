@@ -7,6 +7,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "planner/problem/task/task.h"
 #include "planner/request/place.h"
 
 namespace fjr {
@@ -28,9 +29,9 @@ void check_constraints(const Request& request, const Task& task) {
   visit_constraints(task, [&](const char* key, const auto& member) {
     const Place place = place_of(request, key);
     if constexpr (requires { member.size(); }) {
-      for (std::size_t i = 0; i < member.size(); ++i) member[i].check(place.at(i));
+      for (std::size_t i = 0; i < member.size(); ++i) check(member[i], place.at(i));
     } else if (member) {
-      member->check(place);
+      check(*member, place);
     }
   });
 }
@@ -53,15 +54,14 @@ void add_corner(const Place& place, const Joints<double>& q, JointPath& path, Pr
   problem.via.push_back({std::nullopt, q, std::nullopt, kCornerFraction * path.tolerance});
 }
 
-void resolve_path(const Request& request, Problem& problem) {
+void resolve_path(const Request& request, const RequestedPath& asked, Problem& problem) {
   const Place place{request, "path"};
-  if (!request.via.empty()) place.fail("goes through its points already; give either path or via");
   if (problem.goal.any_free() || !problem.other_goals.empty()) {
     place.fail("needs a goal that is one place; give goal.q with two angles");
   }
-  const std::vector<Joints<double>>& points = request.path->points;
-  JointPath path{{problem.start.q}, request.path->tolerance};
-  path.check(place);
+  const std::vector<Joints<double>>& points = asked.points;
+  JointPath path{{problem.start.q}, asked.tolerance};
+  check(path, place);
   if (points.size() > kMostCorners) {
     place.at("points").fail(fmt::format("{} points, above the {} allowed", points.size(), kMostCorners));
   }
@@ -145,7 +145,7 @@ void resolve_task(const Request& request, Problem& problem) {
     std::tie(task.box, task.line, task.arc) = std::tie(box, line, arc);
   }
   check_constraints(request, task);
-  if (request.path) resolve_path(request, problem);
+  if (const auto* path = std::get_if<RequestedPath>(&request.way)) resolve_path(request, *path, problem);
 }
 
 void check_task(const Request& request, Problem& problem) {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <utility>
 
-#include "planner/request/request.h"
+#include "planner/request/request_keys.h"
 
 namespace fjr {
 

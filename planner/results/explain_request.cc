@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "common/strict_yaml.h"
 #include "planner/request/keys.h"
 #include "planner/request/request.h"
 #include "planner/request/words.h"

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "planner/problem/task/task.h"
 #include "planner/request/words.h"
 #include "planner/results/analysis_json.h"
 

@@ -12,6 +12,7 @@
 #include "planner/certificate/residual.h"
 #include "planner/certificate/robust/robustness.h"
 #include "planner/request/request.h"
+#include "planner/request/request_keys.h"
 #include "planner/results/plan_json.h"
 
 namespace fjr {

@@ -15,8 +15,10 @@
 #include "planner/ocp/objective.h"
 #include "planner/ocp/rests.h"
 #include "planner/ocp/segments.h"
+#include "planner/problem/task/task.h"
 #include "planner/search/creep.h"
 #include "planner/search/refinement.h"
+#include "planner/trajectory/motion.h"
 
 namespace fjr {
 namespace {

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "model/friction.h"
+#include "planner/trajectory/motion.h"
 
 namespace fjr {
 namespace {

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "planner/problem/elbow_side.h"
+#include "planner/problem/task/task.h"
 #include "planner/problem/tip_path.h"
 
 namespace fjr {
@@ -40,7 +41,8 @@ class Grid {
       size_[axis] = std::max(3, static_cast<int>(std::ceil(2 * limit_[axis] / spacing)) + 1);
     }
     std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
-    std::erase_if(rows, [](const TaskRow& row) { return row.link == 0 && row.info != &TipBox::info && !is_wide(row); });
+    std::erase_if(rows,
+                  [](const TaskRow& row) { return row.link == 0 && row.info != &kInfo<TipBox> && !is_wide(row); });
     clearance_.resize(static_cast<std::size_t>(size_[0] * size_[1]));
     for (std::size_t c = 0; c < clearance_.size(); ++c) clearance_[c] = clearance_at(problem.robot, rows, q_of(c));
     cost_.assign(clearance_.size(), 1);
@@ -265,7 +267,7 @@ std::string beyond_reach(const Problem& problem) {
     return fmt::format(
         "{} passes [{:.4g}, {:.4g}] m, {:.4g} m from the base; with the joints' limits the tip reaches from "
         "{:.4g} to {:.4g} m",
-        task.line ? TipLine::info.name : TipArc::info.name, tip[0], tip[1], away, nearest, furthest);
+        task.line ? kInfo<TipLine>.name : kInfo<TipArc>.name, tip[0], tip[1], away, nearest, furthest);
   }
   return "";
 }

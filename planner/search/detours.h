@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planner/problem/problem.h"
+#include "planner/problem/task/task.h"
 #include "planner/search/guesses.h"
 
 namespace fjr {

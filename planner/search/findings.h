@@ -11,6 +11,7 @@
 #include "planner/search/publication.h"
 #include "planner/search/race.h"
 #include "planner/search/worth_refining.h"
+#include "planner/trajectory/motion.h"
 
 namespace fjr {
 

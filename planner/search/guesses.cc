@@ -10,6 +10,7 @@
 #include "planner/ocp/segments.h"
 #include "planner/problem/inverse_kinematics.h"
 #include "planner/problem/tip_path.h"
+#include "planner/trajectory/motion.h"
 
 namespace fjr {
 namespace {

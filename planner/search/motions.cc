@@ -15,6 +15,7 @@
 #include "planner/search/follow.h"
 #include "planner/search/out_of_reach.h"
 #include "planner/search/starts.h"
+#include "planner/trajectory/motion.h"
 
 namespace fjr {
 namespace {

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "planner/certificate/judge.h"
 #include "planner/certificate/request_check.h"
 #include "planner/ocp/objective.h"
 #include "planner/ocp/sampling.h"

@@ -12,6 +12,7 @@
 #include "planner/ocp/collocate.h"
 #include "planner/problem/problem.h"
 #include "planner/search/continuation.h"
+#include "planner/trajectory/motion.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {

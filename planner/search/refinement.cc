@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "planner/trajectory/motion.h"
+
 namespace fjr {
 namespace {
 

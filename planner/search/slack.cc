@@ -4,6 +4,8 @@
 #include <cmath>
 
 #include "planner/ocp/margins.h"
+#include "planner/problem/relaxable.h"
+#include "planner/problem/task/task.h"
 
 namespace fjr {
 namespace {
@@ -14,7 +16,7 @@ constexpr double kHurry = 0.1;                 // of time [1/s]
 constexpr double kDifference = 1e-6;           // what a region's bounds are differentiated by
 constexpr double kMostSlack = 6;               // times more: beyond that nobody would build it; half of it is the start
 
-bool is_obstacle(const Relaxable& what) { return what.constraint == &Disc::info; }
+bool is_obstacle(const Relaxable& what) { return what.constraint == &kInfo<Disc>; }
 bool is_velocity(const Relaxable& what) { return what.kind == RelaxableKind::kVelocity; }
 
 // Squared distance that the links keep from an obstacle's centre is relaxed, down to the link's own radius at a slack

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "planner/problem/task/task.h"
 #include "planner/search/detours.h"
 
 namespace fjr {

@@ -4,6 +4,7 @@
 
 #include "planner/problem/problem.h"
 #include "planner/request/request.h"
+#include "planner/request/request_keys.h"
 #include "planner/service/presence.h"
 
 namespace fjr {

@@ -9,6 +9,7 @@
 
 #include "planner/certificate/limits.h"
 #include "planner/control/motor_feedback.h"
+#include "planner/stop/stop_shape.h"
 
 namespace fjr {
 namespace {

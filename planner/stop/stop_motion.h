@@ -10,7 +10,7 @@
 
 #include "model/flatness.h"
 #include "planner/problem/problem.h"
-#include "planner/stop/stop_shape.h"
+#include "planner/stop/stop.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -22,13 +22,6 @@ inline constexpr double kStopSpacing = 0.02;  // [s] between the instants of a p
 // left to feedback), motor velocity 5 %, and deflection 1 %, where the springs are still as identified. Positions get
 // nothing: there may be a wall.
 Limits stop_limits(const Parameters& robot);
-
-// What determines a stop, beside the plan that it leaves: the rows follow from it (stop_rows).
-struct StopMotion {
-  double time = 0;                             // [s] of the plan, when it begins
-  double duration = 0;                         // [s]; 0: no stop is over sooner than the plan itself
-  Joints<std::array<double, kShapes>> free{};  // StopShape::free of the joints
-};
 
 inline constexpr double kShortestStop = 0.05, kLongestStop = 1.5;  // [s]
 

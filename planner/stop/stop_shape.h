@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "model/flatness.h"
+#include "planner/stop/stop.h"
 
 namespace fjr {
-
-inline constexpr int kShapes = 6;  // free numbers per joint: where it ends, and the bumps
 
 // Of one joint; [rad]. free[0] is q at the end beyond q at the start; the others weigh the bumps s^5 (1-s)^5 P_i(2s-1),
 // P_i the Legendre polynomials, scaled to about 1: all zero is the polynomial of degree 9.

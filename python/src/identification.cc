@@ -11,6 +11,7 @@
 
 #include "model/identify/from_files.h"
 #include "model/identify/report.h"
+#include "model/log.h"
 #include "python/src/robot.h"
 
 namespace fjr::python {

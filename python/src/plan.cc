@@ -18,6 +18,7 @@
 #include "planner/certificate/simulation.h"
 #include "planner/request/keys.h"
 #include "planner/request/request.h"
+#include "planner/request/request_keys.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/report/plan_files.h"
 #include "planner/results/report/plan_page.h"

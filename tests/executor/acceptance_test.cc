@@ -9,6 +9,7 @@
 #include "planner/executor/motion.h"
 #include "planner/plan.h"
 #include "planner/request/request.h"
+#include "planner/stop/stop_motion.h"
 
 namespace fjr {
 namespace {

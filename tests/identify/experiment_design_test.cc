@@ -46,7 +46,7 @@ TEST(ExperimentDesign, IsAChainOfMotionsFromRestToRestWithinItsTime) {
   EXPECT_LE(design().duration(), 3);
   Joints<double> at = short_design(4).start;
   for (const DesignedMotion& motion : design().motions) {
-    EXPECT_EQ(*motion.request.start->q, at);
+    EXPECT_EQ(motion.request.start->q, at);
     const Problem problem = resolve_for(motion.request, robot());
     EXPECT_TRUE(problem.goal.at_rest);
     EXPECT_EQ(motion.trajectory.samples.front().state.q, at);

@@ -8,11 +8,13 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/chart_page.h"
 #include "common/input_error.h"
 #include "common/normal.h"
 #include "model/encoder.h"
 #include "model/friction.h"
 #include "model/identify/agreement.h"
+#include "model/identify/arm.h"
 #include "model/identify/fit.h"
 #include "model/identify/repeated.h"
 #include "model/identify/report.h"

@@ -12,6 +12,7 @@
 #include "planner/plan.h"
 #include "planner/problem/relaxable.h"
 #include "planner/problem/statics.h"
+#include "planner/problem/task/task.h"
 #include "planner/request/request.h"
 #include "planner/search/slack.h"
 

@@ -20,6 +20,7 @@
 #include "planner/certificate/rollout.h"
 #include "planner/certificate/thresholds.h"
 #include "planner/plan.h"
+#include "planner/problem/task/task.h"
 #include "planner/request/request.h"
 #include "support/exact_trajectories.h"
 

@@ -11,6 +11,8 @@
 
 #include "planner/ocp/collocate.h"
 #include "planner/ocp/margins.h"
+#include "planner/problem/task/task.h"
+#include "planner/trajectory/motion.h"
 #include "tests/support/arbitrary.h"
 #include "tests/support/plants.h"
 

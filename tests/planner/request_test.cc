@@ -16,6 +16,7 @@
 #include "model/flatness.h"
 #include "planner/problem/problem.h"
 #include "planner/request/keys.h"
+#include "planner/request/request_keys.h"
 #include "tests/support/random_requests.h"
 
 namespace fjr {
@@ -83,7 +84,7 @@ TEST(Request, OneMemberThatIsSetCountsWhateverWasThereBefore) {
   const Parameters robot = load_parameters(kRobot);
   Request request = read(kMove + "objective: efficient\ntip: {box: [[-0.7, -0.7], [0.7, 0.7]]}\n");
   request.objective = Weights{.time = 2, .energy = 3};
-  request.goal.dq = AnyVelocity{};
+  std::get<JointGoal>(request.goal).arrival = AnyVelocity{};
   request.tip = TipLine{{0, -0.65}, {0.5, 0.3}, 0.9};
   for (const Request& same : {request, read(format_request(request))}) {
     const Problem problem = resolve(same, robot);
@@ -95,11 +96,39 @@ TEST(Request, OneMemberThatIsSetCountsWhateverWasThereBefore) {
     EXPECT_TRUE(problem.task.line);
   }
   request.objective = Preset::kGentle;
-  request.goal.dq = Joints<double>{0.5, 0};
+  std::get<JointGoal>(request.goal).arrival = Moving{{0.5, 0}, {}, {}};
   const Problem problem = resolve(request, robot);
   expect_weights(problem.weights, 1, 0.01, 0, 1e-3);
   EXPECT_FALSE(problem.goal.dq_free);
   EXPECT_EQ(problem.goal.dq, (Joints<double>{0.5, 0}));
+}
+
+// What is set in place of something else leaves nothing of it: not a velocity of the tip beside angles, not via points
+// beside a path, not a bound beside a duration.
+TEST(Request, OneKindTakesThePlaceOfAnother) {
+  const Parameters robot = load_parameters(kRobot);
+  Request request = read(
+      "start: {q: [0, 0]}\ngoal: {tip: [0.3, -0.4], elbow: left, tip_velocity: [0.1, 0]}\n"
+      "duration: {min: 0.5, max: 9}\nvia: [{q: [0.1, 0.1], release: true}]\n");
+  request.goal = JointGoal{{1.2, -0.8}, AtRest{}};
+  request.way = RequestedPath{{{0.5, -0.5}}, 0.05};
+  request.duration = 2.0;
+  EXPECT_EQ(
+      format_request(request),
+      "{start: {q: [0, 0]}, goal: {q: [1.2, -0.8]}, duration: 2, path: {points: [[0.5, -0.5]], tolerance: 0.05}}");
+  for (const Request& same : {request, read(format_request(request))}) {
+    const Problem problem = resolve(same, robot);
+    EXPECT_TRUE(problem.goal.at_rest);
+    EXPECT_TRUE(problem.other_goals.empty());
+    EXPECT_TRUE(problem.task.path);
+    EXPECT_FALSE(problem.release);
+    EXPECT_TRUE(problem.duration.fixed());
+  }
+  request.goal = TipGoal{{0.3, -0.4}, Elbow::kLeft, {}};
+  request.way = std::vector{RequestedVia{.q = {0.1, 0.1}, .dq = {}}};
+  request.duration = FreeDuration{.min = {}, .max = 3};
+  EXPECT_EQ(format_request(request),
+            "{start: {q: [0, 0]}, goal: {tip: [0.3, -0.4], elbow: left}, duration: {max: 3}, via: [{q: [0.1, 0.1]}]}");
 }
 
 // A limit of one joint is written and read again, and there is none of the other but the robot's.
@@ -128,24 +157,23 @@ TEST(BrokenRequest, MembersThatAProgramSet) {
   };
   EXPECT_EQ(refusal([&](Request& r) { r.start->q = {0, nan}; }), "start.q[1]");
   EXPECT_EQ(refusal([&](Request& r) { r.start->dq = {nan, 0}; }), "start.dq[0]");
-  EXPECT_EQ(refusal([&](Request& r) { r.goal.q = AnglesOrFree{1.2, nan}; }), "goal.q[1]");
-  EXPECT_EQ(refusal([&](Request& r) { r.goal.dq = Joints<double>{0, nan}; }), "goal.dq[1]");
-  EXPECT_EQ(refusal([&](Request& r) { r.duration = RequestedDuration{nan, {}}; }), "duration.min");
+  EXPECT_EQ(refusal([&](Request& r) { r.goal = JointGoal{{1.2, nan}, AtRest{}}; }), "goal.q[1]");
+  EXPECT_EQ(refusal([&](Request& r) { r.goal = JointGoal{{1.2, -0.8}, Moving{{0, nan}, {}, {}}}; }), "goal.dq[1]");
+  EXPECT_EQ(refusal([&](Request& r) { r.duration = FreeDuration{nan, {}}; }), "duration.min");
   EXPECT_EQ(refusal([&](Request& r) { r.objective = Weights{.time = 1, .effort = nan}; }), "objective.effort");
   EXPECT_EQ(refusal([&](Request& r) { r.limits.torque = {nan, 4}; }), "limits.torque[0]");
   EXPECT_EQ(refusal([&](Request& r) { r.limits.torque = {-1, 4}; }), "limits.torque[0]");
   EXPECT_EQ(refusal([&](Request& r) { r.sample_period = nan; }), "sample_period");
   EXPECT_EQ(refusal([&](Request& r) { r.payload = Payload{.mass = nan}; }), "payload.mass");
-  EXPECT_EQ(refusal([&](Request& r) { r.via.emplace_back().q = {nan, 0}; }), "via[0].q[0]");
+  EXPECT_EQ(refusal([&](Request& r) { r.way = std::vector{RequestedVia{.q = {nan, 0}}}; }), "via[0].q[0]");
   EXPECT_EQ(refusal([&](Request& r) {
               r.obstacles.push_back({.center = {0.5, nan}, .radius = 0.1});
             }),
             "obstacles[0].center[1]");
   // What contradicts another member.
-  EXPECT_EQ(refusal([&](Request& r) { r.goal.tip = Coordinates{0.3, -0.4}; }), "goal.q");
-  EXPECT_EQ(refusal([&](Request& r) { r.goal.elbow = Elbow::kLeft; }), "goal.elbow");
-  EXPECT_EQ(refusal([&](Request& r) { r.duration = RequestedDuration{2, 1}; }), "duration");
-  EXPECT_EQ(refusal([&](Request& r) { r.via.emplace_back() = {0.2, Joints<double>{0.5, 0}, {}}; }), "via[0].time");
+  EXPECT_EQ(refusal([&](Request& r) { r.goal = JointGoal{}; }), "goal.q");
+  EXPECT_EQ(refusal([&](Request& r) { r.duration = FreeDuration{2, 1}; }), "duration");
+  EXPECT_EQ(refusal([&](Request& r) { r.way = std::vector{RequestedVia{.time = 0.2, .q = {0.5, 0}}}; }), "via[0].time");
   EXPECT_EQ(refusal([&](Request& r) { r.start.reset(); }), "start");
 }
 

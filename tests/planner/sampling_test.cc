@@ -11,6 +11,7 @@
 
 #include "model/friction.h"
 #include "planner/search/publication.h"
+#include "planner/trajectory/motion.h"
 
 namespace fjr {
 namespace {

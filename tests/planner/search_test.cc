@@ -15,6 +15,7 @@
 
 #include "planner/plan.h"
 #include "planner/problem/elbow_side.h"
+#include "planner/problem/task/task.h"
 #include "planner/problem/tip_path.h"
 #include "planner/request/request.h"
 #include "planner/search/continuation.h"
@@ -105,7 +106,7 @@ TEST(Arc, LeadsTheLongWayRoundWhereThatIsAskedFor) {
   const Problem problem =
       request("{start: {q: [0.0, 1.9]}, goal: {q: [0.0, 1.5]}, tip: {box: [[-0.65, -0.65], [0.65, 0.65]]}}");
   const TipArc arc{{0.32, -0.2}, {0.32, -0.1}, {0.42, -0.2}, 0.01, ArcWay::kLong};
-  EXPECT_NEAR(std::abs(arc.turn()), 1.5 * M_PI, 1e-12);
+  EXPECT_NEAR(std::abs(turn_of(arc)), 1.5 * M_PI, 1e-12);
   Task task;
   task.arc = arc;
   const std::vector<TaskRow> rows = task_rows(problem.robot, task, 0);

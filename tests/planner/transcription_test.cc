@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "planner/ocp/arm_ocp.h"
+#include "planner/problem/task/task.h"
 #include "tests/support/plants.h"
 
 namespace fjr {

@@ -14,6 +14,7 @@
 #include "planner/certificate/robust/robustness.h"
 #include "planner/certificate/robust/sensitivities.h"
 #include "planner/certificate/simulation.h"
+#include "planner/certificate/ticks.h"
 #include "planner/plan.h"
 #include "planner/request/request.h"
 #include "planner/trajectory/trajectory.h"

@@ -10,6 +10,7 @@
 #include "model/dynamics.h"
 #include "model/parameters.h"
 #include "planner/certificate/certificate.h"
+#include "planner/control/motor_feedback.h"
 #include "planner/problem/quantities.h"
 #include "planner/trajectory/trajectory.h"
 

@@ -15,6 +15,7 @@
 #include "planner/certificate/proof/reach.h"
 #include "planner/certificate/proof/task_reaches.h"
 #include "planner/certificate/thresholds.h"
+#include "planner/problem/task/task.h"
 
 namespace fjr {
 namespace {

@@ -9,6 +9,7 @@
 #include "planner/certificate/proof/reach.h"
 #include "planner/certificate/proof/series_along.h"
 #include "planner/certificate/task_of_motion.h"
+#include "planner/problem/task/task.h"
 
 namespace fjr {
 

@@ -12,6 +12,8 @@
 #include "common/normal.h"
 #include "planner/certificate/robust/sensitivities.h"
 #include "planner/certificate/simulation.h"
+#include "planner/certificate/ticks.h"
+#include "planner/problem/task/task.h"
 
 namespace fjr {
 namespace {

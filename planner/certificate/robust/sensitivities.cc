@@ -9,6 +9,7 @@
 #include "model/dynamics.h"
 #include "model/variational.h"
 #include "planner/certificate/simulation.h"
+#include "planner/certificate/ticks.h"
 #include "planner/control/motor_feedback.h"
 
 namespace fjr {

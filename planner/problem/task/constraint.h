@@ -1,13 +1,13 @@
 // What the kinds of task constraint have in common.
 //
-// A kind is a struct with its numbers and
-//   static constexpr ConstraintInfo info;
-//   add_rows(TaskRows& to) const;            what it asks of every point of the motion
-//   template <class Place> check(place);     refuses what makes no sense: place.at(key or index), place.fail(sentence)
-//   double relaxed_by() const; relax(double) the number that is relaxed when the request cannot be met
-//   template <class Drawing> draw(in) const; what it looks like, of the shapes of results/report/scene.cc
-//   std::size_t count_of_rows() const        where there are not two
-// and a function visit(constraint, v) with its keys, unless it is written otherwise.
+// A kind is a struct of numbers in shapes.h, and in a file of its own what it means:
+//   template <> inline constexpr ConstraintInfo kInfo<Kind>{...};
+//   add_rows(kind, TaskRows& to)       what it asks of every point of the motion
+//   check(kind, place)                 refuses what makes no sense: place.at(key or index), place.fail(sentence)
+//   relaxed_by(kind), relax(kind, to)  the number that is relaxed when the request cannot be met
+//   draw(kind, in)                     what it looks like, of the shapes of results/report/scene.cc
+//   count_of_rows(kind)                where there are not two
+//   visit(kind, v)                     its keys, unless it is written otherwise
 #pragma once
 
 #include <fmt/format.h>
@@ -22,6 +22,7 @@
 #include "common/key.h"
 #include "common/strict_yaml.h"
 #include "planner/problem/task/row.h"
+#include "planner/problem/task/shapes.h"
 
 namespace fjr {
 
@@ -33,6 +34,9 @@ struct ConstraintInfo {
   const char* unit = "m";
   const char* relaxed = nullptr;  // message of a relaxation, {} the value; null: "would have to be {}"
 };
+
+template <class Kind>
+extern const ConstraintInfo kInfo;
 
 // The rows under construction.
 struct TaskRows {

@@ -7,39 +7,34 @@
 
 namespace fjr {
 
-// `margin` is kept over the links' whole length, beside their radius. [m]
-struct Disc {
-  Coordinates center{};
-  double radius = 0, margin = 0;
+template <>
+inline constexpr ConstraintInfo kInfo<Disc>{.name = "obstacles", .keeps_clear = true, .sign = -1, .most = 0};
 
-  static constexpr ConstraintInfo info{.name = "obstacles", .keeps_clear = true, .sign = -1, .most = 0};
-
-  void add_rows(TaskRows& to) const {
-    for (int link = 1; link <= kJoints; ++link) {
-      const auto kind = link == 1 ? TaskRow::Kind::kClearance1 : TaskRow::Kind::kClearance2;
-      const double apart = radius + margin + to.robot.link.radius[static_cast<std::size_t>(link - 1)];
-      to.add(kind, center, apart, 0, task::kNone, apart, link);
-    }
+inline void add_rows(const Disc& disc, TaskRows& to) {
+  for (int link = 1; link <= kJoints; ++link) {
+    const auto kind = link == 1 ? TaskRow::Kind::kClearance1 : TaskRow::Kind::kClearance2;
+    const double apart = disc.radius + disc.margin + to.robot.link.radius[static_cast<std::size_t>(link - 1)];
+    to.add(kind, disc.center, apart, 0, task::kNone, apart, link);
   }
+}
 
-  template <class Place>
-  void check(const Place& place) const {
-    task::check_point(place.at("center"), center);
-    task::check_between(place.at("radius"), radius, 0, task::kLargestCoordinate, "m");
-    task::check_between(place.at("margin"), margin, 0, task::kLargestCoordinate, "m");
-  }
+template <class Place>
+void check(const Disc& disc, const Place& place) {
+  task::check_point(place.at("center"), disc.center);
+  task::check_between(place.at("radius"), disc.radius, 0, task::kLargestCoordinate, "m");
+  task::check_between(place.at("margin"), disc.margin, 0, task::kLargestCoordinate, "m");
+}
 
-  double relaxed_by() const { return radius + margin; }
-  void relax(double size) {
-    margin = std::min(margin, size);
-    radius = size - margin;
-  }
+inline double relaxed_by(const Disc& disc) { return disc.radius + disc.margin; }
+inline void relax(Disc& disc, double size) {
+  disc.margin = std::min(disc.margin, size);
+  disc.radius = size - disc.margin;
+}
 
-  template <class Drawing>
-  void draw(Drawing& in) const {
-    in.disc(center, radius, margin);
-  }
-};
+template <class Drawing>
+void draw(const Disc& disc, Drawing& in) {
+  in.disc(disc.center, disc.radius, disc.margin);
+}
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, Disc>

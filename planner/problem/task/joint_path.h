@@ -5,30 +5,25 @@
 
 namespace fjr {
 
-// Through the corners, one after the other. The motion has one segment per line. [rad]
-struct JointPath {
-  std::vector<Joints<double>> corners;  // from the start to the goal
-  double tolerance = 0;
+template <>
+inline constexpr ConstraintInfo kInfo<JointPath>{.name = "path", .unit = "rad"};
 
-  static constexpr ConstraintInfo info{.name = "path", .unit = "rad"};
+inline void add_rows(const JointPath& path, TaskRows& to) {
+  task::add_band(to, TaskRow::Kind::kAngles, path.corners[to.segment], path.corners[to.segment + 1], path.tolerance);
+}
 
-  void add_rows(TaskRows& to) const {
-    task::add_band(to, TaskRow::Kind::kAngles, corners[to.segment], corners[to.segment + 1], tolerance);
-  }
+template <class Place>
+void check(const JointPath& path, const Place& place) {
+  task::check_tolerance(place, path.tolerance, "rad");
+}
 
-  template <class Place>
-  void check(const Place& place) const {
-    task::check_tolerance(place, tolerance, "rad");
-  }
+inline double relaxed_by(const JointPath& path) { return path.tolerance; }
+inline void relax(JointPath& path, double wider) { path.tolerance = wider; }
 
-  double relaxed_by() const { return tolerance; }
-  void relax(double wider) { tolerance = wider; }
-
-  template <class Drawing>
-  void draw(Drawing& in) const {
-    in.joint_lines(corners);
-  }
-};
+template <class Drawing>
+void draw(const JointPath& path, Drawing& in) {
+  in.joint_lines(path.corners);
+}
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, JointPath>

@@ -6,8 +6,8 @@ std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::s
   std::vector<TaskRow> rows;
   std::size_t number = 0;
   each_constraint(task, [&](const std::string& name, const auto& constraint) {
-    TaskRows to{robot, segment, name, &constraint.info, number++, rows};
-    constraint.add_rows(to);
+    TaskRows to{robot, segment, name, &kInfo<std::decay_t<decltype(constraint)>>, number++, rows};
+    add_rows(constraint, to);
   });
   return rows;
 }
@@ -24,8 +24,8 @@ std::string constraint_name(const Task& task, std::size_t number) {
 std::size_t count_of_rows(const Task& task) {
   std::size_t count = 0;
   each_constraint(task, [&](const std::string&, const auto& constraint) {
-    if constexpr (requires { constraint.count_of_rows(); }) {
-      count += constraint.count_of_rows();
+    if constexpr (requires { count_of_rows(constraint); }) {
+      count += count_of_rows(constraint);
     } else {
       count += 2;
     }
@@ -35,7 +35,9 @@ std::size_t count_of_rows(const Task& task) {
 
 bool keeps_clear(const Task& task) {
   bool any = false;
-  each_constraint(task, [&](const std::string&, const auto& constraint) { any = any || constraint.info.keeps_clear; });
+  each_constraint(task, [&](const std::string&, const auto& constraint) {
+    any = any || kInfo<std::decay_t<decltype(constraint)>>.keeps_clear;
+  });
   return any;
 }
 

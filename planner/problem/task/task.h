@@ -1,7 +1,7 @@
 // What a request asks of the motion beside the limits: what to keep clear of, where the tip may be, a path to follow.
-// The place for a new task constraint: a struct in a file of its own (constraint.h says what it has), and its member
-// and its line in visit_constraints() here. Reading, checking, hashing, optimising, margins, the certificate,
-// explanations, shadow prices, plan.json and the picture in the report go by that list.
+// The place for a new task constraint: a struct and its member of Task in shapes.h, what it means in a file of its own
+// (constraint.h says what it has), and its line in visit_constraints() here. Reading, checking, hashing, optimising,
+// margins, the certificate, explanations, shadow prices, plan.json and the picture in the report go by that list.
 #pragma once
 
 #include <cstddef>
@@ -12,21 +12,13 @@
 #include "planner/problem/task/disc.h"
 #include "planner/problem/task/joint_path.h"
 #include "planner/problem/task/row.h"
+#include "planner/problem/task/shapes.h"
 #include "planner/problem/task/tip_arc.h"
 #include "planner/problem/task/tip_box.h"
 #include "planner/problem/task/tip_line.h"
 #include "planner/problem/task/wall.h"
 
 namespace fjr {
-
-struct Task {
-  std::vector<Disc> obstacles;
-  std::vector<Wall> walls;
-  std::optional<TipBox> box;
-  std::optional<TipLine> line;
-  std::optional<TipArc> arc;
-  std::optional<JointPath> path;
-};
 
 // visit(key, member) for every kind, of a Task that is const or not, in the order of the rows. Members are optional, or
 // lists. key: in plan.json.
@@ -44,11 +36,11 @@ void visit_constraints(T& task, Visit&& visit) {
 
 template <class Constraint>
 std::string name_of(const std::optional<Constraint>&, std::size_t) {
-  return Constraint::info.name;
+  return kInfo<Constraint>.name;
 }
 template <class Constraint>
 std::string name_of(const std::vector<Constraint>&, std::size_t i) {
-  return fmt::format("{}[{}]", Constraint::info.name, i);
+  return fmt::format("{}[{}]", kInfo<Constraint>.name, i);
 }
 
 // visit(name, constraint) for each that there is; name: as in messages and in plan.json, such as obstacles[0]. Their

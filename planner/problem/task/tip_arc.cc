@@ -46,26 +46,27 @@ void add_arc(TaskRows& rows, const TipArc& arc) {
 
 }  // namespace
 
-void TipArc::add_rows(TaskRows& rows) const { add_arc(rows, *this); }
+void add_rows(const TipArc& arc, TaskRows& to) { add_arc(to, arc); }
 
 double turn_between(const TipArc& arc, const Coordinates& from, const Coordinates& to) {
   const auto shortest = [](double angle) { return std::remainder(angle, 2 * std::numbers::pi); };
-  const double turn = shortest(arc.angle_of(to) - arc.angle_of(from));
+  const double turn = shortest(angle_of(arc, to) - angle_of(arc, from));
   if (arc.way == ArcWay::kShort) return turn;
   // Against the short way, by up to 0.9 whole turns; what is left is for points that lie a little before the other.
-  const double onward = -std::copysign(0.9 * std::numbers::pi, shortest(arc.angle_of(arc.to) - arc.angle_of(arc.from)));
+  const double onward =
+      -std::copysign(0.9 * std::numbers::pi, shortest(angle_of(arc, arc.to) - angle_of(arc, arc.from)));
   return std::remainder(turn - onward, 2 * std::numbers::pi) + onward;
 }
 
-double TipArc::angle_of(const Coordinates& point) const {
-  return std::atan2(point[1] - center[1], point[0] - center[0]);
+double angle_of(const TipArc& arc, const Coordinates& point) {
+  return std::atan2(point[1] - arc.center[1], point[0] - arc.center[0]);
 }
 
-double TipArc::turn() const { return turn_between(*this, from, to); }
+double turn_of(const TipArc& arc) { return turn_between(arc, arc.from, arc.to); }
 
 task::FaultOfTurn task::fault_of_turn(const TipArc& arc, double radius) {
   const bool is_long = arc.way == ArcWay::kLong;
-  const double turn = std::abs(arc.turn()), most = is_long ? kMostLongTurn : kMostTurn;
+  const double turn = std::abs(turn_of(arc)), most = is_long ? kMostLongTurn : kMostTurn;
   if (turn > most) {
     return {"", fmt::format("turns by {:.4g} rad, above the {} rad allowed{}", turn, most,
                             is_long ? "" : "; way: long is the other way round")};

@@ -5,39 +5,27 @@
 
 namespace fjr {
 
-enum class ArcWay { kShort, kLong };
+template <>
+inline constexpr ConstraintInfo kInfo<TipArc>{.name = "tip_arc"};
 
-// About `center`, the short way from one point to another, or the long way round. [m]
-struct TipArc {
-  Coordinates center{}, from{}, to{};
-  double tolerance = 0;
-  ArcWay way = ArcWay::kShort;
+void add_rows(const TipArc& arc, TaskRows& to);
+inline std::size_t count_of_rows(const TipArc& arc) { return arc.way == ArcWay::kLong ? 2 : 3; }
 
-  static constexpr ConstraintInfo info{.name = "tip_arc"};
-
-  void add_rows(TaskRows& rows) const;
-  std::size_t count_of_rows() const { return way == ArcWay::kLong ? 2 : 3; }
-
-  template <class Place>
-  void check(const Place& place) const;
-
-  double relaxed_by() const { return tolerance; }
-  void relax(double wider) { tolerance = wider; }
-
-  template <class Drawing>
-  void draw(Drawing& in) const {
-    const double begin = std::atan2(from[1] - center[1], from[0] - center[0]);
-    in.arc(center, task::distance(from, center), begin, begin + turn(), tolerance);
-  }
-
-  // Of a point as seen from the centre. [rad]
-  double angle_of(const Coordinates& point) const;
-  // The angle that it turns by, counterclockwise positive. [rad]
-  double turn() const;
-};
-
+// Of a point as seen from the centre. [rad]
+double angle_of(const TipArc& arc, const Coordinates& point);
+// The angle that it turns by, counterclockwise positive. [rad]
+double turn_of(const TipArc& arc);
 // The angle from one point to another as seen from the centre, the way round that the arc goes. [rad]
 double turn_between(const TipArc& arc, const Coordinates& from, const Coordinates& to);
+
+inline double relaxed_by(const TipArc& arc) { return arc.tolerance; }
+inline void relax(TipArc& arc, double wider) { arc.tolerance = wider; }
+
+template <class Drawing>
+void draw(const TipArc& arc, Drawing& in) {
+  const double begin = angle_of(arc, arc.from);
+  in.arc(arc.center, task::distance(arc.from, arc.center), begin, begin + turn_of(arc), arc.tolerance);
+}
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, TipArc>
@@ -64,23 +52,23 @@ FaultOfTurn fault_of_turn(const TipArc& arc, double radius);
 }  // namespace task
 
 template <class Place>
-void TipArc::check(const Place& place) const {
-  task::check_point(place.at("center"), center);
-  task::check_point(place.at("from"), from);
-  task::check_point(place.at("to"), to);
-  task::check_tolerance(place, tolerance, "m");
-  const double radius = task::distance(from, center), other = task::distance(to, center);
+void check(const TipArc& arc, const Place& place) {
+  task::check_point(place.at("center"), arc.center);
+  task::check_point(place.at("from"), arc.from);
+  task::check_point(place.at("to"), arc.to);
+  task::check_tolerance(place, arc.tolerance, "m");
+  const double radius = task::distance(arc.from, arc.center), other = task::distance(arc.to, arc.center);
   if (radius < task::kShortest) place.at("from").fail("is the center");
-  if (std::abs(other - radius) > tolerance) {
+  if (std::abs(other - radius) > arc.tolerance) {
     place.at("to").fail(
         fmt::format("lies {:.6g} m from the center, from lies {:.6g} m from it; they may differ by the "
                     "tolerance of {} m",
-                    other, radius, tolerance));
+                    other, radius, arc.tolerance));
   }
-  if (task::distance(from, to) < task::kShortest) {
+  if (task::distance(arc.from, arc.to) < task::kShortest) {
     place.at("to").fail("is the same point as from; a full circle has no short way");
   }
-  const task::FaultOfTurn fault = task::fault_of_turn(*this, radius);
+  const task::FaultOfTurn fault = task::fault_of_turn(arc, radius);
   if (fault.sentence.empty()) return;
   if (*fault.key) place.at(fault.key).fail(fault.sentence);
   place.fail(fault.sentence);

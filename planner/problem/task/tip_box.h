@@ -5,44 +5,40 @@
 
 namespace fjr {
 
-// [m]
-struct TipBox {
-  Coordinates lower{}, upper{};
+template <>
+inline constexpr ConstraintInfo kInfo<TipBox>{.name = "tip_box", .relaxed = "{} m larger on every side"};
 
-  static constexpr ConstraintInfo info{.name = "tip_box", .relaxed = "{} m larger on every side"};
-
-  void add_rows(TaskRows& to) const {
-    constexpr double kScale = 0.1;  // [m] a box has no size of its own that matters: the arm's
-    for (std::size_t i = 0; i < 2; ++i) {
-      const Coordinates axis{i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0};
-      to.add(TaskRow::Kind::kTip, axis, 0, lower[i], upper[i], kScale);
-    }
+inline void add_rows(const TipBox& box, TaskRows& to) {
+  constexpr double kScale = 0.1;  // [m] a box has no size of its own that matters: the arm's
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Coordinates axis{i == 0 ? 1.0 : 0.0, i == 1 ? 1.0 : 0.0};
+    to.add(TaskRow::Kind::kTip, axis, 0, box.lower[i], box.upper[i], kScale);
   }
+}
 
-  template <class Place>
-  void check(const Place& place) const {
-    task::check_point(place.at(0), lower);
-    task::check_point(place.at(1), upper);
-    for (std::size_t i = 0; i < 2; ++i) {
-      if (upper[i] - lower[i] >= task::kShortest) continue;
-      place.at(1).at(i).fail(fmt::format(
-          "{} m is not above the first corner's {} m (lower left first, then upper right)", upper[i], lower[i]));
-    }
+template <class Place>
+void check(const TipBox& box, const Place& place) {
+  task::check_point(place.at(0), box.lower);
+  task::check_point(place.at(1), box.upper);
+  for (std::size_t i = 0; i < 2; ++i) {
+    if (box.upper[i] - box.lower[i] >= task::kShortest) continue;
+    place.at(1).at(i).fail(fmt::format("{} m is not above the first corner's {} m (lower left first, then upper right)",
+                                       box.upper[i], box.lower[i]));
   }
+}
 
-  // What it grows by on every side. [m]
-  double relaxed_by() const { return 0; }
-  void relax(double by) {
-    for (std::size_t i = 0; i < 2; ++i) {
-      lower[i] -= by;
-      upper[i] += by;
-    }
+// What it grows by on every side. [m]
+inline double relaxed_by(const TipBox&) { return 0; }
+inline void relax(TipBox& box, double by) {
+  for (std::size_t i = 0; i < 2; ++i) {
+    box.lower[i] -= by;
+    box.upper[i] += by;
   }
+}
 
-  template <class Drawing>
-  void draw(Drawing& in) const {
-    in.box(lower, upper);
-  }
-};
+template <class Drawing>
+void draw(const TipBox& box, Drawing& in) {
+  in.box(box.lower, box.upper);
+}
 
 }  // namespace fjr

@@ -5,31 +5,28 @@
 
 namespace fjr {
 
-// Between two points. [m]
-struct TipLine {
-  Coordinates from{}, to{};
-  double tolerance = 0;
+template <>
+inline constexpr ConstraintInfo kInfo<TipLine>{.name = "tip_line"};
 
-  static constexpr ConstraintInfo info{.name = "tip_line"};
+inline void add_rows(const TipLine& line, TaskRows& to) {
+  task::add_band(to, TaskRow::Kind::kTip, line.from, line.to, line.tolerance);
+}
 
-  void add_rows(TaskRows& rows) const { task::add_band(rows, TaskRow::Kind::kTip, from, to, tolerance); }
+template <class Place>
+void check(const TipLine& line, const Place& place) {
+  task::check_point(place.at("from"), line.from);
+  task::check_point(place.at("to"), line.to);
+  task::check_tolerance(place, line.tolerance, "m");
+  if (task::distance(line.from, line.to) < task::kShortest) place.at("to").fail("is the same point as from");
+}
 
-  template <class Place>
-  void check(const Place& place) const {
-    task::check_point(place.at("from"), from);
-    task::check_point(place.at("to"), to);
-    task::check_tolerance(place, tolerance, "m");
-    if (task::distance(from, to) < task::kShortest) place.at("to").fail("is the same point as from");
-  }
+inline double relaxed_by(const TipLine& line) { return line.tolerance; }
+inline void relax(TipLine& line, double wider) { line.tolerance = wider; }
 
-  double relaxed_by() const { return tolerance; }
-  void relax(double wider) { tolerance = wider; }
-
-  template <class Drawing>
-  void draw(Drawing& in) const {
-    in.line(from, to, tolerance);
-  }
-};
+template <class Drawing>
+void draw(const TipLine& line, Drawing& in) {
+  in.line(line.from, line.to, line.tolerance);
+}
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, TipLine>

@@ -7,56 +7,48 @@
 
 namespace fjr {
 
-// The line goes through `point`; `normal`, of any length, points to where the arm may be. `margin` is kept beside the
-// links' radius. [m]
-struct Wall {
-  Coordinates point{}, normal{};
-  double margin = 0;
+template <>
+inline constexpr ConstraintInfo kInfo<Wall>{.name = "walls", .keeps_clear = true, .relaxed = "moved back by {} m"};
 
-  static constexpr ConstraintInfo info{.name = "walls", .keeps_clear = true, .relaxed = "moved back by {} m"};
-
-  // A link is furthest beyond a straight line at one of its ends; the base does not move. So the elbow is kept clear by
-  // the thicker of the links, and the tip by the second.
-  void add_rows(TaskRows& to) const {
-    const double size = task::length(normal);
-    const Coordinates away{normal[0] / size, normal[1] / size};
-    const Joints<double>& radius = to.robot.link.radius;
-    const double through = task::dot(away, point);
-    for (int link = 1; link <= kJoints; ++link) {
-      const double apart = margin + (link == 1 ? std::max(radius[0], radius[1]) : radius[1]);
-      to.add(link == 1 ? TaskRow::Kind::kElbow : TaskRow::Kind::kTip, away, through, apart, task::kNone, kScale, link);
-    }
+// A link is furthest beyond a straight line at one of its ends; the base does not move. So the elbow is kept clear by
+// the thicker of the links, and the tip by the second.
+inline void add_rows(const Wall& wall, TaskRows& to) {
+  constexpr double kScale = 0.1;  // [m] a wall has no size of its own: the arm's
+  const double size = task::length(wall.normal);
+  const Coordinates away{wall.normal[0] / size, wall.normal[1] / size};
+  const Joints<double>& radius = to.robot.link.radius;
+  const double through = task::dot(away, wall.point);
+  for (int link = 1; link <= kJoints; ++link) {
+    const double apart = wall.margin + (link == 1 ? std::max(radius[0], radius[1]) : radius[1]);
+    to.add(link == 1 ? TaskRow::Kind::kElbow : TaskRow::Kind::kTip, away, through, apart, task::kNone, kScale, link);
   }
+}
 
-  template <class Place>
-  void check(const Place& place) const {
-    task::check_point(place.at("point"), point);
-    task::check_point(place.at("normal"), normal);
-    task::check_between(place.at("margin"), margin, 0, task::kLargestCoordinate, "m");
-    const double size = task::length(normal);
-    if (size < task::kShortest) place.at("normal").fail("has no direction; it points to where the arm may be");
-    const double base = -task::dot(normal, point) / size;
-    if (base < margin) {
-      place.fail(
-          fmt::format("the base of the arm, [0, 0] m, is {:.4g} m beyond it, its margin included", margin - base));
-    }
+template <class Place>
+void check(const Wall& wall, const Place& place) {
+  task::check_point(place.at("point"), wall.point);
+  task::check_point(place.at("normal"), wall.normal);
+  task::check_between(place.at("margin"), wall.margin, 0, task::kLargestCoordinate, "m");
+  const double size = task::length(wall.normal);
+  if (size < task::kShortest) place.at("normal").fail("has no direction; it points to where the arm may be");
+  const double base = -task::dot(wall.normal, wall.point) / size;
+  if (base < wall.margin) {
+    place.fail(
+        fmt::format("the base of the arm, [0, 0] m, is {:.4g} m beyond it, its margin included", wall.margin - base));
   }
+}
 
-  // How far the wall is moved back. [m]
-  double relaxed_by() const { return 0; }
-  void relax(double back) {
-    const double size = task::length(normal);
-    point = {point[0] - back * normal[0] / size, point[1] - back * normal[1] / size};
-  }
+// How far the wall is moved back. [m]
+inline double relaxed_by(const Wall&) { return 0; }
+inline void relax(Wall& wall, double back) {
+  const double size = task::length(wall.normal);
+  wall.point = {wall.point[0] - back * wall.normal[0] / size, wall.point[1] - back * wall.normal[1] / size};
+}
 
-  template <class Drawing>
-  void draw(Drawing& in) const {
-    in.half_plane(point, normal);
-  }
-
- private:
-  static constexpr double kScale = 0.1;  // [m] a wall has no size of its own: the arm's
-};
+template <class Drawing>
+void draw(const Wall& wall, Drawing& in) {
+  in.half_plane(wall.point, wall.normal);
+}
 
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, Wall>

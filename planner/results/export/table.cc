@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/strict_yaml.h"
 #include "model/kinematics.h"
 #include "planner/certificate/residual.h"
 

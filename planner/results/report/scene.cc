@@ -133,7 +133,7 @@ Json scene_json(const JsonField& plan, const Parameters& robot) {
   each_constraint(task, [&](std::string name, const auto& constraint) {
     std::replace(name.begin(), name.end(), '_', ' ');
     Drawing drawing{robot, name, scene};
-    constraint.draw(drawing);
+    draw(constraint, drawing);
   });
   add_vias(request.at("via"), plan.at("via_times").numbers(), robot, scene);
   return scene;

@@ -4,6 +4,7 @@
 
 #include "planner/analysis/analysis.h"
 #include "planner/ocp/margins.h"
+#include "planner/problem/relaxable.h"
 #include "planner/problem/statics.h"
 #include "planner/search/slack.h"
 

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "planner/problem/relaxable.h"
+
 namespace fjr {
 
 Relaxation relaxation_of(const Relaxable& what, double to) {

@@ -5,9 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "planner/problem/relaxable.h"
-
 namespace fjr {
+
+struct ConstraintInfo;
+struct QuantityInfo;
+struct Relaxable;
+enum class RelaxableKind;  // planner/problem/relaxable.h
 
 // One thing of the request that, changed alone, makes it feasible.
 struct Relaxation {

@@ -4,6 +4,7 @@
 
 #include <Eigen/Core>
 
+#include "model/dynamics.h"
 #include "model/parameters.h"
 
 namespace fjr {

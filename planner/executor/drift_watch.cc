@@ -4,11 +4,11 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "common/input_error.h"
+#include "common/parallel.h"
 #include "planner/executor/execution_log.h"
 
 namespace fjr {
@@ -16,11 +16,6 @@ namespace {
 
 constexpr std::size_t kMostWaiting = 8;  // motions, with some MB each
 constexpr int kLeastPriority = 19;       // of a thread, by nice(2)
-
-// What to tell of a motion when nobody wants to know any more.
-struct Unwanted : std::runtime_error {
-  Unwanted() : std::runtime_error("nobody wants to know") {}
-};
 
 }  // namespace
 
@@ -46,12 +41,7 @@ void DriftWatch::begin_next() {
   current_ = next.id;
   const auto look = [this, motion = std::move(next.motion), unwanted = unwanted_.get_token()] {
     (void)!nice(kLeastPriority);  // on Linux of this thread alone
-    return test_.look_at(motion, [&](std::size_t count, const auto& task) {
-      for (std::size_t i = 0; i < count; ++i) {
-        if (unwanted.stop_requested()) throw Unwanted();
-        task(i);
-      }
-    });
+    return test_.look_at(motion, one_after_another, [&] { return unwanted.stop_requested(); });
   };
   try {
     looking_ = std::async(std::launch::async, look);

@@ -91,12 +91,13 @@ DriftTest::Expected DriftTest::expected(const MatrixXd& matrix, const VectorXd& 
   return e;
 }
 
-std::optional<DriftTest::Look> DriftTest::look_at(const ExecutedMotion& motion, const ForEach& for_each) const {
+std::optional<DriftTest::Look> DriftTest::look_at(const ExecutedMotion& motion, const ForEach& for_each,
+                                                  const std::function<bool()>& stopped) const {
   Look look;
   look.about = expected_.mean;
   for (int i = 0; i < kLooks; ++i) {
     const Parameters about = moved(robot_, parameters_.of.names, parameters_.of.factor * look.about);
-    auto told = information_of(about, parameters_.of, motion, for_each);
+    auto told = information_of(about, parameters_.of, motion, for_each, stopped);
     if (!told) return std::nullopt;
     look.told = *std::move(told);
     const Share share = share_of(look);

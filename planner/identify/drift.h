@@ -4,6 +4,7 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -47,8 +48,9 @@ class DriftTest {
     Eigen::VectorXd about;  // z
   };
   // Of the next motion, held against the arm that is expected, and again against what it then is expected to be where
-  // robot.yaml leaves so much open that slopes change. Nothing where it tells nothing.
-  std::optional<Look> look_at(const ExecutedMotion& motion, const ForEach& for_each = one_after_another) const;
+  // robot.yaml leaves so much open that slopes change. Nothing where it tells nothing, or once it is stopped.
+  std::optional<Look> look_at(const ExecutedMotion& motion, const ForEach& for_each = one_after_another,
+                              const std::function<bool()>& stopped = not_stopped) const;
 
   void add(const Look& look);
 

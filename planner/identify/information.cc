@@ -13,9 +13,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 std::optional<MotionInformation> information_of(const Parameters& known, const Prior& prior,
-                                                const ExecutedMotion& motion, const ForEach& for_each) {
+                                                const ExecutedMotion& motion, const ForEach& for_each,
+                                                const std::function<bool()>& stopped) {
   const std::vector<ExecutedMotion> motions{motion};
-  const Readings readings(known, prior, motions, for_each);
+  const Readings readings(known, prior, motions, for_each, stopped);
   if (readings.pieces() == 0) return std::nullopt;
   VectorXd x = VectorXd::Zero(readings.unknowns()), off(readings.size());
   MatrixXd slopes(readings.size(), readings.unknowns());

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 
+#include "common/not_stopped.h"
 #include "common/parallel.h"
 #include "planner/identify/prior.h"
 #include "planner/identify/replay.h"
@@ -20,9 +22,10 @@ struct MotionInformation {
 };
 
 // Nothing where the motors hardly move, or where the arm known cannot be rolled out under the torques of the motion.
-// for_each: 2 n + 50 rollouts.
+// for_each: 2 n + 50 rollouts. stopped: asked before each of them; then there is nothing.
 std::optional<MotionInformation> information_of(const Parameters& known, const Prior& prior,
                                                 const ExecutedMotion& motion,
-                                                const ForEach& for_each = one_after_another);
+                                                const ForEach& for_each = one_after_another,
+                                                const std::function<bool()>& stopped = not_stopped);
 
 }  // namespace fjr

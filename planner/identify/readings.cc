@@ -45,11 +45,12 @@ Parameters moved(const Parameters& known, const std::vector<std::string>& names,
 }
 
 Readings::Readings(const Parameters& known, const Prior& prior, const std::vector<ExecutedMotion>& motions,
-                   const ForEach& for_each)
+                   const ForEach& for_each, const std::function<bool()>& stopped)
     : known_(known),
       prior_(prior),
       motions_(motions),
       for_each_(for_each),
+      stopped_(stopped),
       steps_(steps_of(known, prior)),
       noise_(count_deviation(known)) {
   for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -67,6 +68,7 @@ Parameters Readings::robot_at(const VectorXd& x) const {
 
 // Positions less readings, in standard deviations of a count.
 std::optional<VectorXd> Readings::off(const Parameters& robot, const VectorXd& x, std::size_t piece) const {
+  if (stopped_()) return std::nullopt;
   const ReplayedPiece& at = pieces_[piece];
   const ExecutedMotion& m = motions_[at.motion];
   State<double> start = at.begins;
@@ -104,7 +106,7 @@ bool Readings::fit_start(VectorXd& x, std::size_t piece) const {
   const Parameters robot = robot_at(x);
   const Index column = start_column(piece), size = count(piece);
   VectorXd at = x;
-  const SlopedResiduals residuals = [&](const VectorXd& start, VectorXd& r, MatrixXd* jacobian) {
+  const auto evaluate = [&](const VectorXd& start, VectorXd& r, MatrixXd* jacobian) {
     at.segment<kStates>(column) = start;
     const auto found = off(robot, at, piece);
     if (!found) return false;
@@ -119,8 +121,16 @@ bool Readings::fit_start(VectorXd& x, std::size_t piece) const {
     }
     return true;
   };
+  // Ceres complains on standard error where nothing can be evaluated: what is not wanted any more ends as if it fitted.
+  const SlopedResiduals residuals = [&](const VectorXd& start, VectorXd& r, MatrixXd* jacobian) {
+    if (evaluate(start, r, jacobian)) return true;
+    if (!stopped_()) return false;
+    r.setZero();
+    if (jacobian != nullptr) jacobian->setZero();
+    return true;
+  };
   const Fit fit = curve_fit(residuals, size + kStates, x.segment<kStates>(column));
-  if (!fit.residuals.allFinite()) return false;
+  if (stopped_() || !fit.residuals.allFinite()) return false;
   x.segment<kStates>(column) = fit.value;
   return true;
 }

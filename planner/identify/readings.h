@@ -2,10 +2,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "common/not_stopped.h"
 #include "common/parallel.h"
 #include "planner/identify/prior.h"
 #include "planner/identify/replay.h"
@@ -18,11 +20,12 @@ Parameters moved(const Parameters& known, const std::vector<std::string>& names,
 
 // All motions at one arm, in pieces. Unknown are the prior's independent numbers z, then what each piece begins off its
 // guess, in units so large that the readings alone decide. Residuals are the readings of each piece, in standard
-// deviations of a count, then the unknown themselves. What it is made of has to outlive it.
+// deviations of a count, then the unknown themselves. What it is made of has to outlive it. stopped: asked before every
+// rollout; from then on there is nothing.
 class Readings {
  public:
   Readings(const Parameters& known, const Prior& prior, const std::vector<ExecutedMotion>& motions,
-           const ForEach& for_each);
+           const ForEach& for_each, const std::function<bool()>& stopped = not_stopped);
 
   std::size_t pieces() const { return pieces_.size(); }
   std::size_t motion_of(std::size_t piece) const { return pieces_[piece].motion; }
@@ -53,6 +56,7 @@ class Readings {
   const Prior& prior_;
   const std::vector<ExecutedMotion>& motions_;
   const ForEach& for_each_;
+  std::function<bool()> stopped_;
   Eigen::VectorXd steps_;
   Eigen::Vector4d noise_;
   std::vector<ReplayedPiece> pieces_;

@@ -140,5 +140,22 @@ TEST(Drift, AnArmWithinItsStandardErrorsDoesNotDrift) {
   EXPECT_TRUE(exact.drifts());
 }
 
+// An executor that ends waits for what is being looked at, in a thread of the least priority: no longer than one
+// rollout.
+TEST(Drift, WhatIsStoppedEndsWithinARollout) {
+  const Executions one = executed(robot(), {.truth = robot()}, {kShort.front()});
+  const DriftTest test(robot());
+  int asked = 0, after = 0;
+  const auto stopped = [&] {
+    constexpr int kWanted = 20;
+    ++asked;
+    if (asked > kWanted) ++after;
+    return asked > kWanted;
+  };
+  EXPECT_FALSE(test.look_at(one.motions.front(), one_after_another, stopped));
+  EXPECT_GE(after, 1);
+  EXPECT_LE(after, 10);  // questions, not rollouts: a fit of eight unknowns would ask 17 times for one step alone
+}
+
 }  // namespace
 }  // namespace fjr

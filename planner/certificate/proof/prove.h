@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "common/not_stopped.h"
 #include "common/parallel.h"
 #include "planner/certificate/certificate.h"
 #include "planner/certificate/task_of_motion.h"
@@ -23,8 +24,6 @@ struct Claims {
   // Those of a certificate.
   static Claims of(const Parameters& robot, const Limits& limits, const TaskOfMotion& task = {});
 };
-
-inline bool not_stopped() { return false; }
 
 // Encloses the exact solutions of the model under the published samples, in open and in closed loop, from the exact
 // start and over all of the time, and compares them with the plan's cubics, the limits and the task. What is covered,

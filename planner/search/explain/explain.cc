@@ -242,8 +242,8 @@ class Explanation {
     if (!any_timed(problem_)) {
       result_.relaxations.push_back(relaxation_of_time(RelaxableKind::kDuration, "duration", allowed, needed));
       result_.relaxations.back().rough = !known_.certified;
-    } else {
-      explain_times_as_well();
+    } else if (explain_times_as_well()) {
+      return;  // limits that keep both times as they are would have to be far larger, and take long to find
     }
     const Collocated& fastest = known_.fastest->solution();
     const std::vector<Guess> hurried{guess_from(fastest.motion, fastest.durations, allowed)};
@@ -277,8 +277,8 @@ class Explanation {
   }
 
   // The shortest motion passes its via points when it likes: what it takes at the times that were asked for, or which
-  // of those would have to change as well.
-  void explain_times_as_well() {
+  // of those would have to change as well. True where two times are told that would do together.
+  bool explain_times_as_well() {
     Problem timed = fastest_of(problem_);
     timed.via = problem_.via;
     for (const Via& via : timed.via) timed.duration.min = via.time.value_or(timed.duration.min) + kShortestDuration;
@@ -287,7 +287,7 @@ class Explanation {
       result_.sentence += fmt::format(", and {:.4f} s with the via points at their times", needed);
       result_.relaxations.push_back(
           relaxation_of_time(RelaxableKind::kDuration, "duration", problem_.duration.max, needed));
-      return;
+      return false;
     }
     for (std::size_t i = 0; i < problem_.via.size() && !search_.over(); ++i) {
       const auto asked = problem_.via[i].time;
@@ -296,8 +296,9 @@ class Explanation {
       result_.sentence += fmt::format(
           "; via[{}] is to be passed at {:.6g} s, and within the limits it cannot be passed before {:.4f} s", i, *asked,
           rounded_up(*earliest));
-      return;
+      return tell_both(i, *earliest, *known_.fastest);
     }
+    return false;
   }
 
   // ---- via points whose times cannot be kept ----
@@ -336,15 +337,26 @@ class Explanation {
     result_.sentence += fmt::format(
         "; besides, at most {:.6g} s is allowed for all of the motion, and the shortest takes about {:.4f} s",
         problem_.duration.max, *result_.shortest_duration);
-    Problem moved = fastest_of(problem_);
-    moved.via = problem_.via;
+    tell_both(via, time, *fastest);
+    return true;
+  }
+
+  // Where neither a via point's time, to be passed from `time` on, nor the duration can be kept: what would do
+  // together, with a little room in both, planned as it is told. False where none was found.
+  bool tell_both(std::size_t via, double time, const Continuation& fastest) {
+    Problem moved = problem_;
     const double asked = *problem_.via[via].time;
     moved.via[via].time = told(asked, time + kRoom * (time - asked));
-    for (const Via& v : moved.via) moved.duration.min = v.time.value_or(moved.duration.min) + kShortestDuration;
-    if (const auto both = search_.plan(moved, "duration", {guess_of(*fastest)})) {
-      result_.sentence += fmt::format("; via[{}].time of {:.4g} s and a duration of {:.4f} s would do together", via,
-                                      *moved.via[via].time, rounded_up((1 + kRoom) * both->duration()));
-    }
+    Problem quick = fastest_of(moved);
+    quick.via = moved.via;
+    for (const Via& v : quick.via) quick.duration.min = v.time.value_or(quick.duration.min) + kShortestDuration;
+    const auto both = search_.solve(quick, "duration", {guess_of(fastest)});
+    if (!both) return false;
+    const double duration = rounded_up((1 + kRoom) * both->duration());
+    moved.duration = {duration, duration};
+    if (!is_enough(moved, "duration", guess_of(*both), true, search_)) return false;
+    result_.sentence += fmt::format("; via[{}].time of {:.4g} s and a duration of {:.4f} s would do together", via,
+                                    *moved.via[via].time, duration);
     return true;
   }
 

@@ -121,7 +121,7 @@ Collocated solution_from(std::string_view bytes, const std::string& source, cons
   } catch (const std::exception& fault) {
     throw InputError(source, "", std::string("is no solution written by fjr plan: ") + fault.what());
   }
-  throw InputError(source, "", "was planned for another robot: " + of_robot);
+  throw InputError(source, "", "was planned for another robot or with another payload: " + of_robot);
 }
 
 void write_solution(const std::filesystem::path& file, const Collocated& solution, const std::string& robot_hash) {

@@ -39,6 +39,11 @@ const std::vector<Smoothing>& homotopy_steps(const Problem& problem, bool swings
 
 // Fraction of a limit beyond which a margin would cost more than intervals.
 constexpr double kExcessWorthSplitting = 0.02;
+// The same of a motion that swings with hardly any torque to spare: where half a per cent less for a moment is another
+// motion, and each round of margins 66 to 183 iterations. Gravity amplifies what its intervals err by, too, so that
+// they are split at once as its certificate would ask for. With both a lift with 5.5 N m takes 5 s of work from the
+// exact law to the certificate, in five rounds.
+constexpr double kSwingWorthSplitting = 1e-3, kSwingMesh = 1.0 / 3;  // of the usual tolerance
 constexpr double kCostTolerance = 3e-5;  // fraction of the objective by which an interval may misjudge it
 constexpr double kStepTolerance = 1e-5;  // [rad] of the meshes on the way
 // A warm start is as close to its bounds as the solution before it was: a larger barrier has to push it off first, a
@@ -368,6 +373,8 @@ StartOutcome Continuation::begin(const Guess& guess, int most_iterations, const 
 CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const {
   const double worth_splitting = 1.5 * tolerance,
                worth_quartering = std::pow(2, settings().scheme.order + 2) * tolerance;
+  const bool on_the_way = tolerance > mesh_tolerance();
+  const double worth = swings && !on_the_way ? kSwingWorthSplitting : kExcessWorthSplitting;
   const std::vector<PerLimit> excess =
       excesses(*problem_, solution_.setup.mesh, solution_.motion, kKeep, solution_.slack);
   const PerLimit scales = limit_scales(*problem_);
@@ -376,15 +383,16 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
     for (std::size_t i = 0; i < scales.size(); ++i) {
       const double margin = setup.margins.empty() ? 0 : setup.margins[k][i];
       const double fraction = (excess[k][i] + margin) / scales[i];  // zero without a limit
-      if (fraction <= kExcessWorthSplitting) continue;
-      if (const std::size_t j = i - first_limit_of(Torque::info); j < kJoints) {
+      if (fraction <= worth) continue;
+      const std::size_t j = i - first_limit_of(Torque::info);
+      if (j < kJoints && fraction > kExcessWorthSplitting) {
         if (const auto reversal = reversal_in(solution_.motion, k, j)) {
           steps[k].push_back(*reversal);
           continue;
         }
       }
       errors[k] = std::max(errors[k], worth_splitting);
-      if (fraction > 4 * kExcessWorthSplitting) errors[k] = std::max(errors[k], worth_quartering);
+      if (fraction > 4 * worth) errors[k] = std::max(errors[k], worth_quartering);
     }
   }
   if (sees_friction(problem_->weights)) {
@@ -411,6 +419,8 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   setup.creep = inherited(setup.creep, pieces);
   return setup;
 }
+
+double Continuation::mesh_tolerance() const { return (swings ? kSwingMesh : 1) * settings().mesh_tolerance; }
 
 // As many as are wanted; where that is more than there may be, the worst intervals only.
 std::vector<int> Continuation::affordable_pieces(const std::vector<double>& errors, double tolerance) const {
@@ -460,7 +470,7 @@ bool Continuation::attempt_anew(const std::string& what, const CollocationSetup&
 
 bool Continuation::split_intervals(const std::vector<double>& errors) {
   if (errors.size() != solution_.setup.mesh.size()) throw std::logic_error("errors of another mesh");
-  const CollocationSetup setup = refined(solution_.setup, errors, std::min(settings().mesh_tolerance, bulk_of(errors)));
+  const CollocationSetup setup = refined(solution_.setup, errors, std::min(mesh_tolerance(), bulk_of(errors)));
   if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
   const std::string what = fmt::format("{}, {} intervals", label_, setup.mesh.size());
   return attempt_or_forget(what, setup, warm(what));
@@ -489,7 +499,7 @@ bool Continuation::tighten() {
     const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
     const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion, keep, solution_.slack),
                              *problem_, growth);
-    setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), settings().mesh_tolerance);
+    setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), mesh_tolerance());
     const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
     if (!wider && !finer) {
       if (!solved_loosely()) return true;

@@ -96,7 +96,7 @@ class Continuation {
   double patience = 1;      // on the iterations of warm starts and of homotopy steps
   // Of a motion that swings with hardly any torque to spare: its time changes so little near the optimum that a
   // regularisation by effort stays, steps are short and solved loosely, and what does not come of a warm start is not
-  // begun afresh.
+  // begun afresh. Its mesh is finer, and intervals are split where others are given margins.
   bool swings = false;
 
  private:
@@ -129,6 +129,7 @@ class Continuation {
   bool reach_step(const Smoothing& step, int halvings);
   bool attempt_step(const std::string& what, const CollocationSetup& setup);
   std::size_t most_intervals() const;
+  double mesh_tolerance() const;
   std::vector<int> affordable_pieces(const std::vector<double>& errors, double tolerance) const;
   CollocationSetup refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const;
   bool attempt_or_forget(const std::string& what, const CollocationSetup& setup, const SolveOptions& o);

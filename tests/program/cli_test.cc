@@ -1,6 +1,7 @@
 // The built program, run as a process: exit codes, messages, and which files exist afterwards.
 #include "tests/support/cli.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <pty.h>
@@ -341,16 +342,22 @@ TEST_F(Cli, OneBadRequestDoesNotStopTheOthersAndTheLargestCodeWins) {
 // A plan with several starts and refinements: the same request gives the same bytes, and plan.json apart from timing.
 TEST_F(Cli, TheSameRequestGivesTheSameFiles) {
   write("move.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\nduration: 0.6\nobjective: gentle\n");
+  std::string told;
   for (const char* out : {"first", "second"}) {
     const Result result = run({"plan", "move.yaml", "--out", out, "-q"});
     ASSERT_EQ(result.exit_code, 0) << result.err;
     EXPECT_THAT(result.out, HasSubstr("certified"));
+    told = result.out;
     EXPECT_EQ(result.err, "");
     const Result check = run({"verify", std::string(out) + "/trajectory.csv"});
     EXPECT_EQ(check.exit_code, 0) << check.out;
   }
   EXPECT_EQ(contents(path("first") / "trajectory.csv"), contents(path("second") / "trajectory.csv"));
   Json first = plan_json("first"), second = plan_json("second");
+  const Json& minima = first["solver"]["minima"];
+  ASSERT_GT(minima.size(), 1U) << "of twelve starts";
+  EXPECT_THAT(told, HasSubstr(fmt::format("\n  minima      {} met, from {:.6g} to {:.6g} (", minima.size(),
+                                          minima.front().get<double>(), minima.back().get<double>())));
   first.erase("timing");
   second.erase("timing");
   EXPECT_EQ(first, second);

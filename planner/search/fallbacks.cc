@@ -21,6 +21,7 @@ namespace {
 constexpr int kUsualIterations = 300;   // iterations of one attempt
 constexpr int kSwingIterations = 1200;  // what has to swing up first took up to 630
 constexpr int kMoreSwings = 600;        // of a step towards tighter limits that comes to swing once more
+constexpr int kLastSwings = 900;        // of one that nothing else follows
 constexpr double kMoreEffort = 10;      // times the usual regularisation
 constexpr std::size_t kPatientStarts = 2;
 constexpr double kCoarser = 0.5, kFiner = 2;    // times the usual number of intervals
@@ -47,6 +48,8 @@ constexpr double kFarFromIt = 0.03;             // fraction of the torque: twice
 constexpr double kSwing = 1.5;                  // of them, until link 1 is past where gravity takes most
 constexpr double kFewer = 0.6;                  // times the usual number of intervals
 constexpr int kLiftIterations = 650;            // those that lead somewhere took up to 590
+constexpr int kShortenings = 2;                 // of the time in which the arm is lifted, where the fastest is far off
+constexpr int kShorteningIterations = 500;      // those that lead somewhere took 290 to 410
 constexpr double kSwingPatience = 2;            // times the usual iterations of warm starts
 constexpr double kSurely = 0.01;   // fraction of the torque that is told to be missing where no plan comes of it
 constexpr double kNoSlack = 1e-3;  // fraction of the torque: as good as none
@@ -215,53 +218,100 @@ Relaxable torque_of_joint_1(const Problem& problem) {
   throw std::logic_error("torque cannot be relaxed");
 }
 
-// The least torque of joint 1 with which the arm gets up in so much time [s], and a smoothed motion that does: with a
-// sharp friction law, or where that leads nowhere with a smoother one.
-std::optional<Continuation> least_torque(const Problem& problem, const Relaxable& torque, double duration, double swing,
-                                         Session& session) {
+// The least torque of joint 1 with which the arm gets up in so much time [s], and a smoothed motion that does.
+std::optional<Continuation> least_torque(const Problem& problem, const Relaxable& torque, double duration,
+                                         const std::function<Guess(const Problem&)>& guess, double width_factor,
+                                         int most_iterations, Session& session) {
   Problem timed = with_slack(problem, torque);
   timed.duration = {duration, duration};
   const auto shared = std::make_shared<const Problem>(std::move(timed));
+  Continuation lifted(shared, session, "least torque to be lifted with");
+  lifted.width_factor = width_factor;
+  lifted.mesh_factor = kFewer;
+  return try_to_begin(std::move(lifted), session, guess(*shared), most_iterations);
+}
+
+// The same from a guess that folds: with a sharp friction law, or where that leads nowhere with a smoother one.
+std::optional<Continuation> lifted_folded(const Problem& problem, const Relaxable& torque, double duration,
+                                          double swing, Session& session) {
+  const auto folding = [&](const Problem& timed) { return folding_guess(timed, duration, swing); };
   for (const double width_factor : {kSharper, kSharp}) {
-    if (session.interrupted()) break;
-    Continuation lifted(shared, session, "least torque to be lifted with");
-    lifted.width_factor = width_factor;
-    lifted.mesh_factor = kFewer;
-    if (lifted.begin(folding_guess(*shared, duration, swing), kLiftIterations) == StartOutcome::kNew) return lifted;
+    if (auto lifted = least_torque(problem, torque, duration, folding, width_factor, kLiftIterations, session)) {
+      return lifted;
+    }
   }
   return std::nullopt;
 }
 
+bool is_lifted(const Continuation& lifted) { return lifted.solution().slack <= kNoSlack; }
+
+// Lifted in less time, each motion starting the next: half-way to what is too short [s], a few times.
+Continuation lifted_sooner(const Problem& problem, const Relaxable& torque, Continuation lifted, double too_short,
+                           Session& session) {
+  for (int round = 0; round < kShortenings && !session.interrupted(); ++round) {
+    const double duration = (too_short + lifted.duration()) / 2;
+    const auto shortened = [&](const Problem&) {
+      return guess_from(lifted.solution().motion, lifted.solution().durations, duration);
+    };
+    auto sooner = least_torque(problem, torque, duration, shortened, kSharper, kShorteningIterations, session);
+    if (sooner && is_lifted(*sooner)) {
+      lifted = std::move(*sooner);
+    } else {
+      too_short = duration;
+    }
+  }
+  return lifted;
+}
+
+std::optional<Continuation> fastest_from(const SharedProblem& problem, const Continuation& lifted, int most_iterations,
+                                         Session& session) {
+  Continuation swung(problem, session, "swung up, folded");
+  swung.width_factor = kSharper;
+  swung.swings = true;
+  swung.patience = std::max(kSwingPatience, patience_in(session));
+  return try_to_begin(std::move(swung), session, guess_of(lifted), most_iterations);
+}
+
+struct Folded {
+  SwungUp swung;
+  bool torque_is_enough = false;  // for a smoothed motion in some time, whatever came of it
+};
+
 // Where tightening limits takes ever shorter steps: the least torque with which the arm gets up in a given time, which
-// is one problem; where that is no more than there is, the fastest motion from there.
-SwungUp swing_up_folded(const SharedProblem& problem, double longest, Session& session) {
+// is one problem; where that is no more than there is, the fastest motion from there. What is nearer to the fastest
+// takes longer to find and starts it better.
+Folded swing_up_folded(const SharedProblem& problem, double longest, Session& session) {
   const Relaxable torque = torque_of_joint_1(*problem);
-  const double period = period_of(*problem);
+  const double period = period_of(*problem), swing = kSwing * period;
   double least = kNoLimit;  // slack
+  double too_short = swing;
   // In no more time than is asked for, and not in what a search may look at: with a bound far away a lift with 5.5 N m
   // came to another minimum, 1.5 % longer, in which motor 1 slips back within the step of its friction. There margins
   // of a third of the torque are wanted, each time elsewhere.
   Problem in_time = *problem;
   in_time.duration.max = longest;
   const auto bounded = std::make_shared<const Problem>(std::move(in_time));
+  const Limits surely = torque.relaxed(*problem, kSurely * size_of(torque)).limits;
   for (const double periods : kPeriods) {
     const double duration = std::max(periods * period, problem->duration.min);
     if (duration > longest || session.interrupted()) break;
-    const auto lifted = least_torque(*problem, torque, duration, kSwing * period, session);
+    const auto lifted = lifted_folded(*problem, torque, duration, swing, session);
     if (!lifted) continue;
     least = std::min(least, lifted->solution().slack);
     if (lifted->solution().slack > kFarFromIt) break;
-    if (lifted->solution().slack > kNoSlack) continue;
-    Continuation swung(bounded, session, "swung up, folded");
-    swung.width_factor = kSharper;
-    swung.swings = true;
-    swung.patience = std::max(kSwingPatience, patience_in(session));
-    if (auto motion = try_to_begin(std::move(swung), session, guess_of(*lifted), kMoreSwings)) {
-      return {std::move(motion), torque.relaxed(*problem, kSurely * size_of(torque)).limits};
+    if (!is_lifted(*lifted)) {
+      too_short = duration;
+      continue;
     }
+    auto motion = fastest_from(bounded, *lifted, kMoreSwings, session);
+    if (!motion) {
+      const Continuation sooner = lifted_sooner(*problem, torque, *lifted, too_short, session);
+      motion = fastest_from(bounded, sooner, kLastSwings, session);
+    }
+    return {{std::move(motion), surely}, true};
   }
-  if (least <= kNoSlack || least == kNoLimit) return {};
-  return {std::nullopt, torque.relaxed(*problem, least * size_of(torque)).limits};
+  if (least == kNoLimit) return {};
+  return {{std::nullopt, torque.relaxed(*problem, least * size_of(torque)).limits}, false};
 }
 
 }  // namespace
@@ -270,11 +320,14 @@ bool can_be_carried(const Problem& problem) { return factors_to_carry(problem).m
 
 SwungUp swing_up(const SharedProblem& problem, double longest, Session& session) {
   ++session.fallbacks().swinging;
+  SwungUp folded;
   if (folding_helps(*problem)) {
-    SwungUp folded = swing_up_folded(problem, longest, session);
-    if (folded.motion || folded.reached) return folded;
+    auto [motion, torque_is_enough] = swing_up_folded(problem, longest, session);
+    folded = std::move(motion);
+    if (folded.motion || (folded.reached && !torque_is_enough)) return folded;
   }
   SwungUp swung = swing_up_with(problem, longest, session, kSharp);
+  if (!swung.motion && folded.reached) return folded;
   if (!swung.motion || session.options().patience <= 1) return swung;
   if (swung.motion->follow_homotopy() && swung.motion->has_exact_friction()) return swung;
   SwungUp sharper = swing_up_with(problem, longest, session, kSharper);

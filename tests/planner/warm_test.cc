@@ -157,7 +157,8 @@ TEST_F(SolutionFile, KeepsEveryBit) {
 }
 
 TEST_F(SolutionFile, IsRefusedWhenItIsNotThisRobotsOrNoSolution) {
-  EXPECT_THAT(refusal("other"), HasSubstr("solution.cbor: was planned for another robot or with another payload: mine"));
+  EXPECT_THAT(refusal("other"),
+              HasSubstr("solution.cbor: was planned for another robot or with another payload: mine"));
   const std::string good = bytes();
   put("");
   EXPECT_THAT(refusal(), HasSubstr("is no solution written by fjr plan"));

@@ -23,27 +23,6 @@
 namespace fjr {
 namespace {
 
-// From smooth to exact, each solution starting the next. Effort lives in the friction's step, where a motor parks:
-// steps of about three keep every warm start within tens of iterations. Without effort the law only moves a torque
-// limit, and large steps do; there the regularisation by effort is what makes the first problems easy: with 0.1 of it
-// the time is up to 2 % longer; with 0.01, which remains, by 0.03 to 0.1 %, and half the iterations are enough.
-// A motion that swings with hardly any torque to spare keeps fifty times of it, as its time is nearly the same for many
-// motions. It is begun at 0.001 rad/s; of longer steps from there the first two could not be taken.
-const std::vector<Smoothing>& homotopy_steps(const Problem& problem, bool swings) {
-  static const std::vector<Smoothing> swinging{{0.1, 0.5}, {0.00056, 0.5}, {0.00032, 0.5}, {0, 0.5}};
-  if (swings) return swinging;
-  static const std::vector<Smoothing> fine{{0.1}, {0.03}, {0.01}, {0.003}, {0.001}, {0.0003}, {0}};
-  static const std::vector<Smoothing> coarse{{0.1, 0.1}, {0.01, 0.1}, {0, 0.01}};
-  return sees_friction(problem.weights) ? fine : coarse;
-}
-
-// Fraction of a limit beyond which a margin would cost more than intervals.
-constexpr double kExcessWorthSplitting = 0.02;
-// The same of a motion that swings with hardly any torque to spare: where half a per cent less for a moment is another
-// motion, and each round of margins 66 to 183 iterations. Gravity amplifies what its intervals err by, too, so that
-// they are split at once as its certificate would ask for. With both a lift with 5.5 N m takes 5 s of work from the
-// exact law to the certificate, in five rounds.
-constexpr double kSwingWorthSplitting = 1e-3, kSwingMesh = 1.0 / 3;  // of the usual tolerance
 constexpr double kCostTolerance = 3e-5;  // fraction of the objective by which an interval may misjudge it
 constexpr double kStepTolerance = 1e-5;  // [rad] of the meshes on the way
 // A warm start is as close to its bounds as the solution before it was: a larger barrier has to push it off first, a
@@ -127,7 +106,7 @@ bool any_same(const std::vector<double>& minima, double objective) {
 }
 
 Continuation::Continuation(std::shared_ptr<const Problem> problem, Session& session, std::string label)
-    : problem_(std::move(problem)), session_(&session), label_(std::move(label)) {}
+    : manner(usual_manner(*problem)), problem_(std::move(problem)), session_(&session), label_(std::move(label)) {}
 
 SolveOptions Continuation::options(const std::string& what) {
   SolveOptions o;
@@ -205,7 +184,7 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   const bool own = only_time(problem_->weights) && count_of_rows(problem_->task) == 0;
   o.optimiser = own ? Optimiser::kOwn : Optimiser::kIpopt;
   const int usual = coarse_intervals(*problem_, guess.duration());
-  Smoothing smoothest = homotopy_steps(*problem_, swings).front();
+  Smoothing smoothest = manner.steps.front();
   smoothest.regularisation *= regularisation_factor;
   smoothest.friction_width *= width_factor;
   const CollocationSetup setup{settings().scheme,
@@ -228,7 +207,7 @@ bool Continuation::attempt_step(const std::string& what, const CollocationSetup&
   const double width = setup.smoothing.friction_width;
   const bool scaled = has_rests() && width <= kRestWidth;
   const Collocated from = scaled ? with_rests_scaled(*problem_, solution_, width) : solution_;
-  SolveOptions o = swings ? loosely(what) : warm(what);
+  SolveOptions o = manner.loose_steps ? loosely(what) : warm(what);
   const auto within = [&](double iterations) {
     o.max_iterations = static_cast<int>(std::lround(patience * iterations));
     const std::size_t before = stages_.size();
@@ -299,7 +278,7 @@ void Continuation::compare_step() {
 // least, with the exact law, is kept: a sharper law usually helps, but now and then a step slips into a worse minimum
 // or fails.
 bool Continuation::take_step() {
-  const std::vector<Smoothing>& steps = homotopy_steps(*problem_, swings);
+  const std::vector<Smoothing>& steps = manner.steps;
   if (!homotopy_) {
     const double width = solution_.setup.smoothing.friction_width;
     std::size_t next = 1;
@@ -341,7 +320,7 @@ bool Continuation::keep_best_step() {
 // Where the objective comes to much less than its weights let expect, the regularisation by effort that chooses among
 // torques would outweigh it: that is reduced until it is small beside the objective.
 bool Continuation::fade_regularisation() {
-  if (settles_torque(problem_->weights) || swings) return true;
+  if (settles_torque(problem_->weights) || !manner.fades) return true;
   for (int round = 0; round < kFadeRounds; ++round) {
     Smoothing step = solution_.setup.smoothing;
     const double weight = make_arm_ocp<Features{}>(*problem_, step.regularisation).regularisation;
@@ -374,7 +353,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   const double worth_splitting = 1.5 * tolerance,
                worth_quartering = std::pow(2, settings().scheme.order + 2) * tolerance;
   const bool on_the_way = tolerance > mesh_tolerance();
-  const double worth = swings && !on_the_way ? kSwingWorthSplitting : kExcessWorthSplitting;
+  const double worth = on_the_way ? kExcessWorthSplitting : manner.worth_splitting;
   const std::vector<PerLimit> excess =
       excesses(*problem_, solution_.setup.mesh, solution_.motion, kKeep, solution_.slack);
   const PerLimit scales = limit_scales(*problem_);
@@ -420,7 +399,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   return setup;
 }
 
-double Continuation::mesh_tolerance() const { return (swings ? kSwingMesh : 1) * settings().mesh_tolerance; }
+double Continuation::mesh_tolerance() const { return manner.mesh * settings().mesh_tolerance; }
 
 // As many as are wanted; where that is more than there may be, the worst intervals only.
 std::vector<int> Continuation::affordable_pieces(const std::vector<double>& errors, double tolerance) const {
@@ -456,7 +435,7 @@ std::size_t Continuation::most_intervals() const {
 
 bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup, const SolveOptions& o) {
   if (attempt(what, setup, nullptr, o)) return true;
-  return status_ != SolveStatus::kStopped && !swings && attempt_anew(what, setup);
+  return status_ != SolveStatus::kStopped && manner.begins_afresh && attempt_anew(what, setup);
 }
 
 // Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
@@ -567,7 +546,7 @@ bool Continuation::resume(const Collocated& neighbour) {
   // What was fitted to the other problem and may not suit this one.
   CollocationSetup& setup = solution_.setup;
   setup.creep.clear();
-  const Smoothing& exact = homotopy_steps(*problem_, swings).back();
+  const Smoothing& exact = manner.steps.back();
   setup.smoothing.regularisation = std::min(setup.smoothing.regularisation, exact.regularisation);
   if (!sees_friction(problem_->weights)) setup.smoothing.friction_width = exact.friction_width;
   const std::size_t limits = limit_scales(*problem_).size();

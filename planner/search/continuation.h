@@ -12,6 +12,7 @@
 #include "planner/ocp/collocate.h"
 #include "planner/problem/problem.h"
 #include "planner/search/guesses.h"
+#include "planner/search/manner.h"
 #include "planner/search/session.h"
 
 namespace fjr {
@@ -94,10 +95,7 @@ class Continuation {
   double regularisation_factor = 1;  // on that of the first solution, by effort: with more it is easier to solve
   double width_factor = 1;  // on the width of the first solution's friction law: less of it is nearer to the exact law
   double patience = 1;      // on the iterations of warm starts and of homotopy steps
-  // Of a motion that swings with hardly any torque to spare: its time changes so little near the optimum that a
-  // regularisation by effort stays, steps are short and solved loosely, and what does not come of a warm start is not
-  // begun afresh. Its mesh is finer, and intervals are split where others are given margins.
-  bool swings = false;
+  Manner manner;            // the usual one, unless another is set before it begins
 
  private:
   // What an attempt from the present solution depends on beside that.

@@ -267,7 +267,7 @@ std::optional<Continuation> fastest_from(const SharedProblem& problem, const Con
                                          Session& session) {
   Continuation swung(problem, session, "swung up, folded");
   swung.width_factor = kSharper;
-  swung.swings = true;
+  swung.manner = swinging_manner();
   swung.patience = std::max(kSwingPatience, patience_in(session));
   return try_to_begin(std::move(swung), session, guess_of(lifted), most_iterations);
 }

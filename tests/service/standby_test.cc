@@ -203,11 +203,10 @@ class ClientDeathTest : public StandbyTest {
   }
   // By the standby, once the client and the owner are dead. A client may have met the owner alone when it asked, and a
   // standby that has not heard of a request has nothing to give up: then all begin again.
-  template <class Kill>
-  void expect_given_up_after(Kill kill) {
+  template <class AskAndKill>
+  void expect_given_up_after(AskAndKill ask_and_kill) {
     for (int trial = 0; trial < 4; ++trial) {
-      ask_for_a_motion();
-      kill();
+      ask_and_kill();
       EXPECT_TRUE(says(*b_, "owner robot_id=arm"));
       if (b_->output().find("remembered=1") != std::string::npos) return expect_given_up_by("b");
       for (Instance* started : {&executor_, &client_, &b_, &a_}) started->reset();
@@ -227,6 +226,7 @@ TEST_F(ClientDeathTest, OfTheClientAlone) {
 
 TEST_F(ClientDeathTest, OfTheClientThenOfTheOwner) {
   expect_given_up_after([&] {
+    ask_for_a_motion();
     client_->send(SIGKILL);
     settle();
     a_->send(SIGKILL);
@@ -235,6 +235,7 @@ TEST_F(ClientDeathTest, OfTheClientThenOfTheOwner) {
 
 TEST_F(ClientDeathTest, OfTheOwnerThenOfTheClient) {
   expect_given_up_after([&] {
+    ask_for_a_motion();
     a_->send(SIGKILL);
     settle();
     client_->send(SIGKILL);
@@ -264,18 +265,19 @@ TEST_F(ClientDeathTest, OfTheClientWhoseRequestWaitedForAnAbsentOwner) {
 
 // A quick motion would be planned within the time that its client's last sign of life counts for: who takes over asks.
 TEST_F(ClientDeathTest, OfClientAndOwnerAtTheSameInstant) {
-  start_both();
-  executor_ = start_executor();
-  write("fast.yaml", kFast);
-  Process client({FJR_PATIENT_CLIENT, domain(), path("fast.yaml").string()}, path("client"));
-  wait_until([&] { return is_stopped(client); });
-  settle();
-  a_->send(SIGSTOP);
-  client.send(SIGCONT);
-  std::this_thread::sleep_for(milliseconds(100));
-  client.send(SIGKILL);
-  a_->send(SIGKILL);
-  expect_given_up_by("b");
+  expect_given_up_after([&] {
+    start_both();
+    executor_ = start_executor();
+    write("fast.yaml", kFast);
+    Process client({FJR_PATIENT_CLIENT, domain(), path("fast.yaml").string()}, path("client"));
+    wait_until([&] { return is_stopped(client); });
+    settle();
+    a_->send(SIGSTOP);
+    client.send(SIGCONT);
+    std::this_thread::sleep_for(milliseconds(100));
+    client.send(SIGKILL);
+    a_->send(SIGKILL);
+  });
   EXPECT_EQ(heard_["b"].received, 1u);
 }
 

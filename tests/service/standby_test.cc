@@ -195,6 +195,17 @@ class ClientDeathTest : public StandbyTest {
     client_ = start_fjr({"request", path("slow.yaml"), "--execute", "--domain", domain()}, "request");
     wait_until_solving("a");
   }
+  // A client that is killed 0.1 s after it asked for a quick motion, while its service is stopped.
+  void ask_an_absent_owner_and_die() {
+    write("fast.yaml", kFast);
+    Process client({FJR_PATIENT_CLIENT, domain(), path("fast.yaml").string()}, path("client"));
+    wait_until([&] { return is_stopped(client); });
+    settle();
+    a_->send(SIGSTOP);
+    client.send(SIGCONT);
+    std::this_thread::sleep_for(milliseconds(100));
+    client.send(SIGKILL);
+  }
   // 2 s after the last sign of life, and 1 s to answer; the lease of the owner where that is gone.
   void expect_given_up_by(const std::string& name) {
     const double took = wait_until([&] { return heard_[name].cancelled == 1 && heard_[name].solving == 0; }, 12);
@@ -248,14 +259,7 @@ TEST_F(ClientDeathTest, OfTheClientWhoseRequestWaitedForAnAbsentOwner) {
   connect();
   executor_ = start_executor();
   wait_until([&] { return owner() == "a"; });
-  write("fast.yaml", kFast);
-  Process client({FJR_PATIENT_CLIENT, domain(), path("fast.yaml").string()}, path("client"));
-  wait_until([&] { return is_stopped(client); });
-  settle();
-  a_->send(SIGSTOP);
-  client.send(SIGCONT);
-  std::this_thread::sleep_for(milliseconds(100));
-  client.send(SIGKILL);
+  ask_an_absent_owner_and_die();
   std::this_thread::sleep_for(milliseconds(700));  // longer than the lease of the service
   a_->send(SIGCONT);
   expect_given_up_by("a");
@@ -268,14 +272,7 @@ TEST_F(ClientDeathTest, OfClientAndOwnerAtTheSameInstant) {
   expect_given_up_after([&] {
     start_both();
     executor_ = start_executor();
-    write("fast.yaml", kFast);
-    Process client({FJR_PATIENT_CLIENT, domain(), path("fast.yaml").string()}, path("client"));
-    wait_until([&] { return is_stopped(client); });
-    settle();
-    a_->send(SIGSTOP);
-    client.send(SIGCONT);
-    std::this_thread::sleep_for(milliseconds(100));
-    client.send(SIGKILL);
+    ask_an_absent_owner_and_die();
     a_->send(SIGKILL);
   });
   EXPECT_EQ(heard_["b"].received, 1u);

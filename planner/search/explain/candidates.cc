@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kMost = 6;    // of limits that are looked at
 constexpr double kInTheWay = 0.05;  // fraction of the slack by which what is in the way exceeds its limit
+constexpr double kMostOfIt = 0.5;   // of the slack: where so much is missing to carry the arm, that comes first
 
 void keep_heaviest(std::vector<Candidate>& candidates) {
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -78,8 +79,9 @@ std::vector<Candidate> candidates(const Problem& problem, const Continuation* ev
       all.push_back({what, {}, 0});
     } else if (everything != nullptr) {
       Candidate candidate = worst_excess_of(problem, what, everything->solution());
-      if (candidate.weight <= kInTheWay * everything->solution().slack) continue;
-      candidate.weight += short_of_carrying(problem, what);
+      const double slack = everything->solution().slack, lacking = short_of_carrying(problem, what);
+      if (lacking == 0 && candidate.weight <= kInTheWay * slack) continue;
+      candidate.weight = lacking >= kMostOfIt * slack ? kNoLimit : candidate.weight + lacking;
       candidate.time.reset();  // that was of another motion
       found.push_back(candidate);
     }

@@ -113,7 +113,7 @@ class Sampler {
 
   // Adds pairs inside (from, to) until chords carry the torque's impulse.
   void smooth(double from, double to) {
-    if (to - from < 2 * kShortestPiece) return reversals(from, to);
+    if (to - from < 2 * kShortestPiece) return steps(from, to);
     const Joints<double> first = torque(motion_.interval_at(from), from), last = torque(interval_before(to), to);
     Joints<double> impulse{0, 0};
     double worst = 0, split = 0.5 * (from + to);
@@ -142,27 +142,42 @@ class Sampler {
   }
 
   // Friction steps where a motor reverses, and so fast that halving the piece would never find where: rows as far
-  // before it as after it, for the chord between them carries the step's impulse.
-  void reversals(double from, double to) {
+  // before it as after it, for the chord between them carries the step's impulse. Where a motor leaves its rest or
+  // comes to it, the step is at an end of the piece: one row right beside that.
+  void steps(double from, double to) {
     std::vector<double> times;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      const double first = velocity(j, from);
-      if (!(first * velocity(j, to) < 0)) continue;
-      double before = from, after = to;
-      while (after - before > 0.01 * kJumpSpacing) {
-        const double middle = (before + after) / 2;
-        (velocity(j, middle) * first > 0 ? before : after) = middle;
+      if (velocity(j, from) * velocity(j, to) < 0) {
+        const double time = reversal(j, from, to), reach = std::min({kStepReach, time - from, to - time});
+        if (reach >= kJumpSpacing / 2) times.insert(times.end(), {time - reach, time + reach});
+      } else if (to - from > 2 * kStepReach) {
+        for (const double time : {from + kStepReach, to - kStepReach}) {
+          if (off_the_chord(j, time, from, to) > velocity_error_) times.push_back(time);
+        }
       }
-      times.push_back(before);
     }
     std::sort(times.begin(), times.end());
     for (const double time : times) {
-      const double reach = std::min({kStepReach, time - from, to - time});
-      if (reach < kJumpSpacing / 2) continue;
-      for (const double at : {time - reach, time + reach}) {
-        if (at > trajectory_.samples.back().time) add(row(motion_.interval_at(at), at));
-      }
+      if (time > trajectory_.samples.back().time) add(row(motion_.interval_at(time), time));
     }
+  }
+
+  double reversal(std::size_t joint, double from, double to) const {
+    const double first = velocity(joint, from);
+    double before = from, after = to;
+    while (after - before > 0.01 * kJumpSpacing) {
+      const double middle = (before + after) / 2;
+      (velocity(joint, middle) * first > 0 ? before : after) = middle;
+    }
+    return before;
+  }
+
+  // [rad/s] that the chord over a piece makes, if the torque is as far off all of it as at that time.
+  double off_the_chord(std::size_t joint, double time, double from, double to) const {
+    const double first = torque(motion_.interval_at(from), from)[joint], last = torque(interval_before(to), to)[joint];
+    const double miss =
+        torque(motion_.interval_at(time), time)[joint] - std::lerp(first, last, (time - from) / (to - from));
+    return std::abs(miss) * (to - from) / problem_.robot.motor.inertia[joint];
   }
 
   const Problem& problem_;

@@ -214,6 +214,21 @@ TEST(Sampling, AFastReversalIsFoundExactly) {
   }
 }
 
+// A motor that leaves its rest with 79 rad/s^2, or comes to it, has friction's first step, of 0.8 N m, within three
+// microseconds of the end of its interval. Measured: at most 1e-5 rad/s; without a row beside the rest 1.0e-4
+// and 1.3e-4.
+TEST(Sampling, AStartFromRestAndAStopKeepTheImpulse) {
+  constexpr double kFast = 79, kLength = 0.0032;  // [rad/s^2], [s]
+  for (const double begin : {0.0, -kFast * kLength}) {
+    Motion motion;
+    Motion::Interval interval{0, kLength, Eigen::MatrixXd::Zero(kStates, 3), Eigen::MatrixXd::Zero(kControls, 2)};
+    interval.state.row(4) << 0, begin * kLength, kFast / 2 * kLength * kLength;
+    interval.state.row(6) << begin, kFast * kLength, 0;
+    motion.intervals.push_back(interval);
+    EXPECT_LT(missed(motion, 1e-6, 20000).in_all, 3e-5) << begin;
+  }
+}
+
 // Fixed durations put nodes onto multiples of the sample period, up to rounding and up to a fraction of a jump's
 // spacing.
 TEST(Sampling, ChordsCarryTheImpulseWhenNodesFallOnRows) {

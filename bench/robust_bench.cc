@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <exception>
 #include <string>
@@ -83,7 +84,8 @@ void run(const std::string& file, const Options& options) {
   judged.certificate->robustness = r;
   fmt::print(
       "{:<18} {:<12} {:>9.5g} {:>+8.2f} % {:>6.1f} {:>5.1f}  {:>7.4f} {:>7.4f} {:>7.4f} {:>9.4f}  {}\n", problem.name,
-      name(robust.status), robust.objective, 100 * (robust.objective / ordinary.objective - 1), r.link[0] / count,
+      name(robust.status), robust.objective,
+      100 * (robust.objective - ordinary.objective) / std::abs(ordinary.objective), r.link[0] / count,
       r.link[1] / count, shares.kept, shares.within, shares.half, try_arms(problem, judged, options).kept,
       robust.status == PlanStatus::kCertified ? (r.savings.empty() ? "" : r.savings.front().first) : robust.reason);
   std::fflush(stdout);

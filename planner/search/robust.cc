@@ -14,6 +14,7 @@ namespace {
 constexpr int kFittingRounds = 5;            // two or three are enough where margins move as little as they usually do
 constexpr double kWider = 1.05;              // of a margin, for the motion that it leads to has others
 constexpr std::size_t kReservePieces = 200;  // of the motion, in which a margin stays the same
+constexpr double kPatience = 4;              // times the usual iterations, of which one solve took 199
 
 TaskOfMotion task_of(const Publication& p) {
   return TaskOfMotion::of(p.problem->robot, p.problem->task, segment_ends(p.solution.durations));
@@ -68,6 +69,26 @@ Reserve widened(const Reserve& before, const Problem& asked, const Publication& 
   return reserve;
 }
 
+// A certified motion that keeps the problem's reserve, from one that keeps less. Null when none was found.
+std::optional<Publication> with_reserve(const std::shared_ptr<const Problem>& problem, const Collocated& from,
+                                        const Problem& asked, Session& session) {
+  const auto certified = [&](Continuation& c) -> std::optional<Publication> {
+    PublishResult published = publish(c, asked, session);
+    if (!published.certified() || published.last->too_long) return std::nullopt;
+    return std::move(published.last);
+  };
+  const std::string label = "with margins for other arms";
+  Continuation moved(problem, session, label);
+  if (moved.resume(from)) {
+    if (auto published = certified(moved)) return published;
+  }
+  // Where a path or a limit is active nearly all the way, other constraints become active, and multipliers mislead.
+  Continuation afresh(problem, session, label + ", afresh");
+  afresh.patience = kPatience;
+  if (session.interrupted() || !afresh.adopt(from, from.motion.duration()) || !afresh.refine()) return std::nullopt;
+  return certified(afresh);
+}
+
 }  // namespace
 
 void make_robust(Findings& found, Session& session) {
@@ -90,13 +111,10 @@ void make_robust(Findings& found, Session& session) {
       reserve = widened(reserve, found.asked, best, r);
       Problem tightened = *best.problem;
       tightened.reserve = reserve;
-      Continuation c(std::make_shared<const Problem>(std::move(tightened)), session, "with margins for other arms");
-      if (c.resume(best.solution)) {
-        PublishResult published = publish(c, found.asked, session);
-        if (published.certified() && !published.last->too_long) {
-          found.best = std::move(published.last);
-          continue;
-        }
+      const auto keeping = std::make_shared<const Problem>(std::move(tightened));
+      if (auto published = with_reserve(keeping, best.solution, found.asked, session)) {
+        found.best = std::move(published);
+        continue;
       }
     }
     best.certificate.certified = false;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kMost = 6;    // of limits that are looked at
 constexpr double kInTheWay = 0.05;  // fraction of the slack by which what is in the way exceeds its limit
-constexpr double kMostOfIt = 0.5;   // of the slack: where so much is missing to carry the arm, that comes first
+constexpr double kMuchLonger = 3;   // times a motion with everything relaxed: time to carry the arm slowly
 
 void keep_heaviest(std::vector<Candidate>& candidates) {
   std::stable_sort(candidates.begin(), candidates.end(),
@@ -74,14 +74,17 @@ std::vector<Candidate> active_in(const Continuation& fastest) {
 
 std::vector<Candidate> candidates(const Problem& problem, const Continuation* everything) {
   std::vector<Candidate> found, all;
+  const bool time_to_carry =
+      everything != nullptr && problem.duration.max > kMuchLonger * everything->solution().motion.duration();
   for (const Relaxable& what : relaxables(problem)) {
     if (what.kind == RelaxableKind::kVelocity) {
       all.push_back({what, {}, 0});
     } else if (everything != nullptr) {
       Candidate candidate = worst_excess_of(problem, what, everything->solution());
-      const double slack = everything->solution().slack, lacking = short_of_carrying(problem, what);
-      if (lacking == 0 && candidate.weight <= kInTheWay * slack) continue;
-      candidate.weight = lacking >= kMostOfIt * slack ? kNoLimit : candidate.weight + lacking;
+      const double lacking = short_of_carrying(problem, what);
+      const bool enough = lacking > 0 && time_to_carry;  // then the arm need not swing at all
+      if (!enough && candidate.weight <= kInTheWay * everything->solution().slack) continue;
+      candidate.weight = enough ? kNoLimit : candidate.weight + lacking;
       candidate.time.reset();  // that was of another motion
       found.push_back(candidate);
     }

@@ -22,6 +22,7 @@ set(layers
   planner/certificate/proof
   planner/certificate/robust
   planner/identify
+  planner/learning
   planner/stop
   planner/ocp
   planner/analysis

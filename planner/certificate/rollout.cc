@@ -9,6 +9,7 @@
 
 #include "common/dual.h"
 #include "common/sundials_handles.h"
+#include "model/pushed_links.h"
 
 namespace fjr {
 namespace {
@@ -126,6 +127,7 @@ struct Rollout::Memory {
   Drive drive;
   std::optional<Interpolator> plan;
   Joints<double> dither{};  // of the tick
+  Joints<double> pushed{};  // on the links
   double time = 0;
   State<double> state{};
   std::vector<Event> events;
@@ -161,7 +163,11 @@ struct Rollout::Memory {
   Joints<double> torque(double t, const State<double>& x_now);
   template <class T>
   State<T> derivative(const State<T>& x_now, const Joints<T>& tau) const {
-    return dynamics(robot, x_now, tau);
+    State<T> f = dynamics(robot, x_now, tau);
+    if (pushed == Joints<double>{}) return f;
+    const Joints<T> pushes = acceleration_by(robot, x_now.q[1], pushed);
+    for (std::size_t j = 0; j < kJoints; ++j) f.dq[j] += pushes[j];
+    return f;
   }
 
   static int rhs(sunrealtype t, N_Vector x, N_Vector dx, void* self);
@@ -374,6 +380,11 @@ void Rollout::redirect(const Drive& drive) {
 
 void Rollout::hold(const Joints<double>& torque) {
   memory_->drive.held.torque = torque;
+  memory_->restart();
+}
+
+void Rollout::push_links(const Joints<double>& torque) {
+  memory_->pushed = torque;
   memory_->restart();
 }
 

@@ -79,6 +79,8 @@ class Rollout {
   void redirect(const Drive& drive);
   // From now on another held torque, in the middle of things. With Drive::holding() only.
   void hold(const Joints<double>& torque);
+  // From now on these torques act on the links beside springs and gravity. [N m]
+  void push_links(const Joints<double>& torque);
 
   using Observer = std::function<void(double time, const State<double>& state)>;
 

@@ -31,11 +31,13 @@ Tolerances resolved(const Tolerances& given, const Tolerances& standard) {
   return t;
 }
 
-// The last row's torque still brakes; from there on the goal is held by its own gravity torque.
+// The last row's torque still brakes; from there on the goal is held by what the springs have to hold there, which is
+// its gravity torque unless the motion was learnt on an arm that is not quite the model.
 Trajectory with_rest_after(const Parameters& robot, const std::vector<Sample>& rows) {
   Trajectory trajectory{rows, {}};
-  const Joints<double> goal = rows.back().state.q;
-  trajectory.samples.push_back({rows.back().time + kJumpSpacing, rest_at(robot, goal), gravity_torque(robot, goal)});
+  const State<double>& goal = rows.back().state;
+  trajectory.samples.push_back(
+      {rows.back().time + kJumpSpacing, {goal.q, {}, goal.theta, {}}, spring_torque(robot, goal.q, goal.theta)});
   return trajectory;
 }
 

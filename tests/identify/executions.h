@@ -35,9 +35,7 @@ struct Executions {
 };
 
 // Plans for `planned_for`, one after the other, on the arm that there is.
-inline Executions executed(const Parameters& planned_for, const VirtualArmOptions& arm_options,
-                           const std::vector<Trajectory>& plans) {
-  VirtualArm arm(arm_options, plans.front().samples.front().state.q);
+inline Executions executed_on(VirtualArm& arm, const Parameters& planned_for, const std::vector<Trajectory>& plans) {
   Control control(planned_for, arm);
   const auto tick = [&](int count) {
     for (int i = 0; i < count; ++i) {
@@ -66,6 +64,13 @@ inline Executions executed(const Parameters& planned_for, const VirtualArmOption
     tick(100);
   }
   return all;
+}
+
+// On one that begins where they do.
+inline Executions executed(const Parameters& planned_for, const VirtualArmOptions& arm_options,
+                           const std::vector<Trajectory>& plans) {
+  VirtualArm arm(arm_options, plans.front().samples.front().state.q);
+  return executed_on(arm, planned_for, plans);
 }
 
 // The same by flatness.

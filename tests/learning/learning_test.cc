@@ -1,0 +1,244 @@
+// Motions that are repeated on an arm that is not the one planned for.
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "model/encoder.h"
+#include "planner/control/motor_feedback.h"
+#include "planner/learning/correction.h"
+#include "planner/learning/smoothed_run.h"
+#include "planner/learning/tick_slopes.h"
+#include "tests/identify/executions.h"
+
+namespace fjr {
+namespace {
+
+// Counts of the encoders alone make 1 / sqrt(12) = 0.29. On top of them comes what the executor's feedback does where a
+// motor's reading changes a count early: a count of motor 2 is 33 of its link's. Measured: 0.3 to 1.2.
+constexpr double kFloor = 1.5;  // [counts of the link encoder] rms
+
+double in_counts(double angle) { return angle / count_angle(robot().encoder.link_counts[0]); }
+
+Trajectory reach() { return flat_motion(robot(), kMoves[0].from, kMoves[0].to, kMoves[0].duration); }
+
+VirtualArmOptions wrong_arm_with_hysteresis() { return {.truth = wrong_arm(), .hysteresis = Hysteresis{}}; }
+
+// rms of the links' errors of every repetition. [counts]
+std::vector<Joints<double>> repeated(Trajectory rows, const VirtualArmOptions& arm, int repetitions) {
+  std::vector<Joints<double>> all;
+  for (int i = 0; i < repetitions; ++i) {
+    const ExecutedMotion motion = executed(robot(), arm, {rows}).motions[0];
+    all.push_back({in_counts(motion.link_error_rms[0]), in_counts(motion.link_error_rms[1])});
+    rows = corrected(rows, correction_after(robot(), rows, smoothed_run(robot(), motion)));
+  }
+  return all;
+}
+
+TEST(Learning, TenRepetitionsFallToTheEncodersNoise) {
+  const std::vector<Joints<double>> rms = repeated(reach(), wrong_arm_with_hysteresis(), 10);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    EXPECT_GT(rms[0][j], 90);
+    for (std::size_t i = 1; i < rms.size(); ++i) {
+      EXPECT_LT(rms[i][j], std::max(kFloor, 0.9 * rms[i - 1][j])) << "link " << j + 1 << ", repetition " << i + 1;
+    }
+    EXPECT_LT(rms.back()[j], kFloor);
+  }
+}
+
+// A plan of which the arm is the model has nothing to learn, and noise is not taken for more. Measured: 0.3 to 1.8.
+TEST(Learning, AnExactPlanStaysExact) {
+  const std::vector<Joints<double>> rms = repeated(reach(), {.truth = robot()}, 6);
+  for (const Joints<double>& of_run : rms) {
+    for (const double link : of_run) EXPECT_LT(link, 2 * kFloor);
+  }
+}
+
+// Where gravity pulls the springs of the wrong arm 340 counts from where the plan begins, nothing can take that back at
+// once; all after the transition is learnt.
+TEST(Learning, AStartThatHangsElsewhereIsNotFoughtAgainst) {
+  const Trajectory plan = flat_motion(robot(), kMoves[2].from, kMoves[2].to, kMoves[2].duration);
+  const std::vector<Joints<double>> rms = repeated(plan, wrong_arm_with_hysteresis(), 10);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    EXPECT_LT(rms[1][j], rms[0][j] / 3);
+    for (std::size_t i = 2; i < rms.size(); ++i) EXPECT_LT(rms[i][j], 1.1 * rms[1][j]) << i;
+  }
+}
+
+// The executor begins up to 0.01 rad beside the plan: 100 counts, another error in every run. What it makes of a run
+// does not grow with the repetitions: the rms of an independent error is at most that of two of them.
+TEST(Learning, StartsThatAreOffDoNotAddUp) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> off(-0.004, 0.004);
+  Trajectory rows = reach();
+  double squares = 0, first = 0;
+  constexpr int kRuns = 12;
+  for (int i = 0; i < kRuns; ++i) {
+    Trajectory shifted = rows;  // the arm begins where its first row is
+    const Joints<double> by{off(random), off(random)};
+    for (std::size_t j = 0; j < kJoints; ++j) shifted.samples.front().state.q[j] += by[j];
+    VirtualArm arm(wrong_arm_with_hysteresis(), shifted.samples.front().state.q);
+    const ExecutedMotion motion = executed_on(arm, robot(), {rows}).motions[0];
+    const double rms = in_counts(std::hypot(motion.link_error_rms[0], motion.link_error_rms[1]));
+    if (i == 0) first = rms;
+    if (i >= 4) squares += rms * rms / (kRuns - 4);
+    rows = corrected(rows, correction_after(robot(), rows, smoothed_run(robot(), motion)));
+  }
+  EXPECT_GT(first, 300);
+  EXPECT_LT(std::sqrt(squares), 0.004 / std::sqrt(3) * std::sqrt(2) * std::sqrt(2) / count_angle(65536));
+}
+
+TEST(Correction, LeavesTheLinksPlanAndBothEnds) {
+  const Trajectory plan = reach();
+  const ExecutedMotion motion = executed(robot(), wrong_arm_with_hysteresis(), {plan}).motions[0];
+  const Correction correction = correction_after(robot(), plan, smoothed_run(robot(), motion));
+  const Trajectory same = corrected(plan, correction, 0), whole = corrected(plan, correction);
+  ASSERT_EQ(same.samples.size(), whole.samples.size());
+  Interpolator planned(plan);
+  double largest = 0;
+  for (std::size_t i = 0; i < same.samples.size(); ++i) {
+    const Sample expected = planned.at(same.samples[i].time);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      EXPECT_EQ(whole.samples[i].state.q[j], expected.state.q[j]);
+      EXPECT_EQ(whole.samples[i].state.dq[j], expected.state.dq[j]);
+      EXPECT_EQ(same.samples[i].state.theta[j], expected.state.theta[j]);
+      EXPECT_EQ(same.samples[i].torque[j], expected.torque[j]);
+      largest = std::max(largest, std::abs(whole.samples[i].torque[j] - expected.torque[j]));
+    }
+  }
+  EXPECT_GT(largest, 0.3);  // the payload alone makes 0.8 N m
+  for (const Sample* end : {&whole.samples.front(), &whole.samples.back()}) {
+    EXPECT_EQ(end->state.dtheta, (Joints<double>{}));
+  }
+}
+
+// What it expects of the links is what the arm with the lacking torques does under the corrected ones, tick by tick.
+TEST(Correction, TheArmWithTheLackingTorquesFollowsThePlan) {
+  const Trajectory plan = reach();
+  const ExecutedMotion motion = executed(robot(), wrong_arm_with_hysteresis(), {plan}).motions[0];
+  const SmoothedRun run = smoothed_run(robot(), motion);
+  const Correction correction = correction_after(robot(), plan, run);
+  const Trajectory rows = corrected(plan, correction);
+  const PlannedDither dither(robot(), plan);
+  LackingArm arm(robot());
+  Interpolator torque(rows), wanted(plan);
+  State<double> x = run.states.front();
+  x.dq = x.dtheta = {};
+  Joints<double> squares{}, before{};
+  for (std::size_t k = 0; k + 1 < run.times.size(); ++k) {
+    const double now = run.times[k], next = run.times[k + 1];
+    const Joints<double> mean = torque.mean_torque(now, next), swing = dither.at(now);
+    // The executor's feedback, on exact positions: it keeps motor 2 where it is unstable.
+    Joints<double> commanded;
+    const State<double> reference = torque.at(now).state;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      commanded[j] = mean[j] + swing[j] + robot().feedback.position_gain[j] * (reference.theta[j] - x.theta[j]) +
+                     robot().feedback.velocity_gain[j] * (reference.dtheta[j] - x.dtheta[j]);
+    }
+    x = *arm.advance(now, next, x, commanded, run.lacking[k]);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      squares[j] += std::pow(in_counts(x.q[j] - wanted.at(next).state.q[j]), 2);
+      before[j] += std::pow(in_counts(run.states[k + 1].q[j] - wanted.at(next).state.q[j]), 2);
+    }
+  }
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double rms = std::sqrt(squares[j] / static_cast<double>(run.times.size()));
+    const double was = std::sqrt(before[j] / static_cast<double>(run.times.size()));
+    EXPECT_LT(rms, 0.05 * was) << rms << " counts after " << was;
+  }
+}
+
+// Readings of the model's arm on which known torques act beside it.
+TEST(SmoothedRun, FindsTorquesThatTheModelLacks) {
+  const Trajectory plan = reach();
+  LackingArm arm(robot());
+  ExecutedMotion motion;
+  std::vector<State<double>> truth;
+  const auto acting = [](double t) {
+    return LackingTorques{{-0.6 * std::sin(5 * t), 0.2 * std::sin(8 * t)},
+                          {0.3 * std::sin(6 * t), -0.1 * std::sin(9 * t)}};
+  };
+  Interpolator rows(plan);
+  State<double> x = plan.samples.front().state;
+  for (int k = 0; k <= 800; ++k) {
+    const double now = k * kTick;
+    truth.push_back(x);
+    motion.times.push_back(now);
+    Joints<double> q, theta, torque = rows.mean_torque(now, now + kTick);
+    const State<double> reference = rows.at(now).state;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      q[j] = quantised(x.q[j], robot().encoder.link_counts[j]);
+      theta[j] = quantised(x.theta[j], robot().encoder.motor_counts[j]);
+      torque[j] += robot().feedback.position_gain[j] * (reference.theta[j] - x.theta[j]) +
+                   robot().feedback.velocity_gain[j] * (reference.dtheta[j] - x.dtheta[j]);
+    }
+    motion.q.push_back(q);
+    motion.theta.push_back(theta);
+    motion.torque.push_back(torque);
+    x = *arm.advance(now, now + kTick, x, torque, acting(now));
+  }
+  const SmoothedRun run = smoothed_run(robot(), motion);
+  Joints<double> links{}, link_torques{}, motor_torques{}, motors{};
+  double count = 0;
+  for (std::size_t k = 150; k < 750; ++k, ++count) {  // both motors move, and readings lie on either side
+    const LackingTorques wanted = acting(run.times[k]);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      links[j] += std::pow(in_counts(run.states[k].q[j] - truth[k].q[j]), 2);
+      motors[j] +=
+          std::pow((run.states[k].theta[j] - truth[k].theta[j]) / count_angle(robot().encoder.motor_counts[j]), 2);
+      link_torques[j] += std::pow(run.lacking[k].link[j] - wanted.link[j], 2);
+      motor_torques[j] += std::pow(run.lacking[k].motor[j] - wanted.motor[j], 2);
+    }
+  }
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    // A count makes 0.29; a filter of neighbours makes less of it.
+    EXPECT_LT(std::sqrt(links[j] / count), 0.29);
+    EXPECT_LT(std::sqrt(motors[j] / count), 0.29);
+    // A tenth of the torques that act, whose rms is 0.7 of their amplitude.
+    EXPECT_LT(std::sqrt(link_torques[j] / count), 0.2 * 0.7 * (j == 0 ? 0.6 : 0.2));
+    EXPECT_LT(std::sqrt(motor_torques[j] / count), 0.3 * 0.7 * (j == 0 ? 0.3 : 0.1));
+  }
+}
+
+// Against central differences of the integration, whose own tolerance of 1e-7 rad/s leaves 1e-3 of steps of 1e-4.
+TEST(TickSlopes, AreThoseOfTheIntegration) {
+  const State<double> x{{0.4, -0.7}, {1.1, -0.6}, {0.55, -0.72}, {2.1, -1.3}};
+  const Joints<double> torque{3.0, -0.8};
+  const LackingTorques lacking{{0.7, -0.4}, {0.2, 0.1}};
+  LackingArm arm(robot());
+  const State<double> end = *arm.advance(0, kTick, x, torque, lacking);
+  const TickSlopes slopes = tick_slopes(robot(), x, end, torque, lacking, kTick);
+  constexpr double kStep = 1e-2;
+  const auto expect = [&](const auto& column, const State<double>& above, const State<double>& below, double step) {
+    for (Eigen::Index i = 0; i < kStates; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double found = (above[k] - below[k]) / (2 * step);
+      EXPECT_NEAR(column[i], found, 1e-3 * column.cwiseAbs().maxCoeff()) << i;
+    }
+  };
+  for (std::size_t i = 0; i < kStates; ++i) {
+    State<double> more = x, less = x;
+    more[i] += kStep;
+    less[i] -= kStep;
+    expect(slopes.state.col(static_cast<Eigen::Index>(i)), *arm.advance(0, kTick, more, torque, lacking),
+           *arm.advance(0, kTick, less, torque, lacking), kStep);
+  }
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    Joints<double> more = torque, less = torque;
+    more[j] += kStep;
+    less[j] -= kStep;
+    expect(slopes.torque.col(static_cast<Eigen::Index>(j)), *arm.advance(0, kTick, x, more, lacking),
+           *arm.advance(0, kTick, x, less, lacking), kStep);
+    LackingTorques pushed = lacking, pulled = lacking;
+    pushed.link[j] += kStep;
+    pulled.link[j] -= kStep;
+    expect(slopes.lacking.col(static_cast<Eigen::Index>(j)), *arm.advance(0, kTick, x, torque, pushed),
+           *arm.advance(0, kTick, x, torque, pulled), kStep);
+  }
+}
+
+}  // namespace
+}  // namespace fjr

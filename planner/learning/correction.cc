@@ -197,7 +197,7 @@ class Regulator {
   }
 
   Correction along(Deviations z, const std::vector<Law>& laws, Course& course) const {
-    Correction correction{run_.times, {}, {}, {}, {}};
+    Correction correction{run_.times, {}, {}, {}, begins_};
     for (std::size_t k = 0;; ++k) {
       State<double>& x = course.states[k];
       for (std::size_t i = 0; i < kStates; ++i) x[i] += z[static_cast<Eigen::Index>(i)];
@@ -207,7 +207,6 @@ class Regulator {
       correction.torque.push_back({z[kTorque], z[kTorque + 1]});
       correction.theta.push_back(off(x.theta, planned_[k].theta));
       correction.dtheta.push_back(off(x.dtheta, planned_[k].dtheta));
-      correction.link_error.push_back(off(x.q, planned_[k].q));
       if (k == ticks()) return correction;
       const Eigen::Vector2d increment = -laws[k].gain * z - laws[k].offset;
       const Eigen::Vector2d mean = z.tail<kJoints>() + 0.5 * increment;

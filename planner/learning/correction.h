@@ -13,15 +13,16 @@ struct Correction {
   std::vector<double> times;
   std::vector<Joints<double>> torque;         // [N m] feed-forward
   std::vector<Joints<double>> theta, dtheta;  // [rad], [rad/s] of the motors' reference
-  std::vector<Joints<double>> link_error;     // [rad] that the linear model expects of the next run
+  State<double> start{};                      // of the arm in the next run, as it is expected
 };
 
 // Norm-optimal iterative learning control (Amann, Owens & Rogers, IEE Proc. Control Theory Appl. 143, 1996): of all
 // changes of the torque since the last run, the one that is least in the sum of the squared errors of the links that
 // the model, linearised along what the arm did, expects of the next run, and of the squared increments of the change
 // from tick to tick. By a Riccati recursion over the ticks. The motors' reference is where they are expected.
-// The next run is expected to begin at rest where the plan begins: an error of the start is not one that repeats.
-// executed: the rows that the run was commanded.
+// The next run is expected to begin where the last one did, at rest, unless its motors were two counts or more off
+// where their reference began: that is not an error that repeats. Where the links then are off the plan, they go over
+// to it within 0.3 s, or half of the motion. executed: the rows that the run was commanded.
 Correction correction_after(const Parameters& robot, const Trajectory& executed, const SmoothedRun& run);
 
 // The rows with so much of the correction, and with rows at its times. Positions and velocities of the links stay the

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 
 #include "common/input_error.h"
@@ -150,6 +151,11 @@ class Filter {
 };
 
 }  // namespace
+
+LackingTorques SmoothedRun::lacking_at(double time) const {
+  const auto after = std::upper_bound(times.begin(), times.end(), time);
+  return lacking[after == times.begin() ? 0 : static_cast<std::size_t>(after - times.begin()) - 1];
+}
 
 SmoothedRun smoothed_run(const Parameters& robot, const ExecutedMotion& motion) {
   const std::vector<Step> steps = Filter(robot, motion).run();

@@ -13,6 +13,9 @@ struct SmoothedRun {                    // one each per tick
   std::vector<State<double>> states;    // of the arm, at that time
   std::vector<Joints<double>> torque;   // [N m] commanded from then to the next
   std::vector<LackingTorques> lacking;  // from then to the next
+
+  // In the tick that `time` [s] is in; before the first and after the last, theirs.
+  LackingTorques lacking_at(double time) const;
 };
 
 // The most likely motion given all readings, where the lacking torques are random walks: an extended Kalman filter, and

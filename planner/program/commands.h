@@ -18,6 +18,7 @@ void add_batch(CLI::App& app, int& exit_code);
 void add_library(CLI::App& app, int& exit_code);
 void add_verify(CLI::App& app, int& exit_code);
 void add_simulate(CLI::App& app, int& exit_code);
+void add_learn(CLI::App& app, int& exit_code);
 void add_report(CLI::App& app, int& exit_code);
 void add_export(CLI::App& app, int& exit_code);
 void add_keys(CLI::App& app, int& exit_code);
@@ -34,9 +35,9 @@ void add_identify(CLI::App& app, int& exit_code);
 void add_robot(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
 
-inline constexpr std::array<AddCommand, 20> kCommands = {
-    add_plan,        add_batch,  add_library,    add_verify,   add_simulate, add_report,    add_export,
-    add_keys,        add_serve,  add_request,    add_executor, add_hold,     add_stop,      add_status,
-    add_ros2_action, add_worker, add_experiment, add_identify, add_robot,    add_completion};  // in the order of --help
+inline constexpr std::array<AddCommand, 21> kCommands = {
+    add_plan,   add_batch,      add_library,  add_verify,   add_simulate,  add_learn, add_report, add_export,
+    add_keys,   add_serve,      add_request,  add_executor, add_hold,      add_stop,  add_status, add_ros2_action,
+    add_worker, add_experiment, add_identify, add_robot,    add_completion};  // in the order of --help
 
 }  // namespace fjr

@@ -8,7 +8,10 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "model/encoder.h"
+#include "model/log.h"
 #include "planner/certificate/certificate.h"
 #include "planner/certificate/residual.h"
 #include "planner/certificate/run_figures.h"
@@ -28,7 +31,7 @@ constexpr double kLongestHold = 10;      // [s] with a motion of 20 s no more ro
 constexpr double kRowPeriod = 0.999e-3;  // [s] between rows that are written, at least
 
 struct SimulateArguments {
-  std::string trajectory, out;
+  std::string trajectory, out, log;
   std::string robot, true_robot;  // empty: the default; the same as `robot`
   std::string control = "closed-loop";
   double hold = 1;  // [s]
@@ -139,8 +142,44 @@ void write_run(const SimulatedRun& run, const std::string& file) {
   write_csv(written, file);
 }
 
+// What the executor would have logged: at every tick what encoders read, and the torque that it then held.
+void write_log(const SimulatedRun& run, const std::string& file) {
+  Log log;
+  log.metadata = {{"robot_hash", robot_hash(run.robot)}, {"code", "0"}};
+  log.names = {"time"};
+  for (const char* suffix : {"", "_plan"}) {
+    for (const char* quantity : {"q", "theta", "tau"}) {
+      for (int joint = 0; joint < kJoints; ++joint) log.names.push_back(joint_column(quantity, joint, suffix));
+    }
+  }
+  log.values.resize(log.names.size());
+  Interpolator plan(run.trajectory);
+  const std::vector<Sample>& samples = run.simulation.samples;
+  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
+    const Sample planned = plan.at(samples[k].time);
+    auto column = log.values.begin();
+    column++->push_back(samples[k].time);
+    const auto add = [&](const Joints<double>& of) {
+      for (const double value : of) column++->push_back(value);
+    };
+    add({quantised(samples[k].state.q[0], run.robot.encoder.link_counts[0]),
+         quantised(samples[k].state.q[1], run.robot.encoder.link_counts[1])});
+    add({quantised(samples[k].state.theta[0], run.robot.encoder.motor_counts[0]),
+         quantised(samples[k].state.theta[1], run.robot.encoder.motor_counts[1])});
+    add(samples[k + 1].torque);
+    add(planned.state.q);
+    add(planned.state.theta);
+    add(planned.torque);
+  }
+  write_file(file, format_log(log));
+}
+
 int run(const SimulateArguments& options) {
+  if (!options.log.empty() && options.control != "executor") {
+    throw InputError("--log", "", "'" + options.control + "' has no log: it is for --control executor");
+  }
   const SimulatedRun run = simulated(options);
+  if (!options.log.empty()) write_log(run, options.log);
   if (!options.out.empty()) write_run(run, options.out);
   fmt::print("{}", options.json ? json_text(simulation_json(options, run)) : simulation_text(options, run));
   return run.simulation.completed ? 0 : 1;
@@ -172,6 +211,10 @@ void add_simulate(CLI::App& app, int& exit_code) {
       ->type_name("R");
   command->add_option("--out", options->out, "File for what the arm did: rows about every millisecond")
       ->type_name("RUN.csv");
+  command
+      ->add_option("--log", options->log,
+                   "File for what the executor would have logged of it; with --control executor. fjr learn takes it")
+      ->type_name("LOG.csv");
   command->add_flag("--json", options->json, "Only JSON on stdout");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -1,0 +1,45 @@
+// The next repetition of a motion, within the limits.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "planner/certificate/certificate.h"
+#include "planner/certificate/task_of_motion.h"
+#include "planner/learning/smoothed_run.h"
+#include "planner/problem/problem.h"
+#include "planner/trajectory/trajectory.h"
+
+namespace fjr {
+
+// A motion rolled out with the executor's law on one arm, until its last row.
+struct Rehearsal {
+  std::string arm;                  // "the model", "the model with the learnt torques"
+  Joints<double> link_error{};      // [rad] of the links off the plan, largest
+  Joints<double> link_error_rms{};  // [rad]
+  std::vector<LimitCheck> limits;   // of rows and rollout, as in a certificate
+  std::vector<TaskCheck> task;      // of the rollout, with the learnt torques only
+  std::vector<std::string> broken;  // one sentence each; empty: all is kept
+};
+
+struct Repetition {
+  Trajectory rows;                    // to be executed next; where it was refused, those that were
+  double fraction = 0;                // of the correction; 0: refused
+  Joints<double> link_error_rms{};    // [rad] of the last run, by its encoders
+  std::vector<Rehearsal> rehearsals;  // of the rows
+  std::vector<std::string> reasons;   // why it is not the whole correction, of the largest fraction that was not taken
+};
+
+// From the rows that were executed and what was logged. Half of the correction is taken, a quarter, or an eighth, where
+// with more of it rows or rollouts break a limit or the task, or the arm with the learnt torques follows the plan worse
+// than it did. Rollouts: of the robot's model, which has to keep the limits whatever was learnt, and of the model with
+// the learnt torques, which has to keep the task too, but for what a count of the links' encoders makes.
+// limits: the robot's or tighter ones. Throws InputError as smoothed_run() does.
+Repetition next_repetition(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
+                           const Trajectory& executed, const ExecutedMotion& motion);
+
+// Throws InputError naming the log, the column and the row where the log is not of a run of these rows: where the
+// links' plan in it is another. rows_name: of the rows, for the message.
+void require_run_of(const Trajectory& rows, const std::string& rows_name, const Log& log);
+
+}  // namespace fjr

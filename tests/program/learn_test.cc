@@ -1,0 +1,145 @@
+// The built program on motions that are repeated: simulate writes the logs that learn takes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "planner/trajectory/trajectory.h"
+#include "tests/support/cli.h"
+
+namespace fjr {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+constexpr double kCount = 2 * 3.14159265358979 / 65536;  // [rad] of the links' encoders
+
+// A motion with torque to spare, and an arm with softer springs and more friction than it was planned for.
+class LearnCommand : public Cli {
+ protected:
+  void SetUp() override {
+    Cli::SetUp();
+    plan("limits: {torque: [10, 4]}\n");
+    write("wrong.yaml", replaced(replaced(contents(FJR_SOURCE "/config/robot.yaml"), "20.48, 17.75", "19.46, 16.86"),
+                                 "0.4968, 0.5051", "0.5962, 0.6061"));
+  }
+
+  void plan(const std::string& more) const {
+    write("move.yaml", "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\nduration: 0.8\n" + more);
+    const Result planned = run({"plan", "move.yaml", "--out", "out"});
+    ASSERT_EQ(planned.exit_code, 0) << planned.out << planned.err;
+  }
+
+  void execute(const std::string& folder, const std::string& log, const std::string& arm = "wrong.yaml") const {
+    const Result simulated =
+        run({"simulate", folder + "/trajectory.csv", "--control", "executor", "--true-robot", arm, "--log", log});
+    ASSERT_EQ(simulated.exit_code, 0) << simulated.err;
+  }
+
+  static std::string replaced(std::string text, const std::string& what, const std::string& by) {
+    const std::size_t at = text.find(what);
+    EXPECT_NE(at, std::string::npos) << what;
+    return text.replace(at, what.size(), by);
+  }
+
+  // Bad input of one line that says all of these, and no folder of results.
+  template <class... Words>
+  void refuses(const std::string& log, const Words&... words) const {
+    const Result result = run({"learn", "out", log, "--out", "next"});
+    EXPECT_EQ(result.exit_code, 2) << result.out;
+    EXPECT_THAT(result.err, AllOf(HasSubstr(log), HasSubstr(words)...));
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(path("next/plan.json")));
+  }
+};
+
+TEST_F(LearnCommand, RepetitionsFollowThePlanEverMoreExactly) {
+  std::string folder = "out";
+  double before = 1e9;
+  for (int run_number = 1; run_number <= 4; ++run_number) {
+    const std::string log = "run" + std::to_string(run_number) + ".csv", next = "next" + std::to_string(run_number);
+    execute(folder, log);
+    const Result learnt = run({"learn", folder, log, "--out", next});
+    ASSERT_EQ(learnt.exit_code, 0) << learnt.out << learnt.err;
+    const nlohmann::json plan = plan_json(next), repetition = plan["repetition"];
+    EXPECT_EQ(repetition["number"], run_number + 1);
+    EXPECT_EQ(repetition["fraction"], 1);
+    const double rms = std::hypot(repetition["last_link_error_rms_rad"][0].get<double>(),
+                                  repetition["last_link_error_rms_rad"][1].get<double>()) /
+                       kCount;
+    EXPECT_LT(rms, before / 2) << learnt.out;
+    before = rms;
+    for (const auto& rehearsal : repetition["rehearsals"]) {
+      EXPECT_TRUE(rehearsal["broken"].empty());
+      for (const auto& limit : rehearsal["limits"]) EXPECT_TRUE(limit["passed"]) << limit;
+    }
+    EXPECT_EQ(run({"report", next}).exit_code, 0);
+    folder = next;
+  }
+  EXPECT_LT(before, 10);  // of 200; measured: 4
+}
+
+TEST_F(LearnCommand, ReplacesTheFolderUnlessAnotherIsGiven) {
+  execute("out", "run.csv");
+  const Trajectory planned = read_csv(path("out/trajectory.csv"));
+  ASSERT_EQ(run({"learn", "out", "run.csv"}).exit_code, 0);
+  const Trajectory learnt = read_csv(path("out/trajectory.csv"));
+  EXPECT_EQ(learnt.metadata.at("status"), "learnt");
+  EXPECT_EQ(learnt.metadata.at("repetition"), "2");
+  EXPECT_EQ(learnt.metadata.at("request_hash"), planned.metadata.at("request_hash"));
+  EXPECT_TRUE(fs::exists(path("out/solution.cbor")));
+  EXPECT_EQ(run({"verify", "out"}).exit_code, 4);  // the model's arm does not do that
+}
+
+// All the torque there is has been planned with: what the softer arm needs besides is not to be had.
+TEST_F(LearnCommand, WhatTheLimitsLeaveNoRoomForIsScaledDownOrRefused) {
+  write("move.yaml", "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\nduration: free\nobjective: fastest\n");
+  ASSERT_EQ(run({"plan", "move.yaml", "--out", "out"}).exit_code, 0);
+  execute("out", "run.csv");
+  const Result result = run({"learn", "out", "run.csv", "--out", "next"});
+  EXPECT_EQ(result.exit_code, 4) << result.out;
+  EXPECT_THAT(result.out, AllOf(HasSubstr("REFUSED"), HasSubstr("torque of joint"), HasSubstr("its limit is 12")));
+  EXPECT_FALSE(fs::exists(path("next/plan.json")));
+  const nlohmann::json json = nlohmann::json::parse(run({"learn", "out", "run.csv", "--out", "next", "--json"}).out);
+  EXPECT_EQ(json["fraction"], 0);
+  EXPECT_FALSE(json["reasons"].empty());
+}
+
+TEST_F(LearnCommand, ALogOfAnotherMotionRobotOrEndIsBadInput) {
+  execute("out", "run.csv");
+  const std::string log = contents(path("run.csv"));
+  write("stopped.csv", replaced(log, "# code: 0", "# code: -4"));
+  refuses("stopped.csv", "# code", "-4", "not executed to its end");
+  std::string hash = log.substr(log.find("# robot_hash: ") + 14, 8);
+  write("robot.csv", replaced(log, hash, "00000000"));
+  refuses("robot.csv", "# robot_hash", "another robot");
+  write("words.csv", "time,q1\n0,far\n");
+  refuses("words.csv", "q1");
+  refuses("missing.csv");
+  plan("limits: {torque: [9, 4]}\n");
+  refuses("run.csv", "_plan, row", "not the log of that motion");
+}
+
+TEST_F(LearnCommand, WhatIsNoPlanIsBadInput) {
+  execute("out", "run.csv");
+  const Result nowhere = run({"learn", "nowhere", "run.csv"});
+  EXPECT_EQ(nowhere.exit_code, 2);
+  EXPECT_THAT(nowhere.err, HasSubstr("nowhere: is no folder"));
+  fs::remove(path("out/trajectory.csv"));
+  EXPECT_EQ(run({"learn", "out", "run.csv"}).exit_code, 2);
+}
+
+TEST_F(LearnCommand, OnlyTheExecutorsControlHasALog) {
+  const Result result = run({"simulate", "out/trajectory.csv", "--log", "run.csv"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, AllOf(HasSubstr("--log"), HasSubstr("closed-loop"), HasSubstr("--control executor")));
+  EXPECT_FALSE(fs::exists(path("run.csv")));
+}
+
+}  // namespace
+}  // namespace fjr

@@ -18,7 +18,7 @@ using Input = Eigen::Matrix<double, kDeviations, kJoints>;
 // What costs as much as one count of a link's error at one tick:
 constexpr double kIncrement = 0.01;     // of the torque limit: of the correction, from tick to tick
 constexpr double kFirst = 0.1;          // likewise: of its first value
-constexpr double kLastVelocity = 1e-3;  // [rad/s] of links and motors at the end
+constexpr double kLastVelocity = 1e-4;  // [rad/s] of links and motors at the end, which is a rest
 
 // Of Gauss and Newton's method. The first expects motors to reverse when they did, and friction's slopes to be those
 // of the last run: alone it left 16 counts of link 2 where two and more leave one.

@@ -116,8 +116,6 @@ std::vector<std::string> against(const Parameters& robot, const Repetition& repe
   std::vector<std::string> reasons;
   const std::string malformation = malformed(repetition.rows);
   if (!malformation.empty()) return {malformation};
-  const std::string inconsistency = inconsistent_velocity(robot, repetition.rows);
-  if (!inconsistency.empty()) reasons.push_back(inconsistency);
   for (const Rehearsal& rehearsal : repetition.rehearsals) {
     for (const std::string& broken : rehearsal.broken) reasons.push_back(rehearsal.arm + ": " + broken);
   }
@@ -131,6 +129,10 @@ std::vector<std::string> against(const Parameters& robot, const Repetition& repe
   return reasons;
 }
 
+bool within_a_count(const Parameters& robot, const ExecutedMotion& motion) {
+  return std::max(motion.link_error_rms[0], motion.link_error_rms[1]) <= exactness_tolerance(robot);
+}
+
 }  // namespace
 
 Repetition next_repetition(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
@@ -138,12 +140,22 @@ Repetition next_repetition(const Parameters& robot, const Limits& limits, const 
   const SmoothedRun run = smoothed_run(robot, motion);
   const Correction correction = correction_after(robot, executed, run);
   const auto with = [&](double fraction) {
-    Repetition r{corrected(executed, correction, fraction), fraction, motion.link_error_rms, {}, {}};
+    Repetition r{fraction > 0 ? corrected(executed, correction, fraction) : executed,
+                 fraction,
+                 false,
+                 motion.link_error_rms,
+                 {},
+                 {}};
     const State<double> rest = rest_at(robot, r.rows.samples.front().state.q);
     r.rehearsals.push_back(rehearse(robot, limits, task, r.rows, rest, nullptr));
     r.rehearsals.push_back(rehearse(robot, limits, task, r.rows, correction.start, &run));
     return r;
   };
+  if (within_a_count(robot, motion)) {
+    Repetition same = with(0);
+    same.reasons.emplace_back("both links were within a count rms of the plan: nothing is left to learn but noise");
+    return same;
+  }
   std::vector<std::string> reasons;
   for (const double fraction : kFractions) {
     Repetition repetition = with(fraction);
@@ -155,7 +167,7 @@ Repetition next_repetition(const Parameters& robot, const Limits& limits, const 
     reasons = std::move(why_not);
   }
   Repetition refused = with(0);
-  refused.rows = executed;
+  refused.refused = true;
   refused.reasons = std::move(reasons);
   return refused;
 }

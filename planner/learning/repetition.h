@@ -23,17 +23,19 @@ struct Rehearsal {
 };
 
 struct Repetition {
-  Trajectory rows;                    // to be executed next; where it was refused, those that were
-  double fraction = 0;                // of the correction; 0: refused
+  Trajectory rows;      // to be executed next; where it was refused, those that were
+  double fraction = 0;  // of the correction
+  bool refused = false;
   Joints<double> link_error_rms{};    // [rad] of the last run, by its encoders
   std::vector<Rehearsal> rehearsals;  // of the rows
-  std::vector<std::string> reasons;   // why it is not the whole correction, of the largest fraction that was not taken
+  std::vector<std::string> reasons;   // against the next larger fraction; where it was refused, against the least
 };
 
 // From the rows that were executed and what was logged. Half of the correction is taken, a quarter, or an eighth, where
 // with more of it rows or rollouts break a limit or the task, or the arm with the learnt torques follows the plan worse
 // than it did. Rollouts: of the robot's model, which has to keep the limits whatever was learnt, and of the model with
 // the learnt torques, which has to keep the task too, but for what a count of the links' encoders makes.
+// Of a run in which both links were within a count rms nothing is learnt: the rows are executed again.
 // limits: the robot's or tighter ones. Throws InputError as smoothed_run() does.
 Repetition next_repetition(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
                            const Trajectory& executed, const ExecutedMotion& motion);

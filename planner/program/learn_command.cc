@@ -110,6 +110,7 @@ LearntJson repetition_json(const Repetition& repetition, const Log& log, const L
   LearntJson json{{"number", number + 1},
                   {"log", log.source},
                   {"log_sha256", log.hash},
+                  {"refused", repetition.refused},
                   {"fraction", repetition.fraction},
                   {"reasons", repetition.reasons},
                   {"last_link_error_rms_rad", repetition.link_error_rms},
@@ -138,7 +139,7 @@ std::string text_for_people(const LearnArguments& options, const Parameters& rob
   };
   std::string text = fmt::format("{}: repetition {} by {}\n  last run     links {}\n", options.folder,
                                  json.at("number").get<int>(), options.log, counts(r.link_error_rms));
-  if (r.fraction == 0) {
+  if (r.refused) {
     text += "  REFUSED      not even an eighth of the correction is within what is allowed; nothing is written\n";
   } else {
     text += fmt::format("  expected     links {}, by {}\n", counts(r.rehearsals.back().link_error_rms),
@@ -146,13 +147,13 @@ std::string text_for_people(const LearnArguments& options, const Parameters& rob
     text += fmt::format("  correction   {}\n",
                         r.fraction == 1 ? std::string("all of it") : fmt::format("{:g} of it", r.fraction));
   }
-  for (const std::string& reason : r.reasons) text += fmt::format("  with more    {}\n", reason);
-  if (const LimitCheck* c = nearest_limit(r); c != nullptr && r.fraction > 0) {
+  for (const std::string& reason : r.reasons) text += fmt::format("  no more      {}\n", reason);
+  if (const LimitCheck* c = nearest_limit(r); c != nullptr && !r.refused) {
     text += fmt::format("  limits       kept; nearest is {}{}: {:.4g} of {:.4g}\n", c->name,
                         c->joint > 0 ? fmt::format(" of joint {}", c->joint) : "", std::max(c->reached, c->rollout),
                         c->limit);
   }
-  if (r.fraction > 0) text += fmt::format("  files        {}\n", (folder / "trajectory.csv").string());
+  if (!r.refused) text += fmt::format("  files        {}\n", (folder / "trajectory.csv").string());
   return text;
 }
 
@@ -178,12 +179,12 @@ int run(const LearnArguments& options) {
                       *plan.record.trajectory, executed_motion(log));
   const LearntJson json = repetition_json(repetition, log, plan.record.plan);
   const fs::path folder = options.out.empty() ? options.folder : options.out;
-  if (repetition.fraction > 0) {
+  if (!repetition.refused) {
     plan.record.plan["repetition"] = json;
     write_repetition(options.folder, folder, plan.record.plan, repetition.rows);
   }
   fmt::print("{}", options.json ? json_text(json) : text_for_people(options, robot, repetition, json, folder));
-  return exit_code(repetition.fraction > 0 ? PlanStatus::kCertified : PlanStatus::kUncertified);
+  return exit_code(repetition.refused ? PlanStatus::kUncertified : PlanStatus::kCertified);
 }
 
 }  // namespace

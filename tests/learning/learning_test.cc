@@ -10,6 +10,7 @@
 #include "model/encoder.h"
 #include "planner/control/motor_feedback.h"
 #include "planner/learning/correction.h"
+#include "planner/learning/repetition.h"
 #include "planner/learning/smoothed_run.h"
 #include "planner/learning/tick_slopes.h"
 #include "tests/identify/executions.h"
@@ -113,6 +114,54 @@ TEST(Correction, LeavesTheLinksPlanAndBothEnds) {
   for (const Sample* end : {&whole.samples.front(), &whole.samples.back()}) {
     EXPECT_EQ(end->state.dtheta, (Joints<double>{}));
   }
+}
+
+// Of the torque that the payload makes necessary, a limit leaves a part: half of the correction, a quarter or an eighth
+// is taken, and no row has more than the limit.
+TEST(Repetition, TakesWhatTheLimitsLeave) {
+  const Trajectory plan = reach();
+  const ExecutedMotion motion = executed(robot(), wrong_arm_with_hysteresis(), {plan}).motions[0];
+  const auto largest_torque = [](const Trajectory& rows) {
+    double largest = 0;
+    for (const Sample& row : rows.samples) largest = std::max(largest, std::abs(row.torque[0]));
+    return largest;
+  };
+  Limits limits = Limits::of(robot());
+  const Repetition whole = next_repetition(robot(), limits, {}, plan, motion);
+  EXPECT_EQ(whole.fraction, 1);
+  EXPECT_TRUE(whole.reasons.empty());
+  const double before = largest_torque(plan), after = largest_torque(whole.rows);
+  ASSERT_GT(after, before + 0.1);
+  limits.torque[0] = before + 0.4 * (after - before);
+  const Repetition part = next_repetition(robot(), limits, {}, plan, motion);
+  EXPECT_THAT(part.fraction, testing::AnyOf(0.25, 0.125));
+  EXPECT_LE(largest_torque(part.rows), limits.torque[0]);
+  ASSERT_FALSE(part.reasons.empty());
+  EXPECT_THAT(part.reasons[0], testing::HasSubstr("torque of joint 1 reaches"));
+  limits.torque[0] = before;
+  const Repetition none = next_repetition(robot(), limits, {}, plan, motion);
+  EXPECT_TRUE(none.refused);
+  EXPECT_EQ(none.rows.samples.size(), plan.samples.size());
+}
+
+// A wall that the plan's tip keeps a millimetre off is kept off by the arm with the learnt torques, and one that cuts a
+// millimetre into the plan is not.
+TEST(Repetition, HoldsTheTask) {
+  const Trajectory plan = reach();
+  const ExecutedMotion motion = executed(robot(), wrong_arm_with_hysteresis(), {plan}).motions[0];
+  double farthest = 0;
+  for (const Sample& row : plan.samples)
+    farthest = std::max(farthest, Posture<double>::of(robot(), row.state.q).tip.x);
+  const auto with_wall = [&](double room) {
+    Task task;
+    task.box = TipBox{{-2, -2}, {farthest + room, 2}};
+    return next_repetition(robot(), Limits::of(robot()), TaskOfMotion::of(robot(), task, {plan.end_time()}), plan,
+                           motion);
+  };
+  const Repetition beside = with_wall(0.001), into = with_wall(-0.001);
+  EXPECT_EQ(beside.fraction, 1);
+  EXPECT_TRUE(into.refused);
+  EXPECT_THAT(into.reasons[0], testing::HasSubstr("the model with the learnt torques: tip_box is missed by"));
 }
 
 // What it expects of the links is what the arm with the lacking torques does under the corrected ones, tick by tick.

@@ -2,8 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -19,14 +20,18 @@ using testing::HasSubstr;
 
 constexpr double kCount = 2 * 3.14159265358979 / 65536;  // [rad] of the links' encoders
 
+// Of both links together, rms: a count each, and 1.6 times that. Measured: 115, 2.2, 1.4, 1.6.
+constexpr double kNoise = 2.3;
+
 // A motion with torque to spare, and an arm with softer springs and more friction than it was planned for.
 class LearnCommand : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
     plan("limits: {torque: [10, 4]}\n");
-    write("wrong.yaml", replaced(replaced(contents(FJR_SOURCE "/config/robot.yaml"), "20.48, 17.75", "19.46, 16.86"),
-                                 "0.4968, 0.5051", "0.5962, 0.6061"));
+    write("wrong.yaml",
+          replaced(replaced(contents(FJR_SOURCE_DIR "/config/robot.yaml"), "20.48, 17.75", "19.46, 16.86"),
+                   "0.4968, 0.5051", "0.5962, 0.6061"));
   }
 
   void plan(const std::string& more) const {
@@ -68,11 +73,10 @@ TEST_F(LearnCommand, RepetitionsFollowThePlanEverMoreExactly) {
     ASSERT_EQ(learnt.exit_code, 0) << learnt.out << learnt.err;
     const nlohmann::json plan = plan_json(next), repetition = plan["repetition"];
     EXPECT_EQ(repetition["number"], run_number + 1);
-    EXPECT_EQ(repetition["fraction"], 1);
     const double rms = std::hypot(repetition["last_link_error_rms_rad"][0].get<double>(),
                                   repetition["last_link_error_rms_rad"][1].get<double>()) /
                        kCount;
-    EXPECT_LT(rms, before / 2) << learnt.out;
+    EXPECT_LT(rms, std::max(kNoise, before / 2)) << learnt.out;
     before = rms;
     for (const auto& rehearsal : repetition["rehearsals"]) {
       EXPECT_TRUE(rehearsal["broken"].empty());
@@ -81,7 +85,20 @@ TEST_F(LearnCommand, RepetitionsFollowThePlanEverMoreExactly) {
     EXPECT_EQ(run({"report", next}).exit_code, 0);
     folder = next;
   }
-  EXPECT_LT(before, 10);  // of 200; measured: 4
+  EXPECT_LT(before, kNoise);
+}
+
+// The model's own arm is within a count, and noise is not learnt.
+TEST_F(LearnCommand, WhatIsExactStaysAsItIs) {
+  execute("out", "run.csv", FJR_SOURCE_DIR "/config/robot.yaml");
+  const Result learnt = run({"learn", "out", "run.csv", "--out", "next"});
+  ASSERT_EQ(learnt.exit_code, 0) << learnt.out;
+  EXPECT_THAT(learnt.out, HasSubstr("nothing is left to learn but noise"));
+  const Trajectory before = read_csv(path("out/trajectory.csv")), after = read_csv(path("next/trajectory.csv"));
+  ASSERT_EQ(before.samples.size(), after.samples.size());
+  for (std::size_t i = 0; i < before.samples.size(); ++i) {
+    EXPECT_EQ(before.samples[i].torque, after.samples[i].torque);
+  }
 }
 
 TEST_F(LearnCommand, ReplacesTheFolderUnlessAnotherIsGiven) {

@@ -28,25 +28,36 @@ Trajectory reach() { return flat_motion(robot(), kMoves[0].from, kMoves[0].to, k
 
 VirtualArmOptions wrong_arm_with_hysteresis() { return {.truth = wrong_arm(), .hysteresis = Hysteresis{}}; }
 
-// rms of the links' errors of every repetition. [counts]
-std::vector<Joints<double>> repeated(Trajectory rows, const VirtualArmOptions& arm, int repetitions) {
+// rms of the links' errors of every repetition, and the largest in the half second after its end. [counts]
+std::vector<Joints<double>> repeated(Trajectory rows, const VirtualArmOptions& arm, int repetitions,
+                                     std::vector<Joints<double>>* after_end = nullptr) {
   std::vector<Joints<double>> all;
   for (int i = 0; i < repetitions; ++i) {
-    const ExecutedMotion motion = executed(robot(), arm, {rows}).motions[0];
+    const Executions run = executed(robot(), arm, {rows});
+    const ExecutedMotion& motion = run.motions[0];
     all.push_back({in_counts(motion.link_error_rms[0]), in_counts(motion.link_error_rms[1])});
+    if (after_end != nullptr) {
+      after_end->push_back(
+          {in_counts(run.results[0].residual_vibration[0]), in_counts(run.results[0].residual_vibration[1])});
+    }
     rows = corrected(rows, correction_after(robot(), rows, smoothed_run(robot(), motion)));
   }
   return all;
 }
 
 TEST(Learning, TenRepetitionsFallToTheEncodersNoise) {
-  const std::vector<Joints<double>> rms = repeated(reach(), wrong_arm_with_hysteresis(), 10);
+  std::vector<Joints<double>> after_end;
+  const std::vector<Joints<double>> rms = repeated(reach(), wrong_arm_with_hysteresis(), 10, &after_end);
   for (std::size_t j = 0; j < kJoints; ++j) {
     EXPECT_GT(rms[0][j], 90);
     for (std::size_t i = 1; i < rms.size(); ++i) {
       EXPECT_LT(rms[i][j], std::max(kFloor, 0.9 * rms[i - 1][j])) << "link " << j + 1 << ", repetition " << i + 1;
     }
     EXPECT_LT(rms.back()[j], kFloor);
+    // The goal is held with the motors where the motion left them. Where the model would have them, link 1 swings by
+    // 300.
+    EXPECT_GT(after_end.front()[j], 50);
+    EXPECT_LT(after_end.back()[j], 10);
   }
 }
 
@@ -90,6 +101,20 @@ TEST(Learning, StartsThatAreOffDoNotAddUp) {
   }
   EXPECT_GT(first, 300);
   EXPECT_LT(std::sqrt(squares), 0.004 / std::sqrt(3) * std::sqrt(2) * std::sqrt(2) / count_angle(65536));
+}
+
+// A motor that began five counts off its reference was there by chance; one within two counts begins there again.
+TEST(Correction, ExpectsAStartThatWasFarOffAtItsReference) {
+  const Trajectory plan = reach();
+  const ExecutedMotion motion = executed(robot(), wrong_arm_with_hysteresis(), {plan}).motions[0];
+  SmoothedRun run = smoothed_run(robot(), motion);
+  const double count = count_angle(robot().encoder.motor_counts[0]);
+  run.states.front().theta[0] = plan.samples.front().state.theta[0] + count;
+  EXPECT_EQ(correction_after(robot(), plan, run).start.theta, run.states.front().theta);
+  run.states.front().theta[0] += 4 * count;
+  const State<double> expected = correction_after(robot(), plan, run).start;
+  EXPECT_EQ(expected.theta, plan.samples.front().state.theta);
+  EXPECT_LT(expected.q[0], run.states.front().q[0] - 2 * count);  // the link hangs from its motor
 }
 
 TEST(Correction, LeavesTheLinksPlanAndBothEnds) {
@@ -150,8 +175,7 @@ TEST(Repetition, HoldsTheTask) {
   const Trajectory plan = reach();
   const ExecutedMotion motion = executed(robot(), wrong_arm_with_hysteresis(), {plan}).motions[0];
   double farthest = 0;
-  for (const Sample& row : plan.samples)
-    farthest = std::max(farthest, Posture<double>::of(robot(), row.state.q).tip.x);
+  for (const Sample& row : plan.samples) farthest = std::max(farthest, Posture<double>::of(robot(), row.state.q).tip.x);
   const auto with_wall = [&](double room) {
     Task task;
     task.box = TipBox{{-2, -2}, {farthest + room, 2}};

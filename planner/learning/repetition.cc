@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <numeric>
+#include <optional>
+#include <set>
 
 #include "common/input_error.h"
 #include "planner/certificate/comparison.h"
@@ -116,8 +118,11 @@ std::vector<std::string> against(const Parameters& robot, const Repetition& repe
   std::vector<std::string> reasons;
   const std::string malformation = malformed(repetition.rows);
   if (!malformation.empty()) return {malformation};
+  std::set<std::string> told;  // what rows break is broken on both arms
   for (const Rehearsal& rehearsal : repetition.rehearsals) {
-    for (const std::string& broken : rehearsal.broken) reasons.push_back(rehearsal.arm + ": " + broken);
+    for (const std::string& broken : rehearsal.broken) {
+      if (told.insert(broken).second) reasons.push_back(rehearsal.arm + ": " + broken);
+    }
   }
   const Joints<double>& expected = repetition.rehearsals.back().link_error_rms;
   for (std::size_t j = 0; j < kJoints; ++j) {

@@ -144,8 +144,10 @@ std::string text_for_people(const LearnArguments& options, const Parameters& rob
   } else {
     text += fmt::format("  expected     links {}, by {}\n", counts(r.rehearsals.back().link_error_rms),
                         r.rehearsals.back().arm);
-    text += fmt::format("  correction   {}\n",
-                        r.fraction == 1 ? std::string("all of it") : fmt::format("{:g} of it", r.fraction));
+    const std::string part = r.fraction == 1  ? "all of it"
+                             : r.fraction > 0 ? fmt::format("{:g} of it", r.fraction)
+                                              : "none";
+    text += fmt::format("  correction   {}\n", part);
   }
   for (const std::string& reason : r.reasons) text += fmt::format("  no more      {}\n", reason);
   if (const LimitCheck* c = nearest_limit(r); c != nullptr && !r.refused) {

@@ -155,7 +155,8 @@ void write_log(const SimulatedRun& run, const std::string& file) {
   log.values.resize(log.names.size());
   Interpolator plan(run.trajectory);
   const std::vector<Sample>& samples = run.simulation.samples;
-  for (std::size_t k = 0; k + 1 < samples.size(); ++k) {
+  const double end = run.trajectory.end_time();
+  for (std::size_t k = 0; k + 1 < samples.size() && samples[k].time < end; ++k) {
     const Sample planned = plan.at(samples[k].time);
     auto column = log.values.begin();
     column++->push_back(samples[k].time);

@@ -142,6 +142,18 @@ TEST_F(LearnCommand, ALogOfAnotherMotionRobotOrEndIsBadInput) {
   refuses("run.csv", "_plan, row", "not the log of that motion");
 }
 
+// A motion that does not end with a tick.
+TEST_F(LearnCommand, ALastTickMayBeShort) {
+  write("move.yaml", "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\nduration: 0.8003\nlimits: {torque: [10, 4]}\n");
+  ASSERT_EQ(run({"plan", "move.yaml", "--out", "out"}).exit_code, 0);
+  execute("out", "run1.csv");
+  ASSERT_EQ(run({"learn", "out", "run1.csv", "--out", "next"}).exit_code, 0);
+  execute("next", "run2.csv");
+  const Result learnt = run({"learn", "next", "run2.csv", "--json"});
+  const nlohmann::json rms = nlohmann::json::parse(learnt.out)["last_link_error_rms_rad"];
+  EXPECT_LT(std::hypot(rms[0].get<double>(), rms[1].get<double>()) / kCount, 2 * kNoise) << learnt.out;
+}
+
 TEST_F(LearnCommand, WhatIsNoPlanIsBadInput) {
   execute("out", "run.csv");
   const Result nowhere = run({"learn", "nowhere", "run.csv"});

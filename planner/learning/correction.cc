@@ -1,9 +1,12 @@
 #include "planner/learning/correction.h"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 
+#include "common/input_error.h"
 #include "planner/control/motor_feedback.h"
 
 namespace fjr {
@@ -118,6 +121,12 @@ class Regulator {
   Eigen::Matrix<double, kStates, 1> defect(std::size_t k, const std::vector<State<double>>& states,
                                            const Joints<double>& torque) {
     const auto to = arm_.advance(run_.times[k], run_.times[k + 1], states[k], torque, run_.lacking[k]);
+    if (!to) {
+      throw InputError(run_.log, "",
+                       fmt::format("the arm with what this run tells cannot be rolled out at {:.3f} s: nothing can be "
+                                   "learnt from it",
+                                   run_.times[k]));
+    }
     Eigen::Matrix<double, kStates, 1> beside;
     for (std::size_t i = 0; i < kStates; ++i) beside[static_cast<Eigen::Index>(i)] = (*to)[i] - states[k + 1][i];
     return beside;

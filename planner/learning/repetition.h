@@ -23,9 +23,9 @@ struct Rehearsal {
 };
 
 struct Repetition {
-  Trajectory rows;      // to be executed next; where it was refused, those that were
-  double fraction = 0;  // of the correction
-  bool refused = false;
+  Trajectory rows;                    // to be executed next; where it was refused, those that were
+  double fraction = 0;                // of the correction
+  bool refused = false;               // not even an eighth of it may be executed
   Joints<double> link_error_rms{};    // [rad] of the last run, by its encoders
   std::vector<Rehearsal> rehearsals;  // of the rows
   std::vector<std::string> reasons;   // against the next larger fraction; where it was refused, against the least
@@ -36,7 +36,7 @@ struct Repetition {
 // than it did. Rollouts: of the robot's model, which has to keep the limits whatever was learnt, and of the model with
 // the learnt torques, which has to keep the task too, but for what a count of the links' encoders makes.
 // Of a run in which both links were within a count rms nothing is learnt: the rows are executed again.
-// limits: the robot's or tighter ones. Throws InputError as smoothed_run() does.
+// limits: the robot's or tighter ones. Throws InputError as smoothed_run() and correction_after() do.
 Repetition next_repetition(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
                            const Trajectory& executed, const ExecutedMotion& motion);
 

@@ -159,7 +159,7 @@ LackingTorques SmoothedRun::lacking_at(double time) const {
 
 SmoothedRun smoothed_run(const Parameters& robot, const ExecutedMotion& motion) {
   const std::vector<Step> steps = Filter(robot, motion).run();
-  SmoothedRun run{motion.times, std::vector<State<double>>(steps.size()), motion.torque,
+  SmoothedRun run{motion.log, motion.times, std::vector<State<double>>(steps.size()), motion.torque,
                   std::vector<LackingTorques>(steps.size())};
   Unknowns adjoint = Unknowns::Zero();  // of the readings after the tick
   for (std::size_t k = steps.size(); k-- > 0;) {

@@ -1,6 +1,7 @@
 // What an arm did in an executed motion, and which torques its model lacks for that.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "planner/identify/executed_motion.h"
@@ -8,7 +9,9 @@
 
 namespace fjr {
 
-struct SmoothedRun {                    // one each per tick
+struct SmoothedRun {
+  std::string log;  // the file, for messages
+  // Of each tick:
   std::vector<double> times;            // [s]
   std::vector<State<double>> states;    // of the arm, at that time
   std::vector<Joints<double>> torque;   // [N m] commanded from then to the next

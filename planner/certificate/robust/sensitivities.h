@@ -21,6 +21,8 @@ class EquivalentGain {
 
   // Of errors of this standard deviation. [rad] -> 1
   double at(double deviation) const;
+  // Its derivative. [1/rad]
+  double slope_at(double deviation) const;
 
  private:
   static constexpr int kEntries = 57;  // two a factor of two

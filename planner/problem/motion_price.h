@@ -1,0 +1,30 @@
+// A price on a motion as a whole, as the optimiser is given it near a motion that is known.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "model/dynamics.h"
+#include "planner/trajectory/motion.h"
+
+namespace fjr {
+
+// Of a functional P of a motion, to first order near one, and a quadratic that keeps the next motion there:
+//   int  density + by_state (x - x_near) + by_torque (u - u_near) + 1/2 sum curvature (x - x_near)^2  dt.
+// States are compared at the same place of a segment, whatever that takes: where a place of another motion takes
+// longer, the density, P's Hamiltonian, says what that costs.
+struct MotionPrice {
+  struct Piece {
+    double begin, end;                     // [s]
+    double density;                        // per second
+    std::array<double, kStates> by_state;  // per second and unit of the state
+    Joints<double> by_torque;              // of the friction-compensated torque u, per second and N m
+  };
+
+  Motion near;
+  std::vector<double> durations;  // [s] of its segments
+  std::vector<Piece> pieces;      // from its start to its end
+  std::array<double, kStates> curvature{};
+};
+
+}  // namespace fjr

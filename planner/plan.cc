@@ -18,6 +18,7 @@
 #include "planner/search/motions.h"
 #include "planner/search/robust.h"
 #include "planner/search/starts.h"
+#include "planner/search/tracking.h"
 #include "planner/search/warm_start.h"
 
 namespace fjr {
@@ -122,8 +123,9 @@ void demand_proof(const Problem& problem, Session& session, Plan& plan) {
 Plan plan(const Problem& problem, const PlanOptions& options) {
   const auto began = std::chrono::steady_clock::now();
   const double began_cpu = cpu_time();
-  Session session(session_options(problem, options));
-  Findings found(problem);
+  const Problem searched = without_closed_loop(problem);
+  Session session(session_options(searched, options));
+  Findings found(searched);
   Plan plan;
 
   session.enter(Phase::kFinding);
@@ -135,7 +137,8 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   }
   if (!plan.warm && !session.stopped()) plan.infeasibility = search(options.starts, found, session);
 
-  if (!session.stopped()) make_robust(found, session);
+  lower_tracking_error(problem, found, session);
+  if (!session.stopped()) make_robust(problem, found, session);
   tell_motion(found, plan);
   conclude(found, session, plan);
   if (plan.certificate) {

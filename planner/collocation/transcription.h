@@ -18,6 +18,9 @@
 //   std::vector<DurationSum> duration_sums;           bounds on sums of them
 //   std::vector<RowBounds> rows_at_nodes;             optional: rows that hold at one node only
 //   double time_weight;                               cost = time_weight T + int cost dt + cost at nodes
+//   std::vector<PointCost<kStates + kControls>> point_costs;
+//                                                     optional: costs of single collocation points, beside the running
+//                                                     cost; none, or one for every stage of every interval
 //   cost_nodes, a list with a member `node` each, and template <class T> T node_cost(const CostNode&, const T* x)
 //   const;
 //                                                     optional: cost of the state at those nodes
@@ -87,6 +90,25 @@ struct RowBounds {
   double lower, upper;
 };
 
+// A running cost at one collocation point: value + slope (v - near) + 1/2 curvature (v - near)^2, of its states and
+// controls v.
+template <int kV>
+struct PointCost {
+  double value = 0;
+  Array<kV> near{}, slope{}, curvature{};
+
+  template <class T>
+  T of(const T* v) const {
+    T cost(value);
+    for (std::size_t i = 0; i < kV; ++i) {
+      if (slope[i] == 0 && curvature[i] == 0) continue;
+      const T away = v[i] - near[i];
+      cost += slope[i] * away + 0.5 * curvature[i] * (away * away);
+    }
+    return cost;
+  }
+};
+
 template <class Ocp>
 class Transcription final : public Nlp {
  public:
@@ -140,7 +162,7 @@ class Transcription final : public Nlp {
   PointValues values(const In& z, int k, int j) const {
     const Array<kV> v = stage_inputs(z, k, j);
     PointValues p;
-    evaluate_at(k, v.data(), p);
+    evaluate_at(k, j, v.data(), p);
     return p;
   }
   // The same at every stage of every interval. Objective and constraints are asked for at the same point one after the
@@ -302,16 +324,23 @@ class Transcription final : public Nlp {
     std::array<D, static_cast<std::size_t>(kV)> v;
     for (int i = 0; i < kV; ++i) v[index(i)] = D::input(values[index(i)], i);
     Point<D> p;
-    evaluate_at(k, v.data(), p);
+    evaluate_at(k, j, v.data(), p);
     return p;
   }
   template <class T>
-  void evaluate_at(int k, const T* v, Point<T>& p) const {
+  void evaluate_at(int k, int j, const T* v, Point<T>& p) const {
     const int segment = mesh_.intervals[index(k)].segment;
     if constexpr (requires { ocp_.evaluate(segment, v, v, p.f.data(), p.cost, p.rows.data()); }) {
       ocp_.evaluate(segment, v, v + kX, p.f.data(), p.cost, p.rows.data());
     } else {
       ocp_.template evaluate<T>(v, v + kX, p.f.data(), p.cost, p.rows.data());
+    }
+    add_point_cost(k, j, v, p.cost);
+  }
+  template <class T>
+  void add_point_cost(int k, int j, const T* v, T& cost) const {
+    if constexpr (requires { ocp_.point_costs; }) {
+      if (!ocp_.point_costs.empty()) cost += ocp_.point_costs[index(k * stages_ + j)].of(v);
     }
   }
 
@@ -398,7 +427,10 @@ class Transcription final : public Nlp {
   void find_structure() {
     std::array<Pattern<kV>, static_cast<std::size_t>(kV)> v;
     for (int i = 0; i < kV; ++i) v[index(i)] = Pattern<kV>::input(1, i);
-    evaluate_at(0, v.data(), structure_);
+    evaluate_at(0, 0, v.data(), structure_);
+    if constexpr (requires { ocp_.point_costs; }) {
+      for (const auto& at : ocp_.point_costs) structure_.cost += at.of(v.data());
+    }
     for (int i = 0; i < kV; ++i) {
       for (int j = 0; j <= i; ++j) {
         bool curved = structure_.cost.curved_in(i, j);
@@ -675,8 +707,9 @@ class Transcription final : public Nlp {
       for (std::size_t r = 0; r < kX; ++r) scaled[r] = h * weight[r];
       ocp_.add_curvature(values.data(), values.data() + kX, scaled.data(), block.data());
       ocp_.cost_and_rows(mesh_.intervals[index(k)].segment, v.data(), v.data() + kX, p.cost, p.rows.data());
+      add_point_cost(k, j, v.data(), p.cost);
     } else {
-      evaluate_at(k, v.data(), p);
+      evaluate_at(k, j, v.data(), p);
       for (std::size_t r = 0; r < kX; ++r) accumulate(h * weight[r], p.f[r]);
     }
     accumulate(cost_weight, p.cost);

@@ -13,6 +13,7 @@
 #include "planner/ocp/collocate.h"
 #include "planner/ocp/margins.h"
 #include "planner/ocp/segments.h"
+#include "planner/problem/motion_price.h"
 #include "planner/problem/task/task.h"
 #include "planner/trajectory/motion.h"
 
@@ -171,6 +172,46 @@ void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
   }
 }
 
+// Of a price, at the stages of every interval, one after the other. What its pieces weigh a change of the motion with
+// is handed on to the stages by the Lagrange basis of the scheme, in which a change on an interval is the sum of those
+// at its stages: nothing of a piece falls between them, however short it is.
+template <Features F>
+auto point_costs(const MotionPrice& price, const Scheme& scheme, const Mesh& mesh) {
+  using Ocp = ArmOcp<F>;
+  constexpr int kOfTorque = F.rate ? Ocp::kArm : Ocp::kStates;
+  constexpr double kInside = 1e-6;  // of an interval: u may jump at its ends
+  std::vector<PointCost<Ocp::kStates + Ocp::kControls>> costs;
+  const std::vector<double> times = mesh.node_times(price.durations);
+  auto first = price.pieces.begin();
+  for (std::size_t k = 0; k < mesh.size(); ++k) {
+    const double begin = times[k], length = times[k + 1] - begin;
+    while (first + 1 < price.pieces.end() && first->end <= begin) ++first;
+    for (int j = 0; j < scheme.stages(); ++j) {
+      const auto integral = [&](double c) {  // of l_j from 0
+        double sum = 0, power = c;
+        for (int d = 0; d < scheme.stages(); ++d, power *= c) sum += scheme.lagrange(j, d) / (d + 1) * power;
+        return sum;
+      };
+      auto& cost = costs.emplace_back();
+      for (auto piece = first; piece < price.pieces.end() && piece->begin < times[k + 1]; ++piece) {
+        const double from = std::max(0.0, (piece->begin - begin) / length),
+                     to = std::min(1.0, (piece->end - begin) / length);
+        const double part = (integral(to) - integral(from)) / scheme.b(j);
+        cost.value += part * piece->density;
+        for (std::size_t i = 0; i < kStates; ++i) cost.slope[i] += part * piece->by_state[i];
+        for (std::size_t i = 0; i < kJoints; ++i) cost.slope[kOfTorque + i] += part * piece->by_torque[i];
+      }
+      const double time = begin + length * std::clamp(scheme.points(j), kInside, 1 - kInside);
+      const std::size_t interval = price.near.interval_at(time);
+      price.near.state_in(interval, time).copy_to(cost.near.data());
+      const Joints<double> torque = price.near.torque_in(interval, time);
+      std::copy(torque.begin(), torque.end(), cost.near.begin() + kOfTorque);
+      std::copy(price.curvature.begin(), price.curvature.end(), cost.curvature.begin());
+    }
+  }
+  return costs;
+}
+
 // max(0, tau dtheta) has a corner at dtheta = 0. It is smoothed with the width of the friction law. [W], and [W s/rad]
 inline constexpr double kLeastKink = 0.01, kKinkPerWidth = 10;
 
@@ -188,10 +229,11 @@ Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSet
   if constexpr (F.rate) bound_first_torque(problem, ocp);
   if constexpr (F.task_rows > 0) ocp.rows_at_nodes = goal_rows<F>(problem, setup.mesh);
   if constexpr (F.slack) add_velocity_rows<F>(problem, setup.mesh, ocp);
+  if (problem.price) ocp.point_costs = point_costs<F>(*problem.price, setup.scheme, setup.mesh);
   ocp.durations = segment_durations(problem);
   ocp.duration_sums = duration_sums(problem);
   Transcription<ArmOcp<F>> transcription{std::move(ocp), setup.scheme, setup.mesh};
-  if (only_time(problem.weights)) transcription.let_states_follow();
+  if (only_time(problem.weights) && !problem.price) transcription.let_states_follow();
   return transcription;
 }
 

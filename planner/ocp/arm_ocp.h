@@ -101,7 +101,8 @@ struct ArmOcp {
     Node kind;
   };
   std::vector<CostNode> cost_nodes;
-  double kink = 0;            // [W] see Instant
+  std::vector<PointCost<kStates + kControls>> point_costs;  // of Problem::price
+  double kink = 0;                                          // [W] see Instant
   double regularisation = 0;  // weight of int u^2, not part of the reported objective: see make_arm_ocp()
 
   template <class T>

@@ -2,6 +2,7 @@
 
 #include <type_traits>
 
+#include "planner/certificate/robust/tracking_error.h"
 #include "planner/ocp/sampling.h"
 #include "planner/ocp/segments.h"
 #include "planner/trajectory/motion.h"
@@ -28,9 +29,11 @@ double integral_over(const Parameters& robot, const Trajectory& trajectory) {
   return sum;
 }
 
-// Whether rows alone say what a term comes to: not of du/dt, which is the motion's, nor of the tip at a release.
+// Whether rows alone say what a term comes to: not of du/dt, which is the motion's, nor of the tip at a release; what
+// the closed loop makes of them takes longer, and is told where it is asked for.
 template <class Term>
-constexpr bool kOfRows = !std::is_same_v<Term, TorqueRate> && !std::is_same_v<Term, TipSpeed>;
+constexpr bool kOfRows =
+    !std::is_same_v<Term, TorqueRate> && !std::is_same_v<Term, TipSpeed> && !Term::info.of_closed_loop;
 
 // Of the terms that `wanted` picks by their weights.
 template <class Wanted>
@@ -39,8 +42,11 @@ std::map<std::string, double> terms_of(const Problem& problem, const Collocated&
   const Published published{solution.motion, trajectory, problem.robot, release_time(problem, solution.durations)};
   std::map<std::string, double> values;
   Terms::visit([&](auto term) {
-    if (!wanted(problem.weights.*term.info.weight)) return;
-    if constexpr (requires { term.published(published); }) {
+    const double weight = problem.weights.*term.info.weight;
+    if (!wanted(weight) || (term.info.of_closed_loop && weight == 0)) return;
+    if constexpr (term.info.of_closed_loop) {
+      values[term.info.name] = expected_tracking_error(problem.robot, trajectory, uncertainty_of(problem.robot));
+    } else if constexpr (requires { term.published(published); }) {
       values[term.info.name] = term.published(published);
     } else {
       values[term.info.name] = integral_over<decltype(term)>(problem.robot, trajectory);
@@ -62,8 +68,10 @@ std::map<std::string, double> terms_of_rows(const Parameters& robot, const Traje
   std::map<std::string, double> values;
   Terms::visit([&](auto term) {
     using Term = decltype(term);
-    if constexpr (requires { term.published(published); }) {
-      if (kOfRows<Term>) values[term.info.name] = term.published(published);
+    if constexpr (!kOfRows<Term>) {
+      return;
+    } else if constexpr (requires { term.published(published); }) {
+      values[term.info.name] = term.published(published);
     } else {
       values[term.info.name] = integral_over<Term>(robot, rows);
     }

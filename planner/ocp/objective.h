@@ -12,6 +12,7 @@ namespace fjr {
 
 // Every term of the objective, unweighted, in its own unit: of the published rows, with the exact friction law that is
 // in their torque. torque_rate is the motion's, and infinite when u jumps: it is then not part of the objective.
+// tracking is the closed loop's, and there only where it counts.
 std::map<std::string, double> objective_terms(const Problem& problem, const Collocated& solution,
                                               const Trajectory& trajectory);
 

@@ -77,6 +77,13 @@ bool has_reward(const Weights& weights) {
   return any_with(weights, [](const TermInfo& term) { return term.reward; });
 }
 
+Weights without_closed_loop(Weights weights) {
+  for (const TermInfo& term : Terms::infos) {
+    if (term.of_closed_loop) weights.*term.weight = 0;
+  }
+  return weights;
+}
+
 int starts_worth_trying(const Weights& weights) {
   int most_with_friction = 0, least = std::numeric_limits<int>::max();
   for (const TermInfo& term : Terms::infos) {

@@ -29,6 +29,7 @@ struct Weights {
   double copper = 0;
   double peak_torque = 0;
   double tip_speed = 0;
+  double tracking = 0;
 };
 
 // What there is to know of a term beside its formula.
@@ -43,6 +44,9 @@ struct TermInfo {
   bool settles_torque = false;  // curved in tau_m or du/dt: nothing else has to choose among torques that do the same
   bool sees_acceleration = false;  // running() uses ddq
   bool reward = false;
+  // Of the uncertain arm in the executor's loop, and not of an instant: found last, from the motion that the other
+  // terms give (planner/search/tracking.h), and told where it counts.
+  bool of_closed_loop = false;
 };
 
 // One instant of a motion: what running() sees.
@@ -216,6 +220,19 @@ struct TipSpeed {
   static double published(const Published& p);
 };
 
+// E int |q - q_plan|^2 of the links, over the arms that the robot's uncertainty leaves possible: see
+// expected_tracking_error() (planner/certificate/robust).
+struct TrackingError {
+  static constexpr TermInfo info{
+      .name = "tracking",
+      .unit = "rad^2 s",
+      .meaning =
+          "expected integral of the links' squared deviation from the plan, by what robot.yaml says is uncertain",
+      .weight = &Weights::tracking,
+      .size = 1e-6,
+      .of_closed_loop = true};
+};
+
 template <class... Term>
 struct TermList {
   static constexpr std::array<TermInfo, sizeof...(Term)> infos{Term::info...};
@@ -226,7 +243,8 @@ struct TermList {
   }
 };
 
-using Terms = TermList<Time, Effort, TorqueRate, LinkAcceleration, LinkJerk, Energy, Copper, PeakTorque, TipSpeed>;
+using Terms =
+    TermList<Time, Effort, TorqueRate, LinkAcceleration, LinkJerk, Energy, Copper, PeakTorque, TipSpeed, TrackingError>;
 
 // ---- what follows from the list ----
 
@@ -267,6 +285,8 @@ bool settles_torque(const Weights& weights);
 bool only_time(const Weights& weights);
 bool sees_acceleration(const Weights& weights);
 bool has_reward(const Weights& weights);
+// The weights of what is optimised at once: without those of the closed loop.
+Weights without_closed_loop(Weights weights);
 // How many starts are worth trying: as many as friction asks for where it counts, and otherwise as the tamest of the
 // terms with several minima.
 int starts_worth_trying(const Weights& weights);

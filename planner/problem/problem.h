@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@
 #include "planner/problem/task/shapes.h"
 
 namespace fjr {
+
+struct MotionPrice;  // planner/problem/motion_price.h
 
 struct Goal {
   Joints<double> q{};                    // [rad]
@@ -93,7 +96,8 @@ struct Problem {
   std::optional<Slack> slack;
   std::optional<double> robust;  // the fraction of the possible arms that is to keep everything; none: only the robot
   Reserve reserve;               // for them; nothing that a request says
-  bool proven = false;           // certified only if the certificate is proven too (certificate/proof/prove.h)
+  std::shared_ptr<const MotionPrice> price;  // beside the weighted terms; nothing that a request says
+  bool proven = false;  // certified only if the certificate is proven too (certificate/proof/prove.h)
   double sample_period = kDefaultSamplePeriod;  // [s] between rows
   // [s] where that would take too many rows: more than sample_period only where the request leaves that open.
   double longest_sample_period = kLongestSamplePeriod;

@@ -94,6 +94,13 @@ void read(const YamlNode& node, const char*, Limits& limits) {
   }
 }
 
+// `w`, or `{weight: w}`.
+double weight_in(const YamlNode& term, const char* unit) {
+  if (!term.is_map()) return term.number(unit);
+  term.allow_keys({"weight"});
+  return term.at("weight").number(unit);
+}
+
 void read(const YamlNode& node, const char* unit, RequestedObjective& objective) {
   if (node.is_scalar()) {
     std::vector<std::string_view> words;
@@ -113,7 +120,7 @@ void read(const YamlNode& node, const char* unit, RequestedObjective& objective)
   node.allow_keys(names);
   Weights& weights = objective.emplace<Weights>();
   for (const TermInfo& term : Terms::infos) {
-    if (const auto weight = node.find(term.name)) weights.*term.weight = weight->number(unit);
+    if (const auto weight = node.find(term.name)) weights.*term.weight = weight_in(*weight, unit);
   }
 }
 

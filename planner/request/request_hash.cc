@@ -98,6 +98,7 @@ std::string request_hash(const Problem& problem) {
   lines.add("duration.min", problem.duration.min);
   lines.add("duration.max", problem.duration.max);
   for (const TermInfo& term : Terms::infos) {
+    if (term.of_closed_loop && problem.weights.*term.weight == 0) continue;
     lines.add(fmt::format("objective.{}", term.name), problem.weights.*term.weight);
   }
   if (problem.release) lines.add("release", static_cast<double>(*problem.release));
@@ -106,8 +107,9 @@ std::string request_hash(const Problem& problem) {
   lines.add_text("seed", std::to_string(problem.seed));
   if (problem.method != kDefaultMethod) lines.add_text("method", problem.method);
   if (problem.search != Thoroughness::kDefault) lines.add_text("search", word_of(problem.search));
-  if (problem.robust) {  // what is uncertain decides the plan, and is no part of the robot's hash
-    lines.add("robust.confidence", *problem.robust);
+  if (problem.robust) lines.add("robust.confidence", *problem.robust);
+  // What is uncertain decides the plan, and is no part of the robot's hash.
+  if (problem.robust || problem.weights.tracking > 0) {
     const Uncertainty uncertainty = uncertainty_of(problem.robot);
     for (std::size_t i = 0; i < uncertainty.names.size(); ++i) {
       for (std::size_t j = 0; j <= i; ++j) {

@@ -26,6 +26,8 @@ constexpr double kShortestPeriod = 0.0005;  // [s] between rows
 constexpr double kViaSpacing = 1e-3;        // [s] between vias, and from both ends
 constexpr std::size_t kMaxVias = 32;
 constexpr double kLargestWeight = 1e9;
+constexpr const char* kNothingUncertain =
+    "the robot has neither covariance nor standard errors, and the payload none: nothing is uncertain";
 constexpr double kSameAngle = 1e-9;  // [rad] below this two given angles mean the same; 1e-5 of an encoder count
 constexpr double kNoMotion = 1e-6;   // [rad] as near as two angles of one tip position are computed
 constexpr double kLargestLinkVelocity = 100;  // [rad/s] several times what motors and springs together can reach
@@ -128,18 +130,24 @@ Weights checked_weights(const Place& place, const Weights& weights) {
   return weights;
 }
 
-Weights resolve_weights(const Request& request, const Duration& duration) {
+Weights resolve_weights(const Request& request, const Parameters& robot, const Duration& duration) {
   const Place place{request, "objective"};
   if (!request.objective) return weights_of(place, default_preset(duration), duration);
   if (const auto* preset = std::get_if<Preset>(&*request.objective)) return weights_of(place, *preset, duration);
-  const Weights weights = checked_weights(place, std::get<Weights>(*request.objective));
+  const Weights all = checked_weights(place, std::get<Weights>(*request.objective));
+  if (all.tracking > 0 && uncertainty_of(robot).none()) place.at("tracking").fail(kNothingUncertain);
+  const Weights weights = without_closed_loop(all);
+  if (size_of(weights) == 0) {
+    place.at("tracking")
+        .fail("needs another term beside it, which says what it is traded for; add time: 1 or effort: 1");
+  }
   if (!duration.fixed() && !(weights.time > 0)) {
     place.fail("a duration that is not fixed needs a time weight; add time: 1, or fix the duration");
   }
   if (duration.fixed() && only_time(weights)) {
     place.fail("time alone has nothing to choose when the duration is fixed; add another weight, such as effort: 1");
   }
-  return weights;
+  return all;
 }
 
 double resolve_sample_period(const Request& request, const Duration& duration) {
@@ -504,7 +512,7 @@ double resolve_confidence(const Request& request, const Parameters& robot) {
     place.at("confidence").fail(fmt::format("{} is outside [{}, {}]", confidence, kLeastConfidence, kMostConfidence));
   }
   if (uncertainty_of(robot).none()) {
-    place.fail("the robot has neither covariance nor standard errors, and the payload none: nothing is uncertain");
+    place.fail(kNothingUncertain);
   }
   return confidence;
 }
@@ -529,7 +537,7 @@ Problem resolve(const Request& request, const Parameters& robot) {
   problem.proven = request.proven;
   problem.limits = resolve_limits(request, problem.robot);
   problem.duration = resolve_duration(request);
-  problem.weights = resolve_weights(request, problem.duration);
+  problem.weights = resolve_weights(request, problem.robot, problem.duration);
   if (request.sample_period) {
     problem.sample_period = problem.longest_sample_period = resolve_sample_period(request, problem.duration);
   }

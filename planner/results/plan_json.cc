@@ -353,7 +353,10 @@ Json head(PlanStatus status, const std::string& reason, const std::string& reque
 
 Json resolved_request_json(const Problem& problem) {
   Json weights = Json::object();
-  for (const TermInfo& term : Terms::infos) weights[std::string(term.name)] = number(problem.weights.*term.weight);
+  for (const TermInfo& term : Terms::infos) {
+    const double weight = problem.weights.*term.weight;
+    if (weight != 0 || !term.of_closed_loop) weights[std::string(term.name)] = number(weight);
+  }
   Json others = Json::array();
   for (const Goal& goal : problem.other_goals) others.push_back(goal_json(goal));
   return {{"start", state_json(problem.start, problem.start_at_rest)},

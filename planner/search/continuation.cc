@@ -29,10 +29,11 @@ constexpr double kStepTolerance = 1e-5;  // [rad] of the meshes on the way
 // smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
 // in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
-constexpr int kStepIterations = 80;    // of homotopy steps that converge at all, nine of ten take less than 60
-constexpr int kRestIterations = 50;    // with rests scaled, 45
-constexpr double kRestWidth = 0.003;   // [rad/s] up to which they are: in wider laws a motor that moves seems to rest
-constexpr int kMovingIterations = 60;  // nine of ten take less than 45
+constexpr int kStepIterations = 80;     // of homotopy steps that converge at all, nine of ten take less than 60
+constexpr int kPricedIterations = 250;  // of warm starts to another price: switches move, and arcs leave their limits
+constexpr int kRestIterations = 50;     // with rests scaled, 45
+constexpr double kRestWidth = 0.003;    // [rad/s] up to which they are: in wider laws a motor that moves seems to rest
+constexpr int kMovingIterations = 60;   // nine of ten take less than 45
 // [rad/s] of the step after which nodes are moved first. What rests when is settled then: motions whose nodes stay
 // until the law is exact are told apart by chance, and come to up to 1.5 % more.
 constexpr double kMovedWidth = 0.01;
@@ -556,7 +557,7 @@ bool Continuation::resume(const Collocated& neighbour) {
   const std::string what = label_ + ", moved";
   // What does not come from there soon is planned from scratch in less time than a second attempt takes on average.
   SolveOptions o = warm(what);
-  o.max_iterations = kStepIterations;
+  o.max_iterations = problem_->price ? kPricedIterations : kStepIterations;
   return attempt(what, CollocationSetup(solution_.setup), nullptr, o) && tighten_on_moved_nodes();
 }
 

@@ -91,8 +91,8 @@ std::optional<Publication> with_reserve(const std::shared_ptr<const Problem>& pr
 
 }  // namespace
 
-void make_robust(Findings& found, Session& session) {
-  if (!found.asked.robust || !found.certified()) return;
+void make_robust(const Problem& asked, Findings& found, Session& session) {
+  if (!asked.robust || !found.certified()) return;
   session.enter(Phase::kRefining);
   const double without = found.best->objective;
   const auto for_each = [&](std::size_t count, const auto& task) { session.for_each(count, task); };
@@ -101,18 +101,18 @@ void make_robust(Findings& found, Session& session) {
     Publication& best = *found.best;
     {
       const Timed timed(session, "robust");
-      best.certificate.robustness = robustness(found.asked.robot, found.asked.limits, task_of(best), best.trajectory,
-                                               *found.asked.robust, for_each);
+      best.certificate.robustness =
+          robustness(asked.robot, asked.limits, task_of(best), best.trajectory, *asked.robust, for_each);
     }
     Robustness& r = best.certificate.robustness;
     r.price = best.objective - without;
     if (r.kept) return;
     if (round < kFittingRounds && std::isfinite(r.link[0]) && !session.interrupted()) {
-      reserve = widened(reserve, found.asked, best, r);
+      reserve = widened(reserve, asked, best, r);
       Problem tightened = *best.problem;
       tightened.reserve = reserve;
       const auto keeping = std::make_shared<const Problem>(std::move(tightened));
-      if (auto published = with_reserve(keeping, best.solution, found.asked, session)) {
+      if (auto published = with_reserve(keeping, best.solution, asked, session)) {
         found.best = std::move(published);
         continue;
       }

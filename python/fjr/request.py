@@ -100,8 +100,8 @@ class Request:
     """File, relative to the working directory; none: the one shipped with fjr."""
     duration: float | str | Duration | Part | None = None
     """[s], or ``"free"``, or bounds."""
-    objective: str | Mapping[str, float] | None = None
-    """A preset (``fastest``, ``gentle``, ``efficient``), or weights of the terms."""
+    objective: str | Mapping[str, float | Mapping[str, float]] | None = None
+    """A preset (``fastest``, ``gentle``, ``efficient``), or weights of the terms, each a number or ``{"weight": w}``."""
     via: Sequence[Via | Part] | None = None
     obstacles: Sequence[Part] | None = None
     """Discs ``{"center": (x, y), "radius": r, "margin": m}`` [m]."""

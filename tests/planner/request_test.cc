@@ -196,6 +196,32 @@ TEST(Keys, HaveUnitsThatNumbersBelowThemShare) {
   EXPECT_EQ(unit_of_key("gaol[0"), "");
 }
 
+TEST(Request, ATrackingErrorIsPricedWhereSomethingIsUncertain) {
+  const std::string payload = "payload: {value: 0.1, unit: kg, standard_error: 0.01}\n";
+  const Problem priced = parse(kMove + payload + "objective: {time: 1, tracking: {weight: 2e4}}\n");
+  EXPECT_EQ(priced.weights.tracking, 2e4);
+  const std::string number = kMove + payload + "objective: {time: {weight: 1}, tracking: 2e4}\n";
+  EXPECT_EQ(parse(number).request_hash, priced.request_hash);
+  EXPECT_EQ(parse(format_request(read_request(number, "request.yaml"))).request_hash, priced.request_hash);
+  EXPECT_NE(parse(kMove + payload).request_hash, priced.request_hash);
+  // What is uncertain decides such a plan.
+  const std::string better_known = "payload: {value: 0.1, unit: kg, standard_error: 0.005}\n";
+  EXPECT_NE(parse(kMove + better_known + "objective: {time: 1, tracking: 2e4}\n").request_hash, priced.request_hash);
+  EXPECT_EQ(error_of(kMove + "objective: {time: 1, tracking: {weight: 2e4}}\n"),
+            "request.yaml: objective.tracking: the robot has neither covariance nor standard errors, and the payload "
+            "none: nothing is uncertain");
+  EXPECT_EQ(error_of(kMove + payload + "duration: 1\nobjective: {tracking: 1}\n"),
+            "request.yaml: objective.tracking: needs another term beside it, which says what it is traded for; add "
+            "time: 1 or effort: 1");
+  EXPECT_EQ(error_of(kMove + payload + "objective: {time: 1, tracking: -1}\n"),
+            "request.yaml: objective.tracking: -1 is outside [0, 1e+09]");
+  EXPECT_EQ(error_of(kMove + payload + "objective: {time: 1, tracking: {wieght: 1}}\n"),
+            "request.yaml: objective.tracking: unknown key \"wieght\"; allowed: weight; did you mean weight?");
+  EXPECT_EQ(error_of(kMove + payload + "duration: 1\nobjective: {time: 1, tracking: 1}\n"),
+            "request.yaml: objective: time alone has nothing to choose when the duration is fixed; add another weight, "
+            "such as effort: 1");
+}
+
 TEST(Request, SearchIsAChoice) {
   EXPECT_EQ(parse(kMove).search, Thoroughness::kDefault);
   EXPECT_EQ(parse(kMove + "search: default\n").request_hash, parse(kMove).request_hash);
@@ -630,7 +656,7 @@ TEST(BrokenRequest, DurationAndObjective) {
       {kMove + "objective: {}", "objective: at least one weight must be > 0"},
       {kMove + "objective: {speed: 1}",
        "objective: unknown key \"speed\"; allowed: time, effort, torque_rate, link_acceleration, link_jerk, energy, "
-       "copper, peak_torque, tip_speed"},
+       "copper, peak_torque, tip_speed, tracking"},
       {kMove + "objective:", "objective: must be a preset (fastest, gentle, efficient) or weights {effort: 1, ...}"},
   });
 }

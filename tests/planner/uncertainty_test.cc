@@ -258,6 +258,15 @@ TEST(RobustPlan, LeavesMarginsForArmsThatItHasNotSeen) {
   EXPECT_EQ(r.savings.size(), r.names.size());
   EXPECT_GT(r.savings.front().second, 0);
   EXPECT_LT(r.savings.front().second, *r.price);
+  // The first is told by planning again: a new request with half that error comes to the same.
+  Uncertainty better = *p.uncertainty;
+  const auto first = std::find(better.names.begin(), better.names.end(), r.savings.front().first);
+  const auto i = static_cast<Eigen::Index>(first - better.names.begin());
+  ASSERT_EQ((better.covariance.col(i).array() != 0).count(), 1) << "told of one that is correlated with others";
+  better.covariance(i, i) /= 4;
+  Problem known = robust;
+  known.robot.uncertainty = std::make_shared<const Uncertainty>(std::move(better));
+  EXPECT_NEAR(r.savings.front().second, with.objective - plan(known, {}).objective, 1e-9);
   constexpr int kArms = 200;
   EXPECT_GE(kept_by(robust, with, kArms), 0.9 - 3 * std::sqrt(0.9 * 0.1 / kArms));  // three standard deviations
   EXPECT_LT(kept_by(ordinary, without, kArms), 0.5);

@@ -25,6 +25,8 @@ using std::chrono::milliseconds;
 using testing::HasSubstr;
 
 inline const std::string kFast = "start: {q: [0.3, 0.2]}\ngoal: {q: [0.42, 0.08]}\nobjective: fastest\n";  // 0.1 s
+inline const std::string kMedium =
+    "start: {q: [0.3, 0.2]}\ngoal: {q: [0.42, 0.08]}\nduration: 1\nobjective: {effort: 1}\nsearch: quick\n";  // 0.6 s
 inline const std::string kSlow =
     "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\nduration: 1.5\nobjective: efficient\n";  // many
 

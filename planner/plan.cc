@@ -125,7 +125,7 @@ void plan_largest_saving(const Problem& problem, const Publication& without, con
                          Robustness& robustness) {
   auto& [parameter, saving] = robustness.savings.front();
   if (!robustness.kept || saving <= 0) return;
-  saving = saved_by_half_the_error(parameter, problem, without, best, session).value_or(saving);
+  saving = std::max(0.0, saved_by_half_the_error(parameter, problem, without, best, session).value_or(saving));
 }
 
 }  // namespace
@@ -148,8 +148,7 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   if (!plan.warm && !session.stopped()) plan.infeasibility = search(options.starts, found, session);
 
   lower_tracking_error(problem, found, session);
-  std::optional<Publication> without_margins;
-  if (!session.stopped()) without_margins = make_robust(problem, found, session);
+  const std::optional<Publication> without_margins = make_robust(problem, found, session);
   tell_motion(found, plan);
   conclude(found, session, plan);
   if (plan.certificate) {
@@ -158,11 +157,11 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   }
   if ((options.proven || problem.proven) && plan.status == PlanStatus::kCertified) demand_proof(problem, session, plan);
   if (plan.solution && plan.trajectory) plan.analysis = analyse(*found.best->problem, *plan.solution, found.scale);
+  tell_account(found, session.account(), plan);
   if (plan.analysis && plan.certificate->robustness.evaluated) {
     tell_savings(*plan.analysis, plan.certificate->robustness);
     plan_largest_saving(problem, *without_margins, *found.best, session, plan.certificate->robustness);
   }
-  tell_account(found, session.account(), plan);
   plan.timing["cpu"] = cpu_since(began_cpu) + session.account().cpu_of_others;
   plan.timing["total"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return plan;

@@ -145,17 +145,25 @@ class Sampler {
   // before it as after it, for the chord between them carries the step's impulse. Where a motor leaves its rest or
   // comes to it, the step is at an end of the piece: one row right beside that.
   void steps(double from, double to) {
-    std::vector<double> times;
+    std::vector<double> times, beside_rests;
+    const auto within_a_step = [&](double time) {
+      for (std::size_t i = 0; i + 1 < times.size(); i += 2) {
+        if (time > times[i] && time < times[i + 1]) return true;
+      }
+      return false;
+    };
     for (std::size_t j = 0; j < kJoints; ++j) {
       if (velocity(j, from) * velocity(j, to) < 0) {
         const double time = reversal(j, from, to), reach = std::min({kStepReach, time - from, to - time});
         if (reach >= kJumpSpacing / 2) times.insert(times.end(), {time - reach, time + reach});
       } else if (to - from > 2 * kStepReach) {
         for (const double time : {from + kStepReach, to - kStepReach}) {
-          if (off_the_chord(j, time, from, to) > velocity_error_) times.push_back(time);
+          if (off_the_chord(j, time, from, to) > velocity_error_) beside_rests.push_back(time);
         }
       }
     }
+    std::erase_if(beside_rests, within_a_step);  // the chord over that step would be cut
+    times.insert(times.end(), beside_rests.begin(), beside_rests.end());
     std::sort(times.begin(), times.end());
     for (const double time : times) {
       if (time > trajectory_.samples.back().time) add(row(motion_.interval_at(time), time));

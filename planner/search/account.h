@@ -13,6 +13,7 @@ namespace fjr {
 enum class Phase {
   kFinding,     // motions on coarse meshes
   kRefining,    // those that promise something
+  kMargins,     // of what is certified, for other arms
   kExplaining,  // why there is none
 };
 

@@ -69,7 +69,8 @@ void publish_best(std::vector<Continuation> motions, Findings& found, Session& s
   }
 }
 
-// Motions whose springs have time to swing, at the least time: with ever calmer objectives until one is certified.
+// Motions whose springs have time to swing, at the least time: with objectives that still them, the calmest first,
+// until one is certified.
 void hurry_calmly(const Continuation& coarse, Findings& found, Session& session) {
   const Timed timed(session, "finish");
   for (const auto& calm : calmed_hurry(*coarse.problem())) {

@@ -103,9 +103,9 @@ Parameters known_twice_as_well(const Parameters& robot, const std::string& param
   const Eigen::VectorXd column = u.covariance.col(i);
   u.covariance -= (1 - kLeft) / variance * column * column.transpose();
   u.covariance(i, i) = kLeft * variance;
-  u.payload = robot.payload;
   Parameters known = robot;
   known.payload.mass_error = known.payload.inertia_error = 0;  // the covariance says it
+  u.payload = known.payload;
   known.uncertainty = std::make_shared<const Uncertainty>(std::move(u));
   return known;
 }
@@ -144,7 +144,12 @@ void add_margins(Publication& best, const Problem& asked, Session& session) {
 
 std::optional<Publication> make_robust(const Problem& asked, Findings& found, Session& session) {
   if (!asked.robust || !found.certified()) return std::nullopt;
-  session.enter(Phase::kRefining);
+  if (session.stopped()) {
+    found.best->certificate.certified = false;
+    found.best->certificate.failures.emplace_back("there was no time left to look for margins for other arms");
+    return std::nullopt;
+  }
+  session.enter(Phase::kMargins);
   const Publication without = *found.best;
   add_margins(*found.best, asked, session);
   return without;

@@ -17,6 +17,7 @@ double allowed_by_the_end_of(Phase phase) {
       return 0.5;
     case Phase::kRefining:
       return 0.8;
+    case Phase::kMargins:
     case Phase::kExplaining:
       return 1;
   }

@@ -180,6 +180,8 @@ const char* phase_of(const Progress& progress) {
       return "finding";
     case Phase::kRefining:
       return "refining";
+    case Phase::kMargins:
+      return "margins";
     case Phase::kExplaining:
       return "explaining";
   }

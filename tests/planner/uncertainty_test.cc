@@ -273,6 +273,21 @@ TEST(RobustPlan, LeavesMarginsForArmsThatItHasNotSeen) {
   EXPECT_FALSE(without.certificate->robustness.evaluated);
 }
 
+// With half its error the payload is still what is uncertain, and margins are found for it.
+TEST(RobustPlan, OfAnUncertainPayloadTellsWhatHalfItsErrorSaves) {
+  const Problem problem = parse_request(
+      "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\n"
+      "payload: {value: 0.1, unit: kg, standard_error: 0.01}\nrobust: {confidence: 0.9}\n",
+      "loaded.yaml", robot());
+  const Plan with = plan(problem, {});
+  ASSERT_EQ(with.status, PlanStatus::kCertified) << with.reason;
+  const Robustness& r = with.certificate->robustness;
+  ASSERT_FALSE(r.savings.empty());
+  EXPECT_EQ(r.savings.front().first, "payload.mass");
+  EXPECT_GT(r.savings.front().second, 0);
+  EXPECT_LT(r.savings.front().second, *r.price);
+}
+
 // Where a path is active nearly all the way, what keeps its margins cannot be had from the multipliers of what does
 // not.
 TEST(RobustPlan, LeavesMarginsAlongAPath) {

@@ -18,7 +18,7 @@ struct Neighbours {
   Parameters more, less;
   double apart;
 
-  // Of a function of the robot by that parameter.
+  // Derivative of a function f of the robot by that parameter.
   template <class F>
   auto slope(const F& f) const {
     return ((f(more) - f(less)) / apart).eval();
@@ -43,7 +43,7 @@ struct PropagatedTick {
 
 class Propagation {
  public:
-  // All of them outlive it.
+  // The arguments have to outlive the object and its copies.
   Propagation(const Parameters& robot, const Trajectory& trajectory, const Uncertainty& uncertainty);
 
   // From one end of a tick to the other [s], with the torque held. record: what it came to, where that is wanted.

@@ -11,6 +11,23 @@
 namespace fjr {
 namespace {
 
+constexpr double kStill = 1e-5;  // [rad/s] as of a rest
+
+// In rows learnt for an arm that is not quite the one planned for, whose motors stand elsewhere for the same q.
+bool stands_as_learnt(const Trajectory& trajectory, const Sample& row) {
+  const auto status = trajectory.metadata.find("status");
+  bool still = status != trajectory.metadata.end() && status->second == "learnt";
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    still &= std::abs(row.state.dq[j]) <= kStill && std::abs(row.state.dtheta[j]) <= kStill;
+  }
+  return still;
+}
+
+// What the executor holds after the end: the motors where the row has them, with the torque of the springs.
+Sample standing(const Parameters& planned_for, const Sample& row) {
+  return {row.time, {row.state.q, {}, row.state.theta, {}}, spring_torque(planned_for, row.state.q, row.state.theta)};
+}
+
 Simulation roll_out(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
                     const Drive& drive) {
   Simulation out;
@@ -35,10 +52,12 @@ void hold_after_end(const Parameters& planned_for, const Parameters& arm, const 
                     Simulation& run) {
   const Sample& goal = trajectory.samples.back();
   const State<double> from = run.samples.back().state;
-  run.completed = hold_at_rest(planned_for, arm, goal, from, duration,
-                               [&](double after, const State<double>& x, const Joints<double>& torque) {
-                                 run.samples.push_back({goal.time + after, x, torque});
-                               });
+  const auto keep = [&](double after, const State<double>& x, const Joints<double>& torque) {
+    run.samples.push_back({goal.time + after, x, torque});
+  };
+  run.completed = stands_as_learnt(trajectory, goal)
+                      ? hold_at_place(planned_for, arm, standing(planned_for, goal), from, duration, keep)
+                      : hold_at_rest(planned_for, arm, goal, from, duration, keep);
   if (!run.completed) run.failure = "the integration broke down after the end";
 }
 
@@ -58,7 +77,12 @@ Simulation run_ticks(const Parameters& planned_for, const Parameters& arm, const
 
 State<double> start_on(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory) {
   const Sample& first = trajectory.samples.front();
+  if (stands_as_learnt(trajectory, first)) return {resting_with(arm, first.state.theta), {}, first.state.theta, {}};
   return is_at_rest(planned_for, first) ? rest_at(arm, first.state.q) : first.state;
+}
+
+bool stands(const Parameters& planned_for, const Trajectory& trajectory, const Sample& row) {
+  return is_at_rest(planned_for, row) || stands_as_learnt(trajectory, row);
 }
 
 Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,

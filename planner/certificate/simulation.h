@@ -25,12 +25,17 @@ struct Simulation {
 // gains, encoders and drives, `arm` is the one that moves. The samples are what the certificate looks at, at most 0.25
 // ms apart, or of kExecutor the ends of its ticks.
 // hold: [s] for so long the arm is then held in the rest at the last row's q, by the executor's law (hold_at_rest) and
-// with a sample at the end of each of its ticks. 0 in open loop.
+// with a sample at the end of each of its ticks; of learnt rows with the motors at the last row's theta. 0 in open
+// loop.
 Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
                     ControlMode control, double hold = 0);
 
 // Where a trajectory begins on that arm: in its first row's state, or where that is rest for the one that it was
-// planned for, in the rest of the other.
+// planned for, in the rest of the other. Of learnt rows the motors' place is kept, and the links hang from it.
 State<double> start_on(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory);
+
+// That row of the trajectory is rest for the arm that it was planned for, or, in learnt rows, for the arm that they
+// were learnt on: there is no velocity in it.
+bool stands(const Parameters& planned_for, const Trajectory& trajectory, const Sample& row);
 
 }  // namespace fjr

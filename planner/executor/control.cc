@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "planner/certificate/residual.h"
 #include "planner/stop/stop_motion.h"
 
 namespace fjr {
@@ -30,17 +31,6 @@ Reading first_reading(Arm& arm) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   throw std::runtime_error(fmt::format("the encoder {} gives no samples", silent));
-}
-
-// Where the links come to rest when the motors stand at theta: theta = q + K^-1 G(q), by iteration. The springs
-// are more than three times as stiff as gravity, so that 20 steps leave less than 1e-9 rad.
-Joints<double> resting_with(const Parameters& robot, const Joints<double>& theta) {
-  Joints<double> q = theta;
-  for (int i = 0; i < 20; ++i) {
-    const Joints<double> at_rest = rest_at(robot, q).theta;
-    for (std::size_t j = 0; j < kJoints; ++j) q[j] += theta[j] - at_rest[j];
-  }
-  return q;
 }
 
 // 1 at 0, 0 from 1 on, with two continuous derivatives.

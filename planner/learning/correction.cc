@@ -21,7 +21,7 @@ using Input = Eigen::Matrix<double, kDeviations, kJoints>;
 // What costs as much as one count of a link's error at one tick:
 constexpr double kIncrement = 0.01;     // of the torque limit: of the correction, from tick to tick
 constexpr double kFirst = 0.1;          // likewise: of its first value
-constexpr double kLastVelocity = 1e-4;  // [rad/s] of links and motors at the end, which is a rest
+constexpr double kLastVelocity = 1e-4;  // [rad/s] of links and motors at the last tick, where the plan may brake yet
 
 // Of Gauss and Newton's method. The first expects motors to reverse when they did, and friction's slopes to be those
 // of the last run: alone it left 16 counts of link 2 where two and more leave one.
@@ -60,7 +60,6 @@ class Regulator {
         run_(run),
         arm_(robot),
         begins_(start_of_next(robot, run.states.front(), executed.samples.front())),
-        goal_(executed.samples.back().state),
         onto_plan_(std::min(kOntoPlan, 0.5 * (run.times.back() - run.times.front()))) {
     Interpolator rows(executed);
     const PlannedDither dither(robot, executed);
@@ -186,7 +185,7 @@ class Regulator {
     const auto add = [&](std::size_t row) {
       const auto i = static_cast<Eigen::Index>(row);
       p(i, i) += weight;
-      slope[i] -= weight * (goal_[row] - course.states.back()[row]);
+      slope[i] -= weight * (planned_.back()[row] - course.states.back()[row]);
     };
     for (std::size_t j = 0; j < kJoints; ++j) {
       add(kStateDq + j);
@@ -227,7 +226,7 @@ class Regulator {
   const Parameters& robot_;
   const SmoothedRun& run_;
   LackingArm arm_;
-  State<double> begins_, goal_;
+  State<double> begins_;
   double onto_plan_;  // [s]
   std::vector<State<double>> planned_;
   std::vector<Joints<double>> commanded_;

@@ -22,6 +22,7 @@ namespace {
 
 constexpr std::array kFractions{1.0, 0.5, 0.25, 0.125};
 constexpr double kSamePlan = 1e-8;  // [rad] the log has twelve digits
+constexpr double kSameTime = 1e-6;  // [s] likewise
 
 // What a rollout amounts to, tick by tick.
 class Rehearsed {
@@ -138,6 +139,24 @@ bool within_a_count(const Parameters& robot, const ExecutedMotion& motion) {
   return std::max(motion.link_error_rms[0], motion.link_error_rms[1]) <= exactness_tolerance(robot);
 }
 
+// A log of ticks has its first row within a tick of the motion's start, and its last one within a tick of its end.
+void require_whole(const Trajectory& rows, const Log& log) {
+  const std::vector<double>& times = log.column("time");
+  const double begin = rows.start_time(), end = rows.end_time();
+  if (times.front() > begin + kTick + kSameTime) {
+    throw InputError(log.source, "time, row 1",
+                     fmt::format("{:.9g} s, but the motion begins at {:.9g} s: its log begins at most a tick of {:g} s "
+                                 "later",
+                                 times.front(), begin, kTick));
+  }
+  if (times.back() < end - kTick - kSameTime) {
+    throw InputError(log.source, fmt::format("time, row {}", times.size()),
+                     fmt::format("{:.9g} s is the last one, but the motion ends at {:.9g} s: its log ends at most a "
+                                 "tick of {:g} s earlier",
+                                 times.back(), end, kTick));
+  }
+}
+
 }  // namespace
 
 Repetition next_repetition(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
@@ -194,6 +213,7 @@ void require_run_of(const Trajectory& rows, const std::string& rows_name, const 
       }
     }
   }
+  require_whole(rows, log);
 }
 
 }  // namespace fjr

@@ -41,7 +41,8 @@ Repetition next_repetition(const Parameters& robot, const Limits& limits, const 
                            const Trajectory& executed, const ExecutedMotion& motion);
 
 // Throws InputError naming the log, the column and the row where the log is not of a run of these rows: where the
-// links' plan in it is another. rows_name: of the rows, for the message.
+// plan in it is another, or where it does not cover the motion, to a tick of the executor. rows_name: of the rows, for
+// the message.
 void require_run_of(const Trajectory& rows, const std::string& rows_name, const Log& log);
 
 }  // namespace fjr

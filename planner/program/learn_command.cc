@@ -42,6 +42,7 @@ struct ExecutedPlan {
 };
 
 ExecutedPlan executed_plan(const std::string& folder) {
+  const FolderLock lock(folder);
   ExecutedPlan plan{read_plan(folder), {}, {}};
   if (!plan.record.trajectory) {
     throw InputError(folder, "", "holds no certified trajectory: there is no motion that could be repeated");
@@ -149,8 +150,15 @@ std::string text_for_people(const LearnArguments& options, const Parameters& rob
                                               : "none";
     text += fmt::format("  correction   {}\n", part);
   }
-  for (const std::string& reason : r.reasons) text += fmt::format("  no more      {}\n", reason);
-  if (const LimitCheck* c = nearest_limit(r); c != nullptr && !r.refused) {
+  bool kept = true;
+  for (const std::string& reason : r.reasons) text += fmt::format("  held back    {}\n", reason);
+  for (const Rehearsal& rehearsal : r.refused ? std::vector<Rehearsal>{} : r.rehearsals) {
+    for (const std::string& broken : rehearsal.broken) {
+      kept = false;
+      text += fmt::format("  NOT KEPT     {}: {}\n", rehearsal.arm, broken);
+    }
+  }
+  if (const LimitCheck* c = nearest_limit(r); c != nullptr && !r.refused && kept) {
     text += fmt::format("  limits       kept; nearest is {}{}: {:.4g} of {:.4g}\n", c->name,
                         c->joint > 0 ? fmt::format(" of joint {}", c->joint) : "", std::max(c->reached, c->rollout),
                         c->limit);

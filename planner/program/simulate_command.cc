@@ -13,12 +13,12 @@
 #include "model/encoder.h"
 #include "model/log.h"
 #include "planner/certificate/certificate.h"
-#include "planner/certificate/residual.h"
 #include "planner/certificate/run_figures.h"
 #include "planner/certificate/simulation.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
 #include "planner/program/misspelt.h"
+#include "planner/protocol/execution_messages.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/planned_with.h"
 
@@ -62,7 +62,7 @@ SimulatedRun simulated(const SimulateArguments& options) {
   Parameters arm = options.true_robot.empty() ? run.robot : robot_in(options.true_robot);
   tell_doubts(run.robot);
   const ControlMode control = control_named(options.control);
-  if (control != ControlMode::kOpenLoop && is_at_rest(run.robot, run.trajectory.samples.back()))
+  if (control != ControlMode::kOpenLoop && stands(run.robot, run.trajectory, run.trajectory.samples.back()))
     run.hold = options.hold;
   run.simulation = simulate(run.robot, arm, run.trajectory, control, run.hold);
   run.figures = figures_of(arm, run.trajectory, run.simulation, exactness_tolerance(run.robot));
@@ -145,7 +145,10 @@ void write_run(const SimulatedRun& run, const std::string& file) {
 // What the executor would have logged: at every tick what encoders read, and the torque that it then held.
 void write_log(const SimulatedRun& run, const std::string& file) {
   Log log;
-  log.metadata = {{"robot_hash", robot_hash(run.robot)}, {"code", "0"}};
+  const bool completed = run.simulation.completed;
+  const ResultCode code = completed ? ResultCode::kSuccessful : ResultCode::kPathToleranceViolated;
+  log.metadata = {{"robot_hash", robot_hash(run.robot)}, {"code", std::to_string(static_cast<std::int32_t>(code))}};
+  if (!completed) log.metadata["sentence"] = run.simulation.failure;
   log.names = {"time"};
   for (const char* suffix : {"", "_plan"}) {
     for (const char* quantity : {"q", "theta", "tau"}) {

@@ -275,6 +275,16 @@ TEST(PlanPage, TheObjectiveIsComparedWithThatOfTheProfiles) {
   EXPECT_THAT(html, Not(HasSubstr("Not compared is")));
 }
 
+TEST(PlanPage, SaysWhichRepetitionOfThePlanItIs) {
+  PlanRecord record = gentle();
+  const std::string sentence = "learnt: repetition 3; status and certificate are of the plan before";
+  EXPECT_THAT(plan_page(record), Not(HasSubstr("learnt:")));
+  record.plan["repetition"] = {{"number", 3}};
+  const std::string html = plan_page(record);
+  EXPECT_THAT(html, HasSubstr(sentence));
+  EXPECT_LT(html.find(sentence), html.find("class='badge"));
+}
+
 TEST(PlanPage, SaysWhatOfTheObjectiveIsNotCompared) {
   PlanRecord record = gentle();
   record.plan["resolved_request"]["objective"]["torque_rate"] = 0.1;

@@ -3,11 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <future>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "planner/results/result_folder.h"
 #include "planner/trajectory/trajectory.h"
 #include "tests/support/cli.h"
 
@@ -17,6 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 constexpr double kCount = 2 * 3.14159265358979 / 65536;  // [rad] of the links' encoders
 
@@ -82,6 +87,7 @@ TEST_F(LearnCommand, RepetitionsFollowThePlanEverMoreExactly) {
       EXPECT_TRUE(rehearsal["broken"].empty());
       for (const auto& limit : rehearsal["limits"]) EXPECT_TRUE(limit["passed"]) << limit;
     }
+    EXPECT_THAT(learnt.out, AllOf(HasSubstr("limits       kept; nearest"), Not(HasSubstr("NOT KEPT"))));
     EXPECT_EQ(run({"report", next}).exit_code, 0);
     folder = next;
   }
@@ -140,6 +146,78 @@ TEST_F(LearnCommand, ALogOfAnotherMotionRobotOrEndIsBadInput) {
   refuses("missing.csv");
   plan("limits: {torque: [9, 4]}\n");
   refuses("run.csv", "_plan, row", "not the log of that motion");
+}
+
+// A log's first row is at the start, and its last one a tick before the end: either half of the rows is not enough, nor
+// are all but one at the end, or all but two at the start.
+TEST_F(LearnCommand, ALogThatDoesNotCoverTheMotionIsBadInput) {
+  execute("out", "run.csv");
+  const std::string log = contents(path("run.csv"));
+  const std::size_t rows = log.find('\n', log.find("\ntime,") + 1) + 1;
+  const auto after_lines = [&](int lines) {
+    std::size_t at = rows;
+    for (int i = 0; i < lines; ++i) at = log.find('\n', at) + 1;
+    return at;
+  };
+  const int count = static_cast<int>(std::count(log.begin() + static_cast<std::ptrdiff_t>(rows), log.end(), '\n'));
+  for (const int kept : {count / 2, count - 1}) {
+    write("begin.csv", log.substr(0, after_lines(kept)));
+    refuses("begin.csv", "time, row " + std::to_string(kept), "the motion ends at 0.8 s");
+  }
+  for (const int cut : {count / 2, 2}) {
+    write("end.csv", log.substr(0, rows) + log.substr(after_lines(cut)));
+    refuses("end.csv", "time, row 1", "the motion begins at 0 s");
+  }
+  write("barely.csv", log.substr(0, rows) + log.substr(after_lines(1)));
+  EXPECT_EQ(run({"learn", "out", "barely.csv", "--out", "next"}).exit_code, 0);
+}
+
+// A start at 1e8 rad/s cannot be integrated.
+TEST_F(LearnCommand, ASimulationThatBreaksDownSaysSoInItsLog) {
+  Trajectory rows = read_csv(path("out/trajectory.csv"));
+  rows.samples.front().state.dq = {1e8, -1e8};
+  write_csv(rows, path("out/trajectory.csv"));
+  const Result simulated = run({"simulate", "out/trajectory.csv", "--control", "executor", "--log", "broken.csv"});
+  EXPECT_EQ(simulated.exit_code, 1) << simulated.out;
+  EXPECT_THAT(contents(path("broken.csv")), AllOf(HasSubstr("# code: -4"), HasSubstr("# sentence: the integration")));
+  refuses("broken.csv", "# code", "the integration broke down");
+}
+
+// Another fjr that replaces a folder's results holds the lock of its parent folder; before it is done they may be in
+// part the old ones and in part the new ones.
+TEST_F(LearnCommand, WaitsForWhoReplacesTheFolder) {
+  execute("out", "run.csv");
+  auto lock = std::make_unique<FolderLock>(path("out"));
+  auto learnt = std::async(std::launch::async, [&] { return run({"learn", "out", "nowhere.csv"}); });
+  EXPECT_EQ(learnt.wait_for(std::chrono::seconds(3)), std::future_status::timeout);  // the message takes no tenth of it
+  lock.reset();
+  EXPECT_EQ(learnt.get().exit_code, 2);
+}
+
+// Gravity bends the springs of the true arm by 5 % more: with its motors where they are learnt to be, it hangs lower.
+TEST_F(LearnCommand, ALearntMotionIsSimulatedFromWhereTheMotorsStand) {
+  write("move.yaml", "start: {q: [1, 0]}\ngoal: {q: [0.2, 0.5]}\nduration: 0.8\n");
+  ASSERT_EQ(run({"plan", "move.yaml", "--out", "out"}).exit_code, 0);
+  execute("out", "run1.csv");
+  ASSERT_EQ(run({"learn", "out", "run1.csv", "--out", "next"}).exit_code, 0);
+  const Trajectory rows = read_csv(path("next/trajectory.csv"));
+  for (const char* control : {"executor", "closed-loop"}) {
+    const Result result = run({"simulate", "next/trajectory.csv", "--control", control, "--true-robot", "wrong.yaml",
+                               "--out", "run.csv", "--hold", "0.5", "--json"});
+    ASSERT_EQ(result.exit_code, 0) << result.err;
+    const nlohmann::json json = nlohmann::json::parse(result.out);
+    const Trajectory run_of_it = read_csv(path("run.csv"));
+    const Parameters wrong = load_parameters(path("wrong.yaml"));
+    const State<double> start = run_of_it.samples.front().state, rest = rest_at(wrong, start.q);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      EXPECT_EQ(start.theta[j], rows.samples.front().state.theta[j]);
+      EXPECT_NEAR(start.theta[j], rest.theta[j], 1e-8);
+    }
+    EXPECT_EQ(start.dq, (Joints<double>{}));
+    ASSERT_FALSE(json["after_end"].is_null()) << control;
+    EXPECT_EQ(json["after_end"]["window"], 0.5);
+    std::printf("residual %s %s\n", json["after_end"].dump().c_str(), json["link_error_rad"].dump().c_str());
+  }
 }
 
 // A motion that does not end with a tick.

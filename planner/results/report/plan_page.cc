@@ -37,6 +37,11 @@ std::string with_joint(const std::string& name, int joint) {
 
 void add_verdict(ChartPage& page, const JsonField& plan) {
   const std::string status = plan.at("status").text(), reason = plan.at("reason").text();
+  if (const auto repetition = plan.find("repetition")) {
+    page.add_paragraph(fmt::format("learnt: repetition {:.0f}; status and certificate are of the plan before",
+                                   repetition->at("number").number()),
+                       "warning");
+  }
   page.add_html(fmt::format("<p><span class='badge {}'>{}</span>", status == "certified" ? "good" : "bad",
                             escaped_html(spaced(status))));
   const double duration = plan.at("duration").number();

@@ -216,7 +216,6 @@ TEST_F(LearnCommand, ALearntMotionIsSimulatedFromWhereTheMotorsStand) {
     EXPECT_EQ(start.dq, (Joints<double>{}));
     ASSERT_FALSE(json["after_end"].is_null()) << control;
     EXPECT_EQ(json["after_end"]["window"], 0.5);
-    std::printf("residual %s %s\n", json["after_end"].dump().c_str(), json["link_error_rad"].dump().c_str());
   }
 }
 

@@ -35,8 +35,7 @@ Joints<T> link_jerk(const Parameters& p, const State<T>& x, const Joints<T>& ddq
   const T r1 = spring[0] - c1 - p.link.damping[0] * ddq[0] - first - second - mass_rate * (2.0 * ddq[0] + ddq[1]);
   const T r2 = spring[1] - c2 - p.link.damping[1] * ddq[1] - second - mass_rate * ddq[0];
   const MassMatrix<T> m = mass_matrix(p, x.q[1]);
-  const T inverse_determinant = 1.0 / (m.m11 * m.m22 - m.m12 * m.m12);
-  return {(m.m22 * r1 - m.m12 * r2) * inverse_determinant, (m.m11 * r2 - m.m12 * r1) * inverse_determinant};
+  return accelerations(m, r1, r2);
 }
 
 // dx/dt with the friction-compensated torque u = tau_m - tau_fm_nonlinear(dtheta), eq. (26): J ddtheta + B dtheta +

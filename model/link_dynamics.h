@@ -113,6 +113,13 @@ Joints<T> spring_torque(const Parameters& p, const Joints<T>& q, const Joints<T>
   return {p.spring.stiffness[0] * (theta[0] - q[0]), p.spring.stiffness[1] * (theta[1] - q[1])};
 }
 
+// M^-1 r. [N m] -> [rad/s^2]
+template <class T, class R>
+Joints<T> accelerations(const MassMatrix<T>& m, const R& r1, const R& r2) {
+  const T inverse_determinant = 1.0 / (m.m11 * m.m22 - m.m12 * m.m12);
+  return {(m.m22 * r1 - m.m12 * r2) * inverse_determinant, (m.m11 * r2 - m.m12 * r1) * inverse_determinant};
+}
+
 // ddq [rad/s^2] of the link side under the spring torque tau_c.
 template <class T>
 Joints<T> link_acceleration(const Parameters& p, const Joints<T>& q, const Joints<T>& dq, const Joints<T>& tau_c) {
@@ -121,8 +128,7 @@ Joints<T> link_acceleration(const Parameters& p, const Joints<T>& q, const Joint
   const Joints<T> g = gravity_torque(p, q);
   const T r1 = tau_c[0] - c[0] - g[0] - p.link.damping[0] * dq[0];
   const T r2 = tau_c[1] - c[1] - g[1] - p.link.damping[1] * dq[1];
-  const T inverse_determinant = 1.0 / (m.m11 * m.m22 - m.m12 * m.m12);
-  return {(m.m22 * r1 - m.m12 * r2) * inverse_determinant, (m.m11 * r2 - m.m12 * r1) * inverse_determinant};
+  return accelerations(m, r1, r2);
 }
 
 }  // namespace fjr

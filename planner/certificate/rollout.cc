@@ -9,7 +9,6 @@
 
 #include "common/dual.h"
 #include "common/sundials_handles.h"
-#include "model/pushed_links.h"
 
 namespace fjr {
 namespace {
@@ -165,7 +164,7 @@ struct Rollout::Memory {
   State<T> derivative(const State<T>& x_now, const Joints<T>& tau) const {
     State<T> f = dynamics(robot, x_now, tau);
     if (pushed == Joints<double>{}) return f;
-    const Joints<T> pushes = acceleration_by(robot, x_now.q[1], pushed);
+    const Joints<T> pushes = accelerations(mass_matrix(robot, x_now.q[1]), pushed[0], pushed[1]);
     for (std::size_t j = 0; j < kJoints; ++j) f.dq[j] += pushes[j];
     return f;
   }

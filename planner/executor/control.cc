@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "common/smooth_step.h"
 #include "planner/certificate/residual.h"
 #include "planner/stop/stop_motion.h"
 
@@ -31,12 +32,6 @@ Reading first_reading(Arm& arm) {
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   throw std::runtime_error(fmt::format("the encoder {} gives no samples", silent));
-}
-
-// 1 at 0, 0 from 1 on, with two continuous derivatives.
-double fade(double x) {
-  if (x >= 1) return 0;
-  return 1 - x * x * x * (10 + x * (-15 + 6 * x));
 }
 
 }  // namespace
@@ -79,7 +74,7 @@ void Control::hold_at(const Joints<double>& q, const Joints<double>& theta, doub
 }
 
 Joints<double> Control::reference() const {
-  const double left = fade((time_ - began_) / kHandOver);
+  const double left = 1 - smooth_step((time_ - began_) / kHandOver);
   Joints<double> theta;
   for (std::size_t j = 0; j < kJoints; ++j) {
     theta[j] = planned_.state.theta[j] + offset_[j] * left + shift_[j];

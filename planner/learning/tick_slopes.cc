@@ -4,7 +4,6 @@
 
 #include "common/dual.h"
 #include "model/friction.h"
-#include "model/pushed_links.h"
 
 namespace fjr {
 namespace {
@@ -17,7 +16,8 @@ State<double> middle_of(const State<double>& a, const State<double>& b) {
 
 // M^-1, column by column.
 Eigen::Matrix2d inverse_mass(const Parameters& robot, double q2) {
-  const Joints<double> first = acceleration_by(robot, q2, {1, 0}), second = acceleration_by(robot, q2, {0, 1});
+  const MassMatrix<double> m = mass_matrix(robot, q2);
+  const Joints<double> first = accelerations(m, 1.0, 0.0), second = accelerations(m, 0.0, 1.0);
   return Eigen::Matrix2d{{first[0], second[0]}, {first[1], second[1]}};
 }
 
@@ -25,7 +25,8 @@ StateMatrix rate_slopes(const Parameters& robot, const State<double>& begin, con
                         const Joints<double>& torque, const LackingTorques& lacking, const Joints<double>& uncertain) {
   const State<double> middle = middle_of(begin, end);
   StateMatrix a = state_jacobian(robot, middle, torque);
-  const Joints<Dual<1>> pushes = acceleration_by(robot, Dual<1>::input(middle.q[1], 0), lacking.link);
+  const Joints<Dual<1>> pushes =
+      accelerations(mass_matrix(robot, Dual<1>::input(middle.q[1], 0)), lacking.link[0], lacking.link[1]);
   for (std::size_t j = 0; j < kJoints; ++j) {
     const auto of_link = static_cast<Eigen::Index>(kStateDq + j),
                of_motor = static_cast<Eigen::Index>(kStateDtheta + j);

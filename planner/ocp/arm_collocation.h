@@ -172,9 +172,9 @@ void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
   }
 }
 
-// Of a price, at the stages of every interval, one after the other. What its pieces weigh a change of the motion with
-// is handed on to the stages by the Lagrange basis of the scheme, in which a change on an interval is the sum of those
-// at its stages: nothing of a piece falls between them, however short it is.
+// The costs that a price makes of the stages of every interval, one interval after the other. A change of the motion on
+// an interval is the sum of its changes at the stages times their Lagrange polynomials, so each piece of the price is
+// integrated with those: however short it is, none of it is lost between the stages.
 template <Features F>
 auto point_costs(const MotionPrice& price, const Scheme& scheme, const Mesh& mesh) {
   using Ocp = ArmOcp<F>;

@@ -85,23 +85,8 @@ LearntJson rehearsal_json(const Rehearsal& rehearsal) {
                   {"limits", LearntJson::array()},
                   {"task", LearntJson::array()},
                   {"broken", rehearsal.broken}};
-  for (const LimitCheck& c : rehearsal.limits) {
-    json["limits"].push_back({{"name", c.name},
-                              {"joint", c.joint},
-                              {"limit", c.limit},
-                              {"reached", c.reached},
-                              {"time", c.time},
-                              {"rollout", c.rollout},
-                              {"passed", c.passed}});
-  }
-  for (const TaskCheck& c : rehearsal.task) {
-    json["task"].push_back({{"name", c.name},
-                            {"link", c.link},
-                            {"unit", c.unit},
-                            {"clearance", c.clearance},
-                            {"time", c.time},
-                            {"passed", c.passed}});
-  }
+  for (const LimitCheck& check : rehearsal.limits) json["limits"].push_back(limit_json(check));
+  for (const TaskCheck& check : rehearsal.task) json["task"].push_back(task_json(check));
   return json;
 }
 

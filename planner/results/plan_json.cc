@@ -156,26 +156,6 @@ Json robustness_json(const Robustness& r, double count) {
           {"not_covered", Robustness::kNotCovered}};
 }
 
-Json limit_json(const LimitCheck& check) {
-  return {{"name", check.name},
-          {"joint", check.joint == 0 ? Json(nullptr) : Json(check.joint)},
-          {"limit", number(check.limit)},
-          {"reached", number(check.reached)},
-          {"time", number(check.time)},
-          {"margin", number(check.margin())},
-          {"rollout", number(check.rollout)},
-          {"passed", check.passed}};
-}
-
-Json task_json(const TaskCheck& check) {
-  return {{"name", check.name},
-          {"link", check.link == 0 ? Json(nullptr) : Json(check.link)},
-          {"room", number(check.clearance)},
-          {"unit", check.unit},
-          {"time", number(check.time)},
-          {"passed", check.passed}};
-}
-
 Json residual_json(const Residual& residual) {
   if (!residual.evaluated) return nullptr;
   return {{"window", number(residual.window)},
@@ -350,6 +330,26 @@ Json head(PlanStatus status, const std::string& reason, const std::string& reque
 }
 
 }  // namespace
+
+Json limit_json(const LimitCheck& check) {
+  return {{"name", check.name},
+          {"joint", check.joint == 0 ? Json(nullptr) : Json(check.joint)},
+          {"limit", number(check.limit)},
+          {"reached", number(check.reached)},
+          {"time", number(check.time)},
+          {"margin", number(check.margin())},
+          {"rollout", number(check.rollout)},
+          {"passed", check.passed}};
+}
+
+Json task_json(const TaskCheck& check) {
+  return {{"name", check.name},
+          {"link", check.link == 0 ? Json(nullptr) : Json(check.link)},
+          {"room", number(check.clearance)},
+          {"unit", check.unit},
+          {"time", number(check.time)},
+          {"passed", check.passed}};
+}
 
 Json resolved_request_json(const Problem& problem) {
   Json weights = Json::object();

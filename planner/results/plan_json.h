@@ -20,6 +20,8 @@ nlohmann::ordered_json bad_input_json(const std::string& name, const std::string
 nlohmann::ordered_json resolved_request_json(const Problem& problem);
 
 nlohmann::ordered_json certificate_json(const Certificate& certificate);
+nlohmann::ordered_json limit_json(const LimitCheck& check);
+nlohmann::ordered_json task_json(const TaskCheck& check);
 
 // Indented, ending with a new line. Text from outside that is not UTF-8 is replaced, never an error.
 std::string json_text(const nlohmann::ordered_json& json);

@@ -158,7 +158,8 @@ std::vector<Change> changes(const Parameters& p, double duration) {
 
 // Differences over changes of a hundredth to a thousandth; the motion need not be one that the arm can do. At the
 // reversals of motors the step of friction lies within one tick, and is taken by its mean: of what is about motor 2,
-// and of the duration, which moves the reversals between the ticks, that is up to 6 % of the whole; of all else 1e-3.
+// and of the duration, which moves the reversals between the ticks, that is up to 6 % of the whole, and of
+// all else up to 1.1 %.
 TEST(TrackingError, DerivativesAreThoseOfDifferences) {
   constexpr double kWithinAStep = 1e-3;  // [rad/s]
   const Parameters p = uncertain(robot(), 0.02);
@@ -194,7 +195,7 @@ struct Trade {
   const char* request;  // without its objective
   const char* objective;
   double weight;
-  double at_most;  // fraction of the tracking error that the plan without the term has; measured, and 0.07 to 0.1
+  double at_most;  // of the tracking error that the plan without the term has: what was measured, and 0.07 to 0.1 more
 };
 
 Plan planned(const Trade& trade, double weight) {

@@ -20,7 +20,7 @@ struct TrackingGradient {
 };
 
 // [rad/s] to both sides of a motor's velocity, over which its friction is differentiated. The law's steps are narrower
-// than 1e-3 rad/s; what holds within them only would send motors that rest far away for nothing.
+// than 1e-3 rad/s: by its slope within a step the search would move motors that rest far, and gain nothing.
 inline constexpr double kFrictionReach = 0.2;
 
 // By the adjoint recursion of the sensitivities, backwards from the last tick. With L = dP/dS,

@@ -13,7 +13,9 @@ namespace {
 
 constexpr std::size_t kMost = 6;    // of limits that are looked at
 constexpr double kInTheWay = 0.05;  // fraction of the slack by which what is in the way exceeds its limit
-constexpr double kMuchLonger = 3;   // times a motion with everything relaxed: time to carry the arm slowly
+// Times a motion with everything relaxed: there is time to carry the arm then. With just the torque that carrying
+// takes, lifts to 2.2, 2.6 and 3 rad take 1.06 times as long.
+constexpr double kMuchLonger = 3;
 
 void keep_heaviest(std::vector<Candidate>& candidates) {
   std::stable_sort(candidates.begin(), candidates.end(),

@@ -1,0 +1,70 @@
+// What the members of an Ocp are made of (transcription.h): bounds, and costs of single points.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <limits>
+
+namespace fjr {
+
+template <int N>
+using Array = std::array<double, static_cast<std::size_t>(N)>;
+
+// Bounds on the state at one node of the mesh, in addition to the general ones; equal where fixed.
+template <int N>
+struct NodeBounds {
+  std::size_t node;
+  Array<N> lower, upper;
+};
+
+template <int N>
+Array<N> filled(double value) {
+  Array<N> a;
+  a.fill(value);
+  return a;
+}
+
+// Bounds that hold along the way; +-infinity where there is none.
+template <int kX, int kU, int kC>
+struct PathBounds {
+  Array<kX> x_lower = filled<kX>(-std::numeric_limits<double>::infinity());
+  Array<kX> x_upper = filled<kX>(std::numeric_limits<double>::infinity());
+  Array<kU> u_lower = filled<kU>(-std::numeric_limits<double>::infinity());
+  Array<kU> u_upper = filled<kU>(std::numeric_limits<double>::infinity());
+  Array<kC> row_lower = filled<kC>(-std::numeric_limits<double>::infinity());
+  Array<kC> row_upper = filled<kC>(std::numeric_limits<double>::infinity());
+};
+
+// Bounds [s] on the sum of the durations of segments first to last.
+struct DurationSum {
+  int first, last;
+  double lower, upper;
+};
+
+// Bounds on a path row that does not see the control, at one node other than the first.
+struct RowBounds {
+  std::size_t node;
+  int row;
+  double lower, upper;
+};
+
+// A running cost at one collocation point: value + slope (v - near) + 1/2 curvature (v - near)^2, of its states and
+// controls v.
+template <int kV>
+struct PointCost {
+  double value = 0;
+  Array<kV> near{}, slope{}, curvature{};
+
+  template <class T>
+  T of(const T* v) const {
+    T cost(value);
+    for (std::size_t i = 0; i < kV; ++i) {
+      if (slope[i] == 0 && curvature[i] == 0) continue;
+      const T away = v[i] - near[i];
+      cost += slope[i] * away + 0.5 * curvature[i] * (away * away);
+    }
+    return cost;
+  }
+};
+
+}  // namespace fjr

@@ -46,7 +46,7 @@ class StandbyTest : public ServiceTest {
   }
 
   Order to_be_executed() {
-    Order to_be = order(kFast);
+    Order to_be = order(kMedium);
     to_be.action = Action::kPlanAndExecute;
     return to_be;
   }
@@ -191,7 +191,7 @@ class ClientDeathTest : public StandbyTest {
   void ask_for_a_motion() {
     start_both();
     executor_ = start_executor("0,0");
-    write("slow.yaml", kSlow);
+    write("slow.yaml", kSlow + "search: thorough\n");
     client_ = start_fjr({"request", path("slow.yaml"), "--execute", "--domain", domain()}, "request");
     wait_until_solving("a");
   }
@@ -358,7 +358,7 @@ TEST_F(CancelledTest, WhereTheOwnerCannotHaveHeard) {
   a_ = start("a");
   connect();
   wait_until([&] { return owner() == "a"; });
-  const Order slow = order(kSlow);
+  const Order slow = order(kSlow + "search: thorough\n");
   send(slow);
   wait_until_solving("a");
   b_ = start("b");
@@ -393,7 +393,7 @@ TEST_F(CancelledTest, WhenTheServiceEndsBeforeItHasAnsweredThemAll) {
 
 TEST_F(StandbyTest, AnEndingOwnerHandsOver) {
   start_both();
-  const Order one = order(kFast), two = order(kFast);
+  const Order one = order(kMedium), two = order(kFast);
   send(one);
   send(two);
   wait_until_solving("a");
@@ -490,8 +490,8 @@ TEST_F(StandbyTest, AfterKillAndRestartTheTrajectoryRunsOnce) {
   a_ = start("a");
   connect();
   const Instance executor = start_executor();
-  write("fast.yaml", kFast);
-  Process request = fjr({"request", path("fast.yaml"), "--execute", "--domain", domain()}, "request.log");
+  write("medium.yaml", kMedium);
+  Process request = fjr({"request", path("medium.yaml"), "--execute", "--domain", domain()}, "request.log");
   wait_until_solving("a");
   a_->send(SIGKILL);
   EXPECT_EQ(a_->wait(), -1);

@@ -17,7 +17,8 @@ cmake --preset release
 cmake --build --preset release
 cmake --preset asan
 
-# Tests of the service run alone, and mostly wait: meanwhile, and only with what they leave, the next build.
+# Tests of the service mostly wait, and those that are judged by the clock run alone: meanwhile, and only with what tests leave,
+# the next build.
 nice -n 19 ninja -C build-asan >/dev/null 2>&1 &
 build=$!
 trap 'kill "$build" 2>/dev/null || true' EXIT

@@ -18,12 +18,21 @@ constexpr const char* kFooter =
     "Exit codes: 0 certified, 2 bad input, 3 infeasible or not converged, 4 certificate failed,\n"
     "            5 deadline or cancelled, 1 anything else; of several plans the largest.";
 
+// Of a library that may be there: what it returns is of no interest.
+template <class... Arguments>
+void call_if_loaded(const char* name, Arguments... arguments) {
+  void* const function = dlsym(RTLD_DEFAULT, name);
+  if (function != nullptr) reinterpret_cast<void (*)(Arguments...)>(function)(arguments...);
+}
+
 // Plans are reproducible to the last bit, and not slowed down by idle BLAS threads, only with one thread. The BLAS is
 // whatever the system has linked Ipopt to; a threaded OpenBLAS has read its environment before main() starts, so it is
-// asked through its own function, which other libraries do not have.
+// asked through its own functions, which other libraries do not have. It has also started a thread for every core by
+// then, each of which keeps its core busy for a tenth of a second before it sleeps: they are ended, as OpenBLAS itself
+// does before each fork().
 void hold_blas_to_one_thread() {
-  void* const function = dlsym(RTLD_DEFAULT, "openblas_set_num_threads");
-  if (function != nullptr) reinterpret_cast<void (*)(int)>(function)(1);
+  call_if_loaded("openblas_set_num_threads", 1);
+  call_if_loaded("blas_thread_shutdown_");
 }
 
 int run(int argc, char** argv) {

@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <pty.h>
 #include <signal.h>
+#include <sys/ioctl.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <array>
@@ -13,6 +15,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -152,6 +155,26 @@ TEST_F(Cli, ARequestMayComeFromStandardInput) {
   EXPECT_EQ(plan_json("file")["request_hash"], plan_json()["request_hash"]);
   write("stdin", "goal: [1, 2\n");
   EXPECT_THAT(run({"plan", "-", "--out", "out"}).err, testing::StartsWith("fjr: stdin: "));
+}
+
+// A threaded BLAS starts a thread for every core, each of which keeps its core busy at first. They have ended where the
+// program waits for its request; where BLAS has no threads, there never were any.
+TEST_F(Cli, HasOneThreadUnlessAskedForMore) {
+  ASSERT_EQ(mkfifo(path("stdin").c_str(), 0600), 0);
+  const int input = open(path("stdin").c_str(), O_RDWR | O_CLOEXEC);
+  ASSERT_GE(input, 0);
+  const pid_t child = start({"plan", "-", "--out", "out"});
+  const std::string half = "start: {q: [0.0, 0.0]}\n";
+  ASSERT_EQ(::write(input, half.data(), half.size()), static_cast<ssize_t>(half.size()));
+  for (int i = 0, unread = 1; i < 5000 && unread > 0; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ASSERT_EQ(ioctl(input, FIONREAD, &unread), 0);
+  }
+  const fs::directory_iterator threads("/proc/" + std::to_string(child) + "/task"), end;
+  EXPECT_EQ(std::distance(threads, end), 1);
+  kill(child, SIGKILL);
+  EXPECT_EQ(finish(child).exit_code, -1);
+  close(input);
 }
 
 TEST_F(Cli, ExplainsARequestWithoutPlanningIt) {

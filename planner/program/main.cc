@@ -18,11 +18,11 @@ constexpr const char* kFooter =
     "Exit codes: 0 certified, 2 bad input, 3 infeasible or not converged, 4 certificate failed,\n"
     "            5 deadline or cancelled, 1 anything else; of several plans the largest.";
 
-// Of a library that may be there: what it returns is of no interest.
-template <class... Arguments>
+// A function of a library that may be there; what it returns is of no interest.
+template <class Function, class... Arguments>
 void call_if_loaded(const char* name, Arguments... arguments) {
   void* const function = dlsym(RTLD_DEFAULT, name);
-  if (function != nullptr) reinterpret_cast<void (*)(Arguments...)>(function)(arguments...);
+  if (function != nullptr) (void)reinterpret_cast<Function*>(function)(arguments...);
 }
 
 // Plans are reproducible to the last bit, and not slowed down by idle BLAS threads, only with one thread. The BLAS is
@@ -31,8 +31,8 @@ void call_if_loaded(const char* name, Arguments... arguments) {
 // then, each of which keeps its core busy for a tenth of a second before it sleeps: they are ended, as OpenBLAS itself
 // does before each fork().
 void hold_blas_to_one_thread() {
-  call_if_loaded("openblas_set_num_threads", 1);
-  call_if_loaded("blas_thread_shutdown_");
+  call_if_loaded<void(int)>("openblas_set_num_threads", 1);
+  call_if_loaded<int()>("blas_thread_shutdown_");
 }
 
 int run(int argc, char** argv) {

@@ -223,7 +223,7 @@ Order decode_terms(const Message& message) {
   order.robot_id = text_of(message.robot_id);
   order.robot_hash = text_of(message.robot_hash);
   order.refusal = refusal_of_time("budget", message.budget);
-  if (message.action > fjr_msg_ACTION_EXECUTE) {
+  if (message.action > fjr_msg_ACTION_REPEAT) {
     order.refusal =
         Refusal{Reason::kUnsupported, "action", fmt::format("{} is not supported by this version", message.action)};
   }
@@ -241,7 +241,7 @@ RequestId decode(const fjr_msg_RequestId& wire) {
 
 Order decode(const fjr_msg_PlanRequest2& extended) {
   Order order = decode_terms(extended.request);
-  if (order.action == Action::kExecute) return order;
+  if (of_earlier_plan(order.action)) return order;
   Taker take;
   order.motion = motion_of(take, extended);
   order.motion->source = order.name;

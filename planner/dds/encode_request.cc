@@ -18,6 +18,7 @@ namespace fjr::dds {
 namespace {
 
 static_assert(static_cast<int>(Action::kExecute) == fjr_msg_ACTION_EXECUTE);
+static_assert(static_cast<int>(Action::kRepeat) == fjr_msg_ACTION_REPEAT);
 
 void set_pair(const Joints<double>& pair, double (&to)[2]) { std::copy(pair.begin(), pair.end(), to); }
 
@@ -258,7 +259,7 @@ fjr_msg_MotionRequest encode(const Order& order) {
   fjr_msg_MotionRequest message{};
   encode_terms(order, message);
   message.start_within = order.start_within;
-  if (order.action == Action::kExecute) return message;
+  if (of_earlier_plan(order.action)) return message;
   const std::string document = without_robot(order.document, order.name);
   if (document.size() > fjr_msg_MAX_DOCUMENT) {
     throw InputError(order.name, "", fmt::format("larger than {} bytes without comments", fjr_msg_MAX_DOCUMENT));
@@ -290,7 +291,7 @@ WireRequest encode_plan_request(const Order& order) {
   WireRequest wire;
   fjr_msg_PlanRequest& message = wire.message.request;
   encode_terms(order, message);
-  if (order.action == Action::kExecute) return wire;
+  if (of_earlier_plan(order.action)) return wire;
   encode_motion(read_request(YamlNode::parse(order.document, order.name)), wire);
   lend(wire.via, message.via);
   lend(wire.obstacles, message.obstacles);

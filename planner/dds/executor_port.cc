@@ -24,13 +24,17 @@ ExecutorPort::ExecutorPort(Participant participant, const std::string& robot_id)
       waitset_(participant_),
       trajectories_2_(participant_, participant_.handle()),
       trajectories_(participant_, participant_.handle()),
+      learnt_trajectories_(
+          if_permitted<Reader<fjr_msg_LearntTrajectory>>(participant_, TopicOf<fjr_msg_LearntTrajectory>::kName)),
       commands_(participant_, participant_.handle()),
       others_(participant_, of_others()),
       state_(participant_, participant_.handle(), announcing(robot_id)),
       results_(participant_, participant_.handle()),
+      runs_(if_permitted<Writer<fjr_msg_ExecutedRun>>(participant_, TopicOf<fjr_msg_ExecutedRun>::kName)),
       drift_(if_permitted<Writer<fjr_msg_ArmDrift>>(participant_, TopicOf<fjr_msg_ArmDrift>::kName)) {
   waitset_.attach(trajectories_2_.arrived());
   waitset_.attach(trajectories_.arrived());
+  if (learnt_trajectories_) waitset_.attach(learnt_trajectories_->arrived());
   waitset_.attach(commands_.arrived());
 }
 
@@ -41,6 +45,10 @@ std::vector<TrajectoryOrder> ExecutorPort::take_trajectories() {
   });
   trajectories_.take_all([&](const fjr_msg_Trajectory& message, const dds_sample_info_t& info) {
     if (info.valid_data && !also_writes_2(info.publication_handle)) orders.push_back(decode(message));
+  });
+  if (!learnt_trajectories_) return orders;
+  learnt_trajectories_->take_all([&](const fjr_msg_LearntTrajectory& message, const dds_sample_info_t& info) {
+    if (info.valid_data) orders.push_back(decode(message));
   });
   return orders;
 }
@@ -91,6 +99,8 @@ std::vector<Claimant> ExecutorPort::take_reporting() {
 void ExecutorPort::send(const ExecutorState& state) { (void)state_.write(encode(state)); }
 
 void ExecutorPort::send(const ExecutionResult& result) { (void)results_.write(encode(result).message); }
+
+bool ExecutorPort::send(const ExecutedRun& run) { return !runs_ || runs_->write(encode(run)); }
 
 void ExecutorPort::send(const ArmDrift& drift) {
   if (drift_) (void)drift_->write(encode(drift));

@@ -33,10 +33,14 @@ class ExecutorPort {
 
   void send(const ExecutorState& state);
   void send(const ExecutionResult& result);
+  bool send(const ExecutedRun& run);  // false: whoever learns from it is too slow
   void send(const ArmDrift& drift);
 
-  // Waits until the results have been taken, at most so long.
-  void flush(std::chrono::nanoseconds timeout) const { (void)results_.flush(timeout.count()); }
+  // Waits until results and runs have been taken, at most so long for each.
+  void flush(std::chrono::nanoseconds timeout) const {
+    (void)results_.flush(timeout.count());
+    if (runs_) (void)runs_->flush(timeout.count());
+  }
 
  private:
   bool also_writes_2(dds_instance_handle_t publication) const;
@@ -46,10 +50,12 @@ class ExecutorPort {
   Waitset waitset_;
   Reader<fjr_msg_Trajectory2> trajectories_2_;
   Reader<fjr_msg_Trajectory> trajectories_;
+  std::optional<Reader<fjr_msg_LearntTrajectory>> learnt_trajectories_;
   Reader<fjr_msg_ExecutorCommand> commands_;
   ExecutorStates others_;
   Writer<fjr_msg_ExecutorState> state_;
   Writer<fjr_msg_ExecutionResult> results_;
+  std::optional<Writer<fjr_msg_ExecutedRun>> runs_;
   std::optional<Writer<fjr_msg_ArmDrift>> drift_;
 };
 

@@ -41,6 +41,7 @@ ServicePort::ServicePort(Participant participant)
       executors_(participant_, participant_.handle()),
       results_(participant_, participant_.handle()),
       drifts_(if_permitted<Reader<fjr_msg_ArmDrift>>(participant_, TopicOf<fjr_msg_ArmDrift>::kName)),
+      runs_(if_permitted<Reader<fjr_msg_ExecutedRun>>(participant_, TopicOf<fjr_msg_ExecutedRun>::kName)),
       status_(participant_, participant_.handle()),
       clients_(participant_) {
   waitset_.attach(peers_.arrived());
@@ -153,6 +154,15 @@ std::vector<ArmDrift> ServicePort::take_drifts() {
   return drifts;
 }
 
+std::vector<ExecutedRun> ServicePort::take_runs() {
+  std::vector<ExecutedRun> runs;
+  if (!runs_) return runs;
+  runs_->take_all([&](const fjr_msg_ExecutedRun& message, const dds_sample_info_t& info) {
+    if (info.valid_data) runs.push_back(decode(message));
+  });
+  return runs;
+}
+
 void ServicePort::send(const ServiceStatus& status) { (void)status_.write(encode(status)); }
 
 // Executors meet them in this order, and take the second only from those who have not the first.
@@ -160,15 +170,21 @@ void ServicePort::own(std::uint64_t epoch) {
   disown();
   trajectories_2_.emplace(participant_, participant_.handle(), of_owner(epoch));
   trajectories_.emplace(participant_, participant_.handle(), of_owner(epoch));
+  learnt_trajectories_ = if_permitted<Writer<fjr_msg_LearntTrajectory>>(
+      participant_, TopicOf<fjr_msg_LearntTrajectory>::kName, of_owner(epoch));
 }
 
 void ServicePort::disown() {
+  learnt_trajectories_.reset();
   trajectories_.reset();
   trajectories_2_.reset();
 }
 
+bool ServicePort::learnt_are_taken() const { return learnt_trajectories_ && learnt_trajectories_->has_reader(); }
+
 bool ServicePort::send(const TrajectoryOrder& order) {
   if (!trajectories_) return false;
+  if (order.learnt) return learnt_trajectories_ && learnt_trajectories_->write(encode_learnt(order));
   const bool sent = trajectories_2_->write(encode_2(order));
   return trajectories_->write(encode(order)) && sent;
 }

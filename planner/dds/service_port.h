@@ -64,6 +64,7 @@ class ServicePort {
   std::vector<Executor> take_executors();
   std::vector<RequestId> take_concluded();  // trajectories that were executed or refused
   std::vector<ArmDrift> take_drifts();      // what executors say of their arms, of any robot
+  std::vector<ExecutedRun> take_runs();     // likewise of what has moved them
 
   const Participant& participant() const { return participant_; }
   Waitset& waitset() { return waitset_; }
@@ -74,6 +75,7 @@ class ServicePort {
   void own(std::uint64_t epoch);
   void disown();
   bool send(const TrajectoryOrder& order);  // to the executor; false: it is too slow
+  bool learnt_are_taken() const;            // by an executor that is there; of orders that are `learnt`
 
  private:
   Participant participant_;
@@ -92,9 +94,11 @@ class ServicePort {
   Reader<fjr_msg_ExecutorState> executors_;
   Reader<fjr_msg_ExecutionResult> results_;
   std::optional<Reader<fjr_msg_ArmDrift>> drifts_;
+  std::optional<Reader<fjr_msg_ExecutedRun>> runs_;
   Writer<fjr_msg_PlannerStatus> status_;
   std::optional<Writer<fjr_msg_Trajectory2>> trajectories_2_;
   std::optional<Writer<fjr_msg_Trajectory>> trajectories_;
+  std::optional<Writer<fjr_msg_LearntTrajectory>> learnt_trajectories_;
   ClientWriters clients_;
 };
 

@@ -112,6 +112,13 @@ struct TopicOf<fjr_msg_Trajectory2> {
 };
 
 template <>
+struct TopicOf<fjr_msg_LearntTrajectory> {
+  static constexpr const char* kName = "fjr/learnt_trajectory";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_LearntTrajectory_desc; }
+  static Qos qos() { return TopicOf<fjr_msg_Trajectory>::qos(); }
+};
+
+template <>
 struct TopicOf<fjr_msg_ExecutorCommand> {
   static constexpr const char* kName = "fjr/executor_command";
   static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ExecutorCommand_desc; }
@@ -135,6 +142,17 @@ struct TopicOf<fjr_msg_ExecutionResult> {
   static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ExecutionResult_desc; }
   static Qos qos() {
     return std::move(Qos().reliable(DDS_MSECS(5)).transient_local().keep_last(64).automatic_liveliness(DDS_MSECS(300)));
+  }
+};
+
+// A service that joins, or is started again, goes on learning from them: of motions that take turns the last run of
+// each counts. A motion of a second takes 130 kB.
+template <>
+struct TopicOf<fjr_msg_ExecutedRun> {
+  static constexpr const char* kName = "fjr/executed_run";
+  static const dds_topic_descriptor_t* descriptor() { return &fjr_msg_ExecutedRun_desc; }
+  static Qos qos() {
+    return std::move(Qos().reliable(DDS_MSECS(20)).transient_local().late_joiners_get(16).keep_last(16));
   }
 };
 

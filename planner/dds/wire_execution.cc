@@ -20,6 +20,10 @@ Joints<double> pair_of(const double (&from)[2]) { return {from[0], from[1]}; }
 static_assert(sizeof(fjr_msg_StopMotion) == sizeof(StopMotion) && std::is_trivially_copyable_v<StopMotion>);
 static_assert(offsetof(fjr_msg_StopMotion, free) == offsetof(StopMotion, free));
 
+// Likewise eleven doubles of a tick.
+static_assert(sizeof(fjr_msg_ExecutedRow) == sizeof(ExecutedRow) && std::is_trivially_copyable_v<ExecutedRow>);
+static_assert(offsetof(fjr_msg_ExecutedRow, planned_theta) == offsetof(ExecutedRow, planned_theta));
+
 static_assert(fjr_msg_MAX_SIGNATURE == kLongestSignature && fjr_msg_MAX_CERTIFICATE == kLongestCertificate);
 
 template <class List, class Items>
@@ -28,7 +32,7 @@ void copy(const List& from, Items& to) {
   if (!to.empty()) std::memcpy(static_cast<void*>(to.data()), from._buffer, to.size() * sizeof(to[0]));
 }
 
-// What both types have.
+// What all types have.
 template <class Message>
 void set_members(Message& message, const TrajectoryOrder& order) {
   set_text(message.robot_id, order.robot_id);
@@ -69,6 +73,26 @@ TrajectoryOrder order_of(const Message& message) {
   return order;
 }
 
+// What the signed types have.
+template <class Message>
+Message signed_message(const TrajectoryOrder& order) {
+  Message message{};
+  set_members(message, order);
+  point_to(message.stops, order.stops.data(), order.stops.size(), fjr_msg_MAX_STOPS);
+  point_to(message.signature, order.signature.value.data(), order.signature.value.size(), fjr_msg_MAX_SIGNATURE);
+  point_to(message.signer, order.signature.signer.data(), order.signature.signer.size(), fjr_msg_MAX_CERTIFICATE);
+  return message;
+}
+
+template <class Message>
+TrajectoryOrder signed_order_of(const Message& message) {
+  TrajectoryOrder order = order_of(message);
+  copy(message.stops, order.stops);
+  copy(message.signature, order.signature.value);
+  copy(message.signer, order.signature.signer);
+  return order;
+}
+
 }  // namespace
 
 fjr_msg_Trajectory encode(const TrajectoryOrder& order) {
@@ -79,20 +103,17 @@ fjr_msg_Trajectory encode(const TrajectoryOrder& order) {
 
 TrajectoryOrder decode(const fjr_msg_Trajectory& message) { return order_of(message); }
 
-fjr_msg_Trajectory2 encode_2(const TrajectoryOrder& order) {
-  fjr_msg_Trajectory2 message{};
-  set_members(message, order);
-  point_to(message.stops, order.stops.data(), order.stops.size(), fjr_msg_MAX_STOPS);
-  point_to(message.signature, order.signature.value.data(), order.signature.value.size(), fjr_msg_MAX_SIGNATURE);
-  point_to(message.signer, order.signature.signer.data(), order.signature.signer.size(), fjr_msg_MAX_CERTIFICATE);
-  return message;
+fjr_msg_Trajectory2 encode_2(const TrajectoryOrder& order) { return signed_message<fjr_msg_Trajectory2>(order); }
+
+TrajectoryOrder decode(const fjr_msg_Trajectory2& message) { return signed_order_of(message); }
+
+fjr_msg_LearntTrajectory encode_learnt(const TrajectoryOrder& order) {
+  return signed_message<fjr_msg_LearntTrajectory>(order);
 }
 
-TrajectoryOrder decode(const fjr_msg_Trajectory2& message) {
-  TrajectoryOrder order = order_of(message);
-  copy(message.stops, order.stops);
-  copy(message.signature, order.signature.value);
-  copy(message.signer, order.signature.signer);
+TrajectoryOrder decode(const fjr_msg_LearntTrajectory& message) {
+  TrajectoryOrder order = signed_order_of(message);
+  order.learnt = true;
   return order;
 }
 
@@ -190,6 +211,30 @@ ExecutionResult decode(const fjr_msg_ExecutionResult& message) {
   }
   result.log_file = text_of(message.log_file);
   return result;
+}
+
+fjr_msg_ExecutedRun encode(const ExecutedRun& run) {
+  fjr_msg_ExecutedRun message{};
+  set_text(message.robot_id, run.robot_id);
+  set_text(message.robot_hash, run.robot_hash);
+  message.trajectory_id = encode(run.trajectory_id);
+  message.error_code = static_cast<std::int32_t>(run.code);
+  set_text(message.sentence, run.sentence);
+  message.missed_ticks = run.missed_ticks;
+  point_to(message.rows, run.rows.data(), run.rows.size(), fjr_msg_MAX_ROWS);
+  return message;
+}
+
+ExecutedRun decode(const fjr_msg_ExecutedRun& message) {
+  ExecutedRun run;
+  run.robot_id = text_of(message.robot_id);
+  run.robot_hash = text_of(message.robot_hash);
+  run.trajectory_id = decode(message.trajectory_id);
+  run.code = static_cast<ResultCode>(message.error_code);
+  run.sentence = text_of(message.sentence);
+  run.missed_ticks = message.missed_ticks;
+  copy(message.rows, run.rows);
+  return run;
 }
 
 fjr_msg_ArmDrift encode(const ArmDrift& drift) {

@@ -15,6 +15,8 @@ fjr_msg_Trajectory encode(const TrajectoryOrder& order);
 TrajectoryOrder decode(const fjr_msg_Trajectory& message);
 fjr_msg_Trajectory2 encode_2(const TrajectoryOrder& order);
 TrajectoryOrder decode(const fjr_msg_Trajectory2& message);
+fjr_msg_LearntTrajectory encode_learnt(const TrajectoryOrder& order);
+TrajectoryOrder decode(const fjr_msg_LearntTrajectory& message);
 
 fjr_msg_ExecutorState encode(const ExecutorState& state);
 ExecutorState decode(const fjr_msg_ExecutorState& message);
@@ -29,6 +31,10 @@ struct WireResult {
 };
 WireResult encode(const ExecutionResult& result);
 ExecutionResult decode(const fjr_msg_ExecutionResult& message);
+
+// Points into `run`, as above.
+fjr_msg_ExecutedRun encode(const ExecutedRun& run);
+ExecutedRun decode(const fjr_msg_ExecutedRun& message);
 
 fjr_msg_ArmDrift encode(const ArmDrift& drift);
 ArmDrift decode(const fjr_msg_ArmDrift& message);

@@ -116,7 +116,8 @@ std::optional<ExecutionRefusal> refusal_of(const TrajectoryOrder& order, const S
       return invalid(fmt::format("starts at q{} = {:.6g} rad, the arm is at {:.6g} rad", j + 1, start, situation.q[j]));
     }
     const double theta = order.rows.front().state.theta[j], rest = situation.rest_theta[j] + start - situation.q[j];
-    if (!(std::abs(theta - rest) <= kStartTolerance)) {
+    const double off = std::abs(theta - rest), moved = std::abs(theta - situation.theta[j]);
+    if (!((order.learnt ? std::min(off, moved) : off) <= kStartTolerance)) {
       return invalid(
           fmt::format("starts with theta{} = {:.6g} rad, at rest there it is {:.6g} rad", j + 1, theta, rest));
     }

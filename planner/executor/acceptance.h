@@ -17,6 +17,7 @@ struct Situation {
   std::uint64_t epoch = 0;      // largest seen
   Joints<double> q{};           // [rad] where the links are
   Joints<double> rest_theta{};  // [rad] of the motors in equilibrium with them
+  Joints<double> theta{};       // [rad] where the motors are
   std::string lost;             // an encoder without samples; empty: none
   double oldest = 10;           // [s] since it was published
 };

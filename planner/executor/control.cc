@@ -62,15 +62,18 @@ Control::Control(const Parameters& robot, Arm& arm)
 
 // Rests at q, beginning at `time` with the motors at theta; the difference to where q wants them is faded out.
 void Control::hold_at(const Joints<double>& q, const Joints<double>& theta, double time) {
-  held_.samples[0] = {time, rest_at(robot_, q), gravity_torque(robot_, q)};
-  held_.samples[1] = held_.samples[0];
+  hold({time, rest_at(robot_, q), gravity_torque(robot_, q)});
+  for (std::size_t j = 0; j < kJoints; ++j) offset_[j] = theta[j] - planned_.state.theta[j];
+}
+
+void Control::hold(const Sample& rest) {
+  held_.samples[0] = held_.samples[1] = rest;
   held_.samples[1].time += kTick;
   path_ = Interpolator(held_);
-  time_ = end_ = began_ = time;
-  for (std::size_t j = 0; j < kJoints; ++j) offset_[j] = theta[j] - held_.samples[0].state.theta[j];
-  shift_ = {};
+  time_ = end_ = began_ = rest.time;
+  offset_ = shift_ = {};
   swing_ = Swing::kNone;
-  planned_ = held_.samples[0];
+  planned_ = rest;
 }
 
 Joints<double> Control::reference() const {
@@ -292,8 +295,10 @@ void Control::finish(ExecutorMode mode) {
   motion_->ended_at = sensing_.q();
   finished_.put(motion_);
   const bool beside = shift_ != Joints<double>{} || motion_->outcome.ending == Ending::kGoalTolerance;
+  const bool as_learnt = motion_->order.learnt && motion_->outcome.ending == Ending::kReached;
   motion_ = nullptr;
   if (beside) return rest_here();
+  if (as_learnt) return hold({0, planned_.state, planned_.torque});  // where the model has the motors, the links sag
   hold_at(planned_.state.q, planned_.state.theta);
 }
 

@@ -64,6 +64,7 @@ class Control {
   void drive();
   void publish();
 
+  void hold(const Sample& rest);
   void hold_at(const Joints<double>& q, const Joints<double>& theta, double time = 0);
   Joints<double> reference() const;
   bool at_rest() const { return time_ >= end_; }

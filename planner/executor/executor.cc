@@ -222,6 +222,7 @@ void Executor::refuse_unsigned() {
 void Executor::look_at_arm() {
   situation_.q = latest_.q;
   situation_.rest_theta = rest_at(robot_, latest_.q).theta;
+  situation_.theta = latest_.theta;
   situation_.mode = running_ ? ExecutorMode::kExecuting : latest_.mode;
   situation_.lost = latest_.lost == nullptr ? "" : latest_.lost;
 }
@@ -378,8 +379,16 @@ void Executor::conclude(CommandedMotion& motion) {
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
   }
+  publish_run(motion, result);
   port_.send(result);
   drift_watch_.add(motion);
+}
+
+// Before its result: whoever asks for the next repetition when that has come finds the service with the run.
+void Executor::publish_run(const CommandedMotion& motion, const ExecutionResult& result) {
+  if (motion.outcome.ending == Ending::kNotBegun) return;
+  if (port_.send(run_of(motion, result))) return;
+  spdlog::warn("the run was not published id={}: a service is too slow", text(result.trajectory_id));
 }
 
 void Executor::report_drift() {

@@ -54,6 +54,7 @@ class Executor {
   void publish(const TickState& tick);
   void conclude_finished();
   void conclude(CommandedMotion& motion);
+  void publish_run(const CommandedMotion& motion, const ExecutionResult& result);
   std::string log(const CommandedMotion& motion, const ExecutionResult& result) const;
   void report_drift();
   void report_again(const History::Entry& entry);

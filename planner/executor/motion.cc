@@ -9,8 +9,10 @@
 #include <thread>
 
 #include "planner/certificate/certificate.h"
+#include "planner/certificate/consistency.h"
 #include "planner/certificate/judge.h"
 #include "planner/control/motor_feedback.h"
+#include "planner/learning/repetition.h"
 #include "planner/stop/stop_motion.h"
 
 namespace fjr {
@@ -86,9 +88,29 @@ std::string reason_of(const Outcome& o) {
   return "";
 }
 
+void refuse_for(const std::vector<std::string>& faults) {
+  if (!faults.empty()) throw std::runtime_error(fmt::format("{}", fmt::join(faults, "; ")));
+}
+
 void judge(const Parameters& robot, const Trajectory& plan) {
-  const Certificate certificate = judge_closed_loop(robot, Limits::of(robot), plan);
-  if (!certificate.certified) throw std::runtime_error(fmt::format("{}", fmt::join(certificate.failures, "; ")));
+  refuse_for(judge_closed_loop(robot, Limits::of(robot), plan).failures);
+}
+
+// Learnt rows are made for an arm that is not quite the model, on which their links leave the plan by design. But
+// should the arm be the model after all, they keep its limits, and the links stay so near to the plan that not even an
+// arm that was at the tolerance on one side of it when they were learnt would leave it on the other one.
+void judge_learnt(const Parameters& robot, const Trajectory& rows, const Tolerances& tolerances) {
+  if (const std::string fault = malformed(rows); !fault.empty()) refuse_for({fault});
+  const Rehearsal on_model = rehearsal_on_model(robot, Limits::of(robot), rows);
+  refuse_for(on_model.broken);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double allowed = 2 * tolerances.path[j];
+    if (on_model.link_error[j] <= allowed) continue;
+    refuse_for(
+        {fmt::format("learnt for another arm: as robot.yaml has it, link {} would leave the plan by {:.3g} rad, "
+                     "twice the path tolerance is {:.3g} rad",
+                     j + 1, on_model.link_error[j], allowed)});
+  }
 }
 
 void begin_to_check(const Parameters& robot, const Trajectory& plan, CommandedMotion& motion) {
@@ -137,7 +159,7 @@ std::unique_ptr<CommandedMotion> prepare(const Parameters& robot, TrajectoryOrde
   std::vector<StopMotion>& stops = motion->order.stops;
   const bool brings_stops = !stops.empty();
   if (brings_stops) begin_to_check(robot, plan, *motion);  // beside the judgement
-  judge(robot, plan);
+  motion->order.learnt ? judge_learnt(robot, plan, motion->tolerances) : judge(robot, plan);
   if (!brings_stops) {
     stops = stop_motions(robot, plan, [&] { continue_if_wanted(unwanted); });
     begin_to_check(robot, plan, *motion);
@@ -164,6 +186,22 @@ ExecutionResult result_of(const CommandedMotion& motion, const Parameters& robot
   result.sentence += fmt::format("; held at q = ({:.4f}, {:.4f}) rad", motion.ended_at[0], motion.ended_at[1]);
   motion.figures.fill(result, robot);
   return result;
+}
+
+ExecutedRun run_of(const CommandedMotion& motion, const ExecutionResult& result) {
+  ExecutedRun run;
+  run.robot_id = result.robot_id;
+  run.robot_hash = motion.order.robot_hash;
+  run.trajectory_id = result.trajectory_id;
+  run.code = result.code;
+  run.sentence = result.sentence;
+  run.missed_ticks = static_cast<std::uint32_t>(motion.missed_ticks);
+  run.rows.reserve(std::min(motion.log.size(), kMaxRows));
+  for (const LogRow& row : motion.log) {
+    if (run.rows.size() == kMaxRows) break;  // long after the motion: it waits for the goal to be reached
+    run.rows.push_back({row.time, row.q, row.theta, row.torque, row.planned.state.q, row.planned.state.theta});
+  }
+  return run;
 }
 
 }  // namespace fjr

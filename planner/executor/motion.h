@@ -64,7 +64,8 @@ std::unique_ptr<CommandedMotion> prepare_without_stops(const Parameters& robot, 
 // How far ahead of the tick stop motions are checked before a motion begins. [s]
 inline constexpr double kLead = 0.1;
 
-// With them, and believing nobody: its rows are judged (judge_closed_loop), its stops checked from the first on; where
+// With them, and believing nobody: its rows are judged (judge_closed_loop, or where they were learnt on what the model
+// does under them), its stops checked from the first on; where
 // it brings none they are found, which takes about 0.2 s per second of motion. It may begin when this returns, and so
 // many of its stops are checked that they last for `lead` [s]; the others follow. Throws std::runtime_error, one
 // sentence: why it is not run, or that it is `unwanted`.
@@ -73,5 +74,8 @@ std::unique_ptr<CommandedMotion> prepare(const Parameters& robot, TrajectoryOrde
 
 // What is reported about it; without log_file.
 ExecutionResult result_of(const CommandedMotion& motion, const Parameters& robot);
+
+// What was logged of it.
+ExecutedRun run_of(const CommandedMotion& motion, const ExecutionResult& result);
 
 }  // namespace fjr

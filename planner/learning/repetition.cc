@@ -170,8 +170,7 @@ Repetition next_repetition(const Parameters& robot, const Limits& limits, const 
                  motion.link_error_rms,
                  {},
                  {}};
-    const State<double> rest = rest_at(robot, r.rows.samples.front().state.q);
-    r.rehearsals.push_back(rehearse(robot, limits, task, r.rows, rest, nullptr));
+    r.rehearsals.push_back(rehearsal_on_model(robot, limits, r.rows));
     r.rehearsals.push_back(rehearse(robot, limits, task, r.rows, correction.start, &run));
     return r;
   };
@@ -194,6 +193,15 @@ Repetition next_repetition(const Parameters& robot, const Limits& limits, const 
   refused.refused = true;
   refused.reasons = std::move(reasons);
   return refused;
+}
+
+bool may_be_executed(const Repetition& repetition) {
+  return std::all_of(repetition.rehearsals.begin(), repetition.rehearsals.end(),
+                     [](const Rehearsal& rehearsal) { return rehearsal.broken.empty(); });
+}
+
+Rehearsal rehearsal_on_model(const Parameters& robot, const Limits& limits, const Trajectory& rows) {
+  return rehearse(robot, limits, {}, rows, rest_at(robot, rows.samples.front().state.q), nullptr);
 }
 
 void require_run_of(const Trajectory& rows, const std::string& rows_name, const Log& log) {

@@ -40,6 +40,13 @@ struct Repetition {
 Repetition next_repetition(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
                            const Trajectory& executed, const ExecutedMotion& motion);
 
+// Whether the rows may be executed: neither rehearsal breaks anything. Also of those of a repetition that was refused.
+bool may_be_executed(const Repetition& repetition);
+
+// Rows that were learnt, on the robot's model from rest, until the last of them. They are of the shape of a trajectory
+// (malformed(), consistency.h).
+Rehearsal rehearsal_on_model(const Parameters& robot, const Limits& limits, const Trajectory& rows);
+
 // Throws InputError naming the log, the column and the row where the log is not of a run of these rows: where the
 // plan in it is another, or where it does not cover the motion, to a tick of the executor. rows_name: of the rows, for
 // the message.

@@ -17,6 +17,7 @@
 #include "planner/program/result_files.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/planned_with.h"
+#include "planner/results/repetition_json.h"
 #include "planner/results/report/plan_record.h"
 #include "planner/results/result_folder.h"
 #include "planner/results/solution_file.h"
@@ -47,12 +48,7 @@ ExecutedPlan executed_plan(const std::string& folder) {
   if (!plan.record.trajectory) {
     throw InputError(folder, "", "holds no certified trajectory: there is no motion that could be repeated");
   }
-  plan.limits = Limits::of(plan.record.robot);
-  const PlannedWith header = planned_with(plan.record.trajectory->metadata, folder);
-  for (const LimitInHeader& limit : header.limits) {
-    double& held = *limit_of(plan.limits, limit.name, limit.joint);
-    held = std::min(held, limit.value);
-  }
+  plan.limits = limits_of(plan.record.robot, planned_with(plan.record.trajectory->metadata, folder));
   plan.task = planned_task(folder);
   return plan;
 }
@@ -78,31 +74,8 @@ Log log_of_run(const std::string& file, const ExecutedPlan& plan) {
   return log;
 }
 
-LearntJson rehearsal_json(const Rehearsal& rehearsal) {
-  LearntJson json{{"arm", rehearsal.arm},
-                  {"link_error_rad", rehearsal.link_error},
-                  {"link_error_rms_rad", rehearsal.link_error_rms},
-                  {"limits", LearntJson::array()},
-                  {"task", LearntJson::array()},
-                  {"broken", rehearsal.broken}};
-  for (const LimitCheck& check : rehearsal.limits) json["limits"].push_back(limit_json(check));
-  for (const TaskCheck& check : rehearsal.task) json["task"].push_back(task_json(check));
-  return json;
-}
-
-LearntJson repetition_json(const Repetition& repetition, const Log& log, const LearntJson& plan) {
-  const auto before = plan.find("repetition");
-  const int number = before == plan.end() ? 1 : before->at("number").get<int>();
-  LearntJson json{{"number", number + 1},
-                  {"log", log.source},
-                  {"log_sha256", log.hash},
-                  {"refused", repetition.refused},
-                  {"fraction", repetition.fraction},
-                  {"reasons", repetition.reasons},
-                  {"last_link_error_rms_rad", repetition.link_error_rms},
-                  {"rehearsals", LearntJson::array()}};
-  for (const Rehearsal& rehearsal : repetition.rehearsals) json["rehearsals"].push_back(rehearsal_json(rehearsal));
-  return json;
+LearntJson json_of(const Repetition& repetition, const Log& log, const LearntJson& plan) {
+  return repetition_json(repetition, {{"log", log.source}, {"log_sha256", log.hash}}, number_of_repetition(plan) + 1);
 }
 
 // Limit of which least is left, in both rehearsals.
@@ -157,8 +130,7 @@ void write_repetition(const fs::path& from, const fs::path& to, const LearntJson
   prepare_folder(to);
   NewResults results(to);
   rows.metadata["rows"] = std::to_string(rows.samples.size());
-  rows.metadata["status"] = "learnt";
-  rows.metadata["repetition"] = std::to_string(plan.at("repetition").at("number").get<int>());
+  tell_repetition(plan, rows.metadata);
   write_csv(rows, results.stage() / "trajectory.csv");
   if (fs::exists(from / kSolutionFile)) fs::copy_file(from / kSolutionFile, results.stage() / kSolutionFile);
   write_file(results.stage() / "plan.json", json_text(plan));
@@ -172,7 +144,7 @@ int run(const LearnArguments& options) {
   const Repetition repetition =
       next_repetition(robot, plan.limits, TaskOfMotion::of(robot, plan.task.task, plan.task.ends),
                       *plan.record.trajectory, executed_motion(log));
-  const LearntJson json = repetition_json(repetition, log, plan.record.plan);
+  const LearntJson json = json_of(repetition, log, plan.record.plan);
   const fs::path folder = options.out.empty() ? options.folder : options.out;
   if (!repetition.refused) {
     plan.record.plan["repetition"] = json;

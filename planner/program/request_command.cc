@@ -34,6 +34,7 @@ struct RequestArguments {
   std::string robot_id;
   bool json = false;
   bool execute = false;
+  bool repeat = false;
   double budget = 0;
   int priority = 0;
   Talk talk = Talk::kUsual;
@@ -56,15 +57,19 @@ Order order_of(const RequestArguments& options) {
   return order;
 }
 
-// What was planned before is executed as it is.
+// What was planned before is executed as it is, or corrected by its last run.
 Order load_earlier(const RequestArguments& options) {
-  if (!options.execute) {
-    throw InputError(options.request, "", "is a folder; --execute has its trajectory executed, planning needs a file");
+  if (!options.execute && !options.repeat) {
+    throw InputError(options.request, "",
+                     "is a folder; --execute has its trajectory executed, --repeat corrects it by its last run first, "
+                     "planning needs a file");
   }
-  if (!options.out.empty()) throw InputError("--out", "", "goes with a request file; the folder has its files already");
+  if (options.execute && !options.out.empty()) {
+    throw InputError("--out", "", "goes with a request file or --repeat; the folder has its files already");
+  }
   Order order = order_of(options);
   order.name = fs::path(options.request).lexically_normal().filename().string();
-  order.action = Action::kExecute;
+  order.action = options.repeat ? Action::kRepeat : Action::kExecute;
   const FolderLock lock(options.request);
   order.trajectory_id = read_trajectory_id(options.request);
   return order;
@@ -73,6 +78,10 @@ Order load_earlier(const RequestArguments& options) {
 Order load_order(const RequestArguments& options) {
   std::error_code error;
   if (fs::is_directory(options.request, error)) return load_earlier(options);
+  if (options.repeat) {
+    throw InputError(options.request, "",
+                     "--repeat goes with the folder of an earlier request, whose motion it repeats");
+  }
   const RequestFile file = read_request_file(options.request);
   (void)YamlNode::parse(file.text, file.source);  // refuses what is not a document, or far too large
   Order order = order_of(options);
@@ -127,11 +136,32 @@ std::string store(const RequestArguments& options, const Order& order, const Rep
   return about_previous(folder, status, kept);
 }
 
+// What was learnt for it; nothing where it is as it was planned.
+std::string about_repetition(const Reply& reply) {
+  if (reply.plan_json.empty()) return "";
+  const auto plan = nlohmann::json::parse(reply.plan_json);
+  const auto found = plan.find("repetition");
+  if (found == plan.end()) return "";
+  const double fraction = found->at("fraction");
+  std::string text = fmt::format("  repetition  {}, with {} of the correction", found->at("number").get<int>(),
+                                 fraction == 0 ? "none" : fmt::format("{:g}", fraction));
+  if (const auto& rms = found->at("last_link_error_rms_rad"); !rms.is_null()) {
+    text += fmt::format(" after a run {:.3g} and {:.3g} rad rms off the plan", rms.at(0).get<double>(),
+                        rms.at(1).get<double>());
+  }
+  text += "\n";
+  for (const auto& reason : found->at("reasons")) {
+    text += fmt::format("  held back   {}\n", reason.get<std::string>());
+  }
+  return text;
+}
+
 std::string summary(const RequestArguments& options, const Reply& reply, double elapsed) {
   std::string text = fmt::format("{}: {}\n", source_of(options.request).stem().string(), name(status_of(reply)));
   if (!reply.rows.empty()) {
     text += fmt::format("  duration    {:.6g} s, {} rows\n", reply.rows.back().time, reply.rows.size());
   }
+  text += about_repetition(reply);
   text += fmt::format("  service     solved in {:.3f} s after {:.3f} s in the queue; {:.3f} s in all\n",
                       reply.solve_time, reply.wait_time, elapsed);
   if (!options.out.empty()) {
@@ -208,12 +238,17 @@ void add_request(CLI::App& app, int& exit_code) {
   command
       ->add_option("request", options->request,
                    "Request file, or - for standard input; with --execute also the folder of an earlier request, whose "
-                   "trajectory is then "
-                   "executed as it was planned")
+                   "trajectory is then executed as it was planned; with --repeat that folder")
       ->required()
       ->type_name("REQUEST.yaml|-|DIR");
   command->add_option("--out", options->out, "Folder of the results")->type_name("DIR");
   command->add_flag("--execute", options->execute, "Have it executed, and wait for the result");
+  command
+      ->add_flag(
+          "--repeat", options->repeat,
+          "Have the motion executed once more, corrected by what its last run was off the plan, and wait for the "
+          "result")
+      ->excludes("--execute");
   command->add_flag("--json", options->json, "Only JSON on stdout: plan.json");
   command->add_option("--budget", options->budget, "Time the service may take, in seconds")
       ->check(CLI::PositiveNumber)

@@ -37,6 +37,7 @@ struct TrajectoryOrder {
   Tolerances tolerances;
   std::vector<Sample> rows;
   std::vector<StopMotion> stops;  // one per kStopSpacing; empty: the executor finds them itself
+  bool learnt = false;            // rows corrected by what earlier runs were off the plan: on a topic of its own
   Signature signature;
 };
 
@@ -90,6 +91,23 @@ struct ExecutionResult {
   Joints<double> feedback_torque{};                                   // [N m] largest
   std::vector<LimitMargin> limits;
   std::string log_file;  // on the executor's machine; empty: none
+};
+
+struct ExecutedRow {
+  double time = 0;                              // [s] of the trajectory
+  Joints<double> q{}, theta{};                  // [rad] by the encoders
+  Joints<double> torque{};                      // [N m] commanded from then on
+  Joints<double> planned_q{}, planned_theta{};  // [rad]
+};
+
+// What was logged of a trajectory that has moved the arm, tick by tick.
+struct ExecutedRun {
+  std::string robot_id, robot_hash;
+  RequestId trajectory_id;
+  ResultCode code = ResultCode::kSuccessful;
+  std::string sentence;
+  std::uint32_t missed_ticks = 0;
+  std::vector<ExecutedRow> rows;
 };
 
 // Whether the arm is still the one of the executor's robot.yaml, by what was executed since the executor was started.

@@ -77,14 +77,18 @@ enum class Action : std::uint8_t {
   kPlan = 0,
   kPlanAndExecute,
   kExecute,  // what was planned before
+  kRepeat,   // what was planned before, corrected by what its last run was off the plan
 };
+
+// Both are about what was planned before, and have no document.
+inline bool of_earlier_plan(Action action) { return action == Action::kExecute || action == Action::kRepeat; }
 
 // One request on its way. Its motion is written as a request file is; read, it is a Request.
 struct Order {
   RequestId id;
   std::string name;
   Action action = Action::kPlan;
-  RequestId trajectory_id;        // of what was planned before; with kExecute, which has no document
+  RequestId trajectory_id;        // with of_earlier_plan(): of the planned motion, or of any run of it
   int priority = 0;               // larger goes first
   double budget = 0;              // [s]; 0: the service's default
   double start_within = 0;        // [s] after its client was last alive it may still make the arm start; 0: the default
@@ -114,6 +118,8 @@ struct Reply {
   std::vector<StopMotion> stops;         // of one that is executed; known to the service that planned it only
   bool rest_to_rest = false;             // known to services only, as the errors are
   Origin origin{};                       // of the request; known to the service that answers only
+  RequestId motion;                      // that was planned, of which this is a run; known to services only
+  bool learnt = false;                   // rows that runs of it have corrected; known to services only
 
   bool final() const { return state != ReplyState::kAccepted; }
 };

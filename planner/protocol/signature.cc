@@ -30,6 +30,8 @@ static_assert(sizeof(StopMotion) == 14 * sizeof(double) && std::is_trivially_cop
 
 class Bytes {
  public:
+  explicit Bytes(const char* topic) : text_(topic) {}
+
   template <class T>
   void number(const T& value) {
     static_assert(std::is_trivially_copyable_v<T>);
@@ -47,7 +49,7 @@ class Bytes {
   std::string take() { return std::move(text_); }
 
  private:
-  std::string text_ = "fjr/trajectory_2";
+  std::string text_;
 };
 
 using File = std::unique_ptr<BIO, decltype(&BIO_free)>;
@@ -132,7 +134,7 @@ std::string fault_of_key(EVP_PKEY* key, X509* certificate) {
 }  // namespace
 
 std::string signed_bytes(const TrajectoryOrder& order) {
-  Bytes bytes;
+  Bytes bytes(order.learnt ? "fjr/learnt_trajectory" : "fjr/trajectory_2");
   bytes.string(order.robot_id);
   bytes.number(order.id.client);
   bytes.number(order.id.number);

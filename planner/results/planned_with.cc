@@ -72,6 +72,15 @@ void tell_planned_with(const Json& plan, Metadata& metadata) {
   });
 }
 
+Limits limits_of(const Parameters& robot, const PlannedWith& header) {
+  Limits limits = Limits::of(robot);
+  for (const LimitInHeader& limit : header.limits) {
+    double& held = *limit_of(limits, limit.name, limit.joint);
+    held = std::min(held, limit.value);
+  }
+  return limits;
+}
+
 PlannedWith planned_with(const Metadata& metadata, const std::string& source) {
   PlannedWith result;
   if (metadata.contains(kPayload)) result.payload = {read(metadata, kPayload, "kg", true, source), 0};

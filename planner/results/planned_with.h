@@ -34,6 +34,9 @@ std::string text_of(const Payload& payload);  // "0.1 kg", "0.1 kg, 0.001 kg m^2
 // Adds the lines for a plan, by its plan.json.
 void tell_planned_with(const nlohmann::ordered_json& plan, Metadata& metadata);
 
+// The robot's limits, and those in the header that are tighter.
+Limits limits_of(const Parameters& robot, const PlannedWith& header);
+
 // Throws InputError naming `source` and the line's key where a value is not what the lines above show.
 PlannedWith planned_with(const Metadata& metadata, const std::string& source);
 

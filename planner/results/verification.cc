@@ -85,8 +85,9 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& tas
 
 }  // namespace
 
-PlannedTask planned_task(const std::filesystem::path& folder) {
-  const YamlNode plan = YamlNode::load(folder / "plan.json");
+namespace {
+
+PlannedTask task_of(const YamlNode& plan) {
   PlannedTask planned{read_task(plan.at("resolved_request").at("task")), {}};
   if (const auto hash = plan.find("request_hash")) planned.request_hash = hash->text();
   const auto add_end = [&](const YamlNode& time) {
@@ -103,6 +104,14 @@ PlannedTask planned_task(const std::filesystem::path& folder) {
                                path->corners.size()));
   }
   return planned;
+}
+
+}  // namespace
+
+PlannedTask planned_task(const std::filesystem::path& folder) { return task_of(YamlNode::load(folder / "plan.json")); }
+
+PlannedTask planned_task_in(const std::string& plan_json, const std::string& source) {
+  return task_of(YamlNode::parse(plan_json, source));
 }
 
 Verification verify(const Trajectory& trajectory, const std::string& source, const Parameters& robot,

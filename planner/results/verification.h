@@ -31,6 +31,8 @@ struct PlannedTask {
 // From the plan.json in the folder of a plan. Throws InputError where there is none, or none of a motion, or where its
 // via_times are no times between the motion's segments.
 PlannedTask planned_task(const std::filesystem::path& folder);
+// The same from its text. source: what it is called in messages.
+PlannedTask planned_task_in(const std::string& plan_json, const std::string& source);
 
 struct VerifyOptions {
   std::optional<Payload> payload;  // none: the robot's, or else the file's

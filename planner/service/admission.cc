@@ -77,7 +77,7 @@ std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot) {
 
 std::optional<Refusal> refusal_at_sight(Order& order, const Served& served, const Parameters& robot) {
   if (auto refusal = refusal_of_terms(order, served)) return refusal;
-  if (order.action == Action::kExecute) return std::nullopt;
+  if (of_earlier_plan(order.action)) return std::nullopt;
   if (auto refusal = read_motion(order)) return refusal;
   if (leaves_start_out(order)) return std::nullopt;
   Job job;

@@ -21,6 +21,7 @@ enum class FrameKind : std::uint32_t {
   kErrors,     // from the worker: LinkErrors of these samples
   kDone,       // from the worker: the PlanStatus and the reason; it is idle again
   kFindStops,  // to the worker: samples of a certified trajectory; it starts
+  kRepeat,     // to the worker: a RunOfMotion (repetition_frame.h); it starts
   kStops,      // from the worker: their StopMotions; none where there is an instant without
 };
 

@@ -13,6 +13,7 @@
 
 #include "planner/protocol/messages.h"
 #include "planner/request/request.h"
+#include "planner/service/executed_runs.h"
 
 namespace fjr {
 
@@ -26,9 +27,14 @@ struct Job {
   std::string robot_hash;  // of the robot it is planned for: the served one, or that with the request's payload
   bool rest_to_rest = false;
   Clock::time_point arrived, deadline, started;
-  int lost = 0;                   // how many workers have died of it, or with it
-  SharedReply planned = nullptr;  // what is to be executed: only its stop motions are to be found
+  int lost = 0;                        // how many workers have died of it, or with it
+  SharedReply planned = nullptr;       // what is to be executed: only its stop motions are to be found; or:
+  SharedRun run = nullptr;             // of `planned`, by which it is corrected first
+  std::optional<RequestId> awaited{};  // a trajectory of which the run has yet to come, before those two are known
 };
+
+// Other machines are not told of runs.
+inline bool solved_here(const Job& job) { return job.order.action == Action::kRepeat; }
 
 class JobQueue {
  public:

@@ -5,7 +5,8 @@
 
 namespace fjr {
 
-// Sets rest_to_rest and errors of a reply that was heard; left as they are, it cannot be executed.
+// Sets rest_to_rest, errors, and for rows that were learnt learnt and motion, of a reply that was heard; left as they
+// are, it cannot be executed.
 void complete_overheard(Reply& reply);
 
 }  // namespace fjr

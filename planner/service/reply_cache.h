@@ -29,6 +29,12 @@ class ReplyCache {
     return found ? found : others_.find(id);
   }
 
+  // A trajectory of which `which` holds; null: there is none.
+  template <class Which>
+  SharedReply find_trajectory(Which&& which) const {
+    return trajectories_.find_if(which);
+  }
+
   // Returns what is forgotten for it.
   std::vector<RequestId> add(SharedReply reply) {
     if (find(reply->id)) return {};
@@ -44,6 +50,13 @@ class ReplyCache {
 
     SharedReply find(const RequestId& id) const {
       const auto found = replies_.find(id);
+      return found == replies_.end() ? nullptr : found->second;
+    }
+
+    template <class Which>
+    SharedReply find_if(Which&& which) const {
+      const auto found =
+          std::find_if(replies_.begin(), replies_.end(), [&](const auto& reply) { return which(*reply.second); });
       return found == replies_.end() ? nullptr : found->second;
     }
 

@@ -41,7 +41,9 @@ std::string to_record(const Reply& reply) {
                        {"row_bytes", sizeof(Sample)},
                        {"rows", bytes_of(reply.rows)},
                        {"rest_to_rest", reply.rest_to_rest},
-                       {"origin", reply.origin}};
+                       {"origin", reply.origin},
+                       {"motion", to_text(reply.motion)},
+                       {"learnt", reply.learnt}};
   const std::vector<std::uint8_t> bytes = Json::to_cbor(record);
   return {bytes.begin(), bytes.end()};
 }
@@ -68,6 +70,8 @@ Reply from_record(std::string_view bytes) {
   reply.rows = rows_from(record.at("rows"));
   record.at("rest_to_rest").get_to(reply.rest_to_rest);
   record.at("origin").get_to(reply.origin);
+  reply.motion = request_id_from(record.value("motion", "")).value_or(reply.id);  // earlier versions wrote none
+  reply.learnt = record.value("learnt", false);
   return reply;
 }
 

@@ -17,6 +17,7 @@
 #include "planner/service/admission.h"
 #include "planner/service/backlog.h"
 #include "planner/service/companions.h"
+#include "planner/service/executed_runs.h"
 #include "planner/service/executor_watch.h"
 #include "planner/service/inbox.h"
 #include "planner/service/job_queue.h"
@@ -65,13 +66,21 @@ class Service {
   std::optional<Refusal> resolve_start(Request& request) const;
   void enqueue(Job job, Clock::time_point arrived);
   void execute_planned(const Order& order, Clock::time_point arrived);
-  bool repeat(const Order& order);
+  bool answer_again(const Order& order);
   bool in_hand(const RequestId& id) const;
   bool being_stored(const RequestId& id) const;
   bool motion_pending() const;
   void cancel(const dds::ServicePort::Cancel& wanted);
   bool answers_cancel(const std::string& robot_id) const;
   void cancel_waiting(const Backlog::Entry& entry);
+
+  // What is repeated.
+  RequestId motion_of(const RequestId& trajectory_id) const;
+  bool is_run_of(const RequestId& motion, const RequestId& trajectory_id) const;
+  std::optional<RequestId> run_on_its_way(const RequestId& motion) const;
+  bool has_its_run(const Job& job) const;
+  void repeat_motion(const Order& order, Clock::time_point arrived);
+  std::optional<Refusal> choose_run(Job& job) const;
 
   // Whose client is still there.
   bool may_start(const Order& order);
@@ -105,6 +114,8 @@ class Service {
   void hear(dds::Relayed relayed);
   void hear(Reply reply);
   void hear(ArmDrift drift);
+  void hear(ExecutedRun run);
+  void complete(Reply& overheard) const;
   bool takes_part(const ServiceStatus& other) const;
   void relay();
   void open();
@@ -123,7 +134,7 @@ class Service {
   void release(const Answer& answer);
   void release_stored();
   void await_stored(Clock::time_point over);
-  std::optional<Refusal> refusal_to_publish(const std::vector<Sample>& rows) const;
+  std::optional<Refusal> refusal_to_publish(const std::vector<Sample>& rows, bool learnt) const;
   void publish(const Reply& reply);
   bool send(const SharedReply& reply);
   void post(SharedReply reply);
@@ -153,6 +164,7 @@ class Service {
 
   JobQueue queue_;
   ReplyCache cache_;
+  ExecutedRuns runs_;
   RecentIds refused_lately_;  // for the moment only
   Unclaimed unclaimed_;
   Outbox outbox_;

@@ -93,7 +93,7 @@ bool Service::answers(const Backlog::Entry& entry) const {
 
 void Service::admit(Order order, Clock::time_point arrived, Clock::time_point heard) {
   presence_.heard(order.id, heard);
-  if (repeat(order)) return;
+  if (answer_again(order)) return;
   const auto its_cancel = [&](const Backlog::Entry& entry) { return entry.cancelled && entry.order.id == order.id; };
   if (!backlog_.take_if(its_cancel).empty()) {
     return conclude({.order = std::move(order), .arrived = arrived, .cancelled = true});
@@ -107,6 +107,7 @@ void Service::admit(Order order, Clock::time_point arrived, Clock::time_point he
     return reject(order, {Reason::kQueueFull, "", fmt::format("{} requests wait already", queue_.size())});
   }
   if (order.action == Action::kExecute) return execute_planned(order, arrived);
+  if (order.action == Action::kRepeat) return repeat_motion(order, arrived);
   if (auto refusal = read_motion(order)) return reject(order, std::move(*refusal));
   Job job;
   job.request = *order.motion;
@@ -159,7 +160,7 @@ void Service::enqueue(Job job, Clock::time_point arrived) {
 }
 
 // A client that hears nothing asks again: it gets the reply it missed, or hears that its request is in hand.
-bool Service::repeat(const Order& order) {
+bool Service::answer_again(const Order& order) {
   if (const SharedReply reply = cache_.find(order.id)) {
     tally_.duplicate();
     post(reply);
@@ -204,7 +205,7 @@ bool Service::answers_cancel(const std::string& robot_id) const {
 
 // A cancelled request that was not in hand.
 void Service::conclude(const Backlog::Entry& entry) {
-  if (repeat(entry.order)) return;
+  if (answer_again(entry.order)) return;
   Job job;
   job.order = entry.order;
   job.arrived = entry.arrived;

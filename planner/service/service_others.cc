@@ -6,6 +6,7 @@
 
 #include "common/input_error.h"
 #include "planner/service/durations.h"
+#include "planner/service/frames.h"
 #include "planner/service/overheard.h"
 #include "planner/service/service.h"
 
@@ -29,6 +30,7 @@ void Service::listen_to_others() {
   }
   for (const RequestId& id : port_.take_concluded()) executor_.concluded(id);
   for (ArmDrift& drift : port_.take_drifts()) hear(std::move(drift));
+  for (ExecutedRun& run : port_.take_runs()) hear(std::move(run));
   if (const auto epoch = executor_.epoch()) ownership_.heard_executor(*epoch);
   if (settled()) review_ownership();
 }
@@ -66,10 +68,19 @@ void Service::hear(Reply reply) {
   reply.origin = backlog_.answered(reply.id);
   const bool of_this_robot = reply.robot_id == config_.robot_id && reply.robot_hash == robot_hash_;
   if (!of_this_robot || !lasting(reply.why.reason) || cache_.find(reply.id)) return;
-  complete_overheard(reply);
+  complete(reply);
   const auto shared = std::make_shared<const Reply>(std::move(reply));
   if (store_) store_->add(shared);
   remember(shared);
+}
+
+// A plan that was executed once more is told by its rows.
+void Service::complete(Reply& reply) const {
+  complete_overheard(reply);
+  const SharedReply before = cache_.find_trajectory([&](const Reply& earlier) {
+    return earlier.request_hash == reply.request_hash && as_payload(earlier.rows) == as_payload(reply.rows);
+  });
+  if (before) reply.motion = before->motion;
 }
 
 // Its client may have met the other instance only.

@@ -13,7 +13,7 @@ namespace fjr {
 
 Reply Service::reply_to(const Order& order, ReplyState state, Refusal why) const {
   Reply reply;
-  reply.id = order.id;
+  reply.id = reply.motion = order.id;
   reply.state = state;
   reply.why = std::move(why);
   reply.robot_id = config_.robot_id;
@@ -24,9 +24,15 @@ Reply Service::reply_to(const Order& order, ReplyState state, Refusal why) const
 }
 
 // Why certified rows must not move the arm after all; nothing: they may. They are never empty.
-std::optional<Refusal> Service::refusal_to_publish(const std::vector<Sample>& rows) const {
+std::optional<Refusal> Service::refusal_to_publish(const std::vector<Sample>& rows, bool learnt) const {
   if (const auto twice = executor_.twice()) {
     return Refusal{Reason::kArmNotAtRest, "", "planned, but not executed: " + *twice};
+  }
+  if (learnt && !port_.learnt_are_taken()) {
+    return Refusal{
+        Reason::kUnsupported, "action",
+        "the executor takes no motions that were learnt: it is of an earlier version, or credentials, its own "
+        "or the service's, do not permit fjr/learnt_trajectory"};
   }
   if (rows.back().time <= kLongestMotion) return std::nullopt;
   return Refusal{Reason::kUnsupported, "duration",
@@ -35,8 +41,10 @@ std::optional<Refusal> Service::refusal_to_publish(const std::vector<Sample>& ro
 }
 
 void Service::finish(const Job& job, Reply reply) {
+  if (job.planned) reply.motion = job.planned->motion;
+  reply.learnt = job.run || (job.planned && job.planned->learnt);
   if (executes(job.order) && reply.state == ReplyState::kSolved) {
-    if (auto refusal = refusal_to_publish(reply.rows)) {
+    if (auto refusal = refusal_to_publish(reply.rows, reply.learnt)) {
       reply = reply_to(job.order, ReplyState::kFailed, std::move(*refusal));
     }
   }
@@ -139,6 +147,7 @@ void Service::publish(const Reply& reply) {
   order.predicted_error = reply.errors.predicted;
   order.rows = reply.rows;
   order.stops = reply.stops;
+  order.learnt = reply.learnt;
   if (signer_) order.signature = signer_->sign(signed_bytes(order));
   executor_.published(reply.id);
   if (!port_.send(order) && log_requests_.allows()) {

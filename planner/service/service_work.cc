@@ -56,9 +56,17 @@ void Service::work() {
 }
 
 void Service::give_work() {
-  const auto ready = [this](const Job& job) { return !executes(job.order) || may_start(job.order); };
-  while (queue_.any_of(ready) && solvers_.may_solve()) {
-    if (auto untold = solvers_.solve(*queue_.pop_if(ready))) queue_.push_front(std::move(*untold));
+  const auto ready = [this](const Job& job) {
+    return (!executes(job.order) || may_start(job.order)) && has_its_run(job);
+  };
+  const auto solvable = [&](const Job& job) { return ready(job) && (!solved_here(job) || solvers_.may_solve_here()); };
+  while (queue_.any_of(solvable) && solvers_.may_solve()) {
+    Job job = *queue_.pop_if(solvable);
+    if (auto refusal = job.awaited ? choose_run(job) : std::nullopt) {
+      finish(job, reply_to(job.order, ReplyState::kFailed, std::move(*refusal)));
+    } else if (auto untold = solvers_.solve(std::move(job))) {
+      queue_.push_front(std::move(*untold));
+    }
   }
   if (!queue_.any_of(ready)) solvers_.withdraw();
 }

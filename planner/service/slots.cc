@@ -27,7 +27,7 @@ void Slots::disown() {
 
 std::optional<Job> Slots::solve(Job job) {
   const auto elsewhere = owner_ ? elsewhere_->load() : std::nullopt;
-  if (!elsewhere || (here_.may_solve() && here_.load() <= *elsewhere)) {
+  if (!elsewhere || solved_here(job) || (here_.may_solve() && here_.load() <= *elsewhere)) {
     here_.solve(std::move(job));
     return std::nullopt;
   }

@@ -23,6 +23,7 @@ class Slots {
   // What is still leased is nobody's from now on: to be called when it has been stopped, or handed over.
   void disown();
 
+  bool may_solve_here() { return here_.may_solve(); }
   bool may_solve() { return here_.may_solve() || (owner_ && elsewhere_->load()); }
   void withdraw() { here_.withdraw(); }
   std::optional<Job> solve(Job job);  // where the least is going on; returns it where nobody can be told of it

@@ -16,6 +16,7 @@
 #include "planner/results/plan_json.h"
 #include "planner/service/frames.h"
 #include "planner/service/progress_frame.h"
+#include "planner/service/repeat.h"
 #include "planner/stop/stop_motion.h"
 
 namespace fjr {
@@ -56,6 +57,14 @@ void solve(int out, const Problem& problem, const std::string& request, const Wo
   learnt.remember(problem, request, result);  // when the client has its answer
 }
 
+void repeat(int out, const Parameters& robot, const std::string& payload) {
+  const Repeated repeated = repeat(robot, run_of_motion_from(payload));
+  write_frame(out, FrameKind::kPlanJson, repeated.plan_json);
+  write_frame(out, FrameKind::kRows, as_payload(repeated.rows));
+  write_frame(out, FrameKind::kErrors, {reinterpret_cast<const char*>(&repeated.errors), sizeof repeated.errors});
+  send_done(out, repeated.status, repeated.reason);
+}
+
 // Where there is none for some instant, the executor, who looks for them itself, says so.
 void find_stops(int out, const Parameters& robot, const Trajectory& plan) {
   try {
@@ -80,6 +89,7 @@ void solve_requests(int in, int out, const WorkerSettings& settings) {
   while (const auto frame = read_frame(in)) {
     if (frame->kind == FrameKind::kName) name = frame->payload;
     if (frame->kind == FrameKind::kFindStops) find_stops(out, parameters, {from_payload<Sample>(frame->payload), {}});
+    if (frame->kind == FrameKind::kRepeat) repeat(out, parameters, frame->payload);
     if (frame->kind != FrameKind::kSolve) continue;
     if (settings.rehearsal > 0) {
       rehearse(out, settings.rehearsal);

@@ -61,6 +61,12 @@ bool Worker::solve(const std::string& name, const std::string& yaml) {
          write_frame(to_worker_.number(), FrameKind::kSolve, yaml);
 }
 
+void Worker::repeat(RunOfMotion run) {
+  sending_ = std::jthread([to = to_worker_.number(), sent = std::move(run)] {
+    (void)write_frame(to, FrameKind::kRepeat, to_payload(sent));
+  });
+}
+
 void Worker::find_stops(std::vector<Sample> rows) {
   sending_ = std::jthread([to = to_worker_.number(), sent = std::move(rows)] {
     (void)write_frame(to, FrameKind::kFindStops, as_payload(sent));

@@ -11,6 +11,7 @@
 
 #include "common/descriptor.h"
 #include "planner/service/frames.h"
+#include "planner/service/repetition_frame.h"
 #include "planner/service/solve_loop.h"
 #include "planner/trajectory/trajectory.h"
 
@@ -31,6 +32,9 @@ class Worker {
 
   // Stop motions for these rows, which are too many for a pipe to take them at once: a thread waits for that.
   void find_stops(std::vector<Sample> rows);
+
+  // The next repetition of a motion, likewise.
+  void repeat(RunOfMotion run);
 
   pid_t pid() const { return pid_; }
 

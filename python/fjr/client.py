@@ -164,10 +164,27 @@ class Client:
         Raises Refused where it is not known any more, or the arm does not rest at its start; an execution that ends
         early is no error: ask ``successful``.
         """
+        return _execution_of(self._execute(trajectory, False, follow))
+
+    def repeat(
+        self, trajectory: ServedPlan | str, *, follow: Follower | None = None
+    ) -> tuple[ServedPlan, Execution]:
+        """Has the arm moved along it once more, corrected by what the motion's last run was off the plan: any run of
+        the motion names it. A motion that has not run yet runs as it was planned, and so does one after
+        :meth:`execute`, from which learning begins anew.
+
+        The plan that is returned has the corrected rows, and what was learnt in ``json["repetition"]``. Raises Refused
+        as :meth:`execute` does, where the last run did not reach its end, and where no correction, nor the same rows
+        again, would keep the limits.
+        """
+        answered = self._execute(trajectory, True, follow)
+        return self._plan_of(answered, True), _execution_of(answered)
+
+    def _execute(self, trajectory: ServedPlan | str, repeat: bool, follow: Follower | None) -> _core.Answered:
         identity = trajectory if isinstance(trajectory, str) else trajectory.trajectory_id
-        answered = self._core.execute(identity, self._robot_id, _heard_by(None, follow))
+        answered = self._core.execute(identity, repeat, self._robot_id, _heard_by(None, follow))
         self._refuse(answered)
-        return _execution_of(answered)
+        return answered
 
     def overview(self, wait: float = 1) -> Overview:
         """Everybody heard within ``wait`` seconds."""

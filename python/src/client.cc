@@ -182,17 +182,18 @@ void add_client(nb::module_& module) {
           nb::arg("priority"), nb::arg("budget"), nb::arg("listener"))
       .def(
           "execute",
-          [](const Connection& connection, const std::string& id, std::string robot_id, const nb::object& listener) {
+          [](const Connection& connection, const std::string& id, bool repeat, std::string robot_id,
+             const nb::object& listener) {
             const auto trajectory = request_id_from(id);
             if (!trajectory) throw InputError("trajectory", "id", "is not 32 hexadecimal digits, a minus and a number");
             Order order;
             order.name = "trajectory";
-            order.action = Action::kExecute;
+            order.action = repeat ? Action::kRepeat : Action::kExecute;
             order.trajectory_id = *trajectory;
             order.robot_id = std::move(robot_id);
             return ask(connection, std::move(order), listener);
           },
-          nb::arg("id"), nb::arg("robot_id"), nb::arg("listener"))
+          nb::arg("id"), nb::arg("repeat"), nb::arg("robot_id"), nb::arg("listener"))
       .def("overview", look_around, nb::arg("wait"));
 }
 

@@ -95,6 +95,28 @@ def test_what_was_planned_before_is_executed(client):
     assert done.successful and np.allclose(client.overview(0.5).executors[0]["q"], goal, atol=1e-3)
 
 
+def test_a_motion_is_repeated_and_learnt(client):
+    """Tried again where the ticks of a busy machine were missed."""
+    for _ in range(3):
+        q = client.overview(0.5).executors[0]["q"]
+        via = [q[0] + (0.2 if q[0] < 0.3 else -0.2), q[1] + 0.1]
+        request = {"start": {"q": q}, "via": [{"q": via}], "goal": {"q": q}, "duration": 1, "search": "quick"}
+        plan, done = client.plan_and_execute(request)
+        if done:
+            break
+        time.sleep(1)
+    assert done.successful and "repetition" not in plan.json
+    for number in (2, 3):
+        time.sleep(0.5)
+        repeated, done = client.repeat(plan)
+        learnt = repeated.json["repetition"]
+        assert done.successful, done.sentence
+        assert learnt["number"] == number and learnt["motion"] == plan.trajectory_id
+        assert repeated.trajectory_id != plan.trajectory_id and repeated.duration == plan.duration
+    with pytest.raises(fjr.Refused, match="NO_TRAJECTORY|not among the requests"):
+        client.repeat("0" * 32 + "-7")
+
+
 def test_what_was_planned_before_is_not_executed_from_elsewhere(client):
     plan = client.plan({"start": {"q": [1, 0.5]}, "goal": {"q": [0.4, -0.3]}})
     done = client.execute(plan)

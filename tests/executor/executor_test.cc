@@ -79,6 +79,20 @@ TrajectoryOrder good() {
 
 TEST(Acceptance, TakesWhatIsInOrder) { EXPECT_FALSE(refusal_of(good(), at_rest())); }
 
+// Of rows that were learnt the motors' reference begins where they were, which is not where the model has them.
+TEST(Acceptance, LearntRowsBeginWhereTheMotorsAre) {
+  TrajectoryOrder order = good();
+  for (Sample& row : order.rows) row.state.theta = {0.05, 0};
+  Situation situation = at_rest();
+  situation.theta = {0.05 + 0.9 * kStartTolerance, 0};
+  EXPECT_TRUE(refusal_of(order, situation));
+  order.learnt = true;
+  EXPECT_FALSE(refusal_of(order, situation));
+  situation.theta = {0.05 + 1.1 * kStartTolerance, 0};
+  ASSERT_TRUE(refusal_of(order, situation));
+  EXPECT_THAT(refusal_of(order, situation)->sentence, HasSubstr("starts with theta1 = 0.05 rad"));
+}
+
 TEST(Acceptance, RefusesWithTheReason) {
   const auto refused = [](auto change, ResultCode code, const std::string& sentence) {
     TrajectoryOrder order = good();

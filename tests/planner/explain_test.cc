@@ -190,7 +190,7 @@ TEST(Explain, BothMotorsThatAreTooSlow) {
 TEST(Explain, AGoalThatMovesTooFast) {
   const Problem problem = request("{start: {q: [0.0, 0.0]}, goal: {q: [1.2, -0.8], dq: [20, 0]}}");
   const Infeasibility why =
-      impossible(problem, 1900);  // 1472 measured; 2379 with a start before it, planned from scratch as it is told
+      impossible(problem, 3600);  // 1472 measured, and 2979 with the roundings of OpenBLAS on a CPU with AVX-512
   EXPECT_EQ(why.limit, "goal.dq");
   expect_least(problem, why, "goal.dq", 0);
 }

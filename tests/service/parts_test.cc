@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <thread>
@@ -9,6 +10,7 @@
 #include "planner/protocol/epoch.h"
 #include "planner/service/admission.h"
 #include "planner/service/backlog.h"
+#include "planner/service/executed_runs.h"
 #include "planner/service/executor_watch.h"
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"
@@ -416,6 +418,46 @@ SharedReply reply_of(const RequestId& id, const Origin& participant) {
 }
 
 // One client may ask ten thousand times before DDS has told where it listens.
+ExecutedRun run_of(std::uint64_t number, std::size_t rows = 2) {
+  ExecutedRun run;
+  run.trajectory_id.number = number;
+  run.rows.resize(rows);
+  for (std::size_t i = 0; i < rows; ++i) run.rows[i].time = 0.001 * static_cast<double>(i);
+  return run;
+}
+
+TEST(ExecutedRuns, TheLastOfAMotionIsFoundAndTheFirstWordOfARunCounts) {
+  ExecutedRuns runs;
+  for (const std::uint64_t number : {1, 2, 3, 4}) runs.add(run_of(number));
+  const auto odd = [](const RequestId& id) { return id.number % 2 == 1; };
+  EXPECT_EQ(runs.last(odd)->trajectory_id.number, 3U);
+  runs.add(run_of(1, 5));
+  EXPECT_EQ(runs.last(odd)->trajectory_id.number, 3U);
+  EXPECT_EQ(runs.last([](const RequestId&) { return false; }), nullptr);
+}
+
+TEST(ExecutedRuns, WhatWasNeverLoggedIsLeftOut) {
+  ExecutedRuns runs;
+  runs.add(run_of(1, 1));
+  ExecutedRun backwards = run_of(2, 3), none = run_of(3, 3);
+  backwards.rows[2].time = backwards.rows[1].time;
+  none.rows[1].planned_theta[1] = std::nan("");
+  runs.add(backwards);
+  runs.add(none);
+  EXPECT_EQ(runs.last([](const RequestId&) { return true; }), nullptr);
+}
+
+TEST(ExecutedRuns, AreBounded) {
+  ExecutedRuns runs;
+  for (std::uint64_t number = 1; number <= 65; ++number) runs.add(run_of(number));
+  EXPECT_FALSE(runs.contains({{}, 1}));
+  EXPECT_TRUE(runs.contains({{}, 2}));
+  constexpr std::size_t kTicks = 30000;  // 2.6 MB
+  for (std::uint64_t number = 101; number <= 130; ++number) runs.add(run_of(number, kTicks));
+  EXPECT_FALSE(runs.contains({{}, 101}));
+  EXPECT_TRUE(runs.contains({{}, 110}));
+}
+
 TEST(Unclaimed, KeepsWhateverOneClientAskedInOrder) {
   Unclaimed unclaimed(128, 64U << 20U);
   RequestId id = new_client();

@@ -47,6 +47,21 @@ TEST_F(SecurityTest, PlansAndExecutesForThoseWhoMay) {
   EXPECT_THAT(request->output(), HasSubstr("execution   code 0"));
 }
 
+TEST_F(SecurityTest, RepeatsForThoseWhoMay) {
+  write("loop.yaml",
+        "start: {q: [0, 0]}\nvia: [{q: [0.3, -0.2]}]\ngoal: {q: [0, 0]}\nduration: 0.8\nobjective: gentle\nsearch: "
+        "quick\n");
+  const auto service = serve({}, as("service"));
+  const auto executor = fjr({"executor", "--state", path("state"), "--fast"}, "executor.log", as("executor"));
+  ASSERT_TRUE(comes_true([&] { return executor->output().find("executing for") != std::string::npos; }));
+  const auto planned =
+      fjr({"request", path("loop.yaml"), "--execute", "--out", path("a")}, "request.log", as("client"));
+  EXPECT_EQ(planned->wait(), 0) << planned->output();
+  const auto repeated = fjr({"request", path("a"), "--repeat"}, "repeat.log", as("client"));
+  EXPECT_EQ(repeated->wait(), 0) << repeated->output() << executor->output();
+  EXPECT_THAT(repeated->output(), AllOf(HasSubstr("repetition  2"), HasSubstr("execution   code 0")));
+}
+
 // A guest without credentials, one with those of other authorities, and one with our authority's identity who wrote and
 // signed permissions himself.
 TEST_F(SecurityTest, IgnoresEverybodyElse) {

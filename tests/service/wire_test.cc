@@ -11,12 +11,15 @@
 #include "common/input_error.h"
 #include "common/strict_yaml.h"
 #include "planner/dds/text.h"
+#include "planner/dds/wire_execution.h"
 #include "planner/dds/wire_reply.h"
 #include "planner/dds/wire_request.h"
 #include "planner/dds/wire_work.h"
 #include "planner/problem/problem.h"
 #include "planner/protocol/document.h"
+#include "planner/protocol/signature.h"
 #include "planner/request/request.h"
+#include "planner/service/frames.h"
 #include "planner/service/job_queue.h"
 #include "planner/service/reply_cache.h"
 #include "tests/support/process.h"
@@ -198,7 +201,7 @@ TEST(Wire, NumbersThatAreNotFiniteAreRefusedByName) {
   EXPECT_EQ(refusal([](Wire& w) { w.message.request.budget = kNan; }), "budget: nan s must be finite and not negative");
   EXPECT_EQ(refusal([](Wire& w) { w.message.request.goal.kind = 9; }), "goal.kind: 9 is not one of 0 to 1");
   EXPECT_EQ(refusal([](Wire& w) { w.message.request.objective.preset = 200; }), "objective: 200 is not one of 0 to 4");
-  EXPECT_EQ(refusal([](Wire& w) { w.message.request.action = 3; }), "action: 3 is not supported by this version");
+  EXPECT_EQ(refusal([](Wire& w) { w.message.request.action = 4; }), "action: 4 is not supported by this version");
   EXPECT_EQ(refusal([](Wire& w) {
               w.message.has_release = true;
               w.message.release = 2;
@@ -237,7 +240,7 @@ TEST(Wire, TermsOfAMotionRequestAreChecked) {
   EXPECT_EQ(refusal([](Message& m) { m.start_within = kInfinity; }),
             "start_within: inf s must be finite and not negative");
   EXPECT_EQ(refusal([](Message& m) { m.budget = -1; }), "budget: -1 s must be finite and not negative");
-  EXPECT_EQ(refusal([](Message& m) { m.action = 3; }), "action: 3 is not supported by this version");
+  EXPECT_EQ(refusal([](Message& m) { m.action = 4; }), "action: 4 is not supported by this version");
 }
 
 TEST(Wire, ADocumentThatIsTooLongIsRefusedBeforeSending) {
@@ -267,6 +270,43 @@ TEST(Wire, ReplyArrivesComplete) {
   ASSERT_EQ(received.rows.size(), 2u);
   EXPECT_EQ(received.rows[1].time, 0.5);
   EXPECT_EQ(received.rows[1].torque[1], 4);
+}
+
+TEST(Wire, WhatIsLearntFromAndWhatWasLearntComeAsTheyWent) {
+  ExecutedRun run;
+  run.robot_id = "left";
+  run.robot_hash = "hash";
+  run.trajectory_id = {new_client().client, 7};
+  run.code = ResultCode::kPathToleranceViolated;
+  run.sentence = "link 1 was off";
+  run.missed_ticks = 3;
+  for (int i = 0; i < 4; ++i) {
+    const double t = 0.001 * i;
+    run.rows.push_back({t, {t + 1, t + 2}, {t + 3, t + 4}, {t + 5, t + 6}, {t + 7, t + 8}, {t + 9, t + 10}});
+  }
+  const ExecutedRun came = dds::decode(dds::encode(run));
+  EXPECT_EQ(came.robot_id, run.robot_id);
+  EXPECT_EQ(came.robot_hash, run.robot_hash);
+  EXPECT_EQ(came.trajectory_id, run.trajectory_id);
+  EXPECT_EQ(came.code, run.code);
+  EXPECT_EQ(came.sentence, run.sentence);
+  EXPECT_EQ(came.missed_ticks, run.missed_ticks);
+  EXPECT_EQ(as_payload(came.rows), as_payload(run.rows));
+
+  TrajectoryOrder order;
+  order.robot_id = "left";
+  order.id = run.trajectory_id;
+  order.epoch = 5;
+  order.rows.resize(3);
+  order.rows[1].torque = {1, 2};
+  order.learnt = true;
+  order.signature = {"value", "signer"};
+  const TrajectoryOrder learnt = dds::decode(dds::encode_learnt(order)), planned = dds::decode(dds::encode_2(order));
+  EXPECT_TRUE(learnt.learnt);
+  EXPECT_FALSE(planned.learnt);
+  EXPECT_EQ(learnt.signature.value, "value");
+  EXPECT_EQ(signed_bytes(learnt), signed_bytes(order));
+  EXPECT_NE(signed_bytes(planned), signed_bytes(order));  // neither passes for the other
 }
 
 TEST(Wire, TextIsCutBetweenCharacters) {

@@ -5,6 +5,7 @@
 #include "common/atomic_file.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/planned_with.h"
+#include "planner/results/repetition_json.h"
 #include "planner/results/report/plan_page.h"
 #include "planner/results/solution_file.h"
 
@@ -18,6 +19,7 @@ void describe(Trajectory& trajectory, const nlohmann::ordered_json& plan) {
   }
   trajectory.metadata["rows"] = std::to_string(trajectory.samples.size());  // a file that was cut short shows it
   tell_planned_with(plan, trajectory.metadata);
+  tell_repetition(plan, trajectory.metadata);
 }
 
 std::vector<std::string> write_plan_files(const PlanFiles& files, const fs::path& folder, bool keep_uncertified) {

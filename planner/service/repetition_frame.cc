@@ -1,0 +1,46 @@
+#include "planner/service/repetition_frame.h"
+
+#include <nlohmann/json.hpp>
+
+#include "planner/service/frames.h"
+
+namespace fjr {
+namespace {
+
+using Json = nlohmann::json;
+
+template <class T>
+Json binary(const std::vector<T>& items) {
+  const std::string_view bytes = as_payload(items);
+  return Json::binary({bytes.begin(), bytes.end()});
+}
+
+template <class T>
+std::vector<T> items_in(const Json& bytes) {
+  const auto& binary = bytes.get_binary();
+  return from_payload<T>({reinterpret_cast<const char*>(binary.data()), binary.size()});
+}
+
+}  // namespace
+
+std::string to_payload(const RunOfMotion& run) {
+  const Json frame = {{"motion", run.motion},       {"run", run.run},
+                      {"plan_json", run.plan_json}, {"rows", binary(run.rows)},
+                      {"ticks", binary(run.ticks)}, {"missed_ticks", run.missed_ticks}};
+  const std::vector<std::uint8_t> bytes = Json::to_cbor(frame);
+  return {bytes.begin(), bytes.end()};
+}
+
+RunOfMotion run_of_motion_from(std::string_view payload) {
+  const Json frame = Json::from_cbor(payload);
+  RunOfMotion run;
+  frame.at("motion").get_to(run.motion);
+  frame.at("run").get_to(run.run);
+  frame.at("plan_json").get_to(run.plan_json);
+  run.rows = items_in<Sample>(frame.at("rows"));
+  run.ticks = items_in<ExecutedRow>(frame.at("ticks"));
+  frame.at("missed_ticks").get_to(run.missed_ticks);
+  return run;
+}
+
+}  // namespace fjr

@@ -1,0 +1,77 @@
+// Motions that are repeated, and learn from their last run.
+#include <fmt/format.h>
+
+#include <utility>
+#include <variant>
+
+#include "planner/service/service.h"
+
+namespace fjr {
+namespace {
+
+constexpr std::chrono::seconds kOnItsWay{1};  // for what the executor publishes before a run's result
+
+}  // namespace
+
+// What was planned, of which the trajectory is a run; itself where it was planned under that id, or is not known any
+// more.
+RequestId Service::motion_of(const RequestId& trajectory_id) const {
+  const SharedReply reply = cache_.find(trajectory_id);
+  return reply ? reply->motion : trajectory_id;
+}
+
+bool Service::is_run_of(const RequestId& motion, const RequestId& trajectory_id) const {
+  return cache_.find(trajectory_id) && motion_of(trajectory_id) == motion;
+}
+
+// It has moved the arm last, and what was logged of it has not come: the client may have been quicker.
+std::optional<RequestId> Service::run_on_its_way(const RequestId& motion) const {
+  const auto executor = executor_.latest();
+  if (!executor || runs_.contains(executor->trajectory_id)) return std::nullopt;
+  return is_run_of(motion, executor->trajectory_id) ? std::optional(executor->trajectory_id) : std::nullopt;
+}
+
+bool Service::has_its_run(const Job& job) const {
+  return !job.awaited || runs_.contains(*job.awaited) || Clock::now() - job.arrived > kOnItsWay;
+}
+
+void Service::repeat_motion(const Order& order, Clock::time_point arrived) {
+  const auto not_at_rest = [&](const std::string& why) { reject(order, {Reason::kArmNotAtRest, "", why}); };
+  if (config_.workers == 0) {
+    return reject(order, {Reason::kUnsupported, "action",
+                          "repetitions are found by the service's own workers, and this one has none"});
+  }
+  if (motion_pending()) return not_at_rest("an earlier request is still to move the arm");
+  const auto rest = executor_.rest();
+  if (const auto* why = std::get_if<std::string>(&rest)) return not_at_rest(*why);
+  Job job;
+  job.order = order;
+  job.rest_to_rest = true;
+  job.awaited = run_on_its_way(motion_of(order.trajectory_id));
+  if (!job.awaited) {
+    if (auto refusal = choose_run(job)) return reject(order, std::move(*refusal));
+  }
+  enqueue(std::move(job), arrived);
+}
+
+// A motion that has not run, as far as anybody here knows, runs as it was planned.
+std::optional<Refusal> Service::choose_run(Job& job) const {
+  const RequestId motion = motion_of(job.order.trajectory_id);
+  job.awaited.reset();
+  job.run = runs_.last([&](const RequestId& id) { return is_run_of(motion, id); });
+  const RequestId& executed = job.run ? job.run->trajectory_id : job.order.trajectory_id;
+  job.planned = cache_.find(executed);
+  if (auto refusal = refusal_of_execution(executed, job.planned, in_hand(executed), robot_hash_)) return refusal;
+  job.request_hash = job.planned->request_hash;
+  if (!job.run || job.run->code == ResultCode::kSuccessful) return std::nullopt;
+  return Refusal{Reason::kNoTrajectory, "trajectory_id",
+                 fmt::format("its last run, {}, ended as {}: {}; have it executed as it was planned, and learning "
+                             "begins anew",
+                             text(executed), name(job.run->code), job.run->sentence)};
+}
+
+void Service::hear(ExecutedRun run) {
+  if (run.robot_id == config_.robot_id && run.robot_hash == robot_hash_) runs_.add(std::move(run));
+}
+
+}  // namespace fjr

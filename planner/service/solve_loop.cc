@@ -57,12 +57,15 @@ void solve(int out, const Problem& problem, const std::string& request, const Wo
   learnt.remember(problem, request, result);  // when the client has its answer
 }
 
-void repeat(int out, const Parameters& robot, const std::string& payload) {
+// A plan.json may come from another instance, whatever is in it.
+void repeat(int out, const Parameters& robot, const std::string& payload) try {
   const Repeated repeated = repeat(robot, run_of_motion_from(payload));
   write_frame(out, FrameKind::kPlanJson, repeated.plan_json);
   write_frame(out, FrameKind::kRows, as_payload(repeated.rows));
   write_frame(out, FrameKind::kErrors, {reinterpret_cast<const char*>(&repeated.errors), sizeof repeated.errors});
   send_done(out, repeated.status, repeated.reason);
+} catch (const std::exception& error) {
+  send_done(out, PlanStatus::kNotConverged, fmt::format("cannot be learnt: {}", error.what()));
 }
 
 // Where there is none for some instant, the executor, who looks for them itself, says so.

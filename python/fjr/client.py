@@ -173,7 +173,7 @@ class Client:
         the motion names it. A motion that has not run yet runs as it was planned, and so does one after
         :meth:`execute`, from which learning begins anew.
 
-        The plan that is returned has the corrected rows, and what was learnt in ``json["repetition"]``. Raises Refused
+        The plan that is returned has the corrected rows, and what was learnt in ``to_dict()["repetition"]``. Raises Refused
         as :meth:`execute` does, where the last run did not reach its end, and where no correction, nor the same rows
         again, would keep the limits.
         """

@@ -105,11 +105,11 @@ def test_a_motion_is_repeated_and_learnt(client):
         if done:
             break
         time.sleep(1)
-    assert done.successful and "repetition" not in plan.json
+    assert done.successful and "repetition" not in plan.to_dict()
     for number in (2, 3):
         time.sleep(0.5)
         repeated, done = client.repeat(plan)
-        learnt = repeated.json["repetition"]
+        learnt = repeated.to_dict()["repetition"]
         assert done.successful, done.sentence
         assert learnt["number"] == number and learnt["motion"] == plan.trajectory_id
         assert repeated.trajectory_id != plan.trajectory_id and repeated.duration == plan.duration

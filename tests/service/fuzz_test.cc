@@ -254,6 +254,10 @@ class FuzzSamples : public FuzzTest {
     fill(via.q);
     fill(via.dq);
   }
+  void fill(fjr_msg_ExecutedRow& row) {
+    row.time = number();
+    for (auto* pair : {&row.q, &row.theta, &row.tau, &row.planned_q, &row.planned_theta}) fill(*pair);
+  }
   void fill(fjr_msg_Disc& disc) {
     fill(disc.center);
     disc.radius = number();
@@ -311,16 +315,33 @@ TEST_F(FuzzSamples, WithstandsRequestsAndTrajectories) {
   dds::Writer<fjr_msg_PlanRequest2> extended_requests(participant, participant.handle());
   dds::Writer<fjr_msg_PlanCancel> cancels(participant, participant.handle());
   dds::Writer<fjr_msg_Trajectory> trajectories(participant, participant.handle());
+  dds::Writer<fjr_msg_LearntTrajectory> learnt_trajectories(participant, participant.handle());
+  dds::Writer<fjr_msg_ExecutedRun> runs(participant, participant.handle());
   ASSERT_TRUE(comes_true([&] {
-    return requests.has_reader() && extended_requests.has_reader() && cancels.has_reader() && trajectories.has_reader();
+    return requests.has_reader() && extended_requests.has_reader() && cancels.has_reader() &&
+           trajectories.has_reader() && learnt_trajectories.has_reader() && runs.has_reader();
   }));
   std::vector<fjr_msg_ViaPoint> vias;
   std::vector<fjr_msg_Disc> discs;
   std::vector<fjr_msg_Posture> postures;
   std::vector<fjr_msg_Row> rows;
+  std::vector<fjr_msg_ExecutedRow> ticks;
+  const auto trajectory_of = [&](auto trajectory) {
+    fill(trajectory.robot_id);
+    if (flag()) std::strcpy(trajectory.robot_id, "arm");
+    fill(trajectory.id);
+    trajectory.epoch = random() % 2;
+    trajectory.published = std::numeric_limits<std::int64_t>::min() + random();
+    fill(trajectory.robot_hash);
+    trajectory.certified = trajectory.ends_at_rest = flag();
+    fill_items(rows, 60);
+    trajectory.rows = {static_cast<std::uint32_t>(rows.size()), static_cast<std::uint32_t>(rows.size()), rows.data(),
+                       false};
+    return trajectory;
+  };
   std::size_t sent = 0;
   withstand([&] {
-    switch (++sent % 4) {
+    switch (++sent % 5) {
       case 0: {
         fjr_msg_PlanCancel cancel{};
         fill(cancel.id);
@@ -328,18 +349,24 @@ TEST_F(FuzzSamples, WithstandsRequestsAndTrajectories) {
         break;
       }
       case 1: {
-        fjr_msg_Trajectory trajectory{};
-        fill(trajectory.robot_id);
-        if (flag()) std::strcpy(trajectory.robot_id, "arm");
-        fill(trajectory.id);
-        trajectory.epoch = random() % 2;
-        trajectory.published = std::numeric_limits<std::int64_t>::min() + random();
-        fill(trajectory.robot_hash);
-        trajectory.certified = trajectory.ends_at_rest = flag();
-        fill_items(rows, 60);
-        trajectory.rows = {static_cast<std::uint32_t>(rows.size()), static_cast<std::uint32_t>(rows.size()),
-                           rows.data(), false};
-        (void)trajectories.write(trajectory);
+        if (flag()) {
+          (void)trajectories.write(trajectory_of(fjr_msg_Trajectory{}));
+        } else {
+          (void)learnt_trajectories.write(trajectory_of(fjr_msg_LearntTrajectory{}));
+        }
+        break;
+      }
+      case 2: {
+        fjr_msg_ExecutedRun run{};
+        fill(run.robot_id);
+        if (flag()) std::strcpy(run.robot_id, "arm");
+        fill(run.trajectory_id);
+        fill(run.robot_hash);
+        fill(run.sentence);
+        fill_items(ticks, 60);
+        const auto count = static_cast<std::uint32_t>(ticks.size());
+        run.rows = {count, count, ticks.data(), false};
+        (void)runs.write(run);
         break;
       }
       default: {

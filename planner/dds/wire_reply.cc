@@ -14,6 +14,7 @@ namespace {
 static_assert(sizeof(fjr_msg_Row) == sizeof(Sample) && std::is_trivially_copyable_v<Sample>);
 static_assert(offsetof(fjr_msg_Row, tau) == offsetof(Sample, torque));
 static_assert(kMaxRows == fjr_msg_MAX_ROWS);
+static_assert(kLongestPlanJson == fjr_msg_MAX_PLAN_JSON);
 
 static_assert(static_cast<int>(ReplyState::kAccepted) == fjr_msg_STATE_ACCEPTED);
 static_assert(static_cast<int>(ReplyState::kExpired) == fjr_msg_STATE_EXPIRED);

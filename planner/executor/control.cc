@@ -293,12 +293,12 @@ void Control::yield() {
 void Control::finish(ExecutorMode mode) {
   mode_ = mode;
   motion_->ended_at = sensing_.q();
-  finished_.put(motion_);
   const bool beside = shift_ != Joints<double>{} || motion_->outcome.ending == Ending::kGoalTolerance;
   const bool as_learnt = motion_->order.learnt && motion_->outcome.ending == Ending::kReached;
+  finished_.put(motion_);  // from here on it is the other thread's, which deletes it
   motion_ = nullptr;
   if (beside) return rest_here();
-  if (as_learnt) return hold({0, planned_.state, planned_.torque});  // where the model has the motors, the links sag
+  if (as_learnt) return hold({0, planned_.state, planned_.torque});  // the model's equilibrium would let the links sag
   hold_at(planned_.state.q, planned_.state.theta);
 }
 

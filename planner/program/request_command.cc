@@ -139,9 +139,9 @@ std::string store(const RequestArguments& options, const Order& order, const Rep
 // What was learnt for it; nothing where it is as it was planned.
 std::string about_repetition(const Reply& reply) {
   if (reply.plan_json.empty()) return "";
-  const auto plan = nlohmann::json::parse(reply.plan_json);
+  const auto plan = nlohmann::json::parse(reply.plan_json, nullptr, false);  // whoever answered
   const auto found = plan.find("repetition");
-  if (found == plan.end()) return "";
+  if (found == plan.end() || !found->is_object()) return "";
   const double fraction = found->at("fraction");
   std::string text = fmt::format("  repetition  {}, with {} of the correction", found->at("number").get<int>(),
                                  fraction == 0 ? "none" : fmt::format("{:g}", fraction));

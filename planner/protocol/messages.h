@@ -20,7 +20,8 @@ namespace fjr {
 // Whoever takes part in DDS as one participant, as DDS names it: one client, whatever ids it uses. All zero: unknown.
 using Origin = std::array<std::uint8_t, 16>;
 
-inline constexpr double kLongestMotion = 20;  // [s] that an executor runs
+inline constexpr std::size_t kLongestPlanJson = 262144;  // [bytes] that a reply has room for
+inline constexpr double kLongestMotion = 20;             // [s] that an executor runs
 
 struct RequestId {
   std::array<std::uint8_t, 16> client{};

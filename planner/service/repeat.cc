@@ -4,8 +4,10 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <stdexcept>
 
 #include "common/input_error.h"
+#include "planner/certificate/consistency.h"
 #include "planner/learning/repetition.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/planned_with.h"
@@ -72,17 +74,23 @@ std::string what_is_broken(const Repetition& repetition) {
 }  // namespace
 
 Repeated repeat(const Parameters& robot, const RunOfMotion& run) {
+  if (const std::string fault = malformed({run.rows, {}}); !fault.empty()) throw std::runtime_error(fault);
+  if (run.rows.front().time != 0) throw std::runtime_error("its rows do not begin at 0 s");
   Json plan = Json::parse(run.plan_json);
   const Repetition repetition = next(robot, plan, run);
   plan["repetition"] =
       repetition_json(repetition, {{"motion", run.motion}, {"run", run.run}}, number_of_repetition(plan) + 1);
   Repeated repeated;
-  if (may_be_executed(repetition)) {
-    repeated.status = PlanStatus::kCertified;
-  } else {
+  if (!may_be_executed(repetition)) {
     repeated.reason = what_is_broken(repetition);
+    return repeated;
   }
   repeated.plan_json = json_text(plan);
+  if (repeated.plan_json.size() > kLongestPlanJson) {
+    throw std::runtime_error(fmt::format("its plan.json would have {} bytes, a reply has room for {}",
+                                         repeated.plan_json.size(), kLongestPlanJson));
+  }
+  repeated.status = PlanStatus::kCertified;
   repeated.rows = repetition.rows.samples;
   const double tolerance = exactness_tolerance(robot);
   repeated.errors.certified = {tolerance, tolerance};

@@ -14,7 +14,7 @@ namespace fjr {
 struct Repeated {
   PlanStatus status = PlanStatus::kUncertified;  // certified: the rows may be executed
   std::string reason;
-  std::string plan_json;  // the plan's, with `repetition`
+  std::string plan_json;  // the plan's, with `repetition`; empty where the rows may not be executed
   std::vector<Sample> rows;
   LinkErrors errors;  // as planned; as expected of the rows
 };

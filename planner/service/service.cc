@@ -98,6 +98,7 @@ std::chrono::nanoseconds Service::time_to_next() const {
   if (!ownership_.alone()) next = std::min(next, backlog_.next_relay());
   for (const Job& job : queue_.jobs()) {
     next = std::min(next, job.deadline);
+    if (job.awaited) next = std::min(next, now + kAnswerSoon);
     if (executes(job.order) && !presence_.may_start(job.order, now)) next = std::min(next, now + kAnswerSoon);
   }
   for (const Job* job : solvers_.jobs()) next = std::min(next, job->deadline);

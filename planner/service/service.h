@@ -77,7 +77,7 @@ class Service {
   // What is repeated.
   RequestId motion_of(const RequestId& trajectory_id) const;
   bool is_run_of(const RequestId& motion, const RequestId& trajectory_id) const;
-  std::optional<RequestId> run_on_its_way(const RequestId& motion) const;
+  std::optional<RequestId> run_on_its_way() const;
   bool has_its_run(const Job& job) const;
   void repeat_motion(const Order& order, Clock::time_point arrived);
   std::optional<Refusal> choose_run(Job& job) const;

@@ -151,7 +151,8 @@ void Service::enqueue(Job job, Clock::time_point arrived) {
   job.deadline = arrived + duration_of(job.order.budget > 0 ? job.order.budget : config_.budget);
   const Order accepted = job.order;
   queue_.push(std::move(job));
-  give_work();  // first: telling costs time that solving can use
+  give_work();                        // first: telling costs time that solving can use
+  if (!in_hand(accepted.id)) return;  // it has its answer already
   post(std::make_shared<const Reply>(reply_to(accepted, ReplyState::kAccepted)));
   if (log_requests_.allows()) {
     spdlog::info("accepted id={} name={} priority={} queued={}", text(accepted.id), accepted.name, accepted.priority,

@@ -77,6 +77,7 @@ void Service::hear(Reply reply) {
 // A plan that was executed once more is told by its rows.
 void Service::complete(Reply& reply) const {
   complete_overheard(reply);
+  if (reply.learnt) return;
   const SharedReply before = cache_.find_trajectory([&](const Reply& earlier) {
     return earlier.request_hash == reply.request_hash && as_payload(earlier.rows) == as_payload(reply.rows);
   });

@@ -24,15 +24,16 @@ bool Service::is_run_of(const RequestId& motion, const RequestId& trajectory_id)
   return cache_.find(trajectory_id) && motion_of(trajectory_id) == motion;
 }
 
-// It has moved the arm last, and what was logged of it has not come: the client may have been quicker.
-std::optional<RequestId> Service::run_on_its_way(const RequestId& motion) const {
+// It has moved the arm last, and what was logged of it has not come: the client may have been quicker, or this service
+// has just begun, and runs come in their order.
+std::optional<RequestId> Service::run_on_its_way() const {
   const auto executor = executor_.latest();
   if (!executor || runs_.contains(executor->trajectory_id)) return std::nullopt;
-  return is_run_of(motion, executor->trajectory_id) ? std::optional(executor->trajectory_id) : std::nullopt;
+  return cache_.find(executor->trajectory_id) ? std::optional(executor->trajectory_id) : std::nullopt;
 }
 
 bool Service::has_its_run(const Job& job) const {
-  return !job.awaited || runs_.contains(*job.awaited) || Clock::now() - job.arrived > kOnItsWay;
+  return !job.awaited || runs_.contains(*job.awaited) || Clock::now() - job.awaited_since > kOnItsWay;
 }
 
 void Service::repeat_motion(const Order& order, Clock::time_point arrived) {
@@ -47,7 +48,8 @@ void Service::repeat_motion(const Order& order, Clock::time_point arrived) {
   Job job;
   job.order = order;
   job.rest_to_rest = true;
-  job.awaited = run_on_its_way(motion_of(order.trajectory_id));
+  job.awaited = run_on_its_way();
+  job.awaited_since = Clock::now();
   if (!job.awaited) {
     if (auto refusal = choose_run(job)) return reject(order, std::move(*refusal));
   }

@@ -170,11 +170,10 @@ class Client:
         self, trajectory: ServedPlan | str, *, follow: Follower | None = None
     ) -> tuple[ServedPlan, Execution]:
         """Has the arm moved along it once more, corrected by what the motion's last run was off the plan: any run of
-        the motion names it. A motion that has not run yet runs as it was planned, and so does one after
-        :meth:`execute`, from which learning begins anew.
+        the motion names it. A motion that has not run yet runs as it was planned.
 
-        The plan that is returned has the corrected rows, and what was learnt in ``to_dict()["repetition"]``. Raises Refused
-        as :meth:`execute` does, where the last run did not reach its end, and where no correction, nor the same rows
+        The plan that is returned has the corrected rows, and what was learnt in ``to_dict()["repetition"]``. Raises
+        Refused as :meth:`execute` does, where the last run did not reach its end, and where no correction, nor the same rows
         again, would keep the limits.
         """
         answered = self._execute(trajectory, True, follow)

@@ -417,7 +417,6 @@ SharedReply reply_of(const RequestId& id, const Origin& participant) {
   return std::make_shared<const Reply>(reply);
 }
 
-// One client may ask ten thousand times before DDS has told where it listens.
 ExecutedRun run_of(std::uint64_t number, std::size_t rows = 2) {
   ExecutedRun run;
   run.trajectory_id.number = number;
@@ -458,6 +457,7 @@ TEST(ExecutedRuns, AreBounded) {
   EXPECT_TRUE(runs.contains({{}, 110}));
 }
 
+// One client may ask ten thousand times before DDS has told where it listens.
 TEST(Unclaimed, KeepsWhateverOneClientAskedInOrder) {
   Unclaimed unclaimed(128, 64U << 20U);
   RequestId id = new_client();

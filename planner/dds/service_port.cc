@@ -180,7 +180,10 @@ void ServicePort::disown() {
   trajectories_2_.reset();
 }
 
-bool ServicePort::learnt_are_taken() const { return learnt_trajectories_ && learnt_trajectories_->has_reader(); }
+bool ServicePort::learnt_are_taken(ExecutorStates::Source executor) const {
+  const auto participant = executors_.participant_of(executor);
+  return participant && learnt_trajectories_ && learnt_trajectories_->has_reader_of(*participant);
+}
 
 bool ServicePort::send(const TrajectoryOrder& order) {
   if (!trajectories_) return false;

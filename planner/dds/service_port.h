@@ -74,8 +74,8 @@ class ServicePort {
   // Trajectories are published by their robot's owner only.
   void own(std::uint64_t epoch);
   void disown();
-  bool send(const TrajectoryOrder& order);  // to the executor; false: it is too slow
-  bool learnt_are_taken() const;            // by an executor that is there; of orders that are `learnt`
+  bool send(const TrajectoryOrder& order);                       // to the executor; false: it is too slow
+  bool learnt_are_taken(ExecutorStates::Source executor) const;  // orders that are `learnt`, by that one
 
  private:
   Participant participant_;

@@ -36,18 +36,18 @@ class Writer {
     return status.current_count;
   }
 
+  // Of that participant, as in a reader's participant_of().
+  bool has_reader_of(dds_instance_handle_t participant) const {
+    return any_reader([&](const dds_builtintopic_endpoint_t& endpoint) {
+      return endpoint.participant_instance_handle == participant;
+    });
+  }
+
   // One that acknowledges what it has taken.
   bool has_reliable_reader() const {
-    std::array<dds_instance_handle_t, 16> readers{};
-    const auto count = static_cast<std::size_t>(
-        checked(dds_get_matched_subscriptions(handle(), readers.data(), readers.size()), "matched subscriptions"));
-    return std::any_of(readers.begin(), readers.begin() + std::min(count, readers.size()), [&](auto reader) {
-      dds_builtintopic_endpoint_t* endpoint = dds_get_matched_subscription_data(handle(), reader);
-      if (endpoint == nullptr) return false;
+    return any_reader([](const dds_builtintopic_endpoint_t& endpoint) {
       dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;
-      const bool known = dds_qget_reliability(endpoint->qos, &kind, nullptr);
-      dds_builtintopic_free_endpoint(endpoint);
-      return known && kind == DDS_RELIABILITY_RELIABLE;
+      return dds_qget_reliability(endpoint.qos, &kind, nullptr) && kind == DDS_RELIABILITY_RELIABLE;
     });
   }
 
@@ -55,6 +55,20 @@ class Writer {
   bool flush(dds_duration_t timeout) const { return dds_wait_for_acks(writer_.handle(), timeout) == DDS_RETCODE_OK; }
 
  private:
+  template <class Which>
+  bool any_reader(Which&& which) const {
+    std::array<dds_instance_handle_t, 16> readers{};
+    const auto count = static_cast<std::size_t>(
+        checked(dds_get_matched_subscriptions(handle(), readers.data(), readers.size()), "matched subscriptions"));
+    return std::any_of(readers.begin(), readers.begin() + std::min(count, readers.size()), [&](auto reader) {
+      dds_builtintopic_endpoint_t* endpoint = dds_get_matched_subscription_data(handle(), reader);
+      if (endpoint == nullptr) return false;
+      const bool found = which(*endpoint);
+      dds_builtintopic_free_endpoint(endpoint);
+      return found;
+    });
+  }
+
   Entity topic_;
   Entity writer_;
 };

@@ -4,40 +4,18 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <string_view>
 
 #include "common/atomic_file.h"
 #include "model/log.h"
 
 namespace fjr {
-namespace {
-
-void add(Log& log, std::string_view quantity, std::string_view suffix, const CommandedMotion& motion,
-         const Joints<double>& (*get)(const LogRow&)) {
-  for (int joint = 0; joint < kJoints; ++joint) {
-    log.names.push_back(joint_column(quantity, joint, suffix));
-    std::vector<double> values;
-    for (const LogRow& row : motion.log) values.push_back(get(row)[static_cast<std::size_t>(joint)]);
-    log.values.push_back(std::move(values));
-  }
-}
-
-using Columns = const Joints<double>&;
-
-}  // namespace
-
 Log log_of(const CommandedMotion& motion) {
-  Log log;
-  log.metadata["missed_ticks"] = std::to_string(motion.missed_ticks);
-  log.names.push_back("time");
-  log.values.emplace_back();
-  for (const LogRow& row : motion.log) log.values.back().push_back(row.time);
-  add(log, "q", "", motion, [](const LogRow& r) -> Columns { return r.q; });
-  add(log, "theta", "", motion, [](const LogRow& r) -> Columns { return r.theta; });
-  add(log, "tau", "", motion, [](const LogRow& r) -> Columns { return r.torque; });
-  add(log, "q", "_plan", motion, [](const LogRow& r) -> Columns { return r.planned.state.q; });
-  add(log, "theta", "_plan", motion, [](const LogRow& r) -> Columns { return r.planned.state.theta; });
-  add(log, "tau", "_plan", motion, [](const LogRow& r) -> Columns { return r.planned.torque; });
+  Log log = fjr::log_of(ticks_of(motion), static_cast<std::uint32_t>(motion.missed_ticks));
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    log.names.push_back(joint_column("tau", static_cast<int>(j), "_plan"));
+    std::vector<double>& values = log.values.emplace_back();
+    for (const LogRow& row : motion.log) values.push_back(row.planned.torque[j]);
+  }
   return log;
 }
 

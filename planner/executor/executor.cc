@@ -22,8 +22,10 @@ constexpr std::chrono::milliseconds kFarewell{200};   // for the last result to 
 constexpr std::chrono::milliseconds kLooking{500};    // for others: discovery takes 13 ms, a lease is 300 ms
 constexpr std::chrono::milliseconds kBeside{500};     // since the last word of another one
 constexpr std::size_t kConsidered = 1024;             // trajectories
-constexpr std::size_t kUnsigned = 64;                 // that wait for a signed copy
-constexpr std::chrono::milliseconds kForACopy{250};   // between two of one trajectory, published within a moment
+constexpr std::size_t kUnsentRuns = 4;                // that wait for a slow reader
+constexpr std::chrono::milliseconds kSendAgain{500};
+constexpr std::size_t kUnsigned = 64;                // that wait for a signed copy
+constexpr std::chrono::milliseconds kForACopy{250};  // between two of one trajectory, published within a moment
 
 std::filesystem::path history_file(const ExecutorConfig& config) {
   const std::filesystem::path folder = config.state.empty() ? default_state_folder() : config.state;
@@ -146,6 +148,7 @@ void Executor::serve_without_orders() {
   port_.wait(std::chrono::milliseconds(1));
   publish_states();
   conclude_finished();
+  publish_unsent_runs();
   conclude_preparation();
   report_drift();
   look_for_others();
@@ -387,8 +390,18 @@ void Executor::conclude(CommandedMotion& motion) {
 // Before its result: whoever asks for the next repetition when that has come finds the service with the run.
 void Executor::publish_run(const CommandedMotion& motion, const ExecutionResult& result) {
   if (motion.outcome.ending == Ending::kNotBegun) return;
-  if (port_.send(run_of(motion, result))) return;
-  spdlog::warn("the run was not published id={}: a service is too slow", text(result.trajectory_id));
+  unsent_runs_.push_back(run_of(motion, result));
+  publish_unsent_runs();
+}
+
+// In their order, and again where whoever reads them is too slow.
+void Executor::publish_unsent_runs() {
+  if (Clock::now() < send_runs_again_) return;
+  while (!unsent_runs_.empty() && port_.send(unsent_runs_.front())) unsent_runs_.pop_front();
+  if (unsent_runs_.empty()) return;
+  spdlog::warn("the run waits to be published id={}: a service is too slow", text(unsent_runs_.front().trajectory_id));
+  if (unsent_runs_.size() > kUnsentRuns) unsent_runs_.pop_front();
+  send_runs_again_ = Clock::now() + kSendAgain;
 }
 
 void Executor::report_drift() {

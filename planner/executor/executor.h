@@ -55,6 +55,7 @@ class Executor {
   void conclude_finished();
   void conclude(CommandedMotion& motion);
   void publish_run(const CommandedMotion& motion, const ExecutionResult& result);
+  void publish_unsent_runs();
   std::string log(const CommandedMotion& motion, const ExecutionResult& result) const;
   void report_drift();
   void report_again(const History::Entry& entry);
@@ -94,6 +95,8 @@ class Executor {
     std::chrono::steady_clock::time_point refused_at;
   };
   std::deque<Unsigned> unsigned_;
+  std::deque<ExecutedRun> unsent_runs_;
+  std::chrono::steady_clock::time_point send_runs_again_{};
   DriftWatch drift_watch_;
   std::optional<ArmDrift> drift_;  // last reported
   Lateness lateness_;              // of the tick; the tick's until it has ended

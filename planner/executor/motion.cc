@@ -99,8 +99,12 @@ void judge(const Parameters& robot, const Trajectory& plan) {
 // Learnt rows are made for an arm that is not quite the model, on which their links leave the plan by design. But
 // should the arm be the model after all, they keep its limits, and the links stay so near to the plan that not even an
 // arm that was at the tolerance on one side of it when they were learnt would leave it on the other one.
-void judge_learnt(const Parameters& robot, const Trajectory& rows, const Tolerances& tolerances) {
+// The rest at the goal counts, for it is held as it was learnt.
+void judge_learnt(const Parameters& robot, Trajectory rows, const Tolerances& tolerances) {
   if (const std::string fault = malformed(rows); !fault.empty()) refuse_for({fault});
+  rows = with_rest_after(robot, rows.samples);
+  rows.samples.push_back(rows.samples.back());
+  rows.samples.back().time += kWatched;
   const Rehearsal on_model = rehearsal_on_model(robot, Limits::of(robot), rows);
   refuse_for(on_model.broken);
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -188,6 +192,15 @@ ExecutionResult result_of(const CommandedMotion& motion, const Parameters& robot
   return result;
 }
 
+std::vector<ExecutedRow> ticks_of(const CommandedMotion& motion) {
+  std::vector<ExecutedRow> ticks;
+  ticks.reserve(motion.log.size());
+  for (const LogRow& row : motion.log) {
+    ticks.push_back({row.time, row.q, row.theta, row.torque, row.planned.state.q, row.planned.state.theta});
+  }
+  return ticks;
+}
+
 ExecutedRun run_of(const CommandedMotion& motion, const ExecutionResult& result) {
   ExecutedRun run;
   run.robot_id = result.robot_id;
@@ -196,11 +209,8 @@ ExecutedRun run_of(const CommandedMotion& motion, const ExecutionResult& result)
   run.code = result.code;
   run.sentence = result.sentence;
   run.missed_ticks = static_cast<std::uint32_t>(motion.missed_ticks);
-  run.rows.reserve(std::min(motion.log.size(), kMaxRows));
-  for (const LogRow& row : motion.log) {
-    if (run.rows.size() == kMaxRows) break;  // long after the motion: it waits for the goal to be reached
-    run.rows.push_back({row.time, row.q, row.theta, row.torque, row.planned.state.q, row.planned.state.theta});
-  }
+  run.rows = ticks_of(motion);
+  if (run.rows.size() > kMaxRows) run.rows.resize(kMaxRows);  // long after the motion: it waits for the goal
   return run;
 }
 

@@ -65,17 +65,17 @@ std::unique_ptr<CommandedMotion> prepare_without_stops(const Parameters& robot, 
 inline constexpr double kLead = 0.1;
 
 // With them, and believing nobody: its rows are judged (judge_closed_loop, or where they were learnt on what the model
-// does under them), its stops checked from the first on; where
-// it brings none they are found, which takes about 0.2 s per second of motion. It may begin when this returns, and so
-// many of its stops are checked that they last for `lead` [s]; the others follow. Throws std::runtime_error, one
-// sentence: why it is not run, or that it is `unwanted`.
+// does under them), its stops checked from the first on; where it brings none they are found, which takes about 0.2 s
+// per second of motion. It may begin when this returns, and so many of its stops are checked that they last for `lead`
+// [s]; the others follow. Throws std::runtime_error, one sentence: why it is not run, or that it is `unwanted`.
 std::unique_ptr<CommandedMotion> prepare(const Parameters& robot, TrajectoryOrder order, const Tolerances& defaults,
                                          double lead, const std::stop_token& unwanted);
 
 // What is reported about it; without log_file.
 ExecutionResult result_of(const CommandedMotion& motion, const Parameters& robot);
 
-// What was logged of it.
+// What was logged of it, tick by tick; and the same as it is told, at most kMaxRows of them.
+std::vector<ExecutedRow> ticks_of(const CommandedMotion& motion);
 ExecutedRun run_of(const CommandedMotion& motion, const ExecutionResult& result);
 
 }  // namespace fjr

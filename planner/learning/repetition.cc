@@ -116,15 +116,9 @@ Rehearsal rehearse(const Parameters& robot, const Limits& limits, const TaskOfMo
 
 // What keeps these rows from being executed.
 std::vector<std::string> against(const Parameters& robot, const Repetition& repetition) {
-  std::vector<std::string> reasons;
   const std::string malformation = malformed(repetition.rows);
   if (!malformation.empty()) return {malformation};
-  std::set<std::string> told;  // what rows break is broken on both arms
-  for (const Rehearsal& rehearsal : repetition.rehearsals) {
-    for (const std::string& broken : rehearsal.broken) {
-      if (told.insert(broken).second) reasons.push_back(rehearsal.arm + ": " + broken);
-    }
-  }
+  std::vector<std::string> reasons = broken_in(repetition);
   const Joints<double>& expected = repetition.rehearsals.back().link_error_rms;
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double count = exactness_tolerance(robot);
@@ -195,9 +189,15 @@ Repetition next_repetition(const Parameters& robot, const Limits& limits, const 
   return refused;
 }
 
-bool may_be_executed(const Repetition& repetition) {
-  return std::all_of(repetition.rehearsals.begin(), repetition.rehearsals.end(),
-                     [](const Rehearsal& rehearsal) { return rehearsal.broken.empty(); });
+std::vector<std::string> broken_in(const Repetition& repetition) {
+  std::vector<std::string> sentences;
+  std::set<std::string> told;  // what rows break is broken on both arms
+  for (const Rehearsal& rehearsal : repetition.rehearsals) {
+    for (const std::string& broken : rehearsal.broken) {
+      if (told.insert(broken).second) sentences.push_back(rehearsal.arm + ": " + broken);
+    }
+  }
+  return sentences;
 }
 
 Rehearsal rehearsal_on_model(const Parameters& robot, const Limits& limits, const Trajectory& rows) {

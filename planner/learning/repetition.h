@@ -26,7 +26,7 @@ struct Repetition {
   Trajectory rows;                    // to be executed next; where it was refused, those that were
   double fraction = 0;                // of the correction
   bool refused = false;               // not even an eighth of it may be executed
-  Joints<double> link_error_rms{};    // [rad] of the last run, by its encoders
+  Joints<double> link_error_rms{};    // [rad] of the last run, by its encoders; zero: nothing could be learnt from it
   std::vector<Rehearsal> rehearsals;  // of the rows
   std::vector<std::string> reasons;   // against the next larger fraction; where it was refused, against the least
 };
@@ -40,8 +40,9 @@ struct Repetition {
 Repetition next_repetition(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
                            const Trajectory& executed, const ExecutedMotion& motion);
 
-// Whether the rows may be executed: neither rehearsal breaks anything. Also of those of a repetition that was refused.
-bool may_be_executed(const Repetition& repetition);
+// What either rehearsal breaks, one sentence each; empty: the rows may be executed. Also of those of a repetition that
+// was refused.
+std::vector<std::string> broken_in(const Repetition& repetition);
 
 // Rows that were learnt, on the robot's model from rest, until the last of them. They are of the shape of a trajectory
 // (malformed(), consistency.h).

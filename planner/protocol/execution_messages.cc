@@ -2,7 +2,33 @@
 
 #include <fmt/format.h>
 
+#include <utility>
+
 namespace fjr {
+
+Log log_of(const std::vector<ExecutedRow>& ticks, std::uint32_t missed_ticks) {
+  Log log;
+  log.metadata["missed_ticks"] = std::to_string(missed_ticks);
+  const auto add = [&](std::string name, const auto& value_in) {
+    log.names.push_back(std::move(name));
+    std::vector<double>& values = log.values.emplace_back();
+    values.reserve(ticks.size());
+    for (const ExecutedRow& tick : ticks) values.push_back(value_in(tick));
+  };
+  const auto add_pair = [&](const char* quantity, const char* suffix, Joints<double> ExecutedRow::*pair) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      add(joint_column(quantity, static_cast<int>(j), suffix),
+          [&](const ExecutedRow& tick) { return (tick.*pair)[j]; });
+    }
+  };
+  add("time", [](const ExecutedRow& tick) { return tick.time; });
+  add_pair("q", "", &ExecutedRow::q);
+  add_pair("theta", "", &ExecutedRow::theta);
+  add_pair("tau", "", &ExecutedRow::torque);
+  add_pair("q", "_plan", &ExecutedRow::planned_q);
+  add_pair("theta", "_plan", &ExecutedRow::planned_theta);
+  return log;
+}
 
 const char* name(ResultCode code) {
   switch (code) {

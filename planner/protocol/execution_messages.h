@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "model/log.h"
 #include "planner/protocol/messages.h"
 #include "planner/stop/stop.h"
 
@@ -123,6 +124,9 @@ struct ArmDrift {
   RequestId since;                      // trajectory that was the first with it
   std::uint64_t motions_since = 0;      // that one and those after it
 };
+
+// As a log: columns of what was measured, commanded and planned, and how many ticks were missed.
+Log log_of(const std::vector<ExecutedRow>& ticks, std::uint32_t missed_ticks);
 
 // Whether the second says what the first, if there was one, did not: a drift, another cause of it, or that there is
 // none any more.

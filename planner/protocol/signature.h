@@ -18,9 +18,9 @@ namespace fjr {
 inline constexpr std::string_view kPublisherRole = "service";  // OU of the certificate; config/security/roles.txt
 inline constexpr std::size_t kLongestSignature = 512, kLongestCertificate = 8192;  // [bytes] of idl/fjr_msgs.idl
 
-// All that a trajectory says, in the order of fjr::msg::Trajectory2 and without padding: "fjr/trajectory_2", then every
-// member up to `stops`. Numbers are little-endian, booleans one byte; strings and sequences are preceded by their
-// length, 32 bits.
+// All that a trajectory says, in the order of fjr::msg::Trajectory2 and without padding: "fjr/trajectory_2", or where
+// its rows were learnt "fjr/learnt_trajectory", then every member up to `stops`. Numbers are little-endian, booleans
+// one byte; strings and sequences are preceded by their length, 32 bits.
 std::string signed_bytes(const TrajectoryOrder& order);
 
 class Signer {

@@ -30,7 +30,8 @@ Json repetition_json(const Repetition& repetition, const Json& run, int number) 
   json["refused"] = repetition.refused;
   json["fraction"] = repetition.fraction;
   json["reasons"] = repetition.reasons;
-  json["last_link_error_rms_rad"] = repetition.rehearsals.empty() ? Json(nullptr) : Json(repetition.link_error_rms);
+  json["last_link_error_rms_rad"] =
+      repetition.link_error_rms == Joints<double>{} ? Json(nullptr) : Json(repetition.link_error_rms);
   json["rehearsals"] = Json::array();
   for (const Rehearsal& rehearsal : repetition.rehearsals) json["rehearsals"].push_back(rehearsal_json(rehearsal));
   return json;

@@ -77,6 +77,8 @@ std::optional<ExecutorState> ExecutorWatch::latest() const {
   return speakers_.back().state;
 }
 
+std::uint64_t ExecutorWatch::source() const { return speakers_.empty() ? 0 : speakers_.back().source; }
+
 std::optional<std::uint64_t> ExecutorWatch::epoch() const {
   if (speakers_.empty()) return std::nullopt;
   return std::min_element(speakers_.begin(), speakers_.end(),

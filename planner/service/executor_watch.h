@@ -27,6 +27,7 @@ class ExecutorWatch {
 
   bool met() const { return met_; }             // whether one was ever heard
   std::optional<ExecutorState> latest() const;  // that was heard a moment ago
+  std::uint64_t source() const;                 // who said it last; 0: nobody
   std::optional<std::uint64_t> epoch() const;   // of two who speak for the robot the smaller: nothing moves meanwhile
   bool runs_or_ran(const RequestId& trajectory_id) const;  // last
 

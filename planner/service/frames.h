@@ -13,16 +13,16 @@
 namespace fjr {
 
 enum class FrameKind : std::uint32_t {
-  kName = 1,   // to the worker: of the request
-  kSolve,      // to the worker: the request document; it starts
-  kProgress,   // from the worker: stage, in front of it iteration, objective and violation
-  kPlanJson,   // from the worker
-  kRows,       // from the worker: samples, of a certified trajectory only
-  kErrors,     // from the worker: LinkErrors of these samples
-  kDone,       // from the worker: the PlanStatus and the reason; it is idle again
-  kFindStops,  // to the worker: samples of a certified trajectory; it starts
-  kRepeat,     // to the worker: a RunOfMotion (repetition_frame.h); it starts
-  kStops,      // from the worker: their StopMotions; none where there is an instant without
+  kName = 1,        // to the worker: of the request
+  kSolve,           // to the worker: the request document; it starts
+  kProgress,        // from the worker: stage, in front of it iteration, objective and violation
+  kPlanJson,        // from the worker
+  kRows,            // from the worker: samples, of a certified trajectory only
+  kErrors,          // from the worker: LinkErrors of these samples
+  kDone,            // from the worker: the PlanStatus and the reason; it is idle again
+  kFindStops,       // to the worker: samples of a certified trajectory; it starts
+  kFindRepetition,  // to the worker: a RunOfMotion (repetition_frame.h); it starts
+  kStops,           // from the worker: their StopMotions; none where there is an instant without
 };
 
 struct Frame {

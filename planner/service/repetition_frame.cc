@@ -2,31 +2,16 @@
 
 #include <nlohmann/json.hpp>
 
-#include "planner/service/frames.h"
+#include "planner/service/cbor_items.h"
 
 namespace fjr {
-namespace {
 
 using Json = nlohmann::json;
 
-template <class T>
-Json binary(const std::vector<T>& items) {
-  const std::string_view bytes = as_payload(items);
-  return Json::binary({bytes.begin(), bytes.end()});
-}
-
-template <class T>
-std::vector<T> items_in(const Json& bytes) {
-  const auto& binary = bytes.get_binary();
-  return from_payload<T>({reinterpret_cast<const char*>(binary.data()), binary.size()});
-}
-
-}  // namespace
-
 std::string to_payload(const RunOfMotion& run) {
-  const Json frame = {{"motion", run.motion},       {"run", run.run},
-                      {"plan_json", run.plan_json}, {"rows", binary(run.rows)},
-                      {"ticks", binary(run.ticks)}, {"missed_ticks", run.missed_ticks}};
+  const Json frame = {{"motion", run.motion},        {"run", run.run},
+                      {"plan_json", run.plan_json},  {"rows", cbor_of(run.rows)},
+                      {"ticks", cbor_of(run.ticks)}, {"missed_ticks", run.missed_ticks}};
   const std::vector<std::uint8_t> bytes = Json::to_cbor(frame);
   return {bytes.begin(), bytes.end()};
 }

@@ -63,7 +63,7 @@ class ReplyCache {
     std::vector<RequestId> add(SharedReply reply) {
       const RequestId id = reply->id;
       bytes_ += size_of(*reply);
-      of_each_[reply->origin].push_back(id);
+      of_each_[reply->origin].push_back({++added_, id});
       replies_.emplace(id, std::move(reply));
       std::vector<RequestId> dropped;
       while (size() > 1 && (size() > most_ || bytes_ > most_bytes_)) dropped.push_back(drop_one());
@@ -75,9 +75,9 @@ class ReplyCache {
    private:
     RequestId drop_one() {
       const auto most = std::max_element(of_each_.begin(), of_each_.end(), [](const auto& a, const auto& b) {
-        return a.second.size() < b.second.size();
+        return std::pair(a.second.size(), b.second.front().added) < std::pair(b.second.size(), a.second.front().added);
       });
-      const RequestId id = most->second.front();
+      const RequestId id = most->second.front().id;
       const auto oldest = replies_.find(id);
       bytes_ -= size_of(*oldest->second);
       replies_.erase(oldest);
@@ -89,7 +89,12 @@ class ReplyCache {
     std::size_t most_, most_bytes_;
     std::size_t bytes_ = 0;
     std::map<RequestId, SharedReply> replies_;
-    std::map<Origin, std::deque<RequestId>> of_each_;  // of arrival
+    struct Entry {
+      std::uint64_t added;  // the how many-th
+      RequestId id;
+    };
+    std::uint64_t added_ = 0;
+    std::map<Origin, std::deque<Entry>> of_each_;  // of arrival
   };
 
   Kind trajectories_, others_;

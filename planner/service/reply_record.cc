@@ -3,22 +3,12 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "planner/service/frames.h"
+#include "planner/service/cbor_items.h"
 
 namespace fjr {
 namespace {
 
 using Json = nlohmann::json;
-
-Json bytes_of(const std::vector<Sample>& rows) {
-  const std::string_view bytes = as_payload(rows);
-  return Json::binary({bytes.begin(), bytes.end()});
-}
-
-std::vector<Sample> rows_from(const Json& bytes) {
-  const auto& binary = bytes.get_binary();
-  return from_payload<Sample>({reinterpret_cast<const char*>(binary.data()), binary.size()});
-}
 
 }  // namespace
 
@@ -39,7 +29,7 @@ std::string to_record(const Reply& reply) {
                        {"certified_error", reply.errors.certified},
                        {"predicted_error", reply.errors.predicted},
                        {"row_bytes", sizeof(Sample)},
-                       {"rows", bytes_of(reply.rows)},
+                       {"rows", cbor_of(reply.rows)},
                        {"rest_to_rest", reply.rest_to_rest},
                        {"origin", reply.origin},
                        {"motion", to_text(reply.motion)},
@@ -67,7 +57,7 @@ Reply from_record(std::string_view bytes) {
   record.at("plan_json").get_to(reply.plan_json);
   record.at("certified_error").get_to(reply.errors.certified);
   record.at("predicted_error").get_to(reply.errors.predicted);
-  reply.rows = rows_from(record.at("rows"));
+  reply.rows = items_in<Sample>(record.at("rows"));
   record.at("rest_to_rest").get_to(reply.rest_to_rest);
   record.at("origin").get_to(reply.origin);
   reply.motion = request_id_from(record.value("motion", "")).value_or(reply.id);  // earlier versions wrote none

@@ -81,6 +81,7 @@ class Service {
   bool has_its_run(const Job& job) const;
   void repeat_motion(const Order& order, Clock::time_point arrived);
   std::optional<Refusal> choose_run(Job& job) const;
+  std::optional<Refusal> refusal_of_learnt() const;
 
   // Whose client is still there.
   bool may_start(const Order& order);

@@ -65,11 +65,22 @@ std::optional<Refusal> Service::choose_run(Job& job) const {
   job.planned = cache_.find(executed);
   if (auto refusal = refusal_of_execution(executed, job.planned, in_hand(executed), robot_hash_)) return refusal;
   job.request_hash = job.planned->request_hash;
-  if (!job.run || job.run->code == ResultCode::kSuccessful) return std::nullopt;
+  if (!job.run) return std::nullopt;
+  if (auto refusal = refusal_of_learnt()) return refusal;
+  if (job.run->code == ResultCode::kSuccessful) return std::nullopt;
   return Refusal{Reason::kNoTrajectory, "trajectory_id",
-                 fmt::format("its last run, {}, ended as {}: {}; have it executed as it was planned, and learning "
-                             "begins anew",
+                 fmt::format("its last run, {}, ended as {}: {}; have the plan, or a run before it, executed, and "
+                             "learning goes on from there",
                              text(executed), name(job.run->code), job.run->sentence)};
+}
+
+// For the moment: another executor may be started.
+std::optional<Refusal> Service::refusal_of_learnt() const {
+  if (port_.learnt_are_taken(executor_.source())) return std::nullopt;
+  return Refusal{
+      Reason::kNoTrajectory, "trajectory_id",
+      "the executor takes no motions that were learnt: it is of an earlier version, or credentials, its own or "
+      "the service's, do not permit fjr/learnt_trajectory"};
 }
 
 void Service::hear(ExecutedRun run) {

@@ -28,11 +28,8 @@ std::optional<Refusal> Service::refusal_to_publish(const std::vector<Sample>& ro
   if (const auto twice = executor_.twice()) {
     return Refusal{Reason::kArmNotAtRest, "", "planned, but not executed: " + *twice};
   }
-  if (learnt && !port_.learnt_are_taken()) {
-    return Refusal{
-        Reason::kUnsupported, "action",
-        "the executor takes no motions that were learnt: it is of an earlier version, or credentials, its own "
-        "or the service's, do not permit fjr/learnt_trajectory"};
+  if (learnt) {
+    if (auto refusal = refusal_of_learnt()) return refusal;
   }
   if (rows.back().time <= kLongestMotion) return std::nullopt;
   return Refusal{Reason::kUnsupported, "duration",

@@ -14,9 +14,9 @@
 #include "planner/protocol/messages.h"
 #include "planner/request/request.h"
 #include "planner/results/plan_json.h"
+#include "planner/service/find_repetition.h"
 #include "planner/service/frames.h"
 #include "planner/service/progress_frame.h"
-#include "planner/service/repeat.h"
 #include "planner/stop/stop_motion.h"
 
 namespace fjr {
@@ -58,12 +58,12 @@ void solve(int out, const Problem& problem, const std::string& request, const Wo
 }
 
 // A plan.json may come from another instance, whatever is in it.
-void repeat(int out, const Parameters& robot, const std::string& payload) try {
-  const Repeated repeated = repeat(robot, run_of_motion_from(payload));
-  write_frame(out, FrameKind::kPlanJson, repeated.plan_json);
-  write_frame(out, FrameKind::kRows, as_payload(repeated.rows));
-  write_frame(out, FrameKind::kErrors, {reinterpret_cast<const char*>(&repeated.errors), sizeof repeated.errors});
-  send_done(out, repeated.status, repeated.reason);
+void find_repetition(int out, const Parameters& robot, const std::string& payload) try {
+  const FoundRepetition found = find_repetition(robot, run_of_motion_from(payload));
+  write_frame(out, FrameKind::kPlanJson, found.plan_json);
+  write_frame(out, FrameKind::kRows, as_payload(found.rows));
+  write_frame(out, FrameKind::kErrors, {reinterpret_cast<const char*>(&found.errors), sizeof found.errors});
+  send_done(out, found.status, found.reason);
 } catch (const std::exception& error) {
   send_done(out, PlanStatus::kNotConverged, fmt::format("cannot be learnt: {}", error.what()));
 }
@@ -92,7 +92,7 @@ void solve_requests(int in, int out, const WorkerSettings& settings) {
   while (const auto frame = read_frame(in)) {
     if (frame->kind == FrameKind::kName) name = frame->payload;
     if (frame->kind == FrameKind::kFindStops) find_stops(out, parameters, {from_payload<Sample>(frame->payload), {}});
-    if (frame->kind == FrameKind::kRepeat) repeat(out, parameters, frame->payload);
+    if (frame->kind == FrameKind::kFindRepetition) find_repetition(out, parameters, frame->payload);
     if (frame->kind != FrameKind::kSolve) continue;
     if (settings.rehearsal > 0) {
       rehearse(out, settings.rehearsal);

@@ -72,8 +72,8 @@ void Solvers::solve(Job job) {
   solver->planned = false;
   if (const SharedRun& run = solver->job->run) {
     const Reply& executed = *solver->job->planned;
-    return solver->worker->repeat({to_text(executed.motion), to_text(executed.id), executed.plan_json, executed.rows,
-                                   run->rows, run->missed_ticks});
+    return solver->worker->find_repetition({to_text(executed.motion), to_text(executed.id), executed.plan_json,
+                                            executed.rows, run->rows, run->missed_ticks});
   }
   if (const SharedReply& planned = solver->job->planned) {
     solver->result.plan_json = planned->plan_json;
@@ -137,7 +137,7 @@ void Solvers::take_frame(Solver& solver, Frame frame, News& news) {
     case FrameKind::kName:
     case FrameKind::kSolve:
     case FrameKind::kFindStops:
-    case FrameKind::kRepeat:
+    case FrameKind::kFindRepetition:
       return;
   }
 }

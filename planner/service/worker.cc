@@ -61,9 +61,9 @@ bool Worker::solve(const std::string& name, const std::string& yaml) {
          write_frame(to_worker_.number(), FrameKind::kSolve, yaml);
 }
 
-void Worker::repeat(RunOfMotion run) {
+void Worker::find_repetition(RunOfMotion run) {
   sending_ = std::jthread([to = to_worker_.number(), sent = std::move(run)] {
-    (void)write_frame(to, FrameKind::kRepeat, to_payload(sent));
+    (void)write_frame(to, FrameKind::kFindRepetition, to_payload(sent));
   });
 }
 

@@ -34,7 +34,7 @@ class Worker {
   void find_stops(std::vector<Sample> rows);
 
   // The next repetition of a motion, likewise.
-  void repeat(RunOfMotion run);
+  void find_repetition(RunOfMotion run);
 
   pid_t pid() const { return pid_; }
 

@@ -1,9 +1,13 @@
 // Motions that are repeated: the service corrects them by what the executor has told of their last run.
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "model/encoder.h"
 #include "model/parameters.h"
+#include "planner/dds/reader.h"
+#include "planner/dds/wire_execution.h"
+#include "planner/dds/writer.h"
 #include "tests/service/service_fixture.h"
 
 namespace fjr {
@@ -220,6 +224,62 @@ TEST_F(RepeatTest, WithoutWorkersOfItsOwnAServiceSaysSo) {
   EXPECT_EQ(reply.why.reason, Reason::kUnsupported);
 }
 
+// Who reads fjr/learnt_trajectory beside it, as an observer may, makes no executor of a later version of it.
+TEST_F(RepeatTest, AnExecutorOfAnEarlierVersionIsNotGivenWhatWasLearnt) {
+  serve();
+  const std::string hash = robot_hash(load_parameters(default_robot_file()));
+  const dds::Participant earlier(domain_), observer(domain_);
+  const dds::Reader<fjr_msg_LearntTrajectory> observed(observer, observer.handle());
+  dds::Writer<fjr_msg_ExecutedRun> runs(earlier, earlier.handle());
+  const std::jthread resting([&](const std::stop_token& over) {
+    dds::Writer<fjr_msg_ExecutorState> states(earlier, earlier.handle());
+    ExecutorState state;
+    state.robot_id = "arm";
+    state.robot_hash = hash;
+    for (; !over.stop_requested(); std::this_thread::sleep_for(milliseconds(2))) (void)states.write(dds::encode(state));
+  });
+  const Order plan = order(kLoop);
+  ASSERT_EQ(answer_to(plan).state, ReplyState::kSolved);
+  ExecutedRun run;
+  run.robot_id = "arm";
+  run.robot_hash = hash;
+  run.trajectory_id = plan.id;
+  run.rows.resize(2);
+  run.rows[1].time = 0.001;
+  wait_until([&] { return runs.has_reader() && observed.has_writer(); });
+  EXPECT_TRUE(runs.write(dds::encode(run)));
+  settle();
+  expect_refused(about(Action::kRepeat, plan.id), "takes no motions that were learnt");
+}
+
+// Whatever somebody tells of a run, no worker is lost over it: the same rows are repeated.
+TEST_F(RepeatTest, AForgedRunCostsNoWorker) {
+  serve();
+  start_executor();
+  const dds::Participant forger(domain_);
+  dds::Writer<fjr_msg_ExecutedRun> runs(forger, forger.handle());
+  wait_until([&] { return runs.has_reader(); });
+  for (const double size : {1e308, 1e6, 1e-300}) {
+    const Order plan = order(kLoop);
+    const Reply planned = answer_to(plan);
+    ExecutedRun forged;
+    forged.robot_id = "arm";
+    forged.robot_hash = planned.robot_hash;
+    forged.trajectory_id = plan.id;
+    for (int i = 0; i < 900; ++i) {
+      const Sample& row = planned.rows[static_cast<std::size_t>(i)];
+      forged.rows.push_back({0.001 * i, {size, -size}, {-size, size}, {size, size}, row.state.q, row.state.theta});
+    }
+    EXPECT_TRUE(runs.write(dds::encode(forged)));
+    settle();
+    const Order repeat = about(Action::kRepeat, plan.id);
+    const Run repeated = run(repeat);
+    EXPECT_EQ(repeated.learnt.at("refused"), true);
+    EXPECT_EQ(repeated.reply.rows.size(), planned.rows.size());
+  }
+  EXPECT_EQ(count(service().output(), "worker lost"), 0U) << service().output();
+}
+
 // The runs are with the executor, the rows with what the service remembers.
 TEST_F(RepeatTest, LearningGoesOnAfterTheServiceWasKilled) {
   const std::string remembering = "{workers: 1, remember: memory}\n";
@@ -254,6 +314,7 @@ TEST_F(RepeatTest, LearningGoesOnWithTheStandby) {
   EXPECT_EQ(third.learnt.at("run"), to_text(learnt.id));
   // Of the plan that was executed once more nothing but its rows told whose they are.
   EXPECT_EQ(run(about(Action::kRepeat, planned.id)).learnt.at("run"), to_text(third.id));
+  EXPECT_EQ(run(about(Action::kExecute, second.id)).repetition, 2);  // it goes out as what it is
 }
 
 TEST_F(RepeatTest, TheFolderOfAnEarlierRequestIsRepeated) {

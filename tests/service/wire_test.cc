@@ -387,6 +387,21 @@ TEST(ReplyCache, ForgetsTheOldestBeyondItsBounds) {
   EXPECT_NE(cache.find(ids[2]), nullptr);
 }
 
+// Each from a client of its own, whose names tell nothing of their age.
+TEST(ReplyCache, OfManyWhoHaveOneEachTheOldestGoes) {
+  ReplyCache cache(2, 1 << 20);
+  std::vector<RequestId> ids(3);
+  for (std::uint64_t i = 0; i < ids.size(); ++i) {
+    ids[i].number = i;
+    Reply reply;
+    reply.id = ids[i];
+    reply.origin = {static_cast<std::uint8_t>(9 - i)};
+    cache.add(std::make_shared<const Reply>(reply));
+  }
+  EXPECT_EQ(cache.find(ids[0]), nullptr);
+  EXPECT_NE(cache.find(ids[2]), nullptr);
+}
+
 TEST(ReplyCache, IsBoundedInBytes) {
   ReplyCache cache(1000, 1 << 20);
   for (std::uint64_t i = 0; i < 10; ++i) {

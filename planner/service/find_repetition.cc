@@ -1,0 +1,69 @@
+#include "planner/service/find_repetition.h"
+
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "common/input_error.h"
+#include "planner/certificate/consistency.h"
+#include "planner/learning/repetition.h"
+#include "planner/results/plan_json.h"
+#include "planner/results/planned_with.h"
+#include "planner/results/repetition_json.h"
+#include "planner/results/verification.h"
+
+namespace fjr {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Limits limits_of_plan(const Parameters& robot, const Json& plan) {
+  Metadata header;
+  tell_planned_with(plan, header);
+  return limits_of(robot, planned_with(header, "plan.json"));
+}
+
+Repetition next(const Parameters& robot, const Json& plan, const RunOfMotion& run) {
+  const Trajectory executed{run.rows, {}};
+  const PlannedTask planned = planned_task_in(run.plan_json, "plan.json");
+  const TaskOfMotion task = TaskOfMotion::of(robot, planned.task, planned.ends);
+  const Limits limits = limits_of_plan(robot, plan);
+  Log log = log_of(run.ticks, run.missed_ticks);
+  log.source = "the run " + run.run;
+  try {
+    require_run_of(executed, "the trajectory", log);
+    return next_repetition(robot, limits, task, executed, executed_motion(log));
+  } catch (const InputError& not_to_be_learnt_from) {
+    return {executed, 0, true, {}, {rehearsal_on_model(robot, limits, executed)}, {not_to_be_learnt_from.what()}};
+  }
+}
+
+}  // namespace
+
+FoundRepetition find_repetition(const Parameters& robot, const RunOfMotion& run) {
+  if (const std::string fault = malformed({run.rows, {}}); !fault.empty()) throw std::runtime_error(fault);
+  if (run.rows.front().time != 0) throw std::runtime_error("its rows do not begin at 0 s");
+  Json plan = Json::parse(run.plan_json);
+  const Repetition repetition = next(robot, plan, run);
+  plan["repetition"] =
+      repetition_json(repetition, {{"motion", run.motion}, {"run", run.run}}, number_of_repetition(plan) + 1);
+  FoundRepetition found;
+  if (const std::vector<std::string> broken = broken_in(repetition); !broken.empty()) {
+    found.reason = fmt::format("{}", fmt::join(broken, "; "));
+    return found;
+  }
+  found.plan_json = json_text(plan);
+  if (found.plan_json.size() > kLongestPlanJson) {
+    throw std::runtime_error(fmt::format("its plan.json would have {} bytes, a reply has room for {}",
+                                         found.plan_json.size(), kLongestPlanJson));
+  }
+  found.status = PlanStatus::kCertified;
+  found.rows = repetition.rows.samples;
+  const double tolerance = exactness_tolerance(robot);
+  found.errors.certified = {tolerance, tolerance};
+  found.errors.predicted = repetition.rehearsals.back().link_error;
+  return found;
+}
+
+}  // namespace fjr

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "model/log.h"
+
 namespace fjr {
 
 Log log_of(const std::vector<ExecutedRow>& ticks, std::uint32_t missed_ticks) {

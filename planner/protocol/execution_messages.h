@@ -6,11 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "model/log.h"
 #include "planner/protocol/messages.h"
 #include "planner/stop/stop.h"
 
 namespace fjr {
+
+struct Log;
 
 // As in ros2_control's joint_trajectory_controller; 0: the executor's default.
 struct Tolerances {

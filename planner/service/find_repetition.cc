@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "common/input_error.h"
+#include "model/log.h"
 #include "planner/certificate/consistency.h"
 #include "planner/learning/repetition.h"
 #include "planner/results/plan_json.h"

@@ -137,12 +137,12 @@ std::vector<ServicePort::Executor> ServicePort::take_executors() {
   return executors;
 }
 
-std::vector<RequestId> ServicePort::take_concluded() {
-  std::vector<RequestId> ids;
+std::vector<ExecutionResult> ServicePort::take_results() {
+  std::vector<ExecutionResult> results;
   results_.take_all([&](const fjr_msg_ExecutionResult& message, const dds_sample_info_t& info) {
-    if (info.valid_data) ids.push_back(decode(message.trajectory_id));
+    if (info.valid_data) results.push_back(decode(message));
   });
-  return ids;
+  return results;
 }
 
 std::vector<ArmDrift> ServicePort::take_drifts() {

@@ -62,9 +62,9 @@ class ServicePort {
     ExecutorStates::Source source = 0;  // two may speak for one robot
   };
   std::vector<Executor> take_executors();
-  std::vector<RequestId> take_concluded();  // trajectories that were executed or refused
-  std::vector<ArmDrift> take_drifts();      // what executors say of their arms, of any robot
-  std::vector<ExecutedRun> take_runs();     // likewise of what has moved them
+  std::vector<ExecutionResult> take_results();  // of trajectories that were executed or refused
+  std::vector<ArmDrift> take_drifts();          // what executors say of their arms, of any robot
+  std::vector<ExecutedRun> take_runs();         // likewise of what has moved them
 
   const Participant& participant() const { return participant_; }
   Waitset& waitset() { return waitset_; }

@@ -264,6 +264,7 @@ void Executor::begin_to_prepare(TrajectoryOrder order) {
   preparation.header.robot_id = order.robot_id;
   preparation.header.id = order.id;
   preparation.header.epoch = order.epoch;
+  preparation.header.learnt = order.learnt;
   preparation.brings_stops = !order.stops.empty();
   const double lead = config_.fast ? kLongestMotion : kLead;  // without a clock nothing can run ahead
   try {
@@ -281,16 +282,19 @@ void Executor::begin_to_prepare(TrajectoryOrder order) {
 void Executor::conclude_preparation() {
   if (!preparing_ || preparing_->motion.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   const TrajectoryOrder header = preparing_->header;
+  const bool unwanted = preparing_->unwanted.stop_requested();
+  ResultCode code = header.learnt && !unwanted ? ResultCode::kRepetitionRefused : ResultCode::kInvalidGoal;
   try {
     auto motion = preparing_->motion.get();
-    if (preparing_->unwanted.stop_requested()) throw std::runtime_error("held or stopped before it could begin");
+    code = ResultCode::kInvalidGoal;  // there is nothing wrong with its rows
+    if (unwanted) throw std::runtime_error("held or stopped before it could begin");
     if (auto refusal = refusal_after_preparation(motion->order)) {
       refuse(header.id, *refusal);
     } else {
       run(std::move(motion));
     }
   } catch (const std::exception& error) {
-    refuse(header.id, {ResultCode::kInvalidGoal, error.what()});
+    refuse(header.id, {code, error.what()});
   }
   preparing_.reset();
 }

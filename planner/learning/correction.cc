@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "common/input_error.h"
 #include "common/smooth_step.h"
@@ -29,8 +30,7 @@ constexpr double kLastVelocity = 1e-4;  // [rad/s] of links and motors at the la
 // Of Gauss and Newton's method. The first expects motors to reverse when they did, and friction's slopes to be those
 // of the last run: alone it leaves 2.5 to 4.4 counts of link 2 where two and more leave one.
 constexpr int kIterations = 3;
-// [motor counts] A motor that began further from where its reference did was brought there by chance.
-constexpr double kOffStart = 2;
+constexpr double kSameStart = 2;   // [motor counts] within which a motor begins where it did, or was to
 constexpr double kOntoPlan = 0.3;  // [s] in which links go over to the plan from where they begin
 
 struct Affine {  // next = a z + b v + c
@@ -54,11 +54,12 @@ struct Course {
 
 class Regulator {
  public:
-  Regulator(const Parameters& robot, const Trajectory& executed, const SmoothedRun& run)
+  Regulator(const Parameters& robot, const Trajectory& executed, const SmoothedRun& run,
+            const std::optional<Joints<double>>& began_before)
       : robot_(robot),
         run_(run),
         arm_(robot),
-        begins_(start_of_next(robot, run.states.front(), executed.samples.front())),
+        begins_(start_of_next(robot, run.states.front(), executed.samples.front().state.theta, began_before)),
         onto_plan_(std::min(kOntoPlan, 0.5 * (run.times.back() - run.times.front()))) {
     Interpolator rows(executed);
     const PlannedDither dither(robot, executed);
@@ -86,17 +87,23 @@ class Regulator {
   std::size_t ticks() const { return run_.times.size() - 1; }
   double limit(Eigen::Index j) const { return robot_.limits.torque[static_cast<std::size_t>(j)]; }
 
-  // At rest where the last run began, unless that was off: then where the motors' reference begins, with the links
-  // where they hang then. Gravity bends the springs of an arm that is not the model otherwise, whenever it starts.
-  static State<double> start_of_next(const Parameters& robot, const State<double>& last, const Sample& first) {
+  // At rest where the last run began, if that is where its motors' reference began, or where the run before it did.
+  // Otherwise the motors were there by chance: then where the reference begins, with the links where they hang then.
+  // Gravity bends the springs of an arm that is not the model otherwise, whenever it starts.
+  static State<double> start_of_next(const Parameters& robot, const State<double>& last,
+                                     const Joints<double>& reference,
+                                     const std::optional<Joints<double>>& began_before) {
+    const auto began_at = [&](const Joints<double>& theta) {
+      bool near = true;
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        near &= std::abs(last.theta[j] - theta[j]) <= kSameStart * count_angle(robot.encoder.motor_counts[j]);
+      }
+      return near;
+    };
     State<double> next = last;
     next.dq = next.dtheta = {};
-    bool off = false;
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      off |= std::abs(last.theta[j] - first.state.theta[j]) > kOffStart * count_angle(robot.encoder.motor_counts[j]);
-    }
-    if (!off) return next;
-    next.theta = first.state.theta;
+    if (began_at(reference) || (began_before && began_at(*began_before))) return next;
+    next.theta = reference;
     Joints<double> bent = rest_at(robot, last.q).theta;
     for (std::size_t j = 0; j < kJoints; ++j) bent[j] += next.theta[j] - last.theta[j];
     next.q = resting_with(robot, bent);
@@ -261,8 +268,9 @@ Trajectory as_rows(const Correction& correction, double fraction) {
 
 }  // namespace
 
-Correction correction_after(const Parameters& robot, const Trajectory& executed, const SmoothedRun& run) {
-  return Regulator(robot, executed, run).solve();
+Correction correction_after(const Parameters& robot, const Trajectory& executed, const SmoothedRun& run,
+                            const std::optional<Joints<double>>& began_before) {
+  return Regulator(robot, executed, run, began_before).solve();
 }
 
 Trajectory corrected(const Trajectory& executed, const Correction& correction, double fraction) {

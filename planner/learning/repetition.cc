@@ -154,14 +154,15 @@ void require_whole(const Trajectory& rows, const Log& log) {
 }  // namespace
 
 Repetition next_repetition(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
-                           const Trajectory& executed, const ExecutedMotion& motion) {
+                           const Trajectory& executed, const ExecutedMotion& motion, const RepetitionHistory& history) {
   const SmoothedRun run = smoothed_run(robot, motion);
-  const Correction correction = correction_after(robot, executed, run);
+  const Correction correction = correction_after(robot, executed, run, history.motors_began);
   const auto with = [&](double fraction) {
     Repetition r{fraction > 0 ? corrected(executed, correction, fraction) : executed,
                  fraction,
                  false,
                  motion.link_error_rms,
+                 run.states.front().theta,
                  {},
                  {}};
     r.rehearsals.push_back(rehearsal_on_model(robot, limits, r.rows));
@@ -175,6 +176,10 @@ Repetition next_repetition(const Parameters& robot, const Limits& limits, const 
   }
   std::vector<std::string> reasons;
   for (const double fraction : kFractions) {
+    if (history.refused_fraction && fraction >= *history.refused_fraction) {
+      reasons = {fmt::format("the executor has refused {:g} of the correction", fraction)};
+      continue;
+    }
     Repetition repetition = with(fraction);
     std::vector<std::string> why_not = against(robot, repetition);
     if (why_not.empty()) {
@@ -201,7 +206,8 @@ std::vector<std::string> broken_in(const Repetition& repetition) {
 }
 
 Rehearsal rehearsal_on_model(const Parameters& robot, const Limits& limits, const Trajectory& rows) {
-  return rehearse(robot, limits, {}, rows, rest_at(robot, rows.samples.front().state.q), nullptr);
+  const Joints<double>& motors = rows.samples.front().state.theta;
+  return rehearse(robot, limits, {}, rows, {resting_with(robot, motors), {}, motors, {}}, nullptr);
 }
 
 void require_run_of(const Trajectory& rows, const std::string& rows_name, const Log& log) {

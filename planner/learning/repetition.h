@@ -1,6 +1,7 @@
 // The next repetition of a motion, within the limits.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,11 +23,18 @@ struct Rehearsal {
   std::vector<std::string> broken;  // one sentence each; empty: all is kept
 };
 
+// What is known of a motion's repetitions beside its last run.
+struct RepetitionHistory {
+  std::optional<Joints<double>> motors_began;  // [rad] at the start of the run before the last one
+  std::optional<double> refused_fraction;      // of the correction by the last run: an executor did not take it
+};
+
 struct Repetition {
   Trajectory rows;                    // to be executed next; where it was refused, those that were
   double fraction = 0;                // of the correction
   bool refused = false;               // not even an eighth of it may be executed
   Joints<double> link_error_rms{};    // [rad] of the last run, by its encoders; zero: nothing could be learnt from it
+  Joints<double> motors_began{};      // [rad] at the start of the last run
   std::vector<Rehearsal> rehearsals;  // of the rows
   std::vector<std::string> reasons;   // against the next larger fraction; where it was refused, against the least
 };
@@ -35,16 +43,19 @@ struct Repetition {
 // with more of it rows or rollouts break a limit or the task, or the arm with the learnt torques follows the plan worse
 // than it did. Rollouts: of the robot's model, which has to keep the limits whatever was learnt, and of the model with
 // the learnt torques, which has to keep the task too, but for what a count of the links' encoders makes.
-// Of a run in which both links were within a count rms nothing is learnt: the rows are executed again.
+// Of a run in which both links were within a count rms nothing is learnt: the rows are executed again. Less is taken of
+// a correction than an executor has refused.
 // limits: the robot's or tighter ones. Throws InputError as smoothed_run() and correction_after() do.
 Repetition next_repetition(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
-                           const Trajectory& executed, const ExecutedMotion& motion);
+                           const Trajectory& executed, const ExecutedMotion& motion,
+                           const RepetitionHistory& history = {});
 
 // What either rehearsal breaks, one sentence each; empty: the rows may be executed. Also of those of a repetition that
 // was refused.
 std::vector<std::string> broken_in(const Repetition& repetition);
 
-// Rows that were learnt, on the robot's model from rest, until the last of them. They are of the shape of a trajectory
+// Rows that were learnt, on the robot's model, until the last of them. It rests at first with its motors where the rows
+// begin, as the arm has to. They are of the shape of a trajectory
 // (malformed(), consistency.h).
 Rehearsal rehearsal_on_model(const Parameters& robot, const Limits& limits, const Trajectory& rows);
 

@@ -74,8 +74,8 @@ Log log_of_run(const std::string& file, const ExecutedPlan& plan) {
   return log;
 }
 
-LearntJson json_of(const Repetition& repetition, const Log& log, const LearntJson& plan) {
-  return repetition_json(repetition, {{"log", log.source}, {"log_sha256", log.hash}}, number_of_repetition(plan) + 1);
+LearntJson json_of(const Repetition& repetition, const Log& log, const JsonField& plan) {
+  return repetition_json(repetition, {{"log", log.source}, {"log_sha256", log.hash}}, plan);
 }
 
 // Limit of which least is left, in both rehearsals.
@@ -141,10 +141,11 @@ int run(const LearnArguments& options) {
   ExecutedPlan plan = executed_plan(options.folder);
   const Log log = log_of_run(options.log, plan);
   const Parameters& robot = plan.record.robot;
+  const JsonField planned(plan.record.plan, plan.record.source);
   const Repetition repetition =
       next_repetition(robot, plan.limits, TaskOfMotion::of(robot, plan.task.task, plan.task.ends),
-                      *plan.record.trajectory, executed_motion(log));
-  const LearntJson json = json_of(repetition, log, plan.record.plan);
+                      *plan.record.trajectory, executed_motion(log), {motors_began_before(planned), {}});
+  const LearntJson json = json_of(repetition, log, planned);
   const fs::path folder = options.out.empty() ? options.folder : options.out;
   if (!repetition.refused) {
     plan.record.plan["repetition"] = json;

@@ -136,12 +136,15 @@ std::string store(const RequestArguments& options, const Order& order, const Rep
   return about_previous(folder, status, kept);
 }
 
-// What was learnt for it; nothing where it is as it was planned.
-std::string about_repetition(const Reply& reply) {
+// What was learnt for it; of a motion as it was planned only where it was to be a repetition.
+std::string about_repetition(const Reply& reply, bool wanted) {
   if (reply.plan_json.empty()) return "";
   const auto plan = nlohmann::json::parse(reply.plan_json, nullptr, false);  // whoever answered
   const auto found = plan.find("repetition");
-  if (found == plan.end() || !found->is_object()) return "";
+  if (found == plan.end() || !found->is_object()) {
+    if (!wanted) return "";
+    return "  repetition  1, as it was planned: no run of it is known that it could be corrected by\n";
+  }
   const double fraction = found->at("fraction");
   std::string text = fmt::format("  repetition  {}, with {} of the correction", found->at("number").get<int>(),
                                  fraction == 0 ? "none" : fmt::format("{:g}", fraction));
@@ -161,7 +164,7 @@ std::string summary(const RequestArguments& options, const Reply& reply, double 
   if (!reply.rows.empty()) {
     text += fmt::format("  duration    {:.6g} s, {} rows\n", reply.rows.back().time, reply.rows.size());
   }
-  text += about_repetition(reply);
+  text += about_repetition(reply, options.repeat);
   text += fmt::format("  service     solved in {:.3f} s after {:.3f} s in the queue; {:.3f} s in all\n",
                       reply.solve_time, reply.wait_time, elapsed);
   if (!options.out.empty()) {
@@ -175,7 +178,7 @@ std::string summary(const RequestArguments& options, const Reply& reply, double 
 std::string summary(const ExecutionResult& r) {
   std::string text = fmt::format("  execution   code {} {}, trajectory {}\n", static_cast<int>(r.code), name(r.code),
                                  to_text(r.trajectory_id));
-  if (r.code > ResultCode::kPathToleranceViolated && r.code < ResultCode::kSuccessful) return text;  // it never moved
+  if (!has_moved(r.code)) return text;
   const auto line = [&](const char* what, const Joints<double>& pair, const char* unit) {
     text += fmt::format("    {:<22}{:.3g} and {:.3g} {}\n", what, pair[0], pair[1], unit);
   };

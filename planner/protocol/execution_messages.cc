@@ -32,6 +32,11 @@ Log log_of(const std::vector<ExecutedRow>& ticks, std::uint32_t missed_ticks) {
   return log;
 }
 
+bool has_moved(ResultCode code) {
+  return code == ResultCode::kSuccessful || code == ResultCode::kPathToleranceViolated ||
+         code == ResultCode::kGoalToleranceViolated;
+}
+
 const char* name(ResultCode code) {
   switch (code) {
     case ResultCode::kSuccessful:
@@ -46,6 +51,8 @@ const char* name(ResultCode code) {
       return "PATH_TOLERANCE_VIOLATED";
     case ResultCode::kGoalToleranceViolated:
       return "GOAL_TOLERANCE_VIOLATED";
+    case ResultCode::kRepetitionRefused:
+      return "REPETITION_REFUSED";
   }
   return "unknown";  // from an executor of another version
 }

@@ -65,15 +65,17 @@ struct ExecutorState {
   Joints<double> torque{}, feedback{};       // [N m] commanded, and the part of it that is feedback
 };
 
-enum class ResultCode : std::int32_t {  // FollowJointTrajectory's
+enum class ResultCode : std::int32_t {  // FollowJointTrajectory's, and one more
   kSuccessful = 0,
   kInvalidGoal = -1,
   kInvalidJoints = -2,
   kOldHeaderTimestamp = -3,
   kPathToleranceViolated = -4,
   kGoalToleranceViolated = -5,
+  kRepetitionRefused = -6,  // learnt rows are not what this executor runs, wherever the arm is
 };
 
+bool has_moved(ResultCode code);      // the arm, rather than refused
 const char* name(ResultCode code);    // "SUCCESSFUL", ...
 const char* name(ExecutorMode mode);  // "resting", ...
 

@@ -1,7 +1,11 @@
 #include "planner/results/repetition_json.h"
 
+#include <fmt/format.h>
+
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "planner/results/plan_json.h"
 
@@ -9,6 +13,9 @@ namespace fjr {
 namespace {
 
 using Json = nlohmann::ordered_json;
+
+constexpr std::size_t kMostRuns = 100;
+constexpr double kMostRepetitions = 1e9;
 
 Json rehearsal_json(const Rehearsal& rehearsal) {
   Json json{{"arm", rehearsal.arm},
@@ -22,30 +29,67 @@ Json rehearsal_json(const Rehearsal& rehearsal) {
   return json;
 }
 
+// Which one the rows are that go with a plan.json; 1: as it was planned.
+int number_of(const JsonField& plan) {
+  const auto repetition = plan.find("repetition");
+  if (!repetition) return 1;
+  const JsonField number = repetition->at("number");
+  const double value = number.number();
+  if (!(value >= 1 && value <= kMostRepetitions && value == std::floor(value))) {
+    number.fail(fmt::format("must be an integer from 1 to {:.0f}", kMostRepetitions));
+  }
+  return static_cast<int>(value);
+}
+
+// What an earlier version wrote has none.
+std::vector<JsonField> runs_before(const JsonField& plan) {
+  const auto repetition = plan.find("repetition");
+  const auto runs = repetition ? repetition->find("runs") : std::nullopt;
+  return runs ? runs->items() : std::vector<JsonField>{};
+}
+
+// Of all runs so far, the last one at the end.
+Json runs_so_far(const Repetition& repetition, const JsonField& plan) {
+  Json runs = Json::array();
+  for (const JsonField& run : runs_before(plan)) runs.push_back(run.json());
+  if (repetition.link_error_rms != Joints<double>{}) {
+    runs.push_back({{"number", number_of(plan)},
+                    {"link_error_rms_rad", repetition.link_error_rms},
+                    {"motors_began_rad", repetition.motors_began}});
+  }
+  if (runs.size() > kMostRuns) runs.erase(runs.begin());
+  return runs;
+}
+
 }  // namespace
 
-Json repetition_json(const Repetition& repetition, const Json& run, int number) {
-  Json json{{"number", number}};
+Json repetition_json(const Repetition& repetition, const Json& run, const JsonField& plan) {
+  Json json{{"number", number_of(plan) + 1}};
   json.update(run);
   json["refused"] = repetition.refused;
   json["fraction"] = repetition.fraction;
   json["reasons"] = repetition.reasons;
   json["last_link_error_rms_rad"] =
       repetition.link_error_rms == Joints<double>{} ? Json(nullptr) : Json(repetition.link_error_rms);
+  json["runs"] = runs_so_far(repetition, plan);
   json["rehearsals"] = Json::array();
   for (const Rehearsal& rehearsal : repetition.rehearsals) json["rehearsals"].push_back(rehearsal_json(rehearsal));
   return json;
 }
 
-int number_of_repetition(const Json& plan) {
-  const auto repetition = plan.find("repetition");
-  return repetition == plan.end() ? 1 : repetition->at("number").get<int>();
+std::optional<Joints<double>> motors_began_before(const JsonField& plan) {
+  const std::vector<JsonField> runs = runs_before(plan);
+  if (runs.empty()) return std::nullopt;
+  const JsonField began = runs.back().at("motors_began_rad");
+  const Joints<double> motors = began.pair();
+  if (!std::isfinite(motors[0] + motors[1])) began.fail("must be a list of two numbers");
+  return motors;
 }
 
 void tell_repetition(const Json& plan, Metadata& metadata) {
   if (!plan.contains("repetition")) return;
   metadata["status"] = "learnt";
-  metadata["repetition"] = std::to_string(number_of_repetition(plan));
+  metadata["repetition"] = std::to_string(number_of({plan, "plan.json"}));
 }
 
 }  // namespace fjr

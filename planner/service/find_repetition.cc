@@ -25,6 +25,14 @@ Limits limits_of_plan(const Parameters& robot, const Json& plan) {
   return limits_of(robot, planned_with(header, "plan.json"));
 }
 
+// Of the correction by the same run.
+std::optional<double> refused_fraction(const RunOfMotion& run) {
+  if (run.refused.empty()) return std::nullopt;
+  const Json refused = Json::parse(run.refused).at("repetition");
+  if (refused.at("run") != run.run) return std::nullopt;
+  return refused.at("fraction").get<double>();
+}
+
 Repetition next(const Parameters& robot, const Json& plan, const RunOfMotion& run) {
   const Trajectory executed{run.rows, {}};
   const PlannedTask planned = planned_task_in(run.plan_json, "plan.json");
@@ -34,9 +42,10 @@ Repetition next(const Parameters& robot, const Json& plan, const RunOfMotion& ru
   log.source = "the run " + run.run;
   try {
     require_run_of(executed, "the trajectory", log);
-    return next_repetition(robot, limits, task, executed, executed_motion(log));
+    return next_repetition(robot, limits, task, executed, executed_motion(log),
+                           {motors_began_before({plan, "plan.json"}), refused_fraction(run)});
   } catch (const InputError& not_to_be_learnt_from) {
-    return {executed, 0, true, {}, {rehearsal_on_model(robot, limits, executed)}, {not_to_be_learnt_from.what()}};
+    return {executed, 0, true, {}, {}, {rehearsal_on_model(robot, limits, executed)}, {not_to_be_learnt_from.what()}};
   }
 }
 
@@ -47,8 +56,7 @@ FoundRepetition find_repetition(const Parameters& robot, const RunOfMotion& run)
   if (run.rows.front().time != 0) throw std::runtime_error("its rows do not begin at 0 s");
   Json plan = Json::parse(run.plan_json);
   const Repetition repetition = next(robot, plan, run);
-  plan["repetition"] =
-      repetition_json(repetition, {{"motion", run.motion}, {"run", run.run}}, number_of_repetition(plan) + 1);
+  plan["repetition"] = repetition_json(repetition, {{"motion", run.motion}, {"run", run.run}}, {plan, "plan.json"});
   FoundRepetition found;
   if (const std::vector<std::string> broken = broken_in(repetition); !broken.empty()) {
     found.reason = fmt::format("{}", fmt::join(broken, "; "));

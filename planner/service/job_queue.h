@@ -30,6 +30,7 @@ struct Job {
   int lost = 0;                   // how many workers have died of it, or with it
   SharedReply planned = nullptr;  // what is to be executed: only its stop motions are to be found; or:
   SharedRun run = nullptr;        // of `planned`, by which it is corrected first
+  SharedReply refused = nullptr;  // the motion's last repetition that the executor refused
   std::chrono::steady_clock::time_point awaited_since{};
   std::optional<RequestId> awaited{};  // a trajectory of which the run has yet to come, before those two are known
 };

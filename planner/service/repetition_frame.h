@@ -16,6 +16,7 @@ struct RunOfMotion {
   std::vector<Sample> rows;  // that were executed
   std::vector<ExecutedRow> ticks;
   std::uint32_t missed_ticks = 0;
+  std::string refused;  // plan.json of the motion's last repetition that the executor refused; empty: none
 };
 
 std::string to_payload(const RunOfMotion& run);

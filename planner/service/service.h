@@ -25,6 +25,7 @@
 #include "planner/service/ownership.h"
 #include "planner/service/presence.h"
 #include "planner/service/recent_ids.h"
+#include "planner/service/refused_repetitions.h"
 #include "planner/service/reply_cache.h"
 #include "planner/service/reply_store.h"
 #include "planner/service/service_config.h"
@@ -115,6 +116,7 @@ class Service {
   void hear(dds::Relayed relayed);
   void hear(Reply reply);
   void hear(ArmDrift drift);
+  void hear(const ExecutionResult& result);
   void hear(ExecutedRun run);
   void complete(Reply& overheard) const;
   bool takes_part(const ServiceStatus& other) const;
@@ -166,6 +168,7 @@ class Service {
   JobQueue queue_;
   ReplyCache cache_;
   ExecutedRuns runs_;
+  RefusedRepetitions refused_repetitions_;
   RecentIds refused_lately_;  // for the moment only
   Unclaimed unclaimed_;
   Outbox outbox_;

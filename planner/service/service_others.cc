@@ -28,7 +28,7 @@ void Service::listen_to_others() {
   for (const auto& executor : port_.take_executors()) {
     executor.alive ? executor_.heard(executor.state, executor.source) : executor_.lost(executor.state.robot_id);
   }
-  for (const RequestId& id : port_.take_concluded()) executor_.concluded(id);
+  for (const ExecutionResult& result : port_.take_results()) hear(result);
   for (ArmDrift& drift : port_.take_drifts()) hear(std::move(drift));
   for (ExecutedRun& run : port_.take_runs()) hear(std::move(run));
   if (const auto epoch = executor_.epoch()) ownership_.heard_executor(*epoch);

@@ -67,6 +67,7 @@ std::optional<Refusal> Service::choose_run(Job& job) const {
   job.request_hash = job.planned->request_hash;
   if (!job.run) return std::nullopt;
   if (auto refusal = refusal_of_learnt()) return refusal;
+  job.refused = refused_repetitions_.of(motion);
   if (job.run->code == ResultCode::kSuccessful) return std::nullopt;
   return Refusal{Reason::kNoTrajectory, "trajectory_id",
                  fmt::format("its last run, {}, ended as {}: {}; have the plan, or a run before it, executed, and "
@@ -81,6 +82,13 @@ std::optional<Refusal> Service::refusal_of_learnt() const {
       Reason::kNoTrajectory, "trajectory_id",
       "the executor takes no motions that were learnt: it is of an earlier version, or credentials, its own or "
       "the service's, do not permit fjr/learnt_trajectory"};
+}
+
+void Service::hear(const ExecutionResult& result) {
+  executor_.concluded(result.trajectory_id);
+  if (result.code != ResultCode::kRepetitionRefused) return;
+  const SharedReply refused = cache_.find(result.trajectory_id);
+  if (refused && refused->learnt) refused_repetitions_.add(refused);
 }
 
 void Service::hear(ExecutedRun run) {

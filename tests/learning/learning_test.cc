@@ -112,7 +112,70 @@ TEST(Learning, StartsThatAreOffDoNotAddUp) {
   EXPECT_LT(std::sqrt(squares), in_counts(0.004 / std::sqrt(3) * std::sqrt(2) * std::sqrt(2)));
 }
 
-// A motor that began five counts off its reference was there by chance; one within two counts begins there again.
+Tolerances tolerances(double path) {
+  Tolerances wide = ExecutorConfig{}.tolerances;
+  wide.path = {path, path};
+  wide.goal = wide.stopped_velocity = {0.5, 0.5};
+  return wide;
+}
+
+struct Turn {
+  Trajectory rows;
+  bool learnt = false;
+  RepetitionHistory history;
+  std::vector<double> rms;  // [counts] of both links, of every run
+};
+
+// Motions of one arm that are repeated in turn, with so long a rest [s] between them.
+void take_turns(std::vector<Turn>& turns, const VirtualArmOptions& options, double rest, int rounds) {
+  VirtualArm arm(options, turns[0].rows.samples.front().state.q);
+  Control control(robot(), arm);
+  const auto tick = [&](double duration) {
+    for (int i = 0; i < duration / kTick; ++i) {
+      control.tick();
+      while (control.state()) {
+      }
+    }
+  };
+  tick(0.2);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(rounds) * turns.size(); ++i) {
+    Turn& turn = turns[i % turns.size()];
+    TrajectoryOrder order;
+    order.id.number = i + 1;
+    order.rows = turn.rows.samples;
+    order.learnt = turn.learnt;
+    const auto running = prepare_without_stops(robot(), order, tolerances(0.5));
+    ASSERT_TRUE(control.begin(running.get())) << "run " << i;
+    while (!control.finished()) tick(kTick);
+    const ExecutionResult result = result_of(*running, robot());
+    ASSERT_EQ(result.code, ResultCode::kSuccessful) << result.sentence;
+    const ExecutedMotion motion = executed_motion(read_log(write_log(*running, result, testing::TempDir())));
+    turn.rms.push_back(in_counts(std::hypot(motion.link_error_rms[0], motion.link_error_rms[1])));
+    const Repetition next = next_repetition(robot(), Limits::of(robot()), {}, turn.rows, motion, turn.history);
+    turn.rows = next.rows;
+    turn.history.motors_began = next.motors_began;
+    turn.learnt = true;
+    tick(rest);
+  }
+}
+
+// Each begins where the other one has left the motors, which is not where it was planned to begin: the second one 16
+// counts of the motor off. Measured in the last two runs: 30 to 46 counts of both links; 136 and 143 of the second
+// motion where that is taken for chance.
+TEST(Learning, MotionsThatTakeTurnsBeginWhereTheOtherOneEnds) {
+  const Joints<double> here{0, 0}, there{1.2, -0.8};
+  std::vector<Turn> turns(2);
+  turns[0].rows = flat_motion(robot(), here, there, 1);
+  turns[1].rows = flat_motion(robot(), there, here, 1);
+  take_turns(turns, wrong_arm_with_hysteresis(), 4, 7);
+  for (const Turn& turn : turns) {
+    EXPECT_GT(turn.rms.front(), 200);
+    for (auto rms = turn.rms.end() - 2; rms != turn.rms.end(); ++rms) EXPECT_LT(*rms, 80);
+  }
+}
+
+// A motor that began five counts off its reference was there by chance, unless it had begun there in the run before;
+// one within two counts begins there again.
 TEST(Correction, ExpectsAStartThatWasFarOffAtItsReference) {
   const Trajectory plan = reach();
   const ExecutedMotion motion = executed(robot(), wrong_arm_with_hysteresis(), {plan}).motions[0];
@@ -124,6 +187,11 @@ TEST(Correction, ExpectsAStartThatWasFarOffAtItsReference) {
   const State<double> expected = correction_after(robot(), plan, run).start;
   EXPECT_EQ(expected.theta, plan.samples.front().state.theta);
   EXPECT_LT(expected.q[0], run.states.front().q[0] - 2 * count);  // the link hangs from its motor
+  Joints<double> before = run.states.front().theta;
+  before[0] += count;
+  EXPECT_EQ(correction_after(robot(), plan, run, before).start.theta, run.states.front().theta);
+  before[0] += 4 * count;
+  EXPECT_EQ(correction_after(robot(), plan, run, before).start.theta, plan.samples.front().state.theta);
 }
 
 TEST(Correction, LeavesTheLinksPlanAndBothEnds) {
@@ -178,6 +246,24 @@ TEST(Repetition, TakesWhatTheLimitsLeave) {
   EXPECT_EQ(none.rows.samples.size(), plan.samples.size());
 }
 
+// Of what an executor has refused, less is taken, and in the end nothing.
+TEST(Repetition, TakesLessThanTheExecutorRefused) {
+  const Trajectory plan = reach();
+  const ExecutedMotion motion = executed(robot(), wrong_arm_with_hysteresis(), {plan}).motions[0];
+  const auto after = [&](std::optional<double> refused) {
+    return next_repetition(robot(), Limits::of(robot()), {}, plan, motion, {{}, refused});
+  };
+  EXPECT_EQ(after({}).fraction, 1);
+  const Repetition half = after(1);
+  EXPECT_EQ(half.fraction, 0.5);
+  EXPECT_THAT(half.reasons, testing::ElementsAre("the executor has refused 1 of the correction"));
+  EXPECT_EQ(after(0.5).fraction, 0.25);
+  const Repetition none = after(0.125);
+  EXPECT_TRUE(none.refused);
+  EXPECT_EQ(none.fraction, 0);
+  EXPECT_THAT(none.reasons, testing::ElementsAre("the executor has refused 0.125 of the correction"));
+}
+
 // A wall that the plan's tip keeps a millimetre off is kept off by the arm with the learnt torques, and one that cuts a
 // millimetre into the plan is not.
 TEST(Repetition, HoldsTheTask) {
@@ -203,13 +289,6 @@ TEST(Repetition, HoldsTheTask) {
 Trajectory learnt_rows() {
   const ExecutedMotion motion = executed(robot(), wrong_arm_with_hysteresis(), {reach()}).motions[0];
   return next_repetition(robot(), Limits::of(robot()), {}, reach(), motion).rows;
-}
-
-Tolerances tolerances(double path) {
-  Tolerances wide = ExecutorConfig{}.tolerances;
-  wide.path = {path, path};
-  wide.goal = wide.stopped_velocity = {0.5, 0.5};
-  return wide;
 }
 
 std::unique_ptr<CommandedMotion> prepared(const Trajectory& rows, bool learnt, double path) {

@@ -1,4 +1,5 @@
 // The built program on motions that are repeated: simulate writes the logs that learn takes.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -88,10 +89,43 @@ TEST_F(LearnCommand, RepetitionsFollowThePlanEverMoreExactly) {
       for (const auto& limit : rehearsal["limits"]) EXPECT_TRUE(limit["passed"]) << limit;
     }
     EXPECT_THAT(learnt.out, AllOf(HasSubstr("limits       kept; nearest"), Not(HasSubstr("NOT KEPT"))));
+    const auto& runs = repetition["runs"];
+    ASSERT_EQ(runs.size(), static_cast<std::size_t>(run_number));
+    EXPECT_EQ(runs.back()["number"], run_number);
+    EXPECT_EQ(runs.back()["link_error_rms_rad"], repetition["last_link_error_rms_rad"]);
     EXPECT_EQ(run({"report", next}).exit_code, 0);
     folder = next;
   }
+  const std::string report = contents(path(folder + "/report.html"));
+  EXPECT_THAT(report, AllOf(HasSubstr("These rows are for run 5"), HasSubstr("Links off the plan, by run"),
+                            HasSubstr("the model with the learnt torques")));
   EXPECT_LT(before, kNoise);
+}
+
+// What plan.json says of earlier runs is read as strictly as all else, and nothing is written where it is damaged.
+TEST_F(LearnCommand, ADamagedRepetitionIsNamed) {
+  execute("out", "run.csv");
+  const auto fault_of = [&](const std::string& repetition) {
+    nlohmann::json plan = plan_json("out");
+    plan["repetition"] = nlohmann::json::parse(repetition);
+    write("out/plan.json", plan.dump());
+    const Result result = run({"learn", "out", "run.csv", "--out", "next"});
+    EXPECT_EQ(result.exit_code, 2) << repetition;
+    EXPECT_FALSE(fs::exists(path("next/plan.json")));
+    return result.err;
+  };
+  EXPECT_THAT(fault_of("{}"), HasSubstr("out/plan.json: repetition.number: missing"));
+  EXPECT_THAT(fault_of("[2]"), HasSubstr("out/plan.json: repetition: must be an object"));
+  for (const char* number : {"\"two\"", "null", "0", "1.5", "2147483647", "1e300"}) {
+    EXPECT_THAT(fault_of(fmt::format(R"({{"number": {}}})", number)),
+                HasSubstr("out/plan.json: repetition.number: must be "));
+  }
+  EXPECT_THAT(fault_of(R"({"number": 2, "runs": 3})"), HasSubstr("repetition.runs: must be a list"));
+  EXPECT_THAT(fault_of(R"({"number": 2, "runs": [{}]})"), HasSubstr("repetition.runs[0].motors_began_rad: missing"));
+  for (const char* began : {"[1]", "[null, 0]", "7"}) {
+    EXPECT_THAT(fault_of(fmt::format(R"({{"number": 2, "runs": [{{"motors_began_rad": {}}}]}})", began)),
+                HasSubstr("repetition.runs[0].motors_began_rad: must be a list"));
+  }
 }
 
 // The model's own arm is within a count, and noise is not learnt.

@@ -201,6 +201,45 @@ TEST_F(RepeatTest, WhatCannotBeRepeatedIsRefusedByName) {
                  "its last run, " + text(failing.id) + ", ended as PATH_TOLERANCE_VIOLATED: link ");
 }
 
+// The whole correction takes the model's links 0.04 rad off the plan, and an executor allows twice its path tolerance.
+TEST_F(RepeatTest, OfWhatTheExecutorRefusedLessIsTaken) {
+  serve();
+  const auto start = [&](const std::string& tolerances) {  // the arm hangs still
+    const std::vector<std::string> arm = wrong_arm();
+    if (!tolerances.empty()) write("executor.yaml", tolerances);
+    if (executor_) stop_executor();
+    start_executor(arm);
+  };
+  const auto refused = [&](const RequestId& planned) {
+    const Order repeat = about(Action::kRepeat, planned);
+    const Reply reply = answer_to(repeat);
+    EXPECT_EQ(reply.state, ReplyState::kSolved) << reply.why.sentence;
+    return std::pair(nlohmann::json::parse(reply.plan_json).at("repetition").at("fraction").get<double>(),
+                     result_of(repeat.id).value_or(ExecutionResult{}));
+  };
+  start("");
+  const RequestId planned = run(motion(kLoop)).id;
+  start("tolerances: {path: [0.005, 0.005], goal: [0.5, 0.5], stopped_velocity: [0.5, 0.5]}\n");
+  for (const double wanted : {1.0, 0.5}) {
+    const auto [fraction, result] = refused(planned);
+    EXPECT_EQ(fraction, wanted);
+    EXPECT_EQ(result.code, ResultCode::kRepetitionRefused);
+    EXPECT_THAT(result.sentence, HasSubstr("learnt for another arm"));
+  }
+  start("");
+  const Run quarter = run(about(Action::kRepeat, planned));
+  EXPECT_EQ(quarter.learnt.at("fraction"), 0.25);
+  EXPECT_THAT(quarter.learnt.at("reasons").dump(), HasSubstr("the executor has refused 0.5 of the correction"));
+  stop_executor();
+  executor_ = ServiceTest::start_executor("0.5,0", wrong_arm());  // a refusal for where the arm is says nothing of them
+  EXPECT_TRUE(says(*executor_, "executing for")) << executor_->output();
+  const auto [fraction, result] = refused(planned);
+  EXPECT_EQ(fraction, 1);
+  EXPECT_EQ(result.code, ResultCode::kInvalidGoal);
+  start("");
+  EXPECT_EQ(run(about(Action::kRepeat, planned)).learnt.at("fraction"), 1);
+}
+
 TEST_F(RepeatTest, NothingIsRepeatedWhileTheArmMoves) {
   serve();
   start_executor({"--payload", "0.005"});  // by the clock
@@ -337,6 +376,13 @@ TEST_F(RepeatTest, TheFolderOfAnEarlierRequestIsRepeated) {
   const auto [again, more] = request({path("b"), "--repeat", "--json"}, "again");
   EXPECT_EQ(again, 0) << more;
   EXPECT_THAT(more, HasSubstr("\"number\": 3"));
+  EXPECT_THAT(told, testing::Not(HasSubstr("as it was planned")));
+  const auto [other, plan] = request({path("loop.yaml"), "--out", path("c")}, "other");
+  ASSERT_EQ(other, 0) << plan;
+  EXPECT_THAT(plan, testing::Not(HasSubstr("as it was planned")));
+  const auto [first, as_planned] = request({path("c"), "--repeat"}, "first");
+  EXPECT_EQ(first, 0) << as_planned;
+  EXPECT_THAT(as_planned, HasSubstr("repetition  1, as it was planned: no run of it is known"));
   EXPECT_EQ(request({path("loop.yaml"), "--repeat"}, "file").first, 2);
   EXPECT_EQ(request({path("a"), "--repeat", "--execute"}, "both").first, 2);
 }

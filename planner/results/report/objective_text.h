@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "planner/problem/objective_terms.h"
-#include "planner/results/report/json_field.h"
+#include "planner/results/json_field.h"
 
 namespace fjr {
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "planner/results/report/json_field.h"
+#include "planner/results/json_field.h"
 
 namespace fjr {
 

@@ -13,14 +13,15 @@
 #include "common/chart_page.h"
 #include "planner/problem/objective_terms.h"
 #include "planner/problem/quantities.h"
+#include "planner/results/json_field.h"
 #include "planner/results/report/comparison_section.h"
 #include "planner/results/report/html_table.h"
-#include "planner/results/report/json_field.h"
 #include "planner/results/report/motion_section.h"
 #include "planner/results/report/objective_text.h"
 #include "planner/results/report/plan_limits.h"
 #include "planner/results/report/plan_page_text.h"
 #include "planner/results/report/proof_section.h"
+#include "planner/results/report/repetition_section.h"
 #include "planner/results/report/robust_section.h"
 #include "planner/results/report/scene.h"
 #include "planner/results/report/sensitivity_section.h"
@@ -287,7 +288,7 @@ void add_what_else_there_is(ChartPage& page, const Json& plan) {
   static const std::set<std::string> shown{
       "version",  "request",     "status",           "reason",        "objective",  "duration",     "mesh",
       "solver",   "certificate", "resolved_request", "robot",         "robot_hash", "request_hash", "via_times",
-      "back_off", "timing",      "sensitivity",      "infeasibility", "optimality"};
+      "back_off", "timing",      "sensitivity",      "infeasibility", "optimality", "repetition"};
   for (const auto& section : plan.items()) {
     if (shown.count(section.key()) > 0 || section.value().is_null()) continue;
     std::string title = spaced(section.key());
@@ -315,6 +316,7 @@ std::string plan_page(const PlanRecord& record) {
   if (record.trajectory) {
     const std::vector<ComparedMotion> motions = compared_motions(record.robot, *record.trajectory);
     add_motion(page, record, scene, limits, motions);
+    add_repetition(page, plan, record.robot);
     add_margins(page, limits, record.robot);
     add_task_margins(page, plan.at("certificate").at("task"));
     add_certificate(page, plan.at("certificate"));

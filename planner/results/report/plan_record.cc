@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "common/input_error.h"
-#include "planner/results/report/json_field.h"
+#include "planner/results/json_field.h"
 
 namespace fjr {
 namespace {

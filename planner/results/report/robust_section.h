@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "common/chart_page.h"
-#include "planner/results/report/json_field.h"
+#include "planner/results/json_field.h"
 
 namespace fjr {
 

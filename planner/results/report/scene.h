@@ -4,7 +4,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include "model/parameters.h"
-#include "planner/results/report/json_field.h"
+#include "planner/results/json_field.h"
 
 namespace fjr {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "common/chart_page.h"
-#include "planner/results/report/json_field.h"
+#include "planner/results/json_field.h"
 
 namespace fjr {
 

@@ -282,19 +282,21 @@ void Executor::begin_to_prepare(TrajectoryOrder order) {
 void Executor::conclude_preparation() {
   if (!preparing_ || preparing_->motion.wait_for(std::chrono::seconds(0)) != std::future_status::ready) return;
   const TrajectoryOrder header = preparing_->header;
-  const bool unwanted = preparing_->unwanted.stop_requested();
-  ResultCode code = header.learnt && !unwanted ? ResultCode::kRepetitionRefused : ResultCode::kInvalidGoal;
+  const ResultCode for_its_rows = header.learnt ? ResultCode::kRepetitionRefused : ResultCode::kInvalidGoal;
   try {
     auto motion = preparing_->motion.get();
-    code = ResultCode::kInvalidGoal;  // there is nothing wrong with its rows
-    if (unwanted) throw std::runtime_error("held or stopped before it could begin");
+    if (preparing_->unwanted.stop_requested()) throw std::runtime_error("held or stopped before it could begin");
     if (auto refusal = refusal_after_preparation(motion->order)) {
       refuse(header.id, *refusal);
     } else {
       run(std::move(motion));
     }
+  } catch (const RowsRefused& error) {
+    refuse(header.id, {for_its_rows, error.what()});
+  } catch (const NoStop& error) {
+    refuse(header.id, {for_its_rows, error.what()});
   } catch (const std::exception& error) {
-    refuse(header.id, {code, error.what()});
+    refuse(header.id, {ResultCode::kInvalidGoal, error.what()});
   }
   preparing_.reset();
 }

@@ -89,7 +89,7 @@ std::string reason_of(const Outcome& o) {
 }
 
 void refuse_for(const std::vector<std::string>& faults) {
-  if (!faults.empty()) throw std::runtime_error(fmt::format("{}", fmt::join(faults, "; ")));
+  if (!faults.empty()) throw RowsRefused(fmt::format("{}", fmt::join(faults, "; ")));
 }
 
 void judge(const Parameters& robot, const Trajectory& plan) {
@@ -120,8 +120,8 @@ void judge_learnt(const Parameters& robot, Trajectory rows, const Tolerances& to
 void begin_to_check(const Parameters& robot, const Trajectory& plan, CommandedMotion& motion) {
   const std::vector<StopMotion>& stops = motion.order.stops;
   if (stops.size() != count_of_stops(plan)) {
-    throw NoStop(fmt::format("brings {} stop motions; one every {:g} s are {}", stops.size(), kStopSpacing,
-                             count_of_stops(plan)));
+    throw std::runtime_error(fmt::format("brings {} stop motions; one every {:g} s are {}", stops.size(), kStopSpacing,
+                                         count_of_stops(plan)));
   }
   motion.stops.emplace(robot, plan, stops);
 }

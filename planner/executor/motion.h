@@ -3,6 +3,7 @@
 
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <stop_token>
 #include <string>
 #include <vector>
@@ -40,6 +41,11 @@ struct LogRow {
   double time;                      // [s] of the trajectory
   Joints<double> q, theta, torque;  // [rad] measured at `time`; [N m] commanded from then on
   Sample planned;
+};
+
+// Of rows that are not exact, break a limit, or leave the plan too far: wherever the arm is, they are not run.
+struct RowsRefused : std::runtime_error {
+  using std::runtime_error::runtime_error;
 };
 
 struct CommandedMotion {

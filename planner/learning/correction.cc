@@ -87,23 +87,20 @@ class Regulator {
   std::size_t ticks() const { return run_.times.size() - 1; }
   double limit(Eigen::Index j) const { return robot_.limits.torque[static_cast<std::size_t>(j)]; }
 
-  // At rest where the last run began, if that is where its motors' reference began, or where the run before it did.
-  // Otherwise the motors were there by chance: then where the reference begins, with the links where they hang then.
-  // Gravity bends the springs of an arm that is not the model otherwise, whenever it starts.
+  // At rest. A motor begins where it did in the last run, if that is where its reference began, or where the run before
+  // did. Otherwise it was there by chance: then where the reference begins. The links hang from the motors as they did:
+  // gravity bends the springs of an arm that is not the model otherwise, whenever it starts.
   static State<double> start_of_next(const Parameters& robot, const State<double>& last,
                                      const Joints<double>& reference,
                                      const std::optional<Joints<double>>& began_before) {
-    const auto began_at = [&](const Joints<double>& theta) {
-      bool near = true;
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        near &= std::abs(last.theta[j] - theta[j]) <= kSameStart * count_angle(robot.encoder.motor_counts[j]);
-      }
-      return near;
-    };
-    State<double> next = last;
-    next.dq = next.dtheta = {};
-    if (began_at(reference) || (began_before && began_at(*began_before))) return next;
-    next.theta = reference;
+    State<double> next{last.q, {}, last.theta, {}};
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const auto began_at = [&](double theta) {
+        return std::abs(last.theta[j] - theta) <= kSameStart * count_angle(robot.encoder.motor_counts[j]);
+      };
+      if (!began_at(reference[j]) && !(began_before && began_at((*began_before)[j]))) next.theta[j] = reference[j];
+    }
+    if (next.theta == last.theta) return next;
     Joints<double> bent = rest_at(robot, last.q).theta;
     for (std::size_t j = 0; j < kJoints; ++j) bent[j] += next.theta[j] - last.theta[j];
     next.q = resting_with(robot, bent);

@@ -21,11 +21,11 @@ struct Correction {
 // changes of the torque since the last run, the one that is least in the sum of the squared errors of the links that
 // the model, linearised along what the arm did, expects of the next run, and of the squared increments of the change
 // from tick to tick. By a Riccati recursion over the ticks. The motors' reference is where they are expected.
-// The next run is expected to begin where the last one did, at rest, if its motors were within two counts of where
-// their reference began, or of where the run before it began: another motion of a repeated sequence leaves them there.
+// The next run is expected to begin at rest, each motor where it did in the last one, if that was within two counts of
+// where its reference began, or of where the run before began: another motion of a repeated sequence leaves it there.
 // Any other start was chance, and the next one is expected at the reference. Where the links then are off the plan,
-// they go over to it within 0.3 s, or half of the motion. executed: the rows that the run was commanded; began_before:
-// motors [rad] at the start of the run before it.
+// they go over to it within 0.3 s, or half of the motion.
+// executed: the rows that the run was commanded; began_before: motors [rad] at the start of the run before it.
 Correction correction_after(const Parameters& robot, const Trajectory& executed, const SmoothedRun& run,
                             const std::optional<Joints<double>>& began_before = {});
 

@@ -14,7 +14,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMostRuns = 100;
+constexpr std::size_t kMostRuns = 20;
 constexpr double kMostRepetitions = 1e9;
 
 Json rehearsal_json(const Rehearsal& rehearsal) {
@@ -29,23 +29,31 @@ Json rehearsal_json(const Rehearsal& rehearsal) {
   return json;
 }
 
-// Which one the rows are that go with a plan.json; 1: as it was planned.
-int number_of(const JsonField& plan) {
-  const auto repetition = plan.find("repetition");
-  if (!repetition) return 1;
-  const JsonField number = repetition->at("number");
-  const double value = number.number();
-  if (!(value >= 1 && value <= kMostRepetitions && value == std::floor(value))) {
-    number.fail(fmt::format("must be an integer from 1 to {:.0f}", kMostRepetitions));
-  }
-  return static_cast<int>(value);
-}
-
 // What an earlier version wrote has none.
 std::vector<JsonField> runs_before(const JsonField& plan) {
   const auto repetition = plan.find("repetition");
   const auto runs = repetition ? repetition->find("runs") : std::nullopt;
   return runs ? runs->items() : std::vector<JsonField>{};
+}
+
+Joints<double> finite_pair(const JsonField& field) {
+  const Joints<double> values = field.pair();
+  if (!std::isfinite(values[0] + values[1])) field.fail("must be a list of two numbers");
+  return values;
+}
+
+int number_in(const JsonField& field) {
+  const double value = field.number();
+  if (!(value >= 1 && value <= kMostRepetitions && value == std::floor(value))) {
+    field.fail(fmt::format("must be an integer from 1 to {:.0f}", kMostRepetitions));
+  }
+  return static_cast<int>(value);
+}
+
+// Which one the rows are that go with a plan.json; 1: as it was planned.
+int number_of(const JsonField& plan) {
+  const auto repetition = plan.find("repetition");
+  return repetition ? number_in(repetition->at("number")) : 1;
 }
 
 // Of all runs so far, the last one at the end.
@@ -57,7 +65,7 @@ Json runs_so_far(const Repetition& repetition, const JsonField& plan) {
                     {"link_error_rms_rad", repetition.link_error_rms},
                     {"motors_began_rad", repetition.motors_began}});
   }
-  if (runs.size() > kMostRuns) runs.erase(runs.begin());
+  while (runs.size() > kMostRuns) runs.erase(runs.begin());
   return runs;
 }
 
@@ -78,12 +86,25 @@ Json repetition_json(const Repetition& repetition, const Json& run, const JsonFi
 }
 
 std::optional<Joints<double>> motors_began_before(const JsonField& plan) {
-  const std::vector<JsonField> runs = runs_before(plan);
-  if (runs.empty()) return std::nullopt;
-  const JsonField began = runs.back().at("motors_began_rad");
-  const Joints<double> motors = began.pair();
-  if (!std::isfinite(motors[0] + motors[1])) began.fail("must be a list of two numbers");
-  return motors;
+  std::optional<Joints<double>> began;
+  for (const JsonField& run : runs_before(plan)) {
+    (void)number_in(run.at("number"));
+    (void)finite_pair(run.at("link_error_rms_rad"));
+    began = finite_pair(run.at("motors_began_rad"));
+  }
+  return began;
+}
+
+std::optional<TakenCorrection> correction_in(const std::string& plan_json) {
+  const Json plan = Json::parse(plan_json, nullptr, false);
+  if (!plan.is_object() || !plan.contains("repetition")) return std::nullopt;
+  try {
+    const JsonField repetition = JsonField(plan, "plan.json").at("repetition");
+    const TakenCorrection taken{repetition.at("run").text(), repetition.at("fraction").number()};
+    return taken.fraction > 0 && taken.fraction <= 1 ? std::optional(taken) : std::nullopt;
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
 }
 
 void tell_repetition(const Json& plan, Metadata& metadata) {

@@ -25,12 +25,13 @@ Limits limits_of_plan(const Parameters& robot, const Json& plan) {
   return limits_of(robot, planned_with(header, "plan.json"));
 }
 
-// Of the correction by the same run.
-std::optional<double> refused_fraction(const RunOfMotion& run) {
-  if (run.refused.empty()) return std::nullopt;
-  const Json refused = Json::parse(run.refused).at("repetition");
-  if (refused.at("run") != run.run) return std::nullopt;
-  return refused.at("fraction").get<double>();
+// An earlier version, or whoever else planned it, may have written what nobody can read.
+void drop_unreadable_runs(Json& plan) {
+  try {
+    (void)motors_began_before({plan, "plan.json"});
+  } catch (const InputError&) {
+    plan["repetition"].erase("runs");
+  }
 }
 
 Repetition next(const Parameters& robot, const Json& plan, const RunOfMotion& run) {
@@ -43,7 +44,7 @@ Repetition next(const Parameters& robot, const Json& plan, const RunOfMotion& ru
   try {
     require_run_of(executed, "the trajectory", log);
     return next_repetition(robot, limits, task, executed, executed_motion(log),
-                           {motors_began_before({plan, "plan.json"}), refused_fraction(run)});
+                           {motors_began_before({plan, "plan.json"}), run.refused_fraction});
   } catch (const InputError& not_to_be_learnt_from) {
     return {executed, 0, true, {}, {}, {rehearsal_on_model(robot, limits, executed)}, {not_to_be_learnt_from.what()}};
   }
@@ -55,6 +56,7 @@ FoundRepetition find_repetition(const Parameters& robot, const RunOfMotion& run)
   if (const std::string fault = malformed({run.rows, {}}); !fault.empty()) throw std::runtime_error(fault);
   if (run.rows.front().time != 0) throw std::runtime_error("its rows do not begin at 0 s");
   Json plan = Json::parse(run.plan_json);
+  drop_unreadable_runs(plan);
   const Repetition repetition = next(robot, plan, run);
   plan["repetition"] = repetition_json(repetition, {{"motion", run.motion}, {"run", run.run}}, {plan, "plan.json"});
   FoundRepetition found;
@@ -63,6 +65,10 @@ FoundRepetition find_repetition(const Parameters& robot, const RunOfMotion& run)
     return found;
   }
   found.plan_json = json_text(plan);
+  if (found.plan_json.size() > kLongestPlanJson) {
+    plan["repetition"].erase("runs");
+    found.plan_json = json_text(plan);
+  }
   if (found.plan_json.size() > kLongestPlanJson) {
     throw std::runtime_error(fmt::format("its plan.json would have {} bytes, a reply has room for {}",
                                          found.plan_json.size(), kLongestPlanJson));

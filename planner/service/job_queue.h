@@ -27,10 +27,10 @@ struct Job {
   std::string robot_hash;  // of the robot it is planned for: the served one, or that with the request's payload
   bool rest_to_rest = false;
   Clock::time_point arrived, deadline, started;
-  int lost = 0;                   // how many workers have died of it, or with it
-  SharedReply planned = nullptr;  // what is to be executed: only its stop motions are to be found; or:
-  SharedRun run = nullptr;        // of `planned`, by which it is corrected first
-  SharedReply refused = nullptr;  // the motion's last repetition that the executor refused
+  int lost = 0;                              // how many workers have died of it, or with it
+  SharedReply planned = nullptr;             // what is to be executed: only its stop motions are to be found; or:
+  SharedRun run = nullptr;                   // of `planned`, by which it is corrected first
+  std::optional<double> refused_fraction{};  // of the correction by it, by the executor
   std::chrono::steady_clock::time_point awaited_since{};
   std::optional<RequestId> awaited{};  // a trajectory of which the run has yet to come, before those two are known
 };

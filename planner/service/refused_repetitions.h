@@ -1,34 +1,36 @@
-// The last repetition of each motion that an executor refused. Bounded; the oldest go first.
+// How much of the corrections by motions' last runs executors have refused. Bounded; the oldest go first.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <deque>
+#include <optional>
+#include <string>
 #include <utility>
-
-#include "planner/protocol/messages.h"
 
 namespace fjr {
 
 class RefusedRepetitions {
  public:
-  void add(SharedReply refused) {
-    std::erase_if(refused_, [&](const SharedReply& other) { return other->motion == refused->motion; });
-    refused_.push_back(std::move(refused));
+  // run: by which the motion was corrected; fraction: of that correction, larger than 0.
+  void add(const std::string& run, double fraction) {
+    double least = fraction;
+    if (const auto before = of(run)) least = std::min(least, *before);
+    std::erase_if(refused_, [&](const auto& refused) { return refused.first == run; });
+    refused_.emplace_back(run, least);
     if (refused_.size() > kMost) refused_.pop_front();
   }
 
-  // motion: id that it was planned under. Null: there is none.
-  SharedReply of(const RequestId& motion) const {
-    const auto found =
-        std::ranges::find_if(refused_, [&](const SharedReply& refused) { return refused->motion == motion; });
-    return found == refused_.end() ? nullptr : *found;
+  // The least of them; none: nothing has been refused.
+  std::optional<double> of(const std::string& run) const {
+    const auto found = std::ranges::find_if(refused_, [&](const auto& refused) { return refused.first == run; });
+    return found == refused_.end() ? std::nullopt : std::optional(found->second);
   }
 
  private:
   static constexpr std::size_t kMost = 64;
 
-  std::deque<SharedReply> refused_;
+  std::deque<std::pair<std::string, double>> refused_;
 };
 
 }  // namespace fjr

@@ -9,10 +9,13 @@ namespace fjr {
 using Json = nlohmann::json;
 
 std::string to_payload(const RunOfMotion& run) {
-  const Json frame = {{"motion", run.motion},        {"run", run.run},
-                      {"plan_json", run.plan_json},  {"rows", cbor_of(run.rows)},
-                      {"ticks", cbor_of(run.ticks)}, {"missed_ticks", run.missed_ticks},
-                      {"refused", run.refused}};
+  const Json frame = {{"motion", run.motion},
+                      {"run", run.run},
+                      {"plan_json", run.plan_json},
+                      {"rows", cbor_of(run.rows)},
+                      {"ticks", cbor_of(run.ticks)},
+                      {"missed_ticks", run.missed_ticks},
+                      {"refused_fraction", run.refused_fraction ? Json(*run.refused_fraction) : Json(nullptr)}};
   const std::vector<std::uint8_t> bytes = Json::to_cbor(frame);
   return {bytes.begin(), bytes.end()};
 }
@@ -26,7 +29,8 @@ RunOfMotion run_of_motion_from(std::string_view payload) {
   run.rows = items_in<Sample>(frame.at("rows"));
   run.ticks = items_in<ExecutedRow>(frame.at("ticks"));
   frame.at("missed_ticks").get_to(run.missed_ticks);
-  frame.at("refused").get_to(run.refused);
+  if (const Json& fraction = frame.at("refused_fraction"); !fraction.is_null())
+    run.refused_fraction = fraction.get<double>();
   return run;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,7 +17,7 @@ struct RunOfMotion {
   std::vector<Sample> rows;  // that were executed
   std::vector<ExecutedRow> ticks;
   std::uint32_t missed_ticks = 0;
-  std::string refused;  // plan.json of the motion's last repetition that the executor refused; empty: none
+  std::optional<double> refused_fraction;  // of the correction by it, by the executor
 };
 
 std::string to_payload(const RunOfMotion& run);

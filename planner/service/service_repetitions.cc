@@ -4,6 +4,7 @@
 #include <utility>
 #include <variant>
 
+#include "planner/results/repetition_json.h"
 #include "planner/service/service.h"
 
 namespace fjr {
@@ -67,7 +68,7 @@ std::optional<Refusal> Service::choose_run(Job& job) const {
   job.request_hash = job.planned->request_hash;
   if (!job.run) return std::nullopt;
   if (auto refusal = refusal_of_learnt()) return refusal;
-  job.refused = refused_repetitions_.of(motion);
+  job.refused_fraction = refused_repetitions_.of(to_text(executed));
   if (job.run->code == ResultCode::kSuccessful) return std::nullopt;
   return Refusal{Reason::kNoTrajectory, "trajectory_id",
                  fmt::format("its last run, {}, ended as {}: {}; have the plan, or a run before it, executed, and "
@@ -88,7 +89,9 @@ void Service::hear(const ExecutionResult& result) {
   executor_.concluded(result.trajectory_id);
   if (result.code != ResultCode::kRepetitionRefused) return;
   const SharedReply refused = cache_.find(result.trajectory_id);
-  if (refused && refused->learnt) refused_repetitions_.add(refused);
+  if (const auto taken = refused ? correction_in(refused->plan_json) : std::nullopt) {
+    refused_repetitions_.add(taken->run, taken->fraction);
+  }
 }
 
 void Service::hear(ExecutedRun run) {

@@ -72,10 +72,9 @@ void Solvers::solve(Job job) {
   solver->planned = false;
   if (const SharedRun& run = solver->job->run) {
     const Reply& executed = *solver->job->planned;
-    const SharedReply& refused = solver->job->refused;
     return solver->worker->find_repetition({to_text(executed.motion), to_text(executed.id), executed.plan_json,
                                             executed.rows, run->rows, run->missed_ticks,
-                                            refused ? refused->plan_json : ""});
+                                            solver->job->refused_fraction});
   }
   if (const SharedReply& planned = solver->job->planned) {
     solver->result.plan_json = planned->plan_json;

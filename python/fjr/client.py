@@ -47,7 +47,7 @@ class Execution:
     """How an executor fared with a trajectory. Pairs are joint 1 and joint 2."""
 
     code: int
-    """FollowJointTrajectory's: 0 for success, otherwise below 0."""
+    """FollowJointTrajectory's: 0 for success, otherwise below 0; -6 where the executor refused a repetition's rows."""
     name: str
     """``SUCCESSFUL``, ``PATH_TOLERANCE_VIOLATED``, ..."""
     sentence: str

@@ -12,6 +12,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <regex>
 #include <string>
 
 #include "common/chart_page.h"
@@ -31,6 +32,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
+using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -279,10 +281,24 @@ TEST(PlanPage, SaysWhichRepetitionOfThePlanItIs) {
   PlanRecord record = gentle();
   const std::string sentence = "learnt: repetition 3; status and certificate are of the plan before";
   EXPECT_THAT(plan_page(record), Not(HasSubstr("learnt:")));
-  record.plan["repetition"] = {{"number", 3}};
+  record.plan["repetition"] = nlohmann::ordered_json::parse(R"({
+    "number": 3, "log": "second.csv", "fraction": 0.5, "reasons": ["torque of joint 1 reaches 12.5"],
+    "runs": [{"number": 1, "link_error_rms_rad": [0.00958738, 0.000958738], "motors_began_rad": [0, 0]},
+             {"number": 2, "link_error_rms_rad": [0.00191748, 0.000287621], "motors_began_rad": [0, 0]}],
+    "rehearsals": [{"arm": "the model", "link_error_rms_rad": [0.0479369, 0], "broken": [], "task": [],
+                    "limits": [{"name": "torque", "joint": 1, "limit": 12, "reached": 6, "rollout": 9},
+                               {"name": "torque", "joint": 2, "limit": 5, "reached": 1, "rollout": 1}]}]})");
   const std::string html = plan_page(record);
   EXPECT_THAT(html, HasSubstr(sentence));
   EXPECT_LT(html.find(sentence), html.find("class='badge"));
+  const std::string text =
+      std::regex_replace(html.substr(html.find("These rows are for"), 4000), std::regex("<[^>]*>\\s*"), "|");
+  EXPECT_THAT(text, HasSubstr("These rows are for run 3"));
+  EXPECT_THAT(text, HasSubstr("0.5 of the correction was taken. torque of joint 1 reaches 12.5."));
+  EXPECT_THAT(text, HasSubstr("Corrected by log second.csv"));
+  EXPECT_THAT(text, ContainsRegex("\\|1\\|+100\\|+10\\|"));  // a count is 2 pi / 65536
+  EXPECT_THAT(text, ContainsRegex("\\|2\\|+20\\|+3\\|"));
+  EXPECT_THAT(text, ContainsRegex("the model\\|+500\\|+0\\|+torque 1\\|+75.0 %"));
 }
 
 TEST(PlanPage, SaysWhatOfTheObjectiveIsNotCompared) {

@@ -121,9 +121,12 @@ TEST_F(LearnCommand, ADamagedRepetitionIsNamed) {
                 HasSubstr("out/plan.json: repetition.number: must be "));
   }
   EXPECT_THAT(fault_of(R"({"number": 2, "runs": 3})"), HasSubstr("repetition.runs: must be a list"));
-  EXPECT_THAT(fault_of(R"({"number": 2, "runs": [{}]})"), HasSubstr("repetition.runs[0].motors_began_rad: missing"));
+  EXPECT_THAT(fault_of(R"({"number": 2, "runs": [{}]})"), HasSubstr("repetition.runs[0].number: missing"));
   for (const char* began : {"[1]", "[null, 0]", "7"}) {
-    EXPECT_THAT(fault_of(fmt::format(R"({{"number": 2, "runs": [{{"motors_began_rad": {}}}]}})", began)),
+    EXPECT_THAT(fault_of(fmt::format(R"({{"number": 3, "runs": [
+                  {{"number": 1, "link_error_rms_rad": [0, 0], "motors_began_rad": {}}},
+                  {{"number": 2, "link_error_rms_rad": [0, 0], "motors_began_rad": [0, 0]}}]}})",
+                                     began)),
                 HasSubstr("repetition.runs[0].motors_began_rad: must be a list"));
   }
 }

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "planner/protocol/epoch.h"
+#include "planner/results/repetition_json.h"
 #include "planner/service/admission.h"
 #include "planner/service/backlog.h"
 #include "planner/service/executed_runs.h"
@@ -15,6 +16,7 @@
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"
 #include "planner/service/recent_ids.h"
+#include "planner/service/refused_repetitions.h"
 #include "planner/service/turns.h"
 #include "planner/service/unclaimed.h"
 
@@ -444,6 +446,32 @@ TEST(ExecutedRuns, WhatWasNeverLoggedIsLeftOut) {
   runs.add(backwards);
   runs.add(none);
   EXPECT_EQ(runs.last([](const RequestId&) { return true; }), nullptr);
+}
+
+TEST(RefusedRepetitions, TheLeastOfARunCounts) {
+  RefusedRepetitions refused;
+  EXPECT_FALSE(refused.of("a"));
+  refused.add("a", 0.5);
+  refused.add("a", 1);  // once more what had been refused before it
+  refused.add("b", 1);
+  EXPECT_EQ(refused.of("a"), 0.5);
+  EXPECT_EQ(refused.of("b"), 1);
+  for (int i = 0; i < 100; ++i) refused.add(std::to_string(i), 0.25);
+  EXPECT_FALSE(refused.of("a"));
+  EXPECT_EQ(refused.of("99"), 0.25);
+}
+
+TEST(RefusedRepetitions, WhatNobodyCanReadIsNone) {
+  const auto taken = correction_in(R"({"repetition": {"run": "a", "fraction": 0.5}})");
+  ASSERT_TRUE(taken);
+  EXPECT_EQ(taken->run, "a");
+  EXPECT_EQ(taken->fraction, 0.5);
+  for (const char* plan_json :
+       {"", "{", "[]", "null", "{}", R"({"repetition": null})", R"({"repetition": {"run": "a"}})",
+        R"({"repetition": {"run": 1, "fraction": 0.5}})", R"({"repetition": {"run": "a", "fraction": null}})",
+        R"({"repetition": {"run": "a", "fraction": 0}})", R"({"repetition": {"run": "a", "fraction": -1}})"}) {
+    EXPECT_FALSE(correction_in(plan_json)) << plan_json;
+  }
 }
 
 TEST(ExecutedRuns, AreBounded) {

@@ -54,6 +54,17 @@ void add_runs(ChartPage& page, const JsonField& repetition, const Parameters& ro
   page.add_html("</div>\n");
 }
 
+// The run that it was corrected by: a file, or the ids that a service has given.
+std::string corrected_by(const JsonField& repetition) {
+  std::string text;
+  for (const char* key : {"log", "log_sha256", "motion", "run"}) {
+    if (const auto told = repetition.find(key)) {
+      text += fmt::format("{}{} {}", text.empty() ? "Corrected by " : ", ", spaced(key), told->text());
+    }
+  }
+  return text;
+}
+
 void add_expected(ChartPage& page, const JsonField& repetition, const Parameters& robot) {
   Rows rows{{cell("these rows on"), cell("link 1 off the plan (counts rms)"), cell("link 2"), cell("nearest limit"),
              cell("of it")}};
@@ -73,6 +84,11 @@ void add_expected(ChartPage& page, const JsonField& repetition, const Parameters
     rows.push_back({cell(rehearsal.at("arm").text()), cell(number_text(in_counts(rms[0], 0, robot), 3)),
                     cell(number_text(in_counts(rms[1], 1, robot), 3)), cell(nearest),
                     cell(fmt::format("{:.1f} %", 100 * used), used > 1 ? "over" : "")});
+    for (const JsonField& check : rehearsal.at("task").items()) {
+      page.add_paragraph(fmt::format("{}, {}: clearance {} {}", rehearsal.at("arm").text(),
+                                     spaced(check.at("name").text()), number_text(check.at("room").number(), 3),
+                                     check.at("unit").text()));
+    }
     for (const JsonField& broken : rehearsal.at("broken").items()) page.add_paragraph(broken.text(), "warning");
   }
   page.add_html(html_table(rows));
@@ -86,6 +102,7 @@ void add_repetition(ChartPage& page, const JsonField& plan, const Parameters& ro
   page.add_heading("Repetitions");
   page.add_paragraph(fmt::format("These rows are for run {}, where the plan as it was planned is run 1. {}",
                                  number_text(repetition->at("number").number(), 9), correction_taken(*repetition)));
+  page.add_paragraph(corrected_by(*repetition), "note");
   add_runs(page, *repetition, robot);
   add_expected(page, *repetition, robot);
 }

@@ -214,10 +214,11 @@ def program_json(command, out):
     return json.loads(out.read_text())
 
 
-def layer(program, min_time):
-    """Median and spread of every benchmark of a Google Benchmark program."""
+def layer(program, min_time, benchmarks):
+    """Median and spread of the benchmarks of a Google Benchmark program whose names match."""
     text = subprocess.run(
-        [str(program), "--benchmark_format=json", "--benchmark_repetitions=3", f"--benchmark_min_time={min_time}"],
+        [str(program), "--benchmark_format=json", "--benchmark_repetitions=3", f"--benchmark_min_time={min_time}",
+         f"--benchmark_filter={benchmarks}"],
         check=True, stdout=subprocess.PIPE, env=ENVIRONMENT).stdout
     to_seconds = {"ns": 1e-9, "us": 1e-6, "ms": 1e-3, "s": 1.0}
     results = {}
@@ -240,7 +241,7 @@ def everything(arguments):
     out.mkdir(parents=True, exist_ok=True)
     programs = pathlib.Path(arguments.fjr).resolve().parent / "bench"
     print(f"{'layers':60}{'median':>15}{'min':>12}{'max':>12}")
-    layers = {name: layer(programs / name, arguments.min_time) for name in LAYERS}
+    layers = {name: layer(programs / name, arguments.min_time, arguments.benchmarks) for name in LAYERS}
     print("\npublished problems")
     sizes = ["--intervals", *arguments.intervals]
     published = program_json([programs / "published_bench", *sizes], out / "published.json")
@@ -391,6 +392,7 @@ def main():
     a = commands.add_parser("all", help="layers, published problems, mesh sizes and motions; JSON and a page of plots")
     a.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/bench"))
     a.add_argument("--min-time", type=float, default=0.2, help="of every benchmark of a layer [s]")
+    a.add_argument("--benchmarks", default=".", metavar="REGEX", help="those of a layer whose names match")
     a.add_argument("--mesh-requests", nargs="+", default=["reach", "swing", "gentle_horizontal"],
                    help="names in config/requests, for the time per iteration by mesh size")
     a.add_argument("--intervals", nargs="+", type=int, default=[25, 50, 100, 200, 400, 800], help="mesh sizes")

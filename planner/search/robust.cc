@@ -72,6 +72,17 @@ Reserve widened(const Reserve& before, const Problem& asked, const Publication& 
   return reserve;
 }
 
+// Where the next motion cannot be reached from the last one at once.
+Reserve halfway(const Reserve& kept, Reserve wanted) {
+  for (std::size_t k = 0; k < wanted.margins.size(); ++k) {
+    for (std::size_t i = 0; i < wanted.margins[k].size(); ++i) {
+      const double before = kept.margins.empty() ? 0 : kept.margins[k][i];
+      wanted.margins[k][i] = 0.5 * (before + wanted.margins[k][i]);
+    }
+  }
+  return wanted;
+}
+
 // A certified motion that keeps the problem's reserve, from one that keeps less. Null when none was found.
 std::optional<Publication> with_reserve(const std::shared_ptr<const Problem>& problem, const Collocated& from,
                                         const Problem& asked, Session& session) {
@@ -113,8 +124,19 @@ Parameters known_twice_as_well(const Parameters& robot, const std::string& param
 // From a certified motion to one with margins, as far as that comes: its certificate tells.
 void add_margins(Publication& best, const Problem& asked, Session& session) {
   const double without = best.objective;
-  const auto for_each = [&](std::size_t count, const auto& task) { session.for_each(count, task); };
   Reserve reserve;
+  const auto keep = [&](Reserve wanted) {
+    if (session.interrupted()) return false;
+    Problem tightened = *best.problem;
+    tightened.reserve = std::move(wanted);
+    const auto keeping = std::make_shared<const Problem>(std::move(tightened));
+    auto published = with_reserve(keeping, best.solution, asked, session);
+    if (!published) return false;
+    reserve = keeping->reserve;
+    best = std::move(*published);
+    return true;
+  };
+  const auto for_each = [&](std::size_t count, const auto& task) { session.for_each(count, task); };
   for (int round = 0;; ++round) {
     {
       const Timed timed(session, "robust");
@@ -124,15 +146,9 @@ void add_margins(Publication& best, const Problem& asked, Session& session) {
     Robustness& r = best.certificate.robustness;
     r.price = best.objective - without;
     if (r.kept) return;
-    if (round < kFittingRounds && std::isfinite(r.link[0]) && !session.interrupted()) {
-      reserve = widened(reserve, asked, best, r);
-      Problem tightened = *best.problem;
-      tightened.reserve = reserve;
-      const auto keeping = std::make_shared<const Problem>(std::move(tightened));
-      if (auto published = with_reserve(keeping, best.solution, asked, session)) {
-        best = std::move(*published);
-        continue;
-      }
+    if (round < kFittingRounds && std::isfinite(r.link[0])) {
+      const Reserve wanted = widened(reserve, asked, best, r);
+      if (keep(wanted) || keep(halfway(reserve, wanted))) continue;
     }
     best.certificate.certified = false;
     best.certificate.failures.push_back(r.reason);

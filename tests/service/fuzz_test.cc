@@ -104,7 +104,11 @@ class FuzzTest : public ServiceProcesses {
 class Eavesdropper {
  public:
   explicit Eavesdropper(unsigned domain)
-      : first_port_(7400 + 250 * domain), socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC, htons(ETH_P_IP))) {}
+      : first_port_(7400 + 250 * domain), socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC, htons(ETH_P_IP))) {
+    // What other tests send at the same time is in it, too.
+    constexpr int kRoom = 64 << 20;
+    (void)::setsockopt(socket_.number(), SOL_SOCKET, SO_RCVBUFFORCE, &kRoom, sizeof kRoom);
+  }
 
   bool allowed() const { return socket_.number() >= 0; }
 

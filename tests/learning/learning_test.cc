@@ -160,7 +160,7 @@ void take_turns(std::vector<Turn>& turns, const VirtualArmOptions& options, doub
 }
 
 // Each begins where the other one has left the motors, which is not where it was planned to begin: the second one 16
-// counts of the motor off. Measured in the last two runs: 30 to 46 counts of both links; 136 and 143 of the second
+// counts of the motor off. Measured in the last two runs: 18 to 36 counts of both links; 136 and 143 of the second
 // motion where that is taken for chance.
 TEST(Learning, MotionsThatTakeTurnsBeginWhereTheOtherOneEnds) {
   const Joints<double> here{0, 0}, there{1.2, -0.8};

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 
 #include "common/input_error.h"
@@ -25,16 +26,17 @@ Limits limits_of_plan(const Parameters& robot, const Json& plan) {
   return limits_of(robot, planned_with(header, "plan.json"));
 }
 
-// An earlier version, or whoever else planned it, may have written what nobody can read.
-void drop_unreadable_runs(Json& plan) {
+// What another version has written of earlier runs, and nobody can read, is left out.
+std::optional<Joints<double>> motors_began_by(Json& plan) {
   try {
-    (void)motors_began_before({plan, "plan.json"});
+    return motors_began_before({plan, "plan.json"});
   } catch (const InputError&) {
     plan["repetition"].erase("runs");
+    return std::nullopt;
   }
 }
 
-Repetition next(const Parameters& robot, const Json& plan, const RunOfMotion& run) {
+Repetition next(const Parameters& robot, const Json& plan, const RunOfMotion& run, const RepetitionHistory& history) {
   const Trajectory executed{run.rows, {}};
   const PlannedTask planned = planned_task_in(run.plan_json, "plan.json");
   const TaskOfMotion task = TaskOfMotion::of(robot, planned.task, planned.ends);
@@ -43,8 +45,7 @@ Repetition next(const Parameters& robot, const Json& plan, const RunOfMotion& ru
   log.source = "the run " + run.run;
   try {
     require_run_of(executed, "the trajectory", log);
-    return next_repetition(robot, limits, task, executed, executed_motion(log),
-                           {motors_began_before({plan, "plan.json"}), run.refused_fraction});
+    return next_repetition(robot, limits, task, executed, executed_motion(log), history);
   } catch (const InputError& not_to_be_learnt_from) {
     return {executed, 0, true, {}, {}, {rehearsal_on_model(robot, limits, executed)}, {not_to_be_learnt_from.what()}};
   }
@@ -56,8 +57,8 @@ FoundRepetition find_repetition(const Parameters& robot, const RunOfMotion& run)
   if (const std::string fault = malformed({run.rows, {}}); !fault.empty()) throw std::runtime_error(fault);
   if (run.rows.front().time != 0) throw std::runtime_error("its rows do not begin at 0 s");
   Json plan = Json::parse(run.plan_json);
-  drop_unreadable_runs(plan);
-  const Repetition repetition = next(robot, plan, run);
+  const RepetitionHistory history{motors_began_by(plan), run.refused_fraction};
+  const Repetition repetition = next(robot, plan, run, history);
   plan["repetition"] = repetition_json(repetition, {{"motion", run.motion}, {"run", run.run}}, {plan, "plan.json"});
   FoundRepetition found;
   if (const std::vector<std::string> broken = broken_in(repetition); !broken.empty()) {

@@ -22,6 +22,7 @@ namespace fjr {
 namespace {
 
 constexpr const char* kReach = "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n";
+constexpr const char* kStep = "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\n";
 
 // ---- value ----
 
@@ -227,26 +228,25 @@ TEST_P(Traded, ForInsensitivityWhereThatIsCheaper) {
 INSTANTIATE_TEST_SUITE_P(
     Motions, Traded,
     testing::Values(
-        Trade{"reach", kReach, "time: 1", 3e4, 0.75},
-        Trade{"step", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.0, 0.5]}\n", "time: 1", 3e4, 0.4},
-        Trade{"swing", "start: {q: [-0.6, 0.4]}\ngoal: {q: [0.6, -0.6]}\n", "time: 1", 3e4, 0.7},
+        Trade{"reach", kReach, "time: 1", 3e4, 0.75}, Trade{"step", kStep, "time: 1", 3e4, 0.4},
+        Trade{"swing", "start: {q: [-0.4, 0.2]}\ngoal: {q: [0.2, -0.4]}\n", "time: 1", 1e4, 0.45},
         Trade{"tip", "start: {q: [0.2, 0.4]}\ngoal: {tip: [0.35, -0.4]}\n", "time: 1", 3e5, 0.75},
         Trade{"via", "start: {q: [0, 0]}\ngoal: {q: [1.0, 0.2]}\nvia: [{q: [0.5, 0.4]}]\n", "time: 1", 3e4, 0.85},
-        Trade{"effort", "start: {q: [0, 0]}\ngoal: {q: [0.8, -0.5]}\nduration: 0.7\n", "effort: 1", 1e6, 0.65},
-        Trade{"gentle", "start: {q: [0, 0]}\ngoal: {q: [0.4, 0.3]}\nduration: 0.7\n",
-              "effort: 0.01, link_acceleration: 1e-3", 3e5, 0.95}),
+        Trade{"effort", "start: {q: [0, 0]}\ngoal: {q: [0.4, -0.25]}\nduration: 0.4\n", "effort: 1", 1e6, 0.9},
+        Trade{"gentle", "start: {q: [0, 0]}\ngoal: {q: [0.3, 0.2]}\nduration: 0.5\n",
+              "effort: 0.01, link_acceleration: 1e-3", 3e5, 0.98}),
     [](const auto& trade) { return std::string(trade.param.name); });
 
 // What is paid more for is less: at optima of the same valley P falls with its weight, and what it is traded for rises.
-// Measured: to 0.73 of it with the first of these weights, and to 0.63 of that with the second.
+// Measured: to 0.59 of it with the first of these weights, and to 0.60 of that with the second.
 TEST(Traded, MoreForMore) {
-  const Trade trade{"reach", kReach, "time: 1", 0, 1};
+  const Trade trade{"step", kStep, "time: 1", 0, 1};
   const Parameters p = uncertain(robot(), 0.02);
   double before = expected_tracking_error(p, *planned(trade, 0).trajectory, *p.uncertainty), time = 0;
-  for (const double weight : {1e4, 3e5}) {
+  for (const double weight : {1e3, 1e4}) {
     const Plan with = planned(trade, weight);
     const double error = with.terms.at("tracking");
-    EXPECT_LT(error, 0.93 * before);
+    EXPECT_LT(error, 0.8 * before);
     EXPECT_GT(with.duration, time);
     before = error;
     time = with.duration;

@@ -48,6 +48,7 @@ double taken(const Problem& asked, std::size_t limit, const Robustness::Margin& 
 Reserve widened(const Reserve& before, const Problem& asked, const Publication& p, const Robustness& r) {
   const std::vector<double> ends = segment_ends(p.solution.durations);
   const auto segments = static_cast<double>(ends.size());
+  const std::vector<TaskRow> rows = task_rows(asked.robot, asked.task, 0);
   Reserve reserve;
   for (std::size_t k = 0; k < kReservePieces; ++k) {
     const double from = segments * static_cast<double>(k) / kReservePieces,
@@ -62,7 +63,12 @@ Reserve widened(const Reserve& before, const Problem& asked, const Publication& 
         margins[i] = taken(asked, i, m, of(m));
       }
     }
-    for (std::size_t row = 0; row < r.task.size(); ++row) margins[kLimits + row] = of(r.task[row]);
+    for (std::size_t row = 0; row < r.task.size(); ++row) {
+      // What is lacking of the tolerance beyond the ends of a line is had from what is left across it.
+      if (rows[row].along && r.task[row].passed) continue;
+      const std::size_t index = kLimits + row - (rows[row].along ? 1 : 0);
+      margins[index] = std::max(margins[index], of(r.task[row]));
+    }
     for (std::size_t i = 0; i < margins.size() && !before.margins.empty(); ++i) {
       margins[i] = std::max(margins[i], before.margins[k][i]);
     }

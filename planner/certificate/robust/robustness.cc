@@ -70,7 +70,8 @@ class Channels {
   Eigen::Index count() const { return static_cast<Eigen::Index>(all_.size()); }
 
   // Signed values of limited quantities, but for those whose square is computed, and positions of links; of the task's
-  // rows how far they are from what they forbid.
+  // rows how far they are from what they forbid, and of those along a line what is left of its tolerance: an arm that
+  // is ahead of the plan at a corner is near the next line.
   VectorXd values(const Parameters& arm, const Sample& at) const {
     VectorXd values(count());
     std::array<double, kLimits> limited{};
@@ -82,7 +83,7 @@ class Channels {
         limited[next++] = quantity.info.squared ? std::sqrt(std::max(0.0, value)) : value;
       }
     });
-    const std::vector<TaskRow>* rows = task_.rows.empty() ? nullptr : &task_.rows[task_.segment_at(at.time)];
+    const std::size_t segment = task_.rows.empty() ? 0 : task_.segment_at(at.time);
     const auto posture = Posture<double>::of(arm, at.state.q);
     for (Eigen::Index c = 0; c < count(); ++c) {
       const Channel& channel = all_[static_cast<std::size_t>(c)];
@@ -91,7 +92,7 @@ class Channels {
           values[c] = limited[channel.index];
           break;
         case Channel::Kind::kTask:
-          values[c] = (*rows)[channel.index].distance((*rows)[channel.index].value(arm, posture));
+          values[c] = left_of_row(arm, channel.index, segment, posture);
           break;
         case Channel::Kind::kLink:
           values[c] = at.state.q[channel.index];
@@ -107,6 +108,17 @@ class Channels {
   }
 
  private:
+  double left_of_row(const Parameters& arm, std::size_t index, std::size_t segment,
+                     const Posture<double>& posture) const {
+    const TaskRow& row = task_.rows[segment][index];
+    if (!row.along) return row.distance(row.value(arm, posture));
+    double left = -kNoLimit;
+    for (std::size_t s = segment > 0 ? segment - 1 : 0; s <= segment + 1 && s < task_.rows.size(); ++s) {
+      left = std::max(left, left_of_line(arm, task_.rows[s][index - 1], task_.rows[s][index], posture));
+    }
+    return left;
+  }
+
   const TaskOfMotion& task_;
   std::vector<Channel> all_;
 };

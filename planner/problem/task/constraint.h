@@ -96,6 +96,7 @@ inline void add_band(TaskRows& to, TaskRow::Kind kind, const Two& from, const Tw
   const Two along{way[0] / far, way[1] / far}, across{-along[1], along[0]};
   to.add(kind, across, dot(across, from), -kAcross * tolerance, kAcross * tolerance, tolerance);
   to.add(kind, along, dot(along, from), -kBeyond * tolerance, far + kBeyond * tolerance, tolerance);
+  to.rows.back().along = true;
 }
 
 }  // namespace task

@@ -43,6 +43,7 @@ struct TaskRow {
   int link;          // 1 or 2 for obstacles and walls; 0: neither
   const ConstraintInfo* info;  // what kind of constraint it is of, and
   std::size_t constraint;      // its number among the task's, in the order of each_constraint()
+  bool along = false;          // of a line (task::add_band), and the row before it is across the same line
 
   template <class T>
   T value(const Parameters& robot, const Posture<T>& at) const;

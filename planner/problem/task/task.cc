@@ -21,6 +21,12 @@ std::string constraint_name(const Task& task, std::size_t number) {
   return found;
 }
 
+double left_of_line(const Parameters& robot, const TaskRow& across, const TaskRow& along, const Posture<double>& at) {
+  const double tolerance = along.scale, off = across.value(robot, at), where = along.value(robot, at);
+  const double end = along.upper - task::kBeyond * tolerance, beyond = std::max({0.0, -where, where - end});
+  return tolerance - std::hypot(off, beyond);
+}
+
 std::size_t count_of_rows(const Task& task) {
   std::size_t count = 0;
   each_constraint(task, [&](const std::string&, const auto& constraint) {

@@ -149,11 +149,11 @@ struct Robustness {
     std::string name;  // as in LimitCheck and TaskCheck
     int joint = 0;     // 1 or 2, of a row of the task the link; 0: neither
     std::string unit;
-    double limit = 0;       // that holds where feedback is included; infinite for a row of the task
-    double factor = 0;      // half width of the tube in standard deviations
-    double needed = 0;      // at `time`
-    double there = 0;       // limit - |value|, or the clearance, of the plan
-    double time = 0;        // [s]
+    double limit = 0;   // that holds where feedback is included; infinite for a row of the task
+    double factor = 0;  // half width of the tube in standard deviations
+    double needed = 0;  // at `time`
+    double there = 0;   // of the plan: limit - |value|, the clearance, or the tolerance less the distance from a line
+    double time = 0;    // [s]
     std::string parameter;  // knowing it exactly would take most of the margin's square; empty where counts do
     double fraction = 0;    // of that square, at least for the parameter
     bool passed = false;

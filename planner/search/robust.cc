@@ -64,7 +64,7 @@ Reserve widened(const Reserve& before, const Problem& asked, const Publication& 
       }
     }
     for (std::size_t row = 0; row < r.task.size(); ++row) {
-      // What is lacking of the tolerance beyond the ends of a line is had from what is left across it.
+      // What the distance from a line lacks is made up for by a wider margin across it.
       if (rows[row].along && r.task[row].passed) continue;
       const std::size_t index = kLimits + row - (rows[row].along ? 1 : 0);
       margins[index] = std::max(margins[index], of(r.task[row]));

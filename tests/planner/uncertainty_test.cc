@@ -339,9 +339,10 @@ double near_lines(const Problem& problem, const Trajectory& trajectory, int arms
     for (double& number : drawn) number = normal();
     const Parameters arm = changed(problem.robot, u.names, factor * drawn);
     double largest = 0;
-    roll_out_ticks(problem.robot, arm, trajectory, start_on(problem.robot, arm, trajectory),
-                   [&](const SimulatedTick& tick) { largest = std::max(largest, distance(tick.state.q)); });
-    near += largest <= path.tolerance ? 1 : 0;
+    const bool completed =
+        roll_out_ticks(problem.robot, arm, trajectory, start_on(problem.robot, arm, trajectory),
+                       [&](const SimulatedTick& tick) { largest = std::max(largest, distance(tick.state.q)); });
+    near += completed && largest <= path.tolerance ? 1 : 0;
   }
   return static_cast<double>(near) / arms;
 }
@@ -356,6 +357,7 @@ TEST(RobustPlan, LeavesMarginsAlongAPath) {
   const Problem ordinary = parse_request(request, "path.yaml", robot()),
                 robust = parse_request(request + "robust: {confidence: 0.9}\n", "path.yaml", robot());
   const Plan without = plan(ordinary, {}), with = plan(robust, {});
+  ASSERT_EQ(without.status, PlanStatus::kCertified) << without.reason;
   ASSERT_EQ(with.status, PlanStatus::kCertified) << with.reason;
   double widest = 0;
   for (const Robustness::Margin& m : with.certificate->robustness.task) {

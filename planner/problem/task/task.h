@@ -73,7 +73,7 @@ std::string constraint_name(const Task& task, std::size_t number);
 // The rows of a task while the motion is in `segment` of its mesh: the same kinds at every segment, in the same order.
 std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::size_t segment);
 
-// What is left of the tolerance of a line, of its two rows: less its distance, ends included. [m or rad]
+// The tolerance of a line less the arm's distance from it, ends included, by the line's two rows. [m or rad]
 double left_of_line(const Parameters& robot, const TaskRow& across, const TaskRow& along, const Posture<double>& at);
 
 // How many that are.

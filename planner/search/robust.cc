@@ -15,7 +15,7 @@
 namespace fjr {
 namespace {
 
-constexpr int kFittingRounds = 10;  // two or three are enough but where margins lack beside a line
+constexpr int kFittingRounds = 10;  // two or three are enough, except beside lines (kBeside)
 constexpr double kWider = 1.05;     // of a margin, for the motion that it leads to has others
 // How far beside the place where the distance from a line lacks a margin one is kept across the line, as parts of the
 // duration: the first that leads to a motion.

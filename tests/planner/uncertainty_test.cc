@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <string>
@@ -101,6 +102,19 @@ TEST(Robustness, DrawsAreAsManyAsTheCertaintyTakes) {
   EXPECT_EQ(draws_for(0.99).arms, 628U);
 }
 
+// visit(arm) for so many of the arms that the robot's uncertainty leaves possible, the same ones for the same seed.
+template <class Visit>
+void each_drawn_arm(const Parameters& p, int count, std::uint64_t seed, const Visit& visit) {
+  const Uncertainty u = uncertainty_of(p);
+  const Eigen::MatrixXd factor = u.factor();
+  Normal normal(seed);
+  for (int n = 0; n < count; ++n) {
+    Eigen::VectorXd drawn(factor.cols());
+    for (double& number : drawn) number = normal();
+    visit(changed(p, u.names, factor * drawn));
+  }
+}
+
 // Other arms than those by which the tubes were found, with errors near a count and far above.
 class RobustTrial : public testing::TestWithParam<double> {};
 
@@ -109,21 +123,16 @@ TEST_P(RobustTrial, ArmsStayWithinWhatIsPromisedAndNotFarWithin) {
   const Limits limits = robot_limits();
   constexpr double kConfidence = 0.9;
   const Robustness r = robustness(p, limits, {}, reference_trajectory(), kConfidence);
-  const Uncertainty& u = *p.uncertainty;
-  const Eigen::MatrixXd factor = u.factor();
   constexpr int kArms = 300;
-  Normal normal(4711);
   int within = 0, within_half = 0;
-  for (int n = 0; n < kArms; ++n) {
-    Eigen::VectorXd drawn(factor.cols());
-    for (double& number : drawn) number = normal();
-    const Trial trial = try_arm(p, limits, {}, reference_trajectory(), changed(p, u.names, factor * drawn));
+  each_drawn_arm(p, kArms, 4711, [&](const Parameters& arm) {
+    const Trial trial = try_arm(p, limits, {}, reference_trajectory(), arm);
     const auto inside = [&](double part) {
       return trial.link[0] <= part * r.link[0] && trial.link[1] <= part * r.link[1];
     };
     within += inside(1) ? 1 : 0;
     within_half += inside(0.5) ? 1 : 0;
-  }
+  });
   EXPECT_GE(within, 0.99 * kArms - 3 * std::sqrt(0.01 * 0.99 * kArms));  // three standard deviations of such a count
   EXPECT_LT(within_half, 0.99 * kArms);                                  // tubes of half the width would not do
   EXPECT_LT(r.first_order, r.ellipsoid);  // all times and limits at once take less than all parameters at once
@@ -208,16 +217,12 @@ TEST(Robustness, TubesHoldTheShareOfArmsThatIsStatedAtAllTimes) {
   const Robustness r = robustness(p, robot_limits(), {}, reference_trajectory(), kConfidence);
   ASSERT_EQ(tubes_of(r).size(), 6U);
   ASSERT_GT(r.times.size(), 100U);
-  const Eigen::MatrixXd factor = p.uncertainty->factor();
-  Normal normal(2024);
   int inside = 0, in_half = 0;
-  for (int n = 0; n < kArms; ++n) {
-    Eigen::VectorXd drawn(factor.cols());
-    for (double& number : drawn) number = normal();
-    const double largest = largest_in_tubes(p, r, changed(p, p.uncertainty->names, factor * drawn));
+  each_drawn_arm(p, kArms, 2024, [&](const Parameters& arm) {
+    const double largest = largest_in_tubes(p, r, arm);
     inside += largest <= 1 ? 1 : 0;
     in_half += largest <= 0.5 ? 1 : 0;
-  }
+  });
   EXPECT_GE(inside, kArms * (kConfidence - 3 * std::sqrt(kConfidence * (1 - kConfidence) / kArms)));
   EXPECT_LT(in_half, kArms * 0.8);
 }
@@ -231,16 +236,10 @@ TEST(Robustness, IsTheSameOnSeveralThreads) {
 
 // The share of arms, others than those that margins were found by, that keep everything.
 double kept_by(const Problem& problem, const Plan& plan, int arms) {
-  const Uncertainty u = uncertainty_of(problem.robot);
-  const Eigen::MatrixXd factor = u.factor();
-  Normal normal(4711);
   int kept = 0;
-  for (int n = 0; n < arms; ++n) {
-    Eigen::VectorXd drawn(factor.cols());
-    for (double& number : drawn) number = normal();
-    const Parameters arm = changed(problem.robot, u.names, factor * drawn);
+  each_drawn_arm(problem.robot, arms, 4711, [&](const Parameters& arm) {
     kept += try_arm(problem.robot, problem.limits, {}, *plan.trajectory, arm).kept ? 1 : 0;
-  }
+  });
   return static_cast<double>(kept) / arms;
 }
 
@@ -330,20 +329,14 @@ double near_lines(const Problem& problem, const Trajectory& trajectory, int arms
     }
     return least;
   };
-  const Uncertainty u = uncertainty_of(problem.robot);
-  const Eigen::MatrixXd factor = u.factor();
-  Normal normal(4711);
   int near = 0;
-  for (int n = 0; n < arms; ++n) {
-    Eigen::VectorXd drawn(factor.cols());
-    for (double& number : drawn) number = normal();
-    const Parameters arm = changed(problem.robot, u.names, factor * drawn);
+  each_drawn_arm(problem.robot, arms, 4711, [&](const Parameters& arm) {
     double largest = 0;
     const bool completed =
         roll_out_ticks(problem.robot, arm, trajectory, start_on(problem.robot, arm, trajectory),
                        [&](const SimulatedTick& tick) { largest = std::max(largest, distance(tick.state.q)); });
     near += completed && largest <= path.tolerance ? 1 : 0;
-  }
+  });
   return static_cast<double>(near) / arms;
 }
 

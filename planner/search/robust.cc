@@ -1,7 +1,6 @@
 #include "planner/search/robust.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -15,11 +14,8 @@
 namespace fjr {
 namespace {
 
-constexpr int kFittingRounds = 10;  // two or three are enough, except beside lines (kBeside)
-constexpr double kWider = 1.05;     // of a margin, for the motion that it leads to has others
-// How far beside the place where the distance from a line lacks a margin one is kept across the line, as parts of the
-// duration: the first that leads to a motion.
-constexpr std::array<double, 2> kBeside{0.05, 1};
+constexpr int kFittingRounds = 5;            // two or three are enough where margins move as little as they usually do
+constexpr double kWider = 1.05;              // of a margin, for the motion that it leads to has others
 constexpr std::size_t kReservePieces = 200;  // of the motion, in which a margin stays the same
 constexpr double kPatience = 4;              // times the usual iterations, of which one solve took 199
 
@@ -48,8 +44,8 @@ double taken(const Problem& asked, std::size_t limit, const Robustness::Margin& 
   return std::max(0.0, margin - left_for_feedback);
 }
 
-// The reserve so far, widened to the tubes of this motion; beside: see kBeside.
-Reserve widened(const Reserve& before, const Problem& asked, const Publication& p, const Robustness& r, double beside) {
+// The reserve so far, widened to the tubes of this motion.
+Reserve widened(const Reserve& before, const Problem& asked, const Publication& p, const Robustness& r) {
   const std::vector<double> ends = segment_ends(p.solution.durations);
   const auto segments = static_cast<double>(ends.size());
   const std::vector<TaskRow> rows = task_rows(asked.robot, asked.task, 0);
@@ -68,9 +64,8 @@ Reserve widened(const Reserve& before, const Problem& asked, const Publication& 
       }
     }
     for (std::size_t row = 0; row < r.task.size(); ++row) {
-      // What the distance from a line lacks is made up for by a wider margin across it, there and beside.
-      const double away = std::max(time_at(ends, from) - r.task[row].time, r.task[row].time - time_at(ends, to));
-      if (rows[row].along && (r.task[row].passed || away > beside * ends.back())) continue;
+      // What the distance from a line lacks is made up for by a wider margin across it.
+      if (rows[row].along && r.task[row].passed) continue;
       const std::size_t index = kLimits + row - (rows[row].along ? 1 : 0);
       margins[index] = std::max(margins[index], of(r.task[row]));
     }
@@ -147,16 +142,6 @@ void add_margins(Publication& best, const Problem& asked, Session& session) {
     best = std::move(*published);
     return true;
   };
-  const auto widen = [&](const Robustness& r) {
-    Reserve tried;
-    for (const double beside : kBeside) {
-      const Reserve wanted = widened(reserve, asked, best, r, beside);
-      if (wanted.margins == tried.margins) return false;
-      if (keep(wanted) || keep(halfway(reserve, wanted))) return true;
-      tried = wanted;
-    }
-    return false;
-  };
   const auto for_each = [&](std::size_t count, const auto& task) { session.for_each(count, task); };
   for (int round = 0;; ++round) {
     {
@@ -167,7 +152,10 @@ void add_margins(Publication& best, const Problem& asked, Session& session) {
     Robustness& r = best.certificate.robustness;
     r.price = best.objective - without;
     if (r.kept) return;
-    if (round < kFittingRounds && std::isfinite(r.link[0]) && widen(r)) continue;
+    if (round < kFittingRounds && std::isfinite(r.link[0])) {
+      const Reserve wanted = widened(reserve, asked, best, r);
+      if (keep(wanted) || keep(halfway(reserve, wanted))) continue;
+    }
     best.certificate.certified = false;
     best.certificate.failures.push_back(r.reason);
     return;

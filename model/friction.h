@@ -28,16 +28,23 @@ struct FrictionLaw {
     return amplitude * first - amplitude * second_weight * tanh(s - second_shape * first);
   }
 
-  // The same with derivatives, in closed form: with s = v/eta, t = tanh s, a = s - h t, u = tanh a.
-  template <CarriesValues D>
-  D nonlinear(const D& v) const {
-    const double s = v.v / width;
+  // The same with its derivatives by v, in closed form: with s = v/eta, t = tanh s, a = s - h t, u = tanh a.
+  struct Derivatives {
+    double value, first, second;
+  };
+  Derivatives derivatives_of_nonlinear(double v) const {
+    const double s = v / width;
     const double t = std::tanh(s), t1 = 1 - t * t, t2 = -2 * t * t1;
     const double a = s - second_shape * t, a1 = 1 - second_shape * t1, a2 = -second_shape * t2;
     const double u = std::tanh(a), u1 = 1 - u * u, u2 = -2 * u * u1;
     const double first = amplitude / width * (t1 - second_weight * u1 * a1);
     const double second = amplitude / (width * width) * (t2 - second_weight * (u2 * a1 * a1 + u1 * a2));
-    return chain(v, amplitude * t - amplitude * second_weight * u, first, second);
+    return {amplitude * t - amplitude * second_weight * u, first, second};
+  }
+  template <CarriesValues D>
+  D nonlinear(const D& v) const {
+    const Derivatives of = derivatives_of_nonlinear(v.v);
+    return chain(v, of.value, of.first, of.second);
   }
 
   template <class T>

@@ -105,14 +105,17 @@ Joints<T> link_acceleration(const Parameters& p, const State<T>& x) {
   return link_acceleration(p, x.q, x.dq, spring_torque(p, x.q, x.theta));
 }
 
-// The same with derivatives, by the chain rule from the closed form.
+// The same with derivatives: those by the six numbers in closed form, by the chain rule.
+template <CarriesValues D>
+Joints<D> link_acceleration(const LinkDerivatives& of, const State<D>& x) {
+  const std::array<const D*, kLinkInputs> inputs{&x.q[0], &x.q[1], &x.dq[0], &x.dq[1], &x.theta[0], &x.theta[1]};
+  return {chain(inputs, of.value[0], of.first[0], of.second[0]), chain(inputs, of.value[1], of.first[1], of.second[1])};
+}
 template <class D>
 requires CarriesValues<D> Joints<D> link_acceleration(const Parameters& p, const State<D>& x) {
   const auto values = [](const Joints<D>& of) { return Joints<double>{of[0].v, of[1].v}; };
-  const LinkDerivatives of =
-      derivatives_of_link_acceleration<kHasSecond<D>>(p, values(x.q), values(x.dq), values(x.theta));
-  const std::array<const D*, kLinkInputs> inputs{&x.q[0], &x.q[1], &x.dq[0], &x.dq[1], &x.theta[0], &x.theta[1]};
-  return {chain(inputs, of.value[0], of.first[0], of.second[0]), chain(inputs, of.value[1], of.first[1], of.second[1])};
+  return link_acceleration(
+      derivatives_of_link_acceleration<kHasSecond<D>>(p, values(x.q), values(x.dq), values(x.theta)), x);
 }
 
 }  // namespace fjr

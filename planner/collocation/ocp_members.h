@@ -1,9 +1,11 @@
-// What the members of an Ocp are made of (transcription.h): bounds, and costs of single points.
+// What the members of an Ocp are made of (transcription.h): bounds, costs of single points, closed forms at a state;
+// and the inputs that it is evaluated with.
 #pragma once
 
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <type_traits>
 
 namespace fjr {
 
@@ -65,6 +67,37 @@ struct PointCost {
     }
     return cost;
   }
+};
+
+// Whether an Ocp has closed forms of what depends on the state alone, and what they are kept in.
+template <class Ocp>
+concept HasClosedForm = requires(const Ocp& ocp, const double* x) {
+  ocp.at_state(x);
+};
+struct NoClosedForm {};
+template <class Ocp>
+struct ClosedForm : std::type_identity<NoClosedForm> {};
+template <HasClosedForm Ocp>
+struct ClosedForm<Ocp> : std::type_identity<typename Ocp::AtState> {};
+template <class Ocp>
+using AtStateOf = typename ClosedForm<Ocp>::type;
+
+// The inputs of a function whose derivatives are asked for at one point after the other. To make them anew for every
+// point took a sixth of the time of a Hessian.
+template <class D>
+class Inputs {
+ public:
+  Inputs() {
+    for (int i = 0; i < D::kInputs; ++i) v_[static_cast<std::size_t>(i)] = D::input(0, i);
+  }
+  // As many as D has; valid until the next point.
+  const D* at(const Array<D::kInputs>& values) {
+    for (std::size_t i = 0; i < v_.size(); ++i) v_[i].v = values[i];
+    return v_.data();
+  }
+
+ private:
+  std::array<D, static_cast<std::size_t>(D::kInputs)> v_;
 };
 
 }  // namespace fjr

@@ -7,11 +7,15 @@
 //   void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const;   or with `int segment` first, where what the
 //                                                     rows mean depends on the segment of the mesh; what they depend
 //                                                     on does not (optional: kRowOfSegment says which rows)
-//   template <class T> void cost_and_rows(int segment, const T* x, const T* u, T& cost, T* rows) const;
-//   void add_curvature(const double* x, const double* u, const double* weight, double* hessian) const;
-//                                                     optional, both: what evaluate() gives without the dynamics, and
-//                                                     sum_r weight_r d2f_r/d(x, u)^2 in closed form, added to the
-//                                                     lower triangle packed by rows (Dual2)
+//   struct AtState; AtState at_state(const double* x) const;
+//                                                     optional, with the three that follow: closed forms of what
+//                                                     depends on the state alone
+//   void dynamics(const AtState&, const double* x, const double* u, Dual<kStates + kControls>* f) const;
+//   template <class D> void cost_and_rows(int segment, const AtState&, const D* x, const D* u, D& cost, D* rows) const;
+//                                                     the two parts of what evaluate() gives
+//   void add_curvature(const AtState&, const double* weight, double* hessian) const;
+//                                                     sum_r weight_r d2f_r/d(x, u)^2, added to the lower triangle
+//                                                     packed by rows (Dual2)
 //   std::vector<PathBounds<kStates, kControls, kRows>> bounds;  one for all intervals, or one per interval
 //   std::vector<NodeBounds<kStates>> at_nodes;        start, goal, via points
 //   std::vector<std::array<double, 2>> durations;     [s] bounds, one per segment of the mesh
@@ -112,7 +116,9 @@ class Transcription final : public Nlp {
     if (valued_at_.size() == z.size() && valued_at_ == z) return values_;
     values_.resize(index(intervals() * stages_));
     for (int k = 0; k < intervals(); ++k) {
-      for (int j = 0; j < stages_; ++j) values_[index(k * stages_ + j)] = values(z, k, j);
+      for (int j = 0; j < stages_; ++j) {
+        evaluate_at(k, j, stage_inputs(z, k, j).data(), values_[index(k * stages_ + j)]);
+      }
     }
     valued_at_ = z;
     return values_;
@@ -235,9 +241,7 @@ class Transcription final : public Nlp {
 
  private:
   static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
-  static constexpr bool kDynamicsInClosedForm = requires(const Ocp& ocp, const double* v, double* to) {
-    ocp.add_curvature(v, v, v, to);
-  };
+  static constexpr bool kClosedForm = HasClosedForm<Ocp>;
 
   int interval_at(int k) const { return kX + k * (2 * kU + (stages_ - first_new_) * kX); }
   // Calls visit(variable, coefficient) for the variables that input i of stage j, a state or a control, is made of.
@@ -259,15 +263,6 @@ class Transcription final : public Nlp {
   double fraction(int k) const { return mesh_.intervals[index(k)].fraction; }
   int duration_of(int k) const { return duration_at(mesh_.intervals[index(k)].segment); }
 
-  template <class D>
-  Point<D> derivatives(const In& z, int k, int j) const {
-    const Array<kV> values = stage_inputs(z, k, j);
-    std::array<D, static_cast<std::size_t>(kV)> v;
-    for (int i = 0; i < kV; ++i) v[index(i)] = D::input(values[index(i)], i);
-    Point<D> p;
-    evaluate_at(k, j, v.data(), p);
-    return p;
-  }
   template <class T>
   void evaluate_at(int k, int j, const T* v, Point<T>& p) const {
     const int segment = mesh_.intervals[index(k)].segment;
@@ -303,16 +298,47 @@ class Transcription final : public Nlp {
     return ocp_.node_cost(at, x.data());
   }
 
-  // At every stage of every interval. The gradient and the Jacobian are asked for at the same point one after the
-  // other, so the last point's are kept; that makes an instance one thread's.
+  // At every stage of every interval. The gradient, the Jacobian and the Hessian are asked for at the same point one
+  // after the other, so the last point's are kept; that makes an instance one thread's.
   const std::vector<Point<Dual<kV>>>& first_derivatives(const In& z) const {
     if (derived_at_.size() == z.size() && derived_at_ == z) return derived_;
     derived_.resize(index(intervals() * stages_));
+    if constexpr (kClosedForm) find_at_states(z);
     for (int k = 0; k < intervals(); ++k) {
-      for (int j = 0; j < stages_; ++j) derived_[index(k * stages_ + j)] = derivatives<Dual<kV>>(z, k, j);
+      for (int j = 0; j < stages_; ++j) derive(z, k, j, derived_[index(k * stages_ + j)]);
     }
     derived_at_ = z;
     return derived_;
+  }
+  void derive(const In& z, int k, int j, Point<Dual<kV>>& p) const {
+    const Array<kV> values = stage_inputs(z, k, j);
+    const Dual<kV>* v = inputs_.at(values);
+    if constexpr (kClosedForm) {
+      ocp_.dynamics(at_state(k, j), values.data(), values.data() + kX, p.f.data());
+      cost_and_rows_at(k, j, v, p);
+    } else {
+      evaluate_at(k, j, v, p);
+    }
+  }
+  template <class D>
+  void cost_and_rows_at(int k, int j, const D* v, Point<D>& p) const {
+    ocp_.cost_and_rows(mesh_.intervals[index(k)].segment, at_state(k, j), v, v + kX, p.cost, p.rows.data());
+    add_point_cost(k, j, v, p.cost);
+  }
+
+  // Closed forms at every state once: the last stage of an interval and the first of the next have the same.
+  using AtState = AtStateOf<Ocp>;
+  void find_at_states(const In& z) const {
+    const int each = stages_ - first_new_;
+    at_states_.resize(index(1 + intervals() * each));
+    const auto set = [&](int at, int x) { at_states_[index(at)] = ocp_.at_state(z.data() + x); };
+    set(0, node_at(0));
+    for (int k = 0; k < intervals(); ++k) {
+      for (int i = 0; i < each; ++i) set(1 + k * each + i, x_at(k, first_new_ + i));
+    }
+  }
+  const AtState& at_state(int k, int j) const {
+    return at_states_[index(k * (stages_ - first_new_) + j + 1 - first_new_)];
   }
 
   // A row whose meaning depends on the segment says nothing about the interval after the segment's end.
@@ -639,18 +665,15 @@ class Transcription final : public Nlp {
       if (w == 0) return;
       d.each([&](std::size_t, std::size_t, std::size_t at) { block[at] += w * d.h[at]; });
     };
-    const Array<kV> values = stage_inputs(z, k, j);
-    std::array<Dual2<kV>, static_cast<std::size_t>(kV)> v;
-    for (int i = 0; i < kV; ++i) v[index(i)] = Dual2<kV>::input(values[index(i)], i);
-    Point<Dual2<kV>> p;
-    if constexpr (kDynamicsInClosedForm) {
+    const Dual2<kV>* v = curved_inputs_.at(stage_inputs(z, k, j));
+    Point<Dual2<kV>>& p = curved_point_;
+    if constexpr (kClosedForm) {
       Array<kX> scaled;
       for (std::size_t r = 0; r < kX; ++r) scaled[r] = h * weight[r];
-      ocp_.add_curvature(values.data(), values.data() + kX, scaled.data(), block.data());
-      ocp_.cost_and_rows(mesh_.intervals[index(k)].segment, v.data(), v.data() + kX, p.cost, p.rows.data());
-      add_point_cost(k, j, v.data(), p.cost);
+      ocp_.add_curvature(at_state(k, j), scaled.data(), block.data());
+      cost_and_rows_at(k, j, v, p);
     } else {
-      evaluate_at(k, j, v.data(), p);
+      evaluate_at(k, j, v, p);
       for (std::size_t r = 0; r < kX; ++r) accumulate(h * weight[r], p.f[r]);
     }
     accumulate(cost_weight, p.cost);
@@ -674,6 +697,10 @@ class Transcription final : public Nlp {
   mutable Eigen::VectorXd valued_at_, derived_at_;
   mutable std::vector<PointValues> values_;
   mutable std::vector<Point<Dual<kV>>> derived_;
+  mutable Inputs<Dual<kV>> inputs_;
+  mutable Inputs<Dual2<kV>> curved_inputs_;
+  mutable Point<Dual2<kV>> curved_point_;
+  mutable std::vector<AtState> at_states_;  // in the order of the states, at the point of derived_
 };
 
 }  // namespace fjr

@@ -117,24 +117,65 @@ struct ArmOcp {
       for (std::size_t j = 0; j < kJoints; ++j) f[kPeak + j] = T(0.0);
     }
     if constexpr (F.slack) f[kSlack] = T(0.0);
-    cost_and_rows(segment, state, x, u, rate.dq, cost, rows);
+    const Joints<T> nonlinear{friction[0].nonlinear(state.dtheta[0]), friction[1].nonlinear(state.dtheta[1])};
+    cost_and_rows(segment, state, x, u, rate.dq, nonlinear, cost, rows);
   }
 
-  // What evaluate() gives beside the dynamics.
-  template <class T>
-  void cost_and_rows(int segment, const T* x, const T* u, T& cost, T* rows) const {
-    const auto state = State<T>::from(x);
-    const Joints<T> ddq = sees_acceleration(weights) ? link_acceleration(robot, state) : Joints<T>{T(0.0), T(0.0)};
-    cost_and_rows(segment, state, x, u, ddq, cost, rows);
+  // What depends on the state alone and takes long, with first and second derivatives in closed form: points with the
+  // same state share it.
+  struct AtState {
+    LinkDerivatives acceleration;
+    Joints<FrictionLaw::Derivatives> friction;
+  };
+  AtState at_state(const double* x) const {
+    const auto state = State<double>::from(x);
+    return {
+        derivatives_of_link_acceleration<true>(robot, state.q, state.dq, state.theta),
+        {friction[0].derivatives_of_nonlinear(state.dtheta[0]), friction[1].derivatives_of_nonlinear(state.dtheta[1])}};
+  }
+
+  // f and its derivatives, from zeros or from what another point left: what is always zero is not written.
+  void dynamics(const AtState& at, const double* x, const double* u, Dual<kStates + kControls>* f) const {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const std::size_t q = kStateQ + j, dq = kStateDq + j, theta = kStateTheta + j, dtheta = kStateDtheta + j;
+      const std::size_t torque = F.rate ? kArm + j : kStates + j;
+      f[q].v = x[dq];
+      f[q].g[dq] = 1;
+      f[dq].v = at.acceleration.value[j];
+      std::copy(at.acceleration.first[j].begin(), at.acceleration.first[j].end(), f[dq].g.begin());
+      f[theta].v = x[dtheta];
+      f[theta].g[dtheta] = 1;
+      const double stiffness = robot.spring.stiffness[j], viscous = robot.friction.viscous[j];
+      const double inverse = 1 / robot.motor.inertia[j];
+      f[dtheta].v = inverse * (compensated(x, u)[j] - stiffness * (x[theta] - x[q]) - viscous * x[dtheta]);
+      f[dtheta].g[q] = inverse * stiffness;
+      f[dtheta].g[theta] = -inverse * stiffness;
+      f[dtheta].g[dtheta] = -inverse * viscous;
+      f[dtheta].g[torque] = inverse;
+      if constexpr (F.rate) {
+        f[kArm + j].v = kRateUnit * u[j];
+        f[kArm + j].g[kStates + j] = kRateUnit;
+      }
+    }
+  }
+
+  // What evaluate() gives beside the dynamics, with derivatives.
+  template <CarriesValues D>
+  void cost_and_rows(int segment, const AtState& at, const D* x, const D* u, D& cost, D* rows) const {
+    const auto state = State<D>::from(x);
+    const Joints<D> ddq = sees_acceleration(weights) ? link_acceleration(at.acceleration, state) : Joints<D>{};
+    const auto nonlinear = [&](std::size_t j) {
+      const FrictionLaw::Derivatives& of = at.friction[j];
+      return chain(state.dtheta[j], of.value, of.first, of.second);
+    };
+    cost_and_rows(segment, state, x, u, ddq, {nonlinear(0), nonlinear(1)}, cost, rows);
   }
 
   // Adds sum_r weight_r d2f_r/d(x, u)^2 to a lower triangle packed by rows. Only the links' acceleration is curved.
-  void add_curvature(const double* x, const double* /*u*/, const double* weight, double* hessian) const {
-    const auto state = State<double>::from(x);
-    const LinkDerivatives ddq = derivatives_of_link_acceleration<true>(robot, state.q, state.dq, state.theta);
+  void add_curvature(const AtState& at, const double* weight, double* hessian) const {
     static_assert(kStateQ == 0 && kStateDq == kJoints && kStateTheta == 2 * kJoints);  // as LinkDerivatives has them
     for (std::size_t i = 0; i < kLinkPairs; ++i) {
-      for (std::size_t j = 0; j < kJoints; ++j) hessian[i] += weight[kStateDq + j] * ddq.second[j][i];
+      for (std::size_t j = 0; j < kJoints; ++j) hessian[i] += weight[kStateDq + j] * at.acceleration.second[j][i];
     }
   }
 
@@ -159,13 +200,11 @@ struct ArmOcp {
   }
 
   template <class T>
-  void cost_and_rows(int segment, const State<T>& state, const T* x, const T* u, const Joints<T>& ddq, T& cost,
-                     T* rows) const {
+  void cost_and_rows(int segment, const State<T>& state, const T* x, const T* u, const Joints<T>& ddq,
+                     const Joints<T>& nonlinear_friction, T& cost, T* rows) const {
     const Joints<T> compensated_torque = compensated(x, u);
-    Joints<T> torque;
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      torque[j] = compensated_torque[j] + friction[j].nonlinear(state.dtheta[j]);
-    }
+    const Joints<T> torque{compensated_torque[0] + nonlinear_friction[0],
+                           compensated_torque[1] + nonlinear_friction[1]};
     const Joints<T> torque_rate =
         F.rate ? Joints<T>{T(kRateUnit * u[0]), T(kRateUnit * u[1])} : Joints<T>{T(0.0), T(0.0)};
     const Moment<T> moment{robot, state, torque, torque_rate};

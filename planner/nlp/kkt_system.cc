@@ -21,7 +21,7 @@ KktSystem::KktSystem(const SlackForm& form) { factor_.analyse(form.kkt().rows, f
 KktSystem::Inertia KktSystem::try_with(SlackForm& form, const Vector& d, double shift, double regularised) {
   form.set_diagonal(d + shift * form.shift_weights, regularised);
   ++factorisations_;
-  const bool regular = factor_.factorise(form.kkt().values, kPivotThreshold);
+  const bool regular = factor_.factorise(form.kkt().values, kPivotThreshold, static_cast<int>(form.constraints()));
   multiplications_ += factor_.factorisation_work();
   if (!regular) return Inertia::kSingular;
   return factor_.negative_eigenvalues() == form.constraints() ? Inertia::kRight : Inertia::kWrong;

@@ -138,6 +138,11 @@ TEST_P(Chain, SolvesAndCountsLikeDenseAlgebraAndMumps) {
     bench::Mumps mumps(s.size, s.rows, s.cols, s.values);
     ASSERT_TRUE(mumps.factorise());
     EXPECT_EQ(factor.negative_eigenvalues(), mumps.negative_eigenvalues()) << "seed " << seed;
+    const int negative = factor.negative_eigenvalues();
+    ASSERT_TRUE(factor.factorise(s.values, 1e-8, negative - 1));
+    EXPECT_GE(factor.negative_eigenvalues(), negative) << "seed " << seed;
+    ASSERT_TRUE(factor.factorise(s.values, 1e-8, negative));
+    EXPECT_EQ(factor.negative_eigenvalues(), negative) << "seed " << seed;
 
     const Eigen::VectorXd b = a * Eigen::VectorXd::Random(s.size);
     const auto solved = [&](auto& by) {
@@ -218,6 +223,27 @@ System nearly_singular(double difference) {
     first = false;
   }
   return s;
+}
+
+// As many negative eigenvalues as rows are what a minimum has; negative curvature in one stage is known there.
+TEST(ChainLdlt, StopsWhereTheInertiaIsKnownToBeWrong) {
+  const Case convex{.what = "convex", .stages = 40};
+  System s = chain(convex, 1);
+  const auto rows = convex.stages * (convex.nx + convex.nr);
+  ChainLdlt factor = analysed(s);
+  ASSERT_TRUE(factor.factorise(s.values, 1e-8, rows));
+  EXPECT_EQ(factor.negative_eigenvalues(), rows);
+  const double whole = factor.factorisation_work();
+  // A control's curvature in the middle of the chain.
+  for (std::size_t e = 0; e < s.rows.size(); ++e) {
+    const bool control = s.rows[e] == s.cols[e] && s.structure.stage[static_cast<std::size_t>(s.rows[e])] == 19;
+    if (!control || s.values[e] < 1) continue;
+    s.values[e] = -1e3;
+    break;
+  }
+  ASSERT_TRUE(factor.factorise(s.values, 1e-8, rows));
+  EXPECT_GT(factor.negative_eigenvalues(), rows);
+  EXPECT_LT(factor.factorisation_work(), 0.6 * whole);
 }
 
 TEST(ChainLdlt, ReportsASingularMatrix) {

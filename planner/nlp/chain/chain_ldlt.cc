@@ -108,6 +108,9 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
     front.columns.insert(front.columns.end(), border.begin(), border.end());
     front.width = padded(static_cast<int>(front.columns.size()));
   }
+  for (std::size_t k = fronts_.size(); k-- > 1;) {
+    fronts_[k - 1].rows_after = fronts_[k].rows_after + static_cast<int>(fronts_[k].rows.size());
+  }
 
   // Entries, to their front or leaf: in the order of fronts, for then an index's place in the front is known.
   std::vector<std::vector<int>> of_front(fronts_.size()), of_leaf(leaves_.size());
@@ -394,7 +397,9 @@ void ChainLdlt::count_work(const Front& front) {
   solve_work_ += 4 * (rows + basics) * width + 2 * rest * rest;
 }
 
-bool ChainLdlt::factorise(std::span<const double> values, double threshold) {
+// What a front leaves has no less negative eigenvalues than equality rows that it has not seen: on those it is zero or
+// negative, and they are independent. With the pivots so far that tells early that there are too many.
+bool ChainLdlt::factorise(std::span<const double> values, double threshold, int most_negative) {
   negative_ = 0;
   factorisation_work_ = solve_work_ = 0;
   prepare_leaves(values);
@@ -404,6 +409,10 @@ bool ChainLdlt::factorise(std::span<const double> values, double threshold) {
     if (!reduce(front, k + 1 == fronts_.size())) return false;
     count_work(front);
     negative_ += front.rest.eliminate(front.rest_summed, threshold);
+    if (negative_ > most_negative - front.rows_after) {
+      negative_ += front.rows_after;
+      return true;
+    }
     // Pivots that pile up along the chain mean that no stage has the curvature to place them: the fronts would grow
     // with the chain's length, and what comes out at its end would be noise. The caller's perturbation is the cure.
     if (front.rest_summed - front.rest.pivots() > kMostDelayed) return false;

@@ -14,6 +14,7 @@
 // Cost: O(stages) times a small dense factorisation.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -37,10 +38,12 @@ class ChainLdlt {
 
   // Values of the entries. False when the matrix is singular to working precision, or so nearly that pivots pile up.
   // threshold in (0, 0.5]: a pivot must exceed this fraction of what it would divide; larger is more stable and less
-  // sparse.
-  bool factorise(std::span<const double> values, double threshold);
+  // sparse. most_negative: where the matrix certainly has more negative eigenvalues, it is not factorised to the end,
+  // and cannot be solved with. Equality rows must not have positive diagonals then.
+  bool factorise(std::span<const double> values, double threshold, int most_negative = std::numeric_limits<int>::max());
 
-  int negative_eigenvalues() const { return negative_; }  // of the last factorised matrix, exact by Sylvester's law
+  // Of the last factorised matrix: exact by Sylvester's law; at least so many where there are more than most_negative.
+  int negative_eigenvalues() const { return negative_; }
 
   void solve(std::span<double> right_hand_side) const;  // in place
 
@@ -74,6 +77,7 @@ class ChainLdlt {
     std::vector<int> columns;
     int summed = 0, later = 0, width = 0;  // columns below `summed` become fully summed here; width is of all, padded
     std::vector<int> rows;                 // equality rows
+    int rows_after = 0;                    // equality rows of the fronts after this one
     std::vector<Entry> diagonal, symmetric, coupling, row_diagonal;  // of two columns, of a row and a column, of a row
     int first_leaf = 0, last_leaf = 0;                               // in leaves_
     // Numbers of the present factorisation:

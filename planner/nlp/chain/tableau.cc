@@ -32,21 +32,25 @@ struct Choice {
   double fraction;
 };
 
-// The column of the largest magnitude times preference, and its fraction of the row.
+// The column of the largest magnitude times preference, the first of equal ones, and its fraction of the row.
 FJR_VECTORISED Choice choose(const double* row, const double* preference, const double* bounding, int width) {
-  double best[kLanes] = {}, bound[kLanes] = {};
+  double best[kLanes] = {}, bound[kLanes] = {}, best_at[kLanes] = {};
   for (int w = 0; w < width; w += kLanes) {
+    const double block = w;
     for (int lane = 0; lane < kLanes; ++lane) {
       const double size = std::fabs(row[w + lane]), product = size * preference[w + lane];
       const double counted = size * bounding[w + lane];
+      best_at[lane] = product > best[lane] ? block : best_at[lane];
       best[lane] = product > best[lane] ? product : best[lane];
       bound[lane] = counted > bound[lane] ? counted : bound[lane];
     }
   }
   const double largest = *std::max_element(best, best + kLanes), limit = *std::max_element(bound, bound + kLanes);
   if (largest == 0) return {-1, 0};
-  int c = 0;
-  while (std::fabs(row[c]) * preference[c] != largest) ++c;
+  int c = width;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    if (best[lane] == largest) c = std::min(c, static_cast<int>(best_at[lane]) + lane);
+  }
   return {c, std::fabs(row[c]) / limit};
 }
 

@@ -182,7 +182,7 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   const std::string what = fmt::format("{}, {}", label_, guess.name);
   SolveOptions o = options(what);
   o.max_iterations = most_iterations;
-  const bool own = only_time(problem_->weights) && count_of_rows(problem_->task) == 0;
+  const bool own = by_own_method || (only_time(problem_->weights) && count_of_rows(problem_->task) == 0);
   o.optimiser = own ? Optimiser::kOwn : Optimiser::kIpopt;
   const int usual = coarse_intervals(*problem_, guess.duration());
   Smoothing smoothest = manner.steps.front();

@@ -156,6 +156,7 @@ std::vector<TriedStart> try_starts(const std::vector<Start>& starts, Findings& f
   std::vector<std::optional<Begun>> begun(starts.size());
   const std::vector<bool> counts = session.do_all(starts.size(), [&](std::size_t i, Session& own) {
     Continuation c(starts[i].alternative, own, starts[i].label);
+    c.by_own_method = starts[i].by_own_method;
     const StartOutcome outcome = c.begin(starts[i].guess, found.patience, found.minima);
     begun[i] = Begun{std::move(c), outcome};
   });

@@ -31,6 +31,7 @@ struct Start {
   std::shared_ptr<const Problem> alternative;
   Guess guess;
   std::string label;
+  bool by_own_method = false;  // see Continuation
 };
 
 struct TriedStart {

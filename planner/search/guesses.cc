@@ -136,6 +136,58 @@ std::function<Joints<double>(double)> detour_of(double size, std::uint64_t seed)
   };
 }
 
+// Flash & Hogan, Journal of Neuroscience 5(7), 1985: q = d (10 c^3 - 15 c^4 + 6 c^5) from rest to rest, and its
+// derivatives by c.
+void add_minimum_jerk(const Joints<double>& d, double c, LinkMotion& to) {
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    to.q[j] += d[j] * c * c * c * (10 + c * (-15 + 6 * c));
+    to.dq[j] += d[j] * c * c * (30 + c * (-60 + 30 * c));
+    to.ddq[j] += d[j] * c * (60 + c * (-180 + 120 * c));
+    to.dddq[j] += d[j] * (60 + c * (-360 + 360 * c));
+    to.ddddq[j] += d[j] * (-360 + 720 * c);
+  }
+}
+
+// There and back with continuous accelerations: 64 d c^3 (1 - c)^3, which is d in the middle, and its derivatives by c.
+LinkMotion there_and_back(const Joints<double>& d, double c) {
+  LinkMotion m;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    const double scaled = 64 * d[j];
+    m.q[j] = scaled * c * c * c * (1 + c * (-3 + c * (3 - c)));
+    m.dq[j] = scaled * c * c * (3 + c * (-12 + c * (15 - 6 * c)));
+    m.ddq[j] = scaled * c * (6 + c * (-36 + c * (60 - 30 * c)));
+    m.dddq[j] = scaled * (6 + c * (-72 + c * (180 - 120 * c)));
+    m.ddddq[j] = scaled * (-72 + c * (360 - 360 * c));
+  }
+  return m;
+}
+
+// Minimum-jerk legs with what detour(leg, c) adds to each, whose derivatives are by the fraction c of the leg too;
+// everything else by flatness.
+template <class Detour>
+Guess along_flat_motion(const std::string& name, const Problem& problem, double duration, const Detour& detour) {
+  const std::vector<double> durations = durations_of(problem, duration);
+  const auto points = waypoints(problem, durations);
+  const auto flat = [points, duration, detour, robot = problem.robot](double s) {
+    const std::size_t leg = leg_of(points, s);
+    const double fraction = points[leg + 1].fraction - points[leg].fraction, time = fraction * duration;
+    const double c = (s - points[leg].fraction) / fraction;
+    LinkMotion m = detour(leg, c);
+    const Joints<double>&from = points[leg].q, &to = points[leg + 1].q;
+    add_minimum_jerk({to[0] - from[0], to[1] - from[1]}, c, m);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      m.q[j] += from[j];
+      m.dq[j] /= time;
+      m.ddq[j] /= time * time;
+      m.dddq[j] /= time * time * time;
+      m.ddddq[j] /= time * time * time * time;
+    }
+    return from_link_motion(robot, m);
+  };
+  return {name, durations, [flat](double s) { return flat(s).state; },
+          [flat](double s) { return flat(s).compensated_torque; }};
+}
+
 }  // namespace
 
 Guess straight_guess(const Problem& problem, double duration) {
@@ -153,26 +205,7 @@ Guess straight_guess(const Problem& problem, double duration) {
 }
 
 Guess minimum_jerk_guess(const Problem& problem, double duration) {
-  const std::vector<double> durations = durations_of(problem, duration);
-  const auto points = waypoints(problem, durations);
-  // Flash & Hogan, Journal of Neuroscience 5(7), 1985: q = 10 s^3 - 15 s^4 + 6 s^5 from rest to rest.
-  const auto flat = [points, duration, robot = problem.robot](double s) {
-    const std::size_t leg = leg_of(points, s);
-    const double fraction = points[leg + 1].fraction - points[leg].fraction, time = fraction * duration;
-    const double c = (s - points[leg].fraction) / fraction;
-    LinkMotion m;
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      const double d = points[leg + 1].q[j] - points[leg].q[j];
-      m.q[j] = points[leg].q[j] + d * c * c * c * (10 + c * (-15 + 6 * c));
-      m.dq[j] = d * c * c * (30 + c * (-60 + 30 * c)) / time;
-      m.ddq[j] = d * c * (60 + c * (-180 + 120 * c)) / (time * time);
-      m.dddq[j] = d * (60 + c * (-360 + 360 * c)) / (time * time * time);
-      m.ddddq[j] = d * (-360 + 720 * c) / (time * time * time * time);
-    }
-    return from_link_motion(robot, m);
-  };
-  return {"minimum jerk", durations, [flat](double s) { return flat(s).state; },
-          [flat](double s) { return flat(s).compensated_torque; }};
+  return along_flat_motion("minimum jerk", problem, duration, [](std::size_t, double) { return LinkMotion{}; });
 }
 
 Guess path_guess(const Problem& problem, double duration, const std::vector<Path>& paths) {
@@ -252,6 +285,46 @@ Guess folding_guess(const Problem& problem, double duration, double swing) {
     return rest_at(robot, between(points[leg].q, points[leg + 1].q, inside * inside * (3 - 2 * inside)));
   };
   return {"folding", {duration}, state, [](double) { return Joints<double>{0, 0}; }};
+}
+
+Guess staggered_guess(const Problem& problem, double duration, std::size_t first_joint) {
+  constexpr double kMoves = 0.6;  // fraction of a leg's time that each joint moves
+  const std::vector<double> durations = durations_of(problem, duration);
+  const auto points = waypoints(problem, durations);
+  const auto state = [points, first_joint, robot = problem.robot](double s) {
+    const std::size_t leg = leg_of(points, s);
+    const double inside = (s - points[leg].fraction) / (points[leg + 1].fraction - points[leg].fraction);
+    Joints<double> q;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double from = j == first_joint ? 0 : 1 - kMoves, c = std::clamp((inside - from) / kMoves, 0.0, 1.0);
+      q[j] = std::lerp(points[leg].q[j], points[leg + 1].q[j], c * c * (3 - 2 * c));
+    }
+    return rest_at(robot, q);
+  };
+  return {"staggered", durations, state, [](double) { return Joints<double>{0, 0}; }};
+}
+
+std::optional<Guess> hanging_guess(const Problem& problem, double duration) {
+  constexpr double kDetour = 1.2;  // times the straight way
+  if (problem.robot.mounting.gravity == 0) return std::nullopt;
+  const Joints<double> down{problem.robot.mounting.down, 0};
+  Joints<double> hanging;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    hanging[j] = std::clamp(down[j], problem.limits.lowest(j), problem.limits.highest(j));
+  }
+  const auto durations = durations_of(problem, duration);
+  const auto longest =
+      static_cast<std::size_t>(std::max_element(durations.begin(), durations.end()) - durations.begin());
+  const auto points = points_of(problem);
+  const Joints<double>&from = points[longest], &to = points[longest + 1];
+  const auto way = [](const Joints<double>& a, const Joints<double>& b) {
+    return std::hypot(b[0] - a[0], b[1] - a[1]);
+  };
+  if (way(from, hanging) + way(hanging, to) < kDetour * way(from, to)) return std::nullopt;
+  const Joints<double> middle = between(from, to, 0.5), detour{hanging[0] - middle[0], hanging[1] - middle[1]};
+  return along_flat_motion("hanging", problem, duration, [longest, detour](std::size_t leg, double c) {
+    return leg == longest ? there_and_back(detour, c) : LinkMotion{};
+  });
 }
 
 Guess displaced_guess(const Problem& problem, double duration, double size, std::uint64_t seed) {

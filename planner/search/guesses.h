@@ -1,7 +1,9 @@
 // Motions to start the optimiser from.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "planner/ocp/guess.h"
@@ -38,6 +40,15 @@ Guess winding_up_guess(Guess guess, const Joints<double>& back);
 // That is how an arm gets up with less torque than it takes to be held: folded it weighs less, and link 2 pulls link 1
 // along while it folds and unfolds. At rest throughout. swing: [s] from the start to where it is folded.
 Guess folding_guess(const Problem& problem, double duration, double swing);
+
+// By way of hanging straight down, swinging: to hold an arm up takes torque all the time, to let it swing down and up
+// again takes little. In the leg that lasts longest, everything by flatness; none where nothing pulls the arm down, or
+// where that is hardly a detour.
+std::optional<Guess> hanging_guess(const Problem& problem, double duration);
+
+// One joint after the other, in every leg: a motor that rests holds its load by friction, and when it does makes minima
+// of their own.
+Guess staggered_guess(const Problem& problem, double duration, std::size_t first_joint);
 
 // The guess in what remains of its time when it waits for these fractions of it first, and at last.
 Guess waiting_guess(Guess guess, double first, double last);

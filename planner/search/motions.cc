@@ -147,7 +147,8 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
       if (!needed) ++session.fallbacks().displaced_start;
       const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, turn.starts.always));
       wave.turns.push_back(&turn);
-      wave.starts.push_back({turn.alternative, guess_of_start(turn.alternative, turn.starts, i, found), label});
+      wave.starts.push_back({turn.alternative, guess_of_start(turn.alternative, turn.starts, i, found), label,
+                             i >= turn.starts.by_ipopt});
       if (wave.starts.size() >= (found.candidates.empty() ? 1 : kWave)) try_wave(wave, found, session);
     }
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
+#include <utility>
 
 #include "planner/problem/task/task.h"
 #include "planner/search/detours.h"
@@ -12,7 +14,8 @@ namespace {
 constexpr double kWaiting = 0.4;       // fraction of the duration that a guess waits
 constexpr std::size_t kDisplaced = 2;  // starts at least, after the others
 constexpr double kFarAway = 0.8;       // [rad] that straight guesses are displaced by
-constexpr int kFirst = 4;              // starts that a neighbouring problem is worth
+constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+constexpr int kFirst = 4;  // starts that a neighbouring problem is worth
 
 // One path per segment: round what is in the way, on both sides where that can be; along the tip's line or arc, and
 // where that is wide through its region too. None when nothing asks for it.
@@ -72,12 +75,17 @@ Starts starts_of(const Problem& problem, int count) {
   const bool fast = only_time(problem.weights);
   starts.guesses.push_back(fast ? minimum_jerk_guess(problem, duration) : straight_guess(problem, duration));
   starts.guesses.push_back(fast ? straight_guess(problem, duration) : minimum_jerk_guess(problem, duration));
+  starts.by_ipopt = sees_friction(problem.weights) ? starts.guesses.size() : kAll;
   if (sees_friction(problem.weights)) {  // with time to spare a motor rests, and when it does makes minima of their own
     starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), kWaiting, 0));
     starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), 0, kWaiting));
   }
+  starts.enough = starts.guesses.size() + kDisplaced;
+  if (sees_friction(problem.weights)) {
+    if (auto hanging = hanging_guess(problem, duration)) starts.guesses.push_back(std::move(*hanging));
+    for (std::size_t j = 0; j < kJoints; ++j) starts.guesses.push_back(staggered_guess(problem, duration, j));
+  }
   starts.guided = starts.guesses.size();
-  starts.enough = starts.guided + kDisplaced;
   const std::size_t count_of_all = std::max(starts.always, starts.enough);
   for (std::uint64_t i = 2; starts.guesses.size() < count_of_all; ++i) {
     starts.guesses.push_back(displaced_guess(problem, duration, kFarAway, problem.seed * 1000 + i));

@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -17,11 +19,13 @@
 #include "planner/request/request.h"
 #include "planner/search/calm.h"
 #include "planner/search/follow.h"
+#include "planner/search/guesses.h"
 #include "planner/search/race.h"
 
 namespace fjr {
 namespace {
 
+using testing::DoubleNear;
 using testing::ElementsAre;
 
 Problem request(const std::string& yaml) {
@@ -128,6 +132,35 @@ TEST(Thoroughness, IsANumberOfStarts) {
   EXPECT_EQ(starts_to_try(request(kMove + "search: quick\n"), 7), 7);  // --starts says more
 }
 
+// ---- guesses ----
+
+TEST(HangingGuess, GoesByWayOfTheLowestPosture) {
+  Problem problem = request("start: {q: [1.3, 0.7]}\ngoal: {q: [1.2, 0.1]}\nduration: 1.3\nobjective: {copper: 1}\n");
+  const auto guess = hanging_guess(problem, 1.3);
+  ASSERT_TRUE(guess);
+  EXPECT_THAT(guess->state(0).q, ElementsAre(DoubleNear(1.3, 1e-12), DoubleNear(0.7, 1e-12)));
+  EXPECT_THAT(guess->state(1).q, ElementsAre(DoubleNear(1.2, 1e-12), DoubleNear(0.1, 1e-12)));
+  double nearest = 10;
+  for (int i = 0; i <= 100; ++i) {
+    const Joints<double> q = guess->state(0.01 * i).q;
+    nearest = std::min(nearest, std::hypot(q[0], q[1]));
+  }
+  EXPECT_LT(nearest, 0.1);  // the corner is rounded
+  problem.robot.mounting.gravity = 0;
+  EXPECT_FALSE(hanging_guess(problem, 1.3)) << "nothing pulls it down";
+  EXPECT_FALSE(hanging_guess(request(kMove), 1)) << "it hangs at the start";
+}
+
+TEST(StaggeredGuess, MovesOneJointAfterTheOther) {
+  const Problem problem = request(kMove);
+  const Guess guess = staggered_guess(problem, 1, 1);
+  EXPECT_EQ(guess.state(0.39).q[0], 0);
+  EXPECT_LT(guess.state(0.39).q[1], -0.2);
+  EXPECT_LT(guess.state(0.61).q[0], 0.4);
+  EXPECT_DOUBLE_EQ(guess.state(0.61).q[1], -0.4);
+  EXPECT_THAT(guess.state(1).q, ElementsAre(DoubleNear(0.6, 1e-12), DoubleNear(-0.4, 1e-12)));
+}
+
 // ---- races ----
 
 TEST(WorthFollowing, IsWhatIsNeitherKnownNorTooFarBehind) {
@@ -135,7 +168,9 @@ TEST(WorthFollowing, IsWhatIsNeitherKnownNorTooFarBehind) {
   EXPECT_TRUE(worth_following(10.00, 0.01, {10.03, 9.97}, true));
   EXPECT_FALSE(worth_following(10.00, 0.01, {10.03, 10.0005}, true));  // the same minimum
   EXPECT_FALSE(worth_following(10.00, 0.01, {9.90}, true));
-  EXPECT_TRUE(worth_following(10.00, 0.03, {9.00}, true));     // smooth laws tell little
+  EXPECT_TRUE(worth_following(10.00, 0.1, {9.00}, true));  // the smoothest law tells little,
+  EXPECT_TRUE(worth_following(10.00, 0.03, {9.85}, true));
+  EXPECT_FALSE(worth_following(10.00, 0.03, {9.75}, true));
   EXPECT_FALSE(worth_following(-9.00, 0.01, {-10.00}, true));  // rewards
 }
 

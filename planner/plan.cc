@@ -104,14 +104,11 @@ void demand_proof(const Problem& problem, Session& session, Plan& plan) {
   const TaskOfMotion asked = TaskOfMotion::of(problem.robot, problem.task, plan.segment_ends());
   std::mutex asking;
   bool stopped = false;  // read again when all have ended
-  demand_proof(
-      problem.robot, problem.limits, asked, *plan.trajectory, *plan.certificate,
-      [&](std::size_t count, const auto& task) { session.for_each(count, task); },
-      [&] {
-        const std::lock_guard lock(asking);
-        stopped = stopped || (session.options().cancelled && session.options().cancelled());
-        return stopped;
-      });
+  demand_proof(problem.robot, problem.limits, asked, *plan.trajectory, *plan.certificate, session.side_by_side(), [&] {
+    const std::lock_guard lock(asking);
+    stopped = stopped || (session.options().cancelled && session.options().cancelled());
+    return stopped;
+  });
   if (plan.certificate->certified) return;
   if (stopped) return withdraw(plan);
   plan.status = PlanStatus::kUncertified;
@@ -153,7 +150,7 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   conclude(found, session, plan);
   if (plan.certificate) {
     const Timed timed(session, "certificate");
-    predict(problem.robot, *plan.trajectory, *plan.certificate);
+    predict(problem.robot, *plan.trajectory, *plan.certificate, session.side_by_side());
   }
   if ((options.proven || problem.proven) && plan.status == PlanStatus::kCertified) demand_proof(problem, session, plan);
   if (plan.solution && plan.trajectory) plan.analysis = analyse(*found.best->problem, *plan.solution, found.scale);

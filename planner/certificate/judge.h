@@ -9,7 +9,7 @@
 namespace fjr {
 
 // The verdict on one trajectory on one robot, without residual and tracking; `limits` are the robot's or tighter.
-// for_each: five closed loops that are rolled out from beside the start.
+// for_each: the rollouts of the open and of the closed loop, and then five closed loops from beside the start.
 Certificate judge(const Parameters& robot, const Limits& limits, const Trajectory& trajectory,
                   const ForEach& for_each = one_after_another);
 
@@ -21,7 +21,9 @@ Certificate judge_closed_loop(const Parameters& robot, const Limits& limits, con
 
 // Adds residual and tracking, on which no verdict depends: half of the cost of a certificate, and for the trajectory
 // that becomes the plan alone. A trajectory that ends with dq = dtheta = 0 in equilibrium is taken to end at rest.
-void predict(const Parameters& robot, const Trajectory& trajectory, Certificate& certificate);
+// for_each: both of them.
+void predict(const Parameters& robot, const Trajectory& trajectory, Certificate& certificate,
+             const ForEach& for_each = one_after_another);
 
 // For mesh refinement: integrates the exact model from the plan's own state at times[k] to times[k+1] under the
 // published torque and returns the state differences at times[k+1] (rollout minus plan), one per interval. times:

@@ -90,7 +90,7 @@ class Inputs {
   Inputs() {
     for (int i = 0; i < D::kInputs; ++i) v_[static_cast<std::size_t>(i)] = D::input(0, i);
   }
-  // As many as D has; valid until the next point.
+  // D::kInputs numbers, valid until the next point.
   const D* at(const Array<D::kInputs>& values) {
     for (std::size_t i = 0; i < v_.size(); ++i) v_[i].v = values[i];
     return v_.data();

@@ -12,7 +12,8 @@
 //                                                     depends on the state alone
 //   void dynamics(const AtState&, const double* x, const double* u, Dual<kStates + kControls>* f) const;
 //   template <class D> void cost_and_rows(int segment, const AtState&, const D* x, const D* u, D& cost, D* rows) const;
-//                                                     the two parts of what evaluate() gives
+//                                                     the two parts of what evaluate() gives; like evaluate() they
+//                                                     write to what another point left, and the same entries always
 //   void add_curvature(const AtState&, const double* weight, double* hessian) const;
 //                                                     sum_r weight_r d2f_r/d(x, u)^2, added to the lower triangle
 //                                                     packed by rows (Dual2)
@@ -326,7 +327,8 @@ class Transcription final : public Nlp {
     add_point_cost(k, j, v, p.cost);
   }
 
-  // Closed forms at every state once: the last stage of an interval and the first of the next have the same.
+  // Closed forms at every state once: where a stage is at the node, it is the last one of an interval and the first one
+  // of the next.
   using AtState = AtStateOf<Ocp>;
   void find_at_states(const In& z) const {
     const int each = stages_ - first_new_;

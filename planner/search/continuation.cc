@@ -176,13 +176,14 @@ bool Continuation::attempt_once(const std::string& what, Attempt attempt, const 
   return true;
 }
 
-// Where a task has rows, feasibility often has to be restored on the way, which our own method does not do. With other
-// objectives it comes to other minima than Ipopt, and neither to better ones throughout.
+// Where a task has rows, feasibility often has to be restored on the way, which our own method does not do; with
+// rewards it takes twice as long.
 bool Continuation::cold(const Guess& guess, int most_iterations) {
   const std::string what = fmt::format("{}, {}", label_, guess.name);
   SolveOptions o = options(what);
   o.max_iterations = most_iterations;
-  const bool own = by_own_method || (only_time(problem_->weights) && count_of_rows(problem_->task) == 0);
+  const bool suits_own = count_of_rows(problem_->task) == 0 && !has_reward(problem_->weights);
+  const bool own = suits_own && (by_own_method || only_time(problem_->weights));
   o.optimiser = own ? Optimiser::kOwn : Optimiser::kIpopt;
   const int usual = coarse_intervals(*problem_, guess.duration());
   Smoothing smoothest = manner.steps.front();

@@ -94,7 +94,7 @@ class Continuation {
   double mesh_factor = 1;            // on the number of intervals of the first mesh
   double regularisation_factor = 1;  // on that of the first solution, by effort: with more it is easier to solve
   double width_factor = 1;  // on the width of the first solution's friction law: less of it is nearer to the exact law
-  bool by_own_method = false;  // the first solution too, and not by Ipopt
+  bool by_own_method = false;  // the first solution too, where that suits it, and not by Ipopt
   double patience = 1;         // on the iterations of warm starts and of homotopy steps
   Manner manner;               // the usual one, unless another is set before it begins
 

@@ -306,7 +306,8 @@ Guess staggered_guess(const Problem& problem, double duration, std::size_t first
 
 std::optional<Guess> hanging_guess(const Problem& problem, double duration) {
   constexpr double kDetour = 1.2;  // times the straight way
-  if (problem.robot.mounting.gravity == 0) return std::nullopt;
+  const Joints<double> pull = gravity_coefficients(problem.robot);
+  if (pull[0] == 0 && pull[1] == 0) return std::nullopt;
   const Joints<double> down{problem.robot.mounting.down, 0};
   Joints<double> hanging;
   for (std::size_t j = 0; j < kJoints; ++j) {

@@ -46,8 +46,8 @@ Guess folding_guess(const Problem& problem, double duration, double swing);
 // where that is hardly a detour.
 std::optional<Guess> hanging_guess(const Problem& problem, double duration);
 
-// One joint after the other, in every leg: a motor that rests holds its load by friction, and when it does makes minima
-// of their own.
+// In every leg one joint begins to move first and the other one ends last: friction holds the load of a motor that
+// rests, so least effort has minima that differ by which motor rests when.
 Guess staggered_guess(const Problem& problem, double duration, std::size_t first_joint);
 
 // The guess in what remains of its time when it waits for these fractions of it first, and at last.

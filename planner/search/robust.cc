@@ -142,7 +142,7 @@ void add_margins(Publication& best, const Problem& asked, Session& session) {
     best = std::move(*published);
     return true;
   };
-  const auto for_each = [&](std::size_t count, const auto& task) { session.for_each(count, task); };
+  const ForEach for_each = session.side_by_side();
   for (int round = 0;; ++round) {
     {
       const Timed timed(session, "robust");

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/parallel.h"
 #include "planner/problem/quantities.h"
 #include "planner/search/account.h"
 #include "planner/search/settings.h"
@@ -63,6 +64,9 @@ class Session {
 
   // Does pieces of work that need no session, likewise; of a branch one after another, for its trunk has the threads.
   void for_each(std::size_t count, const std::function<void(std::size_t)>& task);
+  ForEach side_by_side() {
+    return [this](std::size_t count, const auto& task) { for_each(count, task); };
+  }
 
   const Account& account() const { return account_; }
   Fallbacks& fallbacks() { return account_.fallbacks; }

@@ -11,9 +11,9 @@
 namespace fjr {
 namespace {
 
-constexpr double kWaiting = 0.4;       // fraction of the duration that a guess waits
-constexpr std::size_t kDisplaced = 2;  // starts at least, after the others
-constexpr double kFarAway = 0.8;       // [rad] that straight guesses are displaced by
+constexpr double kWaiting = 0.4;     // fraction of the duration that a guess waits
+constexpr std::size_t kFurther = 2;  // starts after the plain and the waiting ones, while none leads anywhere
+constexpr double kFarAway = 0.8;     // [rad] that straight guesses are displaced by
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 constexpr int kFirst = 4;  // starts that a neighbouring problem is worth
 
@@ -80,7 +80,7 @@ Starts starts_of(const Problem& problem, int count) {
     starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), kWaiting, 0));
     starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), 0, kWaiting));
   }
-  starts.enough = starts.guesses.size() + kDisplaced;
+  starts.enough = starts.guesses.size() + kFurther;
   if (sees_friction(problem.weights)) {
     if (auto hanging = hanging_guess(problem, duration)) starts.guesses.push_back(std::move(*hanging));
     for (std::size_t j = 0; j < kJoints; ++j) starts.guesses.push_back(staggered_guess(problem, duration, j));

@@ -12,8 +12,8 @@ namespace fjr {
 // The first k of them are the same however many there are.
 struct Starts {
   std::vector<Guess> guesses;
-  // The first so many are solved by Ipopt, the others by our own method: from one guess they come to different minima,
-  // neither to better ones throughout, and ours takes half the time.
+  // Where friction is seen, Ipopt and our own method come to different minima from one guess, neither to better ones
+  // throughout, and ours takes half the time: the first so many are solved by Ipopt, the others by ours.
   std::size_t by_ipopt = 0;
   std::size_t guided = 0;  // the first so many are made for the request, the others displaced at random
   std::size_t always = 0;  // the first so many are tried in any case, the others until one leads somewhere

@@ -397,8 +397,9 @@ void ChainLdlt::count_work(const Front& front) {
   solve_work_ += 4 * (rows + basics) * width + 2 * rest * rest;
 }
 
-// What a front leaves has no less negative eigenvalues than equality rows that it has not seen: on those it is zero or
-// negative, and they are independent. With the pivots so far that tells early that there are too many.
+// What a front leaves has at least as many negative eigenvalues as later fronts have equality rows, unless it is
+// singular: its block on those rows is zero or negative. With the pivots so far that tells early that there are too
+// many.
 bool ChainLdlt::factorise(std::span<const double> values, double threshold, int most_negative) {
   negative_ = 0;
   factorisation_work_ = solve_work_ = 0;
@@ -409,13 +410,13 @@ bool ChainLdlt::factorise(std::span<const double> values, double threshold, int 
     if (!reduce(front, k + 1 == fronts_.size())) return false;
     count_work(front);
     negative_ += front.rest.eliminate(front.rest_summed, threshold);
-    if (negative_ > most_negative - front.rows_after) {
-      negative_ += front.rows_after;
-      return true;
-    }
     // Pivots that pile up along the chain mean that no stage has the curvature to place them: the fronts would grow
     // with the chain's length, and what comes out at its end would be noise. The caller's perturbation is the cure.
     if (front.rest_summed - front.rest.pivots() > kMostDelayed) return false;
+    if (k + 1 < fronts_.size() && negative_ > most_negative - front.rows_after) {
+      negative_ += front.rows_after;
+      return true;
+    }
   }
   return fronts_.back().rest.pivots() == fronts_.back().rest.order();
 }

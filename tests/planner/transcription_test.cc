@@ -295,6 +295,19 @@ TEST_P(Derivatives, EvaluationGivesTheSameBitsTwice) {
   EXPECT_EQ(dense_hessian(*nlp, z, 1, lambda), dense_hessian(*nlp, z, 1, lambda));
 }
 
+// What an instance keeps of one point is not in what it gives at the next.
+TEST_P(Derivatives, EvaluationForgetsOtherPoints) {
+  const VectorXd z = point(6), other = point(7), lambda = random_multipliers(*nlp, 16);
+  constraints(*nlp, other);
+  dense_hessian(*nlp, other, 1, lambda);
+  const std::unique_ptr<Nlp> fresh = GetParam().make(GetParam());
+  EXPECT_EQ(nlp->objective(z), fresh->objective(z));
+  EXPECT_EQ(constraints(*nlp, z), constraints(*fresh, z));
+  EXPECT_EQ(gradient(*nlp, z), gradient(*fresh, z));
+  EXPECT_EQ(dense_jacobian(*nlp, z), dense_jacobian(*fresh, z));
+  EXPECT_EQ(dense_hessian(*nlp, z, 1, lambda), dense_hessian(*fresh, z, 1, lambda));
+}
+
 INSTANTIATE_TEST_SUITE_P(Transcription, Derivatives, testing::ValuesIn(cases()),
                          [](const auto& test) { return test.param.name(); });
 

@@ -47,7 +47,8 @@ Guess folding_guess(const Problem& problem, double duration, double swing);
 std::optional<Guess> hanging_guess(const Problem& problem, double duration);
 
 // In every leg one joint begins to move first and the other one ends last: friction holds the load of a motor that
-// rests, so least effort has minima that differ by which motor rests when.
+// rests, so least effort has minima that differ by which motor rests when. first_joint: 0 or 1. At rest throughout,
+// zero torque.
 Guess staggered_guess(const Problem& problem, double duration, std::size_t first_joint);
 
 // The guess in what remains of its time when it waits for these fractions of it first, and at last.

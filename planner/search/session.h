@@ -64,6 +64,7 @@ class Session {
 
   // Does pieces of work that need no session, likewise; of a branch one after another, for its trunk has the threads.
   void for_each(std::size_t count, const std::function<void(std::size_t)>& task);
+  // The same for those who are given a way to do it; the session outlives it.
   ForEach side_by_side() {
     return [this](std::size_t count, const auto& task) { for_each(count, task); };
   }

@@ -142,14 +142,14 @@ TEST(HangingGuess, GoesByWayOfTheLowestPosture) {
   EXPECT_THAT(guess->state(0).q, ElementsAre(DoubleNear(1.3, 1e-12), DoubleNear(0.7, 1e-12)));
   EXPECT_THAT(guess->state(1).q, ElementsAre(DoubleNear(1.2, 1e-12), DoubleNear(0.1, 1e-12)));
   EXPECT_THAT(guess->state(0.5).q, ElementsAre(DoubleNear(0, 1e-12), DoubleNear(0, 1e-12)));
-  // It is a motion: its torque moves it as it moves. Differences over 2e-5 of it err by 1e-5 of what was measured.
+  // Its torque moves the arm as the guess says. Measured: central differences err by up to 6.5e-9 of their size.
   for (const double s : {0.1, 0.35, 0.5, 0.8}) {
     constexpr double kStep = 1e-5;
     const auto moves = compensated_dynamics(problem.robot, guess->state(s), guess->torque(s));
     const State<double> before = guess->state(s - kStep), after = guess->state(s + kStep);
     for (std::size_t i = 0; i < kStates; ++i) {
       const double difference = (after[i] - before[i]) / (2 * kStep * 1.3);
-      EXPECT_NEAR(moves[i], difference, 1e-4 * (1 + std::abs(difference))) << s << " " << i;
+      EXPECT_NEAR(moves[i], difference, 1e-6 * (1 + std::abs(difference))) << s << " " << i;
     }
   }
   problem.robot.mounting.gravity = 0;

@@ -1,7 +1,7 @@
-// The subcommands. A new one is one file with an add_... function, named twice here.
+// The subcommands. A new one is one file with an add_... function, declared here and listed in commands.cc.
 #pragma once
 
-#include <array>
+#include <span>
 
 namespace CLI {
 class App;
@@ -35,9 +35,8 @@ void add_identify(CLI::App& app, int& exit_code);
 void add_robot(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
 
-inline constexpr std::array<AddCommand, 21> kCommands = {
-    add_plan,   add_batch,      add_library,  add_verify,   add_simulate,  add_learn, add_report, add_export,
-    add_keys,   add_serve,      add_request,  add_executor, add_hold,      add_stop,  add_status, add_ros2_action,
-    add_worker, add_experiment, add_identify, add_robot,    add_completion};  // in the order of --help
+// Those of the program that this is linked into: all of them for `fjr` (commands.cc), those for planning alone for the
+// one that the set-up builds first (planning_commands.cc). In the order of --help.
+std::span<const AddCommand> commands();
 
 }  // namespace fjr

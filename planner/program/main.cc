@@ -41,7 +41,7 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(kFooter);
   int exit_code = 0;
-  for (const fjr::AddCommand add : fjr::kCommands) add(app, exit_code);
+  for (const fjr::AddCommand add : fjr::commands()) add(app, exit_code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {  // --help and --version arrive here too, with code 0

@@ -19,6 +19,7 @@
 #include "planner/program/progress_line.h"
 #include "planner/program/request_file.h"
 #include "planner/program/result_files.h"
+#include "planner/program/trajectory_id.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/report/plan_files.h"
 #include "planner/results/result_folder.h"

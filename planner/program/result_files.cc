@@ -4,12 +4,9 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <fstream>
 #include <system_error>
 
-#include "common/atomic_file.h"
 #include "common/input_error.h"
-#include "common/strict_yaml.h"
 #include "planner/results/result_folder.h"
 
 namespace fjr {
@@ -18,7 +15,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kTrajectoryId = "trajectory.id";
 constexpr const char* kReport = "report.html";
 
 }  // namespace
@@ -41,26 +37,5 @@ std::string about_previous(const fs::path& folder, PlanStatus status, bool kept)
 }
 
 bool has_report(const fs::path& folder) { return fs::exists(folder / kReport); }
-
-void write_trajectory_id(const RequestId& id, const fs::path& folder) {
-  write_file(folder / kTrajectoryId, to_text(id) + "\n");
-}
-
-RequestId read_trajectory_id(const fs::path& folder) {
-  const fs::path file = folder / kTrajectoryId;
-  std::ifstream in(file);
-  if (!in) {
-    const fs::path previous = folder / kPrevious;
-    const bool earlier = fs::exists(previous / kTrajectoryId);
-    throw InputError(
-        folder.string(), "",
-        "has no trajectory.id: it holds no trajectory planned by the service (fjr request REQUEST --out DIR)" +
-            (earlier ? "; that of the earlier plan is in " + previous.string() : ""));
-  }
-  std::string line;
-  std::getline(in, line);
-  if (const auto id = request_id_from(line)) return *id;
-  throw InputError(file.string(), "", shown(line) + " is not 32 hexadecimal digits, a minus and a number");
-}
 
 }  // namespace fjr

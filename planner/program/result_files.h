@@ -6,7 +6,6 @@
 #include <string>
 
 #include "planner/plan.h"
-#include "planner/protocol/messages.h"
 
 namespace fjr {
 
@@ -19,9 +18,5 @@ void prepare_folder(const std::filesystem::path& folder);
 std::string about_previous(const std::filesystem::path& folder, PlanStatus status, bool kept);
 
 bool has_report(const std::filesystem::path& folder);
-
-// The id under which the service planned it, by which it is executed later: file trajectory.id.
-void write_trajectory_id(const RequestId& id, const std::filesystem::path& folder);
-RequestId read_trajectory_id(const std::filesystem::path& folder);  // InputError: there is none
 
 }  // namespace fjr

@@ -1,0 +1,13 @@
+#include "planner/program/commands.h"
+
+namespace fjr {
+
+std::span<const AddCommand> commands() {
+  static constexpr AddCommand kAll[] = {
+      add_plan,   add_batch,       add_library, add_verify,     add_simulate, add_learn, add_report,
+      add_export, add_keys,        add_serve,   add_request,    add_executor, add_hold,  add_stop,
+      add_status, add_ros2_action, add_worker,  add_experiment, add_identify, add_robot, add_completion};
+  return kAll;
+}
+
+}  // namespace fjr

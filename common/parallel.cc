@@ -11,35 +11,53 @@
 
 namespace fjr {
 
-double for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& task) {
-  if (threads <= 1 || count <= 1) {
+std::size_t Threads::take(std::size_t most) {
+  std::size_t taken = 0;
+  for (int idle = idle_; taken < most && idle > 0;) {
+    if (idle_.compare_exchange_weak(idle, idle - 1)) ++taken;
+  }
+  return taken;
+}
+
+double Threads::for_each(std::size_t count, const std::function<void(std::size_t)>& task) {
+  const std::size_t others = count > 1 ? take(count - 1) : 0;
+  if (others == 0) {
     for (std::size_t i = 0; i < count; ++i) task(i);
     return 0;
   }
-  const std::size_t workers = std::min(count, static_cast<std::size_t>(threads));
   std::vector<std::exception_ptr> thrown(count);
-  std::vector<double> seconds(workers, 0.0);
+  std::vector<double> seconds(others, 0.0);
   std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count; i = next++) {
+      try {
+        task(i);
+      } catch (...) {
+        thrown[i] = std::current_exception();
+      }
+    }
+  };
   {
     std::vector<std::jthread> pool;
-    for (std::size_t w = 0; w < workers; ++w) {
+    for (std::size_t w = 0; w < others; ++w) {
       pool.emplace_back([&, w] {
         const double began = cpu_time();
-        for (std::size_t i = next++; i < count; i = next++) {
-          try {
-            task(i);
-          } catch (...) {
-            thrown[i] = std::current_exception();
-          }
-        }
+        work();
         seconds[w] = cpu_since(began);
+        ++idle_;
       });
     }
+    // A thread that only waits leaves its core idle for milliseconds: Linux begins all new threads on the other cores.
+    work();
   }
   for (const std::exception_ptr& exception : thrown) {
     if (exception) std::rethrow_exception(exception);
   }
   return std::accumulate(seconds.begin(), seconds.end(), 0.0);
+}
+
+double for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& task) {
+  return Threads(threads).for_each(count, task);
 }
 
 }  // namespace fjr

@@ -1,14 +1,29 @@
 // Independent pieces of work on several threads.
 #pragma once
 
+#include <atomic>
 #include <cstddef>
 #include <functional>
 
 namespace fjr {
 
-// Calls task(i) for every i below `count`, in no particular order, at most `threads` of them at once; with one thread
-// on the caller's own. Returns the CPU time that other threads took [s]. Throws what the first of them by its index
-// has thrown: on other threads when all have ended, on the caller's own at once.
+// The threads that pieces of work, and pieces of these, may keep busy together.
+class Threads {
+ public:
+  explicit Threads(int most) : idle_(most - 1) {}
+
+  // Calls task(i) for every i below `count`, in no particular order, on the caller's thread and on as many others as
+  // are idle when it begins. Returns the CPU time that the others took [s]. Throws what the first of the tasks by its
+  // index has thrown: when all have ended, or at once where no other thread is idle.
+  double for_each(std::size_t count, const std::function<void(std::size_t)>& task);
+
+ private:
+  std::size_t take(std::size_t most);
+
+  std::atomic<int> idle_;
+};
+
+// The same with `threads` of its own, of which the caller's is one.
 double for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& task);
 
 // Does the same in a way of its own, which whoever calls something that has independent pieces of work chooses for it.

@@ -152,24 +152,35 @@ void follow(Continuation c, Findings& found, Session& session) {
   if (note(c, found, session)) refine_all({std::move(c)}, found, session);
 }
 
-std::vector<TriedStart> try_starts(const std::vector<Start>& starts, Findings& found, Session& session) {
+void refine_waiting(Findings& found, Session& session) { refine_all(std::exchange(found.waiting, {}), found, session); }
+
+std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Findings& found, Session& session) {
   std::vector<std::optional<Begun>> begun(starts.size());
-  const std::vector<bool> counts = session.do_all(starts.size(), [&](std::size_t i, Session& own) {
+  const auto begin = [&, patience = found.patience](std::size_t i, Session& own) {
     Continuation c(starts[i].alternative, own, starts[i].label);
     c.by_own_method = starts[i].by_own_method;
-    const StartOutcome outcome = c.begin(starts[i].guess, found.patience, found.minima);
+    const StartOutcome outcome = c.begin(starts[i].guess, patience, found.minima);
     begun[i] = Begun{std::move(c), outcome};
-  });
+  };
+  const std::vector<bool> counts =
+      found.waiting.empty() ? session.do_all(starts.size(), begin)
+                            : session.do_beside([&] { refine_waiting(found, session); }, starts.size(), begin);
   std::vector<TriedStart> tried(starts.size());
-  std::vector<Continuation> promising;
   for (std::size_t i = 0; i < starts.size(); ++i) {
     if (!counts[i]) continue;
     begun[i]->motion.go_on_in(session);
     tried[i] = note_outcome(*begun[i], found);
     const bool is_new = begun[i]->outcome == StartOutcome::kNew;
-    if (is_new && note(begun[i]->motion, found, session)) promising.push_back(std::move(begun[i]->motion));
+    if (is_new && note(begun[i]->motion, found, session)) found.waiting.push_back(std::move(begun[i]->motion));
   }
-  refine_all(std::move(promising), found, session);
+  if (!found.waiting.empty()) session.enter(Phase::kRefining);
+  return tried;
+}
+
+std::vector<TriedStart> try_starts(const std::vector<Start>& starts, Findings& found, Session& session) {
+  refine_waiting(found, session);
+  std::vector<TriedStart> tried = try_starts_of_many(starts, found, session);
+  refine_waiting(found, session);
   return tried;
 }
 

@@ -93,7 +93,7 @@ struct Wave {
 // Tries them. Where one ends at its limit of iterations, its turn goes on with a calmer objective from there, if that
 // helps.
 void try_wave(Wave& wave, Findings& found, Session& session) {
-  const std::vector<TriedStart> tried = try_starts(wave.starts, found, session);
+  const std::vector<TriedStart> tried = try_starts_of_many(wave.starts, found, session);
   for (std::size_t i = 0; i < tried.size(); ++i) {
     Turn& turn = *wave.turns[i];
     bool led_somewhere = tried[i].led_somewhere;
@@ -164,6 +164,7 @@ void find_motions(int count, Findings& found, Session& session) {
     if (no_path(*alternative).sentence.empty()) open.push_back(alternative);
   }
   take_turns(open, count, found, session);
+  refine_waiting(found, session);
   for (const Alternative& alternative : open) {
     if (!found.candidates.empty() || session.interrupted() || found.too_short() || found.out_of_reach) break;
     if (auto motion = fall_back(alternative, session)) follow(std::move(*motion), found, session);

@@ -26,11 +26,11 @@ double allowed_by_the_end_of(Phase phase) {
 
 }  // namespace
 
-Session::Session(SessionOptions options) : options_(std::move(options)) {}
+Session::Session(SessionOptions options)
+    : options_(std::move(options)), shared_(std::make_shared<Shared>(options_.jobs)) {}
 
-Session::Session(const Session& trunk, int jobs)
+Session::Session(Branch, const Session& trunk)
     : options_(trunk.options_), shared_(trunk.shared_), allowed_(trunk.allowed_), phase_(trunk.phase_) {
-  options_.jobs = jobs;
   iterations_before_ = trunk.iterations_before_ + trunk.account_.iterations;
   work_before_ = std::isfinite(allowed_) ? (trunk.work_ + trunk.allowed_) / 2 : trunk.work_;
   work_ = work_before_;
@@ -62,23 +62,40 @@ bool Session::join(const Session& branch) {
   return in_time;
 }
 
-std::vector<bool> Session::do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task) {
-  std::vector<bool> counts(count, true);
-  if (count <= 1) {
-    if (count == 1) task(0, *this);
-    return counts;
-  }
-  std::vector<std::unique_ptr<Session>> branches;
-  for (std::size_t i = 0; i < count; ++i) branches.push_back(std::unique_ptr<Session>(new Session(*this, 1)));
-  if (innermost_ != nullptr) innermost_->pause();  // the branches have clocks of their own
-  for_each(count, [&](std::size_t i) { task(i, *branches[i]); });
-  if (innermost_ != nullptr) innermost_->go_on();
-  for (std::size_t i = 0; i < count; ++i) counts[i] = join(*branches[i]);
+std::vector<std::unique_ptr<Session>> Session::branches(std::size_t count) const {
+  std::vector<std::unique_ptr<Session>> all;
+  for (std::size_t i = 0; i < count; ++i) all.push_back(std::unique_ptr<Session>(new Session(Branch{}, *this)));
+  return all;
+}
+
+std::vector<bool> Session::join_all(const std::vector<std::unique_ptr<Session>>& branches) {
+  std::vector<bool> counts;
+  for (const auto& branch : branches) counts.push_back(join(*branch));
   return counts;
 }
 
+std::vector<bool> Session::do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task) {
+  if (count == 0) return {};
+  if (count == 1) {
+    task(0, *this);
+    return {true};
+  }
+  const auto own = branches(count);
+  if (innermost_ != nullptr) innermost_->pause();  // the branches have clocks of their own
+  for_each(count, [&](std::size_t i) { task(i, *own[i]); });
+  if (innermost_ != nullptr) innermost_->go_on();
+  return join_all(own);
+}
+
+std::vector<bool> Session::do_beside(const std::function<void()>& own, std::size_t count,
+                                     const std::function<void(std::size_t, Session&)>& task) {
+  const auto beside = branches(count);
+  for_each(count + 1, [&](std::size_t i) { i == 0 ? own() : task(i - 1, *beside[i - 1]); });
+  return join_all(beside);
+}
+
 void Session::for_each(std::size_t count, const std::function<void(std::size_t)>& task) {
-  account_.cpu_of_others += for_each_index(count, options_.jobs, task);
+  account_.cpu_of_others += shared_->threads.for_each(count, task);
 }
 
 void Session::enter(Phase phase) {

@@ -62,7 +62,11 @@ class Session {
   // that was allowed, what it came to is as if it had never been begun.
   std::vector<bool> do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task);
 
-  // Does pieces of work that need no session, likewise; of a branch one after another, for its trunk has the threads.
+  // The same beside work of this session's own, which goes on as it would alone and is counted first.
+  std::vector<bool> do_beside(const std::function<void()>& own, std::size_t count,
+                              const std::function<void(std::size_t, Session&)>& task);
+
+  // Does pieces of work that need no session, likewise.
   void for_each(std::size_t count, const std::function<void(std::size_t)>& task);
   // The same for those who are given a way to do it; the session outlives it.
   ForEach side_by_side() {
@@ -78,6 +82,9 @@ class Session {
 
   // What a session has in common with its branches.
   struct Shared {
+    explicit Shared(int jobs) : threads(jobs) {}
+
+    Threads threads;
     std::mutex callback;  // one at a time
     std::atomic<bool> stopped = false, deadline_passed = false;
     std::atomic<int> starts = 0, starts_planned = 0;
@@ -85,13 +92,16 @@ class Session {
     const Clock::time_point began = Clock::now();
   };
 
-  Session(const Session& trunk, int jobs);  // a branch of it
+  struct Branch {};
+  Session(Branch, const Session& trunk);
   bool join(const Session& branch);
+  std::vector<std::unique_ptr<Session>> branches(std::size_t count) const;
+  std::vector<bool> join_all(const std::vector<std::unique_ptr<Session>>& branches);
   void find_out_whether_stopped();
 
   SessionOptions options_;
   Account account_;
-  std::shared_ptr<Shared> shared_ = std::make_shared<Shared>();
+  std::shared_ptr<Shared> shared_;
   double work_ = 0, allowed_ = 0;  // [s] done, with that of the solve at work; allowed in the present phase
   double work_before_ = 0;         // [s] of work_, what was done before this branch began, or is left to others
   int iterations_before_ = 0;      // this branch began

@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "common/parallel.h"
@@ -58,6 +60,41 @@ TEST(ForEachIndex, DoesAllBeforeItThrowsTheFirst) {
   }
 }
 
+// Pieces of pieces too; and whoever has come to the end of his own helps with what begins later.
+TEST(Threads, AreNeverMoreThanAllowedAndAllAreUsed) {
+  for (const int most : {1, 2, 4}) {
+    Threads threads(most);
+    std::atomic<int> busy = 0, largest = 0, done = 0;
+    const auto work = [&](std::size_t) {
+      const int now = ++busy;
+      for (int seen = largest; seen < now && !largest.compare_exchange_weak(seen, now);) continue;
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+      --busy;
+      ++done;
+    };
+    threads.for_each(5, [&](std::size_t i) {
+      if (i > 0) return work(i);
+      for (int step = 0; step < 10; ++step) threads.for_each(6, work);
+    });
+    EXPECT_EQ(done, 64);
+    EXPECT_EQ(largest, most);
+  }
+}
+
+TEST(Threads, ServeAgainAfterOneHasThrown) {
+  Threads threads(3);
+  for (int i = 0; i < 3; ++i) {
+    EXPECT_THROW(threads.for_each(4, [](std::size_t) { throw std::runtime_error("no"); }), std::runtime_error);
+  }
+  std::atomic<bool> other = false;
+  const auto caller = std::this_thread::get_id();
+  threads.for_each(3, [&](std::size_t) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (std::this_thread::get_id() != caller) other = true;
+  });
+  EXPECT_TRUE(other);
+}
+
 // ---- sessions ----
 
 // Of 30 that are allowed, each of four may take half; the third comes to more than all, so the fourth does not count.
@@ -76,6 +113,29 @@ TEST(Session, CountsPiecesInTheirOrderUntilAllIsTaken) {
     EXPECT_THAT(counts, ElementsAre(true, true, false, false)) << jobs;
     EXPECT_TRUE(session.interrupted());
     EXPECT_TRUE(session.account().cut_by_work);
+  }
+}
+
+// Of 30, its own work takes 12 and may take all; each of those beside it may take half, and the third is too late.
+TEST(Session, CountsItsOwnWorkBeforeWhatIsBesideIt) {
+  for (const int jobs : {1, 3}) {
+    SessionOptions options;
+    options.most_work = 60;
+    options.jobs = jobs;
+    Session session(options);
+    session.enter(Phase::kFinding);
+    std::vector<int> taken(3);
+    const std::vector<bool> counts = session.do_beside(
+        [&] {
+          for (int i = 0; i < 12; ++i) EXPECT_FALSE(session.interrupted(1));
+        },
+        3,
+        [&](std::size_t i, Session& own) {
+          while (!own.interrupted(1)) ++taken[i];
+        });
+    EXPECT_THAT(taken, ElementsAre(14, 14, 14)) << jobs;
+    EXPECT_THAT(counts, ElementsAre(true, true, false)) << jobs;
+    EXPECT_TRUE(session.interrupted());
   }
 }
 

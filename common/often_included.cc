@@ -1,1 +1,1 @@
-// A library needs a source: what this one is for are its precompiled headers.
+// A library needs a source. This one exists for its precompiled headers.

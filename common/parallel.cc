@@ -27,15 +27,16 @@ double Threads::for_each(std::size_t count, const std::function<void(std::size_t
   }
   std::vector<std::exception_ptr> thrown(count);
   std::vector<double> seconds(others, 0.0);
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < count; i = next++) {
-      try {
-        task(i);
-      } catch (...) {
-        thrown[i] = std::current_exception();
-      }
+  std::atomic<std::size_t> next = 1;
+  const auto try_task = [&](std::size_t i) {
+    try {
+      task(i);
+    } catch (...) {
+      thrown[i] = std::current_exception();
     }
+  };
+  const auto work = [&] {
+    for (std::size_t i = next++; i < count; i = next++) try_task(i);
   };
   {
     std::vector<std::jthread> pool;
@@ -47,7 +48,9 @@ double Threads::for_each(std::size_t count, const std::function<void(std::size_t
         ++idle_;
       });
     }
-    // A thread that only waits leaves its core idle for milliseconds: Linux begins all new threads on the other cores.
+    // A caller that only waits leaves its core idle for milliseconds: Linux begins all new threads on the other cores.
+    // The first task is the caller's, for it may have pieces of its own, and find all the others idle in the end.
+    try_task(0);
     work();
   }
   for (const std::exception_ptr& exception : thrown) {

@@ -7,14 +7,14 @@
 
 namespace fjr {
 
-// The threads that pieces of work, and pieces of these, may keep busy together.
+// Threads that are shared by pieces of work and by pieces of those.
 class Threads {
  public:
   explicit Threads(int most) : idle_(most - 1) {}
 
-  // Calls task(i) for every i below `count`, in no particular order, on the caller's thread and on as many others as
-  // are idle when it begins. Returns the CPU time that the others took [s]. Throws what the first of the tasks by its
-  // index has thrown: when all have ended, or at once where no other thread is idle.
+  // Calls task(i) for every i below `count`, in no particular order, on the caller's thread, which does the first, and
+  // on as many others as are idle when it begins. Returns the CPU time that the others took [s]. Throws what the first
+  // of the tasks by its index has thrown: when all have ended, or at once where no other thread is idle.
   double for_each(std::size_t count, const std::function<void(std::size_t)>& task);
 
  private:
@@ -23,7 +23,7 @@ class Threads {
   std::atomic<int> idle_;
 };
 
-// The same with `threads` of its own, of which the caller's is one.
+// Does the same with `threads` threads of its own; the caller's counts as one.
 double for_each_index(std::size_t count, int threads, const std::function<void(std::size_t)>& task);
 
 // Does the same in a way of its own, which whoever calls something that has independent pieces of work chooses for it.

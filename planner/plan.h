@@ -44,7 +44,7 @@ struct PlanOptions {
   double deadline = 0;  // [s] of wall time; 0: none
   std::string linear_solver = "stage";
   int starts = 0;  // 0: as the request's `search` and its objective say
-  int jobs = 1;    // threads that starts are solved in; 0: as many as there are cores. The plan does not depend on it.
+  int jobs = 1;    // threads; 0: as many as there are cores. The plan does not depend on it.
   // What a request may take where no deadline says more, in the optimiser's work (SolveReport::work) and not in time,
   // so that the same request comes to the same plan on a busy machine too; more starts may take more in proportion. [s]
   double most_work = 60;

@@ -45,7 +45,7 @@ struct Findings {
   int refined = 0;                         // candidates that were followed to the exact problem
   int patience = 400;                      // iterations a start may take
   std::vector<CoarseMotion> candidates;    // in the order in which they were found
-  std::vector<Continuation> waiting;       // to be refined, beside the next starts
+  std::vector<Continuation> waiting;       // to be refined while the next starts are tried
   std::vector<double> minima;              // objectives of the distinct ones, as optimised, on their first meshes
   StepObjectives reached;                  // on the way from there to exact friction
   std::optional<Publication> best;         // certified; or the last one that is not, where none is

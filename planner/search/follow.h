@@ -44,9 +44,9 @@ struct TriedStart {
 // difference.
 std::vector<TriedStart> try_starts(const std::vector<Start>& starts, Findings& found, Session& session);
 
-// The same where more starts follow: what is worth refining waits for those, and what was waiting is refined beside
-// these, which need not know what comes of it. For neither keeps all cores busy: of what is refined side by side, less
-// and less is left. Whoever calls this calls refine_waiting() in the end.
+// The same where more starts follow. What is worth refining waits, and is refined while the next starts are tried: they
+// do not depend on it. Fewer and fewer motions are left in a race, so that refining alone leaves cores idle. The caller
+// ends with refine_waiting(). try_starts() refines what was waiting first.
 std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Findings& found, Session& session);
 void refine_waiting(Findings& found, Session& session);
 

@@ -98,6 +98,7 @@ void try_wave(Wave& wave, Findings& found, Session& session) {
     Turn& turn = *wave.turns[i];
     bool led_somewhere = tried[i].led_somewhere;
     const Alternative calm = tried[i].out_of_patience ? calmed(*turn.alternative) : nullptr;
+    if (calm) refine_waiting(found, session);
     if (calm && !session.interrupted()) {
       ++session.fallbacks().calmed;
       turn.alternative = calm;

@@ -6,8 +6,8 @@
 namespace fjr {
 
 // Every start on a coarse mesh, four at a time once one led somewhere; what converges to something promising is refined
-// before the next four: so what so many starts come to, more of them come to as well. count: of starts; 0: as many as
-// the request's `search` and its objective say.
+// while the next four are tried, which do not depend on it: so what so many starts come to, more of them come to as
+// well. count: of starts; 0: as many as the request's `search` and its objective say.
 void find_motions(int count, Findings& found, Session& session);
 
 }  // namespace fjr

@@ -74,6 +74,16 @@ std::vector<bool> Session::join_all(const std::vector<std::unique_ptr<Session>>&
   return counts;
 }
 
+// With clocks of their own, which count for the part of the trunk that is at work.
+std::function<void(std::size_t)> Session::in_branches(const std::vector<std::unique_ptr<Session>>& branches,
+                                                      const std::function<void(std::size_t, Session&)>& task) const {
+  if (innermost_ == nullptr) return [&](std::size_t i) { task(i, *branches[i]); };
+  return [&, part = innermost_->part_](std::size_t i) {
+    const Timed timed(*branches[i], part);
+    task(i, *branches[i]);
+  };
+}
+
 std::vector<bool> Session::do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task) {
   if (count == 0) return {};
   if (count == 1) {
@@ -81,8 +91,9 @@ std::vector<bool> Session::do_all(std::size_t count, const std::function<void(st
     return {true};
   }
   const auto own = branches(count);
-  if (innermost_ != nullptr) innermost_->pause();  // the branches have clocks of their own
-  for_each(count, [&](std::size_t i) { task(i, *own[i]); });
+  const auto work = in_branches(own, task);
+  if (innermost_ != nullptr) innermost_->pause();
+  for_each(count, work);
   if (innermost_ != nullptr) innermost_->go_on();
   return join_all(own);
 }
@@ -90,7 +101,13 @@ std::vector<bool> Session::do_all(std::size_t count, const std::function<void(st
 std::vector<bool> Session::do_beside(const std::function<void()>& own, std::size_t count,
                                      const std::function<void(std::size_t, Session&)>& task) {
   const auto beside = branches(count);
-  for_each(count + 1, [&](std::size_t i) { i == 0 ? own() : task(i - 1, *beside[i - 1]); });
+  const auto work = in_branches(beside, task);
+  for_each(count + 1, [&](std::size_t i) {
+    if (i > 0) return work(i - 1);
+    own();
+    if (innermost_ != nullptr) innermost_->pause();
+  });
+  if (innermost_ != nullptr) innermost_->go_on();
   return join_all(beside);
 }
 

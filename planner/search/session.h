@@ -56,17 +56,17 @@ class Session {
   // A solve has ended.
   void add(SolverStage stage);
 
-  // Does `count` independent pieces of work, options().jobs of them at a time, each with a session that is stopped with
-  // this one, may take half of what this one still may, and is counted here in the order of their indices; one alone
-  // with this session. Returns for each whether it counts, however many jobs there are: where those before it took all
-  // that was allowed, what it came to is as if it had never been begun.
+  // Does `count` independent pieces of work, as many at a time as threads are idle, each with a session that is stopped
+  // with this one, may take half of what this one still may, and is counted here in the order of their indices; one
+  // alone with this session. Returns for each whether it counts, however many jobs there are: where those before it
+  // took all that was allowed, what it came to is as if it had never been begun.
   std::vector<bool> do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task);
 
-  // The same beside work of this session's own, which goes on as it would alone and is counted first.
+  // Does the same while this session works itself; its own work is counted first, and may take all that is left.
   std::vector<bool> do_beside(const std::function<void()>& own, std::size_t count,
                               const std::function<void(std::size_t, Session&)>& task);
 
-  // Does pieces of work that need no session, likewise.
+  // Does pieces of work that need no session, on the same threads.
   void for_each(std::size_t count, const std::function<void(std::size_t)>& task);
   // The same for those who are given a way to do it; the session outlives it.
   ForEach side_by_side() {
@@ -96,6 +96,8 @@ class Session {
   Session(Branch, const Session& trunk);
   bool join(const Session& branch);
   std::vector<std::unique_ptr<Session>> branches(std::size_t count) const;
+  std::function<void(std::size_t)> in_branches(const std::vector<std::unique_ptr<Session>>& branches,
+                                               const std::function<void(std::size_t, Session&)>& task) const;
   std::vector<bool> join_all(const std::vector<std::unique_ptr<Session>>& branches);
   void find_out_whether_stopped();
 

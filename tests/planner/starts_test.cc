@@ -60,7 +60,7 @@ TEST(ForEachIndex, DoesAllBeforeItThrowsTheFirst) {
   }
 }
 
-// Pieces of pieces too; and whoever has come to the end of his own helps with what begins later.
+// Pieces of pieces too: threads that have come to the end of theirs help with what begins later.
 TEST(Threads, AreNeverMoreThanAllowedAndAllAreUsed) {
   for (const int most : {1, 2, 4}) {
     Threads threads(most);

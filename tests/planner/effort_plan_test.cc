@@ -145,8 +145,8 @@ Plan plan_of(const std::string& request) {
 // with those alone, 6.5371 measured.
 TEST(EffortPlan, WaitingIsOneOfTheStarts) {
   const Plan result = plan_of(
-      "start: {q: [1.2, 0.3]}\ngoal: {q: [-0.3, -0.9]}\nduration: 1.6\nobjective: {effort: 1, link_acceleration: "
-      "0.01}\n");
+      "start: {q: [1.2, 0.3]}\ngoal: {q: [-0.3, -0.9]}\nduration: 1.6\n"
+      "objective: {effort: 1, link_acceleration: 0.01}\n");
   ASSERT_EQ(result.status, PlanStatus::kCertified) << result.reason;
   EXPECT_LT(result.objective, 6.67);
 }

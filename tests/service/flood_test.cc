@@ -1,5 +1,4 @@
 // More than the service can do: every request is answered, and whoever does not listen costs the others nothing.
-#include <atomic>
 #include <csignal>
 #include <cstdlib>
 #include <functional>
@@ -167,7 +166,9 @@ class Unheard {
   dds::Writer<fjr_msg_MotionRequest> requests_{participant_, participant_.handle()};
 };
 
-// FJR_UNHEARD_IDS: how many. Somebody else does not notice, and nothing of it stays.
+// FJR_UNHEARD_IDS: how many. Somebody else's turn comes soon, and nothing of it stays. Behind all of the ids a round
+// trip would take about as long as all of them. It was 0.6 to 1.2 % of that at p99, and 2 % at most, in six runs on two
+// cores and in six with a load of eight beside them.
 class UnheardTest : public FloodTest {
  protected:
   void cost_the_others_nothing();
@@ -186,19 +187,16 @@ void UnheardTest::cost_the_others_nothing() {
   (void)round_trip();
   Unheard unheard(domain_);
   const std::uint64_t before = resident_bytes(service().pid());
-  std::atomic<bool> over = false;
   const Order bad = order("start: {q: [0, 0]}\ngoal: {q: [1.2, 3.4]}\n");
-  const std::jthread asking([&] {
-    const auto began = Clock::now();
-    unheard.ask(bad, ids);
-    std::printf("%d ids asked in %.2f s\n", ids, seconds_since(began));
-    over = true;
-  });
+  const auto began = Clock::now();
+  const std::jthread asking([&] { unheard.ask(bad, ids); });
+  const auto answered = [&] { return heard_.empty() ? 0 : heard_.begin()->second.rejected; };
   std::vector<double> round_trips;
-  for (const auto began = Clock::now(); seconds_since(began) < 20;) {
+  while (answered() < ids + round_trips.size() && seconds_since(began) < 60 && !HasFailure()) {
     round_trips.push_back(round_trip());
-    if ((over && round_trips.size() >= 300) || HasFailure()) break;
   }
+  const double flood = seconds_since(began);
+  EXPECT_GE(answered(), static_cast<std::uint64_t>(ids));
   std::sort(round_trips.begin(), round_trips.end());
   const double median = round_trips[round_trips.size() / 2], p99 = round_trips[round_trips.size() * 99 / 100];
   const double grown = 1e-6 * static_cast<double>(resident_bytes(service().pid()) - before);
@@ -206,10 +204,11 @@ void UnheardTest::cost_the_others_nothing() {
   service().send(SIGTERM);
   EXPECT_EQ(service().wait(), 0);
   std::printf(
-      "round trip beside %d ids whose answers nobody takes: median %.2f ms, p99 %.2f ms, largest %.1f ms; "
-      "%.1f MB more, ended in %.2f s\n",
-      ids, 1e3 * median, 1e3 * p99, 1e3 * round_trips.back(), grown, seconds_since(asked));
-  EXPECT_LT(p99, 0.05);  // 6 to 19 ms in eleven runs on two cores with a load of eight
+      "%zu round trips beside %d ids whose answers nobody takes, which take %.2f s: median %.2f ms, p99 %.2f ms, "
+      "largest %.1f ms; %.1f MB more, ended in %.2f s\n",
+      round_trips.size(), ids, flood, 1e3 * median, 1e3 * p99, 1e3 * round_trips.back(), grown, seconds_since(asked));
+  EXPECT_LT(p99, flood / 20);
+  EXPECT_LT(round_trips.back(), flood / 4);
   EXPECT_LT(grown, 64);
   EXPECT_LT(seconds_since(asked), 3);
 }
@@ -219,7 +218,6 @@ TEST_F(UnheardTest, TenThousandIdsThatNobodyListensForCostTheOthersNothing) {
   cost_the_others_nothing();
 }
 
-// 10 to 25 ms at p99 in three runs on two cores with a load of nine.
 TEST_F(UnheardTest, TenThousandIdsThatListenAndTakeNothingCostTheOthersNothing) {
   serve();
   const Process deaf({"/proc/self/exe", "deaf-listener", domain(), "00000000*"}, path("deaf"));

@@ -48,6 +48,7 @@
 #include <vector>
 
 #include "common/dual.h"
+#include "planner/collocation/interval_entries.h"
 #include "planner/collocation/mesh.h"
 #include "planner/collocation/ocp_members.h"
 #include "planner/collocation/scheme.h"
@@ -65,7 +66,6 @@ class Transcription final : public Nlp {
     stages_ = scheme_.stages();
     first_new_ = scheme_.starts_at_node ? 1 : 0;
     find_structure();
-    list_entries();
     number_rows();
     set_bounds();
     set_patterns();
@@ -400,21 +400,23 @@ class Transcription final : public Nlp {
     if constexpr (requires { ocp_.point_costs; }) {
       for (const auto& at : ocp_.point_costs) structure_.cost += at.of(v.data());
     }
+    std::vector<std::pair<int, int>> pairs;
     for (int i = 0; i < kV; ++i) {
       for (int j = 0; j <= i; ++j) {
         bool curved = structure_.cost.curved_in(i, j);
         for (const auto& f : structure_.f) curved = curved || f.curved_in(i, j);
         for (const auto& row : structure_.rows) curved = curved || row.curved_in(i, j);
-        if (curved) curved_pairs_.emplace_back(i, j);
+        if (curved) pairs.emplace_back(i, j);
       }
     }
+    entries_ = IntervalEntries<kX, kU, kC>(scheme_, structure_, pairs);
     const Array<kX> anywhere = filled<kX>(1);
     each_cost_node([&](const auto& at, int) {
       const auto cost = node_derivatives<Pattern<kX>>(at, anywhere.data());
-      auto& pairs = curved_at_nodes_.emplace_back();
+      auto& of_node = curved_at_nodes_.emplace_back();
       for (int i = 0; i < kX; ++i) {
         for (int j = 0; j <= i; ++j) {
-          if (cost.curved_in(i, j)) pairs.emplace_back(i, j);
+          if (cost.curved_in(i, j)) of_node.emplace_back(i, j);
         }
       }
     });
@@ -481,13 +483,13 @@ class Transcription final : public Nlp {
 
   void set_patterns() {
     for (int k = 0; k < intervals(); ++k) {
-      for (const DefectEntry& e : defect_entries_) {
+      for (const DefectEntry& e : entries_.defects) {
         jacobian_pattern.push_back({defect_row(k, e.defect, e.row), variable(k, e.of)});
       }
       for (int j = 0; j < stages_; ++j) {
         for (int c = 0; c < kC; ++c) {
           if (path_row(k, j, c) < 0) continue;
-          for (const InputEntry& e : row_entries_[index(j * kC + c)]) {
+          for (const InputEntry& e : entries_.rows[index(j * kC + c)]) {
             jacobian_pattern.push_back({path_row(k, j, c), variable(k, e.of)});
           }
         }
@@ -498,11 +500,11 @@ class Transcription final : public Nlp {
     }
     for (int k = 0; k < intervals(); ++k) {
       for (int j = 0; j < stages_; ++j) {
-        for (const PairEntry& e : pair_entries_[index(j)]) {
+        for (const PairEntry& e : entries_.pairs[index(j)]) {
           const int row = variable(k, e.of), col = variable(k, e.with);
           hessian_pattern.push_back({std::max(row, col), std::min(row, col)});
         }
-        for (const InputEntry& e : cross_entries_[index(j)]) {
+        for (const InputEntry& e : entries_.with_duration[index(j)]) {
           hessian_pattern.push_back({duration_of(k), variable(k, e.of)});
         }
       }
@@ -526,103 +528,15 @@ class Transcription final : public Nlp {
     }
   }
 
-  // Which variables the entries of Jacobian and Hessian belong to is the same in every interval, and is found once.
-  // The pattern and the values go through the same lists, in the same order.
-  struct Variable {  // of an interval: state `at` of the node before it, or the variable `at` after its first one
-    enum Where { kNode, kInterval, kDuration } where;
-    int at;
-  };
-  struct DefectEntry {  // own - h A df/dinput, and with kDuration: -fraction sum_j A f_j
-    int defect, row, stage, input;
-    double own, factor;  // factor: of A and of the input's share of the variable
-    Variable of;
-  };
-  struct InputEntry {  // coefficient d/dinput
-    int input;
-    double coefficient;
-    Variable of;
-  };
-  struct PairEntry {  // coefficient d2/dinputs, at `packed` in a lower triangle
-    std::size_t packed;
-    double coefficient;
-    Variable of, with;
-  };
-
-  int variable(int k, const Variable& v) const {
-    if (v.where == Variable::kDuration) return duration_of(k);
-    return v.at + (v.where == Variable::kNode ? node_at(k) : interval_at(k));
-  }
-  // visit(variable, coefficient) as spread(), for any interval.
-  template <class Visit>
-  void spread_anywhere(int j, int i, Visit&& visit) const {
-    if (i >= kX) {
-      for (int end = 0; end < 2; ++end) {
-        const double coefficient = scheme_.control_fraction(j, end);
-        if (coefficient != 0) visit(Variable{Variable::kInterval, end * kU + i - kX}, coefficient);
-      }
-    } else if (j < first_new_) {
-      visit(Variable{Variable::kNode, i}, 1.0);
-    } else {
-      visit(Variable{Variable::kInterval, 2 * kU + (j - first_new_) * kX + i}, 1.0);
-    }
-  }
-
-  void list_entries() {
-    for (int i = first_new_; i < stages_; ++i) {
-      for (int r = 0; r < kX; ++r) list_defect_entries(i, r);
-    }
-    row_entries_.resize(index(stages_ * kC));
-    pair_entries_.resize(index(stages_));
-    cross_entries_.resize(index(stages_));
-    for (int j = 0; j < stages_; ++j) {
-      for (int c = 0; c < kC; ++c) {
-        for (int i = 0; i < kV; ++i) {
-          if (structure_.rows[index(c)].depends_on(i)) list_input(row_entries_[index(j * kC + c)], j, i);
-        }
-      }
-      list_pairs(j);
-      for (int i = 0; i < kV; ++i) {
-        bool present = structure_.cost.depends_on(i);
-        for (const auto& f : structure_.f) present = present || f.depends_on(i);
-        if (present) list_input(cross_entries_[index(j)], j, i);
-      }
-    }
-  }
-  void list_defect_entries(int i, int r) {
-    const auto& depends = structure_.f[index(r)];
-    for (int j = 0; j < stages_; ++j) {
-      for (int c = 0; c < kV; ++c) {
-        const bool node_itself = j < first_new_ && c == r, stage_itself = j == i && c == r;
-        if (!depends.depends_on(c) && !node_itself && !stage_itself) continue;
-        const double own = node_itself ? -1 : stage_itself ? 1 : 0;
-        spread_anywhere(j, c, [&](const Variable& of, double coefficient) {
-          defect_entries_.push_back({i, r, j, c, coefficient * own, coefficient * scheme_.A(i, j), of});
-        });
-      }
-    }
-    if (first_new_ == 0) defect_entries_.push_back({i, r, 0, r, -1, 0, {Variable::kNode, r}});
-    defect_entries_.push_back({i, r, 0, 0, 0, 0, {Variable::kDuration, 0}});
-  }
-  void list_input(std::vector<InputEntry>& to, int j, int i) {
-    spread_anywhere(j, i, [&](const Variable& of, double coefficient) { to.push_back({i, coefficient, of}); });
-  }
-  // A pair (a, a) spread over u_begin and u_end has two equal off-diagonal entries: the lower triangle holds one.
-  void list_pairs(int j) {
-    for (const auto& [a, b] : curved_pairs_) {
-      const std::size_t packed = Dual2<kV>::row(index(a)) + index(b);
-      spread_anywhere(j, a, [&, input = a, other = b](const Variable& of, double coefficient) {
-        spread_anywhere(j, other, [&](const Variable& with, double other_coefficient) {
-          if (input == other && with.at > of.at) return;
-          pair_entries_[index(j)].push_back({packed, coefficient * other_coefficient, of, with});
-        });
-      });
-    }
+  int variable(int k, const EntryVariable& v) const {
+    if (v.where == EntryVariable::kDuration) return duration_of(k);
+    return v.at + (v.where == EntryVariable::kNode ? node_at(k) : interval_at(k));
   }
 
   // The entries of interval k's rows; returns where the next go.
   double* write_jacobian(int k, double h, const Point<Dual<kV>>* p, double* to) const {
-    for (const DefectEntry& e : defect_entries_) {
-      if (e.of.where == Variable::kDuration) {
+    for (const DefectEntry& e : entries_.defects) {
+      if (e.of.where == EntryVariable::kDuration) {
         double rate = 0;
         for (int j = 0; j < stages_; ++j) rate += scheme_.A(e.defect, j) * p[j].f[index(e.row)].v;
         *to++ = -fraction(k) * rate;
@@ -634,7 +548,7 @@ class Transcription final : public Nlp {
       for (int c = 0; c < kC; ++c) {
         if (path_row(k, j, c) < 0) continue;
         const auto& gradient = p[j].rows[index(c)].g;
-        for (const InputEntry& e : row_entries_[index(j * kC + c)]) *to++ = e.coefficient * gradient[index(e.input)];
+        for (const InputEntry& e : entries_.rows[index(j * kC + c)]) *to++ = e.coefficient * gradient[index(e.input)];
       }
     }
     return to;
@@ -650,13 +564,14 @@ class Transcription final : public Nlp {
     }
     std::array<double, Dual2<kV>::kHessian> block{};
     add_second_derivatives(k, j, z, h, h * cost_weight, weight, multipliers, block);
-    for (const PairEntry& e : pair_entries_[index(j)]) *to++ = e.coefficient * block[e.packed];
+    for (const PairEntry& e : entries_.pairs[index(j)]) *to++ = e.coefficient * block[e.packed];
     Array<kV> cross;
     for (std::size_t i = 0; i < kV; ++i) cross[i] = cost_weight * first.cost.g[i];
     for (std::size_t r = 0; r < kX; ++r) {
       for (std::size_t i = 0; i < kV; ++i) cross[i] += weight[r] * first.f[r].g[i];
     }
-    for (const InputEntry& e : cross_entries_[index(j)]) *to++ = e.coefficient * fraction(k) * cross[index(e.input)];
+    for (const InputEntry& e : entries_.with_duration[index(j)])
+      *to++ = e.coefficient * fraction(k) * cross[index(e.input)];
     return to;
   }
 
@@ -690,12 +605,8 @@ class Transcription final : public Nlp {
   int stages_ = 0, first_new_ = 0, rows_ = 0, first_sum_row_ = 0;
   std::vector<int> interval_row_, path_rows_;
   Point<Pattern<kV>> structure_;
-  std::vector<std::pair<int, int>> curved_pairs_;
   std::vector<std::vector<std::pair<int, int>>> curved_at_nodes_;  // in the order of the cost nodes
-  std::vector<DefectEntry> defect_entries_;
-  std::vector<std::vector<InputEntry>> row_entries_;    // of row c at stage j: j kC + c
-  std::vector<std::vector<PairEntry>> pair_entries_;    // of stage j
-  std::vector<std::vector<InputEntry>> cross_entries_;  // with the duration, of stage j
+  IntervalEntries<kX, kU, kC> entries_;
   mutable Eigen::VectorXd valued_at_, derived_at_;
   mutable std::vector<PointValues> values_;
   mutable std::vector<Point<Dual<kV>>> derived_;

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <numeric>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -20,14 +21,16 @@ std::size_t Threads::take(std::size_t most) {
 }
 
 double Threads::for_each(std::size_t count, const std::function<void(std::size_t)>& task) {
-  const std::size_t others = count > 1 ? take(count - 1) : 0;
-  if (others == 0) {
-    for (std::size_t i = 0; i < count; ++i) task(i);
-    return 0;
+  std::size_t first = 0, others = 0;
+  for (; first < count; ++first) {  // one by one while no other thread is idle
+    others = take(count - first - 1);
+    if (others > 0) break;
+    task(first);
   }
+  if (others == 0) return 0;
   std::vector<std::exception_ptr> thrown(count);
   std::vector<double> seconds(others, 0.0);
-  std::atomic<std::size_t> next = 1;
+  std::atomic<std::size_t> next = first + 1;
   const auto try_task = [&](std::size_t i) {
     try {
       task(i);
@@ -40,17 +43,21 @@ double Threads::for_each(std::size_t count, const std::function<void(std::size_t
   };
   {
     std::vector<std::jthread> pool;
-    for (std::size_t w = 0; w < others; ++w) {
-      pool.emplace_back([&, w] {
-        const double began = cpu_time();
-        work();
-        seconds[w] = cpu_since(began);
-        ++idle_;
-      });
+    pool.reserve(others);
+    try {
+      while (pool.size() < others) {
+        pool.emplace_back([&, w = pool.size()] {
+          const double began = cpu_time();
+          work();
+          seconds[w] = cpu_since(began);
+          ++idle_;
+        });
+      }
+    } catch (const std::system_error&) {  // the system allows no more threads: there are fewer from now on
     }
     // A caller that only waits leaves its core idle for milliseconds: Linux begins all new threads on the other cores.
-    // The first task is the caller's, for it may have pieces of its own, and find all the others idle in the end.
-    try_task(0);
+    // The first task is the caller's, for it may have pieces of its own, which use the threads that are idle by then.
+    try_task(first);
     work();
   }
   for (const std::exception_ptr& exception : thrown) {

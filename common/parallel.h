@@ -7,20 +7,22 @@
 
 namespace fjr {
 
-// Threads that are shared by pieces of work and by pieces of those.
+// How many threads may work at a time, which pieces of work and pieces of those share; a thread lives as long as it
+// works.
 class Threads {
  public:
   explicit Threads(int most) : idle_(most - 1) {}
 
   // Calls task(i) for every i below `count`, in no particular order, on the caller's thread, which does the first, and
-  // on as many others as are idle when it begins. Returns the CPU time that the others took [s]. Throws what the first
-  // of the tasks by its index has thrown: when all have ended, or at once where no other thread is idle.
+  // on as many others as may work. Where none may, the caller looks again before each task. Returns the CPU time that
+  // the others took [s]. Throws what the first of the tasks by its index has thrown: at once where only the caller
+  // works, otherwise when all have ended.
   double for_each(std::size_t count, const std::function<void(std::size_t)>& task);
 
  private:
   std::size_t take(std::size_t most);
 
-  std::atomic<int> idle_;
+  std::atomic<int> idle_;  // that may be started
 };
 
 // Does the same with `threads` threads of its own; the caller's counts as one.

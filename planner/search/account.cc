@@ -17,9 +17,13 @@ Account& Account::operator+=(const Account& other) {
   work += other.work;
   fallbacks += other.fallbacks;
   cut_by_work = cut_by_work || other.cut_by_work;
+  add_time_of(other);
+  return *this;
+}
+
+void Account::add_time_of(const Account& other) {
   for (const auto& [part, seconds] : other.timing) timing[part] += seconds;
   cpu_of_others += other.cpu_of_others;
-  return *this;
 }
 
 }  // namespace fjr

@@ -80,6 +80,7 @@ struct Account {
   double cpu_of_others = 0;  // [s] CPU time of other threads than the caller's
 
   Account& operator+=(const Account& other);
+  void add_time_of(const Account& other);  // timing and CPU time alone: of what was done in vain
 };
 
 }  // namespace fjr

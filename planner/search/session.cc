@@ -53,13 +53,16 @@ bool Session::interrupted(double work) {
   return stopped() || spent;
 }
 
-// False when no more was allowed by then.
+// False when no more was allowed by then: only the time that it took counts.
 bool Session::join(const Session& branch) {
-  const bool in_time = work_ < allowed_;
+  if (work_ >= allowed_) {
+    account_.add_time_of(branch.account_);
+    return false;
+  }
   work_ += branch.work_ - branch.work_before_;
   account_ += branch.account_;
   enter(branch.phase_);
-  return in_time;
+  return true;
 }
 
 std::vector<std::unique_ptr<Session>> Session::branches(std::size_t count) const {

@@ -89,10 +89,34 @@ TEST(Threads, ServeAgainAfterOneHasThrown) {
   std::atomic<bool> other = false;
   const auto caller = std::this_thread::get_id();
   threads.for_each(3, [&](std::size_t) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(5));
     if (std::this_thread::get_id() != caller) other = true;
+    for (int i = 0; i < 1000 && !other; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   });
   EXPECT_TRUE(other);
+}
+
+// Two threads: while one does its task, the other begins six pieces alone; when the first is done, it helps.
+TEST(Threads, HelpWithWhatWasBegunAlone) {
+  Threads threads(2);
+  const auto caller = std::this_thread::get_id();
+  std::atomic<bool> begun = false, done = false, helped = false;
+  const auto wait_for = [](const std::atomic<bool>& flag) {
+    for (int ms = 0; ms < 1000 && !flag; ++ms) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  threads.for_each(2, [&](std::size_t i) {
+    if (i == 1) {
+      wait_for(begun);
+      done = true;
+      return;
+    }
+    threads.for_each(6, [&](std::size_t) {
+      if (std::this_thread::get_id() != caller) helped = true;
+      begun = true;
+      wait_for(done);
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // until that thread is idle
+    });
+  });
+  EXPECT_TRUE(helped);
 }
 
 // ---- sessions ----

@@ -179,6 +179,8 @@ std::string quoted_flow(std::string_view text) {
 
 YamlNode YamlNode::parse(const std::string& text, const std::string& source) {
   if (text.size() > kMaxYamlBytes) throw InputError(source, "", fmt::format("larger than {} bytes", kMaxYamlBytes));
+  if (text.find('\0') != std::string::npos)
+    throw InputError(source, "", "no text, but binary: it has bytes that are 0");
   std::istringstream in(text);
   Builder builder(source);
   try {
@@ -239,7 +241,8 @@ bool YamlNode::says(std::string_view word) const { return is_scalar() && tree_->
 std::string YamlNode::kind() const {
   if (is_map()) return "a map";
   if (is_list()) return fmt::format("a list of {}", tree_->children.size());
-  return is_null() ? "empty" : "the text " + shown(tree_->scalar);
+  if (is_null()) return "empty";
+  return is_number() ? "the number " + tree_->scalar : "the text " + shown(tree_->scalar);
 }
 
 void YamlNode::allow_keys(const std::vector<std::string_view>& allowed) const {

@@ -49,6 +49,7 @@ class YamlNode {
   bool is_null() const;
   bool is_number() const;                  // number() would take it, that is: finite and not quoted
   bool says(std::string_view word) const;  // the scalar `word`
+  std::string kind() const;                // "a list of 3", for messages
 
   const std::vector<std::string>& keys() const;  // of a map, in their order
 
@@ -79,7 +80,6 @@ class YamlNode {
 
   YamlNode(std::shared_ptr<const Document> document, const Tree* tree, std::string field);
   YamlNode child(const Tree& tree, std::string field) const;
-  std::string kind() const;  // "a list of 3", for messages
   static std::string flow(const Tree& tree);
 
   std::shared_ptr<const Document> document_;

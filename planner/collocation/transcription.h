@@ -426,6 +426,10 @@ class Transcription final : public Nlp {
     const int n = duration_at(mesh_.segments());
     x_lower = Eigen::VectorXd::Constant(n, -std::numeric_limits<double>::infinity());
     x_upper = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
+    if (first_new_ == 0) {  // the start is no stage of such a scheme
+      std::copy_n(bounds_in(0).x_lower.begin(), kX, x_lower.begin());
+      std::copy_n(bounds_in(0).x_upper.begin(), kX, x_upper.begin());
+    }
     for (int k = 0; k < intervals(); ++k) {
       const auto& bounds = bounds_in(k);
       for (int j = 0; j < stages_; ++j) {

@@ -28,6 +28,7 @@ struct Goal {
   std::optional<Joints<double>> theta;   // [rad]; none: free
   std::optional<Joints<double>> dtheta;  // [rad/s]; none: free
   bool at_rest = true;                   // dq = dtheta = 0 and theta in equilibrium (given, unless a joint is free)
+  bool of_tip_velocity = false;          // dq is what moves the tip as goal.tip_velocity asks for
 
   bool any_free() const { return free[0] || free[1]; }
 };

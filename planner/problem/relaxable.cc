@@ -83,7 +83,8 @@ void add_velocities(std::vector<Relaxable>& all, const Problem& problem) {
         [i](Problem& p) -> Joints<double>& { return *p.via[i].dq; });
   }
   if (!problem.goal.theta && !problem.goal.dtheta) {
-    add("goal.dq", problem.via.size(), problem.goal.dq, [](Problem& p) -> Joints<double>& { return p.goal.dq; });
+    add(problem.goal.of_tip_velocity ? "goal.tip_velocity" : "goal.dq", problem.via.size(), problem.goal.dq,
+        [](Problem& p) -> Joints<double>& { return p.goal.dq; });
   }
 }
 

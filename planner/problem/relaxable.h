@@ -9,6 +9,8 @@
 
 namespace fjr {
 
+struct ConstraintInfo;
+
 // What kind of thing can be relaxed. A search for the least change also names the last two (search/explain/explain.h).
 enum class RelaxableKind {
   kLimit,
@@ -23,7 +25,7 @@ enum class RelaxableKind {
 // Relaxing by `amount` >= 0 never excludes a motion that was allowed before, but for velocities.
 struct Relaxable {
   RelaxableKind kind;
-  std::string name;  // torque, ..., tip_speed; obstacles[0], tip_box, tip_line, tip_arc, path; via[0].dq, goal.dq
+  std::string name;  // torque, ..., tip_speed; obstacles[0], tip_box, tip_line, tip_arc, path; via[0].dq, goal.dq, ...
   int joint = 0;     // 1 or 2; 0: neither
   std::string unit;
   double from = 0;     // as it was asked for. Of an obstacle: radius and margin; of a box: 0, what it grows by on every

@@ -15,6 +15,7 @@
 #include "planner/program/commands.h"
 #include "planner/program/ending.h"
 #include "planner/program/network_arguments.h"
+#include "planner/program/number_checks.h"
 #include "planner/program/service_log.h"
 
 namespace fjr {
@@ -77,6 +78,7 @@ void add_executor(CLI::App& app, int& exit_code) {
       ->type_name("EXECUTOR.yaml");
   command->add_option("--robot", options->robot, "Robot file; without it the one shipped with fjr")->type_name("R");
   command->add_option("--start", options->start, "Where the links rest at first, in rad")
+      ->check(finite())
       ->delimiter(',')
       ->expected(2)
       ->type_name("Q1,Q2");
@@ -87,7 +89,7 @@ void add_executor(CLI::App& app, int& exit_code) {
   command->add_option("--true-robot", options->true_robot, "What the simulated arm really is: another robot file")
       ->type_name("R");
   command->add_option("--payload", options->payload, "Mass at the tip that nobody planned with, in kg")
-      ->check(CLI::Range(0.0, 10.0))
+      ->check(between(0, 10))
       ->type_name("KG");
   command->add_flag("--hysteresis", options->hysteresis, "Springs with the hysteresis of `fjr experiment`");
   command->add_flag("--fast", options->fast, "Execute as fast as the simulation can instead of in real time");

@@ -20,6 +20,7 @@
 #include "planner/program/experiment_design.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/misspelt.h"
+#include "planner/program/number_checks.h"
 #include "planner/program/progress_line.h"
 
 namespace fjr {
@@ -108,10 +109,11 @@ void add_design(CLI::App& experiment, int& exit_code) {
   command->add_option("--robot", options->robot,
                       "What is known of the arm; without it the robot.yaml shipped with fjr");
   command->add_option("--start", options->start, "Link angles where the arm rests before the first of them, rad; 0 0")
+      ->check(finite())
       ->expected(2)
       ->type_name("Q1 Q2");
   command->add_option("--duration", options->duration, "Of all motions together at most, s")
-      ->check(CLI::Range(1.0, kLongestDesign))
+      ->check(between(1, kLongestDesign))
       ->capture_default_str();
   command->add_option("--candidates", options->candidates, "Planned for each motion, of which the best is taken")
       ->check(CLI::Range(1, 1000))
@@ -119,7 +121,7 @@ void add_design(CLI::App& experiment, int& exit_code) {
   command->add_option("--seed", options->seed, "Of the candidates")->capture_default_str();
   command
       ->add_option("--widen", options->widen, "Take the standard errors of the robot file for so many times as large")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(between(1, 1000))
       ->type_name("TIMES");
   command->add_flag("--payload-known", options->payload_known,
                     "The mass at the tip is as in the robot file; otherwise it is taken for unknown within 0.5 kg");

@@ -11,6 +11,7 @@
 #include "common/input_error.h"
 #include "planner/program/commands.h"
 #include "planner/program/misspelt.h"
+#include "planner/program/number_checks.h"
 #include "planner/results/export/formats.h"
 #include "planner/results/result_folder.h"
 
@@ -103,7 +104,7 @@ void add_export(CLI::App& app, int& exit_code) {
   command
       ->add_option("--tick", options->tick,
                    "Period of the drive, in seconds: the rows of a plan, and their mean torques")
-      ->check(CLI::Range(kShortestTick, kLongestTick))
+      ->check(between(kShortestTick, kLongestTick))
       ->capture_default_str();
   command->add_option("--log", options->log, "Log of the plan's execution, into the same MCAP file")
       ->type_name("LOG.csv");

@@ -10,6 +10,7 @@
 #include "planner/client/halt.h"
 #include "planner/program/commands.h"
 #include "planner/program/network_arguments.h"
+#include "planner/program/number_checks.h"
 #include "planner/results/plan_json.h"
 
 namespace fjr {
@@ -50,10 +51,10 @@ void add(CLI::App& app, int& exit_code, ExecutorCommand what, const std::string&
   command->add_option("--robot-id", options->halt.robot_id, "Name of the arm on DDS")->capture_default_str();
   add_network_options(*command, options->network);
   command->add_option("--find", options->halt.find, "How long to look for an executor, in seconds")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   command->add_option("--within", options->halt.comply, "How long the arm may take to come to rest, in seconds")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   command->add_flag("--json", options->json,
                     "Only JSON on stdout: the first executor of the robot, and all of them in `executors`");

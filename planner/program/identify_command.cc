@@ -19,6 +19,7 @@
 #include "planner/program/doubts.h"
 #include "planner/program/identify_executed.h"
 #include "planner/program/misspelt.h"
+#include "planner/program/number_checks.h"
 #include "planner/results/plan_json.h"
 
 namespace fjr {
@@ -199,7 +200,7 @@ void add_identify(CLI::App& app, int& exit_code) {
   command
       ->add_option("--widen", options->widen,
                    "Of executed: take the standard errors of the robot file for so many times as large")
-      ->check(CLI::Range(1.0, 1000.0))
+      ->check(between(1, 1000))
       ->type_name("TIMES");
   command->add_flag("--payload-known", options->payload_known,
                     "Of executed: the mass at the tip is as in the robot file, and not to be found");

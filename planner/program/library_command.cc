@@ -27,6 +27,7 @@
 #include "planner/program/doubts.h"
 #include "planner/program/ending.h"
 #include "planner/program/interrupt.h"
+#include "planner/program/number_checks.h"
 #include "planner/program/plan_pool.h"
 #include "planner/program/plan_settings.h"
 #include "planner/program/progress_line.h"
@@ -348,12 +349,12 @@ void add_check(CLI::App& library, LibraryArguments& options) {
       ->capture_default_str()
       ->type_name("N");
   command->add_option("--away", options.away, "How far their goals are moved, in rad")
-      ->check(CLI::Range(0.0, kNearby))
+      ->check(between(0, kNearby))
       ->capture_default_str()
       ->type_name("RAD");
   command
       ->add_option("--tolerance", options.tolerance, "Fraction of the objective that may be lost: exit code 1 beyond")
-      ->check(CLI::Range(0.0, 1.0))
+      ->check(between(0, 1))
       ->capture_default_str()
       ->type_name("X");
   command->add_option("--seed", options.seed, "Of the sample and of the directions")->capture_default_str();

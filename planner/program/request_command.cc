@@ -16,6 +16,7 @@
 #include "planner/program/commands.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/network_arguments.h"
+#include "planner/program/number_checks.h"
 #include "planner/program/progress_line.h"
 #include "planner/program/request_file.h"
 #include "planner/program/result_files.h"
@@ -255,7 +256,7 @@ void add_request(CLI::App& app, int& exit_code) {
       ->excludes("--execute");
   command->add_flag("--json", options->json, "Only JSON on stdout: plan.json");
   command->add_option("--budget", options->budget, "Time the service may take, in seconds")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->type_name("S");
   command->add_option("--priority", options->priority, "Larger goes first")->type_name("N");
   command->add_option("--robot-id", options->robot_id, "Which arm; needed only where several are served")
@@ -263,10 +264,10 @@ void add_request(CLI::App& app, int& exit_code) {
   add_talk(*command, options->talk);
   add_network_options(*command, options->network);
   command->add_option("--find", options->client.find, "How long to look for a service, in seconds")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   command->add_option("--silence", options->client.silence, "Silence after which no answer is expected, in seconds")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

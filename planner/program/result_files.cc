@@ -30,7 +30,7 @@ void prepare_folder(const fs::path& folder) {
 
 std::string about_previous(const fs::path& folder, PlanStatus status, bool kept) {
   const fs::path previous = folder / kPrevious;
-  if (status != PlanStatus::kCertified && worth_of(previous) == Worth::kPlan) {
+  if (status != PlanStatus::kCertified && has_certified_plan(previous)) {
     return fmt::format("the earlier certified plan is in {}", previous.string());
   }
   return kept ? fmt::format("the earlier results are in {}", previous.string()) : "";

@@ -13,6 +13,7 @@
 #include "planner/program/commands.h"
 #include "planner/program/ending.h"
 #include "planner/program/network_arguments.h"
+#include "planner/program/number_checks.h"
 #include "planner/program/service_log.h"
 #include "planner/service/one_per_robot.h"
 #include "planner/service/service.h"
@@ -75,7 +76,7 @@ void add_serve(CLI::App& app, int& exit_code) {
   command->add_flag("--worker-only", options->worker_only,
                     "Solve for the service of the same robot_id on another machine, and answer nobody");
   command->add_option("--rehearse", options->rehearsal, "Wait for so many seconds in place of planning anything")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->group("");  // to try out networks: every request ends as not converged
   command->callback([options, &exit_code] { exit_code = serve(*options); });
 }

@@ -18,6 +18,7 @@
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
 #include "planner/program/misspelt.h"
+#include "planner/program/number_checks.h"
 #include "planner/protocol/execution_messages.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/planned_with.h"
@@ -207,7 +208,7 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command
       ->add_option("--hold", options->hold,
                    "How long the arm is then held where the trajectory ends at rest, in seconds; not in open loop")
-      ->check(CLI::Range(0.0, kLongestHold))
+      ->check(between(0, kLongestHold))
       ->capture_default_str();
   command->add_option("--robot", options->robot, "Robot file that it is for; without it the one shipped with fjr")
       ->type_name("R");

@@ -17,6 +17,7 @@
 #include "planner/client/client.h"
 #include "planner/program/commands.h"
 #include "planner/program/interrupt.h"
+#include "planner/program/number_checks.h"
 #include "planner/results/plan_json.h"
 
 namespace fjr {
@@ -192,7 +193,7 @@ void add_status(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand("status", "Show how the planning services and executors on DDS are doing");
   command->add_option("--domain", options->domain, "DDS domain")->check(CLI::Range(0, 230));
   command->add_option("--wait", options->wait, "How long to listen, in seconds")
-      ->check(CLI::PositiveNumber)
+      ->check(positive())
       ->capture_default_str();
   command->add_flag("--watch", options->watch,
                     "Again and again until Ctrl-C, every --wait seconds, and who is silent; with --json one a line");

@@ -15,6 +15,7 @@
 #include "planner/certificate/robust/robustness.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
+#include "planner/program/number_checks.h"
 #include "planner/program/summary.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/planned_with.h"
@@ -114,7 +115,7 @@ void add_verify(CLI::App& app, int& exit_code) {
                    "Mass at the tip, and inertia about its own centre; without it what the robot or the file's header "
                    "says")
       ->expected(1, 2)
-      ->check(CLI::NonNegativeNumber)
+      ->check(not_negative())
       ->type_name("KG [KG M^2]");
   command->add_flag("--proven", options->proven,
                     "Bounds that hold with mathematical certainty too: certified only if everything is proven");
@@ -122,7 +123,7 @@ void add_verify(CLI::App& app, int& exit_code) {
       ->add_option("--robust", options->robust,
                    "Margins for the arms that the robot's uncertainty leaves possible: certified only if this fraction "
                    "of them keeps everything, with the executor's feedback")
-      ->check(CLI::Range(kLeastConfidence, kMostConfidence))
+      ->check(between(kLeastConfidence, kMostConfidence))
       ->type_name("P");
   command->add_flag("--json", options->json, "Only JSON on stdout: the certificate");
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <string_view>
 #include <utility>
 #include <variant>
@@ -33,7 +34,7 @@ void read(const YamlNode& node, const char*, std::uint64_t& value) { value = nod
 void read(const YamlNode& node, const char*, std::string& value) { value = node.text(); }
 
 void read(const YamlNode& node, const char*, bool& value) {
-  if (!node.says("true") && !node.says("false")) node.fail("must be true or false");
+  if (!node.says("true") && !node.says("false")) node.fail("must be true or false, not " + node.kind());
   value = node.says("true");
 }
 
@@ -44,20 +45,34 @@ void read(const YamlNode& node, const char*, Choice& value) {
   value = kWords<Choice>[node.one_of(words)].second;
 }
 
+// Where the word free was looked for before.
+double number_beside_free(const YamlNode& node, const char* unit) {
+  if (node.is_scalar() && std::isalpha(static_cast<unsigned char>(node.text()[0])) != 0) {
+    node.fail(
+        fmt::format("must be a number ({}) or free, not {}{}", unit, node.kind(), did_you_mean(node.text(), {"free"})));
+  }
+  return node.number(unit);
+}
+
 void read(const YamlNode& node, const char* unit, AnglesOrFree& angles) {
   const std::vector<YamlNode> items = node.is_list() ? node.items() : std::vector<YamlNode>{};
   const auto is_free = [](const YamlNode& item) { return item.says("free"); };
-  if (items.size() != kJoints || std::none_of(items.begin(), items.end(), is_free)) {
+  const auto is_number = [](const YamlNode& item) { return item.is_number(); };
+  if (items.size() != kJoints || std::all_of(items.begin(), items.end(), is_number)) {
     const Joints<double> both = node.pair(unit);
     std::copy(both.begin(), both.end(), angles.begin());
     return;
   }
   for (std::size_t j = 0; j < kJoints; ++j) {
-    if (!is_free(items[j])) angles[j] = items[j].number(unit);
+    if (!is_free(items[j])) angles[j] = number_beside_free(items[j], unit);
   }
 }
 
 void read(const YamlNode& node, const char* unit, VelocityOrFree& velocity) {
+  if (node.is_scalar() && !node.says("free")) {
+    node.fail(fmt::format("must be two numbers ({}), [joint 1, joint 2], or free, not {}{}", unit, node.kind(),
+                          did_you_mean(node.text(), {"free"})));
+  }
   velocity = node.says("free") ? VelocityOrFree{AnyVelocity{}} : node.pair(unit);
 }
 
@@ -171,7 +186,7 @@ void read(const YamlNode& node, const char* unit, RequestedDuration& duration) {
     return;
   }
   if (!node.is_scalar()) node.fail("must be a number of seconds, free, or {min, max}");
-  duration = node.number(unit);
+  duration = number_beside_free(node, unit);
 }
 
 void read(const YamlNode& node, const char*, RequestedGoal& goal) {

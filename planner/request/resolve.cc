@@ -359,6 +359,7 @@ std::optional<Goal> tip_goal(const Request& request, const TipGoal& asked, const
       const auto dq = inverse_velocity(problem.robot, q, *asked.velocity);
       if (!dq) place.at("tip_velocity").fail("the stretched or folded arm cannot move its tip this way");
       goal.dq = *dq;
+      goal.of_tip_velocity = true;
       for (const double rate : goal.dq) {
         if (std::abs(rate) > kLargestLinkVelocity) {
           place.at("tip_velocity")

@@ -171,9 +171,12 @@ bool same_results(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
+bool has_certified_plan(const fs::path& folder) { return text_at(read_plan_json(folder), "status") == "certified"; }
+
 Worth worth_of(const fs::path& folder) {
   const std::string status = text_at(read_plan_json(folder), "status");
   if (status == "certified" || fs::exists(folder / "trajectory.csv")) return Worth::kPlan;
+  if (status.empty() && fs::exists(folder / "plan.json")) return Worth::kPlan;
   const bool answered = status == "infeasible" || status == "not_converged" || status == "uncertified";
   return answered ? Worth::kAnswer : Worth::kNothing;
 }

@@ -24,8 +24,11 @@ enum class Worth {
   kPlan      // certified
 };
 
-// By the status in plan.json; a trajectory.csv without one is taken for certified.
+// By the status in plan.json. A trajectory.csv without one is kept like a certified plan, and so is a plan.json without
+// a status, which is somebody else's.
 Worth worth_of(const std::filesystem::path& folder);
+
+bool has_certified_plan(const std::filesystem::path& folder);  // by the status in plan.json
 
 // While it lives no other fjr replaces the results in the folder. A replacement that was interrupted is completed
 // first, so that what is read then belongs together. Nothing happens for a folder that does not exist, and nothing is

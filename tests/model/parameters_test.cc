@@ -228,7 +228,7 @@ TEST(Parameters, BrokenEntriesAreRefusedByName) {
   EXPECT_EQ(error_after("[6.17, 0.53]", "[6.17]"),
             "link.gravity_torque.value: must be two numbers (N m), [joint 1, joint 2], not a list of 1");
   EXPECT_EQ(error_after("[0.0686, 0.0145]", "0.0686"),
-            "motor.inertia.value: must be two numbers (kg m^2), [joint 1, joint 2], not the text \"0.0686\"");
+            "motor.inertia.value: must be two numbers (kg m^2), [joint 1, joint 2], not the number 0.0686");
 }
 
 TEST(Parameters, WrongShapesOfTheFileAreRefused) {

@@ -53,6 +53,7 @@ TEST(BrokenRequest, ShapeOfTheDocument) {
   expect_refused({
       {"", "empty"},
       {"# nothing\n", "empty"},
+      {std::string("\xff\xfe\0", 3), "no text, but binary: it has bytes that are 0"},
       {"fastest",
        "must be a map with the keys robot, start, goal, duration, objective, via, obstacles, walls, tip, path, limits, "
        "sample_period, seed, payload, method, search, robust, proven, not the text \"fastest\""},
@@ -149,7 +150,7 @@ TEST(BrokenRequest, StartAndGoal) {
       {kMove + "limits: {link_position: [1, 1]}", "goal.q[0]: 1.2 rad is outside [-1, 1]"},
       {kStart + "goal: {q: [1]}", "goal.q: must be two numbers (rad), [joint 1, joint 2], not a list of 1"},
       {kStart + "goal: {q: [1, .nan]}", "goal.q[1]: \".nan\" is not a finite number (rad)"},
-      {kStart + "goal: {q: [1, nan]}", "goal.q[1]: \"nan\" is not a finite number (rad)"},
+      {kStart + "goal: {q: [1, nan]}", "goal.q[1]: must be a number (rad) or free, not the text \"nan\""},
       {kStart + "goal: {q: [1, 1,2]}", "goal.q: must be two numbers (rad), [joint 1, joint 2], not a list of 3"},
       {kStart + "goal: {q: [1, 30deg]}", "goal.q[1]: \"30deg\" is not a finite number (rad)"},
       {kStart + "goal: {dq: [1, 1]}", "goal.q: missing"},
@@ -191,7 +192,12 @@ TEST(BrokenRequest, DurationAndObjective) {
   expect_refused({
       {kMove + "duration: 0.01", "duration: 0.01 s is outside [0.02, 120]"},
       {kMove + "duration: -1", "duration: -1 s is outside [0.02, 120]"},
-      {kMove + "duration: soon", "duration: \"soon\" is not a finite number (s)"},
+      {kMove + "duration: soon", "duration: must be a number (s) or free, not the text \"soon\""},
+      {kMove + "duration: fre", "duration: must be a number (s) or free, not the text \"fre\"; did you mean free?"},
+      {kStart + "goal: {q: [fre, 1]}",
+       "goal.q[0]: must be a number (rad) or free, not the text \"fre\"; did you mean free?"},
+      {kStart + "goal: {q: [1, 1], dq: fre}",
+       "goal.dq: must be two numbers (rad/s), [joint 1, joint 2], or free, not the text \"fre\"; did you mean free?"},
       {kMove + "duration: [1, 2]", "duration: must be a number of seconds, free, or {min, max}"},
       {kMove + "duration: {min: 2, max: 1}", "duration: min 2 s is above max 1 s"},
       {kMove + "duration: {min: 0.4, max: 121}", "duration.max: 121 s is outside [0.02, 120]"},
@@ -241,7 +247,7 @@ TEST(BrokenRequest, LimitsAndSampling) {
        "limits.torque[0]: 15 N m is above the robot's 12 N m (limits may only tighten)"},
       {kMove + "limits: {torque: [10, 0]}", "limits.torque[1]: 0 N m must be > 0"},
       {kMove + "limits: {torque: 10}",
-       "limits.torque: must be two numbers (N m), [joint 1, joint 2], not the text \"10\""},
+       "limits.torque: must be two numbers (N m), [joint 1, joint 2], not the number 10"},
       {kMove + "limits: {tip_speed: -1}", "limits.tip_speed: -1 m/s must be > 0"},
       {kMove + "limits: {link_velocity: [1, 1]}",
        "limits: unknown key \"link_velocity\"; allowed: torque, motor_velocity, link_position, spring_deflection, "

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -13,6 +14,7 @@
 #include "common/input_error.h"
 #include "model/flatness.h"
 #include "planner/problem/problem.h"
+#include "planner/problem/relaxable.h"
 #include "planner/request/keys.h"
 #include "tests/planner/parsed_request.h"
 
@@ -95,7 +97,8 @@ TEST(Request, AProofIsAskedForOrNot) {
   EXPECT_TRUE(parse(kMove + "proven: true\n").proven);
   EXPECT_NE(parse(kMove + "proven: true\n").request_hash, parse(kMove).request_hash);
   EXPECT_EQ(parse(kMove + "proven: false\n").request_hash, parse(kMove).request_hash);
-  EXPECT_EQ(error_of(kMove + "proven: perhaps\n"), "request.yaml: proven: must be true or false");
+  EXPECT_EQ(error_of(kMove + "proven: perhaps\n"),
+            "request.yaml: proven: must be true or false, not the text \"perhaps\"");
 }
 
 TEST(Request, MethodIsAScheme) {
@@ -292,7 +295,7 @@ TEST(Request, ReleaseIsWhereTheArmMovesUnlessSaid) {
   expect_refused({
       {kMove + "via: [{q: [0.1, 0.1], release: true}, {q: [0.2, 0.1], release: true}]",
        "via[1].release: is said of another via point already"},
-      {kMove + "via: [{q: [0.1, 0.1], release: 1}]", "via[0].release: must be true or false"},
+      {kMove + "via: [{q: [0.1, 0.1], release: 1}]", "via[0].release: must be true or false, not the number 1"},
       {kMove + "objective: {time: 1, tip_speed: 1}",
        "objective.tip_speed: the arm moves nowhere that is named: needs a via point, or a moving goal"},
       {"start: {q: [0, 0]}\ngoal: {q: [0.6, 0.1], dq: free, theta: [0.6, 0.1]}\n",
@@ -315,6 +318,9 @@ TEST(Request, TipGoalIsASetOfPostures) {
     EXPECT_NEAR(moves.y, -0.3, 1e-12);
     EXPECT_FALSE(goal.at_rest);
   }
+  // Where it cannot be had, it is called what the request calls it.
+  const std::vector<Relaxable> all = relaxables(problem);
+  EXPECT_TRUE(std::any_of(all.begin(), all.end(), [](const Relaxable& r) { return r.name == "goal.tip_velocity"; }));
 }
 
 TEST(Request, ElbowIsOnTheSideOfTheLineFromBaseToTip) {

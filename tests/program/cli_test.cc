@@ -67,6 +67,30 @@ TEST_F(Cli, WrongCommandLinesAreBadInput) {
   EXPECT_FALSE(fs::exists(path("out")));
 }
 
+TEST_F(Cli, WhatIsNoNumberIsRefusedWithWhatIs) {
+  const auto fault_of = [&](std::vector<std::string> arguments, const std::string& value) {
+    arguments.push_back(value);
+    const Result result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2) << testing::PrintToString(arguments);
+    return result.err;
+  };
+  for (const char* value : {"nan", "inf", "-1", "x"}) {
+    for (const std::vector<std::string>& option :
+         std::vector<std::vector<std::string>>{{"verify", "a.csv", "--payload"},
+                                               {"verify", "a.csv", "--robust"},
+                                               {"export", "a.csv", "--format", "csv", "--out", "b.csv", "--tick"},
+                                               {"simulate", "a.csv", "--out", "b.csv", "--hold"},
+                                               {"library", "check", "l", "--away"},
+                                               {"library", "check", "l", "--tolerance"},
+                                               {"identify", "executed", "a.csv", "--widen"},
+                                               {"request", "a.yaml", "--out", "b", "--budget"},
+                                               {"executor", "--payload"}}) {
+      EXPECT_THAT(fault_of(option, value), HasSubstr(option.back() + ": " + value + " is not a number "));
+    }
+  }
+  EXPECT_THAT(fault_of({"executor", "--start"}, "nan,0"), HasSubstr("--start: nan is not a number that is finite"));
+}
+
 struct BadRequest {
   std::string name, text, message;
 };

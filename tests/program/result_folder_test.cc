@@ -93,6 +93,15 @@ TEST_F(ResultFolder, WhatIsReplacedByAFailureIsKept) {
   EXPECT_EQ(owner_of(out_), "f");
 }
 
+TEST_F(ResultFolder, APlanJsonOfSomebodyElseIsKept) {
+  std::ofstream(out_ / "plan.json") << "p";
+  EXPECT_TRUE(replace(out_, "a", "infeasible"));
+  EXPECT_EQ(contents(out_ / kPrevious / "plan.json"), "p");
+  EXPECT_FALSE(has_certified_plan(out_ / kPrevious));
+  EXPECT_FALSE(replace(out_, "b", "cancelled"));
+  EXPECT_EQ(contents(out_ / kPrevious / "plan.json"), "p");
+}
+
 TEST_F(ResultFolder, AnAnswerIsKeptFromAFailureWhereThereIsNothingBetter) {
   replace(out_, "a", "infeasible");
   EXPECT_TRUE(replace(out_, "b", "cancelled"));

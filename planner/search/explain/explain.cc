@@ -471,10 +471,6 @@ class Explanation {
                  : fmt::format("no motion found keeps every limit; {} is in the way{}",
                                name_of(result_.limit, result_.joint), when);
     add_statics();
-    if (result_.relaxations.empty() && everything != nullptr) {
-      result_.sentence +=
-          fmt::format("; all limits together {:.3g} times as large would do", 1 + everything->solution().slack);
-    }
   }
 
   // ---- statics ----
@@ -517,7 +513,8 @@ class Explanation {
       result_.sentence += "; " + sentence_of(r);
     }
     if (!any && anything_tried_ && !search_.over())
-      result_.sentence += "; no other change of a single limit was found to do";
+      result_.sentence +=
+          fmt::format("; no {}change of a single limit was found to do", result_.relaxations.empty() ? "" : "other ");
   }
 
   const Problem& problem_;

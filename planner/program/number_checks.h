@@ -1,0 +1,40 @@
+// What numbers an option of the command line takes. CLI11's own checks let a number pass that is none (nan).
+#pragma once
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <string>
+
+namespace fjr {
+
+// holds: of the number that was given; what: "from 0 to 10", for messages; named: the check in --help.
+template <class Holds>
+CLI::Validator number_that(Holds holds, const std::string& what, const std::string& named) {
+  const auto fault = [holds, what](const std::string& text) {
+    double value = 0;
+    const bool read = CLI::detail::lexical_cast(text, value) && std::isfinite(value);
+    return read && holds(value) ? std::string() : fmt::format("{} is not a number {}", text, what);
+  };
+  return CLI::Validator(fault, named);
+}
+
+inline CLI::Validator between(double least, double most) {
+  return number_that([=](double value) { return value >= least && value <= most; },
+                     fmt::format("from {} to {}", least, most), fmt::format("FLOAT in [{} - {}]", least, most));
+}
+
+inline CLI::Validator positive() {
+  return number_that([](double value) { return value > 0; }, "above 0", "POSITIVE");
+}
+
+inline CLI::Validator finite() {
+  return number_that([](double) { return true; }, "that is finite", "");
+}
+
+inline CLI::Validator not_negative() {
+  return number_that([](double value) { return value >= 0; }, "from 0 on", "NONNEGATIVE");
+}
+
+}  // namespace fjr

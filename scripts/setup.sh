@@ -12,6 +12,6 @@ step "building what a first plan needs"
 cmake --preset program
 cmake --build --preset program --target fjr_plans
 build/plans/fjr plan config/requests/reach.yaml --out out/reach --report
-step "the first plan is in out/reach (report.html shows it); building the rest: batches, service, executor, identification"
+step "the first plan is in out/reach (report.html shows it); until build/fjr is there, build/plans/fjr plans, verifies and reports; building the rest"
 cmake --build --preset program
 step "build/fjr is complete"

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <filesystem>
 
 #include "planner/nlp/linear_solver.h"
 #include "planner/program/misspelt.h"
+#include "planner/program/number_checks.h"
 
 namespace fjr {
 
@@ -25,14 +25,7 @@ void add_options(CLI::App& command, PlanSettings& settings) {
                   "Starts of the optimiser; default by objective, 1 to 12; more never come to less")
       ->check(CLI::Range(1, 100));
   command.add_option("--deadline", settings.plan.deadline, "Wall time allowed for each request, in seconds")
-      ->check(CLI::Validator(
-          [](const std::string& text) {
-            double seconds = 0;
-            const bool number = CLI::detail::lexical_cast(text, seconds);
-            return number && std::isfinite(seconds) && seconds > 0 ? ""
-                                                                   : '"' + text + "\" is not a number of seconds > 0";
-          },
-          ""))
+      ->check(positive())
       ->type_name("S");
   command
       .add_option("--library", settings.library,

@@ -236,6 +236,10 @@ bool YamlNode::is_number() const {
   double value = 0;
   return is_scalar() && tree_->plain && read_whole_text(tree_->scalar, value) == std::errc() && std::isfinite(value);
 }
+bool YamlNode::is_nan_or_infinite() const {
+  double value = 0;
+  return is_scalar() && tree_->plain && read_whole_text(tree_->scalar, value) == std::errc() && !std::isfinite(value);
+}
 bool YamlNode::says(std::string_view word) const { return is_scalar() && tree_->scalar == word; }
 
 std::string YamlNode::kind() const {

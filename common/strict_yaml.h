@@ -48,6 +48,7 @@ class YamlNode {
   bool is_scalar() const;  // not null
   bool is_null() const;
   bool is_number() const;                  // number() would take it, that is: finite and not quoted
+  bool is_nan_or_infinite() const;         // spelt nan, inf or infinity, as JSON writers of Python do it
   bool says(std::string_view word) const;  // the scalar `word`
   std::string kind() const;                // "a list of 3", for messages
 

@@ -47,7 +47,8 @@ void read(const YamlNode& node, const char*, Choice& value) {
 
 // Where the word free was looked for before.
 double number_beside_free(const YamlNode& node, const char* unit) {
-  if (node.is_scalar() && std::isalpha(static_cast<unsigned char>(node.text()[0])) != 0) {
+  const bool is_word = node.is_scalar() && std::isalpha(static_cast<unsigned char>(node.text()[0])) != 0;
+  if (is_word && !node.is_nan_or_infinite()) {
     node.fail(
         fmt::format("must be a number ({}) or free, not {}{}", unit, node.kind(), did_you_mean(node.text(), {"free"})));
   }

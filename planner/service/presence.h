@@ -37,7 +37,7 @@ class Presence {
   // Whether the client is to be asked for a sign of life; asked() tells that it has been.
   bool is_due(const Order& order, Clock::time_point now) const {
     const auto found = clients_.find(order.id.client);
-    return found != clients_.end() && !found->second.asked && now - found->second.heard > patience(order) / 4;
+    return found != clients_.end() && !found->second.asked && now - found->second.heard > asks_after(order);
   }
   void asked(const RequestId& id, Clock::time_point now) { clients_[id.client].asked = now; }
 
@@ -46,11 +46,13 @@ class Presence {
     return now - last_heard(order.id) <= patience(order);
   }
 
-  // It was asked, has had time to answer, and has not been there for too long.
+  // It was asked, has had time to answer, and has not been there for too long. Of a client that was never heard, as
+  // after the death of an owner, the silence counts from when it was asked: it may have yet to meet who asks.
   bool gone(const Order& order, Clock::time_point now) const {
     const auto found = clients_.find(order.id.client);
-    return found != clients_.end() && found->second.asked && now - *found->second.asked > kToAnswer &&
-           now - found->second.heard > patience(order);
+    if (found == clients_.end() || !found->second.asked) return false;
+    const auto to_answer = std::max<Clock::duration>(kToAnswer, patience(order) - asks_after(order));
+    return now - *found->second.asked > to_answer && now - found->second.heard > patience(order);
   }
 
   template <class Wanted>
@@ -68,6 +70,7 @@ class Presence {
     std::optional<Clock::time_point> asked;  // without an answer since
   };
 
+  static Clock::duration asks_after(const Order& order) { return patience(order) / 4; }
   static Clock::duration patience(const Order& order) {
     if (!executes(order)) return kToPlan;
     if (order.start_within <= 0) return kToStart;

@@ -15,6 +15,7 @@
 #include "planner/service/executor_watch.h"
 #include "planner/service/outbox.h"
 #include "planner/service/ownership.h"
+#include "planner/service/presence.h"
 #include "planner/service/recent_ids.h"
 #include "planner/service/refused_repetitions.h"
 #include "planner/service/turns.h"
@@ -546,6 +547,38 @@ TEST(Admission, StartWithinIsLongEnoughToAsk) {
   EXPECT_EQ(field_of(0.5), "");
   EXPECT_EQ(field_of(0.49), "start_within");
   EXPECT_EQ(field_of(601), "start_within");
+}
+
+// Who takes over from an owner that died has heard nothing yet of its clients, which may take a moment to meet it.
+TEST(Presence, AClientThatIsMetHasAsMuchTimeToAnswerAsOneThatIsKnown) {
+  using std::chrono::milliseconds;
+  Order order;
+  order.id = {{1}, 1};
+  const Presence::Clock::time_point now{std::chrono::hours(1)};
+  for (const double start_within : {0.0, 3.0}) {
+    order.action = start_within > 0 ? Action::kPlanAndExecute : Action::kPlan;
+    order.start_within = start_within;
+    const milliseconds patience{start_within > 0 ? 3000 : 5000};
+    Presence met, known;
+    met.heard(order.id, {});
+    known.heard(order.id, now);
+    EXPECT_TRUE(met.is_due(order, now));
+    EXPECT_FALSE(met.may_start(order, now));  // nothing moves for it
+    EXPECT_FALSE(met.gone(order, now));
+    EXPECT_FALSE(known.is_due(order, now));
+    const auto asked = now + patience / 4 + milliseconds(1);
+    EXPECT_TRUE(known.is_due(order, asked));
+    met.asked(order.id, asked);
+    known.asked(order.id, asked);
+    const auto over = asked + patience * 3 / 4;
+    for (const Presence& one : {met, known}) {
+      EXPECT_FALSE(one.gone(order, over - milliseconds(1)));
+      EXPECT_TRUE(one.gone(order, over + milliseconds(2)));
+    }
+    met.heard(order.id, over);
+    EXPECT_FALSE(met.gone(order, over + milliseconds(2)));
+    EXPECT_TRUE(met.may_start(order, over));
+  }
 }
 
 TEST(RecentIds, AreForgottenByAgeAndByNumber) {

@@ -1,6 +1,7 @@
 // A client that can be killed at any point:  patient_client DOMAIN REQUEST
-// Stops itself once it is served; continued, it asks for a motion and waits.
+// Stops itself once it is served; continued, it asks for a motion, says so and waits.
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
 
 #include "planner/dds/client_port.h"
@@ -18,6 +19,8 @@ int main(int, char** argv) {
   while (!port.served()) port.wait(std::chrono::milliseconds(5));
   std::raise(SIGSTOP);
   if (!port.send(order)) return 1;
+  std::puts("asked");
+  std::fflush(stdout);
   for (;;) {
     port.wait(std::chrono::milliseconds(20));
     (void)port.take_replies();

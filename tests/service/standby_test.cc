@@ -203,6 +203,7 @@ class ClientDeathTest : public StandbyTest {
     settle();
     a_->send(SIGSTOP);
     client.send(SIGCONT);
+    wait_until([&] { return says(client, "asked"); });
     std::this_thread::sleep_for(milliseconds(100));
     client.send(SIGKILL);
   }

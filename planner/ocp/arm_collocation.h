@@ -132,13 +132,19 @@ void add_velocity_rows(const Problem& problem, const Mesh& mesh, ArmOcp<F>& ocp)
   }
 }
 
+inline Joints<double> torque_margins(const CollocationSetup& setup, std::size_t k) {
+  constexpr std::size_t kFirst = first_limit_of(Torque::info);
+  return setup.margins.empty() ? Joints<double>{0, 0}
+                               : Joints<double>{setup.margins[k][kFirst], setup.margins[k][kFirst + 1]};
+}
+
 template <Features F>
 std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, const CollocationSetup& setup) {
   std::vector<typename ArmOcp<F>::Bounds> bounds;
   const std::vector<TightenedLimits> tightened = tightened_limits(problem, setup.mesh, setup.margins);
   for (std::size_t k = 0; k < setup.mesh.size(); ++k) {
     auto here = path_bounds<F>(tightened[k].limits);
-    if constexpr (F.peak) bound_peaks<F>(here, problem);
+    if constexpr (F.peak) bound_peaks<F>(here, problem, torque_margins(setup, k));
     for (std::size_t r = 0; r < tightened[k].task_rows.size(); ++r) {
       here.row_lower[ArmOcp<F>::kTask + r] = tightened[k].task_rows[r][0];
       here.row_upper[ArmOcp<F>::kTask + r] = tightened[k].task_rows[r][1];
@@ -313,6 +319,11 @@ Collocated run(const CollocationSetup& setup, const Transcription<ArmOcp<F>>& tr
     result.durations = transcription.durations(result.report.iterate.x);
     result.motion = motion_of(transcription, result.report.iterate.x);
     if constexpr (F.slack) result.slack = result.report.iterate.x(ArmOcp<F>::kSlack);
+    if constexpr (F.peak) {
+      for (std::size_t j = 0; j < kJoints && transcription.ocp().weights.peak_torque > 0; ++j) {
+        result.peak[j] = result.report.iterate.x(ArmOcp<F>::kPeak + static_cast<int>(j));
+      }
+    }
   }
   return result;
 }

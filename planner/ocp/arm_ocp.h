@@ -315,9 +315,10 @@ typename ArmOcp<F>::Bounds path_bounds(const Limits& limits) {
 
 // The states that bound |tau_m|; without a price on them they bound nothing, and only have to stay somewhere. Holding
 // the goal afterwards needs its gravity torque, so a peak below that would be of no use. (A joint that may end anywhere
-// is counted in the published value alone.)
+// is counted in the published value alone.) Between the collocation points they are kept as limits on torque are, by
+// the same margins [N m].
 template <Features F>
-void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem) {
+void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem, const Joints<double>& margins) {
   using Ocp = ArmOcp<F>;
   constexpr double kBelowPeak = 1e-6;  // fraction of the limit: a state whose bounds meet would be no variable
   const Joints<double> holding = held_at_goal(problem);
@@ -325,7 +326,9 @@ void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem) {
     b.x_lower[Ocp::kPeak + j] = std::min(holding[j], problem.limits.torque[j] * (1 - kBelowPeak));
     b.x_upper[Ocp::kPeak + j] = problem.limits.torque[j];
   }
-  for (std::size_t r = Ocp::kPeakRow; r < Ocp::kTask && problem.weights.peak_torque > 0; ++r) b.row_lower[r] = 0;
+  for (std::size_t r = Ocp::kPeakRow; r < Ocp::kTask && problem.weights.peak_torque > 0; ++r) {
+    b.row_lower[r] = margins[(r - Ocp::kPeakRow) / 2];
+  }
 }
 
 // What is relaxed is bounded by the rows that see the slack, which count from the middle as value() does.

@@ -30,9 +30,10 @@ struct CollocationSetup {
 struct Collocated {
   CollocationSetup setup;
   SolveReport report;
-  std::vector<double> durations;  // [s] of the mesh's segments
-  Motion motion;                  // meaningful when report.solved()
-  double slack = 0;               // of a problem with slack
+  std::vector<double> durations;            // [s] of the mesh's segments
+  Motion motion;                            // meaningful when report.solved()
+  double slack = 0;                         // of a problem with slack
+  Joints<double> peak{kNoLimit, kNoLimit};  // [N m] of a problem that prices the peak: what bounds |tau_m|
 };
 
 // About `intervals` intervals, equal within each segment, for segments of these durations [s].

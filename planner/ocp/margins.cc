@@ -17,6 +17,7 @@ constexpr int kProbes = 16;       // pieces an interval is looked at in; polynom
 constexpr double kEnlarge = 1.2;  // margins answer an excess with a little more
 constexpr double kLeast = 1e-5;   // fraction of a limit: the optimiser does not see less
 constexpr double kNegligible = 1e-7;  // fraction of a limit: an excess below a tenth of what the certificate allows
+constexpr double kAbovePeak = 3e-3;   // fraction of a peak that is priced: less is not worth another solution
 constexpr double kMostMargin = 0.5;   // fraction of a limit that a margin may take: the bounds must not cross
 constexpr double kRunThrough = 0.1;   // fraction of a task's scale
 constexpr double kWindow = 0.03;      // fraction of the duration around a given state that lies on a limit
@@ -237,6 +238,19 @@ std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const M
     result.push_back(std::move(excess));
   }
   return result;
+}
+
+void add_excesses_of_peak(std::vector<PerLimit>& excesses, const Problem& problem, const Motion& motion,
+                          const Joints<double>& peak) {
+  const Joints<FrictionLaw> friction{FrictionLaw::of(problem.robot, 0), FrictionLaw::of(problem.robot, 1)};
+  for (std::size_t k = 0; k < motion.intervals.size(); ++k) {
+    const Limits reached = reached_in(problem, friction, motion, k);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      double& excess = excesses[k][first_limit_of(Torque::info) + j];
+      const double above = reached.torque[j] - peak[j];
+      if (above > kAbovePeak * peak[j]) excess = std::max(excess, above);
+    }
+  }
 }
 
 double largest_tightening(const Problem& problem, const std::vector<PerLimit>& margins) {

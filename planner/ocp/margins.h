@@ -45,6 +45,11 @@ inline constexpr double kKeep = 0.8;  // leaves a fifth of the base margin to th
 std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep = kKeep,
                                double slack = 0);
 
+// Where the torque, with the exact friction law, is above a peak [N m] that bounds it at the collocation points, the
+// excess becomes one of the limit on torque.
+void add_excesses_of_peak(std::vector<PerLimit>& excesses, const Problem& problem, const Motion& motion,
+                          const Joints<double>& peak);
+
 // The limit that a motion exceeds most, as a sentence ("spring_deflection of joint 1 exceeds ..."); empty if none.
 std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion& motion);
 

@@ -478,8 +478,12 @@ bool Continuation::tighten() {
     CollocationSetup setup = solution_.setup;
     const double keep = round < kEagerRounds ? kKeep : kKeepAtLast;
     const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
-    const bool wider = widen(setup.margins, excesses(*problem_, setup.mesh, solution_.motion, keep, solution_.slack),
-                             *problem_, growth);
+    std::vector<PerLimit> excess = excesses(*problem_, setup.mesh, solution_.motion, keep, solution_.slack);
+    // With a smoothed friction law the exact one is above the peak everywhere.
+    if (problem_->weights.peak_torque > 0 && setup.smoothing.friction_width == 0) {
+      add_excesses_of_peak(excess, *problem_, solution_.motion, solution_.peak);
+    }
+    const bool wider = widen(setup.margins, excess, *problem_, growth);
     setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), mesh_tolerance());
     const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
     if (!wider && !finer) {

@@ -67,7 +67,7 @@ ArmOcp<F> arm(double friction_width, int segments) {
   ocp.cost_nodes = {{2, Node::kRelease}, {mesh_of_segments(segments).size(), Node::kGoal}};
   for (FrictionLaw& law : ocp.friction) law = law.smoothed(friction_width);
   ocp.bounds = {path_bounds<F>(limits)};
-  if constexpr (F.peak) bound_peaks<F>(ocp.bounds[0], problem);
+  if constexpr (F.peak) bound_peaks<F>(ocp.bounds[0], problem, {0, 0});
   if constexpr (F.task_rows > 0) {  // a row of every kind, and lines that differ from segment to segment
     Task task;
     task.obstacles = {{{0.3, -0.2}, 0.05, 0.01}};

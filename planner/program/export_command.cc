@@ -10,6 +10,7 @@
 #include "common/atomic_file.h"
 #include "common/input_error.h"
 #include "planner/program/commands.h"
+#include "planner/program/file_checks.h"
 #include "planner/program/misspelt.h"
 #include "planner/program/number_checks.h"
 #include "planner/results/export/formats.h"
@@ -115,7 +116,8 @@ void add_export(CLI::App& app, int& exit_code) {
   command
       ->add_option("--out", options->out,
                    "File to write; default: export.FORMAT in the folder, LOG.export.FORMAT beside the log")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(file_to_write());
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }
 

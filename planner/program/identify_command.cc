@@ -17,6 +17,7 @@
 #include "model/identify/report.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
+#include "planner/program/file_checks.h"
 #include "planner/program/identify_executed.h"
 #include "planner/program/misspelt.h"
 #include "planner/program/number_checks.h"
@@ -183,11 +184,14 @@ void add_identify(CLI::App& app, int& exit_code) {
   command->add_option("logs", options->logs, "Logs, or the folder of <experiment>_<joint>.csv")
       ->required()
       ->type_name("LOG.csv...|DIR");
-  command->add_option("--out", options->out, "Write a complete robot.yaml")->type_name("robot.yaml");
+  command->add_option("--out", options->out, "Write a complete robot.yaml")
+      ->type_name("robot.yaml")
+      ->check(file_to_write());
   command
       ->add_option("--report", options->report,
                    "Write plots of fits and residuals; of all to the --out name with .html")
-      ->type_name("REPORT.html");
+      ->type_name("REPORT.html")
+      ->check(file_to_write());
   command->add_option("--robot", options->robot, "What is known so far; without it the robot.yaml shipped with fjr");
   command->add_option("--joint", options->joint, "Joint of the logs, where they do not say")->check(CLI::Range(1, 2));
   command->add_option("--column", options->columns, "Column name in the logs, as in q1=link_1_position")

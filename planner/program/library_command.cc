@@ -296,11 +296,12 @@ Json to_json(const std::vector<LibraryCheck>& checks) {
 std::string for_people(const std::vector<LibraryCheck>& checks, double away) {
   const CheckSummary sum = sum_up(checks);
   return fmt::format(
-      "{} requests {:.3g} rad beside plans of the library\n"
+      "{} request{} {:.3g} rad beside plans of the library\n"
       "  planned from there   {} of {}\n"
       "  objective            at most {:.2g} % above that from scratch\n"
       "  CPU time             {:.3f} s in place of {:.3f} s (medians)\n",
-      checks.size(), away, sum.used, checks.size(), 100 * sum.worst, sum.median_cpu, sum.median_cold_cpu);
+      checks.size(), checks.size() == 1 ? "" : "s", away, sum.used, checks.size(), 100 * sum.worst, sum.median_cpu,
+      sum.median_cold_cpu);
 }
 
 int check(const LibraryArguments& options) {

@@ -95,8 +95,8 @@ class ChunkRun {
   }
 
   std::string for_people(std::size_t chunk) const {
-    return fmt::format("chunk {}: {} requests, {} planned now, {} finished earlier\n", chunk, items_.size(), planned_,
-                       earlier_);
+    return fmt::format("chunk {}: {} request{}, {} planned now, {} finished earlier\n", chunk, items_.size(),
+                       items_.size() == 1 ? "" : "s", planned_, earlier_);
   }
 
  private:

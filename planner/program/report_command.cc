@@ -10,6 +10,7 @@
 #include "common/atomic_file.h"
 #include "common/input_error.h"
 #include "planner/program/commands.h"
+#include "planner/program/file_checks.h"
 #include "planner/program/result_files.h"
 #include "planner/results/report/both_plans_page.h"
 #include "planner/results/report/plan_files.h"
@@ -60,7 +61,8 @@ void add_report(CLI::App& app, int& exit_code) {
       ->expected(1, 2)
       ->type_name("DIR [DIR]");
   command->add_option("--out", options->out, "Page about two plans; default: compared.html in the first folder")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->check(file_to_write());
   command->callback([options, &exit_code] {
     const fs::path file = options->folders.size() == 1 ? report_on_one(*options) : report_on_two(*options);
     fmt::print("{}\n", file.string());

@@ -17,6 +17,7 @@
 #include "planner/certificate/simulation.h"
 #include "planner/program/commands.h"
 #include "planner/program/doubts.h"
+#include "planner/program/file_checks.h"
 #include "planner/program/misspelt.h"
 #include "planner/program/number_checks.h"
 #include "planner/protocol/execution_messages.h"
@@ -215,11 +216,13 @@ void add_simulate(CLI::App& app, int& exit_code) {
   command->add_option("--true-robot", options->true_robot, "What the simulated arm really is: another robot file")
       ->type_name("R");
   command->add_option("--out", options->out, "File for what the arm did: rows about every millisecond")
-      ->type_name("RUN.csv");
+      ->type_name("RUN.csv")
+      ->check(file_to_write());
   command
       ->add_option("--log", options->log,
                    "File for what the executor would have logged of it; with --control executor. fjr learn takes it")
-      ->type_name("LOG.csv");
+      ->type_name("LOG.csv")
+      ->check(file_to_write());
   command->add_flag("--json", options->json, "Only JSON on stdout");
   command->callback([options, &exit_code] { exit_code = run(*options); });
 }

@@ -130,7 +130,9 @@ void read(const YamlNode& node, const char* unit, RequestedObjective& objective)
               " is not a preset (fastest, gentle, efficient); weights are given as {effort: 1, ...}" +
               did_you_mean(node.text(), words));
   }
-  if (!node.is_map()) node.fail("must be a preset (fastest, gentle, efficient) or weights {effort: 1, ...}");
+  if (!node.is_map()) {
+    node.fail("must be a preset (fastest, gentle, efficient) or weights {effort: 1, ...}, not " + node.kind());
+  }
   std::vector<std::string_view> names;
   for (const TermInfo& term : Terms::infos) names.push_back(term.name);
   node.allow_keys(names);

@@ -51,10 +51,8 @@ std::optional<KeyFault> fault_of(const GoalByKey& goal) {
     return first_of({{"q", goal.q.has_value()}, {"dq", goal.dq.has_value()}, theta, dtheta},
                     "does not go with goal.tip, which decides it");
   }
-  if (auto fault = first_of({{"elbow", goal.elbow.has_value()}, {"tip_velocity", goal.tip_velocity.has_value()}},
-                            "goes with goal.tip; with goal.q give dq")) {
-    return fault;
-  }
+  if (goal.elbow) return KeyFault{"elbow", "goes with goal.tip: goal.q has its elbow on one side already"};
+  if (goal.tip_velocity) return KeyFault{"tip_velocity", "goes with goal.tip; with goal.q give dq"};
   if (!goal.q) return KeyFault{"q", "missing"};
   if (!goal.dq) {
     return first_of({theta, dtheta},

@@ -100,7 +100,8 @@ TEST(BrokenRequest, Sets) {
       {kStart + "goal: {tip: [0.3, -0.4], dq: [0, 1]}", "goal.dq: does not go with goal.tip, which decides it"},
       {kStart + "goal: {tip: [0, -0.65], tip_velocity: [1, 0]}",
        "goal.tip_velocity: the stretched or folded arm cannot move its tip this way"},
-      {kStart + "goal: {q: [1, 0], elbow: left}", "goal.elbow: goes with goal.tip; with goal.q give dq"},
+      {kStart + "goal: {q: [1, 0], elbow: left}",
+       "goal.elbow: goes with goal.tip: goal.q has its elbow on one side already"},
       {kStart + "goal: {q: [free, free]}", "goal.q: one joint may be free, not both"},
       {kStart + "goal: {q: [free, 3]}", "goal.q[1]: 3 rad is outside [-2.6, 2.6]"},
       {kStart + "goal: {q: [free, 0]}", "goal: start and goal are the same state; nothing to plan"},
@@ -219,7 +220,10 @@ TEST(BrokenRequest, DurationAndObjective) {
       {kMove + "objective: {speed: 1}",
        "objective: unknown key \"speed\"; allowed: time, effort, torque_rate, link_acceleration, link_jerk, energy, "
        "copper, peak_torque, tip_speed, tracking"},
-      {kMove + "objective:", "objective: must be a preset (fastest, gentle, efficient) or weights {effort: 1, ...}"},
+      {kMove + "objective:",
+       "objective: must be a preset (fastest, gentle, efficient) or weights {effort: 1, ...}, not empty"},
+      {kMove + "objective: [time]",
+       "objective: must be a preset (fastest, gentle, efficient) or weights {effort: 1, ...}, not a list of 1"},
   });
 }
 

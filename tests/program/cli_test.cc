@@ -67,6 +67,28 @@ TEST_F(Cli, WrongCommandLinesAreBadInput) {
   EXPECT_FALSE(fs::exists(path("out")));
 }
 
+// Before anything is computed or read for it.
+TEST_F(Cli, AFileThatCannotBeWrittenIsRefusedAtOnce) {
+  for (const std::vector<std::string>& option :
+       std::vector<std::vector<std::string>>{{"export", "plan", "--format", "csv", "--out"},
+                                             {"simulate", "a.csv", "--out"},
+                                             {"simulate", "a.csv", "--control", "executor", "--log"},
+                                             {"identify", "all", "a.csv", "--out"},
+                                             {"identify", "all", "a.csv", "--report"},
+                                             {"report", "one", "two", "--out"}}) {
+    const auto fault_of = [&](const std::string& file) {
+      std::vector<std::string> arguments = option;
+      arguments.push_back(file);
+      const Result result = run(arguments);
+      EXPECT_EQ(result.exit_code, 2) << testing::PrintToString(arguments);
+      return result.err;
+    };
+    EXPECT_THAT(fault_of("not_there/b"),
+                HasSubstr(option.back() + ": cannot write not_there/b: there is no folder not_there"));
+    EXPECT_THAT(fault_of("/"), HasSubstr(option.back() + ": / is a folder, not a file"));
+  }
+}
+
 TEST_F(Cli, WhatIsNoNumberIsRefusedWithWhatIs) {
   const auto fault_of = [&](std::vector<std::string> arguments, const std::string& value) {
     arguments.push_back(value);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <filesystem>
 #include <future>
+#include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -34,7 +35,7 @@ class LearnCommand : public Cli {
  protected:
   void SetUp() override {
     Cli::SetUp();
-    plan("limits: {torque: [10, 4]}\n");
+    use_plan();
     write("wrong.yaml",
           replaced(replaced(contents(FJR_SOURCE_DIR "/config/robot.yaml"), "20.48, 17.75", "19.46, 16.86"),
                    "0.4968, 0.5051", "0.5962, 0.6061"));
@@ -44,6 +45,21 @@ class LearnCommand : public Cli {
     write("move.yaml", "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\nduration: 0.8\n" + more);
     const Result planned = run({"plan", "move.yaml", "--out", "out"});
     ASSERT_EQ(planned.exit_code, 0) << planned.out << planned.err;
+  }
+
+  // The folder out; the same for all tests, which is planned once.
+  void use_plan() const {
+    static std::map<std::string, std::string> files;
+    if (!files.empty()) {
+      fs::create_directory(path("out"));
+      for (const auto& [name, text] : files) write(name, text);
+      return;
+    }
+    plan("limits: {torque: [10, 4]}\n");
+    files["move.yaml"] = contents(path("move.yaml"));
+    for (const char* name : {"out/plan.json", "out/trajectory.csv", "out/solution.cbor"}) {
+      files[name] = contents(path(name));
+    }
   }
 
   void execute(const std::string& folder, const std::string& log, const std::string& arm = "wrong.yaml") const {

@@ -142,9 +142,11 @@ class Examination {
          driving == 0
              ? fmt::format("this law brakes at all speeds, up to {:.4g} N m at the velocity limit",
                            law.torque(p_.limits.motor_velocity[j]))
-             : fmt::format("this law drives the motor by {:.3g} N m at {:.3g} rad/s: friction cannot (viscous, "
-                           "amplitude, width, second_weight, second_shape)",
-                           driving, at));
+             : fmt::format("this law drives the motor by {:.3g} N m at {:.3g} rad/s, {:.2g} % of its amplitude: {} "
+                           "(viscous, amplitude, width, second_weight, second_shape)",
+                           driving, at, 100 * driving / law.amplitude,
+                           driving > kDrivingFriction.improbable * law.amplitude ? "friction cannot"
+                                                                                 : "no more than a fit may be off"));
   }
 
   void encoders(std::size_t j) {

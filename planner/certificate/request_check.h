@@ -16,4 +16,8 @@ namespace fjr {
 void check_against_request(const Problem& problem, const std::vector<double>& ends, const Trajectory& trajectory,
                            Certificate& certificate);
 
+// Of that the task alone.
+void check_against_task(const Parameters& robot, const Task& task, const std::vector<double>& ends,
+                        const Trajectory& trajectory, Certificate& certificate);
+
 }  // namespace fjr

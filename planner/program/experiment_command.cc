@@ -18,6 +18,7 @@
 #include "planner/design/experiment_design.h"
 #include "planner/program/commands.h"
 #include "planner/program/experiment_design.h"
+#include "planner/program/file_checks.h"
 #include "planner/program/interrupt.h"
 #include "planner/program/misspelt.h"
 #include "planner/program/number_checks.h"
@@ -87,6 +88,14 @@ void perform_all(const ExperimentArguments& options, const RigSetup& setup) {
 int run(const ExperimentArguments& options) {
   if (options.name.empty()) throw InputError("command line", "", "an experiment is needed, or `design` (see --help)");
   if (options.out.empty()) throw InputError("--out", "", "is needed: the log; of all experiments a folder");
+  if (options.name == "all" && options.joint != 0) {
+    throw InputError("--joint", "", "is for a single experiment; all are of both joints");
+  }
+  if (options.name != "all") {
+    if (const std::string fault = fault_of_file_to_write(options.out); !fault.empty()) {
+      throw InputError("--out", "", fault);
+    }
+  }
   catch_interrupts();
   const RigSetup setup = setup_of(options);
   if (options.name == "all") {

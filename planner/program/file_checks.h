@@ -10,16 +10,23 @@
 
 namespace fjr {
 
-// A file that can be made or replaced: in a folder that is there.
-inline CLI::Validator file_to_write() {
-  const auto fault = [](const std::string& text) {
-    const std::filesystem::path file = text, folder = file.has_parent_path() ? file.parent_path() : ".";
-    std::error_code ignored;
-    if (std::filesystem::is_directory(file, ignored)) return fmt::format("{} is a folder, not a file", text);
-    if (std::filesystem::is_directory(folder, ignored)) return std::string();
-    return fmt::format("cannot write {}: there is no folder {}", text, folder.string());
-  };
-  return CLI::Validator(fault, "");
+// A file that can be made or replaced is in a folder that is there, and none of those that make a folder a plan. Empty:
+// nothing is wrong.
+inline std::string fault_of_file_to_write(const std::string& name) {
+  const std::filesystem::path file = name, folder = file.has_parent_path() ? file.parent_path() : ".";
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) return fmt::format("{} is a folder, not a file", name);
+  if (!std::filesystem::is_directory(folder, ignored)) {
+    return fmt::format("cannot write {}: there is no folder {}", name, folder.string());
+  }
+  for (const char* of_plan : {"plan.json", "trajectory.csv", "solution.cbor"}) {
+    if (file.filename() == of_plan && std::filesystem::exists(file, ignored)) {
+      return fmt::format("{} belongs to a plan, and would be lost", name);
+    }
+  }
+  return "";
 }
+
+inline CLI::Validator file_to_write() { return CLI::Validator(fault_of_file_to_write, ""); }
 
 }  // namespace fjr

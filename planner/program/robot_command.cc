@@ -17,6 +17,7 @@
 #include "model/new_robot.h"
 #include "model/robot_check.h"
 #include "planner/program/commands.h"
+#include "planner/program/file_checks.h"
 #include "planner/program/request_file.h"
 #include "planner/results/plan_json.h"
 
@@ -180,7 +181,8 @@ void add_robot(CLI::App& app, int& exit_code) {
       ->type_name("DESCRIPTION.yaml|-");
   fresh->add_option("--out", options->out, "File to write; one that is there already is left alone")
       ->required()
-      ->type_name("ROBOT.yaml");
+      ->type_name("ROBOT.yaml")
+      ->check(file_to_write());
   fresh->footer(keys_for_help());
   fresh->callback([options, &exit_code] { exit_code = make(options->file, options->out); });
 

@@ -184,6 +184,9 @@ int run(const SimulateArguments& options) {
   if (!options.log.empty() && options.control != "executor") {
     throw InputError("--log", "", "'" + options.control + "' has no log: it is for --control executor");
   }
+  if (!options.log.empty() && fs::path(options.log).lexically_normal() == fs::path(options.out).lexically_normal()) {
+    throw InputError("--log", "", options.log + " is the file of --out, too");
+  }
   const SimulatedRun run = simulated(options);
   if (!options.log.empty()) write_log(run, options.log);
   if (!options.out.empty()) write_run(run, options.out);

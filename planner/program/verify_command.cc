@@ -66,9 +66,10 @@ std::string header_text(const Verification& v) {
 
 std::string text_for_people(const VerifyArguments& options, const Trajectory& trajectory, const Verification& v) {
   return fmt::format(
-      "{}: {} against the robot's limits{} ({} rows{}, {:.6g} s, {}, {})\n{}{}", options.trajectory,
+      "{}: {} against the robot's limits{}{} ({} rows{}, {:.6g} s, {}, {})\n{}{}", options.trajectory,
       v.certificate.certified ? "certified" : "certificate failed", v.header.limits.empty() ? "" : " and the request's",
-      trajectory.samples.size(), v.complete ? "" : "; how many there were is not said, so some may be missing",
+      v.certificate.task.empty() ? "" : " and the plan's task", trajectory.samples.size(),
+      v.complete ? "" : "; how many there were is not said, so some may be missing",
       trajectory.end_time() - trajectory.start_time(), motion_of("starts", v.robot, trajectory.samples.front()),
       motion_of("ends", v.robot, trajectory.samples.back()), header_text(v), summary(v.certificate, v.limits));
 }
@@ -76,9 +77,8 @@ std::string text_for_people(const VerifyArguments& options, const Trajectory& tr
 VerifyOptions verify_options(const VerifyArguments& options) {
   VerifyOptions o{payload_given(options), options.proven};
   if (options.robust > 0) o.robust = options.robust;
-  const bool minds_task = options.proven || options.robust > 0;
   const bool has_plan = std::filesystem::exists(std::filesystem::path(options.trajectory) / "plan.json");
-  if (minds_task && has_plan) o.planned = planned_task(options.trajectory);
+  if (has_plan) o.planned = planned_task(options.trajectory);
   return o;
 }
 

@@ -51,7 +51,11 @@ std::optional<KeyFault> fault_of(const GoalByKey& goal) {
     return first_of({{"q", goal.q.has_value()}, {"dq", goal.dq.has_value()}, theta, dtheta},
                     "does not go with goal.tip, which decides it");
   }
-  if (goal.elbow) return KeyFault{"elbow", "goes with goal.tip: goal.q has its elbow on one side already"};
+  if (goal.elbow) {
+    const bool decided = goal.q && (*goal.q)[1];
+    return KeyFault{"elbow",
+                    decided ? "goes with goal.tip: goal.q has its elbow on one side already" : "goes with goal.tip"};
+  }
   if (goal.tip_velocity) return KeyFault{"tip_velocity", "goes with goal.tip; with goal.q give dq"};
   if (!goal.q) return KeyFault{"q", "missing"};
   if (!goal.dq) {

@@ -9,6 +9,7 @@
 
 #include "common/parallel.h"
 #include "planner/certificate/proof/prove.h"
+#include "planner/certificate/request_check.h"
 #include "planner/certificate/residual.h"
 #include "planner/certificate/robust/robustness.h"
 #include "planner/request/request.h"
@@ -123,6 +124,7 @@ Verification verify(const Trajectory& trajectory, const std::string& source, con
   compare_robots(trajectory, v);
   compare_requests(trajectory, options.planned, v);
   v.certificate = certify(v.robot, v.limits, trajectory);
+  check_against_task(v.robot, options.planned.task, options.planned.ends, trajectory, v.certificate);
   const TaskOfMotion task = TaskOfMotion::of(v.robot, options.planned.task, options.planned.ends);
   if (options.proven) demand_proof(v.robot, v.limits, task, trajectory, v.certificate, on_all_cores);
   if (options.robust) {

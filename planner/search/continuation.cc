@@ -53,7 +53,8 @@ constexpr int kFailuresToTighten = 3;  // then what is there has to do: the next
 // rounds in which nothing moves.
 constexpr int kEagerRounds = 2;
 constexpr double kKeepAtLast = 0.2;
-constexpr double kUnfeltGrowth = 8;  // of a margin that the optimiser did not feel
+constexpr double kUnfeltGrowth = 8;      // of a margin that the optimiser did not feel
+constexpr double kSharpForPeaks = 1e-3;  // [rad/s] widths of friction laws up to which peaks are kept by margins
 constexpr int kCreepRounds = 3;
 constexpr double kLargestRegularisation = 0.05;  // fraction of the objective: what it costs is of second order in that
 constexpr double kFade = 0.5;                    // of that, where it has to be reduced
@@ -78,6 +79,12 @@ bool is_hopeless(const std::vector<double>& known, double objective) {
   constexpr double kTimesTheLeast = 1.2;
   const auto least = std::min_element(known.begin(), known.end());
   return least != known.end() && *least > 0 && objective > kTimesTheLeast * *least;
+}
+
+bool exceeds(const std::vector<PerLimit>& excesses) {
+  return std::any_of(excesses.begin(), excesses.end(), [](const PerLimit& here) {
+    return std::any_of(here.begin(), here.end(), [](double excess) { return excess > 0; });
+  });
 }
 
 // int u^2 [N^2 m^2 s]
@@ -481,32 +488,48 @@ void Continuation::solve_to_the_end() {
   if (solved_loosely()) attempt(what, CollocationSetup(solution_.setup), nullptr, warm(what));
 }
 
+// Where a motor reverses, what is kept below the peak in one interval may come up in the next: of the rounds that keep
+// the limits, the one with the least peak in its rows is the best, and it need not be the last.
+void Continuation::keep_lowest_peak(std::optional<Collocated> best) {
+  if (!best || published_objective(*problem_, *best) >= published_objective(*problem_, solution_)) return;
+  solution_ = *std::move(best);
+  failed_.clear();
+}
+
 bool Continuation::tighten() {
+  // In wider laws the friction differs from the exact one where a motor is not yet reversing.
+  bool minds_peak = problem_->weights.peak_torque > 0 && solution_.setup.smoothing.friction_width <= kSharpForPeaks;
+  std::optional<Collocated> lowest;
   for (int round = 0; round < kTighteningRounds && failures_to_tighten_ < kFailuresToTighten; ++round) {
     CollocationSetup setup = solution_.setup;
     const double keep = round < kEagerRounds ? kKeep : kKeepAtLast;
     const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
     std::vector<PerLimit> excess = excesses(*problem_, setup.mesh, solution_.motion, keep, solution_.slack);
-    // With a smoothed friction law the exact one is above the peak everywhere.
-    if (problem_->weights.peak_torque > 0 && setup.smoothing.friction_width == 0) {
-      add_excesses_of_peak(excess, *problem_, solution_.motion, solution_.peak);
+    if (minds_peak && round > 0 && !exceeds(excess) &&
+        (!lowest || published_objective(*problem_, solution_) < published_objective(*problem_, *lowest))) {
+      lowest = solution_;
     }
+    if (minds_peak) add_excesses_of_peak(excess, *problem_, solution_.motion, solution_.peak);
     const bool wider = widen(setup.margins, excess, *problem_, growth);
     setup = refined(std::move(setup), interval_errors(problem_->robot, solution_.motion), mesh_tolerance());
     const bool finer = setup.mesh.size() != solution_.setup.mesh.size();
     if (!wider && !finer) {
-      if (!solved_loosely()) return true;
+      if (!solved_loosely()) break;
       solve_to_the_end();
       if (solved_loosely()) break;
       continue;
     }
     const std::string what = fmt::format("{}, {} intervals{}", label_, setup.mesh.size(), wider ? " and margins" : "");
-    if (!attempt_or_forget(what, setup, loosely(what))) {
+    if (attempt_or_forget(what, setup, loosely(what))) continue;
+    if (status_ == SolveStatus::kStopped || !minds_peak) {
       ++failures_to_tighten_;
       break;
     }
+    minds_peak = false;  // what limits and mesh ask for is tried without it
   }
-  if (status_ != SolveStatus::kStopped) solve_to_the_end();
+  if (status_ == SolveStatus::kStopped) return false;
+  solve_to_the_end();
+  keep_lowest_peak(std::move(lowest));
   return status_ != SolveStatus::kStopped;
 }
 

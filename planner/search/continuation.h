@@ -34,7 +34,7 @@ class Continuation {
 
   // Solves with the smoothest friction law, on a coarse mesh from the guess and then on a refined one: what the starts
   // are compared by. status() says how it ended. `known`: objectives on first meshes; a minimum among them is not
-  // refined again.
+  // refined again, nor what comes to much more than the least.
   StartOutcome begin(const Guess& guess, int most_iterations, const std::vector<double>& known = {});
 
   // From the refined solution of a neighbouring problem - other start, other goal - to this one's, on its mesh. False
@@ -136,6 +136,7 @@ class Continuation {
   bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, const SolveOptions& options);
   bool attempt_once(const std::string& what, Attempt attempt, const std::function<Collocated()>& solve);
   bool has_rests() const;
+  void keep_lowest_peak(std::optional<Collocated> best);
   const ContinuationSettings& settings() const { return session_->options().settings; }
   SolveOptions options(const std::string& what);
   SolveOptions warm(const std::string& what);

@@ -46,12 +46,12 @@ class Presence {
     return now - last_heard(order.id) <= patience(order);
   }
 
-  // It was asked, has had time to answer, and has not been there for too long. Of a client that was never heard, as
-  // after the death of an owner, the silence counts from when it was asked: it may have yet to meet who asks.
+  // It was asked, has had time to answer, and has not been there for too long. A client that was never heard, as after
+  // the death of an owner, may have yet to meet who asks: it has as long to answer as one that was heard before.
   bool gone(const Order& order, Clock::time_point now) const {
     const auto found = clients_.find(order.id.client);
     if (found == clients_.end() || !found->second.asked) return false;
-    const auto to_answer = std::max<Clock::duration>(kToAnswer, patience(order) - asks_after(order));
+    const auto to_answer = std::clamp<Clock::duration>(patience(order) - asks_after(order), kToAnswer, kToPlan);
     return now - *found->second.asked > to_answer && now - found->second.heard > patience(order);
   }
 

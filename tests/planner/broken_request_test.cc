@@ -100,6 +100,7 @@ TEST(BrokenRequest, Sets) {
       {kStart + "goal: {tip: [0.3, -0.4], dq: [0, 1]}", "goal.dq: does not go with goal.tip, which decides it"},
       {kStart + "goal: {tip: [0, -0.65], tip_velocity: [1, 0]}",
        "goal.tip_velocity: the stretched or folded arm cannot move its tip this way"},
+      {kStart + "goal: {elbow: left}", "goal.elbow: goes with goal.tip"},
       {kStart + "goal: {q: [1, 0], elbow: left}",
        "goal.elbow: goes with goal.tip: goal.q has its elbow on one side already"},
       {kStart + "goal: {q: [free, free]}", "goal.q: one joint may be free, not both"},

@@ -69,12 +69,15 @@ TEST_F(Cli, WrongCommandLinesAreBadInput) {
 
 // Before anything is computed or read for it.
 TEST_F(Cli, AFileThatCannotBeWrittenIsRefusedAtOnce) {
+  write("plan.json", "{}");
   for (const std::vector<std::string>& option :
        std::vector<std::vector<std::string>>{{"export", "plan", "--format", "csv", "--out"},
                                              {"simulate", "a.csv", "--out"},
                                              {"simulate", "a.csv", "--control", "executor", "--log"},
                                              {"identify", "all", "a.csv", "--out"},
                                              {"identify", "all", "a.csv", "--report"},
+                                             {"robot", "new", "arm.yaml", "--out"},
+                                             {"experiment", "stiffness", "--joint", "1", "--out"},
                                              {"report", "one", "two", "--out"}}) {
     const auto fault_of = [&](const std::string& file) {
       std::vector<std::string> arguments = option;
@@ -86,6 +89,7 @@ TEST_F(Cli, AFileThatCannotBeWrittenIsRefusedAtOnce) {
     EXPECT_THAT(fault_of("not_there/b"),
                 HasSubstr(option.back() + ": cannot write not_there/b: there is no folder not_there"));
     EXPECT_THAT(fault_of("/"), HasSubstr(option.back() + ": / is a folder, not a file"));
+    EXPECT_THAT(fault_of("plan.json"), HasSubstr(option.back() + ": plan.json belongs to a plan, and would be lost"));
   }
 }
 

@@ -1,4 +1,5 @@
 // The built program on files of trajectories and folders of plans: verify, simulate and report.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -123,6 +124,20 @@ TEST_F(Cli, VerifyRefusesAPlanWhoseSegmentsAreNone) {
   EXPECT_THAT(refusal("[]", "0.02"), HasSubstr("via_times: has 0 times, but there are 3 corners of the path"));
   EXPECT_THAT(refusal("[0.005, 0.01]", "0.02"),
               HasSubstr("via_times: has 2 times, but there are 3 corners of the path"));
+}
+
+TEST_F(Cli, VerifyHoldsTheRowsOfAFolderAgainstItsTask) {
+  write_csv(at_rest(), path("trajectory.csv"));
+  const auto verify = [&](double radius) {  // a disc beside the hanging arm
+    write("plan.json", fmt::format(R"({{"resolved_request": {{"task": {{"obstacles": [{{"center": [0.3, -0.1], )"
+                                   R"("radius": {}}}]}}}}, "via_times": [], "duration": 0.02}})",
+                                   radius));
+    return run({"verify", "."});
+  };
+  EXPECT_EQ(verify(0.1).exit_code, 0);
+  const Result missed = verify(0.5);
+  EXPECT_EQ(missed.exit_code, 4);
+  EXPECT_THAT(missed.out, HasSubstr("obstacles[0] (link 1) is missed by"));
 }
 
 TEST_F(Cli, VerifySaysWhereRowsAndPlanAreOfDifferentRequests) {

@@ -207,7 +207,7 @@ class ClientDeathTest : public StandbyTest {
     std::this_thread::sleep_for(milliseconds(100));
     client.send(SIGKILL);
   }
-  // 2 s after the last sign of life, and 1 s to answer; the lease of the owner where that is gone.
+  // 2 s after the last sign of life, or 1.5 s after it was asked; the lease of the owner where that is gone.
   void expect_given_up_by(const std::string& name) {
     const double took = wait_until([&] { return heard_[name].cancelled == 1 && heard_[name].solving == 0; }, 12);
     std::printf("given up after %.1f s\n", took);

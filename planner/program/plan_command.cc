@@ -84,6 +84,9 @@ std::vector<PlanJob> jobs_of(const PlanArguments& options) {
                 .warm = {}};
     const std::string name = job.name();
     if (name.empty() || name == "." || name == "..") throw InputError("'" + request + "'", "", "is not a request file");
+    if (options.requests.size() > 1 && name == kPrevious) {
+      throw InputError(request, "", fmt::format("the folder {} in --out is for the results of an earlier run", name));
+    }
     if (!names.insert(name).second) {
       throw InputError(request, "", "two requests named '" + name + "' would write the same files");
     }

@@ -67,6 +67,18 @@ TEST_F(Cli, WrongCommandLinesAreBadInput) {
   EXPECT_FALSE(fs::exists(path("out")));
 }
 
+// Where the folder of the results is that of a plan, too.
+TEST_F(Cli, NoRequestOfSeveralTakesTheFolderOfEarlierResults) {
+  const std::string request = "start: {q: [0, 0]}\ngoal: {q: [0.3, -0.2]}\n";
+  write("previous.yaml", request);
+  write("other.yaml", request);
+  const Result result = run({"plan", "previous.yaml", "other.yaml", "--out", "out"});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err,
+              HasSubstr("previous.yaml: the folder previous in --out is for the results of an earlier run"));
+  EXPECT_EQ(run({"plan", "previous.yaml", "--out", "alone", "-q"}).exit_code, 0);
+}
+
 // Before anything is computed or read for it.
 TEST_F(Cli, AFileThatCannotBeWrittenIsRefusedAtOnce) {
   write("plan.json", "{}");

@@ -72,7 +72,7 @@ TEST_F(PackedBatch, APlanUnpackedIsThePlanThatFjrPlanMakes) {
   EXPECT_EQ(run({"batch", "status", "out", "--unfinished"}).out, "1-2\n");
   const Result first = run({"batch", "run", "out", "2", "-q"});
   EXPECT_EQ(first.exit_code, 0) << first.err;
-  EXPECT_EQ(first.out, "chunk 2: 1 requests, 1 planned now, 0 finished earlier\n");
+  EXPECT_EQ(first.out, "chunk 2: 1 request, 1 planned now, 0 finished earlier\n");
   EXPECT_EQ(status()["unfinished"], Json({1}));
   EXPECT_EQ(run({"batch", "gather", "out"}).exit_code, 5);  // as of what is out of time
   EXPECT_EQ(query("out/results.sqlite", "SELECT status FROM results"), "open certified open ");

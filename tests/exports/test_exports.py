@@ -296,6 +296,6 @@ def test_what_cannot_be_exported_is_refused(plan, log, tmp_path):
     assert "is no folder of a plan" in refused(tmp_path, "--format", "csv")
     assert "goes with the folder of a plan" in refused(log, "--format", "mcap", "--log", log)
     assert not (tmp_path / "file").exists()
-    missing = fjr("export", plan, "--format", "mat", "--out", tmp_path / "none" / "plan.mat", code=1).stderr
+    missing = fjr("export", plan, "--format", "mat", "--out", tmp_path / "none" / "plan.mat", code=2).stderr
     assert "plan.mat" in missing
     assert list(tmp_path.iterdir()) == []

@@ -16,7 +16,8 @@ namespace fjr {
 void check_against_request(const Problem& problem, const std::vector<double>& ends, const Trajectory& trajectory,
                            Certificate& certificate);
 
-// Of that the task alone.
+// Of that the task alone: fills certificate.task, adds a failure for each constraint that is missed, and withdraws the
+// certificate then. ends: [s] as above; without any nothing is checked.
 void check_against_task(const Parameters& robot, const Task& task, const std::vector<double>& ends,
                         const Trajectory& trajectory, Certificate& certificate);
 

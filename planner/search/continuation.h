@@ -136,7 +136,7 @@ class Continuation {
   bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, const SolveOptions& options);
   bool attempt_once(const std::string& what, Attempt attempt, const std::function<Collocated()>& solve);
   bool has_rests() const;
-  void keep_lowest_peak(std::optional<Collocated> best);
+  void keep_lowest_peak(std::optional<Collocated> best);  // best: nothing where no round kept all limits
   const ContinuationSettings& settings() const { return session_->options().settings; }
   SolveOptions options(const std::string& what);
   SolveOptions warm(const std::string& what);

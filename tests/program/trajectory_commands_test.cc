@@ -147,7 +147,7 @@ TEST_F(Cli, VerifySaysWhereRowsAndPlanAreOfDifferentRequests) {
   const auto warnings = [&](const std::string& hash) {
     write("plan.json", R"({"request_hash": ")" + hash +
                            R"(", "resolved_request": {"task": {}}, "via_times": [], "duration": 0.02})");
-    return run({"verify", ".", "--proven"}).err;
+    return run({"verify", "."}).err;
   };
   EXPECT_EQ(warnings("abc"), "");
   EXPECT_THAT(warnings("def"),

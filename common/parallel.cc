@@ -1,16 +1,55 @@
 #include "common/parallel.h"
 
+#include <sched.h>
+
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <fstream>
+#include <memory>
 #include <numeric>
+#include <optional>
+#include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
 
+#include "common/companion.h"
 #include "common/cpu_time.h"
 
 namespace fjr {
+
+namespace {
+
+// Whether a core has nothing to do. Two threads that wait for each other every few microseconds are slower than one
+// where they have to share a core with others.
+bool core_is_idle() {
+  const cpu_set_t cores = allowed_cores();
+  std::string loads;
+  int running = 1;  // threads, this one included; where that cannot be known, it is assumed to be alone
+  std::ifstream("/proc/loadavg") >> loads >> loads >> loads >> running;
+  return running < CPU_COUNT(&cores);
+}
+
+}  // namespace
+
+double Threads::in_pairs(const std::function<void(const DoBoth&)>& work) {
+  if (idle_ < 1 || !core_is_idle() || take(1) == 0) {
+    work(one_after_the_other);
+    return 0;
+  }
+  const auto give_back = [](std::atomic<int>* idle) { ++*idle; };
+  const std::unique_ptr<std::atomic<int>, decltype(give_back)> taken(&idle_, give_back);
+  std::optional<Companion> companion;
+  try {
+    companion.emplace();
+  } catch (const std::system_error&) {  // the system allows no more threads
+    work(one_after_the_other);
+    return 0;
+  }
+  work([&](const auto& one, const auto& other) { companion->both(one, other); });
+  return companion->end();
+}
 
 std::size_t Threads::take(std::size_t most) {
   std::size_t taken = 0;

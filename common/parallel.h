@@ -7,8 +7,16 @@
 
 namespace fjr {
 
-// How many threads may work at a time, which pieces of work and pieces of those share; a thread lives as long as it
-// works.
+// Does two pieces of work that share nothing but what neither changes, on threads as it likes, and returns when both
+// are done. Throws what the first piece throws, or else what the other one does.
+using DoBoth = std::function<void(const std::function<void()>& one, const std::function<void()>& other)>;
+
+inline void one_after_the_other(const std::function<void()>& one, const std::function<void()>& other) {
+  one();
+  other();
+}
+
+// How many threads may work at a time, which pieces of work and pieces of those share.
 class Threads {
  public:
   explicit Threads(int most) : idle_(most - 1) {}
@@ -18,6 +26,12 @@ class Threads {
   // the others took [s]. Throws what the first of the tasks by its index has thrown: at once where only the caller
   // works, otherwise when all have ended.
   double for_each(std::size_t count, const std::function<void(std::size_t)>& task);
+
+  // Calls work(both) on the caller's thread. If another may work now, and a core of the machine is idle, it does the
+  // other one of both pieces each time as long as work lasts, and stays awake in between: such pieces may be as short
+  // as some microseconds. Where it is late, the caller does both. Returns the CPU time that it took [s]. Throws what
+  // work throws.
+  double in_pairs(const std::function<void(const DoBoth& both)>& work);
 
  private:
   std::size_t take(std::size_t most);

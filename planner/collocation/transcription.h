@@ -43,6 +43,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -116,11 +117,11 @@ class Transcription final : public Nlp {
   const std::vector<PointValues>& all_values(const In& z) const {
     if (valued_at_.size() == z.size() && valued_at_ == z) return values_;
     values_.resize(index(intervals() * stages_));
-    for (int k = 0; k < intervals(); ++k) {
+    each_interval([&](int k, WorkSpace&) {
       for (int j = 0; j < stages_; ++j) {
         evaluate_at(k, j, stage_inputs(z, k, j).data(), values_[index(k * stages_ + j)]);
       }
-    }
+    });
     valued_at_ = z;
     return values_;
   }
@@ -167,7 +168,7 @@ class Transcription final : public Nlp {
 
   void constraint_values(const In& z, Out out) const override {
     const auto& points = all_values(z);
-    for (int k = 0; k < intervals(); ++k) {
+    each_interval([&](int k, WorkSpace&) {
       const double h = step(z, k);
       const PointValues* p = &points[index(k * stages_)];
       for (int i = first_new_; i < stages_; ++i) {
@@ -182,7 +183,7 @@ class Transcription final : public Nlp {
           if (path_row(k, j, c) >= 0) out(path_row(k, j, c)) = p[j].rows[index(c)];
         }
       }
-    }
+    });
     for (std::size_t i = 0; i < sums(); ++i) {
       out(sum_row(i)) = 0;
       each_summed(i, [&](int segment) { out(sum_row(i)) += z(duration_at(segment)); });
@@ -190,20 +191,23 @@ class Transcription final : public Nlp {
   }
 
   void jacobian(const In& z, Out out) const override {
-    double* next = out.data();
     const auto& points = first_derivatives(z);
-    for (int k = 0; k < intervals(); ++k) next = write_jacobian(k, step(z, k), &points[index(k * stages_)], next);
+    each_interval([&](int k, WorkSpace&) {
+      write_jacobian(k, step(z, k), &points[index(k * stages_)], out.data() + interval_jacobian_[index(k)]);
+    });
+    double* next = out.data() + interval_jacobian_.back();
     for (std::size_t i = 0; i < sums(); ++i) each_summed(i, [&](int) { *next++ = 1; });
   }
 
   void hessian(const In& z, double cost_factor, const In& multipliers, Out out) const override {
-    double* next = out.data();
     const auto& points = first_derivatives(z);
-    for (int k = 0; k < intervals(); ++k) {
+    each_interval([&](int k, WorkSpace& space) {
+      double* next = out.data() + interval_hessian_[index(k)];
       for (int j = 0; j < stages_; ++j) {
-        next = write_hessian(k, j, z, points[index(k * stages_ + j)], cost_factor, multipliers, next);
+        next = write_hessian(k, j, z, points[index(k * stages_ + j)], cost_factor, multipliers, space, next);
       }
-    }
+    });
+    double* next = out.data() + interval_hessian_.back();
     auto pairs = curved_at_nodes_.begin();
     each_cost_node([&](const auto& at, int x) {
       const auto cost = node_derivatives<Dual2<kX>>(at, z.data() + x);
@@ -245,6 +249,24 @@ class Transcription final : public Nlp {
   static constexpr bool kClosedForm = HasClosedForm<Ocp>;
 
   int interval_at(int k) const { return kX + k * (2 * kU + (stages_ - first_new_) * kX); }
+  // What one thread evaluates with.
+  struct WorkSpace {
+    Inputs<Dual<kV>> inputs;
+    Inputs<Dual2<kV>> curved_inputs;
+    Point<Dual2<kV>> curved_point;
+  };
+  // Calls visit(k, its work space) for every interval, those of both halves on threads as `both` likes.
+  template <class Visit>
+  void each_interval(Visit&& visit) const {
+    const int middle = intervals() / 2;
+    const auto visit_all = [&visit](int from, int to, WorkSpace& space) {
+      for (int k = from; k < to; ++k) visit(k, space);
+    };
+    auto first_half = [&] { visit_all(0, middle, work_spaces_[0]); };
+    auto second_half = [&] { visit_all(middle, intervals(), work_spaces_[1]); };
+    both(std::ref(first_half), std::ref(second_half));
+  }
+
   // Calls visit(variable, coefficient) for the variables that input i of stage j, a state or a control, is made of.
   template <class Visit>
   void spread(int k, int j, int i, Visit&& visit) const {
@@ -300,20 +322,20 @@ class Transcription final : public Nlp {
   }
 
   // At every stage of every interval. The gradient, the Jacobian and the Hessian are asked for at the same point one
-  // after the other, so the last point's are kept; that makes an instance one thread's.
+  // after the other, so the last point's are kept; that makes an instance one caller's.
   const std::vector<Point<Dual<kV>>>& first_derivatives(const In& z) const {
     if (derived_at_.size() == z.size() && derived_at_ == z) return derived_;
     derived_.resize(index(intervals() * stages_));
     if constexpr (kClosedForm) find_at_states(z);
-    for (int k = 0; k < intervals(); ++k) {
-      for (int j = 0; j < stages_; ++j) derive(z, k, j, derived_[index(k * stages_ + j)]);
-    }
+    each_interval([&](int k, WorkSpace& space) {
+      for (int j = 0; j < stages_; ++j) derive(z, k, j, space, derived_[index(k * stages_ + j)]);
+    });
     derived_at_ = z;
     return derived_;
   }
-  void derive(const In& z, int k, int j, Point<Dual<kV>>& p) const {
+  void derive(const In& z, int k, int j, WorkSpace& space, Point<Dual<kV>>& p) const {
     const Array<kV> values = stage_inputs(z, k, j);
-    const Dual<kV>* v = inputs_.at(values);
+    const Dual<kV>* v = space.inputs.at(values);
     if constexpr (kClosedForm) {
       ocp_.dynamics(at_state(k, j), values.data(), values.data() + kX, p.f.data());
       cost_and_rows_at(k, j, v, p);
@@ -335,9 +357,9 @@ class Transcription final : public Nlp {
     at_states_.resize(index(1 + intervals() * each));
     const auto set = [&](int at, int x) { at_states_[index(at)] = ocp_.at_state(z.data() + x); };
     set(0, node_at(0));
-    for (int k = 0; k < intervals(); ++k) {
+    each_interval([&](int k, WorkSpace&) {
       for (int i = 0; i < each; ++i) set(1 + k * each + i, x_at(k, first_new_ + i));
-    }
+    });
   }
   const AtState& at_state(int k, int j) const {
     return at_states_[index(k * (stages_ - first_new_) + j + 1 - first_new_)];
@@ -487,6 +509,7 @@ class Transcription final : public Nlp {
 
   void set_patterns() {
     for (int k = 0; k < intervals(); ++k) {
+      interval_jacobian_.push_back(jacobian_pattern.size());
       for (const DefectEntry& e : entries_.defects) {
         jacobian_pattern.push_back({defect_row(k, e.defect, e.row), variable(k, e.of)});
       }
@@ -499,10 +522,12 @@ class Transcription final : public Nlp {
         }
       }
     }
+    interval_jacobian_.push_back(jacobian_pattern.size());
     for (std::size_t i = 0; i < sums(); ++i) {
       each_summed(i, [&](int segment) { jacobian_pattern.push_back({sum_row(i), duration_at(segment)}); });
     }
     for (int k = 0; k < intervals(); ++k) {
+      interval_hessian_.push_back(hessian_pattern.size());
       for (int j = 0; j < stages_; ++j) {
         for (const PairEntry& e : entries_.pairs[index(j)]) {
           const int row = variable(k, e.of), col = variable(k, e.with);
@@ -513,6 +538,7 @@ class Transcription final : public Nlp {
         }
       }
     }
+    interval_hessian_.push_back(hessian_pattern.size());
     auto pairs = curved_at_nodes_.begin();
     each_cost_node([&](const auto&, int x) {
       for (const auto& [i, j] : *pairs++) hessian_pattern.push_back({x + i, x + j});
@@ -537,8 +563,8 @@ class Transcription final : public Nlp {
     return v.at + (v.where == EntryVariable::kNode ? node_at(k) : interval_at(k));
   }
 
-  // The entries of interval k's rows; returns where the next go.
-  double* write_jacobian(int k, double h, const Point<Dual<kV>>* p, double* to) const {
+  // The entries of interval k's rows.
+  void write_jacobian(int k, double h, const Point<Dual<kV>>* p, double* to) const {
     for (const DefectEntry& e : entries_.defects) {
       if (e.of.where == EntryVariable::kDuration) {
         double rate = 0;
@@ -555,19 +581,18 @@ class Transcription final : public Nlp {
         for (const InputEntry& e : entries_.rows[index(j * kC + c)]) *to++ = e.coefficient * gradient[index(e.input)];
       }
     }
-    return to;
   }
 
   // The entries of stage j of interval k, whose first derivatives are given; returns where the next go.
   double* write_hessian(int k, int j, const In& z, const Point<Dual<kV>>& first, double cost_factor,
-                        const In& multipliers, double* to) const {
+                        const In& multipliers, WorkSpace& space, double* to) const {
     const double h = step(z, k), cost_weight = cost_factor * scheme_.b(j);
     Array<kX> weight = filled<kX>(0);  // of f_j in the Lagrangian, per unit of h
     for (int i = first_new_; i < stages_; ++i) {
       for (int r = 0; r < kX; ++r) weight[index(r)] -= scheme_.A(i, j) * multipliers(defect_row(k, i, r));
     }
     std::array<double, Dual2<kV>::kHessian> block{};
-    add_second_derivatives(k, j, z, h, h * cost_weight, weight, multipliers, block);
+    add_second_derivatives(k, j, z, h, h * cost_weight, weight, multipliers, space, block);
     for (const PairEntry& e : entries_.pairs[index(j)]) *to++ = e.coefficient * block[e.packed];
     Array<kV> cross;
     for (std::size_t i = 0; i < kV; ++i) cross[i] = cost_weight * first.cost.g[i];
@@ -581,13 +606,14 @@ class Transcription final : public Nlp {
 
   // Of cost_weight L + h weight' f + multipliers' rows.
   void add_second_derivatives(int k, int j, const In& z, double h, double cost_weight, const Array<kX>& weight,
-                              const In& multipliers, std::array<double, Dual2<kV>::kHessian>& block) const {
+                              const In& multipliers, WorkSpace& space,
+                              std::array<double, Dual2<kV>::kHessian>& block) const {
     const auto accumulate = [&block](double w, const Dual2<kV>& d) {
       if (w == 0) return;
       d.each([&](std::size_t, std::size_t, std::size_t at) { block[at] += w * d.h[at]; });
     };
-    const Dual2<kV>* v = curved_inputs_.at(stage_inputs(z, k, j));
-    Point<Dual2<kV>>& p = curved_point_;
+    const Dual2<kV>* v = space.curved_inputs.at(stage_inputs(z, k, j));
+    Point<Dual2<kV>>& p = space.curved_point;
     if constexpr (kClosedForm) {
       Array<kX> scaled;
       for (std::size_t r = 0; r < kX; ++r) scaled[r] = h * weight[r];
@@ -608,15 +634,14 @@ class Transcription final : public Nlp {
   Mesh mesh_;
   int stages_ = 0, first_new_ = 0, rows_ = 0, first_sum_row_ = 0;
   std::vector<int> interval_row_, path_rows_;
+  std::vector<std::size_t> interval_jacobian_, interval_hessian_;  // where an interval's entries begin; and the others
   Point<Pattern<kV>> structure_;
   std::vector<std::vector<std::pair<int, int>>> curved_at_nodes_;  // in the order of the cost nodes
   IntervalEntries<kX, kU, kC> entries_;
   mutable Eigen::VectorXd valued_at_, derived_at_;
   mutable std::vector<PointValues> values_;
   mutable std::vector<Point<Dual<kV>>> derived_;
-  mutable Inputs<Dual<kV>> inputs_;
-  mutable Inputs<Dual2<kV>> curved_inputs_;
-  mutable Point<Dual2<kV>> curved_point_;
+  mutable std::array<WorkSpace, 2> work_spaces_;
   mutable std::vector<AtState> at_states_;  // in the order of the states, at the point of derived_
 };
 

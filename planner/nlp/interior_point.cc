@@ -72,7 +72,7 @@ class InteriorPoint {
   }
   KktSystem analysed(const SlackForm& form) {
     const CpuTimed timed(report_.cost.linear_algebra);
-    return KktSystem(form);
+    return {form, options_.both};
   }
 
   // ---- the start (section 3.6) ----

@@ -278,13 +278,14 @@ SolveReport solve_by_ipopt(const Nlp& nlp, const Iterate& start, const SolveOpti
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
   // A problem of no known structure has no stages to factorise by.
   const std::string linear_solver = nlp.stages == 0 ? "mumps" : options.linear_solver;
-  if (linear_solver == "stage") describe_chain(kkt_structure(nlp));
+  if (linear_solver == "stage") describe_chain(kkt_structure(nlp), options.both);
   configure(Options(*application), options, linear_solver);
   load(*application, linear_solver);
   application->Initialize("");                          // no options file: a plan depends on its request alone
   Adapter* adapter = new Adapter(nlp, start, options);  // owned by the smart pointer, Ipopt's own reference count
   Ipopt::SmartPtr<Ipopt::TNLP> held = adapter;
   const auto status = application->OptimizeTNLP(held);
+  if (linear_solver == "stage") describe_chain({}, one_after_the_other);
   adapter->report.status = translate(status);
   SolveCost& cost = adapter->report.cost;
   cost.linear_algebra = linear_solver == "stage" ? chain_seconds() - chain_before : linear_algebra(*application);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace fjr {
 namespace {
@@ -16,12 +17,15 @@ constexpr double kResidual = 1e-10;  // relative, that a solution may leave
 
 }  // namespace
 
-KktSystem::KktSystem(const SlackForm& form) { factor_.analyse(form.kkt().rows, form.kkt().cols, form.kkt_structure()); }
+KktSystem::KktSystem(const SlackForm& form, DoBoth both) : both_(std::move(both)) {
+  factor_.analyse(form.kkt().rows, form.kkt().cols, form.kkt_structure());
+}
 
 KktSystem::Inertia KktSystem::try_with(SlackForm& form, const Vector& d, double shift, double regularised) {
   form.set_diagonal(d + shift * form.shift_weights, regularised);
   ++factorisations_;
-  const bool regular = factor_.factorise(form.kkt().values, kPivotThreshold, static_cast<int>(form.constraints()));
+  const bool regular =
+      factor_.factorise(form.kkt().values, kPivotThreshold, static_cast<int>(form.constraints()), both_);
   multiplications_ += factor_.factorisation_work();
   if (!regular) return Inertia::kSingular;
   return factor_.negative_eigenvalues() == form.constraints() ? Inertia::kRight : Inertia::kWrong;
@@ -58,7 +62,7 @@ bool KktSystem::factorise_projection(SlackForm& form) {
 
 KktSystem::Vector KktSystem::solve(const SlackForm& form, const Vector& right) const {
   const auto apply = [this](Vector& b) {
-    factor_.solve({b.data(), static_cast<std::size_t>(b.size())});
+    factor_.solve({b.data(), static_cast<std::size_t>(b.size())}, both_);
     multiplications_ += factor_.solve_work();
   };
   const auto size = [](const Vector& b) { return b.lpNorm<Eigen::Infinity>(); };

@@ -10,7 +10,8 @@ class KktSystem {
  public:
   using Vector = Eigen::VectorXd;
 
-  explicit KktSystem(const SlackForm& form);
+  // both: how the halves of a factorisation and of a solution are worked off.
+  KktSystem(const SlackForm& form, DoBoth both);
 
   // Of the form's derivatives, with the diagonal d added to the Hessian, and as much more as it takes. False when
   // nothing does.
@@ -28,6 +29,7 @@ class KktSystem {
   Inertia try_with(SlackForm& form, const Vector& d, double shift, double regularised);
 
   ChainLdlt factor_;
+  DoBoth both_;
   double shift_ = 0;       // of the last factorisation
   double last_shift_ = 0;  // that was needed, if any was
   int factorisations_ = 0;

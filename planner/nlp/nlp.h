@@ -4,6 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "common/parallel.h"
+
 namespace fjr {
 
 // min f(x)  subject to  g_lower <= g(x) <= g_upper,  x_lower <= x <= x_upper.
@@ -31,6 +33,9 @@ class Nlp {
   // structure.
   int stages = 0;
   std::vector<int> variable_stage, constraint_stage;
+
+  // How the halves of what an evaluation consists of are worked off; the bits are the same.
+  DoBoth both = one_after_the_other;
 
   Eigen::Index variables() const { return x_lower.size(); }
   Eigen::Index constraints() const { return g_lower.size(); }

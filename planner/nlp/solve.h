@@ -50,6 +50,7 @@ struct SolveOptions {
   int print_level = 0;
   // Called after every iteration; return false to stop.
   std::function<bool(const IterationInfo&)> monitor;
+  DoBoth both = one_after_the_other;     // how the halves of a factorisation are worked off
   Eigen::VectorXd x_scaling, g_scaling;  // empty: Ipopt's gradient-based scaling
   double objective_scaling = 1;
 };

@@ -3,7 +3,8 @@
 
 namespace fjr {
 
-// CPU time [s]. What is neither evaluation nor linear algebra is Ipopt's own.
+// CPU time [s] of the thread that solves, its waiting for a second one (SolveOptions::both) included, and not of that
+// one. What is neither evaluation nor linear algebra is Ipopt's own.
 struct SolveCost {
   double total = 0;
   double evaluation = 0;      // of the Nlp: functions and derivatives

@@ -312,8 +312,9 @@ Iterate evaluate_guess(const Transcription<ArmOcp<F>>& transcription, const Gues
 }
 
 template <Features F>
-Collocated run(const CollocationSetup& setup, const Transcription<ArmOcp<F>>& transcription, const Iterate& start,
+Collocated run(const CollocationSetup& setup, Transcription<ArmOcp<F>>& transcription, const Iterate& start,
                const SolveOptions& options) {
+  transcription.both = options.both;
   Collocated result{setup, solve(transcription, start, options), {}, {}};
   if (result.report.iterate.x.size() == transcription.variables()) {
     result.durations = transcription.durations(result.report.iterate.x);
@@ -339,7 +340,7 @@ template <Features F>
 Collocated collocate_with(const Problem& problem, const CollocationSetup& setup, const Guess* guess,
                           const Collocated* start, const SolveOptions& options) {
   namespace parts = arm_collocation;
-  const auto transcription = parts::transcribe<F>(problem, setup);
+  auto transcription = parts::transcribe<F>(problem, setup);
   if (guess) return parts::run(setup, transcription, parts::evaluate_guess(transcription, *guess), options);
   const Iterate& iterate = start->report.iterate;
   if (setup.mesh == start->setup.mesh) {
@@ -352,14 +353,14 @@ Collocated collocate_with(const Problem& problem, const CollocationSetup& setup,
 }
 
 // What files that use an instance have in common is compiled once, in the instance's own file.
-#define FJR_ARM_COLLOCATION(EXTERN, FEATURES)                                                                      \
-  EXTERN template class Transcription<ArmOcp<FEATURES>>;                                                           \
-  EXTERN template Adjoint adjoint(const Transcription<ArmOcp<FEATURES>>&, const Iterate&);                         \
-  EXTERN template Transcription<ArmOcp<FEATURES>> arm_collocation::transcribe<FEATURES>(const Problem&,            \
-                                                                                        const CollocationSetup&);  \
-  EXTERN template Collocated arm_collocation::run(const CollocationSetup&, const Transcription<ArmOcp<FEATURES>>&, \
-                                                  const Iterate&, const SolveOptions&);                            \
-  EXTERN template Collocated collocate_with<FEATURES>(const Problem&, const CollocationSetup&, const Guess*,       \
+#define FJR_ARM_COLLOCATION(EXTERN, FEATURES)                                                                     \
+  EXTERN template class Transcription<ArmOcp<FEATURES>>;                                                          \
+  EXTERN template Adjoint adjoint(const Transcription<ArmOcp<FEATURES>>&, const Iterate&);                        \
+  EXTERN template Transcription<ArmOcp<FEATURES>> arm_collocation::transcribe<FEATURES>(const Problem&,           \
+                                                                                        const CollocationSetup&); \
+  EXTERN template Collocated arm_collocation::run(const CollocationSetup&, Transcription<ArmOcp<FEATURES>>&,      \
+                                                  const Iterate&, const SolveOptions&);                           \
+  EXTERN template Collocated collocate_with<FEATURES>(const Problem&, const CollocationSetup&, const Guess*,      \
                                                       const Collocated*, const SolveOptions&);
 
 FJR_ARM_COLLOCATION(extern, kPlain)

@@ -158,7 +158,7 @@ Collocated move(const Problem& problem, const Collocated& start, const std::vect
   const Iterate& from = start.report.iterate;
   if (!parts::fits(fixed, from)) return {start.setup, {}, {}, {}};
   const Pieces pieces = cut(start.setup.mesh, start.durations, nodes);
-  const auto moving = with_pieces<F>(fixed, pieces);
+  auto moving = with_pieces<F>(fixed, pieces);
   const Exchange<F> exchange{fixed, moving, pieces};
   Collocated result =
       parts::run(start.setup, moving, exchange.to_moving(from, adjoint(fixed, from).lagrangian), options);

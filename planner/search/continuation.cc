@@ -155,15 +155,16 @@ bool Continuation::Attempt::same_as(const Attempt& other) const {
 bool Continuation::attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess,
                            const SolveOptions& o) {
   if (guess == nullptr) {
-    return attempt_once(what, {setup, Attempt::kWarm, o.max_iterations, o.initial_barrier},
-                        [&] { return collocate(*problem_, setup, solution_, o); });
+    return attempt_once(what, {setup, Attempt::kWarm, o.max_iterations, o.initial_barrier}, o,
+                        [&](const SolveOptions& with) { return collocate(*problem_, setup, solution_, with); });
   }
-  return attempt_once(what, {setup, Attempt::kFromGuess, o.max_iterations, o.initial_barrier},
-                      [&] { return collocate(*problem_, setup, *guess, o); });
+  return attempt_once(what, {setup, Attempt::kFromGuess, o.max_iterations, o.initial_barrier}, o,
+                      [&](const SolveOptions& with) { return collocate(*problem_, setup, *guess, with); });
 }
 
 // What failed from the present solution fails again and is not tried again.
-bool Continuation::attempt_once(const std::string& what, Attempt attempt, const std::function<Collocated()>& solve) {
+bool Continuation::attempt_once(const std::string& what, Attempt attempt, const SolveOptions& o,
+                                const std::function<Collocated(const SolveOptions&)>& solve) {
   if (session_->interrupted()) {
     status_ = SolveStatus::kStopped;
     return false;
@@ -173,7 +174,11 @@ bool Continuation::attempt_once(const std::string& what, Attempt attempt, const 
     status_ = before.status;
     return false;
   }
-  Collocated next = solve();
+  Collocated next = session_->in_pairs([&](const DoBoth& both) {
+    SolveOptions in_pairs = o;
+    in_pairs.both = both;
+    return solve(in_pairs);
+  });
   const std::size_t intervals = next.setup.mesh.size();
   status_ = next.report.status;
   stages_.push_back({what, static_cast<int>(intervals), next.report.iterations, next.report.objective,
@@ -228,8 +233,8 @@ bool Continuation::attempt_step(const std::string& what, const CollocationSetup&
   const auto within = [&](double iterations) {
     o.max_iterations = static_cast<int>(std::lround(patience * iterations));
     const std::size_t before = stages_.size();
-    const bool solved = attempt_once(what, {setup, Attempt::kWarm, o.max_iterations, o.initial_barrier},
-                                     [&] { return collocate(*problem_, setup, from, o); });
+    const bool solved = attempt_once(what, {setup, Attempt::kWarm, o.max_iterations, o.initial_barrier}, o,
+                                     [&](const SolveOptions& with) { return collocate(*problem_, setup, from, with); });
     if (stages_.size() > before && status_ == SolveStatus::kIterationLimit) ++session_->fallbacks().friction_level;
     return solved;
   };
@@ -247,8 +252,9 @@ bool Continuation::move_nodes() {
   SolveOptions o = warm(what);
   const auto within = [&](int iterations) {
     o.max_iterations = iterations;
-    return attempt_once(what, {solution_.setup, Attempt::kMovingNodes, o.max_iterations, o.initial_barrier},
-                        [&] { return fjr::move_nodes(*problem_, solution_, times.jumps, o); });
+    return attempt_once(
+        what, {solution_.setup, Attempt::kMovingNodes, o.max_iterations, o.initial_barrier}, o,
+        [&](const SolveOptions& with) { return fjr::move_nodes(*problem_, solution_, times.jumps, with); });
   };
   if (within(kMovingIterations)) return true;
   // With a sharper law those that come down for long seldom arrive.

@@ -134,7 +134,8 @@ class Continuation {
   bool attempt_or_forget(const std::string& what, const CollocationSetup& setup, const SolveOptions& o);
   bool attempt_anew(const std::string& what, const CollocationSetup& setup);
   bool attempt(const std::string& what, const CollocationSetup& setup, const Guess* guess, const SolveOptions& options);
-  bool attempt_once(const std::string& what, Attempt attempt, const std::function<Collocated()>& solve);
+  bool attempt_once(const std::string& what, Attempt attempt, const SolveOptions& options,
+                    const std::function<Collocated(const SolveOptions&)>& solve);
   bool has_rests() const;
   void keep_lowest_peak(std::optional<Collocated> best);  // best: nothing where no round kept all limits
   const ContinuationSettings& settings() const { return session_->options().settings; }

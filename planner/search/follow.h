@@ -45,8 +45,8 @@ struct TriedStart {
 std::vector<TriedStart> try_starts(const std::vector<Start>& starts, Findings& found, Session& session);
 
 // The same where more starts follow. What is worth refining waits, and is refined while the next starts are tried: they
-// do not depend on it. Fewer and fewer motions are left in a race, so that refining alone leaves cores idle. The caller
-// ends with refine_waiting(). try_starts() refines what was waiting first.
+// do not depend on it. Fewer and fewer motions are left in a race, so that refining alone makes little use of many
+// cores. The caller ends with refine_waiting(). try_starts() refines what was waiting first.
 std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Findings& found, Session& session);
 void refine_waiting(Findings& found, Session& session);
 

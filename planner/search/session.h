@@ -7,7 +7,9 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "common/parallel.h"
@@ -71,6 +73,15 @@ class Session {
   // The same for those who are given a way to do it; the session outlives it.
   ForEach side_by_side() {
     return [this](std::size_t count, const auto& task) { for_each(count, task); };
+  }
+
+  // Does one piece of work that can do its own parts two at a time, if a thread is idle for it. Returns what it
+  // returns.
+  template <class Work>
+  auto in_pairs(const Work& work) {
+    std::optional<std::invoke_result_t<Work, const DoBoth&>> result;
+    account_.cpu_of_others += shared_->threads.in_pairs([&](const DoBoth& both) { result.emplace(work(both)); });
+    return *std::move(result);
   }
 
   const Account& account() const { return account_; }

@@ -1,10 +1,11 @@
 #include "tests/planner/allocations.h"
 
+#include <atomic>
 #include <cstdlib>
 #include <new>
 
 namespace {
-long count = 0;
+std::atomic<long> count = 0;
 }
 
 long fjr::allocations() { return count; }

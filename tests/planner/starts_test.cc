@@ -16,6 +16,7 @@
 #include <thread>
 #include <vector>
 
+#include "common/companion.h"
 #include "common/parallel.h"
 #include "model/dynamics.h"
 #include "planner/plan.h"
@@ -117,6 +118,83 @@ TEST(Threads, HelpWithWhatWasBegunAlone) {
     });
   });
   EXPECT_TRUE(helped);
+}
+
+// Whoever does the second piece, both are done when the pair is; also where the other thread has gone to sleep.
+TEST(Companion, DoesItsPieceOfEveryPair) {
+  constexpr std::size_t kPairs = 3000;
+  std::vector<int> done(2 * kPairs, 0);
+  Companion companion;
+  bool helped = false;
+  const auto caller = std::this_thread::get_id();
+  for (std::size_t i = 0; i < kPairs; ++i) {
+    bool elsewhere = false;
+    const auto other = [&] {
+      ++done[2 * i + 1];
+      elsewhere = std::this_thread::get_id() != caller;
+    };
+    companion.both([&] { ++done[2 * i]; }, other);
+    helped = helped || elsewhere;
+    ASSERT_EQ(done[2 * i] + done[2 * i + 1], 2) << "pair " << i;
+    if (i % 1000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  // However busy the machine is: a caller that gives it time has its help.
+  for (int ms = 0; ms < 2000 && !helped; ++ms) {
+    companion.both([] { std::this_thread::sleep_for(std::chrono::milliseconds(1)); },
+                   [&] { helped = std::this_thread::get_id() != caller; });
+  }
+  EXPECT_TRUE(helped);
+  EXPECT_GT(companion.end(), 0);
+  EXPECT_THAT(done, testing::Each(1));
+}
+
+TEST(Companion, PassesOnWhatEitherPieceThrows) {
+  std::atomic<int> done = 0;
+  const auto fails = [] { throw std::runtime_error("no"); };
+  const auto counts = [&] { ++done; };
+  Companion companion;
+  for (int i = 0; i < 100; ++i) {
+    EXPECT_THROW(companion.both(fails, [] {}), std::runtime_error);
+    EXPECT_THROW(companion.both(counts, fails), std::runtime_error);
+  }
+  companion.both(counts, counts);
+  EXPECT_EQ(done, 102);
+}
+
+// Begun and ended as often as solves are: neither may wait for the other forever.
+TEST(Companion, EndsWheneverItIsToldTo) {
+  int done = 0;
+  for (int i = 0; i < 300; ++i) {
+    Companion companion;
+    for (int k = 0; k < i % 3; ++k) companion.both([] {}, [&] { ++done; });
+    if (i % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));  // it sleeps
+  }
+  EXPECT_EQ(done, 300);
+}
+
+TEST(Threads, DoPairsWithAndWithoutHelp) {
+  for (const int most : {1, 2}) {
+    Threads threads(most);
+    int one = 0, other = 0;
+    threads.in_pairs([&](const DoBoth& both) {
+      for (int i = 0; i < 100; ++i) both([&] { ++one; }, [&] { ++other; });
+    });
+    EXPECT_EQ(one, 100);
+    EXPECT_EQ(other, 100);
+  }
+}
+
+TEST(Threads, AreIdleAgainAfterPairs) {
+  Threads threads(2);
+  EXPECT_THROW(threads.in_pairs([](const DoBoth&) { throw std::runtime_error("no"); }), std::runtime_error);
+  threads.in_pairs([](const DoBoth& both) { both([] {}, [] {}); });
+  std::atomic<bool> other = false;
+  const auto caller = std::this_thread::get_id();
+  threads.for_each(2, [&](std::size_t) {
+    if (std::this_thread::get_id() != caller) other = true;
+    for (int i = 0; i < 1000 && !other; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
+  EXPECT_TRUE(other);
 }
 
 // ---- sessions ----

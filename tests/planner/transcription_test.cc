@@ -13,6 +13,7 @@
 #include <random>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "planner/ocp/arm_ocp.h"
@@ -293,6 +294,23 @@ TEST_P(Derivatives, EvaluationGivesTheSameBitsTwice) {
   EXPECT_EQ(nlp->objective(z), nlp->objective(z));
   EXPECT_EQ(constraints(*nlp, z), constraints(*nlp, z));
   EXPECT_EQ(dense_hessian(*nlp, z, 1, lambda), dense_hessian(*nlp, z, 1, lambda));
+}
+
+TEST_P(Derivatives, HalvesOnTwoThreadsGiveTheSameBits) {
+  const VectorXd z = point(1), lambda = random_multipliers(*nlp, 2);
+  const std::unique_ptr<Nlp> halved = GetParam().make(GetParam());
+  int pairs = 0;
+  halved->both = [&](const auto& one, const auto& other) {
+    ++pairs;
+    const std::jthread second(other);
+    one();
+  };
+  EXPECT_EQ(halved->objective(z), nlp->objective(z));
+  EXPECT_EQ(constraints(*halved, z), constraints(*nlp, z));
+  EXPECT_EQ(gradient(*halved, z), gradient(*nlp, z));
+  EXPECT_EQ(dense_jacobian(*halved, z), dense_jacobian(*nlp, z));
+  EXPECT_EQ(dense_hessian(*halved, z, kCostFactor, lambda), dense_hessian(*nlp, z, kCostFactor, lambda));
+  EXPECT_GE(pairs, 5);
 }
 
 // What an instance keeps of one point is not in what it gives at the next.

@@ -1,7 +1,10 @@
 #include "planner/nlp/chain/chain_ldlt.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -19,11 +22,29 @@ constexpr double kLargestCondensed = 1e4;
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
+// Numbers 0, 1, ... by the group of each, those of a group in their order.
+class Groups {
+ public:
+  Groups(const std::vector<int>& group_of, std::size_t groups) : begin_(groups + 1, 0), items_(group_of.size()) {
+    for (const int g : group_of) ++begin_[index(g) + 1];
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    std::vector<int> next(begin_.begin(), begin_.end() - 1);
+    for (std::size_t i = 0; i < group_of.size(); ++i) items_[index(next[index(group_of[i])]++)] = static_cast<int>(i);
+  }
+  std::span<const int> operator[](std::size_t group) const {
+    return std::span(items_).subspan(index(begin_[group]), index(begin_[group + 1] - begin_[group]));
+  }
+
+ private:
+  std::vector<int> begin_, items_;
+};
+
 }  // namespace
 
 void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, const ChainStructure& structure) {
   const std::vector<int>& stage = structure.stage;
   const int stages = structure.stages;
+  if (stages < 1) throw std::invalid_argument("a chain has a stage at least");
   size_ = static_cast<int>(stage.size());
   fronts_.assign(index(stages), {});
   leaves_.clear();
@@ -31,7 +52,7 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
 
   // Neighbours, to find leaves; and who is seen by the next stage.
   std::vector<int> only_neighbour(stage.size(), -1), degree(stage.size(), 0);
-  std::vector<bool> seen_later(stage.size(), false);
+  std::vector<char> seen_later(stage.size(), false);
   for (std::size_t e = 0; e < rows.size(); ++e) {
     const int i = rows[e], j = cols[e];
     if (i == j) continue;
@@ -49,13 +70,13 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
   }
 
   // Equality rows: of one stage, and none coupled to another.
-  std::vector<bool> equality = structure.equality;
+  std::vector<char> equality(structure.equality.begin(), structure.equality.end());
   equality.resize(stage.size(), false);
   for (std::size_t i = 0; i < stage.size(); ++i) equality[i] = equality[i] && stage[i] != stages && !seen_later[i];
   for (std::size_t e = 0; e < rows.size(); ++e) {
     if (rows[e] != cols[e] && equality[index(rows[e])]) equality[index(cols[e])] = false;
   }
-  std::vector<bool> sees_equality(stage.size(), false);
+  std::vector<char> sees_equality(stage.size(), false);
   std::vector<int> entries(stage.size(), 0);
   for (std::size_t e = 0; e < rows.size(); ++e) {
     if (equality[index(cols[e])]) sees_equality[index(rows[e])] = true;
@@ -82,16 +103,16 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
     ++fronts_[index(stage[index(leaf.leaf)])].last_leaf;  // a count, so far
   }
 
-  std::vector<int> border;
-  std::vector<std::vector<int>> later(index(stages));
+  border_.clear();
+  std::vector<std::vector<int>> shared(index(stages)), own(index(stages));  // with the next stage; with none
   for (int i = 0; i < size_; ++i) {
     if (leaf_role[index(i)] >= 0) continue;
     if (stage[index(i)] == stages) {
-      border.push_back(i);
+      border_.push_back(i);
     } else if (equality[index(i)]) {
       fronts_[index(stage[index(i)])].rows.push_back(i);
     } else {
-      (seen_later[index(i)] ? later[index(stage[index(i)])] : fronts_[index(stage[index(i)])].columns).push_back(i);
+      (seen_later[index(i)] ? shared : own)[index(stage[index(i)])].push_back(i);
     }
   }
   for (std::size_t k = 0; k < fronts_.size(); ++k) {
@@ -101,19 +122,12 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
                      [&](int a, int b) { return entries[index(a)] < entries[index(b)]; });
     front.first_leaf = k > 0 ? fronts_[k - 1].last_leaf : 0;
     front.last_leaf += front.first_leaf;
-    if (k > 0) front.columns.insert(front.columns.begin(), later[k - 1].begin(), later[k - 1].end());
-    front.summed = static_cast<int>(front.columns.size());
-    front.later = static_cast<int>(later[k].size());
-    front.columns.insert(front.columns.end(), later[k].begin(), later[k].end());
-    front.columns.insert(front.columns.end(), border.begin(), border.end());
-    front.width = padded(static_cast<int>(front.columns.size()));
   }
-  for (std::size_t k = fronts_.size(); k-- > 1;) {
-    fronts_[k - 1].rows_after = fronts_[k].rows_after + static_cast<int>(fronts_[k].rows.size());
-  }
+  set_branches(shared, own);
 
   // Entries, to their front or leaf: in the order of fronts, for then an index's place in the front is known.
-  std::vector<std::vector<int>> of_front(fronts_.size()), of_leaf(leaves_.size());
+  std::vector<int> belongs_to;  // a front, or after all of them a leaf
+  belongs_to.reserve(rows.size());
   for (std::size_t e = 0; e < rows.size(); ++e) {
     const int i = rows[e], j = cols[e], si = stage[index(i)], sj = stage[index(j)];
     const int role = std::max(leaf_role[index(i)], leaf_role[index(j)]);
@@ -121,19 +135,23 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
       if (std::min(leaf_role[index(i)], leaf_role[index(j)]) >= 0 && leaf_role[index(i)] != leaf_role[index(j)]) {
         throw std::invalid_argument("two inequality rows are coupled directly");
       }
-      of_leaf[index(role)].push_back(static_cast<int>(e));
+      belongs_to.push_back(stages + role);
       continue;
     }
     int k = std::max(si, sj);
-    if (k == stages) k = std::min(si, sj);  // with the border: where the other index first appears
-    of_front[std::min(index(k), fronts_.size() - 1)].push_back(static_cast<int>(e));
+    if (k == stages) k = std::min(si, sj);  // with the border: to the stage of the other index
+    belongs_to.push_back(std::min(k, stages - 1));
   }
-  std::vector<int> place(stage.size(), -1);
+  const Groups entries_of(belongs_to, fronts_.size() + leaves_.size());
+  leaf_entries_.reserve(rows.size());
+  std::vector<int> place(stage.size() + border_.size(), -1);
   for (std::size_t k = 0; k < fronts_.size(); ++k) {
     Front& front = fronts_[k];
     for (int c = 0; c < static_cast<int>(front.columns.size()); ++c) place[index(front.columns[index(c)])] = c;
+    const int first_of_border = static_cast<int>(front.columns.size() - border_.size());
+    for (int c = 0; c < static_cast<int>(border_.size()); ++c) place[index(border_[index(c)])] = first_of_border + c;
     for (int r = 0; r < static_cast<int>(front.rows.size()); ++r) place[index(front.rows[index(r)])] = r;
-    for (const int e : of_front[k]) {
+    for (const int e : entries_of[k]) {
       int i = rows[index(e)], j = cols[index(e)];
       if (equality[index(j)]) std::swap(i, j);
       const int p = place[index(i)], q = place[index(j)];
@@ -147,7 +165,7 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
     for (int l = front.first_leaf; l < front.last_leaf; ++l) {
       Leaf& leaf = leaves_[index(l)];
       const auto add = [&](auto&& belongs) {
-        for (const int e : of_leaf[index(l)]) {
+        for (const int e : entries_of[fronts_.size() + index(l)]) {
           const int i = rows[index(e)], j = cols[index(e)];
           const int column = place[index(i == leaf.neighbour ? j : i)];
           if (belongs(i, j)) leaf_entries_.push_back({e, column});
@@ -165,7 +183,48 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
   leaf_values_.assign(leaf_entries_.size(), 0);
 }
 
-void ChainLdlt::prepare_leaves(std::span<const double> values) {
+// Which columns each front has, and where they come from. shared: the indices of a stage that the next one sees; own:
+// those that no other stage sees.
+void ChainLdlt::set_branches(const std::vector<std::vector<int>>& shared, const std::vector<std::vector<int>>& own) {
+  const int stages = static_cast<int>(fronts_.size()), middle = stages / 2;
+  branches_ = {};
+  int all_rows = 0;
+  for (const Front& front : fronts_) all_rows += static_cast<int>(front.rows.size());
+  const auto lay_out = [&](Branch& branch, int k, std::vector<int> children, const std::vector<int>& passed_on) {
+    branch.fronts.push_back(k);
+    Front& front = fronts_[index(k)];
+    for (const int child : children) {
+      front.children.push_back({child, static_cast<int>(front.columns.size())});
+      const std::vector<int>& from_child = shared[index(std::min(k, child))];
+      front.columns.insert(front.columns.end(), from_child.begin(), from_child.end());
+    }
+    front.columns.insert(front.columns.end(), own[index(k)].begin(), own[index(k)].end());
+    front.summed = static_cast<int>(front.columns.size());
+    front.later = static_cast<int>(passed_on.size());
+    front.columns.insert(front.columns.end(), passed_on.begin(), passed_on.end());
+    for (int i = 0; i < static_cast<int>(border_.size()); ++i) {
+      front.columns.push_back(&branch == &branches_[kFromEnd] ? size_ + i : border_[index(i)]);
+    }
+    front.width = padded(static_cast<int>(front.columns.size()));
+    branch.rows += static_cast<int>(front.rows.size());
+    front.rows_elsewhere = all_rows - branch.rows;
+  };
+  for (int k = 0; k < middle; ++k) {
+    lay_out(branches_[kFromStart], k, k > 0 ? std::vector{k - 1} : std::vector<int>{}, shared[index(k)]);
+  }
+  for (int k = stages - 1; k > middle; --k) {
+    lay_out(branches_[kFromEnd], k, k < stages - 1 ? std::vector{k + 1} : std::vector<int>{}, shared[index(k - 1)]);
+  }
+  std::vector<int> children;
+  if (middle > 0) children.push_back(middle - 1);
+  if (middle < stages - 1) children.push_back(middle + 1);
+  if (stages > 0) lay_out(branches_[kMiddle], middle, children, {});
+  values_.assign(index(size_) + border_.size(), 0);
+}
+
+// Returns their number of negative eigenvalues.
+int ChainLdlt::prepare_leaves(std::span<const double> values) {
+  int negative = 0;
   for (std::size_t e = 0; e < leaf_entries_.size(); ++e) leaf_values_[e] = values[index(leaf_entries_[e].value)];
   const auto sum = [this](int begin, int end) {
     double total = 0;
@@ -182,16 +241,16 @@ void ChainLdlt::prepare_leaves(std::span<const double> values) {
       leaf.inverse_ll = leaf.a_pp / determinant;
       leaf.inverse_lp = -leaf.a_lp / determinant;
       leaf.inverse_pp = leaf.a_ll / determinant;
-      ++negative_;  // determinant < 0: one eigenvalue of each sign
+      ++negative;  // determinant < 0: one eigenvalue of each sign
     } else if (leaf.a_ll < 0) {
-      ++negative_;
+      ++negative;
     }
   }
+  return negative;
 }
 
-// Lays out front k and adds its entries and the previous front's rest.
-void ChainLdlt::assemble(std::size_t k, std::span<const double> values) {
-  Front& front = fronts_[k];
+// Lays out a front and adds its entries and the rests of the fronts before it.
+void ChainLdlt::assemble(Front& front, std::span<const double> values, Branch& work) const {
   front.column_index = front.columns;
   front.row_index.clear();
   const auto new_column = [&front](int i) {
@@ -203,24 +262,25 @@ void ChainLdlt::assemble(std::size_t k, std::span<const double> values) {
     return static_cast<int>(front.row_index.size()) - 1;
   };
 
-  // A row with an entry on the diagonal is treated as a column, ~column in row_place_.
-  row_diagonal_.assign(front.rows.size(), 0);
-  for (const Entry& e : front.row_diagonal) row_diagonal_[index(e.at / front.width)] += values[index(e.value)];
-  row_place_.clear();
+  // A row with an entry on the diagonal is treated as a column, ~column in row_place.
+  work.row_diagonal.assign(front.rows.size(), 0);
+  for (const Entry& e : front.row_diagonal) work.row_diagonal[index(e.at / front.width)] += values[index(e.value)];
+  work.row_place.clear();
   for (std::size_t r = 0; r < front.rows.size(); ++r) {
-    row_place_.push_back(row_diagonal_[r] == 0 ? new_row(front.rows[r]) : ~new_column(front.rows[r]));
+    work.row_place.push_back(work.row_diagonal[r] == 0 ? new_row(front.rows[r]) : ~new_column(front.rows[r]));
   }
-  // What the previous front left: delayed rows without entries among themselves stay rows, other delayed ones are
+  // What the fronts before it left: delayed rows without entries among themselves stay rows, other delayed ones are
   // columns.
-  rest_place_.clear();
-  if (k > 0) {
-    const Front& previous = fronts_[k - 1];
+  for (std::size_t c = 0; c < front.children.size(); ++c) {
+    const Front& previous = fronts_[index(front.children[c].front)];
     const DenseLdlt& rest = previous.rest;
     const int columns = static_cast<int>(previous.column_index.size());
+    std::vector<int>& rest_place = work.rest_place[c];
+    rest_place.clear();
     const auto is_row = [&](int p) {
       if (rest.index()[index(p)] < columns || rest.row(p)[p] != 0) return false;
       for (int q = rest.pivots(); q < p; ++q) {
-        if (rest_place_[index(q - rest.pivots())] < 0 && rest.row(p)[q] != 0) return false;
+        if (rest_place[index(q - rest.pivots())] < 0 && rest.row(p)[q] != 0) return false;
       }
       return true;
     };
@@ -229,11 +289,11 @@ void ChainLdlt::assemble(std::size_t k, std::span<const double> values) {
       if (p < previous.rest_summed) {
         const int global =
             local < columns ? previous.column_index[index(local)] : previous.row_index[index(local - columns)];
-        rest_place_.push_back(is_row(p) ? ~new_row(global) : new_column(global));  // here a row is ~row
+        rest_place.push_back(is_row(p) ? ~new_row(global) : new_column(global));  // here a row is ~row
       } else if (local < previous.summed + previous.later) {
-        rest_place_.push_back(local - previous.summed);
+        rest_place.push_back(local - previous.summed + front.children[c].first_column);
       } else {
-        rest_place_.push_back(local - previous.summed - previous.later + front.summed + front.later);
+        rest_place.push_back(local - previous.summed - previous.later + front.summed + front.later);
       }
     }
   }
@@ -245,13 +305,14 @@ void ChainLdlt::assemble(std::size_t k, std::span<const double> values) {
   const int columns = static_cast<int>(front.column_index.size());
   front.tableau.reset(static_cast<int>(front.row_index.size()), columns);
   const int width = front.tableau.width();
-  symmetric_.resize_to_zero(columns, columns);
-  double* s = symmetric_.data();
+  work.symmetric.resize_to_zero(columns, columns);
+  double* s = work.symmetric.data();
   const auto add = [s, width](int i, int j, double value) {
     s[i * width + j] += value;
     if (i != j) s[j * width + i] += value;
   };
-  const bool all_rows = std::all_of(row_diagonal_.begin(), row_diagonal_.end(), [](double d) { return d == 0; });
+  const bool all_rows =
+      std::all_of(work.row_diagonal.begin(), work.row_diagonal.end(), [](double d) { return d == 0; });
   if (width == front.width && all_rows) {  // then entries are where analyse() put them
     double* t = front.tableau.data();
     for (const Entry& e : front.diagonal) s[e.at] += values[index(e.value)];
@@ -266,7 +327,7 @@ void ChainLdlt::assemble(std::size_t k, std::span<const double> values) {
     for (const Entry& e : front.diagonal) add(row(e), column(e), values[index(e.value)]);
     for (const Entry& e : front.symmetric) add(row(e), column(e), values[index(e.value)]);
     for (const Entry& e : front.coupling) {
-      const int place = row_place_[index(row(e))];
+      const int place = work.row_place[index(row(e))];
       if (place >= 0) {
         front.tableau.row(place)[column(e)] += values[index(e.value)];
       } else {
@@ -274,7 +335,7 @@ void ChainLdlt::assemble(std::size_t k, std::span<const double> values) {
       }
     }
     for (std::size_t r = 0; r < front.rows.size(); ++r) {
-      if (row_place_[r] < 0) add(~row_place_[r], ~row_place_[r], row_diagonal_[r]);
+      if (work.row_place[r] < 0) add(~work.row_place[r], ~work.row_place[r], work.row_diagonal[r]);
     }
   }
   int leaf_column = first_leaf_column;
@@ -294,12 +355,13 @@ void ChainLdlt::assemble(std::size_t k, std::span<const double> values) {
       ++leaf_column;
     }
   }
-  if (k > 0) {
-    const DenseLdlt& rest = fronts_[k - 1].rest;
+  for (std::size_t c = 0; c < front.children.size(); ++c) {
+    const DenseLdlt& rest = fronts_[index(front.children[c].front)].rest;
+    const std::vector<int>& rest_place = work.rest_place[c];
     for (int q = rest.pivots(); q < rest.order(); ++q) {
-      const int j = rest_place_[index(q - rest.pivots())];
+      const int j = rest_place[index(q - rest.pivots())];
       for (int p = q; p < rest.order(); ++p) {
-        const int i = rest_place_[index(p - rest.pivots())];
+        const int i = rest_place[index(p - rest.pivots())];
         if (i >= 0 && j >= 0) {
           add(i, j, rest.row(q)[p]);
         } else if (i >= 0 || j >= 0) {
@@ -312,14 +374,14 @@ void ChainLdlt::assemble(std::size_t k, std::span<const double> values) {
 
 // Eliminates the equality rows with their basic variables, and lays out what is left. False when a row depends on
 // others.
-bool ChainLdlt::reduce(Front& front, bool last) {
+bool ChainLdlt::reduce(Front& front, bool last, Branch& work) {
   Tableau& tableau = front.tableau;
   const int columns = tableau.columns(), width = tableau.width(), fixed = static_cast<int>(front.columns.size());
-  const double* s = symmetric_.data();
+  const double* s = work.symmetric.data();
   const auto may_go = [&](int j) { return last || j < front.summed || j >= fixed; };
 
-  weights_.resize_to_zero(2, columns);
-  double *preference = weights_.row(0), *bounding = weights_.row(1);
+  work.weights.resize_to_zero(2, columns);
+  double *preference = work.weights.row(0), *bounding = work.weights.row(1);
   for (int j = 0; j < columns; ++j) {
     const double own = std::abs(s[j * width + j]);
     if (may_go(j)) preference[j] = own <= kLargestCondensed ? 1 : std::sqrt(kLargestCondensed / own);
@@ -328,42 +390,42 @@ bool ChainLdlt::reduce(Front& front, bool last) {
   if (!tableau.solve_for_basis(preference, bounding)) return false;
 
   // The basic columns, and what is left: fully summed columns, rows without basic variable, the other columns.
-  basic_.clear();
-  list_.clear();
+  work.basic.clear();
+  work.list.clear();
   front.basic_rows.clear();
   for (int j = 0; j < columns; ++j) {
     if (j == front.summed) j = fixed;
-    if (j < columns && tableau.row_of(j) < 0) list_.push_back(j);
+    if (j < columns && tableau.row_of(j) < 0) work.list.push_back(j);
   }
   for (int r = 0; r < tableau.rows(); ++r) {
     if (tableau.basic(r) < 0) {
-      list_.push_back(columns + r);
+      work.list.push_back(columns + r);
     } else {
       front.basic_rows.push_back(r);
-      basic_.push_back(tableau.basic(r));
+      work.basic.push_back(tableau.basic(r));
     }
   }
-  const int leaving = static_cast<int>(list_.size());
+  const int leaving = static_cast<int>(work.list.size());
   for (int j = front.summed; j < fixed; ++j) {
-    if (tableau.row_of(j) < 0) list_.push_back(j);
+    if (tableau.row_of(j) < 0) work.list.push_back(j);
   }
-  const int basics = static_cast<int>(basic_.size()), count = static_cast<int>(list_.size());
+  const int basics = static_cast<int>(work.basic.size()), count = static_cast<int>(work.list.size());
   front.rest_summed = last ? count : leaving;
-  negative_ += basics;
+  work.negative += basics;
 
   // The rows of H of the basic variables; of these the other columns, and Z = B^-1 N.
   front.curvature.resize(basics, columns);
-  u_.resize(basics, count);
-  z_.resize(basics, count);
-  x_.resize(count, count);
-  const int others = x_.width();
+  work.u.resize(basics, count);
+  work.z.resize(basics, count);
+  work.x.resize(count, count);
+  const int others = work.x.width();
   for (int b = 0; b < basics; ++b) {
-    const double* h = s + basic_[index(b)] * width;
+    const double* h = s + work.basic[index(b)] * width;
     const double* a = tableau.row(front.basic_rows[index(b)]);
     std::copy_n(h, width, front.curvature.row(b));
-    double *u = u_.row(b), *z = z_.row(b);
+    double *u = work.u.row(b), *z = work.z.row(b);
     for (int c = 0; c < count; ++c) {
-      const int j = list_[index(c)];
+      const int j = work.list[index(c)];
       u[c] = j < columns ? h[j] : 0;
       z[c] = j < columns ? a[j] : 0;
     }
@@ -371,16 +433,16 @@ bool ChainLdlt::reduce(Front& front, bool last) {
     std::fill(z + count, z + others, 0.0);
   }
   // H_NN - H_NB Z - Z' H_BN + Z' H_BB Z, as H_NN - X - X' with X = (H_BN - H_BB Z / 2)' Z.
-  add_product(-0.5, front.curvature.data(), width, basic_, z_.data(), others, u_.data());
-  transposed_product(u_.data(), count, z_.data(), basics, others, x_.data());
-  front.rest.reset(list_);
+  add_product(-0.5, front.curvature.data(), width, work.basic, work.z.data(), others, work.u.data());
+  transposed_product(work.u.data(), count, work.z.data(), basics, others, work.x.data());
+  front.rest.reset(work.list);
   for (int i = 0; i < count; ++i) {
-    const int p = list_[index(i)];
+    const int p = work.list[index(i)];
     for (int j = 0; j <= i; ++j) {
-      const int q = list_[index(j)];
+      const int q = work.list[index(j)];
       double value = 0;
       if (p < columns && q < columns) {
-        value = s[p * width + q] - x_.row(i)[j] - x_.row(j)[i];
+        value = s[p * width + q] - work.x.row(i)[j] - work.x.row(j)[i];
       } else if (p < columns || q < columns) {
         value = tableau.row(std::max(p, q) - columns)[std::min(p, q)];
       }
@@ -390,35 +452,68 @@ bool ChainLdlt::reduce(Front& front, bool last) {
   return true;
 }
 
-void ChainLdlt::count_work(const Front& front) {
+void ChainLdlt::count_work(const Front& front, Branch& work) {
   const double rows = front.tableau.rows(), width = front.tableau.width(), rest = front.rest.order(),
                basics = static_cast<double>(front.basic_rows.size());
-  factorisation_work_ += rows * rows * width + basics * rest * (basics + rest) + rest * rest * rest / 3;
-  solve_work_ += 4 * (rows + basics) * width + 2 * rest * rest;
+  work.factorisation_work += rows * rows * width + basics * rest * (basics + rest) + rest * rest * rest / 3;
+  work.solve_work += 4 * (rows + basics) * width + 2 * rest * rest;
 }
 
-// What a front leaves has at least as many negative eigenvalues as later fronts have equality rows, unless it is
-// singular: its block on those rows is zero or negative. With the pivots so far that tells early that there are too
-// many.
-bool ChainLdlt::factorise(std::span<const double> values, double threshold, int most_negative) {
-  negative_ = 0;
-  factorisation_work_ = solve_work_ = 0;
-  prepare_leaves(values);
-  for (std::size_t k = 0; k < fronts_.size(); ++k) {
-    Front& front = fronts_[k];
-    assemble(k, values);
-    if (!reduce(front, k + 1 == fronts_.size())) return false;
-    count_work(front);
-    negative_ += front.rest.eliminate(front.rest_summed, threshold);
+// Eliminates the fronts of a branch, unless it is found to be of no use. What a front leaves has at least as many
+// negative eigenvalues as the fronts that are still there have equality rows, unless it is singular: its block on those
+// rows is zero or negative. With the pivots so far that tells early that there are too many.
+ChainLdlt::Outcome ChainLdlt::eliminate(Branch& branch, std::span<const double> values, double threshold,
+                                        int most_negative, const std::atomic<bool>& of_no_use) {
+  const bool last = &branch == &branches_[kMiddle];
+  for (const int k : branch.fronts) {
+    if (of_no_use) break;
+    Front& front = fronts_[index(k)];
+    assemble(front, values, branch);
+    if (!reduce(front, last, branch)) return Outcome::kSingular;
+    count_work(front, branch);
+    branch.negative += front.rest.eliminate(front.rest_summed, threshold);
     // Pivots that pile up along the chain mean that no stage has the curvature to place them: the fronts would grow
     // with the chain's length, and what comes out at its end would be noise. The caller's perturbation is the cure.
-    if (front.rest_summed - front.rest.pivots() > kMostDelayed) return false;
-    if (k + 1 < fronts_.size() && negative_ > most_negative - front.rows_after) {
-      negative_ += front.rows_after;
-      return true;
+    if (front.rest_summed - front.rest.pivots() > kMostDelayed) return Outcome::kSingular;
+    if (last) return front.rest.pivots() == front.rest.order() ? Outcome::kDone : Outcome::kSingular;
+    if (negative_of_leaves_ + branch.negative > most_negative - front.rows_elsewhere) {
+      branch.negative += front.rows_elsewhere;
+      return Outcome::kTooManyNegative;
     }
   }
-  return fronts_.back().rest.pivots() == fronts_.back().rest.order();
+  return Outcome::kDone;
+}
+
+// The branch from the end only counts where the one from the start led on, whichever was sooner: so the numbers are the
+// same on two threads.
+bool ChainLdlt::factorise(std::span<const double> values, double threshold, int most_negative, const DoBoth& both) {
+  negative_of_leaves_ = prepare_leaves(values);
+  for (Branch& branch : branches_) branch.negative = 0, branch.factorisation_work = branch.solve_work = 0;
+  std::atomic<bool> of_no_use = false;
+  const std::atomic<bool> never = false;
+  Outcome of_start = Outcome::kDone, of_end = Outcome::kDone;
+  auto from_start = [&] {
+    of_start = eliminate(branches_[kFromStart], values, threshold, most_negative, never);
+    of_no_use = of_start != Outcome::kDone;
+  };
+  auto from_end = [&] { of_end = eliminate(branches_[kFromEnd], values, threshold, most_negative, of_no_use); };
+  both(std::ref(from_start), std::ref(from_end));  // a reference is not allocated
+
+  negative_ = negative_of_leaves_;
+  factorisation_work_ = solve_work_ = 0;
+  const auto count = [&](const Branch& branch) {
+    negative_ += branch.negative;
+    factorisation_work_ += branch.factorisation_work;
+    solve_work_ += branch.solve_work;
+  };
+  count(branches_[kFromStart]);
+  if (of_start != Outcome::kDone) return of_start != Outcome::kSingular;
+  if (of_end == Outcome::kTooManyNegative) negative_ = negative_of_leaves_;  // its count is of all the others too
+  count(branches_[kFromEnd]);
+  if (of_end != Outcome::kDone) return of_end != Outcome::kSingular;
+  const Outcome of_middle = eliminate(branches_[kMiddle], values, threshold, most_negative, never);
+  count(branches_[kMiddle]);
+  return of_middle == Outcome::kDone;
 }
 
 // b of the front's columns and rows.
@@ -431,12 +526,12 @@ double& ChainLdlt::row_value(const Front& front, std::span<double> b, int r) {
 
 // With c = B^-1 b_R the basic variables' part of the right-hand side, what is left for the others is
 //   b_N - H_NB c - Z' (b_B - H_BB c).
-void ChainLdlt::solve_forward(const Front& front, std::span<double> b) const {
+void ChainLdlt::solve_forward(const Front& front, std::span<double> b, Rows& vectors) {
   const Tableau& t = front.tableau;
   const int width = t.width(), rows = t.rows(), basics = static_cast<int>(front.basic_rows.size());
-  vectors_.resize(6, std::max(width, rows));
-  double *given = vectors_.row(0), *h = vectors_.row(1), *a = vectors_.row(2), *c = vectors_.row(3),
-         *c_basic = vectors_.row(4), *gradient = vectors_.row(5);
+  vectors.resize(6, std::max(width, rows));
+  double *given = vectors.row(0), *h = vectors.row(1), *a = vectors.row(2), *c = vectors.row(3),
+         *c_basic = vectors.row(4), *gradient = vectors.row(5);
   std::fill_n(given, width, 0.0);
   for (const int r : front.basic_rows) given[t.basic(r)] = row_value(front, b, r);
   times_vector(t.data(), rows, width, given, c);
@@ -454,12 +549,12 @@ void ChainLdlt::solve_forward(const Front& front, std::span<double> b) const {
 }
 
 // x_B = c - Z x_N, and the rows' multipliers B'^-1 (b_B - H_BB x_B - H_BN x_N).
-void ChainLdlt::solve_backward(const Front& front, std::span<double> b) const {
+void ChainLdlt::solve_backward(const Front& front, std::span<double> b, Rows& vectors) {
   const Tableau& t = front.tableau;
   const int width = t.width(), rows = t.rows(), basics = static_cast<int>(front.basic_rows.size());
-  vectors_.resize(6, std::max(width, rows));
-  double *given = vectors_.row(0), *x = vectors_.row(1), *a = vectors_.row(2), *y = vectors_.row(3),
-         *hx = vectors_.row(4), *gradient = vectors_.row(5);
+  vectors.resize(6, std::max(width, rows));
+  double *given = vectors.row(0), *x = vectors.row(1), *a = vectors.row(2), *y = vectors.row(3), *hx = vectors.row(4),
+         *gradient = vectors.row(5);
   std::fill_n(given, width, 0.0);
   std::fill_n(x, width, 0.0);
   for (int j = 0; j < t.columns(); ++j) {
@@ -483,18 +578,30 @@ void ChainLdlt::solve_backward(const Front& front, std::span<double> b) const {
   }
 }
 
-void ChainLdlt::solve(std::span<double> b) const {
+namespace {
+
+// A value per row of a front's rest, from those of all and back.
+class RestValues {
+ public:
+  RestValues(std::span<const int> local, std::span<const int> column_index, std::span<const int> row_index,
+             std::span<double> values)
+      : local_(local), column_index_(column_index), row_index_(row_index), values_(values) {}
+  double& operator[](int p) const {
+    const int i = local_[index(p)], columns = static_cast<int>(column_index_.size());
+    return values_[index(i < columns ? column_index_[index(i)] : row_index_[index(i - columns)])];
+  }
+
+ private:
+  std::span<const int> local_, column_index_, row_index_;
+  std::span<double> values_;
+};
+
+}  // namespace
+
+void ChainLdlt::solve_forward(const Branch& branch, std::span<double> b) const {
   const auto value = [&b](int i) -> double& { return b[index(i)]; };
-  std::vector<double>& x = rest_values_;
-  const auto rest_value = [&](const Front& f, int p) -> double& {
-    const int i = f.rest.index()[index(p)], columns = f.tableau.columns();
-    return value(i < columns ? f.column_index[index(i)] : f.row_index[index(i - columns)]);
-  };
-  const auto gather = [&](const Front& f) {
-    x.resize(index(f.rest.order()));
-    for (int p = 0; p < f.rest.order(); ++p) x[index(p)] = rest_value(f, p);
-  };
-  for (const Front& front : fronts_) {
+  for (const int k : branch.fronts) {
+    const Front& front = fronts_[index(k)];
     for (int l = front.first_leaf; l < front.last_leaf; ++l) {
       const Leaf& leaf = leaves_[index(l)];
       if (leaf.paired) {
@@ -506,18 +613,28 @@ void ChainLdlt::solve(std::span<double> b) const {
         value(leaf.neighbour) -= leaf.a_lp / leaf.a_ll * value(leaf.leaf);
       }
     }
-    solve_forward(front, b);
-    gather(front);
+    solve_forward(front, b, branch.vectors);
+    const RestValues rest(front.rest.index(), front.column_index, front.row_index, b);
+    std::vector<double>& x = branch.rest_values;
+    x.resize(index(front.rest.order()));
+    for (int p = 0; p < front.rest.order(); ++p) x[index(p)] = rest[p];
     front.rest.solve_forward(x);
-    for (int p = 0; p < front.rest.order(); ++p) rest_value(front, p) = x[index(p)];
+    for (int p = 0; p < front.rest.order(); ++p) rest[p] = x[index(p)];
   }
-  for (std::size_t k = fronts_.size(); k-- > 0;) {
-    const Front& front = fronts_[k];
-    gather(front);
+}
+
+void ChainLdlt::solve_backward(const Branch& branch, std::span<double> b) const {
+  const auto value = [&b](int i) -> double& { return b[index(i)]; };
+  for (std::size_t at = branch.fronts.size(); at-- > 0;) {
+    const Front& front = fronts_[index(branch.fronts[at])];
+    const RestValues rest(front.rest.index(), front.column_index, front.row_index, b);
+    std::vector<double>& x = branch.rest_values;
+    x.resize(index(front.rest.order()));
+    for (int p = 0; p < front.rest.order(); ++p) x[index(p)] = rest[p];
     front.rest.solve_backward(x);
     // Rows passed on to later fronts are already solved there.
-    for (int p = 0; p < front.rest.pivots(); ++p) rest_value(front, p) = x[index(p)];
-    solve_backward(front, b);
+    for (int p = 0; p < front.rest.pivots(); ++p) rest[p] = x[index(p)];
+    solve_backward(front, b, branch.vectors);
     for (int l = front.first_leaf; l < front.last_leaf; ++l) {
       const Leaf& leaf = leaves_[index(l)];
       if (leaf.paired) {
@@ -533,6 +650,24 @@ void ChainLdlt::solve(std::span<double> b) const {
       }
     }
   }
+}
+
+// The branches share nothing but the border: the one from the end adds to a border of its own.
+void ChainLdlt::solve(std::span<double> b, const DoBoth& both) const {
+  std::copy(b.begin(), b.end(), values_.begin());
+  const std::span<double> values(values_), border = values.subspan(index(size_));
+  std::fill(border.begin(), border.end(), 0.0);
+  auto forward_from_start = [&] { solve_forward(branches_[kFromStart], values); };
+  auto forward_from_end = [&] { solve_forward(branches_[kFromEnd], values); };
+  both(std::ref(forward_from_start), std::ref(forward_from_end));
+  for (std::size_t i = 0; i < border.size(); ++i) values[index(border_[i])] += border[i];
+  solve_forward(branches_[kMiddle], values);
+  solve_backward(branches_[kMiddle], values);
+  for (std::size_t i = 0; i < border.size(); ++i) border[i] = values[index(border_[i])];
+  auto back_to_start = [&] { solve_backward(branches_[kFromStart], values); };
+  auto back_to_end = [&] { solve_backward(branches_[kFromEnd], values); };
+  both(std::ref(back_to_start), std::ref(back_to_end));
+  std::copy_n(values.begin(), b.size(), b.begin());
 }
 
 }  // namespace fjr

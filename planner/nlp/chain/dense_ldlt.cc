@@ -60,14 +60,13 @@ FJR_VECTORISED void subtract_two(double* a, int n, int width, int p, double d0, 
 
 // Largest magnitude in a row, each weighed.
 FJR_VECTORISED double largest_of(const double* row, const double* weights, int width) {
-  double best[kLanes] = {};
+  Lanes largest{};
   for (int w = 0; w < width; w += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const double size = std::fabs(row[w + lane]) * weights[w + lane];
-      best[lane] = size > best[lane] ? size : best[lane];
-    }
+    Lanes size = *reinterpret_cast<const Lanes*>(row + w);
+    make_magnitude(size);
+    keep_larger(largest, size * *reinterpret_cast<const Lanes*>(weights + w));
   }
-  return *std::max_element(best, best + kLanes);
+  return largest_lane(largest);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <limits>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -15,6 +16,7 @@ namespace fjr {
 namespace {
 
 thread_local ChainStructure described;
+thread_local DoBoth halves = one_after_the_other;
 thread_local ChainLdlt factor;
 thread_local std::vector<int> rows, cols;
 thread_local int factorised = 0;
@@ -23,7 +25,10 @@ thread_local double seconds = 0;
 
 }  // namespace
 
-void describe_chain(ChainStructure structure) { described = std::move(structure); }
+void describe_chain(ChainStructure structure, DoBoth both) {
+  described = std::move(structure);
+  halves = std::move(both);
+}
 
 int factorisations() { return factorised; }
 double multiplications() { return multiplied; }
@@ -83,7 +88,9 @@ void ma27bd_(const int* /*n*/, const int* nz, const int* /*irn*/, const int* /*i
   *maxfrt = 1;
   ++fjr::factorised;
   const double threshold = std::clamp(cntl[0], 1e-10, 0.5);
-  if (!fjr::factor.factorise(std::span(a, static_cast<std::size_t>(*nz)), threshold)) info[0] = -5;  // singular
+  const std::span<const double> values(a, static_cast<std::size_t>(*nz));
+  constexpr int kAnyInertia = std::numeric_limits<int>::max();
+  if (!fjr::factor.factorise(values, threshold, kAnyInertia, fjr::halves)) info[0] = -5;  // singular
   fjr::multiplied += fjr::factor.factorisation_work();
   info[14] = fjr::factor.negative_eigenvalues();
 }
@@ -92,7 +99,7 @@ void ma27cd_(const int* n, const double* /*a*/, const int* /*la*/, const int* /*
              const int* /*maxfrt*/, double* rhs, int* /*iw1*/, const int* /*nsteps*/, const int* /*icntl*/,
              const double* /*cntl*/) {
   const fjr::CpuTimed timed(fjr::seconds);
-  fjr::factor.solve(std::span(rhs, static_cast<std::size_t>(*n)));
+  fjr::factor.solve(std::span(rhs, static_cast<std::size_t>(*n)), fjr::halves);
   fjr::multiplied += fjr::factor.solve_work();
 }
 

@@ -12,8 +12,8 @@
 namespace fjr {
 
 // What the rows of the KKT matrices to come on this thread are, in Ipopt's order: free variables, slacks of the
-// inequalities, equality rows, inequality rows.
-void describe_chain(ChainStructure structure);
+// inequalities, equality rows, inequality rows; and how the halves of the work with them are worked off.
+void describe_chain(ChainStructure structure, DoBoth both);
 
 // How many factorisations this thread has done.
 int factorisations();

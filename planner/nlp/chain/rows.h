@@ -2,6 +2,7 @@
 // multiple of that. Storage is kept when the size changes.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
@@ -20,7 +21,8 @@ class Rows {
   }
   void resize_to_zero(int rows, int columns) {
     blocks_ = static_cast<std::size_t>(padded(columns) / kLanes);
-    data_.assign(static_cast<std::size_t>(rows) * blocks_, Block{});
+    data_.resize(static_cast<std::size_t>(rows) * blocks_);
+    if (!data_.empty()) std::fill_n(data_[0].lanes, data_.size() * kLanes, 0.0);
   }
 
   int width() const { return static_cast<int>(blocks_) * kLanes; }

@@ -17,14 +17,13 @@ constexpr std::array<double, 2> kFractions{0.1, 0.01};
 constexpr double kDependent = 1e-13;
 
 FJR_VECTORISED double largest_of(const double* row, int width) {
-  double best[kLanes] = {};
+  Lanes largest{};
   for (int w = 0; w < width; w += kLanes) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const double size = std::fabs(row[w + lane]);
-      best[lane] = size > best[lane] ? size : best[lane];
-    }
+    Lanes size = *reinterpret_cast<const Lanes*>(row + w);
+    make_magnitude(size);
+    keep_larger(largest, size);
   }
-  return *std::max_element(best, best + kLanes);
+  return largest_lane(largest);
 }
 
 struct Choice {
@@ -34,18 +33,17 @@ struct Choice {
 
 // The column of the largest magnitude times preference, the first of equal ones, and its fraction of the row.
 FJR_VECTORISED Choice choose(const double* row, const double* preference, const double* bounding, int width) {
-  double best[kLanes] = {}, bound[kLanes] = {}, best_at[kLanes] = {};
+  Lanes best{}, bound{}, best_at{}, block{};
   for (int w = 0; w < width; w += kLanes) {
-    const double block = w;
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const double size = std::fabs(row[w + lane]), product = size * preference[w + lane];
-      const double counted = size * bounding[w + lane];
-      best_at[lane] = product > best[lane] ? block : best_at[lane];
-      best[lane] = product > best[lane] ? product : best[lane];
-      bound[lane] = counted > bound[lane] ? counted : bound[lane];
-    }
+    Lanes size = *reinterpret_cast<const Lanes*>(row + w);
+    make_magnitude(size);
+    const Lanes product = size * *reinterpret_cast<const Lanes*>(preference + w);
+    best_at = product > best ? block : best_at;
+    keep_larger(best, product);
+    keep_larger(bound, size * *reinterpret_cast<const Lanes*>(bounding + w));
+    block += kLanes;
   }
-  const double largest = *std::max_element(best, best + kLanes), limit = *std::max_element(bound, bound + kLanes);
+  const double largest = largest_lane(best), limit = largest_lane(bound);
   if (largest == 0) return {-1, 0};
   int c = width;
   for (int lane = 0; lane < kLanes; ++lane) {

@@ -4,6 +4,10 @@
 // named as the psABI does: a processor's name would never be chosen on another maker's.
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
 #include "planner/nlp/chain/rows.h"
 
 namespace fjr {
@@ -15,5 +19,17 @@ namespace fjr {
 #endif
 
 using Lanes = double __attribute__((vector_size(kLanes * sizeof(double)), may_alias));
+
+// Lane by lane, in place: vectors that are passed by value would be passed otherwise on every level.
+[[gnu::always_inline]] inline void make_magnitude(Lanes& value) {
+  using Bits = std::int64_t __attribute__((vector_size(kLanes * sizeof(double))));
+  value = reinterpret_cast<Lanes>(reinterpret_cast<Bits>(value) & std::numeric_limits<std::int64_t>::max());
+}
+[[gnu::always_inline]] inline void keep_larger(Lanes& largest, const Lanes& value) {
+  largest = value > largest ? value : largest;
+}
+[[gnu::always_inline]] inline double largest_lane(const Lanes& value) {
+  return std::max(std::max(value[0], value[1]), std::max(value[2], value[3]));
+}
 
 }  // namespace fjr

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <iterator>
 #include <memory>
 #include <optional>
@@ -74,15 +75,36 @@ void perform_one(const RigSetup& setup, const std::string& name, int joint, cons
   fmt::print("{}: {} rows, {:.6g} s\n", file.string(), log.rows(), record.time.back());
 }
 
+// A real rig's logs have the names of the virtual one's, and cannot be had again. Only the virtual one has a seed.
+bool is_of_the_virtual_rig(const fs::path& file) {
+  std::ifstream log(file);
+  for (std::string line; std::getline(log, line) && line.starts_with("#");) {
+    if (line.starts_with("# seed:")) return true;
+  }
+  return false;
+}
+
+void refuse_to_lose(const fs::path& file) {
+  std::error_code ignored;
+  if (!fs::exists(file, ignored) || is_of_the_virtual_rig(file)) return;
+  throw InputError("--out", "",
+                   fmt::format("{} is no log of the virtual rig, and would be lost; give another name", file.string()));
+}
+
 void perform_all(const ExperimentArguments& options, const RigSetup& setup) {
+  const auto log_of = [&](const char* name, int joint) {
+    return fs::path(options.out) / fmt::format("{}_{}.csv", name, joint);
+  };
+  const auto each = [](const auto& visit) {
+    for (const char* name : kExperiments) {
+      for (int joint = 1; joint <= kJoints; ++joint) visit(name, joint);
+    }
+  };
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", options.out, error.message()));
-  for (const char* name : kExperiments) {
-    for (int joint = 1; joint <= kJoints; ++joint) {
-      perform_one(setup, name, joint, fs::path(options.out) / fmt::format("{}_{}.csv", name, joint));
-    }
-  }
+  each([&](const char* name, int joint) { refuse_to_lose(log_of(name, joint)); });
+  each([&](const char* name, int joint) { perform_one(setup, name, joint, log_of(name, joint)); });
 }
 
 int run(const ExperimentArguments& options) {
@@ -95,6 +117,7 @@ int run(const ExperimentArguments& options) {
     if (const std::string fault = fault_of_file_to_write(options.out); !fault.empty()) {
       throw InputError("--out", "", fault);
     }
+    refuse_to_lose(options.out);
   }
   catch_interrupts();
   const RigSetup setup = setup_of(options);

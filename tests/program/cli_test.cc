@@ -562,6 +562,26 @@ TEST_F(Cli, ExperimentAndIdentifyGoTogether) {
   EXPECT_THAT(contents(path("r.html")), HasSubstr("<canvas"));
 }
 
+// The virtual rig's logs may be made again, with another seed too; a real rig's, of the same names, never are replaced.
+TEST_F(Cli, ExperimentsReplaceNoLogsOfARealRig) {
+  const std::string measured = "# experiment: stiffness\ntime,q1,q2,theta1,theta2,tau1,tau2\n";
+  fs::create_directory(path("rig"));
+  write("rig/motor_inertia_2.csv", measured);
+  const Result all = run({"experiment", "all", "--out", "rig"});
+  EXPECT_EQ(all.exit_code, 2);
+  EXPECT_THAT(all.err, HasSubstr("--out: rig/motor_inertia_2.csv is no log of the virtual rig, and would be lost"));
+  EXPECT_FALSE(fs::exists(path("rig/gravity_1.csv")));
+  EXPECT_EQ(run({"experiment", "motor_inertia", "--joint", "2", "--out", "rig/motor_inertia_2.csv"}).exit_code, 2);
+  EXPECT_EQ(contents(path("rig/motor_inertia_2.csv")), measured);
+
+  const auto push = [&](const char* seed) {
+    return run({"experiment", "motor_inertia", "--joint", "2", "--out", "push.csv", "--seed", seed}).exit_code;
+  };
+  EXPECT_EQ(push("1"), 0);
+  EXPECT_EQ(push("2"), 0);
+  EXPECT_THAT(contents(path("push.csv")), HasSubstr("# seed: 2\n"));
+}
+
 TEST_F(Cli, ExperimentAndIdentifyRefuseBadInput) {
   EXPECT_EQ(run({"experiment", "juggling", "--joint", "1", "--out", "log.csv"}).exit_code, 2);
   EXPECT_EQ(run({"experiment", "link_inertia", "--out", "log.csv"}).exit_code, 2);

@@ -84,7 +84,10 @@ bool is_of_the_virtual_rig(const fs::path& file) {
   return false;
 }
 
-void refuse_to_lose(const fs::path& file) {
+void check_log_to_write(const fs::path& file) {
+  if (const std::string fault = fault_of_file_to_write(file.string()); !fault.empty()) {
+    throw InputError("--out", "", fault);
+  }
   std::error_code ignored;
   if (!fs::exists(file, ignored) || is_of_the_virtual_rig(file)) return;
   throw InputError("--out", "",
@@ -103,7 +106,7 @@ void perform_all(const ExperimentArguments& options, const RigSetup& setup) {
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", options.out, error.message()));
-  each([&](const char* name, int joint) { refuse_to_lose(log_of(name, joint)); });
+  each([&](const char* name, int joint) { check_log_to_write(log_of(name, joint)); });
   each([&](const char* name, int joint) { perform_one(setup, name, joint, log_of(name, joint)); });
 }
 
@@ -113,12 +116,7 @@ int run(const ExperimentArguments& options) {
   if (options.name == "all" && options.joint != 0) {
     throw InputError("--joint", "", "is for a single experiment; all are of both joints");
   }
-  if (options.name != "all") {
-    if (const std::string fault = fault_of_file_to_write(options.out); !fault.empty()) {
-      throw InputError("--out", "", fault);
-    }
-    refuse_to_lose(options.out);
-  }
+  if (options.name != "all") check_log_to_write(options.out);
   catch_interrupts();
   const RigSetup setup = setup_of(options);
   if (options.name == "all") {

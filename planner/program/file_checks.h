@@ -2,22 +2,27 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cerrno>
 #include <filesystem>
 #include <string>
 #include <system_error>
 
 namespace fjr {
 
-// A file that can be made or replaced is in a folder that is there, and none of those that make a folder a plan. Empty:
-// nothing is wrong.
+// A file that can be made or replaced is in a folder that is there and may be written to, and none of those that make a
+// folder a plan. Empty: nothing is wrong.
 inline std::string fault_of_file_to_write(const std::string& name) {
   const std::filesystem::path file = name, folder = file.has_parent_path() ? file.parent_path() : ".";
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) return fmt::format("{} is a folder, not a file", name);
   if (!std::filesystem::is_directory(folder, ignored)) {
     return fmt::format("cannot write {}: there is no folder {}", name, folder.string());
+  }
+  if (access(folder.c_str(), W_OK | X_OK) != 0) {
+    return fmt::format("cannot write {}: {}", name, std::generic_category().message(errno));
   }
   for (const char* of_plan : {"plan.json", "trajectory.csv", "solution.cbor"}) {
     if (file.filename() == of_plan && std::filesystem::exists(file, ignored)) {

@@ -78,17 +78,17 @@ TEST(Robustness, ASwingComesWhileLimitsAreTightened) {
   EXPECT_EQ(swung.motion->problem(), problem) << "the motion is of a problem with other limits";
 }
 
-// With 5.5 N m the arm gets up only with link 2 folded, and slowly: about 3.9 s. 18 s of work measured, and nothing in
-// 30 s without the fold.
+// With 5.55 N m the arm gets up in 2.91 s with link 2 folded: so five robots do whose springs differ by 1e-11, in 5 to
+// 12 s of work. (With 5.5 N m three of them are certified in what a request may take, after 3.92 to 3.94 s.)
 TEST(Robustness, WhatIsMuchTooHeavyIsSwungUpFolded) {
   const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   PlanOptions options;
   options.most_work *= 0.75;
   const Plan result =
-      plan(parse_request("start: {q: [0, 0]}\ngoal: {q: [2.6, 0]}\nlimits: {torque: [5.5, 5]}\n", "lift.yaml", robot),
+      plan(parse_request("start: {q: [0, 0]}\ngoal: {q: [2.6, 0]}\nlimits: {torque: [5.55, 5]}\n", "lift.yaml", robot),
            options);
   ASSERT_EQ(result.status, PlanStatus::kCertified) << result.reason;
-  EXPECT_LT(result.duration, 4.5);
+  EXPECT_LT(result.duration, 3);
   double folded = 2.6;  // [rad] the least of link 2 while gravity takes more of joint 1, stretched, than there is
   for (const Sample& row : result.trajectory->samples) {
     if (row.state.q[0] > 1.6 && row.state.q[0] < 2.1) folded = std::min(folded, row.state.q[1]);

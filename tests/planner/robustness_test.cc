@@ -78,8 +78,8 @@ TEST(Robustness, ASwingComesWhileLimitsAreTightened) {
   EXPECT_EQ(swung.motion->problem(), problem) << "the motion is of a problem with other limits";
 }
 
-// With 5.55 N m the arm gets up in 2.91 s with link 2 folded: so five robots do whose springs differ by 1e-11, in 5 to
-// 12 s of work. (With 5.5 N m three of them are certified in what a request may take, after 3.92 to 3.94 s.)
+// With 5.55 N m the arm gets up in 2.91 s with link 2 folded: so five robots do whose springs differ by 1e-11, in 1500
+// to 3900 iterations. (With 5.5 N m three of them are certified in what a request may take, with 3.92 to 3.94 s.)
 TEST(Robustness, WhatIsMuchTooHeavyIsSwungUpFolded) {
   const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   PlanOptions options;

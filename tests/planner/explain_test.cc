@@ -54,8 +54,9 @@ Problem changed(Problem problem, const Relaxation& by, double fraction) {
   return problem;
 }
 
-// What is told without "about" was planned as it is told.
-constexpr double kEnough = 1, kTooLittle = 0.9;
+// What is told without "about" was planned as it is told; with it, it is right to a twentieth of the change.
+constexpr double kEnough = 1, kEnoughForAbout = 1.05, kTooLittle = 0.9;
+enum class Told { kExactly, kOrAbout };
 
 Plan without_explanation(const Problem& problem) {
   bool explaining = false;
@@ -66,15 +67,18 @@ Plan without_explanation(const Problem& problem) {
   return plan(problem, options);
 }
 
-void expect_enough(const Problem& problem, const Infeasibility& why, const std::string& name, int joint) {
+void expect_enough(const Problem& problem, const Infeasibility& why, const std::string& name, int joint,
+                   Told told = Told::kExactly) {
   const Relaxation* by = find(why, name, joint);
   ASSERT_NE(by, nullptr) << why.sentence;
-  EXPECT_FALSE(by->rough) << why.sentence;
-  EXPECT_EQ(plan(changed(problem, *by, kEnough), {}).status, PlanStatus::kCertified) << why.sentence;
+  EXPECT_TRUE(told == Told::kOrAbout || !by->rough) << why.sentence;
+  const double enough = by->rough ? kEnoughForAbout : kEnough;
+  EXPECT_EQ(plan(changed(problem, *by, enough), {}).status, PlanStatus::kCertified) << why.sentence;
 }
 
-void expect_least(const Problem& problem, const Infeasibility& why, const std::string& name, int joint) {
-  expect_enough(problem, why, name, joint);
+void expect_least(const Problem& problem, const Infeasibility& why, const std::string& name, int joint,
+                  Told told = Told::kExactly) {
+  expect_enough(problem, why, name, joint, told);
   const Relaxation* by = find(why, name, joint);
   ASSERT_NE(by, nullptr);
   EXPECT_NE(without_explanation(changed(problem, *by, kTooLittle)).status, PlanStatus::kCertified) << why.sentence;
@@ -192,7 +196,7 @@ TEST(Explain, AGoalThatMovesTooFast) {
   const Infeasibility why =
       impossible(problem, 7000);  // 780 to 3907 measured, by roundings; 14,768 before a velocity was asked about first
   EXPECT_EQ(why.limit, "goal.dq");
-  expect_least(problem, why, "goal.dq", 0);
+  expect_least(problem, why, "goal.dq", 0, Told::kOrAbout);  // with some roundings it is planned as told, with some not
 }
 
 TEST(Explain, AViaPointThatComesTooEarly) {

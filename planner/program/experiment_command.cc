@@ -9,6 +9,7 @@
 #include <iterator>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,7 @@
 #include "model/rig/experiments.h"
 #include "model/rig/rig_file.h"
 #include "planner/design/experiment_design.h"
+#include "planner/plan.h"
 #include "planner/program/commands.h"
 #include "planner/program/experiment_design.h"
 #include "planner/program/file_checks.h"
@@ -78,6 +80,7 @@ void perform_one(const RigSetup& setup, const std::string& name, int joint, cons
 // A real rig's logs have the names of the virtual one's, and cannot be had again. Only the virtual one has a seed.
 bool is_of_the_virtual_rig(const fs::path& file) {
   std::ifstream log(file);
+  if (!log) throw InputError("--out", "", fmt::format("{} is there, and cannot be read", file.string()));
   for (std::string line; std::getline(log, line) && line.starts_with("#");) {
     if (line.starts_with("# seed:")) return true;
   }
@@ -117,14 +120,21 @@ int run(const ExperimentArguments& options) {
     throw InputError("--joint", "", "is for a single experiment; all are of both joints");
   }
   if (options.name != "all") check_log_to_write(options.out);
+  if (options.name != "all" && options.joint == 0) {
+    throw InputError("--joint", "", "is needed for a single experiment: 1 or 2");
+  }
   catch_interrupts();
   const RigSetup setup = setup_of(options);
-  if (options.name == "all") {
-    perform_all(options, setup);
-  } else if (options.joint == 0) {
-    throw InputError("--joint", "", "is needed for a single experiment: 1 or 2");
-  } else {
-    perform_one(setup, options.name, options.joint, options.out);
+  try {
+    if (options.name == "all") {
+      perform_all(options, setup);
+    } else {
+      perform_one(setup, options.name, options.joint, options.out);
+    }
+  } catch (const std::runtime_error&) {
+    if (!interrupted()) throw;
+    fmt::print(stderr, "fjr: experiment: cancelled; the log that it was at was not written\n");
+    return exit_code(PlanStatus::kCancelled);
   }
   return 0;
 }

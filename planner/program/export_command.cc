@@ -67,6 +67,10 @@ int run(const ExportArguments& options) {
   if (!options.log.empty() && (!folder || options.format != "mcap")) {
     throw InputError("--log", "", "goes with the folder of a plan and the format mcap; a log alone is given by itself");
   }
+  const fs::path file = file_of(options, folder);
+  if (const std::string fault = fault_of_file_to_write(file.string()); fs::exists(options.input) && !fault.empty()) {
+    throw InputError("--out", "", fault);
+  }
   std::optional<PlanRecord> plan;
   Exported exported;
   if (folder) {
@@ -81,7 +85,6 @@ int run(const ExportArguments& options) {
     exported.log = read_log(options.input);
   }
   if (!options.joint_names.empty()) exported.joint_names = {options.joint_names[0], options.joint_names[1]};
-  const fs::path file = file_of(options, folder);
   write(options, exported, file);
   fmt::print("{}\n", file.string());
   return 0;

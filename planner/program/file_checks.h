@@ -12,14 +12,19 @@
 
 namespace fjr {
 
-// A file that can be made or replaced is in a folder that is there and may be written to, and none of those that make a
-// folder a plan. Empty: nothing is wrong.
+// A file that can be made or replaced is in a folder that is there and may be written to, and no device, nor one of
+// those that make a folder a plan. Empty: nothing is wrong.
 inline std::string fault_of_file_to_write(const std::string& name) {
   const std::filesystem::path file = name, folder = file.has_parent_path() ? file.parent_path() : ".";
   std::error_code ignored;
   if (std::filesystem::is_directory(file, ignored)) return fmt::format("{} is a folder, not a file", name);
   if (!std::filesystem::is_directory(folder, ignored)) {
     return fmt::format("cannot write {}: there is no folder {}", name, folder.string());
+  }
+  const std::filesystem::file_status there = std::filesystem::status(file, ignored);
+  const bool replaceable = !std::filesystem::exists(there) || std::filesystem::is_regular_file(there);
+  if (!replaceable || std::filesystem::weakly_canonical(folder, ignored) == "/dev") {
+    return fmt::format("{} is a device or a pipe, which a file would replace", name);
   }
   if (access(folder.c_str(), W_OK | X_OK) != 0) {
     return fmt::format("cannot write {}: {}", name, std::generic_category().message(errno));

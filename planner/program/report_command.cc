@@ -27,8 +27,14 @@ struct ReportArguments {
   std::string out;  // empty: in the first folder
 };
 
+void check_report_to_write(const fs::path& file) {
+  const std::string fault = fault_of_file_to_write(file.string());
+  if (fs::is_directory(file.parent_path()) && !fault.empty()) throw InputError(file.parent_path().string(), "", fault);
+}
+
 fs::path report_on_one(const ReportArguments& options) {
   if (!options.out.empty()) throw InputError("--out", "", "is for two plans; of one, report.html is in its folder");
+  check_report_to_write(fs::path(options.folders[0]) / "report.html");
   const FolderLock lock(options.folders[0]);
   return write_report(options.folders[0]);
 }
@@ -44,6 +50,7 @@ fs::path report_on_two(const ReportArguments& options) {
   std::error_code error;
   if (fs::equivalent(first, second, error)) throw InputError(options.folders[1], "", "is the same folder twice");
   const fs::path file = options.out.empty() ? first / "compared.html" : fs::path(options.out);
+  check_report_to_write(file);
   write_file(file, both_plans_page(plan_in(first), plan_in(second)));
   return file;
 }

@@ -82,6 +82,7 @@ TEST_F(Cli, NoRequestOfSeveralTakesTheFolderOfEarlierResults) {
 // Before anything is computed or read for it.
 TEST_F(Cli, AFileThatCannotBeWrittenIsRefusedAtOnce) {
   write("plan.json", "{}");
+  ASSERT_EQ(mkfifo(path("pipe").c_str(), 0600), 0);
   for (const std::vector<std::string>& option :
        std::vector<std::vector<std::string>>{{"export", "plan", "--format", "csv", "--out"},
                                              {"simulate", "a.csv", "--out"},
@@ -101,6 +102,9 @@ TEST_F(Cli, AFileThatCannotBeWrittenIsRefusedAtOnce) {
     EXPECT_THAT(fault_of("not_there/b"),
                 HasSubstr(option.back() + ": cannot write not_there/b: there is no folder not_there"));
     EXPECT_THAT(fault_of("/"), HasSubstr(option.back() + ": / is a folder, not a file"));
+    EXPECT_THAT(fault_of("pipe"),
+                HasSubstr(option.back() + ": pipe is a device or a pipe, which a file would replace"));
+    EXPECT_TRUE(fs::is_fifo(path("pipe")));
     EXPECT_THAT(fault_of("plan.json"), HasSubstr(option.back() + ": plan.json belongs to a plan, and would be lost"));
   }
 }

@@ -64,7 +64,7 @@ TEST(ExperimentDesign, IsTheSameInOneThread) {
 }
 
 // Both the most likely parameters and their standard errors come from the logs alone; the arm is up to 1 % off the one
-// designed for. Measured, standard errors are 0.98 to 1.014 of those that were predicted with arms 0.1 to 1.5 % off; of
+// designed for. Measured, standard errors are 0.98 to 1.02 of those that were predicted with arms 0.1 to 1.5 % off; of
 // one that is 2 % off they may be 0.4 of that, where a motion goes another way.
 TEST(ExperimentDesign, ErrorsThatArePredictedAreThoseOfTheFit) {
   std::vector<Trajectory> plans;

@@ -1,0 +1,214 @@
+// The symbolic part of ChainLdlt: which entries, indices and rows each front has, found once for a pattern.
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+#include "planner/nlp/chain/chain_ldlt.h"
+
+namespace fjr {
+namespace {
+
+std::size_t index(int i) { return static_cast<std::size_t>(i); }
+
+// Numbers 0, 1, ... by the group of each, those of a group in their order.
+class Groups {
+ public:
+  Groups(const std::vector<int>& group_of, std::size_t groups) : begin_(groups + 1, 0), items_(group_of.size()) {
+    for (const int g : group_of) ++begin_[index(g) + 1];
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    std::vector<int> next(begin_.begin(), begin_.end() - 1);
+    for (std::size_t i = 0; i < group_of.size(); ++i) items_[index(next[index(group_of[i])]++)] = static_cast<int>(i);
+  }
+  std::span<const int> operator[](std::size_t group) const {
+    return std::span(items_).subspan(index(begin_[group]), index(begin_[group + 1] - begin_[group]));
+  }
+
+ private:
+  std::vector<int> begin_, items_;
+};
+
+}  // namespace
+
+void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, const ChainStructure& structure) {
+  const std::vector<int>& stage = structure.stage;
+  const int stages = structure.stages;
+  if (stages < 1) throw std::invalid_argument("a chain has a stage at least");
+  size_ = static_cast<int>(stage.size());
+  fronts_.assign(index(stages), {});
+  leaves_.clear();
+  leaf_entries_.clear();
+
+  // Neighbours, to find leaves; and who is seen by the next stage.
+  std::vector<int> only_neighbour(stage.size(), -1), degree(stage.size(), 0);
+  std::vector<char> seen_later(stage.size(), false);
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    const int i = rows[e], j = cols[e];
+    if (i == j) continue;
+    for (const auto& [a, b] : {std::pair{i, j}, std::pair{j, i}}) {
+      if (only_neighbour[index(a)] != b) ++degree[index(a)];
+      only_neighbour[index(a)] = b;
+    }
+    const int si = stage[index(i)], sj = stage[index(j)];
+    if (si == stages || sj == stages || si == sj) continue;
+    if (std::abs(si - sj) != 1) {
+      throw std::invalid_argument("the matrix is no chain: an entry joins stages " + std::to_string(si) + " and " +
+                                  std::to_string(sj));
+    }
+    seen_later[index(si < sj ? i : j)] = true;
+  }
+
+  // Equality rows: of one stage, and none coupled to another.
+  std::vector<char> equality(structure.equality.begin(), structure.equality.end());
+  equality.resize(stage.size(), false);
+  for (std::size_t i = 0; i < stage.size(); ++i) equality[i] = equality[i] && stage[i] != stages && !seen_later[i];
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    if (rows[e] != cols[e] && equality[index(rows[e])]) equality[index(cols[e])] = false;
+  }
+  std::vector<char> sees_equality(stage.size(), false);
+  std::vector<int> entries(stage.size(), 0);
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    if (equality[index(cols[e])]) sees_equality[index(rows[e])] = true;
+    if (equality[index(rows[e])]) sees_equality[index(cols[e])] = true;
+    ++entries[index(rows[e])];
+    ++entries[index(cols[e])];
+  }
+
+  std::vector<int> leaf_role(stage.size(), -1);
+  for (int i = 0; i < size_; ++i) {
+    const int p = only_neighbour[index(i)];
+    if (degree[index(i)] != 1 || stage[index(i)] == stages || stage[index(i)] != stage[index(p)]) continue;
+    if (seen_later[index(p)] || sees_equality[index(p)] || sees_equality[index(i)]) continue;
+    if (leaf_role[index(p)] >= 0 || leaf_role[index(i)] >= 0) continue;
+    leaf_role[index(i)] = leaf_role[index(p)] = static_cast<int>(leaves_.size());
+    leaves_.push_back({.leaf = i, .neighbour = p});
+  }
+  // By front.
+  std::stable_sort(leaves_.begin(), leaves_.end(),
+                   [&](const Leaf& a, const Leaf& b) { return stage[index(a.leaf)] < stage[index(b.leaf)]; });
+  for (int l = 0; l < static_cast<int>(leaves_.size()); ++l) {
+    const Leaf& leaf = leaves_[index(l)];
+    leaf_role[index(leaf.leaf)] = leaf_role[index(leaf.neighbour)] = l;
+    ++fronts_[index(stage[index(leaf.leaf)])].last_leaf;  // a count, so far
+  }
+
+  border_.clear();
+  std::vector<std::vector<int>> shared(index(stages)), own(index(stages));  // with the next stage; with none
+  for (int i = 0; i < size_; ++i) {
+    if (leaf_role[index(i)] >= 0) continue;
+    if (stage[index(i)] == stages) {
+      border_.push_back(i);
+    } else if (equality[index(i)]) {
+      fronts_[index(stage[index(i)])].rows.push_back(i);
+    } else {
+      (seen_later[index(i)] ? shared : own)[index(stage[index(i)])].push_back(i);
+    }
+  }
+  for (std::size_t k = 0; k < fronts_.size(); ++k) {
+    Front& front = fronts_[k];
+    // Short rows first, for they leave zeros where the others' pivots come.
+    std::stable_sort(front.rows.begin(), front.rows.end(),
+                     [&](int a, int b) { return entries[index(a)] < entries[index(b)]; });
+    front.first_leaf = k > 0 ? fronts_[k - 1].last_leaf : 0;
+    front.last_leaf += front.first_leaf;
+  }
+  set_branches(shared, own);
+
+  // Entries, to their front or leaf: in the order of fronts, for then an index's place in the front is known.
+  std::vector<int> belongs_to;  // a front, or after all of them a leaf
+  belongs_to.reserve(rows.size());
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    const int i = rows[e], j = cols[e], si = stage[index(i)], sj = stage[index(j)];
+    const int role = std::max(leaf_role[index(i)], leaf_role[index(j)]);
+    if (role >= 0) {
+      if (std::min(leaf_role[index(i)], leaf_role[index(j)]) >= 0 && leaf_role[index(i)] != leaf_role[index(j)]) {
+        throw std::invalid_argument("two inequality rows are coupled directly");
+      }
+      belongs_to.push_back(stages + role);
+      continue;
+    }
+    int k = std::max(si, sj);
+    if (k == stages) k = std::min(si, sj);  // with the border: to the stage of the other index
+    belongs_to.push_back(std::min(k, stages - 1));
+  }
+  const Groups entries_of(belongs_to, fronts_.size() + leaves_.size());
+  leaf_entries_.reserve(rows.size());
+  std::vector<int> place(stage.size() + border_.size(), -1);
+  for (std::size_t k = 0; k < fronts_.size(); ++k) {
+    Front& front = fronts_[k];
+    for (int c = 0; c < static_cast<int>(front.columns.size()); ++c) place[index(front.columns[index(c)])] = c;
+    const int first_of_border = static_cast<int>(front.columns.size() - border_.size());
+    for (int c = 0; c < static_cast<int>(border_.size()); ++c) place[index(border_[index(c)])] = first_of_border + c;
+    for (int r = 0; r < static_cast<int>(front.rows.size()); ++r) place[index(front.rows[index(r)])] = r;
+    for (const int e : entries_of[k]) {
+      int i = rows[index(e)], j = cols[index(e)];
+      if (equality[index(j)]) std::swap(i, j);
+      const int p = place[index(i)], q = place[index(j)];
+      const Entry entry{e, p * front.width + q, q * front.width + p};
+      if (equality[index(i)]) {
+        (i == j ? front.row_diagonal : front.coupling).push_back(entry);
+      } else {
+        (i == j ? front.diagonal : front.symmetric).push_back(entry);
+      }
+    }
+    for (int l = front.first_leaf; l < front.last_leaf; ++l) {
+      Leaf& leaf = leaves_[index(l)];
+      const auto add = [&](auto&& belongs) {
+        for (const int e : entries_of[fronts_.size() + index(l)]) {
+          const int i = rows[index(e)], j = cols[index(e)];
+          const int column = place[index(i == leaf.neighbour ? j : i)];
+          if (belongs(i, j)) leaf_entries_.push_back({e, column});
+        }
+        return static_cast<int>(leaf_entries_.size());
+      };
+      const auto is = [&](int i, int j, int a, int b) { return (i == a && j == b) || (i == b && j == a); };
+      leaf.own = static_cast<int>(leaf_entries_.size());
+      leaf.coupling = add([&](int i, int j) { return is(i, j, leaf.leaf, leaf.leaf); });
+      leaf.diagonal = add([&](int i, int j) { return is(i, j, leaf.leaf, leaf.neighbour); });
+      leaf.others = add([&](int i, int j) { return is(i, j, leaf.neighbour, leaf.neighbour); });
+      leaf.end = add([&](int i, int j) { return i != leaf.leaf && j != leaf.leaf && i != j; });
+    }
+  }
+  leaf_values_.assign(leaf_entries_.size(), 0);
+}
+
+// Which columns each front has, and where they come from. shared: the indices of a stage that the next one sees; own:
+// those that no other stage sees.
+void ChainLdlt::set_branches(const std::vector<std::vector<int>>& shared, const std::vector<std::vector<int>>& own) {
+  const int stages = static_cast<int>(fronts_.size()), middle = stages / 2;
+  branches_ = {};
+  int all_rows = 0;
+  for (const Front& front : fronts_) all_rows += static_cast<int>(front.rows.size());
+  const auto lay_out = [&](Branch& branch, int k, std::vector<int> children, const std::vector<int>& passed_on) {
+    branch.fronts.push_back(k);
+    Front& front = fronts_[index(k)];
+    for (const int child : children) {
+      front.children.push_back({child, static_cast<int>(front.columns.size())});
+      const std::vector<int>& from_child = shared[index(std::min(k, child))];
+      front.columns.insert(front.columns.end(), from_child.begin(), from_child.end());
+    }
+    front.columns.insert(front.columns.end(), own[index(k)].begin(), own[index(k)].end());
+    front.summed = static_cast<int>(front.columns.size());
+    front.later = static_cast<int>(passed_on.size());
+    front.columns.insert(front.columns.end(), passed_on.begin(), passed_on.end());
+    for (int i = 0; i < static_cast<int>(border_.size()); ++i) {
+      front.columns.push_back(&branch == &branches_[kFromEnd] ? size_ + i : border_[index(i)]);
+    }
+    front.width = padded(static_cast<int>(front.columns.size()));
+    branch.rows += static_cast<int>(front.rows.size());
+    front.rows_elsewhere = all_rows - branch.rows;
+  };
+  for (int k = 0; k < middle; ++k) {
+    lay_out(branches_[kFromStart], k, k > 0 ? std::vector{k - 1} : std::vector<int>{}, shared[index(k)]);
+  }
+  for (int k = stages - 1; k > middle; --k) {
+    lay_out(branches_[kFromEnd], k, k < stages - 1 ? std::vector{k + 1} : std::vector<int>{}, shared[index(k - 1)]);
+  }
+  std::vector<int> children;
+  if (middle > 0) children.push_back(middle - 1);
+  if (middle < stages - 1) children.push_back(middle + 1);
+  lay_out(branches_[kMiddle], middle, children, {});
+  values_.assign(index(size_) + border_.size(), 0);
+}
+
+}  // namespace fjr

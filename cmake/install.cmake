@@ -5,11 +5,13 @@ set(CMAKE_INSTALL_DEFAULT_COMPONENT_NAME program)  # what is of no other compone
 include(cmake/shell.cmake)
 
 install(TARGETS fjr EXPORT fjrTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+install(TARGETS fjr_complete EXPORT fjrTargets RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR}/fjr)  # where the first one finds it
 install(PROGRAMS planner/program/fjr-batch-slurm DESTINATION ${CMAKE_INSTALL_BINDIR})
 # The chain factorisation has the symbols of another library (planner/nlp/chain/ma27.h): a folder of its own keeps it
 # from being linked by anybody else.
 install(TARGETS fjr_folder fjr_kkt EXPORT fjrTargets LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/fjr)
 set_target_properties(fjr PROPERTIES INSTALL_RPATH "$ORIGIN/../${CMAKE_INSTALL_LIBDIR}/fjr")
+set_target_properties(fjr_complete PROPERTIES INSTALL_RPATH "$ORIGIN")
 install(TARGETS fjr_common fjr_model fjr_planner
   EXPORT fjrTargets
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev

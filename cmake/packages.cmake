@@ -20,7 +20,7 @@ endif()
 
 # Which packages have the libraries that are linked is read off the files (dpkg-shlibdeps).
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/common ${PROJECT_BINARY_DIR}/planner)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${fjr_library_folder})
 set(fjr_same_version "fjr (= ${PROJECT_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE})")
 
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME fjr)
@@ -61,8 +61,8 @@ include(CPack)
 find_package(Python3 COMPONENTS Interpreter)
 if(Python3_FOUND)
   add_custom_command(OUTPUT ${PROJECT_BINARY_DIR}/fjr.spdx.json
-    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/sbom.py $<TARGET_FILE:fjr> ${PROJECT_BINARY_DIR}/fjr.spdx.json
-    DEPENDS fjr scripts/sbom.py scripts/packages.sh docs/architecture.md VERBATIM)
+    COMMAND ${Python3_EXECUTABLE} ${PROJECT_SOURCE_DIR}/scripts/sbom.py $<TARGET_FILE:fjr_complete> ${PROJECT_BINARY_DIR}/fjr.spdx.json
+    DEPENDS fjr_complete scripts/sbom.py scripts/packages.sh docs/architecture.md VERBATIM)
   add_custom_target(fjr_sbom DEPENDS ${PROJECT_BINARY_DIR}/fjr.spdx.json)
 endif()
 install(FILES ${PROJECT_BINARY_DIR}/fjr.spdx.json DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/fjr OPTIONAL)

@@ -10,8 +10,8 @@ step() { printf '\n== %s, after %d:%02d\n' "$1" $((SECONDS / 60)) $((SECONDS % 6
 install_packages "${program_packages[@]}"
 step "building what a first plan needs"
 cmake --preset program
-cmake --build --preset program --target fjr_plans
-build/plans/fjr plan config/requests/reach.yaml --out out/reach --report
-step "the first plan is in out/reach (report.html shows it); until build/fjr is there, build/plans/fjr plans, verifies and reports; building the rest"
+cmake --build --preset program --target fjr
+build/fjr plan config/requests/reach.yaml --out out/reach --report
+step "the first plan is in out/reach (report.html shows it); build/fjr plans, verifies and reports by now; building the rest"
 cmake --build --preset program
 step "build/fjr is complete"

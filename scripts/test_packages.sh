@@ -40,7 +40,7 @@ apt-get install -qy --no-install-recommends ./fjr_*.deb
 useradd --create-home somebody
 as() { su somebody -c "cd && $1"; }
 fjr --version
-ldd /usr/bin/fjr | grep -c 'not found' && exit 1
+ldd /usr/bin/fjr /usr/lib/*/fjr/fjr | grep -c 'not found' && exit 1
 as 'fjr plan /usr/share/fjr/config/requests/reach.yaml --out reach --report'
 as 'fjr verify reach/trajectory.csv'
 as 'fjr verify reach/trajectory.csv --json' | grep -q certified

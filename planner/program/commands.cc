@@ -10,4 +10,6 @@ std::span<const AddCommand> commands() {
   return kAll;
 }
 
+std::filesystem::path complete_program() { return {}; }
+
 }  // namespace fjr

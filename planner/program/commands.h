@@ -1,6 +1,7 @@
 // The subcommands. A new one is one file with an add_... function, declared here and listed in commands.cc.
 #pragma once
 
+#include <filesystem>
 #include <span>
 
 namespace CLI {
@@ -35,8 +36,11 @@ void add_identify(CLI::App& app, int& exit_code);
 void add_robot(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
 
-// Those of the program that this is linked into: all of them for `fjr` (commands.cc), those for planning alone for the
-// one that the set-up builds first (planning_commands.cc). In the order of --help.
+// Those of the executable that this is linked into, in the order of --help: all of them for the complete one
+// (commands.cc), those for planning for the one that users call (planning_commands.cc).
 std::span<const AddCommand> commands();
+
+// The executable that has the other commands; empty in that one itself.
+std::filesystem::path complete_program();
 
 }  // namespace fjr

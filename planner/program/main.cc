@@ -1,9 +1,15 @@
 // fjr: the command line.
 #include <dlfcn.h>
+#include <fmt/format.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <exception>
+#include <filesystem>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -35,18 +41,29 @@ void hold_blas_to_one_thread() {
   call_if_loaded<int()>("blas_thread_shutdown_");
 }
 
-int run(int argc, char** argv) {
+// The subcommands that are not for planning, and --help, are the complete executable's: it takes this one's place.
+void hand_over(const CLI::App& app, const std::vector<std::string>& words, char** argv) {
+  const std::string first = words.empty() ? "" : words.front();
+  const auto has_name = [&first](const CLI::App* command) { return command->check_name(first); };
+  const std::filesystem::path complete = fjr::complete_program();
+  if (complete.empty() || first == "--version" || !app.get_subcommands(has_name).empty()) return;
+  ::execv(complete.c_str(), argv);
+  throw std::runtime_error(fmt::format("the other commands are in {}, which cannot be started ({}); is it built?",
+                                       complete.string(), std::strerror(errno)));
+}
+
+int run(const std::vector<std::string>& words, char** argv) {
   CLI::App app("fjr: certified trajectories for flexible-joint robots", "fjr");
   app.set_version_flag("--version", FJR_VERSION);
   app.require_subcommand(1);
   app.footer(kFooter);
   int exit_code = 0;
   for (const fjr::AddCommand add : fjr::commands()) add(app, exit_code);
+  hand_over(app, words, argv);
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // backwards, as CLI11 takes them
   } catch (const CLI::ParseError& error) {  // --help and --version arrive here too, with code 0
     if (error.get_exit_code() == 0) return app.exit(error);
-    const std::vector<std::string> words(argv + 1, argv + argc);
     throw fjr::InputError("command line", "", fjr::refusal(app, words, error.what()) + " (see --help)");
   }
   if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw std::runtime_error("cannot write to stdout");
@@ -54,7 +71,7 @@ int run(int argc, char** argv) {
 }
 
 int complain(const std::string& problem, int exit_code) {
-  std::fprintf(stderr, "fjr: %s\n", problem.c_str());
+  fmt::print(stderr, "fjr: {}\n", problem);
   return exit_code;
 }
 
@@ -62,8 +79,9 @@ int complain(const std::string& problem, int exit_code) {
 
 int main(int argc, char** argv) {
   hold_blas_to_one_thread();
+  const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
   try {
-    return run(argc, argv);
+    return run(words, argv);
   } catch (const fjr::InputError& error) {
     return complain(error.what(), 2);
   } catch (const std::exception& error) {

@@ -1,10 +1,19 @@
+#include <stdexcept>
+
+#include "common/library_folder.h"
 #include "planner/program/commands.h"
 
 namespace fjr {
 
 std::span<const AddCommand> commands() {
-  static constexpr AddCommand kPlanning[] = {add_plan, add_verify, add_report, add_keys};
+  static constexpr AddCommand kPlanning[] = {add_plan, add_batch, add_library, add_verify, add_report, add_keys};
   return kPlanning;
+}
+
+std::filesystem::path complete_program() {
+  const std::filesystem::path folder = library_folder();
+  if (folder.empty()) throw std::runtime_error("cannot find the folder of libfjr_folder.so");
+  return folder / "fjr";
 }
 
 }  // namespace fjr

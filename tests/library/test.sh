@@ -45,6 +45,7 @@ cd "$work/example"
 ./reach
 ./check reach.csv
 "$prefix/bin/fjr" verify reach.csv
+"$prefix/bin/fjr" simulate reach.csv --out simulated.csv  # by the complete executable
 if ./check /dev/null; then
   echo "an empty file was certified" >&2
   exit 1

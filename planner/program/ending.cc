@@ -5,6 +5,8 @@
 
 #include <ctime>
 
+#include "planner/program/ending_signals.h"
+
 namespace fjr {
 namespace {
 
@@ -12,11 +14,10 @@ sem_t g_signalled;  // what a signal handler may post to
 
 extern "C" void note_ending(int) { ::sem_post(&g_signalled); }
 
-sigset_t ending_signals() {
+sigset_t set_of_ending_signals() {
   sigset_t signals;
   sigemptyset(&signals);
-  sigaddset(&signals, SIGTERM);
-  sigaddset(&signals, SIGINT);
+  for (const int signal : ending_signals()) sigaddset(&signals, signal);
   return signals;
 }
 
@@ -28,14 +29,13 @@ void catch_ending_signals() {
   action.sa_handler = note_ending;
   action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  ::sigaction(SIGTERM, &action, nullptr);
-  ::sigaction(SIGINT, &action, nullptr);
-  const sigset_t signals = ending_signals();
+  for (const int signal : ending_signals()) ::sigaction(signal, &action, nullptr);
+  const sigset_t signals = set_of_ending_signals();
   ::pthread_sigmask(SIG_BLOCK, &signals, nullptr);
 }
 
 bool ending_signalled(std::chrono::nanoseconds within) {
-  const sigset_t signals = ending_signals();
+  const sigset_t signals = set_of_ending_signals();
   ::pthread_sigmask(SIG_UNBLOCK, &signals, nullptr);
   constexpr long kSecond = 1'000'000'000;
   timespec until{};

@@ -1,4 +1,4 @@
-// SIGTERM and SIGINT as the end of a program that otherwise runs forever.
+// Ctrl-C and its like (ending_signals.h) as the end of a program that otherwise runs forever.
 #pragma once
 
 #include <chrono>
@@ -6,7 +6,7 @@
 
 namespace fjr {
 
-// From now on SIGTERM and SIGINT only tell ending_signalled(). In this thread and all it starts they are blocked.
+// From now on these signals only tell ending_signalled(). In this thread and all it starts they are blocked.
 // Threads that a library has started before, as a threaded BLAS does when it is loaded, take them too: there they are
 // caught.
 void catch_ending_signals();

@@ -154,7 +154,6 @@ int run(const IdentifyArguments& options) {
       fmt::print("{}", text_of(e));
     }
   }
-  if (options.json) fmt::print("{}", json_text(json));
   if (!options.json) {
     fmt::print("{}{}", combined_text(combine_repeated(found.estimates)), consistency_table(found.agreements));
   }
@@ -163,7 +162,11 @@ int run(const IdentifyArguments& options) {
   if (!report.empty()) write_file(report, format_identification_report(found.estimates, found.changes));
   if (!options.accept_inconsistent) refuse_contradictions(found, options.logs.front());
   if (!options.out.empty()) tell_doubts(write_robot(options.out, base, robot, found, options.link_damping));
-  if (!options.json) fmt::print("{}{}{}\n", options.out, options.out.empty() ? "" : " ", report.string());
+  if (options.json) {  // last, for with what is refused the only JSON is the reason
+    fmt::print("{}", json_text(json));
+  } else {
+    fmt::print("{}{}{}\n", options.out, options.out.empty() ? "" : " ", report.string());
+  }
   return 0;
 }
 

@@ -2,6 +2,8 @@
 
 #include <csignal>
 
+#include "planner/program/ending_signals.h"
+
 namespace fjr {
 namespace {
 
@@ -16,8 +18,7 @@ void catch_interrupts() {
   action.sa_handler = note_interrupt;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int signal : ending_signals()) sigaction(signal, &action, nullptr);
 }
 
 bool interrupted() { return g_interrupted != 0; }

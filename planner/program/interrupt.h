@@ -1,9 +1,9 @@
-// Ctrl-C and SIGTERM as a question a plan can ask.
+// Ctrl-C and its like (ending_signals.h) as a question a plan can ask.
 #pragma once
 
 namespace fjr {
 
-// From now on the first SIGINT or SIGTERM only sets the flag; a second one ends the program as usual.
+// From now on the first of these signals only sets the flag; one that comes again ends the program as usual.
 void catch_interrupts();
 bool interrupted();
 

@@ -10,13 +10,16 @@
 #include <cstring>
 #include <exception>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
 #include "common/input_error.h"
+#include "planner/batch/statuses.h"
 #include "planner/program/commands.h"
 #include "planner/program/misspelt.h"
+#include "planner/results/plan_json.h"
 
 namespace {
 
@@ -70,8 +73,18 @@ int run(const std::vector<std::string>& words, char** argv) {
   return exit_code;
 }
 
-int complain(const std::string& problem, int exit_code) {
+// Where the command line asks for JSON, what is wrong is told so as well: commands print theirs when all is done.
+int complain(const std::vector<std::string>& words, const std::string& problem, const std::string& field,
+             int exit_code) {
   fmt::print(stderr, "fjr: {}\n", problem);
+  if (std::find(words.begin(), words.end(), "--json") != words.end()) {
+    nlohmann::ordered_json json{{"version", FJR_VERSION},
+                                {"status", exit_code == 2 ? name(fjr::PlanStatus::kBadInput) : fjr::kFailedStatus},
+                                {"reason", problem},
+                                {"field", nullptr}};
+    if (!field.empty()) json["field"] = field;
+    fmt::print("{}", fjr::json_text(json));
+  }
   return exit_code;
 }
 
@@ -83,10 +96,10 @@ int main(int argc, char** argv) {
   try {
     return run(words, argv);
   } catch (const fjr::InputError& error) {
-    return complain(error.what(), 2);
+    return complain(words, error.what(), error.field(), 2);
   } catch (const std::exception& error) {
-    return complain(error.what(), 1);
+    return complain(words, error.what(), "", 1);
   } catch (...) {
-    return complain("unexpected error", 1);
+    return complain(words, "unexpected error", "", 1);
   }
 }

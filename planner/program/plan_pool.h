@@ -25,7 +25,7 @@ struct PlanPool {
   // interrupted: it was told to end.
   std::function<void(std::size_t item, const PlanEnding& ending, bool interrupted)> end;
 
-  // In this order, after catch_ending_signals(). At the first SIGINT or SIGTERM nothing more is started and what is
+  // In this order, after catch_ending_signals(). At the first of those signals nothing more is started and what is
   // under way is cancelled; at the next it is killed.
   PoolEnd plan(const std::vector<std::size_t>& items, ProgressLine& line) const;
 };

@@ -25,9 +25,11 @@ def run(arguments: list[str]) -> dict[str, Any]:
             raise
     try:
         summary: dict[str, Any] = json.loads(told)
-    except ValueError:
+    except ValueError:  # it was killed
         complaint = complaints.strip().removeprefix("fjr: ") or f"fjr {arguments[0]} ended with {process.returncode}"
-        if process.returncode == 2:
-            raise BadInput(arguments[0], "", complaint) from None
         raise Error(complaint) from None
+    if summary.get("status") == "bad_input":
+        raise BadInput(arguments[0], "", summary["reason"])
+    if summary.get("status") == "failed":
+        raise Error(summary["reason"])
     return summary

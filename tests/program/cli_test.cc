@@ -67,6 +67,28 @@ TEST_F(Cli, WrongCommandLinesAreBadInput) {
   EXPECT_FALSE(fs::exists(path("out")));
 }
 
+// A program that reads stdout need not look elsewhere for what was wrong.
+TEST_F(Cli, WithJsonWhatIsWrongIsJsonToo) {
+  write("bad.yaml", "link: 3\n");
+  const std::vector<std::pair<std::vector<std::string>, std::string>> wrong = {
+      {{"paln", "--json"}, "command line: no subcommand is called paln; did you mean plan? (see --help)"},
+      {{"plan", "--json"}, "command line: requests is required (see --help)"},
+      {{"verify", "none.csv", "--json"}, "none.csv: no such file"},
+      {{"simulate", "none.csv", "--out", "a.csv", "--json"}, "none.csv: no such file"},
+      {{"identify", "all", "none", "--json"}, "none: 'all' needs one folder with <experiment>_<joint>.csv"},
+      {{"batch", "status", "none", "--json"},
+       "none: holds no manifest.sqlite: it is no packed batch (fjr batch prepare REQUESTS... --out DIR)"}};
+  for (const auto& [arguments, reason] : wrong) {
+    const Result result = run(arguments);
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err, "fjr: " + reason + "\n");
+    EXPECT_EQ(Json::parse(result.out),
+              (Json{{"version", FJR_VERSION}, {"status", "bad_input"}, {"reason", reason}, {"field", nullptr}}));
+  }
+  const Json robot = Json::parse(run({"robot", "check", "bad.yaml", "--json"}).out);
+  EXPECT_EQ(robot["field"], "link");
+}
+
 // Where the folder of the results is that of a plan, too.
 TEST_F(Cli, NoRequestOfSeveralTakesTheFolderOfEarlierResults) {
   const std::string request = "start: {q: [0, 0]}\ngoal: {q: [0.3, -0.2]}\n";
@@ -488,15 +510,23 @@ TEST_F(Cli, AMissingHslLibraryIsToldAtOnce) {
   EXPECT_THAT(refusal(FJR_FAKE_HSL, "ma97"), AllOf(HasSubstr("ma97"), HasSubstr("ma97_factor_d")));
 }
 
-TEST_F(Cli, SigtermCancels) {
+TEST_F(Cli, SigtermAndAClosedTerminalCancel) {
   write("good.yaml", kGood);
-  const pid_t child = start({"plan", "good.yaml", "--out", "out"});
-  for (int i = 0; i < 1000 && !fs::exists(path("out")); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-  kill(child, SIGTERM);
-  const Result result = finish(child);
-  EXPECT_EQ(result.exit_code, 5);
-  EXPECT_EQ(plan_json()["status"], "cancelled");
-  EXPECT_FALSE(fs::exists(path("out/trajectory.csv")));
+  const auto end_of = [&](int signal, const std::string& out) {
+    const pid_t child = start({"plan", "good.yaml", "--out", out});
+    for (int i = 0; i < 1000 && !fs::exists(path(out)); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    kill(child, signal);
+    return finish(child).exit_code;
+  };
+  for (const int signal : {SIGTERM, SIGHUP}) {
+    const std::string out = "out" + std::to_string(signal);
+    EXPECT_EQ(end_of(signal, out), 5);
+    EXPECT_EQ(plan_json(out)["status"], "cancelled");
+    EXPECT_FALSE(fs::exists(path(out + "/trajectory.csv")));
+  }
+  const auto before = ::signal(SIGHUP, SIG_IGN);  // as nohup does
+  EXPECT_EQ(end_of(SIGHUP, "nohup"), 0);
+  ::signal(SIGHUP, before);
 }
 
 // Whatever ends a run, the certified plan that was there before is still there.

@@ -6,6 +6,7 @@
 #include <exception>
 #include <utility>
 
+#include "common/say.h"
 #include "planner/ocp/collocate.h"
 #include "planner/problem/objective_terms.h"
 #include "planner/problem/task/task.h"
@@ -29,7 +30,7 @@ void LearntPlans::with_library(const Use& use) {
     use(*library_);
   } catch (const std::exception& error) {
     library_.reset();  // opened anew the next time: what was wrong may be over
-    if (told_ != error.what()) fmt::print(stderr, "fjr: plan library not used: {}\n", error.what());
+    if (told_ != error.what()) say("fjr: plan library not used: {}\n", error.what());
     told_ = error.what();
   }
 }

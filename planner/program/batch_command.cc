@@ -14,6 +14,7 @@
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "common/say.h"
 #include "planner/batch/earlier.h"
 #include "planner/batch/items.h"
 #include "planner/batch/statuses.h"
@@ -58,10 +59,10 @@ struct Batch {
 
 void complain(const std::vector<std::string>& complaints) {
   for (std::size_t i = 0; i < std::min(complaints.size(), kMaxComplaints); ++i) {
-    fmt::print(stderr, "fjr: {}\n", complaints[i]);
+    say("fjr: {}\n", complaints[i]);
   }
   if (complaints.size() <= kMaxComplaints) return;
-  fmt::print(stderr, "fjr: {} more bad requests are in the summary\n", complaints.size() - kMaxComplaints);
+  say("fjr: {} more bad requests are in the summary\n", complaints.size() - kMaxComplaints);
 }
 
 // The folder, with the request of a point of a grid.

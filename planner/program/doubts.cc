@@ -6,6 +6,7 @@
 #include <set>
 #include <string>
 
+#include "common/say.h"
 #include "model/plausibility.h"
 
 namespace fjr {
@@ -13,7 +14,7 @@ namespace fjr {
 void tell_doubts(const Parameters& robot) {
   static std::set<std::string> told;
   for (const Finding& doubt : doubts_about(robot)) {
-    if (told.insert(doubt.text()).second) fmt::print(stderr, "fjr: warning: robot: {}\n", doubt.text());
+    if (told.insert(doubt.text()).second) say("fjr: warning: robot: {}\n", doubt.text());
   }
 }
 

@@ -15,6 +15,7 @@
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "common/say.h"
 #include "model/rig/experiments.h"
 #include "model/rig/rig_file.h"
 #include "planner/design/experiment_design.h"
@@ -133,7 +134,7 @@ int run(const ExperimentArguments& options) {
     }
   } catch (const std::runtime_error&) {
     if (!interrupted()) throw;
-    fmt::print(stderr, "fjr: experiment: cancelled; the log that it was at was not written\n");
+    say("fjr: experiment: cancelled; the log that it was at was not written\n");
     return exit_code(PlanStatus::kCancelled);
   }
   return 0;

@@ -8,6 +8,7 @@
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "common/say.h"
 #include "planner/design/experiment_design.h"
 #include "planner/plan.h"
 #include "planner/program/doubts.h"
@@ -90,7 +91,7 @@ int experiment_design(const ExperimentDesignArguments& arguments) {
                                [&](std::size_t count, const auto& task) { for_each_index(count, threads, task); });
   }
   if (interrupted()) {
-    fmt::print(stderr, "fjr: experiment design: cancelled; nothing was written\n");
+    say("fjr: experiment design: cancelled; nothing was written\n");
     return exit_code(PlanStatus::kCancelled);
   }
   for (std::size_t i = 0; i < design.motions.size(); ++i) {

@@ -11,6 +11,7 @@
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "common/say.h"
 #include "model/identify/agreement.h"
 #include "model/identify/from_files.h"
 #include "model/identify/repeated.h"
@@ -112,10 +113,10 @@ std::string consistency_table(const std::vector<Agreement>& all) {
 
 void tell_doubts(const std::vector<Agreement>& all, const std::vector<Change>& changes) {
   for (const Agreement& a : all) {
-    if (a.standard_errors_apart() >= kDoubtfulApart) fmt::print(stderr, "fjr: warning: {}\n", a.sentence());
+    if (a.standard_errors_apart() >= kDoubtfulApart) say("fjr: warning: {}\n", a.sentence());
   }
   for (const Change& change : changes) {
-    if (change.is_large()) fmt::print(stderr, "fjr: warning: {}\n", change.sentence());
+    if (change.is_large()) say("fjr: warning: {}\n", change.sentence());
   }
 }
 

@@ -10,6 +10,7 @@
 
 #include "common/input_error.h"
 #include "common/parallel.h"
+#include "common/say.h"
 #include "planner/identify/executed.h"
 #include "planner/identify/executed_robot.h"
 #include "planner/program/doubts.h"
@@ -142,7 +143,7 @@ int identify_executed(const ExecutedArguments& options) {
     fmt::print("executed, {} motions\n{}{}  chi^2 {:.3g} per degree of freedom of {} readings\n", motions.size(),
                table_of(fit), motions_table(fit, motions), fit.chi_square, fit.readings);
   }
-  for (const std::string& warning : warnings_about(fit)) fmt::print(stderr, "fjr: warning: {}\n", warning);
+  for (const std::string& warning : warnings_about(fit)) say("fjr: warning: {}\n", warning);
   const bool written = fit.converged && !options.out.empty();
   if (written) tell_doubts(write_executed_robot(options.out, base, fit, motions));
   if (!options.json && written) fmt::print("{}\n", options.out);

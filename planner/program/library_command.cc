@@ -18,6 +18,7 @@
 #include "common/atomic_file.h"
 #include "common/cpu_time.h"
 #include "common/input_error.h"
+#include "common/say.h"
 #include "common/strict_yaml.h"
 #include "planner/batch/items.h"
 #include "planner/batch/statuses.h"
@@ -114,7 +115,7 @@ class LibraryBuild {
         added.problem = load(added.item);
         tell_doubts(added.problem->robot);
       } catch (const InputError& error) {
-        fmt::print(stderr, "fjr: {}\n", error.what());
+        say("fjr: {}\n", error.what());
         statuses_.add(name(PlanStatus::kBadInput));
         continue;
       }

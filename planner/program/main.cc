@@ -1,5 +1,6 @@
 // fjr: the command line.
 #include <dlfcn.h>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -13,9 +14,11 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "common/input_error.h"
+#include "common/say.h"
 #include "planner/batch/statuses.h"
 #include "planner/program/commands.h"
 #include "planner/program/misspelt.h"
@@ -44,15 +47,32 @@ void hold_blas_to_one_thread() {
   call_if_loaded<int()>("blas_thread_shutdown_");
 }
 
+// What is opened later must not become stdin, stdout or stderr: of those that are closed, reading and writing fails.
+void keep_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    const bool writes = stream != STDIN_FILENO;
+    if (::fcntl(stream, F_GETFD) == -1) (void)::open("/dev/null", writes ? O_RDONLY : O_WRONLY);
+  }
+}
+
 // The subcommands that are not for planning, and --help, are the complete executable's: it takes this one's place.
-void hand_over(const CLI::App& app, const std::vector<std::string>& words, char** argv) {
+// Where it is missing, --help is about those that there are.
+void hand_over(CLI::App& app, const std::vector<std::string>& words, char** argv) {
   const std::string first = words.empty() ? "" : words.front();
   const auto has_name = [&first](const CLI::App* command) { return command->check_name(first); };
   const std::filesystem::path complete = fjr::complete_program();
   if (complete.empty() || first == "--version" || !app.get_subcommands(has_name).empty()) return;
-  ::execv(complete.c_str(), argv);
-  throw std::runtime_error(fmt::format("the other commands are in {}, which cannot be started ({}); is it built?",
-                                       complete.string(), std::strerror(errno)));
+  std::error_code error;
+  const bool is_this_one = std::filesystem::equivalent(complete, "/proc/self/exe", error);
+  if (!is_this_one) ::execv(complete.c_str(), argv);
+  const std::string missing = fmt::format("the other commands are in {}, which cannot be started ({})",
+                                          complete.string(), is_this_one ? "it is this one" : std::strerror(errno));
+  app.footer(app.get_footer() + "\n" + missing);
+  if (!words.empty() && first.front() != '-') throw std::runtime_error(missing);
+}
+
+void check_stdout() {
+  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw std::runtime_error("cannot write to stdout");
 }
 
 int run(const std::vector<std::string>& words, char** argv) {
@@ -66,24 +86,35 @@ int run(const std::vector<std::string>& words, char** argv) {
   try {
     app.parse(std::vector<std::string>(words.rbegin(), words.rend()));  // backwards, as CLI11 takes them
   } catch (const CLI::ParseError& error) {  // --help and --version arrive here too, with code 0
-    if (error.get_exit_code() == 0) return app.exit(error);
+    if (error.get_exit_code() == 0) {
+      exit_code = app.exit(error);
+      check_stdout();
+      return exit_code;
+    }
     throw fjr::InputError("command line", "", fjr::refusal(app, words, error.what()) + " (see --help)");
   }
-  if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) throw std::runtime_error("cannot write to stdout");
+  check_stdout();
   return exit_code;
 }
 
-// Where the command line asks for JSON, what is wrong is told so as well: commands print theirs when all is done.
+bool asks_for_json(const std::vector<std::string>& words) {
+  const auto options_end = std::find(words.begin(), words.end(), "--");
+  return std::any_of(words.begin(), options_end,
+                     [](const std::string& word) { return word == "--json" || word == "--json=true"; });
+}
+
+// Where the command line asks for JSON, what is wrong is told so as well: commands print theirs when all is done. What
+// cannot be written is lost: there is nowhere left to say so.
 int complain(const std::vector<std::string>& words, const std::string& problem, const std::string& field,
              int exit_code) {
-  fmt::print(stderr, "fjr: {}\n", problem);
-  if (std::find(words.begin(), words.end(), "--json") != words.end()) {
+  fjr::say("fjr: {}\n", problem);
+  if (asks_for_json(words)) {
     nlohmann::ordered_json json{{"version", FJR_VERSION},
                                 {"status", exit_code == 2 ? name(fjr::PlanStatus::kBadInput) : fjr::kFailedStatus},
                                 {"reason", problem},
                                 {"field", nullptr}};
     if (!field.empty()) json["field"] = field;
-    fmt::print("{}", fjr::json_text(json));
+    fjr::say_in(stdout, "{}", fjr::json_text(json));
   }
   return exit_code;
 }
@@ -91,6 +122,7 @@ int complain(const std::vector<std::string>& words, const std::string& problem, 
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_standard_streams();
   hold_blas_to_one_thread();
   const std::vector<std::string> words(argv + std::min(argc, 1), argv + argc);
   try {

@@ -13,6 +13,7 @@
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "common/say.h"
 #include "planner/batch/chunk.h"
 #include "planner/batch/earlier.h"
 #include "planner/batch/gather.h"
@@ -122,7 +123,7 @@ class ChunkRun {
         writer_.confirm(item);
         ++earlier_;
       } catch (const InputError& error) {
-        fmt::print(stderr, "fjr: {}\n", error.what());
+        say("fjr: {}\n", error.what());
         writer_.refuse(item, bad_input_json(item.item.name, error.what(), error.field()));
       }
     }

@@ -18,6 +18,7 @@
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "common/say.h"
 #include "common/strict_yaml.h"
 #include "planner/library/plan_library.h"
 #include "planner/ocp/collocate.h"
@@ -145,7 +146,7 @@ void load(PlanJob& job, const PlanArguments& options) {
   }
 }
 
-void complain(const std::string& problem) { fmt::print(stderr, "fjr: {}\n", problem); }
+void complain(const std::string& problem) { say("fjr: {}\n", problem); }
 
 bool has_earlier_results(const PlanJob& job) {
   const FolderLock lock(job.folder);

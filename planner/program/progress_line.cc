@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/say.h"
+
 namespace fjr {
 namespace {
 
@@ -81,16 +83,16 @@ bool ProgressLine::due() {
 void ProgressLine::begin(const std::string& what) {
   if (talk_ != Talk::kMore || what == doing_) return;
   doing_ = what;
-  fmt::print(output_.file, "{}fjr: {}: {:.1f} s: {}\n", output_.terminal ? kWipe : "", name_, elapsed(), what);
+  say_in(output_.file, "{}fjr: {}: {:.1f} s: {}\n", output_.terminal ? kWipe : "", name_, elapsed(), what);
   std::fflush(output_.file);
 }
 
 void ProgressLine::print(std::string line) const {
   if (output_.terminal) {
     line.resize(std::min(line.size(), terminal_width() - 1));  // a wrapped line could not be wiped
-    fmt::print(output_.file, "{}{}", kWipe, line);
+    say_in(output_.file, "{}{}", kWipe, line);
   } else {
-    fmt::print(output_.file, "fjr: {}\n", line);
+    say_in(output_.file, "fjr: {}\n", line);
   }
   std::fflush(output_.file);
 }

@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/say.h"
 #include "planner/client/client.h"
 #include "planner/program/commands.h"
 #include "planner/program/interrupt.h"
@@ -181,8 +182,8 @@ int run(const StatusArguments& options) {
   const nlohmann::ordered_json all = show(found, options.json);
   if (options.json) fmt::print("{}", json_text(all));
   if (!found.services.empty()) return 0;
-  fmt::print(stderr, "fjr: no planning service on DDS domain {} (looked for {:.3g} s){}\n", options.domain,
-             found.looked, found.strangers ? ": " + *found.strangers : "");
+  say("fjr: no planning service on DDS domain {} (looked for {:.3g} s){}\n", options.domain, found.looked,
+      found.strangers ? ": " + *found.strangers : "");
   return 1;
 }
 

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "common/say.h"
 #include "planner/certificate/certificate.h"
 #include "planner/certificate/residual.h"
 #include "planner/certificate/robust/robustness.h"
@@ -94,7 +95,7 @@ int run(const VerifyArguments& options) {
   const Verification v = verify(trajectory, options.trajectory, robot, verify_options(options));
   tell_doubts(v.robot);
   for (const std::string& contradiction : v.contradictions) {
-    fmt::print(stderr, "fjr: warning: {}: {}\n", options.trajectory, contradiction);
+    say("fjr: warning: {}: {}\n", options.trajectory, contradiction);
   }
   fmt::print("{}",
              options.json ? json_text(verification_json(trajectory, v)) : text_for_people(options, trajectory, v));

@@ -529,6 +529,50 @@ TEST_F(Cli, SigtermAndAClosedTerminalCancel) {
   ::signal(SIGHUP, before);
 }
 
+// Progress and messages go to a terminal that is no longer there.
+TEST_F(Cli, WhenItsTerminalIsClosedABatchEndsInOrder) {
+  for (const char* name : {"a", "b", "c", "d"}) write(std::string("requests/") + name + ".yaml", kGood);
+  int terminal = -1;
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    fs::current_path(path("."));
+    execl(FJR_EXECUTABLE, "fjr", "batch", "requests", "--jobs", "1", "--out", "out", nullptr);
+    _exit(127);
+  }
+  for (int i = 0; i < 5000 && !fs::exists(path("out/a/plan.json")); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  ::close(terminal);
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_TRUE(WIFEXITED(status)) << "ended by signal " << WTERMSIG(status);
+  const Json summary = Json::parse(contents(path("out/summary.json")));
+  EXPECT_GE(summary["status"]["certified"], 1);
+  EXPECT_LT(summary["status"]["certified"], 4);
+}
+
+// A log on a full disk, or a closed stderr: what is not told is lost, and nothing else.
+TEST_F(Cli, WhatCannotBeToldEndsNothing) {
+  write("good.yaml", kGood);
+  write("bad.yaml", "goal: 3\n");
+  const auto code_of = [&](const std::string& arguments) {
+    const std::string line = fmt::format("cd '{}' && '{}' {}", path("").string(), FJR_EXECUTABLE, arguments);
+    const int status = std::system(line.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  };
+  for (const std::string nowhere : {"2>/dev/full", "2>&-"}) {
+    EXPECT_EQ(code_of("plan good.yaml bad.yaml --json --out out > told " + nowhere), 2) << nowhere;
+    EXPECT_EQ(Json::parse(contents(path("told")))[0]["status"], "certified") << nowhere;
+    EXPECT_EQ(code_of("plna --json > told " + nowhere), 2) << nowhere;
+    EXPECT_EQ(Json::parse(contents(path("told")))["status"], "bad_input") << nowhere;
+    EXPECT_EQ(code_of("plan good.yaml --out out > /dev/full " + nowhere), 1) << nowhere;
+  }
+  EXPECT_EQ(code_of("plan good.yaml --out closed <&- >&- 2>&-"), 1);  // nobody can be told of the plan,
+  EXPECT_EQ(plan_json("closed")["status"], "certified");              // which is there
+  EXPECT_EQ(code_of("--help > /dev/full 2> /dev/null"), 1);
+}
+
 // Whatever ends a run, the certified plan that was there before is still there.
 TEST_F(Cli, AnEarlierPlanOutlivesWhateverComesAfterIt) {
   write("good.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.3, 0.21]}\nsample_period: 0.005\n");

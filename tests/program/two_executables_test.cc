@@ -13,6 +13,7 @@ namespace fjr {
 namespace {
 
 namespace fs = std::filesystem;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::Not;
 
@@ -49,8 +50,13 @@ TEST_F(TwoExecutables, WithoutTheCompleteOneTheOthersSayWhereItShouldBe) {
   setenv("LD_LIBRARY_PATH", path("").c_str(), 1);
   const Result result = run({"simulate", "a.csv", "--out", "b.csv"});
   EXPECT_EQ(result.exit_code, 1);
-  EXPECT_EQ(result.err, "fjr: the other commands are in " + path("fjr").string() +
-                            ", which cannot be started (No such file or directory); is it built?\n");
+  const std::string missing =
+      "the other commands are in " + path("fjr").string() + ", which cannot be started (No such file or directory)\n";
+  EXPECT_EQ(result.err, "fjr: " + missing);
+  const Result help = run({"--help"});
+  EXPECT_EQ(help.exit_code, 0);
+  EXPECT_THAT(help.out, AllOf(HasSubstr("verify"), Not(HasSubstr("simulate")), HasSubstr(missing)));
+  EXPECT_EQ(run({}).exit_code, 2);
   EXPECT_EQ(run({"--version"}).exit_code, 0);
   EXPECT_EQ(run({"plan", "a.yaml", "--out", "b"}).exit_code, 2);  // for a.yaml is not there
 }

@@ -10,6 +10,7 @@
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "common/say.h"
 #include "common/strict_yaml.h"
 #include "planner/client/client.h"
 #include "planner/client/halt.h"
@@ -110,10 +111,39 @@ std::string reason_of(const Reply& reply) {
   return reply.why.field.empty() ? reply.why.sentence : reply.why.field + ": " + reply.why.sentence;
 }
 
+// What became of the motion on the arm, beside plan.json.
+nlohmann::ordered_json json_of(const ExecutionResult& r) {
+  const bool done = r.code == ResultCode::kSuccessful;
+  nlohmann::ordered_json json{{"result", name(r.code)},
+                              {"reason", done ? nlohmann::ordered_json() : nlohmann::ordered_json(r.sentence)},
+                              {"trajectory_id", to_text(r.trajectory_id)}};
+  if (!has_moved(r.code)) return json;
+  json["link_error_rad"] = r.link_error;
+  json["link_error_rms_rad"] = r.link_error_rms;
+  json["final_link_error_rad"] = r.final_link_error;
+  json["residual_vibration_rad"] = r.residual_vibration;
+  json["max_feedback_torque"] = r.feedback_torque;
+  for (const LimitMargin& limit : r.limits) {
+    json["limits"].push_back(
+        {{"name", limit.name}, {"joint", limit.joint}, {"limit", limit.limit}, {"reached", limit.reached}});
+  }
+  json["log"] = r.log_file.empty() ? nlohmann::ordered_json() : nlohmann::ordered_json(r.log_file);
+  return json;
+}
+
 std::string json_of(const Order& order, const Reply& reply) {
   if (!reply.plan_json.empty()) return reply.plan_json;
   auto json = bad_input_json(fs::path(order.name).stem().string(), reason_of(reply), reply.why.field);
   json["status"] = name(status_of(reply));
+  return json_text(json);
+}
+
+std::string json_of(const Order& order, const Answer& answer) {
+  const std::string plan = json_of(order, answer.reply);
+  if (!answer.result) return plan;
+  auto json = nlohmann::ordered_json::parse(plan, nullptr, false);  // whoever answered
+  if (!json.is_object()) return plan;
+  json["execution"] = json_of(*answer.result);
   return json_text(json);
 }
 
@@ -224,14 +254,14 @@ int run(const RequestArguments& options) {
   const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   const std::string before = store(options, order, reply);
   if (reply.state != ReplyState::kSolved) {
-    fmt::print(stderr, "fjr: {}: {}: {}\n", options.request, name(reply.state), reason_of(reply));
+    say("fjr: {}: {}: {}\n", options.request, name(reply.state), reason_of(reply));
   }
-  fmt::print("{}", options.json ? json_of(order, reply) : summary(options, reply, elapsed));
-  if (!before.empty()) fmt::print(stderr, "fjr: {}\n", before);
+  fmt::print("{}", options.json ? json_of(order, answer) : summary(options, reply, elapsed));
+  if (!before.empty()) say("fjr: {}\n", before);
   if (!answer.result) return exit_code_of(reply);
   if (!options.json) fmt::print("{}", summary(*answer.result));
   if (answer.result->code == ResultCode::kSuccessful) return 0;
-  fmt::print(stderr, "fjr: {}: not executed to its end: {}\n", options.request, answer.result->sentence);
+  say("fjr: {}: not executed to its end: {}\n", options.request, answer.result->sentence);
   return 1;
 }
 
@@ -254,7 +284,7 @@ void add_request(CLI::App& app, int& exit_code) {
           "Have the motion executed once more, corrected by what its last run was off the plan, and wait for the "
           "result")
       ->excludes("--execute");
-  command->add_flag("--json", options->json, "Only JSON on stdout: plan.json");
+  command->add_flag("--json", options->json, "Only JSON on stdout: plan.json, and with --execute what became of it");
   command->add_option("--budget", options->budget, "Time the service may take, in seconds")
       ->check(positive())
       ->type_name("S");

@@ -195,6 +195,7 @@ void Service::cancel(const dds::ServicePort::Cancel& wanted) {
   Job unknown;
   unknown.order.id = id;
   unknown.order.origin = wanted.origin;
+  unknown.arrived = Clock::now();
   give_up(unknown, ReplyState::kCancelled, Reason::kCancelled, "cancelled before it arrived");
 }
 

@@ -151,6 +151,10 @@ TEST_F(ExecuteTest, TheFolderOfAnEarlierRequestIsExecuted) {
   Process execute = fjr({"request", path("a/previous"), "--execute", "--domain", domain()}, "execute");
   EXPECT_EQ(execute.wait(), 0) << execute.output();
   EXPECT_THAT(execute.output(), HasSubstr("code 0 SUCCESSFUL"));
+  Process again = fjr({"request", path("a/previous"), "--execute", "--json", "--domain", domain()}, "again");
+  EXPECT_EQ(again.wait(), 1);  // the arm is where the motion ended
+  EXPECT_THAT(again.output(),
+              HasSubstr("\"execution\": {\n    \"result\": \"INVALID_GOAL\",\n    \"reason\": \"starts at"));
   Process plain = fjr({"request", path("a"), "--domain", domain()}, "plain");
   EXPECT_EQ(plain.wait(), 2);
   EXPECT_THAT(plain.output(), HasSubstr("is a folder"));

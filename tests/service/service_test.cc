@@ -99,7 +99,9 @@ TEST_F(ServiceTest, CancelsWhatWaitsAndWhatHasNotArrived) {
   send(slow);
   send(waiting);
   cancel(late.id);
-  EXPECT_EQ(final_reply(late.id).state, ReplyState::kCancelled);
+  const Reply before_it_arrived = final_reply(late.id);
+  EXPECT_EQ(before_it_arrived.state, ReplyState::kCancelled);
+  EXPECT_LT(before_it_arrived.wait_time, 1);  // [s] it was never there to wait
   expect_accepted(waiting.id);
   cancel(waiting.id);
   EXPECT_EQ(final_reply(waiting.id).state, ReplyState::kCancelled);

@@ -228,18 +228,15 @@ bool has_robot(const fs::path& folder) {
   return fs::is_regular_file(folder / "robot.yaml", error);
 }
 
-// Where installations put it, seen from lib/fjr and from lib/<architecture>/fjr; then config/ beside the library or
-// above it (a build tree below the sources).
+// Where installations put it, seen from lib/fjr or lib/<architecture>/fjr, and where a build tree has it. No folder
+// further above is looked into: somebody else may write to it.
 std::vector<fs::path> folders_nearby() {
   const fs::path start = library_folder();
   if (start.empty()) return {};
-  std::vector<fs::path> folders{(start / "../../share/fjr/config").lexically_normal(),
-                                (start / "../../../share/fjr/config").lexically_normal()};
-  for (fs::path above = start; !above.empty(); above = above.parent_path()) {
-    folders.push_back(above / "config");
-    if (above == above.parent_path()) break;
-  }
-  return folders;
+  const fs::path parent = start.parent_path();
+  const bool in_lib = parent.filename().string().starts_with("lib");
+  const fs::path prefix = (in_lib ? parent : parent.parent_path()).parent_path();
+  return {prefix / "share/fjr/config", prefix / "config"};
 }
 
 }  // namespace

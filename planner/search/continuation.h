@@ -125,6 +125,7 @@ class Continuation {
   bool move_nodes();
   bool tighten_on_moved_nodes();
   bool came_down() const;
+  bool is_ahead_of(const std::vector<double>& known) const;
   bool reach_step(const Smoothing& step, int halvings);
   bool attempt_step(const std::string& what, const CollocationSetup& setup);
   std::size_t most_intervals() const;
@@ -150,6 +151,7 @@ class Continuation {
   std::string label_;
   Collocated solution_;
   SolveStatus status_ = SolveStatus::kFailed;
+  double violation_ = 0;  // that the last attempt left of its constraints
   std::string obstacle_;
   std::vector<Attempt> failed_;  // from the present solution
   std::vector<SolverStage> stages_;

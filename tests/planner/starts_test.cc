@@ -396,6 +396,27 @@ TEST(Start, ThatRunsOutOfIterationsSaysSo) {
   EXPECT_FALSE(tried.out_of_patience);
 }
 
+// A few iterations before its end its objective is nearly what it comes to, and its constraints nearly hold.
+TEST(Start, ThatRunsOutAheadOfAllOthersGoesOn) {
+  const Problem problem = request(kMove + "duration: 0.8\nobjective: {effort: 1}\n");
+  Session session{SessionOptions{}};
+  session.enter(Phase::kFinding);
+  const auto shared = std::make_shared<const Problem>(problem);
+  const Guess guess = first_guesses(problem).front();
+  const auto begun = [&](int most_iterations, const std::vector<double>& known) {
+    Continuation c(shared, session, "start");
+    const StartOutcome outcome = c.begin(guess, most_iterations, known);
+    return std::pair{outcome, c.stages()};
+  };
+  const auto [outcome, stages] = begun(400, {});
+  ASSERT_EQ(outcome, StartOutcome::kNew);
+  const int too_few = stages.front().iterations - 4;
+  const double objective = stages.front().objective;
+  EXPECT_EQ(begun(too_few, {}).first, StartOutcome::kNoSolution);
+  EXPECT_EQ(begun(too_few, {1.5 * objective}).first, StartOutcome::kNew);
+  EXPECT_EQ(begun(too_few, {1.5 * objective, 0.9 * objective}).first, StartOutcome::kNoSolution);
+}
+
 // The weight that was added is no part of what was asked for: without it there is less energy.
 TEST(Calm, IsTakenBack) {
   const Problem problem = request(kMove + "duration: 2\nobjective: {energy: 1}\n");

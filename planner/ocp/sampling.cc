@@ -44,8 +44,13 @@ class Sampler {
     return k > 0 && motion_.intervals[k].start >= time - kJumpSpacing ? k - 1 : k;
   }
 
-  Sample row(std::size_t interval, double time) const {
-    return {time, motion_.state_in(interval, time), torque(interval, time)};
+  Sample row(std::size_t interval, double time) const { return {time, state(interval, time), torque(interval, time)}; }
+
+  // Rows whose velocities are not those of their positions would be no motion. A scheme of order 2 leaves them apart by
+  // more than rows may be.
+  State<double> state(std::size_t interval, double time) const {
+    const bool of_order_2 = motion_.intervals[interval].state.cols() == 3;
+    return of_order_2 ? motion_.moving_state_in(interval, time) : motion_.state_in(interval, time);
   }
 
   Joints<double> torque(std::size_t interval, double time) const {

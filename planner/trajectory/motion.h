@@ -33,6 +33,23 @@ struct Motion {
     const Eigen::Matrix<double, kStates, 1> x = polynomial(intervals[interval].state, interval, time);
     return State<double>::from(x.data());
   }
+  // The same with the velocities that are the derivatives of the positions. Both agree at the collocation points; in
+  // between those of the state differ by what the scheme leaves undetermined.
+  State<double> moving_state_in(std::size_t interval, double time) const {
+    const Interval& i = intervals[interval];
+    State<double> x = state_in(interval, time);
+    const double c = (time - i.start) / i.duration;
+    Eigen::Matrix<double, kStates, 1> slope = Eigen::Matrix<double, kStates, 1>::Zero();
+    for (Eigen::Index k = i.state.cols() - 1; k > 0; --k) {
+      slope = slope * c + static_cast<double>(k) * i.state.col(k);
+    }
+    const State<double> rate = State<double>::from(slope.data());
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      x.dq[j] = rate.q[j] / i.duration;
+      x.dtheta[j] = rate.theta[j] / i.duration;
+    }
+    return x;
+  }
   // Compensated torque u.
   Joints<double> torque_in(std::size_t interval, double time) const {
     const Eigen::Vector2d u = polynomial(intervals[interval].torque, interval, time);

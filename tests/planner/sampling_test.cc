@@ -64,6 +64,22 @@ bool is_multiple(double time, double period) {
   return std::abs(time - std::round(time / period) * period) < 1e-12;  // times below 1 s: roundings
 }
 
+// The trapezoidal rule's velocities are parabolas beside the straight lines that its positions have as derivatives.
+TEST(Sampling, VelocitiesOfAMotionOfOrderTwoAreThoseOfItsPositions) {
+  Motion motion = made(uneven_nodes());
+  for (Motion::Interval& interval : motion.intervals) {  // the same at the nodes
+    for (const int row : {2, 3, 6, 7}) {
+      interval.state(row, 1) += 0.1;
+      interval.state(row, 2) -= 0.1;
+    }
+  }
+  const Motion consistent = made(uneven_nodes());
+  for (const Sample& row : sample(problem(), motion).samples) {
+    const State<double> wanted = consistent.state_at(row.time);
+    for (int i = 0; i < kStates; ++i) EXPECT_NEAR(row.state[i], wanted[i], 1e-12);  // roundings
+  }
+}
+
 TEST(Sampling, RowsIncreaseAndReachFromStartToEnd) {
   const Motion motion = made(uneven_nodes());
   const auto rows = sample(problem(), motion).samples;
@@ -72,8 +88,8 @@ TEST(Sampling, RowsIncreaseAndReachFromStartToEnd) {
   EXPECT_EQ(rows.back().time, motion.duration());
   const State<double> first = motion.state_in(0, 0), last = motion.state_in(6, motion.duration());
   for (int i = 0; i < kStates; ++i) {
-    EXPECT_EQ(rows.front().state[i], first[i]);
-    EXPECT_EQ(rows.back().state[i], last[i]);
+    EXPECT_NEAR(rows.front().state[i], first[i], 1e-14);  // velocities are those of the positions, but for roundings
+    EXPECT_NEAR(rows.back().state[i], last[i], 1e-14);
   }
 }
 

@@ -13,9 +13,16 @@ namespace {
 std::string how_far(const Findings& found, const Session& session) {
   if (!session.account().cut_by_work) return "";
   return fmt::format(
-      "; the search ended where a request may take no more (about {:.0f} s of one core), after {} starts and {} "
-      "minima: --deadline allows for more",
+      "; the search ended where a request may take no more work (up to about {0:.0f} s of one core, counted in steps "
+      "of "
+      "the optimiser), after {1} starts and {2} minima: a --deadline of more than {0:.0f} s allows for more",
       session.options().most_work, found.starts, found.minima.size());
+}
+
+// What the other schemes need finer meshes for, or have no polynomial for, the usual one may find.
+std::string other_method(const Findings& found) {
+  if (found.asked.method == kDefaultMethod) return "";
+  return fmt::format("; method: {}, the default, may lead to a plan", kDefaultMethod);
 }
 
 void withdraw_rows(Plan& plan) {
@@ -87,6 +94,7 @@ void conclude(const Findings& found, Session& session, Plan& plan) {
     if (plan.certificate) plan.reason += too_many_rows(found);
     const bool explained = plan.status == PlanStatus::kInfeasible && !session.interrupted() && !found.swing_was_cut;
     if (!explained) plan.reason += how_far(found, session);
+    if (plan.status != PlanStatus::kInfeasible) plan.reason += other_method(found);
   }
 }
 

@@ -79,7 +79,7 @@ void tell_account(const Findings& found, const Account& account, Plan& plan) {
   plan.fallbacks = account.fallbacks;
   plan.cut_by_work = account.cut_by_work;
   plan.starts = found.starts;
-  plan.starts_planned = found.starts_planned;
+  plan.starts_planned = std::max(found.starts_planned, found.starts);  // fallbacks are starts, too
   plan.refined = found.refined;
   plan.minima = found.minima;
   std::sort(plan.minima.begin(), plan.minima.end());

@@ -220,8 +220,7 @@ std::string search(const Plan& plan) {
   if (plan.cut_by_deadline) {
     text += line("search", fmt::format("cut by the deadline after {} of {} starts, with {} of {} minima refined: more "
                                        "time may find a better motion",
-                                       std::min(plan.starts, plan.starts_planned), plan.starts_planned, plan.refined,
-                                       plan.minima.size()));
+                                       plan.starts, plan.starts_planned, plan.refined, plan.minima.size()));
   }
   return text;
 }

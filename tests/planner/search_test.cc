@@ -20,6 +20,7 @@
 #include "planner/request/request.h"
 #include "planner/search/continuation.h"
 #include "planner/search/detours.h"
+#include "planner/search/explain/via_times.h"
 #include "planner/search/follow.h"
 #include "planner/search/publication.h"
 #include "planner/search/starts.h"
@@ -65,6 +66,32 @@ TEST(Elbow, MayChangeWhereTheRegionReachesTheStretchedArm) {
   EXPECT_THAT(barred_elbow(request("{start: {q: [0.5, 1.5]}, via: [{q: [1.4, -1.5]}], goal: {q: [0.5, 1.5]}, "
                                    "tip: {box: [[0.1, -0.45], [0.45, 0.05]]}}")),
               HasSubstr("via[0] has it on the left"));
+}
+
+// ---- limits that hold all along ----
+
+// Rows of the trapezoidal rule whose velocities were not those of their positions exceeded the limit in between.
+TEST(Cruise, AtAVelocityLimitIsPlannedByTheTrapezoidalRuleToo) {
+  const std::string move = "{robot: robots/asr_twodof.yaml, start: {q: [0, 0]}, goal: {q: [1, 0]}";
+  const Plan usual = plan(request(move + "}"), {}), other = plan(request(move + ", method: trapezoidal}"), {});
+  EXPECT_EQ(usual.status, PlanStatus::kCertified) << usual.reason;
+  ASSERT_EQ(other.status, PlanStatus::kCertified) << other.reason;
+  EXPECT_NEAR(other.duration, usual.duration, 2e-3 * usual.duration);  // margins; measured 4e-5
+}
+
+// ---- times of via points ----
+
+TEST(NearestTime, IsTheOneAskedForWhereAMotionIsFoundFromOthers) {
+  const Problem problem = request(
+      "{start: {q: [0, 0]}, via: [{q: [0.3, -0.2], time: 0.6}], goal: {q: [0.6, -0.4]}, duration: 1.2, "
+      "objective: {effort: 1}}");
+  Session session{SessionOptions{}};
+  session.enter(Phase::kFinding);
+  Search search(session);
+  const NearestTime nearest = nearest_time(problem, 0, {}, search);
+  ASSERT_TRUE(nearest.time && nearest.as_asked);
+  EXPECT_NEAR(*nearest.time, 0.6, 1e-3 * 0.6);
+  EXPECT_NEAR(nearest.as_asked->duration(), 1.2, 1e-9);
 }
 
 // ---- being stopped ----

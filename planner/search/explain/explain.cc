@@ -46,7 +46,8 @@ class Explanation {
     } else {
       if (known_.fastest != nullptr) result_.shortest_duration = rounded_up(shortest());
       if (known_.out_of_reach != OutOfReach::kVelocity) explain_via_times();
-      if (result_.sentence.empty() && (known_.fastest == nullptr || any_timed(problem_))) explain_limits();
+      const bool told = start_ || !result_.sentence.empty();
+      if (!told && (known_.fastest == nullptr || any_timed(problem_))) explain_limits();
     }
     if (start_) return {{}, start_};
     if (result_.sentence.empty()) return {};
@@ -313,15 +314,20 @@ class Explanation {
       const double enough = *earliest + kMargin * (*earliest - asked);
       if (explain_duration_besides(i, enough)) continue;
       anything_tried_ = true;
-      if (const auto time = nearest_time(problem_, i, enough, search_)) move_via(i, *time);
+      if (const auto time = nearest_time(problem_, i, enough, search_).time) move_via(i, *time);
     }
     for (std::size_t i = 0; i < problem_.via.size() && result_.sentence.empty() && !search_.over(); ++i) {
       if (!problem_.via[i].time) continue;
       anything_tried_ = true;
-      const auto time = nearest_time(problem_, i, {}, search_);
-      if (!time) continue;
-      tell_via(i, fmt::format("that leaves too little time {} it", *time > *problem_.via[i].time ? "before" : "after"));
-      move_via(i, *time);
+      const NearestTime nearest = nearest_time(problem_, i, {}, search_);
+      if (nearest.as_asked && !known_.start_failed) {
+        start_ = nearest.as_asked;
+        return;
+      }
+      if (!nearest.time) continue;
+      const bool later = *nearest.time > *problem_.via[i].time;
+      tell_via(i, fmt::format("that leaves too little time {} it", later ? "before" : "after"));
+      move_via(i, *nearest.time);
     }
   }
 
@@ -464,6 +470,10 @@ class Explanation {
         result_.quantity = worst.what.quantity;
         velocity = worst.what.kind == RelaxableKind::kVelocity;
       }
+    }
+    if (result_.limit.empty()) {
+      result_.sentence = "no motion found keeps every limit";
+      return;
     }
     const std::string when = result_.time ? fmt::format(" at {:.3f} s", *result_.time) : "";
     result_.sentence =

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 
@@ -11,6 +12,7 @@ namespace fjr {
 namespace {
 
 constexpr double kTimeTolerance = 0.02;  // fraction of a change of time to which it is found
+constexpr double kNoChange = 1e-3;       // fraction of a time that is no change of it
 
 std::string name_of(std::size_t i) { return fmt::format("via[{}].time", i); }
 
@@ -23,27 +25,32 @@ std::optional<double> earliest_at(const Problem& problem, std::size_t i, Search&
   return earliest->solution().motion.duration();
 }
 
-std::optional<double> nearest_time(const Problem& problem, std::size_t i, std::optional<double> least, Search& search) {
+NearestTime nearest_time(const Problem& problem, std::size_t i, std::optional<double> least, Search& search) {
   Problem moved = problem;
   moved.weights = {.time = 1};
   if (least) {
     moved.via[i].time = least;
-    if (search.sketch(moved, name_of(i), search.guesses(moved))) return least;
+    if (search.sketch(moved, name_of(i), search.guesses(moved))) return {least, {}};
   }
   moved.via[i].time.reset();
   auto possible = search.sketch(moved, name_of(i), search.guesses(moved));
-  if (!possible) return std::nullopt;
+  if (!possible) return {};
   const auto& durations = possible->solution().durations;
   const double asked = *problem.via[i].time;
   double wrong = asked;
   double right = std::accumulate(durations.begin(), durations.begin() + static_cast<std::ptrdiff_t>(i) + 1, 0.0);
-  while (std::abs(right - wrong) > kTimeTolerance * std::abs(right - asked) && !search.over()) {
+  const double least_change = kNoChange * asked;
+  while (std::abs(right - wrong) > std::max(kTimeTolerance * std::abs(right - asked), least_change) && !search.over()) {
     moved.via[i].time = (wrong + right) / 2;
     auto next = search.sketch(moved, name_of(i), {guess_of(*possible)});
     (next ? right : wrong) = *moved.via[i].time;
     if (next) possible = std::move(next);
   }
-  return right;
+  if (wrong != asked || search.over()) return {right, {}};
+  // However near, every time would do: so may the one that was asked for, from where these have led to.
+  moved.via[i].time = asked;
+  if (const auto kept = search.sketch(moved, name_of(i), {guess_of(*possible)})) return {right, guess_of(*kept)};
+  return {right, {}};
 }
 
 }  // namespace fjr

@@ -1,5 +1,5 @@
-// What is said to people beside results: where nobody can read it, as on a terminal that was closed or a full disk, the
-// work goes on all the same.
+// What is said to people while work goes on, which it does, too, where nobody can read it, as on a terminal that was
+// closed or a full disk. What stdout has lost is told in the end (main.cc).
 #pragma once
 
 #include <fmt/format.h>

@@ -69,7 +69,7 @@ std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
   const WhyNot why = explain(*problem, known_of(found), session);
   if (!why.start || session.stopped()) return why.infeasibility;
   found.candidates.clear();
-  try_starts({{problem, *why.start, "from the least slack"}}, found, session);
+  try_starts({{problem, *why.start, "from the least change"}}, found, session);
   if (found.certified() || session.interrupted()) return std::nullopt;
   Known known = known_of(found);  // the start may have led to a fastest motion
   known.start_failed = true;

@@ -9,7 +9,7 @@
 namespace fjr {
 
 // Beside the statuses of plans (planner/plan.h):
-inline constexpr const char* kFailedStatus = "failed";  // the planning process crashed
+inline constexpr const char* kFailedStatus = "failed";  // the planning process crashed, or could not plan
 inline constexpr const char* kOpenStatus = "open";      // not planned yet
 
 class StatusCounts {

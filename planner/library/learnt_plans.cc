@@ -1,8 +1,5 @@
 #include "planner/library/learnt_plans.h"
 
-#include <fmt/format.h>
-
-#include <cstdio>
 #include <exception>
 #include <utility>
 

@@ -46,8 +46,9 @@ class Sampler {
 
   Sample row(std::size_t interval, double time) const { return {time, state(interval, time), torque(interval, time)}; }
 
-  // Rows whose velocities are not those of their positions would be no motion. A scheme of order 2 leaves them apart by
-  // more than rows may be.
+  // Rows whose velocities are not those of their positions would be no motion. By a scheme of order 2 they are further
+  // apart than rows may be. (Torques are those of the velocities of the state, which are what the torques integrate
+  // to.)
   State<double> state(std::size_t interval, double time) const {
     const bool of_order_2 = motion_.intervals[interval].state.cols() == 3;
     return of_order_2 ? motion_.moving_state_in(interval, time) : motion_.state_in(interval, time);

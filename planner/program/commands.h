@@ -1,4 +1,5 @@
-// The subcommands. A new one is one file with an add_... function, declared here and listed in commands.cc.
+// The subcommands. A new one is one file with an add_... function, declared here and listed in commands.cc; one that
+// plans in planning_commands.cc, too.
 #pragma once
 
 #include <filesystem>

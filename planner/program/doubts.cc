@@ -1,8 +1,5 @@
 #include "planner/program/doubts.h"
 
-#include <fmt/format.h>
-
-#include <cstdio>
 #include <set>
 #include <string>
 

@@ -11,8 +11,14 @@ namespace fjr {
 namespace {
 
 sem_t g_signalled;  // what a signal handler may post to
+volatile sig_atomic_t g_any = 0;
 
-extern "C" void note_ending(int) { ::sem_post(&g_signalled); }
+// SIGHUP comes right after SIGTERM where systemd ends a session, and is no second request then.
+extern "C" void note_ending(int signal) {
+  if (signal == SIGHUP && g_any != 0) return;
+  g_any = 1;
+  ::sem_post(&g_signalled);
+}
 
 sigset_t set_of_ending_signals() {
   sigset_t signals;

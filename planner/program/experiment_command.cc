@@ -75,7 +75,7 @@ void perform_one(const RigSetup& setup, const std::string& name, int joint, cons
   log.metadata["robot_hash"] = robot_hash(rig.truth);
   log.metadata["version"] = FJR_VERSION;
   write_file(file, format_log(log));
-  fmt::print("{}: {} rows, {:.6g} s\n", file.string(), log.rows(), record.time.back());
+  say_in(stdout, "{}: {} rows, {:.6g} s\n", file.string(), log.rows(), record.time.back());
 }
 
 // A real rig's logs have the names of the virtual one's, and cannot be had again. Only the virtual one has a seed.

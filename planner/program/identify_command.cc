@@ -152,11 +152,11 @@ int run(const IdentifyArguments& options) {
     if (options.json) {
       json.push_back(json_of(e));
     } else {
-      fmt::print("{}", text_of(e));
+      say_in(stdout, "{}", text_of(e));
     }
   }
   if (!options.json) {
-    fmt::print("{}{}", combined_text(combine_repeated(found.estimates)), consistency_table(found.agreements));
+    say_in(stdout, "{}{}", combined_text(combine_repeated(found.estimates)), consistency_table(found.agreements));
   }
   tell_doubts(found.agreements, found.changes);
   const fs::path report = report_file(options);

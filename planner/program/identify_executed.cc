@@ -137,16 +137,18 @@ int identify_executed(const ExecutedArguments& options) {
   const ExecutedFit fit =
       fit_executed(known, prior_of(known, options.widen, options.payload), motions,
                    [&](std::size_t count, const auto& task) { for_each_index(count, threads, task); });
-  if (options.json) {
-    fmt::print("{}", json_text(fit_json(fit, motions)));
-  } else {
-    fmt::print("executed, {} motions\n{}{}  chi^2 {:.3g} per degree of freedom of {} readings\n", motions.size(),
-               table_of(fit), motions_table(fit, motions), fit.chi_square, fit.readings);
+  if (!options.json) {
+    say_in(stdout, "executed, {} motions\n{}{}  chi^2 {:.3g} per degree of freedom of {} readings\n", motions.size(),
+           table_of(fit), motions_table(fit, motions), fit.chi_square, fit.readings);
   }
   for (const std::string& warning : warnings_about(fit)) say("fjr: warning: {}\n", warning);
   const bool written = fit.converged && !options.out.empty();
   if (written) tell_doubts(write_executed_robot(options.out, base, fit, motions));
-  if (!options.json && written) fmt::print("{}\n", options.out);
+  if (options.json) {
+    fmt::print("{}", json_text(fit_json(fit, motions)));
+  } else if (written) {
+    fmt::print("{}\n", options.out);
+  }
   return fit.converged ? 0 : 1;
 }
 

@@ -60,15 +60,16 @@ void keep_standard_streams() {
 void hand_over(CLI::App& app, const std::vector<std::string>& words, char** argv) {
   const std::string first = words.empty() ? "" : words.front();
   const auto has_name = [&first](const CLI::App* command) { return command->check_name(first); };
+  if (first == "--version" || !app.get_subcommands(has_name).empty()) return;
   const std::filesystem::path complete = fjr::complete_program();
-  if (complete.empty() || first == "--version" || !app.get_subcommands(has_name).empty()) return;
+  if (complete.empty()) return;
   std::error_code error;
   const bool is_this_one = std::filesystem::equivalent(complete, "/proc/self/exe", error);
   if (!is_this_one) ::execv(complete.c_str(), argv);
   const std::string missing = fmt::format("the other commands are in {}, which cannot be started ({})",
                                           complete.string(), is_this_one ? "it is this one" : std::strerror(errno));
   app.footer(app.get_footer() + "\n" + missing);
-  if (!words.empty() && first.front() != '-') throw std::runtime_error(missing);
+  if (!words.empty() && !first.starts_with('-')) throw std::runtime_error(missing);
 }
 
 void check_stdout() {

@@ -166,7 +166,7 @@ bool run_chunk(const Manifest& manifest, std::size_t chunk, const PackedArgument
   if (!lock) return false;
   ChunkRun run(manifest, chunk, options);
   const bool completed = run.run(line);
-  fmt::print("{}", run.for_people(chunk));
+  say_in(stdout, "{}", run.for_people(chunk));
   return completed;
 }
 

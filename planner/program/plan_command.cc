@@ -262,7 +262,7 @@ int run(const PlanArguments& options) {
   for (const PlanJob& job : jobs) {
     outcomes.push_back(job.problem ? make_plan(job, options) : refuse_unread(job));
     code = std::max(code, exit_code(outcomes.back().status));
-    if (!options.json) fmt::print("{}", outcomes.back().summary);
+    if (!options.json) say_in(stdout, "{}", outcomes.back().summary);
     std::fflush(stdout);
   }
   if (options.json) {

@@ -123,6 +123,7 @@ nlohmann::ordered_json json_of(const ExecutionResult& r) {
   json["final_link_error_rad"] = r.final_link_error;
   json["residual_vibration_rad"] = r.residual_vibration;
   json["max_feedback_torque"] = r.feedback_torque;
+  json["limits"] = nlohmann::ordered_json::array();
   for (const LimitMargin& limit : r.limits) {
     json["limits"].push_back(
         {{"name", limit.name}, {"joint", limit.joint}, {"limit", limit.limit}, {"reached", limit.reached}});

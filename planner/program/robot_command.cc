@@ -69,6 +69,7 @@ int check(const std::string& file, bool json) {
   const Parameters robot = parameters_as_written(file);
   const std::vector<Finding> findings = check_robot(robot);
   if (json) {
+    if (!any_impossible(findings)) (void)load_parameters(fs::path(file));  // what is refused is the only JSON then
     fmt::print("{}", json_text(json_of(file, robot, findings)));
   } else {
     fmt::print("{}: {}\n", file, any_impossible(findings) ? "there can be no such arm" : "there can be such an arm");

@@ -68,10 +68,11 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
       const Timed timed(session, "certificate");
       Trajectory trajectory = rows_of(asked, c.solution().motion, row_error);
       if (trajectory.samples.size() > kMaxRows) {
-        const bool regular = c.duration() > asked.sample_period * kMaxRows / 2;
+        const bool longer_helps = asked.longest_sample_period < kLongestSamplePeriod &&
+                                  c.duration() > asked.longest_sample_period * kMaxRows / 2;
         published.failure =
             fmt::format("the trajectory needs {} rows, more than the {} allowed{}", trajectory.samples.size(), kMaxRows,
-                        regular ? ": a longer sample_period would do" : " to follow its torque");
+                        longer_helps ? ": a longer sample_period would do" : " to follow its torque");
         return published;
       }
       published.last = with_certificate(c, asked, std::move(trajectory), session);

@@ -33,8 +33,8 @@ struct Motion {
     const Eigen::Matrix<double, kStates, 1> x = polynomial(intervals[interval].state, interval, time);
     return State<double>::from(x.data());
   }
-  // The same with the velocities that are the derivatives of the positions. Both agree at the collocation points; in
-  // between those of the state differ by what the scheme leaves undetermined.
+  // The same with the velocities that are the derivatives of the positions. Both agree at the collocation points. In
+  // between the velocities of the state have a polynomial of their own, one degree above that of the derivatives.
   State<double> moving_state_in(std::size_t interval, double time) const {
     const Interval& i = intervals[interval];
     State<double> x = state_in(interval, time);

@@ -413,7 +413,9 @@ TEST(Start, ThatRunsOutAheadOfAllOthersGoesOn) {
   const int too_few = stages.front().iterations - 4;
   const double objective = stages.front().objective;
   EXPECT_EQ(begun(too_few, {}).first, StartOutcome::kNoSolution);
-  EXPECT_EQ(begun(too_few, {1.5 * objective}).first, StartOutcome::kNew);
+  const auto [ahead, stages_of_ahead] = begun(too_few, {1.5 * objective});
+  EXPECT_EQ(ahead, StartOutcome::kNew);
+  EXPECT_EQ(stages_of_ahead.front().objective, objective);  // what the start is known by
   EXPECT_EQ(begun(too_few, {1.5 * objective, 0.9 * objective}).first, StartOutcome::kNoSolution);
 }
 

@@ -568,6 +568,10 @@ TEST_F(Cli, WhatCannotBeToldEndsNothing) {
     EXPECT_EQ(Json::parse(contents(path("told")))["status"], "bad_input") << nowhere;
     EXPECT_EQ(code_of("plan good.yaml --out out > /dev/full " + nowhere), 1) << nowhere;
   }
+  EXPECT_EQ(code_of("plan good.yaml bad.yaml good.yaml --out full > /dev/full 2>&1"), 2);  // a name twice
+  write("better.yaml", kGood);
+  EXPECT_EQ(code_of("plan good.yaml better.yaml --out full > /dev/full"), 1);
+  EXPECT_EQ(plan_json("full/better")["status"], "certified");
   EXPECT_EQ(code_of("plan good.yaml --out closed <&- >&- 2>&-"), 1);  // nobody can be told of the plan,
   EXPECT_EQ(plan_json("closed")["status"], "certified");              // which is there
   EXPECT_EQ(code_of("--help > /dev/full 2> /dev/null"), 1);

@@ -314,7 +314,12 @@ class Explanation {
       const double enough = *earliest + kMargin * (*earliest - asked);
       if (explain_duration_besides(i, enough)) continue;
       anything_tried_ = true;
-      if (const auto time = nearest_time(problem_, i, enough, search_).time) move_via(i, *time);
+      const NearestTime nearest = nearest_time(problem_, i, enough, search_);
+      if (nearest.as_asked && !known_.start_failed) {
+        start_ = nearest.as_asked;
+        return;
+      }
+      if (nearest.time) move_via(i, *nearest.time);
     }
     for (std::size_t i = 0; i < problem_.via.size() && result_.sentence.empty() && !search_.over(); ++i) {
       if (!problem_.via[i].time) continue;

@@ -14,4 +14,5 @@ cmake --build --preset program --target fjr
 build/fjr plan config/requests/reach.yaml --out out/reach --report
 step "the first plan is in out/reach (report.html shows it); build/fjr plans, verifies and reports by now; building the rest"
 cmake --build --preset program
+build/fjr completion bash >/dev/null  # a command of the other executable
 step "build/fjr is complete"

@@ -51,7 +51,7 @@ class Sampler {
   // to.)
   State<double> state(std::size_t interval, double time) const {
     const bool of_order_2 = motion_.intervals[interval].state.cols() == 3;
-    return of_order_2 ? motion_.moving_state_in(interval, time) : motion_.state_in(interval, time);
+    return of_order_2 ? motion_.consistent_state_in(interval, time) : motion_.state_in(interval, time);
   }
 
   Joints<double> torque(std::size_t interval, double time) const {

@@ -68,20 +68,19 @@ nlohmann::ordered_json json_of(const std::string& file, const Parameters& robot,
 int check(const std::string& file, bool json) {
   const Parameters robot = parameters_as_written(file);
   const std::vector<Finding> findings = check_robot(robot);
+  const bool impossible = any_impossible(findings);
+  if (!impossible) (void)load_parameters(fs::path(file));  // whatever else planning would refuse
   if (json) {
-    if (!any_impossible(findings)) (void)load_parameters(fs::path(file));  // what is refused is the only JSON then
     fmt::print("{}", json_text(json_of(file, robot, findings)));
   } else {
-    fmt::print("{}: {}\n", file, any_impossible(findings) ? "there can be no such arm" : "there can be such an arm");
+    fmt::print("{}: {}\n", file, impossible ? "there can be no such arm" : "there can be such an arm");
     for (const Verdict verdict : {Verdict::kImpossible, Verdict::kDoubtful, Verdict::kFine}) {
       for (const Finding& finding : findings) {
         if (finding.verdict == verdict) fmt::print("{}", line(finding));
       }
     }
   }
-  if (any_impossible(findings)) return 2;
-  (void)load_parameters(fs::path(file));  // whatever else planning would refuse
-  return 0;
+  return impossible ? 2 : 0;
 }
 
 // ---- new ----

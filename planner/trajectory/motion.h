@@ -35,7 +35,7 @@ struct Motion {
   }
   // The same with the velocities that are the derivatives of the positions. Both agree at the collocation points. In
   // between the velocities of the state have a polynomial of their own, one degree above that of the derivatives.
-  State<double> moving_state_in(std::size_t interval, double time) const {
+  State<double> consistent_state_in(std::size_t interval, double time) const {
     const Interval& i = intervals[interval];
     State<double> x = state_in(interval, time);
     const double c = (time - i.start) / i.duration;

@@ -25,7 +25,7 @@ def run(arguments: list[str]) -> dict[str, Any]:
             raise
     try:
         summary: dict[str, Any] = json.loads(told)
-    except ValueError:  # it was killed
+    except ValueError:  # it was killed, or could not write
         complaint = complaints.strip().removeprefix("fjr: ") or f"fjr {arguments[0]} ended with {process.returncode}"
         raise Error(complaint) from None
     if summary.get("status") == "bad_input":

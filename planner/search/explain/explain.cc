@@ -177,6 +177,12 @@ class Explanation {
     return true;
   }
 
+  bool is_possible(const NearestTime& nearest) {
+    if (!nearest.as_asked || known_.start_failed) return false;
+    start_ = nearest.as_asked;
+    return true;
+  }
+
   // Where the duration is free: first with a large weight of time, and then with as much more time as the mesh is fine
   // enough for, since it takes time to gain speed.
   std::optional<Continuation> least(Problem relaxed, const std::string& what, std::vector<Guess> guesses, bool roughly,
@@ -315,20 +321,14 @@ class Explanation {
       if (explain_duration_besides(i, enough)) continue;
       anything_tried_ = true;
       const NearestTime nearest = nearest_time(problem_, i, enough, search_);
-      if (nearest.as_asked && !known_.start_failed) {
-        start_ = nearest.as_asked;
-        return;
-      }
+      if (is_possible(nearest)) return;
       if (nearest.time) move_via(i, *nearest.time);
     }
     for (std::size_t i = 0; i < problem_.via.size() && result_.sentence.empty() && !search_.over(); ++i) {
       if (!problem_.via[i].time) continue;
       anything_tried_ = true;
       const NearestTime nearest = nearest_time(problem_, i, {}, search_);
-      if (nearest.as_asked && !known_.start_failed) {
-        start_ = nearest.as_asked;
-        return;
-      }
+      if (is_possible(nearest)) return;
       if (!nearest.time) continue;
       const bool later = *nearest.time > *problem_.via[i].time;
       tell_via(i, fmt::format("that leaves too little time {} it", later ? "before" : "after"));

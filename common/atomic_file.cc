@@ -6,6 +6,7 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <random>
 #include <stdexcept>
 #include <system_error>
 
@@ -40,10 +41,8 @@ int synchronise_folder(const std::filesystem::path& file) {
 }
 
 void replace(const std::filesystem::path& file, std::string_view text, bool durably) {
-  const std::string name = fmt::format(".{}.{}.tmp", file.filename().string(), ::getpid());
-  const std::string temporary = (file.parent_path() / name).string();
-
-  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  const std::string temporary = temporary_beside(file).string();
+  const int descriptor = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
   if (descriptor < 0) throw cannot_write(file, errno);
   int error = write_all(descriptor, text);
   if (error == 0 && durably && ::fsync(descriptor) != 0) error = errno;
@@ -58,6 +57,11 @@ void replace(const std::filesystem::path& file, std::string_view text, bool dura
 }
 
 }  // namespace
+
+std::filesystem::path temporary_beside(const std::filesystem::path& file) {
+  std::random_device random;
+  return file.parent_path() / fmt::format(".{}.{:08x}{:08x}.tmp", file.filename().string(), random(), random());
+}
 
 void write_file(const std::filesystem::path& file, std::string_view text) { replace(file, text, false); }
 

@@ -13,4 +13,8 @@ void write_file(const std::filesystem::path& file, std::string_view text);
 // The same, and on the disk when it returns: what has to be known after a power failure.
 void write_file_durably(const std::filesystem::path& file, std::string_view text);
 
+// The name of a temporary file in the same folder: random, because processes in two containers that share the folder
+// may have the same number.
+std::filesystem::path temporary_beside(const std::filesystem::path& file);
+
 }  // namespace fjr

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "common/rounded.h"
+
 namespace fjr {
 namespace {
 
@@ -191,7 +193,7 @@ const char* name_of(Style style) {
 }
 
 // Seven digits are more than a screen shows.
-double short_number(double value) { return std::stod(fmt::format("{:.7g}", value)); }
+double short_number(double value) { return rounded_to(value, 7); }
 
 // JSON without `</script>` or `<!--` in its strings, where alone `<` can be.
 std::string within_script(std::string json) {

@@ -14,8 +14,8 @@
 #include <thread>
 #include <vector>
 
-#include "common/companion.h"
 #include "common/cpu_time.h"
+#include "common/paired_thread.h"
 
 namespace fjr {
 
@@ -40,15 +40,15 @@ double Threads::in_pairs(const std::function<void(const DoBoth&)>& work) {
   }
   const auto give_back = [](std::atomic<int>* idle) { ++*idle; };
   const std::unique_ptr<std::atomic<int>, decltype(give_back)> taken(&idle_, give_back);
-  std::optional<Companion> companion;
+  std::optional<PairedThread> paired;
   try {
-    companion.emplace();
+    paired.emplace();
   } catch (const std::system_error&) {  // the system allows no more threads
     work(one_after_the_other);
     return 0;
   }
-  work([&](const auto& one, const auto& other) { companion->both(one, other); });
-  return companion->end();
+  work([&](const auto& one, const auto& other) { paired->both(one, other); });
+  return paired->end();
 }
 
 std::size_t Threads::take(std::size_t most) {

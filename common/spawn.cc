@@ -2,9 +2,12 @@
 
 #include <signal.h>
 #include <spawn.h>
+#include <sys/wait.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <system_error>
+#include <utility>
 
 namespace fjr {
 namespace {
@@ -22,6 +25,7 @@ class SpawnSettings {
     sigemptyset(&none);
     sigemptyset(&usual);
     sigaddset(&usual, SIGPIPE);
+    sigaddset(&usual, SIGXFSZ);
     posix_spawnattr_setsigmask(&attributes, &none);
     posix_spawnattr_setsigdefault(&attributes, &usual);
     posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
@@ -39,7 +43,32 @@ class SpawnSettings {
 
 }  // namespace
 
-pid_t spawn_self(std::vector<std::string> words, int in, int out, int err) {
+Child::~Child() {
+  if (pid_ < 0) return;
+  signal(SIGKILL);
+  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
+  }
+}
+
+Child::Child(Child&& other) noexcept : pid_(std::exchange(other.pid_, -1)) {}
+
+Child& Child::operator=(Child&& other) noexcept {
+  std::swap(pid_, other.pid_);
+  return *this;
+}
+
+void Child::signal(int number) const {
+  if (pid_ >= 0) ::kill(pid_, number);
+}
+
+std::optional<int> Child::ended() {
+  int status = 0;
+  if (pid_ < 0 || ::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
+  pid_ = -1;
+  return status;
+}
+
+Child spawn_self(std::vector<std::string> words, int in, int out, int err) {
   const SpawnSettings settings(in, out, err);
   words.insert(words.begin(), "fjr");
   std::vector<char*> argv(words.size() + 1, nullptr);
@@ -48,7 +77,7 @@ pid_t spawn_self(std::vector<std::string> words, int in, int out, int err) {
   const int error =
       ::posix_spawn(&pid, "/proc/self/exe", &settings.actions, &settings.attributes, argv.data(), environ);
   if (error != 0) throw std::system_error(error, std::generic_category(), "cannot start a process");
-  return pid;
+  return Child(pid);
 }
 
 }  // namespace fjr

@@ -11,6 +11,8 @@
 
 #include "common/degrees.h"
 #include "common/input_error.h"
+#include "common/rounded.h"
+#include "common/strict_yaml.h"
 #include "model/dynamics.h"
 
 namespace fjr {
@@ -149,13 +151,14 @@ struct Entry {
 
 // Without the digits that rounding left: 0.12 / 0.25 is 0.48.
 Joints<double> rounded(const Joints<double>& values, int digits = 15) {
-  return {std::stod(fmt::format("{:.{}g}", values[0], digits)), std::stod(fmt::format("{:.{}g}", values[1], digits))};
+  return {rounded_to(values[0], digits), rounded_to(values[1], digits)};
 }
 
-std::string quoted(const std::string& text) {
-  std::string result;
-  for (const char c : text) result += c == '"' || c == '\\' || c < ' ' ? ' ' : c;
-  return '"' + result + '"';
+// As a comment of one line, whatever is in it.
+std::string one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
+  return text;
 }
 
 Joints<double> product(const Joints<double>& a, const Joints<double>& b) { return {a[0] * b[0], a[1] * b[1]}; }
@@ -179,7 +182,7 @@ class Writer {
     std::string text = fmt::format(
         "# {}\n# SI units; motor quantities are in link coordinates, after the gear; [joint 1, joint 2] everywhere.\n"
         "# source: where a value is from; `computed:` from others, `assumption:` chosen where nothing was given.\n",
-        d_.name.value_or("An arm, written by fjr robot new."));
+        one_line(d_.name.value_or("An arm, written by fjr robot new.")));
     std::string before;
     const Parameters unused{};
     visit_parameters(unused, [&](const std::string& section, const std::string& name, const char* unit, const auto&) {
@@ -189,7 +192,7 @@ class Writer {
       before = section;
       const Entry& e = found->second;
       text += fmt::format("  {}: {{value: [{}, {}],{} unit: \"{}\", source: {}, standard_error: {}}}\n", name,
-                          e.value[0], e.value[1], e.about, unit, quoted(e.source), e.error);
+                          e.value[0], e.value[1], e.about, unit, quoted_flow(e.source), e.error);
     });
     if (d_.mounting) text += fmt::format("\nmounting: {}\n", d_.mounting->flow());
     if (d_.payload) text += fmt::format("\npayload: {}\n", d_.payload->flow());

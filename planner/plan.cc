@@ -154,11 +154,11 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   }
   if ((options.proven || problem.proven) && plan.status == PlanStatus::kCertified) demand_proof(problem, session, plan);
   if (plan.solution && plan.trajectory) plan.analysis = analyse(*found.best->problem, *plan.solution, found.scale);
-  tell_account(found, session.account(), plan);
   if (plan.analysis && plan.certificate->robustness.evaluated) {
     tell_savings(*plan.analysis, plan.certificate->robustness);
     plan_largest_saving(problem, *without_margins, *found.best, session, plan.certificate->robustness);
   }
+  tell_account(found, session.account(), plan);
   plan.timing["cpu"] = cpu_since(began_cpu) + session.account().cpu_of_others;
   plan.timing["total"] = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
   return plan;

@@ -17,7 +17,7 @@ struct Crest {
   double time, height;  // above the mean position
 };
 
-// The highest point of every stretch above a quarter of the last crest.
+// The highest point of every range above a quarter of the last crest.
 std::vector<Crest> crests(const Curve& curve);
 
 // The line (12) through the logarithms of the crests; its slope is all damping, hysteresis included.

@@ -11,7 +11,7 @@
 #include "model/identify/friction_fit.h"
 #include "model/identify/friction_shape.h"
 #include "model/identify/procedures.h"
-#include "model/identify/stretches.h"
+#include "model/identify/row_ranges.h"
 #include "model/identify/velocity.h"
 
 namespace fjr {
@@ -25,12 +25,12 @@ constexpr double kObeyed = 2;      // mean square of deviations from the command
 constexpr double kSkipped = 0.2;   // of each constant speed, for its transient
 
 // Where dtheta<joint>_plan, the commanded speed, is constant; where nobody commands, where speed and torque are.
-std::vector<Stretch> constant_speeds(const Log& log, int joint, const Parameters& robot) {
+std::vector<RowRange> constant_speeds(const Log& log, int joint, const Parameters& robot) {
   const std::string planned = joint_column("dtheta", joint, "_plan");
-  if (log.has(planned)) return commanded_stretches(log.column(planned));
+  if (log.has(planned)) return commanded_ranges(log.column(planned));
   const auto rows = static_cast<std::size_t>(kShortest / sample_interval(log));
-  return steady_stretches({velocity(log, joint, robot, rows / 4), {log.column(joint_column("tau", joint)), 0}},
-                          std::max(rows, kFewestSpeedRows));
+  return steady_ranges({velocity(log, joint, robot, rows / 4), {log.column(joint_column("tau", joint)), 0}},
+                       std::max(rows, kFewestSpeedRows));
 }
 
 // A drive whose measured speeds differ from the commanded ones by no more than their errors does what it is told: then
@@ -58,17 +58,17 @@ std::vector<FrictionPoint> averages(const Log& log, int joint, const Parameters&
   std::vector<double> commands;
   std::size_t rejected = 0;
   const bool commanded = log.has(joint_column("dtheta", joint, "_plan"));
-  const std::vector<Stretch> stretches = constant_speeds(log, joint, robot);
-  require_consistent_velocity(log, joint, robot, stretches);
-  for (Stretch stretch : stretches) {
-    stretch.from += static_cast<std::size_t>(kSkipped * static_cast<double>(stretch.rows()));
-    if (stretch.rows() < kFewestSpeedRows) continue;
-    const Speed speed = constant_speed(log, joint, robot, stretch);
+  const std::vector<RowRange> ranges = constant_speeds(log, joint, robot);
+  require_consistent_velocity(log, joint, robot, ranges);
+  for (RowRange range : ranges) {
+    range.from += static_cast<std::size_t>(kSkipped * static_cast<double>(range.rows()));
+    if (range.rows() < kFewestSpeedRows) continue;
+    const Speed speed = constant_speed(log, joint, robot, range);
     if (!commanded && std::abs(speed.mean) <= kStanding * speed.standard_error) continue;
-    const Average torque = robust_mean(std::span(tau).subspan(stretch.from, stretch.rows()));
+    const Average torque = robust_mean(std::span(tau).subspan(range.from, range.rows()));
     rejected += speed.rejected + torque.rejected;
     points.push_back({speed.mean, torque.mean, speed.standard_error, torque.standard_error});
-    if (commanded) commands.push_back(log.column(joint_column("dtheta", joint, "_plan"))[stretch.from]);
+    if (commanded) commands.push_back(log.column(joint_column("dtheta", joint, "_plan"))[range.from]);
   }
   warn_of_outliers(rejected, "samples", warnings);
   if (points.size() < kFewestSpeeds) {

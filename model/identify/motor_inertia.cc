@@ -36,9 +36,9 @@ std::vector<Response> responses(const Log& log, int joint, const Parameters& rob
   const std::vector<double>& y = log.column(joint_column(measured == Measured::kVelocity ? "dtheta" : "theta", joint));
   std::vector<Response> all;
   const std::vector<Push> found = pushes(log, joint, robot);
-  std::vector<Stretch> stretches;
-  for (const Push& push : found) stretches.push_back(push.rows);
-  require_consistent_velocity(log, joint, robot, stretches);
+  std::vector<RowRange> ranges;
+  for (const Push& push : found) ranges.push_back(push.rows);
+  require_consistent_velocity(log, joint, robot, ranges);
   require_consistent_torque(log, joint, robot, found);
   for (const Push& push : found) {
     if (push.rows.rows() < kFewestResponseRows) continue;

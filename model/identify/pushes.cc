@@ -34,13 +34,13 @@ std::vector<double> compensated_torque(const Log& log, int joint, const Paramete
 std::vector<Push> pushes(const Log& log, int joint, const Parameters& robot) {
   std::vector<Push> found;
   if (const std::string planned = joint_column("u", joint, "_plan"); log.has(planned)) {
-    for (const Stretch& s : commanded_stretches(log.column(planned))) found.push_back({log.column(planned)[s.from], s});
+    for (const RowRange& s : commanded_ranges(log.column(planned))) found.push_back({log.column(planned)[s.from], s});
     return found;
   }
   const auto rows = static_cast<std::size_t>(kShortestPush / sample_interval(log));
   const std::vector<double> u = compensated_torque(log, joint, robot, rows / 4);
   double largest = 0;
-  for (const Stretch& s : steady_stretches({{u, 0}}, std::max(rows, kFewestPushRows))) {
+  for (const RowRange& s : steady_ranges({{u, 0}}, std::max(rows, kFewestPushRows))) {
     found.push_back({robust_mean(std::span(u).subspan(s.from, s.rows())).mean, s});
     largest = std::max(largest, std::abs(found.back().u));
   }

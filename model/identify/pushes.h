@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "model/identify/stretches.h"
+#include "model/identify/row_ranges.h"
 #include "model/log.h"
 #include "model/parameters.h"
 
@@ -11,7 +11,7 @@ namespace fjr {
 
 struct Push {
   double u;  // [N m]
-  Stretch rows;
+  RowRange rows;
 };
 
 // By u<joint>_plan; where nobody commands, where tau - tau_fm_nonlinear(dtheta), with the friction known so far, is

@@ -69,9 +69,9 @@ Signal velocity(const Log& log, int joint, const Parameters& robot, std::size_t 
   return v;
 }
 
-Speed constant_speed(const Log& log, int joint, const Parameters& robot, const Stretch& stretch) {
+Speed constant_speed(const Log& log, int joint, const Parameters& robot, const RowRange& range) {
   const auto part = [&](const std::string& column) {
-    return std::span<const double>(log.column(column)).subspan(stretch.from, stretch.rows());
+    return std::span<const double>(log.column(column)).subspan(range.from, range.rows());
   };
   if (has_own_velocity(log, joint, robot)) {
     const Average average = robust_mean(part(joint_column("dtheta", joint)));
@@ -82,13 +82,13 @@ Speed constant_speed(const Log& log, int joint, const Parameters& robot, const S
 }
 
 void require_consistent_velocity(const Log& log, int joint, const Parameters& robot,
-                                 const std::vector<Stretch>& stretches) {
+                                 const std::vector<RowRange>& ranges) {
   if (!has_own_velocity(log, joint, robot)) return;
   const std::string name = joint_column("dtheta", joint), angle = joint_column("theta", joint);
   const std::vector<double>&v = log.column(name), &theta = log.column(angle), &time = log.column("time");
   const double count = count_angle(robot.encoder.motor_counts[static_cast<std::size_t>(joint)]);
   std::vector<double> ratios;  // of turned by dtheta to turned by theta
-  for (const Stretch& s : stretches) {
+  for (const RowRange& s : ranges) {
     const double turned = theta[s.to - 1] - theta[s.from];
     if (s.rows() < 2 || std::abs(turned) < kEnoughCounts * count) continue;
     double mean = 0;

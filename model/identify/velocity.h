@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "model/identify/stretches.h"
+#include "model/identify/row_ranges.h"
 #include "model/log.h"
 #include "model/parameters.h"
 
@@ -21,10 +21,10 @@ struct Speed {
   double mean, standard_error;  // [rad/s]
   std::size_t rejected;         // outliers
 };
-Speed constant_speed(const Log& log, int joint, const Parameters& robot, const Stretch& stretch);
+Speed constant_speed(const Log& log, int joint, const Parameters& robot, const RowRange& range);
 
-// Throws InputError when the drive's own velocity and theta contradict each other over the stretches: in sign or unit.
+// Throws InputError when the drive's own velocity and theta contradict each other over the ranges: in sign or unit.
 void require_consistent_velocity(const Log& log, int joint, const Parameters& robot,
-                                 const std::vector<Stretch>& stretches);
+                                 const std::vector<RowRange>& ranges);
 
 }  // namespace fjr

@@ -19,7 +19,7 @@
 namespace fjr {
 
 // One bound that a limit makes at every stage of an interval.
-struct LimitBound {
+struct BoundOfLimit {
   std::size_t limit;  // as in PerLimit
   enum Of { kState, kControl, kRow } of;
   int index;
@@ -32,11 +32,11 @@ struct LimitBound {
 // The bounds are functions of the limits of degree two at most (path_bounds()): central differences are exact.
 // scales: limit_scales().
 template <Features F>
-std::vector<LimitBound> limit_bounds(const TightenedLimits& tightened, const PerLimit& scales) {
+std::vector<BoundOfLimit> bounds_of_limits(const TightenedLimits& tightened, const PerLimit& scales) {
   constexpr double kStep = 1.0 / 1024;
   const Limits& limits = tightened.limits;
   const auto at = path_bounds<F>(limits);
-  std::vector<LimitBound> bounds;
+  std::vector<BoundOfLimit> bounds;
   for (std::size_t i = 0; i < kLimits; ++i) {
     const double limit = kLimitNames[i].in(limits);
     if (!std::isfinite(limit)) continue;
@@ -44,7 +44,7 @@ std::vector<LimitBound> limit_bounds(const TightenedLimits& tightened, const Per
     kLimitNames[i].in(less) -= kStep * limit;
     kLimitNames[i].in(more) += kStep * limit;
     const auto low = path_bounds<F>(less), high = path_bounds<F>(more);
-    const auto compare = [&](LimitBound::Of of, bool upper, const auto& value, const auto& below, const auto& above) {
+    const auto compare = [&](BoundOfLimit::Of of, bool upper, const auto& value, const auto& below, const auto& above) {
       for (std::size_t n = 0; n < value.size(); ++n) {
         if (below[n] == above[n]) continue;
         const bool off_zero = kLimitNames[i].quantity->counted_from(limits, kLimitNames[i].j()) != 0;
@@ -52,12 +52,12 @@ std::vector<LimitBound> limit_bounds(const TightenedLimits& tightened, const Per
                           (above[n] - below[n]) / (2 * kStep * limit)});
       }
     };
-    compare(LimitBound::kState, false, at.x_lower, low.x_lower, high.x_lower);
-    compare(LimitBound::kState, true, at.x_upper, low.x_upper, high.x_upper);
-    compare(LimitBound::kControl, false, at.u_lower, low.u_lower, high.u_lower);
-    compare(LimitBound::kControl, true, at.u_upper, low.u_upper, high.u_upper);
-    compare(LimitBound::kRow, false, at.row_lower, low.row_lower, high.row_lower);
-    compare(LimitBound::kRow, true, at.row_upper, low.row_upper, high.row_upper);
+    compare(BoundOfLimit::kState, false, at.x_lower, low.x_lower, high.x_lower);
+    compare(BoundOfLimit::kState, true, at.x_upper, low.x_upper, high.x_upper);
+    compare(BoundOfLimit::kControl, false, at.u_lower, low.u_lower, high.u_lower);
+    compare(BoundOfLimit::kControl, true, at.u_upper, low.u_upper, high.u_upper);
+    compare(BoundOfLimit::kRow, false, at.row_lower, low.row_lower, high.row_lower);
+    compare(BoundOfLimit::kRow, true, at.row_upper, low.row_upper, high.row_upper);
   }
   for (std::size_t r = 0; r < tightened.task_rows.size(); ++r) {
     const std::size_t i = kLimits + r;
@@ -65,7 +65,7 @@ std::vector<LimitBound> limit_bounds(const TightenedLimits& tightened, const Per
     for (const bool upper : {false, true}) {
       const double value = tightened.task_rows[r][upper ? 1 : 0];
       if (std::isfinite(value))
-        bounds.push_back({i, LimitBound::kRow, row, upper, value, scales[i], upper ? 1.0 : -1.0});
+        bounds.push_back({i, BoundOfLimit::kRow, row, upper, value, scales[i], upper ? 1.0 : -1.0});
     }
   }
   return bounds;
@@ -91,14 +91,14 @@ class ShadowPrices {
   std::vector<ShadowPrice> run() {
     const std::vector<double> nodes = t_.mesh().node_times(t_.durations(solution_.x));
     const Eigen::VectorXd& b = t_.scheme().b;
-    std::vector<LimitBound> bounds;
+    std::vector<BoundOfLimit> bounds;
     for (int k = 0; k < t_.intervals(); ++k) {
       const auto at = static_cast<std::size_t>(k);
-      if (k == 0 || !same(tightened_[at], tightened_[at - 1])) bounds = limit_bounds<F>(tightened_[at], scales_);
+      if (k == 0 || !same(tightened_[at], tightened_[at - 1])) bounds = bounds_of_limits<F>(tightened_[at], scales_);
       double time = nodes[at];  // stage j stands for the time that its weight takes
       for (int j = 0; j < t_.scheme().stages(); ++j) {
         const double end = j + 1 == t_.scheme().stages() ? nodes[at + 1] : time + b(j) * (nodes[at + 1] - nodes[at]);
-        for (const LimitBound& bound : bounds) {
+        for (const BoundOfLimit& bound : bounds) {
           if (visit(k, j, bound)) prices_[bound.limit].active.push_back({time, end});
         }
         time = end;
@@ -153,9 +153,9 @@ class ShadowPrices {
   }
 
   // True where the bound is active at stage j; its multiplier is then added to the limit's price, once.
-  bool visit(int k, int j, const LimitBound& bound) {
-    if (bound.of == LimitBound::kState) return variable(t_.x_at(k, j) + bound.index, bound);
-    if (bound.of == LimitBound::kRow) return row(k, j, bound);
+  bool visit(int k, int j, const BoundOfLimit& bound) {
+    if (bound.of == BoundOfLimit::kState) return variable(t_.x_at(k, j) + bound.index, bound);
+    if (bound.of == BoundOfLimit::kRow) return row(k, j, bound);
     bool active = false;
     for (int end = 0; end < 2; ++end) {
       if (t_.scheme().control_fraction(j, end) < 0.5) continue;
@@ -164,7 +164,7 @@ class ShadowPrices {
     return active;
   }
 
-  bool variable(int at, const LimitBound& bound) {
+  bool variable(int at, const BoundOfLimit& bound) {
     if (t_.x_lower(at) == t_.x_upper(at)) return false;  // given
     const double present = bound.upper ? t_.x_upper(at) : t_.x_lower(at);
     if (!active(present, solution_.x(at), bound)) return false;
@@ -174,7 +174,7 @@ class ShadowPrices {
     return true;
   }
 
-  bool row(int k, int j, const LimitBound& bound) {
+  bool row(int k, int j, const BoundOfLimit& bound) {
     int row = t_.path_row(k, j, bound.index);
     const auto segment = [this](int i) { return t_.mesh().intervals[static_cast<std::size_t>(i)].segment; };
     if (row < 0 && j == 0 && k > 0 && t_.scheme().starts_at_node &&
@@ -190,13 +190,13 @@ class ShadowPrices {
   }
 
   // `present`: the bound there is, which may be somebody else's.
-  static bool active(double present, double value, const LimitBound& bound) {
+  static bool active(double present, double value, const BoundOfLimit& bound) {
     return std::abs(present - bound.value) <= 1e-12 * bound.size &&
            std::abs(value - bound.value) <= kActive * bound.size;
   }
 
   // multiplier: -d objective / d bound.
-  void add(const LimitBound& bound, double multiplier) { prices_[bound.limit].price += multiplier * bound.slope; }
+  void add(const BoundOfLimit& bound, double multiplier) { prices_[bound.limit].price += multiplier * bound.slope; }
 
   const T& t_;
   const Iterate& solution_;

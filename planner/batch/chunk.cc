@@ -8,12 +8,11 @@
 #include <cerrno>
 #include <ctime>
 #include <exception>
-#include <fstream>
-#include <iterator>
 #include <system_error>
 #include <utility>
 
 #include "common/atomic_file.h"
+#include "common/read_file.h"
 #include "planner/batch/deflate.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/result_folder.h"
@@ -105,8 +104,7 @@ void pack(const Database& database, const std::string& name, const std::string& 
 
 void pack_folder(const Database& database, const std::string& name, const fs::path& folder) {
   for (const char* file : kResultFiles) {
-    std::ifstream in(folder / file, std::ios::binary);
-    if (in) pack(database, name, file, std::string(std::istreambuf_iterator<char>(in), {}));
+    if (const auto bytes = read_file(folder / file)) pack(database, name, file, *bytes);
   }
 }
 

@@ -145,8 +145,7 @@ void gather(const Manifest& manifest) {
              [&](const std::string& name, const ChunkAnswer* answer) { columns.add(row_of(manifest, name, answer)); });
   }
   const fs::path file = manifest.results_file();
-  const fs::path fresh = file.parent_path() / fmt::format(".{}.{}.tmp", file.filename().string(), ::getpid());
-  fs::remove(fresh);
+  const fs::path fresh = temporary_beside(file);
   try {
     const Database database(fresh, Database::Access::kWrite);
     database.execute("PRAGMA journal_mode = OFF");  // what is not completed is thrown away

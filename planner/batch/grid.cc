@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "common/input_error.h"
+#include "common/rounded.h"
 #include "common/strict_yaml.h"
 
 namespace fjr {
@@ -279,7 +280,7 @@ std::vector<double> equidistant(double from, double to, std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) {
     const double done = static_cast<double>(i) / steps;
     const double value = from * (1 - done) + to * done;
-    const double rounded = std::strtod(fmt::format("{:.{}g}", value, kDigits).c_str(), nullptr);
+    const double rounded = rounded_to(value, kDigits);
     values.push_back(std::abs(value) <= smallest ? 0 : rounded);
   }
   values.front() = from;

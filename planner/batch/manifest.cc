@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <utility>
 
 #include "common/input_error.h"
+#include "common/read_file.h"
 #include "common/sha256.h"
 #include "common/strict_yaml.h"
 #include "planner/batch/grid.h"
@@ -46,14 +46,19 @@ class Robots {
   const std::string& hash_for(const YamlNode& request, const fs::path& folder) {
     const auto robot = request.find("robot");
     const auto [found, fresh] = hashes_.try_emplace(robot ? folder / robot->text() : default_robot_file());
-    if (fresh) {
-      std::ifstream in(found->first, std::ios::binary);
-      found->second = sha256_hex(std::string(std::istreambuf_iterator<char>(in), {}));
-    }
+    if (fresh) found->second = sha256_hex(contents(found->first));
     return found->second;
   }
 
  private:
+  static std::string contents(const fs::path& file) {
+    try {
+      return read_file(file).value_or("");
+    } catch (const std::runtime_error&) {
+      return "";
+    }
+  }
+
   std::map<fs::path, std::string> hashes_;
 };
 

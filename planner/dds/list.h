@@ -1,9 +1,18 @@
 // Sequences of the wire types, as idlc makes them.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <stdexcept>
+#include <string_view>
+#include <type_traits>
+#include <vector>
+
+#include "planner/trajectory/trajectory.h"
 
 namespace fjr::dds {
 
@@ -13,6 +22,27 @@ void point_to(List& list, const T* data, std::size_t size, std::size_t most) {
   if (size > most) throw std::length_error("more than the wire type allows");
   list._length = list._maximum = static_cast<std::uint32_t>(size);
   list._buffer = reinterpret_cast<decltype(list._buffer)>(const_cast<T*>(data));
+}
+
+// The other way: items have the layout of the list's elements.
+template <class List, class Items>
+void copy_list(const List& from, Items& to) {
+  static_assert(sizeof(*from._buffer) == sizeof(to[0]) && std::is_trivially_copyable_v<typename Items::value_type>);
+  to.resize(from._length);
+  if (!to.empty()) std::memcpy(static_cast<void*>(to.data()), from._buffer, to.size() * sizeof(to[0]));
+}
+
+template <class List>
+std::string_view bytes_of(const List& list) {
+  return {reinterpret_cast<const char*>(list._buffer), list._length};
+}
+
+inline bool all_finite(const std::vector<Sample>& rows) {
+  return std::all_of(rows.begin(), rows.end(), [](const Sample& row) {
+    std::array<double, sizeof(Sample) / sizeof(double)> numbers;
+    std::memcpy(numbers.data(), &row, sizeof(Sample));
+    return std::all_of(numbers.begin(), numbers.end(), [](double x) { return std::isfinite(x); });
+  });
 }
 
 }  // namespace fjr::dds

@@ -1,6 +1,6 @@
 #include "planner/dds/wire_reply.h"
 
-#include <cstring>
+#include <cstddef>
 #include <type_traits>
 
 #include "planner/dds/list.h"
@@ -52,11 +52,12 @@ Reply decode(const fjr_msg_PlanReply& message) {
   reply.version = text_of(message.version);
   reply.solve_time = message.solve_time;
   reply.wait_time = message.wait_time;
-  reply.plan_json =
-      printable_lines({reinterpret_cast<const char*>(message.plan_json._buffer), message.plan_json._length});
-  reply.rows.resize(message.rows._length);
-  if (!reply.rows.empty()) {
-    std::memcpy(static_cast<void*>(reply.rows.data()), message.rows._buffer, reply.rows.size() * sizeof(Sample));
+  reply.plan_json = printable_lines(bytes_of(message.plan_json));
+  copy_list(message.rows, reply.rows);
+  if (reply.state == ReplyState::kSolved && (reply.rows.empty() || !all_finite(reply.rows))) {
+    reply.state = ReplyState::kFailed;
+    reply.why = {Reason::kNoTrajectory, "", "the reply says SOLVED, and has no trajectory, or one with a NaN"};
+    reply.rows.clear();
   }
   return reply;
 }

@@ -9,6 +9,8 @@ namespace fjr::dds {
 
 // Points into `reply`, which must outlive the message; nothing is copied.
 fjr_msg_PlanReply encode(const Reply& reply);
+
+// A reply of SOLVED without a trajectory, or with numbers that are not finite, has failed: kNoTrajectory.
 Reply decode(const fjr_msg_PlanReply& message);
 
 fjr_msg_PlanStatus encode(const ProgressReport& report);

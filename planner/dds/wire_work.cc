@@ -1,9 +1,6 @@
 #include "planner/dds/wire_work.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstring>
-#include <string_view>
 
 #include "planner/dds/list.h"
 #include "planner/dds/text.h"
@@ -49,24 +46,6 @@ fjr_msg_HeldLease encode(const HeldLease& held) {
 HeldLease decode(const fjr_msg_HeldLease& message) {
   return {decode(message.lease),
           {text_of(message.stage), static_cast<int>(message.iteration), message.objective, message.violation}};
-}
-
-template <class List, class Items>
-void copy_list(const List& from, Items& to) {
-  to.resize(from._length);
-  if (!to.empty()) std::memcpy(static_cast<void*>(to.data()), from._buffer, to.size() * sizeof(to[0]));
-}
-
-template <class List>
-std::string_view bytes_of(const List& list) {
-  return {reinterpret_cast<const char*>(list._buffer), list._length};
-}
-
-bool all_finite(const std::vector<Sample>& rows) {
-  return std::all_of(rows.begin(), rows.end(), [](const Sample& row) {
-    const double* numbers = reinterpret_cast<const double*>(&row);
-    return std::all_of(numbers, numbers + sizeof(Sample) / sizeof(double), [](double x) { return std::isfinite(x); });
-  });
 }
 
 // Accepted is no end; a solved request has a trajectory, nothing else has.

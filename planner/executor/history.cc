@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <charconv>
-#include <fstream>
+#include <sstream>
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "common/read_file.h"
 #include "common/strict_yaml.h"
 
 namespace fjr {
@@ -50,7 +51,7 @@ std::optional<History::Entry> parse_entry(std::string_view line) {
 }  // namespace
 
 History::History(std::filesystem::path file) : file_(std::move(file)) {
-  std::ifstream in(file_);
+  std::istringstream in(read_file(file_).value_or(""));
   std::string line;
   for (int number = 1; std::getline(in, line) && number <= 1 << 16; ++number) {
     if (line.starts_with(kEpoch) && parse(std::string_view(line).substr(kEpoch.size()), epoch_)) continue;

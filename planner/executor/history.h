@@ -18,7 +18,8 @@ class History {
     std::string sentence;
   };
 
-  // Reads the file if it is there. Throws InputError when it is no such file.
+  // Reads the file if it is there. Throws InputError when it is no such file, std::runtime_error when it cannot be
+  // read.
   explicit History(std::filesystem::path file);
 
   const Entry* find(const RequestId& id) const;

@@ -86,10 +86,15 @@ Row refuse(const Batch& batch, const BatchItem& item, const InputError& error) {
   return make_row(item, plan);
 }
 
-// To what was finished without one.
+// To what was finished without one. A folder of which none can be made costs itself alone.
 void complete_report(const Batch& batch, const BatchItem& item, const Json& plan) {
   const bool wanted = batch.options.settings.report && plan["status"] != name(PlanStatus::kBadInput);
-  if (wanted && !has_report(batch.folder(item))) write_report(batch.folder(item));
+  if (!wanted || has_report(batch.folder(item))) return;
+  try {
+    write_report(batch.folder(item));
+  } catch (const std::exception& error) {
+    say("fjr: {} has no report: {}\n", item.name, error.what());
+  }
 }
 
 // Rows of what an earlier run has finished and of bad requests; returns which items are left to be planned.

@@ -12,9 +12,6 @@
 #include <cerrno>
 #include <cstring>
 #include <system_error>
-#include <utility>
-
-#include "common/spawn.h"
 
 namespace fjr {
 namespace {
@@ -59,36 +56,16 @@ PlanProcess::PlanProcess(std::vector<std::string> arguments)
   const Descriptor nothing = checked(::open("/dev/null", O_RDWR | O_CLOEXEC), "/dev/null");
   const std::vector<std::string> head = {"plan", "--json", "--quiet", "--parent", std::to_string(::getpid())};
   arguments.insert(arguments.begin(), head.begin(), head.end());
-  pid_ = spawn_self(std::move(arguments), nothing.number(), answer_.number(), complaints_.number());
-}
-
-PlanProcess::~PlanProcess() {
-  if (pid_ < 0) return;
-  kill();
-  while (::waitpid(pid_, nullptr, 0) < 0 && errno == EINTR) {
-  }
-}
-
-PlanProcess::PlanProcess(PlanProcess&& other) noexcept
-    : pid_(std::exchange(other.pid_, -1)),
-      answer_(std::move(other.answer_)),
-      complaints_(std::move(other.complaints_)) {}
-
-PlanProcess& PlanProcess::operator=(PlanProcess&& other) noexcept {
-  std::swap(pid_, other.pid_);
-  std::swap(answer_, other.answer_);
-  std::swap(complaints_, other.complaints_);
-  return *this;
+  process_ = spawn_self(std::move(arguments), nothing.number(), answer_.number(), complaints_.number());
 }
 
 std::optional<PlanEnding> PlanProcess::ending() {
-  int status = 0;
-  if (::waitpid(pid_, &status, WNOHANG) != pid_) return std::nullopt;
-  pid_ = -1;
-  return PlanEnding{in_words(status, complaints_.number()), everything_in(answer_.number())};
+  const std::optional<int> status = process_.ended();
+  if (!status) return std::nullopt;
+  return PlanEnding{in_words(*status, complaints_.number()), everything_in(answer_.number())};
 }
 
-void PlanProcess::cancel() const { ::kill(pid_, SIGTERM); }
-void PlanProcess::kill() const { ::kill(pid_, SIGKILL); }
+void PlanProcess::cancel() const { process_.signal(SIGTERM); }
+void PlanProcess::kill() const { process_.signal(SIGKILL); }
 
 }  // namespace fjr

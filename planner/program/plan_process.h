@@ -2,13 +2,12 @@
 // request.
 #pragma once
 
-#include <sys/types.h>
-
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "common/descriptor.h"
+#include "common/spawn.h"
 
 namespace fjr {
 
@@ -19,20 +18,16 @@ struct PlanEnding {
 
 class PlanProcess {
  public:
-  // The words after `fjr plan`. It ends with this process, however that ends.
+  // The words after `fjr plan`. It ends with this object, and with this process, however that ends.
   explicit PlanProcess(std::vector<std::string> arguments);
-  ~PlanProcess();  // kills it
-  PlanProcess(PlanProcess&& other) noexcept;
-  PlanProcess& operator=(PlanProcess&& other) noexcept;
-
   std::optional<PlanEnding> ending();  // none while it runs
 
   void cancel() const;  // it then ends soon, with a plan.json
   void kill() const;
 
  private:
-  pid_t pid_ = -1;  // < 0: has ended
   Descriptor answer_, complaints_;
+  Child process_;
 };
 
 }  // namespace fjr

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
+
+#include "common/rounded.h"
 
 namespace fjr {
 namespace {
@@ -18,7 +19,7 @@ constexpr std::size_t kMostAlong = 100;     // of the intervals: plan.json trave
 // In as many significant digits as mean something.
 Json rounded(double value, int digits = 6) {
   if (!std::isfinite(value)) return nullptr;
-  return std::strtod(fmt::format("{:.{}e}", value, digits - 1).c_str(), nullptr);
+  return rounded_to(value, digits);
 }
 Json time(double value) { return std::round(value * 1e7) / 1e7; }
 Json rounded(const Joints<double>& values) { return Json::array({rounded(values[0]), rounded(values[1])}); }

@@ -11,12 +11,14 @@
 #include <chrono>
 #include <cstdio>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <system_error>
 #include <thread>
+
+#include "common/read_file.h"
 
 namespace fjr {
 namespace {
@@ -42,6 +44,15 @@ fs::path resolved(const fs::path& folder) {
   std::error_code error;
   const fs::path real = fs::canonical(folder, error);
   return error ? fs::path() : real;
+}
+
+// The folder, made again where somebody has removed it since the planning began: what was planned is not lost.
+fs::path existing(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  const fs::path real = resolved(folder);
+  if (real.empty()) throw failure("write to", folder, error ? error.value() : ENOENT);
+  return real;
 }
 
 // The name under which a folder is exchanged: beside it, for an exchange moves both.
@@ -144,18 +155,13 @@ void clear_beside(const fs::path& folder) {
 }
 
 nlohmann::json read_plan_json(const fs::path& folder) {
-  std::ifstream in(folder / "plan.json", std::ios::binary);
-  return in ? nlohmann::json::parse(in, nullptr, false) : nlohmann::json();
+  const std::optional<std::string> text = read_file(folder / "plan.json");
+  return text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
 }
 
 std::string text_at(const nlohmann::json& plan, const char* key) {
   const auto found = plan.is_object() ? plan.find(key) : plan.end();
   return found != plan.end() && found->is_string() ? found->get<std::string>() : "";
-}
-
-std::string contents(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 bool same_results(const fs::path& a, const fs::path& b) {
@@ -164,7 +170,7 @@ bool same_results(const fs::path& a, const fs::path& b) {
     if (text_at(first, key) != text_at(second, key)) return false;
   }
   for (const char* file : {"trajectory.csv", "trajectory.uncertified.csv"}) {
-    if (contents(a / file) != contents(b / file)) return false;
+    if (read_file(a / file) != read_file(b / file)) return false;
   }
   return true;
 }
@@ -197,7 +203,7 @@ FolderLock::FolderLock(const fs::path& folder) {
   complete_moves(real);
 }
 
-NewResults::NewResults(const fs::path& folder) : folder_(resolved(folder)), lock_(folder), stage_(folder_ / kStage) {
+NewResults::NewResults(const fs::path& folder) : folder_(existing(folder)), lock_(folder), stage_(folder_ / kStage) {
   clear_beside(folder_);
   std::error_code error;
   fs::remove_all(stage_, error);

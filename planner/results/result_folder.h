@@ -41,9 +41,10 @@ class FolderLock {
   Descriptor parent_;
 };
 
-// Results on their way into a folder, which exists.
+// Results on their way into a folder.
 class NewResults {
  public:
+  // Makes the folder where it does not exist. Throws std::runtime_error where that cannot be done.
   explicit NewResults(const std::filesystem::path& folder);
   ~NewResults();  // what was not published is removed
   NewResults(const NewResults&) = delete;

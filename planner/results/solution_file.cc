@@ -1,14 +1,13 @@
 #include "planner/results/solution_file.h"
 
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <vector>
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
+#include "common/read_file.h"
 
 namespace fjr {
 namespace {
@@ -134,9 +133,7 @@ Collocated read_solution(const std::filesystem::path& file, const std::string& r
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error) throw InputError(file.string(), "", "cannot be read: " + error.message());
   if (size > kLargest) throw InputError(file.string(), "", "is too large for a solution");
-  std::ifstream in(file, std::ios::binary);
-  const std::string bytes(std::istreambuf_iterator<char>(in), {});
-  return solution_from(bytes, file.string(), robot_hash);
+  return solution_from(read_file(file).value_or(""), file.string(), robot_hash);
 }
 
 }  // namespace fjr

@@ -102,7 +102,9 @@ void ReplyStore::set_aside(const std::string& why) {
   const std::filesystem::path damaged = file_.string() + ".damaged";
   std::error_code ignored;
   std::filesystem::rename(file_, damaged, ignored);
-  for (const char* part : {"-wal", "-shm"}) std::filesystem::remove(file_.string() + part, ignored);
+  for (const char* part : {"-wal", "-shm"}) {  // the newest replies may be in these
+    std::filesystem::rename(file_.string() + part, damaged.string() + part, ignored);
+  }
   spdlog::error("{} is damaged ({}) and set aside as {}: {} replies could be read of it", file_.string(), why,
                 damaged.filename().string(), earlier_.size());
   changes_.clear();

@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <signal.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -39,7 +38,7 @@ Worker::Worker(const WorkerSettings& settings, Listener listener) {
                                     std::to_string(settings.jobs)};
   if (settings.rehearsal > 0) words.insert(words.end(), {"--rehearse", std::to_string(settings.rehearsal)});
   if (!settings.library.empty()) words.insert(words.end(), {"--library", settings.library.string()});
-  pid_ = spawn_self(words, requests.from.number(), results.to.number());
+  process_ = spawn_self(words, requests.from.number(), results.to.number());
   to_worker_ = std::move(requests.to);
   from_worker_ = std::move(results.from);
   listening_ = std::thread([from = from_worker_.number(), tell = std::move(listener)] {
@@ -49,11 +48,8 @@ Worker::Worker(const WorkerSettings& settings, Listener listener) {
 }
 
 Worker::~Worker() {
-  ::kill(pid_, SIGKILL);
+  process_.signal(SIGKILL);
   listening_.join();
-  int status = 0;
-  while (::waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
-  }
 }
 
 bool Worker::solve(const std::string& name, const std::string& yaml) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/descriptor.h"
+#include "common/spawn.h"
 #include "planner/service/frames.h"
 #include "planner/service/repetition_frame.h"
 #include "planner/service/solve_loop.h"
@@ -36,10 +37,10 @@ class Worker {
   // The next repetition of a motion, likewise.
   void find_repetition(RunOfMotion run);
 
-  pid_t pid() const { return pid_; }
+  pid_t pid() const { return process_.pid(); }
 
  private:
-  pid_t pid_ = -1;
+  Child process_;  // begun before all others, and therefore ended whichever of them cannot be had
   Descriptor to_worker_, from_worker_;
   std::thread listening_;
   std::jthread sending_;

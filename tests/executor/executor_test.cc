@@ -722,6 +722,10 @@ TEST(History, SurvivesARestartAndRefusesWhatItIsNot) {
   std::ofstream(file) << "something else\n";
   EXPECT_THROW(History{file}, InputError);
   fs::remove(file);
+  EXPECT_EQ(History(file).epoch(), 0u);
+  fs::create_directory(file);  // opens, and cannot be read: no executor that has run nothing
+  EXPECT_THROW(History{file}, std::runtime_error);
+  fs::remove(file);
 }
 
 }  // namespace

@@ -83,6 +83,14 @@ TEST(NewRobot, SaysWhereEveryValueIsFrom) {
   });
 }
 
+TEST(NewRobot, WhatItIsCalledAddsNothingToTheFile) {
+  const std::string given = "name: \"a\\npayload: {mass: [3, 0]}\"\nsource: 'the \"red\" one, C:\\arms'\n";
+  const NewRobot robot = new_robot(YamlNode::parse(kShort + given, "short.yaml"));
+  const YamlNode root = YamlNode::parse(robot.yaml, "robot.yaml");
+  EXPECT_FALSE(root.find("payload"));
+  EXPECT_EQ(root.at("link").at("mass").at("source").text(), "the \"red\" one, C:\\arms");
+}
+
 TEST(NewRobot, IsRefusedWhereItCannotBe) {
   EXPECT_EQ(refusal(without("gear")), "short.yaml: gear: missing");
   EXPECT_THAT(refusal(kShort + "stifness: [1, 2]\n"), HasSubstr("did you mean stiffness?"));

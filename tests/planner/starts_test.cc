@@ -16,7 +16,7 @@
 #include <thread>
 #include <vector>
 
-#include "common/companion.h"
+#include "common/paired_thread.h"
 #include "common/parallel.h"
 #include "model/dynamics.h"
 #include "planner/plan.h"
@@ -121,10 +121,10 @@ TEST(Threads, HelpWithWhatWasBegunAlone) {
 }
 
 // Whoever does the second piece, both are done when the pair is; also where the other thread has gone to sleep.
-TEST(Companion, DoesItsPieceOfEveryPair) {
+TEST(PairedThread, DoesItsPieceOfEveryPair) {
   constexpr std::size_t kPairs = 3000;
   std::vector<int> done(2 * kPairs, 0);
-  Companion companion;
+  PairedThread paired;
   bool helped = false;
   const auto caller = std::this_thread::get_id();
   for (std::size_t i = 0; i < kPairs; ++i) {
@@ -133,40 +133,40 @@ TEST(Companion, DoesItsPieceOfEveryPair) {
       ++done[2 * i + 1];
       elsewhere = std::this_thread::get_id() != caller;
     };
-    companion.both([&] { ++done[2 * i]; }, other);
+    paired.both([&] { ++done[2 * i]; }, other);
     helped = helped || elsewhere;
     ASSERT_EQ(done[2 * i] + done[2 * i + 1], 2) << "pair " << i;
     if (i % 1000 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   // However busy the machine is: a caller that gives it time has its help.
   for (int ms = 0; ms < 2000 && !helped; ++ms) {
-    companion.both([] { std::this_thread::sleep_for(std::chrono::milliseconds(1)); },
-                   [&] { helped = std::this_thread::get_id() != caller; });
+    paired.both([] { std::this_thread::sleep_for(std::chrono::milliseconds(1)); },
+                [&] { helped = std::this_thread::get_id() != caller; });
   }
   EXPECT_TRUE(helped);
-  EXPECT_GT(companion.end(), 0);
+  EXPECT_GT(paired.end(), 0);
   EXPECT_THAT(done, testing::Each(1));
 }
 
-TEST(Companion, PassesOnWhatEitherPieceThrows) {
+TEST(PairedThread, PassesOnWhatEitherPieceThrows) {
   std::atomic<int> done = 0;
   const auto fails = [] { throw std::runtime_error("no"); };
   const auto counts = [&] { ++done; };
-  Companion companion;
+  PairedThread paired;
   for (int i = 0; i < 100; ++i) {
-    EXPECT_THROW(companion.both(fails, [] {}), std::runtime_error);
-    EXPECT_THROW(companion.both(counts, fails), std::runtime_error);
+    EXPECT_THROW(paired.both(fails, [] {}), std::runtime_error);
+    EXPECT_THROW(paired.both(counts, fails), std::runtime_error);
   }
-  companion.both(counts, counts);
+  paired.both(counts, counts);
   EXPECT_EQ(done, 102);
 }
 
 // Begun and ended as often as solves are: neither may wait for the other forever.
-TEST(Companion, EndsWheneverItIsToldTo) {
+TEST(PairedThread, EndsWheneverItIsToldTo) {
   int done = 0;
   for (int i = 0; i < 300; ++i) {
-    Companion companion;
-    for (int k = 0; k < i % 3; ++k) companion.both([] {}, [&] { ++done; });
+    PairedThread paired;
+    for (int k = 0; k < i % 3; ++k) paired.both([] {}, [&] { ++done; });
     if (i % 50 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(5));  // it sleeps
   }
   EXPECT_EQ(done, 300);

@@ -119,6 +119,14 @@ TEST_F(ResultFolder, ResultsThatAreNotPublishedLeaveNoTrace) {
   EXPECT_EQ(std::distance(fs::directory_iterator(place_), fs::directory_iterator()), 1);
 }
 
+TEST_F(ResultFolder, AFolderThatWasRemovedMeanwhileIsMadeAgain) {
+  fs::remove(out_);
+  replace(out_, "a", "certified");
+  EXPECT_EQ(owner_of(out_), "a");
+  write(place_ / "file", "");
+  EXPECT_THROW(NewResults(place_ / "file" / "out"), std::runtime_error);
+}
+
 TEST_F(ResultFolder, WhatElseIsInTheFolderStays) {
   write(out_ / "notes.txt", "mine");
   write(out_ / "report.html", "of an earlier plan");

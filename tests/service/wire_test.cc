@@ -256,6 +256,20 @@ TEST(Wire, WrongShapesAreRefusedBeforeSending) {
   EXPECT_THROW((void)dds::encode_plan_request(order_of(kShort + vias + "]\n")), InputError);
 }
 
+TEST(Wire, AReplyOfSolvedWithoutATrajectoryHasFailed) {
+  Reply reply;
+  reply.state = ReplyState::kSolved;
+  for (const std::vector<Sample>& rows : {std::vector<Sample>{}, std::vector<Sample>{{.time = kNan}}}) {
+    reply.rows = rows;
+    const Reply received = dds::decode(dds::encode(reply));
+    EXPECT_EQ(received.state, ReplyState::kFailed);
+    EXPECT_EQ(received.why.reason, Reason::kNoTrajectory);
+    EXPECT_TRUE(received.rows.empty());
+  }
+  reply.rows = {Sample{}};
+  EXPECT_EQ(dds::decode(dds::encode(reply)).state, ReplyState::kSolved);
+}
+
 TEST(Wire, ReplyArrivesComplete) {
   Reply reply;
   reply.id.client[3] = 42;

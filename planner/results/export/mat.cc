@@ -1,7 +1,6 @@
 // The one place that knows libmatio.
 #include <fmt/format.h>
 #include <matio.h>
-#include <unistd.h>
 
 #include <array>
 #include <memory>
@@ -10,6 +9,7 @@
 #include <system_error>
 #include <vector>
 
+#include "common/atomic_file.h"
 #include "planner/problem/quantities.h"
 #include "planner/results/export/formats.h"
 
@@ -30,7 +30,7 @@ using Variable = std::unique_ptr<matvar_t, Free>;
 // Removed again unless it was renamed.
 class Beside {
  public:
-  explicit Beside(const fs::path& file) : path_(file.string() + fmt::format(".{}.part", ::getpid())) {}
+  explicit Beside(const fs::path& file) : path_(temporary_beside(file)) {}
   ~Beside() {
     std::error_code ignored;
     fs::remove(path_, ignored);

@@ -8,6 +8,7 @@
 #include <optional>
 #include <string_view>
 
+#include "common/rounded.h"
 #include "model/kinematics.h"
 #include "planner/problem/quantities.h"
 #include "planner/results/report/plan_page_text.h"
@@ -150,7 +151,7 @@ std::vector<Chart> motion_charts(const PlanRecord& record, const std::vector<Rea
   return charts;
 }
 
-double short_number(double value) { return std::stod(fmt::format("{:.6g}", value)); }
+double short_number(double value) { return rounded_to(value, 6); }
 Json pair_json(const Joints<double>& values) { return {values[0], values[1]}; }
 
 // Columns over time, thinned out to what an animation can show.
@@ -163,7 +164,7 @@ Json motion_json(const std::string& name, const std::vector<Sample>& samples) {
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (i % stride != 0 && i + 1 != samples.size()) continue;
     const Sample& s = samples[i];
-    json["time"].push_back(std::stod(fmt::format("{:.9g}", s.time)));
+    json["time"].push_back(rounded_to(s.time, 9));
     for (std::size_t j = 0; j < kJoints; ++j) {
       const std::string joint = std::to_string(j + 1);
       json["q" + joint].push_back(short_number(s.state.q[j]));

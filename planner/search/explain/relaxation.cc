@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "common/rounded.h"
 #include "planner/problem/relaxable.h"
 
 namespace fjr {
@@ -38,11 +39,12 @@ std::string name_of(const std::string& name, int joint) {
 }
 
 double told(double from, double to) {
-  double rounded = std::stod(fmt::format("{:.4g}", to));
+  constexpr int kDigits = 4;
+  double rounded = rounded_to(to, kDigits);
   const double step = std::pow(10, std::floor(std::log10(std::abs(to))) - 3);
   if (to > from && rounded < to) rounded += step;
   if (to < from && rounded > to) rounded -= step;
-  return std::stod(fmt::format("{:.4g}", rounded));
+  return rounded_to(rounded, kDigits);
 }
 
 std::string sentence_of(const Relaxation& r) {

@@ -13,12 +13,12 @@ namespace fjr {
 // The cores that the calling thread may use.
 cpu_set_t allowed_cores();
 
-class Companion {
+class PairedThread {
  public:
-  Companion();  // throws std::system_error where the system allows no more threads
-  ~Companion() { end(); }
-  Companion(const Companion&) = delete;
-  Companion& operator=(const Companion&) = delete;
+  PairedThread();  // throws std::system_error where the system allows no more threads
+  ~PairedThread() { end(); }
+  PairedThread(const PairedThread&) = delete;
+  PairedThread& operator=(const PairedThread&) = delete;
 
   // Does `one` on the caller's thread and `other` on this one, or where it is late on the caller's too, and returns
   // when both are done. Throws what `one` throws, or else what `other` throws. Not to be called by either, nor by two

@@ -1,4 +1,4 @@
-#include "model/identify/stretches.h"
+#include "model/identify/row_ranges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,9 +9,9 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kStretchBlocks = 4;  // of the shortest stretch
-constexpr double kChanged = 5;             // standard deviations between the means of blocks
-constexpr double kStill = 1e-6;            // of a signal's range: what a signal without noise may change
+constexpr std::size_t kRangeBlocks = 4;  // of the shortest range
+constexpr double kChanged = 5;           // standard deviations between the means of blocks
+constexpr double kStill = 1e-6;          // of a signal's range: what a signal without noise may change
 
 double mean(std::span<const double> values) {
   double sum = 0;
@@ -32,19 +32,19 @@ double allowed_change(const Signal& signal, std::size_t block) {
 
 }  // namespace
 
-std::vector<Stretch> commanded_stretches(const std::vector<double>& planned) {
-  std::vector<Stretch> stretches;
+std::vector<RowRange> commanded_ranges(const std::vector<double>& planned) {
+  std::vector<RowRange> ranges;
   for (std::size_t from = 0; from < planned.size();) {
     std::size_t to = from + 1;
     while (to < planned.size() && planned[to] == planned[from]) ++to;
-    if (planned[from] != 0) stretches.push_back({from, to});
+    if (planned[from] != 0) ranges.push_back({from, to});
     from = to;
   }
-  return stretches;
+  return ranges;
 }
 
-std::vector<Stretch> steady_stretches(const std::vector<Signal>& signals, std::size_t shortest) {
-  const std::size_t block = std::max<std::size_t>(shortest / kStretchBlocks, 1), rows = signals.front().values.size();
+std::vector<RowRange> steady_ranges(const std::vector<Signal>& signals, std::size_t shortest) {
+  const std::size_t block = std::max<std::size_t>(shortest / kRangeBlocks, 1), rows = signals.front().values.size();
   std::vector<double> allowed;
   for (const Signal& signal : signals) allowed.push_back(allowed_change(signal, block));
   const auto changed = [&](std::size_t a, std::size_t b) {
@@ -54,14 +54,14 @@ std::vector<Stretch> steady_stretches(const std::vector<Signal>& signals, std::s
     }
     return false;
   };
-  std::vector<Stretch> stretches;
+  std::vector<RowRange> ranges;
   for (std::size_t from = 0; from + block <= rows;) {
     std::size_t to = from + block;
     while (to + block <= rows && !changed(from, to) && !changed(to - block, to)) to += block;
-    if (to - from >= shortest) stretches.push_back({from, to});
+    if (to - from >= shortest) ranges.push_back({from, to});
     from = to;
   }
-  return stretches;
+  return ranges;
 }
 
 }  // namespace fjr

@@ -1,4 +1,4 @@
-#include "common/companion.h"
+#include "common/paired_thread.h"
 
 #include <pthread.h>
 
@@ -30,13 +30,13 @@ cpu_set_t allowed_cores() {
 
 // Linux begins a thread where the one that begins it works, and may leave it waiting there for milliseconds: it is sent
 // to another core, and free to leave that one when it has got there (begin()).
-Companion::Companion() : thread_([this] { run(); }) {
+PairedThread::PairedThread() : thread_([this] { run(); }) {
   cpu_set_t others = cores_;
   CPU_CLR(static_cast<std::size_t>(sched_getcpu()), &others);
   if (CPU_COUNT(&others) > 0) pthread_setaffinity_np(thread_.native_handle(), sizeof others, &others);
 }
 
-void Companion::both(const std::function<void()>& one, const std::function<void()>& other) {
+void PairedThread::both(const std::function<void()>& one, const std::function<void()>& other) {
   other_ = &other;
   thrown_ = nullptr;
   tell(kAsked);
@@ -51,7 +51,7 @@ void Companion::both(const std::function<void()>& one, const std::function<void(
   if (thrown_) std::rethrow_exception(thrown_);
 }
 
-double Companion::end() {
+double PairedThread::end() {
   if (thread_.joinable()) {
     tell(kEnd);
     thread_.join();
@@ -59,17 +59,17 @@ double Companion::end() {
   return seconds_;
 }
 
-void Companion::tell(State state) {
+void PairedThread::tell(State state) {
   state_ = state;
   state_.notify_one();
 }
 
-bool Companion::take_back() {
+bool PairedThread::take_back() {
   int asked = kAsked;
   return state_.compare_exchange_strong(asked, kIdle);
 }
 
-void Companion::wait_until_done() {
+void PairedThread::wait_until_done() {
   for (int i = 0; state_ != kDone; ++i) {
     if (i < kNotThere) {
       rest_a_moment();
@@ -80,7 +80,7 @@ void Companion::wait_until_done() {
   state_ = kIdle;
 }
 
-void Companion::begin() {
+void PairedThread::begin() {
   int asked = kAsked;
   if (!state_.compare_exchange_strong(asked, kBegun)) return;  // taken back
   try {
@@ -91,7 +91,7 @@ void Companion::begin() {
   state_ = kDone;
 }
 
-void Companion::run() {
+void PairedThread::run() {
   const double began = cpu_time();
   bool sent_away = true;
   int moments = 0;

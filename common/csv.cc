@@ -17,6 +17,7 @@ namespace fjr {
 namespace {
 
 constexpr std::size_t kMaxLineLength = 16384;  // characters
+constexpr const char* kRows = "rows";          // said in the header by who writes whole lines
 constexpr const char* kNotMeant = " (another column was named)";
 constexpr std::size_t kMaxOtherLines = 4096;  // comments and blank lines: a file is refused early, not read forever
 
@@ -64,6 +65,7 @@ class Reader {
         read_row(*line);
       }
     }
+    if (ended_ && table_.metadata.contains(kRows)) fail("does not end: the file was cut short");
     if (columns_ == 0) throw InputError(source_, "", "no header: expected a line " + in_quotes(header()));
     const std::size_t rows = table_.values.front().size();
     if (rows < 2) throw InputError(source_, "", fmt::format("{} rows; a {} has at least 2", rows, rules_.kind));
@@ -88,7 +90,8 @@ class Reader {
     if (in_.eof() && length == 0) return std::nullopt;
     ++line_;
     if (in_.fail() && !in_.eof()) fail(fmt::format("longer than {} characters", kMaxLineLength));
-    if (!in_.eof()) --length;  // gcount() counts the end of the line
+    ended_ = in_.eof();
+    if (!ended_) --length;  // gcount() counts the end of the line
     std::string_view line(buffer_.data(), length);
     if (!line.empty() && line.back() == '\r') line.remove_suffix(1);
     if (line_ == 1 && line.starts_with("\xEF\xBB\xBF")) line.remove_prefix(3);  // spreadsheets write this mark
@@ -178,6 +181,7 @@ class Reader {
     return value;
   }
 
+  bool ended_ = false;  // the last line that was read has no end
   std::istream& in_;
   const std::string& source_;
   const CsvRules& rules_;

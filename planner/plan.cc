@@ -32,7 +32,7 @@ double most_work(const Problem& problem, const PlanOptions& options) {
 
 // Only the chain factorisation is known to be safe in several threads: MUMPS is not, HSL's may not be.
 int threads_for(const PlanOptions& options) {
-  if (options.linear_solver != "stage") return 1;
+  if (options.linear_solver != kChainSolver) return 1;
   const auto cores = static_cast<int>(std::thread::hardware_concurrency());
   return options.jobs > 0 ? options.jobs : std::max(1, cores);
 }

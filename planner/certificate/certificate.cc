@@ -60,16 +60,17 @@ class Verdict {
 
   void judge_perturbed(const Perturbed& perturbed) {
     if (!perturbed.completed) return refuse("closed loop from half a count off the start: the integration broke down");
-    const auto judge = [&](const Joints<double>& link, double allowed, const std::string& when) {
+    const Joints<double> off{start_offset(robot_, 0), start_offset(robot_, 1)};
+    const double allowed = 2 * larger(off);  // a whole count of the encoder by which it began farthest off
+    const auto judge = [&](const Joints<double>& link, const std::string& when) {
       if (larger(link) <= allowed) return;
       refuse(
           fmt::format("closed loop from half a count off the start: link {} is up to {:.2e} rad off the plan {}, "
                       "allowed {:.2e} rad",
                       link[0] >= link[1] ? 1 : 2, larger(link), when, allowed));
     };
-    judge(perturbed.link, certificate_.tolerance, fmt::format("({:.6f} s)", perturbed.time_of_max_link));
-    judge(perturbed.after, certificate_.tolerance,
-          "in the second after the end: the robot's feedback holds it no better");
+    judge(perturbed.link, fmt::format("({:.6f} s)", perturbed.time_of_max_link));
+    judge(perturbed.after, "in the second after the end: the robot's feedback holds it no better");
   }
 
   void judge_limits() {

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 
 #include "model/friction.h"
 #include "planner/certificate/thresholds.h"
+#include "planner/problem/problem.h"
 
 namespace fjr {
 namespace {
@@ -55,7 +57,7 @@ class PublishedExtremes {
     if (std::any_of(Quantities::infos.begin(), Quantities::infos.end(), sampled)) {
       samples(comparison_instants(trajectory));
     }
-    if (is_limited(LimitedTorqueRate::info, limits)) torque_rates(0.5 * longest_interval(trajectory));
+    if (is_limited(LimitedTorqueRate::info, limits)) torque_rates();
   }
 
   const Extreme& operator[](std::size_t limit) const { return extremes_[limit]; }
@@ -112,16 +114,16 @@ class PublishedExtremes {
     for (const double time : instants) include_all(plan_.at(time));
   }
 
-  // Over rows at least `apart` [s] apart.
-  void torque_rates(double apart) {
+  void torque_rates() {
+    const std::vector<std::optional<std::size_t>> before = rows_of_torque_rates(rows_);
     for (std::size_t j = 0; j < kJoints; ++j) {
       const FrictionLaw law = FrictionLaw::of(robot_, static_cast<int>(j));
       const auto u = [&](const Sample& row) { return row.torque[j] - law.nonlinear(row.state.dtheta[j]); };
-      for (std::size_t before = 0, k = 1; k < rows_.size(); ++k) {
-        if (rows_[k].time - rows_[before].time < apart) continue;
-        while (rows_[k].time - rows_[before + 1].time >= apart) ++before;
-        include(first_limit_of(LimitedTorqueRate::info) + j,
-                (u(rows_[k]) - u(rows_[before])) / (rows_[k].time - rows_[before].time), rows_[k].time);
+      for (std::size_t k = 1; k < rows_.size(); ++k) {
+        if (!before[k]) continue;
+        const Sample& since = rows_[*before[k]];
+        include(first_limit_of(LimitedTorqueRate::info) + j, (u(rows_[k]) - u(since)) / (rows_[k].time - since.time),
+                rows_[k].time);
       }
     }
   }
@@ -152,6 +154,25 @@ LimitCheck check(const LimitName& name, double limit, double allowed, const Extr
 }
 
 }  // namespace
+
+std::vector<std::optional<std::size_t>> rows_of_torque_rates(const std::vector<Sample>& rows) {
+  std::vector<std::optional<std::size_t>> before(rows.size());
+  std::deque<std::size_t> longest;  // intervals about row k, each shorter than the ones before it
+  const auto length = [&rows](std::size_t i) { return rows[i + 1].time - rows[i].time; };
+  std::size_t next = 0;
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    for (; next + 1 < rows.size() && rows[next].time < rows[k].time + kLongestSamplePeriod; ++next) {
+      while (!longest.empty() && length(longest.back()) <= length(next)) longest.pop_back();
+      longest.push_back(next);
+    }
+    while (rows[longest.front() + 1].time <= rows[k].time - kLongestSamplePeriod) longest.pop_front();
+    const double apart = 0.5 * std::min(length(longest.front()), kLongestSamplePeriod);
+    const auto near = std::partition_point(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(k),
+                                           [&](const Sample& row) { return rows[k].time - row.time >= apart; });
+    if (near != rows.begin()) before[k] = static_cast<std::size_t>(near - rows.begin()) - 1;
+  }
+  return before;
+}
 
 Limits rollout_allowance(const Parameters& p, const Limits& limits) {
   Limits allowed = limits;

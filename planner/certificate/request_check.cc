@@ -50,8 +50,8 @@ struct TaskChecks {
   }
 };
 
-// At the instants that rollouts are compared at, at most 0.25 ms apart: between them an acceleration of 1000 m/s^2
-// makes 8e-6 m, which is what the base margin leaves.
+// At the start and the instants that rollouts are compared at, at most 0.25 ms apart: between them an acceleration of
+// 1000 m/s^2 makes 8e-6 m, which is what the base margin leaves.
 std::vector<TaskCheck> check_task(const Parameters& robot, const Task& task, const std::vector<double>& ends,
                                   const Trajectory& trajectory) {
   if (count_of_rows(task) == 0 || ends.empty()) return {};
@@ -60,7 +60,9 @@ std::vector<TaskCheck> check_task(const Parameters& robot, const Task& task, con
   TaskChecks found(rows.front());  // the same in each segment but for their numbers
   Interpolator plan(trajectory);
   std::size_t segment = 0;
-  for (const double time : comparison_instants(trajectory)) {
+  std::vector<double> instants = comparison_instants(trajectory);
+  instants.insert(instants.begin(), trajectory.start_time());
+  for (const double time : instants) {
     while (segment + 1 < ends.size() && time > ends[segment]) ++segment;
     const auto posture = Posture<double>::of(robot, plan.at(time).state.q);
     for (std::size_t r = 0; r < rows[segment].size(); ++r) {

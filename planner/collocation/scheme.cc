@@ -50,6 +50,15 @@ Scheme radau3() { return collocation("radau3", 5, {(4 - std::sqrt(6.0)) / 10, (4
 
 std::vector<Scheme> all_schemes() { return {trapezoidal(), hermite_simpson(), lobatto4(), radau3()}; }
 
+const std::string& names_of_schemes() {
+  static const std::string names = [] {
+    std::string text;
+    for (const Scheme& s : all_schemes()) text += (text.empty() ? "`" : ", `") + s.name + "`";
+    return text;
+  }();
+  return names;
+}
+
 Scheme find_scheme(std::string_view name) {
   std::string known;
   for (Scheme& s : all_schemes()) {

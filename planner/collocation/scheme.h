@@ -1,4 +1,4 @@
-// Collocation schemes as tables; a new transcription is one list of points here and its name in find_scheme().
+// Collocation schemes as tables; a new one is a function with its list of points, and is named in all_schemes().
 #pragma once
 
 #include <Eigen/Core>
@@ -38,6 +38,8 @@ Scheme lobatto4();         // Lobatto IIIA, 4 points, order 6
 Scheme radau3();           // Radau IIA, 3 points, order 5
 
 std::vector<Scheme> all_schemes();
+// Their names as documents list them: `trapezoidal`, `hermite-simpson`, ...
+const std::string& names_of_schemes();
 // Throws std::invalid_argument listing the known names.
 Scheme find_scheme(std::string_view name);
 

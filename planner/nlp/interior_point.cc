@@ -44,7 +44,7 @@ class InteriorPoint {
  public:
   InteriorPoint(const Nlp& nlp, const Iterate& start, const SolveOptions& options)
       : nlp_(nlp), options_(options), form_(scaled(nlp, start)), system_(analysed(form_)) {
-    const bool monotone = options.barrier_strategy == "monotone";
+    const bool monotone = options.barrier_strategy == BarrierStrategy::kMonotone;
     most_complementarity_ = monotone ? (kSolvedBarrier + 1) * options.final_barrier : 1e-4;
     least_mu_ = std::min(options.tolerance, most_complementarity_) / (kSolvedBarrier + 1);
     // Ipopt would begin with the initial barrier, and lower it by a little at the end where it is the final one.

@@ -184,19 +184,20 @@ class Options {
 };
 
 void configure(Options o, const SolveOptions& options, const std::string& linear_solver) {
+  const bool monotone = options.barrier_strategy == BarrierStrategy::kMonotone;
   o.SetNumericValue("tol", options.tolerance);
   o.SetNumericValue("constr_viol_tol", options.constraint_tolerance);
   o.SetNumericValue("acceptable_constr_viol_tol", 10 * options.constraint_tolerance);  // Ipopt's own default is 1e-2
   o.SetIntegerValue("max_iter", options.max_iterations);
-  o.SetStringValue("linear_solver", linear_solver == "stage" ? "ma27" : linear_solver);
+  o.SetStringValue("linear_solver", linear_solver == kChainSolver ? "ma27" : linear_solver);
   o.SetStringValue("linear_system_scaling", "none");
   // Refine a step only where its residual asks for it (residual_ratio_max): the same iterations, within what rounding
   // does to them, and 5 % fewer instructions for a whole plan. Ipopt's default refines once whatever the residual.
   o.SetIntegerValue("min_refinement_steps", 0);
-  o.SetStringValue("mu_strategy", options.barrier_strategy);
+  o.SetStringValue("mu_strategy", monotone ? "monotone" : "adaptive");
   o.SetNumericValue("mu_init", options.initial_barrier);
   // Ipopt stops lowering mu at min(tol, compl_inf_tol) / (barrier_tol_factor + 1).
-  if (options.barrier_strategy == "monotone") o.SetNumericValue("compl_inf_tol", 11 * options.final_barrier);
+  if (monotone) o.SetNumericValue("compl_inf_tol", 11 * options.final_barrier);
   o.SetIntegerValue("print_level", options.print_level);
   if (o.has("timing_statistics")) o.SetStringValue("timing_statistics", "yes");  // from 3.14 on, not by itself
   o.SetStringValue("sb", "yes");
@@ -278,17 +279,17 @@ SolveReport solve_by_ipopt(const Nlp& nlp, const Iterate& start, const SolveOpti
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
   // A problem of no known structure has no stages to factorise by.
   const std::string linear_solver = nlp.stages == 0 ? "mumps" : options.linear_solver;
-  if (linear_solver == "stage") describe_chain(kkt_structure(nlp), options.both);
+  if (linear_solver == kChainSolver) describe_chain(kkt_structure(nlp), options.both);
   configure(Options(*application), options, linear_solver);
   load(*application, linear_solver);
   application->Initialize("");                          // no options file: a plan depends on its request alone
   Adapter* adapter = new Adapter(nlp, start, options);  // owned by the smart pointer, Ipopt's own reference count
   Ipopt::SmartPtr<Ipopt::TNLP> held = adapter;
   const auto status = application->OptimizeTNLP(held);
-  if (linear_solver == "stage") describe_chain({}, one_after_the_other);
+  if (linear_solver == kChainSolver) describe_chain({}, one_after_the_other);
   adapter->report.status = translate(status);
   SolveCost& cost = adapter->report.cost;
-  cost.linear_algebra = linear_solver == "stage" ? chain_seconds() - chain_before : linear_algebra(*application);
+  cost.linear_algebra = linear_solver == kChainSolver ? chain_seconds() - chain_before : linear_algebra(*application);
   cost.factorisations = factorisations() - factorised;
   cost.total = cpu_since(began);
   return adapter->report;

@@ -8,6 +8,7 @@
 #include <memory>
 
 #include "planner/nlp/chain/ma27.h"
+#include "planner/nlp/solve.h"
 
 namespace fjr {
 namespace {
@@ -34,7 +35,7 @@ const HslSolver* hsl_solver(const std::string& name) {
 
 const std::vector<std::string>& linear_solvers() {
   static const std::vector<std::string> names = [] {
-    std::vector<std::string> all{"stage", "mumps"};
+    std::vector<std::string> all{kChainSolver, "mumps"};
     for (const HslSolver& solver : kHslSolvers) all.emplace_back(solver.name);
     return all;
   }();
@@ -42,7 +43,7 @@ const std::vector<std::string>& linear_solvers() {
 }
 
 std::string library_of(const std::string& linear_solver) {
-  if (linear_solver == "stage") return chain_library();
+  if (linear_solver == kChainSolver) return chain_library();
   if (hsl_solver(linear_solver) == nullptr) return "";
   const char* named = std::getenv("FJR_HSL");
   return named != nullptr && *named != '\0' ? named : "libhsl.so";

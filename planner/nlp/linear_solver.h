@@ -7,7 +7,7 @@
 
 namespace fjr {
 
-// "stage", which is ours, "mumps", and those of the HSL.
+// kChainSolver, which is ours, "mumps", and those of the HSL.
 const std::vector<std::string>& linear_solvers();
 
 // The library that Ipopt is to load for it: for the HSL's the file that the environment variable FJR_HSL names, or else

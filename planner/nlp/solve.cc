@@ -33,7 +33,7 @@ namespace {
 
 // Our method, if it is asked for and its linear solver is; where it breaks down, Ipopt.
 SolveReport solve_by_either(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
-  const bool own = options.optimiser == Optimiser::kOwn && options.linear_solver == "stage";
+  const bool own = options.optimiser == Optimiser::kOwn && options.linear_solver == kChainSolver;
   if (!own) return solve_by_ipopt(nlp, start, options);
   SolveReport first = solve_by_interior_point(nlp, start, options);
   if (!broke_down(first.status)) return first;

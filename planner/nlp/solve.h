@@ -31,6 +31,11 @@ enum class Optimiser {
   kOwn,  // our interior-point method (interior_point.h), and where that fails Ipopt from the same start
 };
 
+enum class BarrierStrategy { kAdaptive, kMonotone };
+
+// The name of our linear solver, the chain factorisation, as it is asked for.
+inline constexpr const char* kChainSolver = "stage";
+
 struct IterationInfo {
   int iteration;
   double objective, violation;
@@ -44,8 +49,8 @@ struct SolveOptions {
   double initial_barrier = 0.1;  // mu; small for warm starts
   double final_barrier = 1e-9;   // with the monotone strategy; the objective is worse by about mu times the bounds
   bool warm_start = false;       // start from the given multipliers and do not push the point off its bounds
-  std::string barrier_strategy = "adaptive";  // or "monotone"
-  std::string linear_solver = "stage";        // one of linear_solvers(), linear_solver.h
+  BarrierStrategy barrier_strategy = BarrierStrategy::kAdaptive;
+  std::string linear_solver = kChainSolver;  // one of linear_solvers(), linear_solver.h
   Optimiser optimiser = Optimiser::kIpopt;
   int print_level = 0;
   // Called after every iteration; return false to stop.
@@ -71,7 +76,8 @@ struct SolveReport {
   bool solved() const { return status == SolveStatus::kOptimal || status == SolveStatus::kAcceptable; }
 };
 
-// Not thread-safe: Debian's MUMPS is not.
+// start: n variables, m multipliers of constraints, n of lower and of upper bounds, as nlp has them. With kChainSolver
+// it may be called by several threads at a time; with MUMPS, as Debian builds it, and with the HSL's by one.
 SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options);
 
 // Work of so many iterations, with so many multiplications in factorisations and their solves (SolveReport::work).

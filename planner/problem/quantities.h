@@ -10,6 +10,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 #include <string_view>
 
 #include "model/dynamics.h"
@@ -263,11 +264,19 @@ inline Limits Limits::all(double value) noexcept {
   return limits;
 }
 
-// The index of a quantity's first limit.
+// Whether they are of one quantity, which its name tells: with sanitizers addresses are no constants.
+constexpr bool same_quantity(const QuantityInfo& a, const QuantityInfo& b) {
+  return std::string_view(a.name) == b.name;
+}
+
+// The index of a quantity's first limit. The quantity is of the list.
 constexpr std::size_t first_limit_of(const QuantityInfo& quantity) {
-  std::size_t i = 0;
-  while (kLimitNames[i].quantity != &quantity) ++i;
-  return i;
+  std::size_t first = 0;
+  for (const QuantityInfo& other : Quantities::infos) {
+    if (same_quantity(other, quantity)) return first;
+    first += other.count();
+  }
+  throw std::logic_error("a quantity that is not of the list");
 }
 
 // The limit called `name` ("torque", ...) of a joint (1 or 2; 0 for the tip); null if there is none of that name.

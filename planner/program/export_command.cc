@@ -15,6 +15,7 @@
 #include "planner/program/number_checks.h"
 #include "planner/results/export/formats.h"
 #include "planner/results/result_folder.h"
+#include "planner/results/strict_json.h"
 
 namespace fjr {
 namespace {
@@ -85,7 +86,8 @@ int run(const ExportArguments& options) {
     exported.log = read_log(options.input);
   }
   if (!options.joint_names.empty()) exported.joint_names = {options.joint_names[0], options.joint_names[1]};
-  write(options, exported, file);
+  const auto write_it = [&] { write(options, exported, file); };
+  plan ? reading(plan->source, write_it) : write_it();
   fmt::print("{}\n", file.string());
   return 0;
 }

@@ -39,7 +39,7 @@ struct LearnArguments {
 struct ExecutedPlan {
   PlanRecord record;
   Limits limits;
-  PlannedTask task;
+  PlannedMotion task;
 };
 
 ExecutedPlan executed_plan(const std::string& folder) {
@@ -49,7 +49,7 @@ ExecutedPlan executed_plan(const std::string& folder) {
     throw InputError(folder, "", "holds no certified trajectory: there is no motion that could be repeated");
   }
   plan.limits = limits_of(plan.record.robot, planned_with(plan.record.trajectory->metadata, folder));
-  plan.task = planned_task(folder);
+  plan.task = planned_motion(folder);
   return plan;
 }
 

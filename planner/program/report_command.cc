@@ -16,6 +16,7 @@
 #include "planner/results/report/plan_files.h"
 #include "planner/results/report/plan_record.h"
 #include "planner/results/result_folder.h"
+#include "planner/results/strict_json.h"
 
 namespace fjr {
 namespace {
@@ -51,7 +52,8 @@ fs::path report_on_two(const ReportArguments& options) {
   if (fs::equivalent(first, second, error)) throw InputError(options.folders[1], "", "is the same folder twice");
   const fs::path file = options.out.empty() ? first / "compared.html" : fs::path(options.out);
   check_report_to_write(file);
-  write_file(file, both_plans_page(plan_in(first), plan_in(second)));
+  const PlanRecord one = plan_in(first), other = plan_in(second);
+  write_file(file, reading(one.source + ", " + other.source, [&] { return both_plans_page(one, other); }));
   return file;
 }
 

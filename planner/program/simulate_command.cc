@@ -13,6 +13,7 @@
 #include "model/encoder.h"
 #include "model/log.h"
 #include "planner/certificate/certificate.h"
+#include "planner/certificate/consistency.h"
 #include "planner/certificate/run_figures.h"
 #include "planner/certificate/simulation.h"
 #include "planner/program/commands.h"
@@ -59,6 +60,9 @@ Parameters robot_in(const std::string& file) {
 
 SimulatedRun simulated(const SimulateArguments& options) {
   SimulatedRun run{robot_in(options.robot), read_csv(options.trajectory), 0, {}, {}};
+  if (const std::string fault = malformed(run.trajectory); !fault.empty()) {
+    throw InputError(options.trajectory, "", fault);
+  }
   const PlannedWith header = planned_with(run.trajectory.metadata, options.trajectory);
   if (run.robot.payload == Payload{} && header.payload) run.robot.payload = *header.payload;
   Parameters arm = options.true_robot.empty() ? run.robot : robot_in(options.true_robot);

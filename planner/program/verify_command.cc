@@ -78,8 +78,7 @@ std::string text_for_people(const VerifyArguments& options, const Trajectory& tr
 VerifyOptions verify_options(const VerifyArguments& options) {
   VerifyOptions o{payload_given(options), options.proven};
   if (options.robust > 0) o.robust = options.robust;
-  const bool has_plan = std::filesystem::exists(std::filesystem::path(options.trajectory) / "plan.json");
-  if (has_plan) o.planned = planned_task(options.trajectory);
+  if (std::filesystem::is_directory(options.trajectory)) o.planned = planned_motion(options.trajectory);
   return o;
 }
 

@@ -11,6 +11,7 @@
 
 #include "common/key.h"
 #include "common/strict_yaml.h"
+#include "planner/collocation/scheme.h"
 #include "planner/problem/task/task.h"
 #include "planner/request/request.h"
 
@@ -90,7 +91,7 @@ void visit(R& r, Visit&& v) {
         "up to 10 kg and 1 kg m^2"},
     r.payload);
   v(Key{"method", "", "collocation scheme ([what each is good for](performance.md#collocation-schemes))",
-        "`hermite-simpson`", "`trapezoidal`, `hermite-simpson`, `lobatto4`, `radau3`"},
+        "`hermite-simpson`", names_of_schemes().c_str()},
     r.method);
   v(Key{"search", "", "how many minima are looked for ([what each costs](performance.md#quick-and-thorough-searches))",
         "`default`", "`quick`, `default`, `thorough`"},

@@ -259,6 +259,7 @@ Json goal_json(const Goal& goal) {
           {"dq", numbers(goal.dq)},
           {"theta", numbers_or_null(goal.theta)},
           {"dtheta", numbers_or_null(goal.dtheta)},
+          {"dq_free", goal.dq_free},
           {"at_rest", goal.at_rest}};
 }
 
@@ -267,7 +268,8 @@ Json via_json(const std::vector<Via>& vias) {
   for (const Via& via : vias) {
     list.push_back({{"time", via.time ? number(*via.time) : Json(nullptr)},
                     {"q", numbers(via.q)},
-                    {"dq", numbers_or_null(via.dq)}});
+                    {"dq", numbers_or_null(via.dq)},
+                    {"tolerance", via.tolerance}});
   }
   return list;
 }

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "common/parallel.h"
+#include "common/strict_yaml.h"
 #include "planner/certificate/proof/prove.h"
 #include "planner/certificate/request_check.h"
 #include "planner/certificate/residual.h"
@@ -15,6 +16,7 @@
 #include "planner/request/request.h"
 #include "planner/request/request_keys.h"
 #include "planner/results/plan_json.h"
+#include "planner/results/strict_json.h"
 
 namespace fjr {
 namespace {
@@ -55,8 +57,11 @@ void compare_robots(const Trajectory& trajectory, Verification& v) {
                                          planned_for->second, hash, v.header.payload ? "" : " or payload"));
 }
 
-// Rows beside the plan.json of another request, whose task is not what they were planned for.
-void compare_requests(const Trajectory& trajectory, const PlannedTask& planned, Verification& v) {
+// Rows beside the plan.json of another request, whose task is not what they were planned for, or of no certified plan.
+void compare_requests(const Trajectory& trajectory, const PlannedMotion& planned, Verification& v) {
+  if (!planned.status.empty() && planned.status != name(PlanStatus::kCertified) && planned.status != "learnt") {
+    v.contradictions.push_back(fmt::format("plan.json says that the plan is {}", shown(planned.status)));
+  }
   const auto hash = trajectory.metadata.find("request_hash");
   if (planned.request_hash.empty() || hash == trajectory.metadata.end() || hash->second == planned.request_hash) return;
   v.contradictions.push_back(
@@ -88,9 +93,58 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& tas
 
 namespace {
 
-PlannedTask task_of(const YamlNode& plan) {
-  PlannedTask planned{read_task(plan.at("resolved_request").at("task")), {}};
-  if (const auto hash = plan.find("request_hash")) planned.request_hash = hash->text();
+using Json = nlohmann::ordered_json;
+
+std::optional<Joints<double>> pair_or_null(const YamlNode& map, const char* key, const char* unit) {
+  const auto found = map.find(key);
+  return found && !found->is_null() ? std::optional(found->pair(unit)) : std::nullopt;
+}
+
+State<double> read_state(const YamlNode& state) {
+  return {state.at("q").pair("rad"), state.at("dq").pair("rad/s"), state.at("theta").pair("rad"),
+          state.at("dtheta").pair("rad/s")};
+}
+
+Goal read_goal(const YamlNode& node) {
+  Goal goal;
+  const std::vector<YamlNode> q = node.at("q").items();
+  if (q.size() != kJoints) node.at("q").fail("must be a list of two angles or null");
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    goal.free[j] = q[j].is_null();
+    if (!goal.free[j]) goal.q[j] = q[j].number("rad");
+  }
+  goal.at_rest = node.at("at_rest").truth();
+  const auto dq_free = node.find("dq_free");
+  goal.dq_free = dq_free ? dq_free->truth() : !goal.at_rest;
+  goal.dq = node.at("dq").pair("rad/s");
+  goal.theta = pair_or_null(node, "theta", "rad");
+  goal.dtheta = pair_or_null(node, "dtheta", "rad/s");
+  return goal;
+}
+
+// tolerance: where plan.json does not say it, as that of earlier versions does not. [rad]
+Via read_via(const YamlNode& node, double tolerance) {
+  Via via;
+  via.tolerance = tolerance;
+  if (const YamlNode time = node.at("time"); !time.is_null()) via.time = time.number("s");
+  via.q = node.at("q").pair("rad");
+  via.dq = pair_or_null(node, "dq", "rad/s");
+  if (const auto said = node.find("tolerance")) via.tolerance = said->number("rad");
+  return via;
+}
+
+void read_limits(const YamlNode& given, Limits& limits) {
+  for (const LimitName& name : kLimitNames) {
+    const auto found = given.find(name.quantity->name);
+    if (!found) continue;
+    const bool of_joints = name.joint > 0;
+    if (of_joints && (!found->is_list() || found->items().size() != kJoints)) found->fail("must be a list of two");
+    const YamlNode value = of_joints ? found->items()[name.j()] : *found;
+    if (!value.is_null()) name.in(limits) = value.number(name.quantity->unit);
+  }
+}
+
+void read_ends(const YamlNode& plan, PlannedMotion& planned) {
   const auto add_end = [&](const YamlNode& time) {
     const double end = time.number("s"), before = planned.ends.empty() ? 0 : planned.ends.back();
     if (!(end > before)) time.fail(fmt::format("{} s is not later than {} s, where the segment begins", end, before));
@@ -99,20 +153,92 @@ PlannedTask task_of(const YamlNode& plan) {
   const YamlNode via_times = plan.at("via_times");
   for (const YamlNode& time : via_times.items()) add_end(time);
   add_end(plan.at("duration"));
-  const std::optional<JointPath>& path = planned.task.path;
-  if (path && path->corners.size() != planned.ends.size() + 1) {
-    via_times.fail(fmt::format("has {} times, but there are {} corners of the path", via_times.items().size(),
-                               path->corners.size()));
+  const auto ask = [&](std::size_t segments, const char* of_what) {
+    if (segments == planned.ends.size()) return;
+    via_times.fail(fmt::format("has {} times, but {} has {} segments", planned.ends.size() - 1, of_what, segments));
+  };
+  if (const std::optional<JointPath>& path = planned.task.path) ask(path->corners.size() - 1, "the path");
+  if (!planned.via.empty()) ask(planned.via.size() + 1, "the way through the via points");
+}
+
+PlannedMotion read_motion(const YamlNode& plan) {
+  const YamlNode request = plan.at("resolved_request");
+  PlannedMotion planned{read_task(request.at("task")), {}};
+  if (const auto limits = request.find("limits")) read_limits(*limits, planned.limits);
+  if (const auto start = request.find("start")) planned.start = read_state(*start);
+  if (const auto goal = request.find("goal")) planned.goals.push_back(read_goal(*goal));
+  if (const auto others = request.find("other_goals")) {
+    for (const YamlNode& goal : others->items()) planned.goals.push_back(read_goal(goal));
   }
+  if (const auto duration = request.find("duration")) {
+    planned.duration = {duration->at("min").number("s"), duration->at("max").number("s")};
+  }
+  if (const auto vias = request.find("via")) {
+    const double tolerance = planned.task.path ? planned.task.path->tolerance : 0;
+    for (const YamlNode& via : vias->items()) planned.via.push_back(read_via(via, tolerance));
+  }
+  if (const auto hash = plan.find("request_hash")) planned.request_hash = hash->text();
+  if (const auto status = plan.find("status")) planned.status = status->text();
+  read_ends(plan, planned);
   return planned;
+}
+
+// Strictly, but for what the motion does not depend on: that may be longer than any request.
+PlannedMotion read_motion(const Json& plan, const std::string& source) {
+  Json relevant = Json::object();
+  for (const char* key : {"status", "request_hash", "resolved_request", "via_times", "duration"}) {
+    if (plan.is_object() && plan.contains(key)) relevant[key] = plan[key];
+  }
+  return read_motion(YamlNode::parse(json_text(relevant), source));
+}
+
+// The goal that the motion comes nearest to, of those that will do.
+const Goal& nearest_goal(const std::vector<Goal>& goals, const Joints<double>& q) {
+  const auto away = [&q](const Goal& goal) {
+    double most = 0;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      if (!goal.free[j]) most = std::max(most, std::abs(goal.q[j] - q[j]));
+    }
+    return most;
+  };
+  return *std::min_element(goals.begin(), goals.end(), [&](const Goal& a, const Goal& b) { return away(a) < away(b); });
+}
+
+void check_against_planned(const PlannedMotion& planned, const Trajectory& trajectory, Verification& v) {
+  if (!planned.start || planned.goals.empty()) {
+    return check_against_task(v.robot, planned.task, planned.ends, trajectory, v.certificate);
+  }
+  Problem asked;
+  asked.robot = v.robot;
+  asked.start = *planned.start;
+  asked.goal = nearest_goal(planned.goals, trajectory.samples.back().state.q);
+  asked.duration = planned.duration;
+  asked.via = planned.via;
+  asked.task = planned.task;
+  check_against_request(asked, planned.ends, trajectory, v.certificate);
+}
+
+// The limits of plan.json hold too, whether or not the file's header has them.
+void tighten_as_planned(const PlannedMotion& planned, Verification& v) {
+  for (const LimitName& name : kLimitNames) {
+    const double asked = name.in(planned.limits);
+    double& limit = name.in(v.limits);
+    if (!(asked < limit)) continue;
+    v.contradictions.push_back(
+        fmt::format("the file does not say that {}{} was limited to {} {}, as plan.json does", name.quantity->name,
+                    name.joint == 0 ? "" : fmt::format(" of joint {}", name.joint), asked, name.quantity->unit));
+    limit = asked;
+  }
 }
 
 }  // namespace
 
-PlannedTask planned_task(const std::filesystem::path& folder) { return task_of(YamlNode::load(folder / "plan.json")); }
+PlannedMotion planned_motion(const std::filesystem::path& folder) {
+  return read_motion(load_plan_json(folder), (folder / "plan.json").string());
+}
 
-PlannedTask planned_task_in(const std::string& plan_json, const std::string& source) {
-  return task_of(YamlNode::parse(plan_json, source));
+PlannedMotion planned_motion_in(const std::string& plan_json, const std::string& source) {
+  return read_motion(parse_json(plan_json, source), source);
 }
 
 Verification verify(const Trajectory& trajectory, const std::string& source, const Parameters& robot,
@@ -121,10 +247,11 @@ Verification verify(const Trajectory& trajectory, const std::string& source, con
   settle_payload(options.payload, v);
   v.limits = Limits::of(v.robot);
   tighten(v);
+  tighten_as_planned(options.planned, v);
   compare_robots(trajectory, v);
   compare_requests(trajectory, options.planned, v);
   v.certificate = certify(v.robot, v.limits, trajectory);
-  check_against_task(v.robot, options.planned.task, options.planned.ends, trajectory, v.certificate);
+  check_against_planned(options.planned, trajectory, v);
   const TaskOfMotion task = TaskOfMotion::of(v.robot, options.planned.task, options.planned.ends);
   if (options.proven) demand_proof(v.robot, v.limits, task, trajectory, v.certificate, on_all_cores);
   if (options.robust) {

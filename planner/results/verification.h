@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planner/certificate/certificate.h"
+#include "planner/problem/problem.h"
 #include "planner/results/planned_with.h"
 
 namespace fjr {
@@ -21,18 +22,23 @@ struct Verification {
   std::optional<bool> complete;  // all rows are there that the file says that it had; none: it does not say
 };
 
-// What the request of a plan asks of the motion beside limits, and when the motion's segments end [s].
-struct PlannedTask {
+// What plan.json says that the motion was asked for.
+struct PlannedMotion {
   Task task;
-  std::vector<double> ends;
-  std::string request_hash{};  // empty: not said
+  std::vector<double> ends;               // [s] of the motion's segments
+  Limits limits = Limits::all(kNoLimit);  // the robot's, or tighter
+  std::optional<State<double>> start{};   // none: not said
+  std::vector<Goal> goals{};              // any of them will do; empty: not said
+  Duration duration{0, kNoLimit};         // [s]
+  std::vector<Via> via{};
+  std::string request_hash{}, status{};  // empty: not said
 };
 
 // From the plan.json in the folder of a plan. Throws InputError where there is none, or none of a motion, or where its
 // via_times are no times between the motion's segments.
-PlannedTask planned_task(const std::filesystem::path& folder);
+PlannedMotion planned_motion(const std::filesystem::path& folder);
 // The same from its text. source: what it is called in messages.
-PlannedTask planned_task_in(const std::string& plan_json, const std::string& source);
+PlannedMotion planned_motion_in(const std::string& plan_json, const std::string& source);
 
 struct VerifyOptions {
   std::optional<Payload> payload;  // none: the robot's, or else the file's
@@ -40,7 +46,7 @@ struct VerifyOptions {
   // Certified only if this fraction of the arms that the robot's uncertainty leaves possible keeps everything
   // (planner/certificate/robust), on all cores.
   std::optional<double> robust{};
-  PlannedTask planned{};  // empty where it is not known
+  PlannedMotion planned{};  // empty where it is not known
 };
 
 // source: what it is called in messages. Throws InputError for what the file's header says in another form than

@@ -402,9 +402,9 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
       const double margin = setup.margins.empty() ? 0 : setup.margins[k][i];
       const double fraction = (excess[k][i] + margin) / scales[i];  // zero without a limit
       if (fraction <= worth) continue;
-      const std::size_t j = i - first_limit_of(Torque::info);
-      if (j < kJoints && fraction > kExcessWorthSplitting) {
-        if (const auto reversal = reversal_in(solution_.motion, k, j)) {
+      const bool of_torque = i < kLimits && same_quantity(*kLimitNames[i].quantity, Torque::info);
+      if (of_torque && fraction > kExcessWorthSplitting) {
+        if (const auto reversal = reversal_in(solution_.motion, k, kLimitNames[i].j())) {
           steps[k].push_back(*reversal);
           continue;
         }
@@ -460,7 +460,7 @@ SolveOptions Continuation::warm(const std::string& what) {
   SolveOptions o = options(what);
   o.warm_start = true;
   o.optimiser = has_reward(problem_->weights) ? Optimiser::kIpopt : Optimiser::kOwn;
-  o.barrier_strategy = "monotone";
+  o.barrier_strategy = BarrierStrategy::kMonotone;
   o.initial_barrier = o.final_barrier = kWarmBarrier;
   return o;
 }
@@ -486,12 +486,12 @@ bool Continuation::attempt_anew(const std::string& what, const CollocationSetup&
   return solved;
 }
 
-bool Continuation::split_intervals(const std::vector<double>& errors) {
+ChangeOutcome Continuation::split_intervals(const std::vector<double>& errors) {
   if (errors.size() != solution_.setup.mesh.size()) throw std::logic_error("errors of another mesh");
   const CollocationSetup setup = refined(solution_.setup, errors, std::min(mesh_tolerance(), bulk_of(errors)));
-  if (setup.mesh.size() == solution_.setup.mesh.size()) return false;
+  if (setup.mesh.size() == solution_.setup.mesh.size()) return ChangeOutcome::kNotNeeded;
   const std::string what = fmt::format("{}, {} intervals", label_, setup.mesh.size());
-  return attempt_or_forget(what, setup, warm(what));
+  return attempt_or_forget(what, setup, warm(what)) ? ChangeOutcome::kSolved : ChangeOutcome::kFailed;
 }
 
 SolveOptions Continuation::loosely(const std::string& what) {
@@ -555,7 +555,7 @@ bool Continuation::tighten() {
   return status_ != SolveStatus::kStopped;
 }
 
-bool Continuation::keep_margins(const std::vector<LimitCheck>& checks) {
+ChangeOutcome Continuation::keep_margins(const std::vector<LimitCheck>& checks) {
   std::vector<PerLimit> more(solution_.setup.mesh.size(), PerLimit(limit_scales(*problem_).size(), 0.0));
   for (const LimitCheck& check : checks) {
     const double limit = check.limit * (1 - kBaseMargin);
@@ -566,13 +566,15 @@ bool Continuation::keep_margins(const std::vector<LimitCheck>& checks) {
     }
   }
   CollocationSetup setup = solution_.setup;
-  if (!widen(setup.margins, more, *problem_)) return false;
+  if (!widen(setup.margins, more, *problem_)) return ChangeOutcome::kNotNeeded;
   const std::string what = fmt::format("{}, margins from the certificate", label_);
-  return attempt(what, setup, nullptr, warm(what)) && tighten();
+  if (!attempt(what, setup, nullptr, warm(what))) return ChangeOutcome::kFailed;
+  tighten();
+  return ChangeOutcome::kSolved;
 }
 
-bool Continuation::creep() {
-  bool any = false;
+ChangeOutcome Continuation::creep() {
+  ChangeOutcome done = ChangeOutcome::kNotNeeded;
   for (int round = 0; round < kCreepRounds; ++round) {  // what is kept out of one interval may settle in the next
     CollocationSetup setup = solution_.setup;
     const std::vector<Joints<double>> wanted = creep_through_rests(*problem_, solution_.motion);
@@ -585,12 +587,13 @@ bool Continuation::creep() {
         more = true;
       }
     }
-    if (!more) return any;
+    if (!more) return done;
     const std::string what = fmt::format("{}, no unstable rest", label_);
-    if (!attempt(what, setup, nullptr, warm(what))) return false;
-    any = true;
+    if (!attempt(what, setup, nullptr, warm(what)))
+      return done == ChangeOutcome::kSolved ? done : ChangeOutcome::kFailed;
+    done = ChangeOutcome::kSolved;
   }
-  return any;
+  return done;
 }
 
 bool Continuation::adopt(const Collocated& other, double duration) {

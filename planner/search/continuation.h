@@ -27,6 +27,13 @@ enum class StartOutcome {
   kNew,
 };
 
+// What became of a change to a problem that was to be solved again.
+enum class ChangeOutcome {
+  kNotNeeded,  // there was nothing to change
+  kSolved,     // the solution is that of the changed problem
+  kFailed      // no solution of it was found: the last one stays
+};
+
 class Continuation {
  public:
   // label: of this start, for progress and stages. The session outlives it.
@@ -45,8 +52,8 @@ class Continuation {
   // friction law. False when there is no solution that way.
   bool adopt(const Collocated& other, double duration);
 
-  // From there one step of the homotopy nearer to the exact friction law, not yet minding the mesh. False when that was
-  // the last, or could not be taken: then the best solution so far is what there is.
+  // From there one step of the homotopy nearer to the exact friction law, not yet minding the mesh. Returns whether
+  // further steps can follow it; after the last one, or one that failed, the best solution so far is the result.
   bool take_step();
 
   // From the best solution of the steps so far to the exact problem, on a mesh and with margins that suit it. False
@@ -59,22 +66,19 @@ class Continuation {
   bool refine();
 
   // Splits the intervals of solution() whose given errors [rad] exceed the mesh tolerance or make most of their sum, or
-  // whose limits are exceeded by much, and solves again. False when there was nothing to split or no solution; the last
-  // solution stays.
-  bool split_intervals(const std::vector<double>& errors);
+  // whose limits are exceeded by much, and solves again.
+  ChangeOutcome split_intervals(const std::vector<double>& errors);
 
   // Solves again with finer intervals and margins until the mesh is good enough and every limit holds between the
   // collocation points too. False when no usable solution is left.
   bool tighten();
 
   // The same where a certificate found limits of the published rows exceeded: interpolation between rows can do what
-  // the collocation polynomial does not. (What exceeds them in a rollout only is not exact enough.) False when there
-  // was nothing to do, or no solution.
-  bool keep_margins(const std::vector<LimitCheck>& checks);
+  // the collocation polynomial does not. (What exceeds them in a rollout only is not exact enough.)
+  ChangeOutcome keep_margins(const std::vector<LimitCheck>& checks);
 
-  // Solves again with motors kept from resting where they cannot (creep.h). False when there was nothing to do, or no
-  // solution.
-  bool creep();
+  // Solves again with motors kept from resting where they cannot (creep.h).
+  ChangeOutcome creep();
 
   // From here on it is counted and stopped by this session, which outlives it.
   void go_on_in(Session& session) { session_ = &session; }

@@ -82,9 +82,10 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
     const int solutions = c.solutions();
     // A limit that only the rows exceed wants a margin; a rest where the arm cannot rest, motion; the rest, accuracy,
     // of the solution and of the rows.
-    const bool other_motion = c.keep_margins(refused.certificate.limits) || c.creep();
+    const bool other_motion =
+        c.keep_margins(refused.certificate.limits) == ChangeOutcome::kSolved || c.creep() == ChangeOutcome::kSolved;
     if (session.interrupted()) break;
-    if (!other_motion && c.solutions() == solutions) {  // whose intervals the errors are of
+    if (!other_motion) {  // the errors are of the intervals of this one
       c.split_intervals(rollout_errors(asked.robot, refused.solution, refused.trajectory));
       row_error *= kFinerRows;
     }

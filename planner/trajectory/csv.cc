@@ -57,6 +57,7 @@ Trajectory parse_csv(std::istream& in, const std::string& source) {
 Trajectory read_csv(const std::filesystem::path& file) {
   std::error_code error;
   const auto status = std::filesystem::status(file, error);
+  if (error && std::filesystem::exists(status)) throw InputError(file.string(), "", error.message());
   if (!std::filesystem::exists(status)) throw InputError(file.string(), "", "no such file");
   if (std::filesystem::is_directory(status)) throw InputError(file.string(), "", "is a folder, not a trajectory file");
   std::ifstream in(file, std::ios::binary);

@@ -46,7 +46,7 @@ const char* const kInABox =
 SolveOptions to_the_end() {
   SolveOptions o;
   o.tolerance = 1e-9;
-  o.barrier_strategy = "monotone";
+  o.barrier_strategy = BarrierStrategy::kMonotone;
   o.final_barrier = 1e-9;
   return o;
 }

@@ -311,6 +311,16 @@ TEST(Rollout, RecordsReversalsAndLimitCrossings) {
   EXPECT_GE(crossings, 1);
 }
 
+// Half a count of the coarse encoder, by which the arm may begin off the plan, is two of the fine one.
+TEST(Certificate, EncodersMayDiffer) {
+  for (const std::size_t coarse : {0u, 1u}) {
+    Parameters p = robot();
+    p.encoder.link_counts[coarse] /= 4;
+    const Certificate c = certify(p, Limits::of(p), resting({0.3, 0.2}, 0.05));
+    EXPECT_TRUE(c.certified) << (c.failures.empty() ? "" : c.failures.front());
+  }
+}
+
 // ---- rest, and the upright ----
 
 TEST(Amplification, BandIsWhereTheCompleteLawFalls) {

@@ -213,7 +213,7 @@ TEST(InteriorPoint, FindsAMinimumWhereTheHessianIsIndefinite) {
 
 SolveOptions with_barrier(double initial, double final) {
   SolveOptions options;
-  options.barrier_strategy = "monotone";
+  options.barrier_strategy = BarrierStrategy::kMonotone;
   options.initial_barrier = initial;
   options.final_barrier = final;
   return options;

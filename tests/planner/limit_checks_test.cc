@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planner/certificate/limits.h"
+#include "planner/certificate/request_check.h"
 #include "support/exact_trajectories.h"
 
 namespace fjr {
@@ -105,6 +106,39 @@ TEST(LimitChecks, TorqueRateIsThatOfTheCompensatedTorque) {
   EXPECT_TRUE(checks[0].passed);
   trajectory.samples[5].torque[0] += 1e-3;
   EXPECT_NEAR(check_limits(robot(), limits, trajectory, {})[0].reached, 3 + 1e-3 / (0.6e-3 - 5e-7), 1e-6);
+}
+
+TEST(TaskChecks, TheFirstRowIsOneOfThem) {
+  Trajectory trajectory;
+  trajectory.samples = {row_at(0, 0, 2, 0), row_at(0.1, 0.2, 2, 0)};  // away from hanging straight down
+  Task task;
+  task.box = TipBox{{0, -1}, {1, 1}};
+  Certificate certificate;
+  check_against_task(robot(), task, {0.1}, trajectory, certificate);
+  ASSERT_FALSE(certificate.task.empty());
+  EXPECT_EQ(certificate.task[0].time, 0);
+  EXPECT_NEAR(certificate.task[0].clearance, 0, 1e-12);
+}
+
+// A row that is far from all others makes no rate at the others the mean of a long time.
+TEST(LimitChecks, ALongRestAfterwardsHidesNoTorqueRate) {
+  Trajectory trajectory;
+  for (int k = 0; k <= 20; ++k) {
+    Sample row;
+    row.time = 1e-3 * k;
+    row.torque[0] = k < 10 ? 0 : 0.5;  // 500 N m/s for a millisecond
+    trajectory.samples.push_back(row);
+  }
+  Limits limits;
+  limits.torque_rate = {60, kNoLimit};
+  const double honest = check_limits(robot(), limits, trajectory, {})[0].reached;
+  EXPECT_NEAR(honest, 500, 1e-9);
+  for (const double longest : {0.004, 1.0, 100.0}) {
+    Trajectory padded = trajectory;
+    padded.samples.push_back(trajectory.samples.back());
+    padded.samples.back().time += longest;
+    EXPECT_EQ(check_limits(robot(), limits, padded, {})[0].reached, honest) << longest;
+  }
 }
 
 TEST(LimitChecks, TipSpeedIsThatOfBothLinks) {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -121,9 +122,8 @@ TEST_F(Cli, VerifyRefusesAPlanWhoseSegmentsAreNone) {
   };
   EXPECT_THAT(refusal("[0.03]", "0.02"), HasSubstr("plan.json: duration: 0.02 s is not later than 0.03 s"));
   EXPECT_THAT(refusal("[0]", "0.02"), HasSubstr("via_times[0]: 0 s is not later than 0 s, where the segment begins"));
-  EXPECT_THAT(refusal("[]", "0.02"), HasSubstr("via_times: has 0 times, but there are 3 corners of the path"));
-  EXPECT_THAT(refusal("[0.005, 0.01]", "0.02"),
-              HasSubstr("via_times: has 2 times, but there are 3 corners of the path"));
+  EXPECT_THAT(refusal("[]", "0.02"), HasSubstr("via_times: has 0 times, but the path has 2 segments"));
+  EXPECT_THAT(refusal("[0.005, 0.01]", "0.02"), HasSubstr("via_times: has 2 times, but the path has 2 segments"));
 }
 
 TEST_F(Cli, VerifyHoldsTheRowsOfAFolderAgainstItsTask) {
@@ -152,6 +152,54 @@ TEST_F(Cli, VerifySaysWhereRowsAndPlanAreOfDifferentRequests) {
   EXPECT_EQ(warnings("abc"), "");
   EXPECT_THAT(warnings("def"),
               HasSubstr("it was planned for another request (request_hash abc, that of plan.json is def)"));
+}
+
+// A motion that keeps its robot's limits need not be the one that plan.json tells of.
+TEST_F(Cli, VerifyHoldsTheRowsOfAFolderAgainstTheRequest) {
+  write("move.yaml", "start: {q: [0.3, 0.2]}\ngoal: {q: [0.36, 0.14]}\nlimits: {torque: [9, 4]}\nobjective: fastest\n");
+  ASSERT_EQ(run({"plan", "move.yaml", "--out", "out"}).exit_code, 0);
+  EXPECT_EQ(run({"verify", "out"}).exit_code, 0);
+  const Json honest = plan_json("out");
+  const auto failure = [&](const std::function<void(Json&)>& tell) {
+    Json told = honest;
+    tell(told["resolved_request"]);
+    write("out/plan.json", told.dump());
+    const Result result = run({"verify", "out"});
+    EXPECT_EQ(result.exit_code, 4) << result.out << result.err;
+    return result.out;
+  };
+  EXPECT_THAT(failure([](Json& r) { r["limits"]["torque"] = {5.0, 4.0}; }), HasSubstr("torque of joint 1 reaches"));
+  EXPECT_THAT(failure([](Json& r) { r["limits"]["tip_speed"] = 0.1; }),
+              HasSubstr("the file does not say that tip_speed was limited to 0.1 m/s, as plan.json does"));
+  EXPECT_THAT(failure([](Json& r) { r["start"]["q"][0] = 0.301; }), HasSubstr("the first row is not the start"));
+  EXPECT_THAT(failure([](Json& r) { r["goal"]["q"][1] = 0.141; }), HasSubstr("the last row is not the goal"));
+  EXPECT_THAT(failure([](Json& r) { r["duration"]["max"] = 0.05; }), HasSubstr("the motion takes"));
+
+  Json either = honest;  // of several goals one will do
+  either["resolved_request"]["other_goals"] = {either["resolved_request"]["goal"]};
+  either["resolved_request"]["goal"]["q"] = {1.0, 1.0};
+  write("out/plan.json", either.dump());
+  EXPECT_EQ(run({"verify", "out"}).exit_code, 0);
+
+  write("out/plan.json", R"({"status": "certified", "status": "certified"})");
+  EXPECT_THAT(run({"verify", "out"}).err, HasSubstr("has the key \"status\" twice in one object"));
+  fs::remove(path("out/plan.json"));
+  const Result none = run({"verify", "out"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("out/plan.json: is not there"));
+}
+
+// In the middle of a number of its last row: it has all rows that it says it has.
+TEST_F(Cli, VerifyRefusesAFileWhoseLastLineWasCut) {
+  Trajectory trajectory = at_rest();
+  trajectory.metadata["rows"] = "21";
+  trajectory.samples.back().torque = {1e-4, 1.234e-4};
+  write_csv(trajectory, path("t.csv"));
+  EXPECT_EQ(run({"verify", "t.csv"}).exit_code, 0);
+  fs::resize_file(path("t.csv"), fs::file_size(path("t.csv")) - 3);
+  const Result cut = run({"verify", "t.csv"});
+  EXPECT_EQ(cut.exit_code, 2);
+  EXPECT_THAT(cut.err, HasSubstr("does not end: the file was cut short"));
 }
 
 TEST_F(Cli, VerifyRefusesATamperedFile) {

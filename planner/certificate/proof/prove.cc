@@ -263,16 +263,16 @@ class RowsProver {
   // The difference quotients that limits.cc takes.
   void torque_rates(const Trajectory& trajectory) {
     const std::vector<Sample>& rows = trajectory.samples;
-    const double apart = 0.5 * longest_interval(trajectory);
+    const std::vector<std::optional<std::size_t>> before = rows_of_torque_rates(rows);
     for (std::size_t j = 0; j < kJoints; ++j) {
       const std::size_t limit = first_limit_of(LimitedTorqueRate::info) + j;
       if (!(kLimitNames[limit].in(claims_.published) < kNoLimit)) continue;
       const FrictionLaw law = FrictionLaw::of(robot_, static_cast<int>(j));
       const auto u = [&](const Sample& row) { return Ball(row.torque[j]) - law.nonlinear(Ball(row.state.dtheta[j])); };
-      for (std::size_t before = 0, k = 1; k < rows.size(); ++k) {
-        if (rows[k].time - rows[before].time < apart) continue;
-        while (rows[k].time - rows[before + 1].time >= apart) ++before;
-        const Ball rate = (u(rows[k]) - u(rows[before])) / (Ball(rows[k].time) - Ball(rows[before].time));
+      for (std::size_t k = 1; k < rows.size(); ++k) {
+        if (!before[k]) continue;
+        const Sample& since = rows[*before[k]];
+        const Ball rate = (u(rows[k]) - u(since)) / (Ball(rows[k].time) - Ball(since.time));
         if (!limits_[limit].include({rate, 0}, 0, rows[k].time)) note(limit);
       }
     }

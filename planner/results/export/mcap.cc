@@ -11,6 +11,7 @@
 #include "model/kinematics.h"
 #include "planner/problem/quantities.h"
 #include "planner/results/export/formats.h"
+#include "planner/results/json_field.h"
 
 namespace fjr {
 namespace {
@@ -64,18 +65,18 @@ void add_limits(McapWriter& file, const PlanRecord& plan, double end) {
     names.push_back(std::move(name));
   };
   const Limits of_robot = Limits::of(plan.robot);
-  const Json& limits = plan.plan.at("resolved_request").at("limits");
+  const JsonField limits = JsonField(plan.plan, plan.source).at("resolved_request").at("limits");
   for (const LimitName& limit : kLimitNames) {
     const auto found = limits.find(limit.quantity->name);
-    if (found == limits.end()) continue;
-    const Json& value = limit.joint == 0 ? *found : (*found)[limit.j()];
-    if (value.is_null()) continue;  // of the other joint alone
+    if (!found) continue;
+    const double value = limit.joint == 0 ? found->number() : found->pair()[limit.j()];
+    if (std::isnan(value)) continue;  // of the other joint alone
     const double middle = limit.joint == 0 ? 0 : limit.quantity->counted_from(of_robot, limit.j());
     if (middle == 0) {
       add(limit_name(limit), value);
     } else {
-      add(limit_name(limit, "_lowest"), middle - value.get<double>());
-      add(limit_name(limit, "_highest"), middle + value.get<double>());
+      add(limit_name(limit, "_lowest"), middle - value);
+      add(limit_name(limit, "_highest"), middle + value);
     }
   }
   const std::uint16_t id =
@@ -129,22 +130,22 @@ Json arm_at(const Parameters& robot, const Sample& row) {
   return arm;
 }
 
-Json obstacle(const Json& disc, std::size_t index) {
+Json obstacle(const JsonField& disc, std::size_t index) {
   Json json = entity(0, fmt::format("obstacle {}", index + 1));
-  const double radius = disc.at("radius").get<double>();
-  json["cylinders"].push_back(
-      {{"pose", pose(disc.at("center").at(0).get<double>(), disc.at("center").at(1).get<double>())},
-       {"size", {{"x", 2 * radius}, {"y", 2 * radius}, {"z", kFlat}}},
-       {"bottom_scale", 1.0},
-       {"top_scale", 1.0},
-       {"color", color(0.8, 0.2, 0.2, 0.8)}});
+  const double radius = disc.at("radius").number();
+  const auto center = disc.at("center").pair();
+  json["cylinders"].push_back({{"pose", pose(center[0], center[1])},
+                               {"size", {{"x", 2 * radius}, {"y", 2 * radius}, {"z", kFlat}}},
+                               {"bottom_scale", 1.0},
+                               {"top_scale", 1.0},
+                               {"color", color(0.8, 0.2, 0.2, 0.8)}});
   return json;
 }
 
-Json wall(const Json& given, std::size_t index) {
+Json wall(const JsonField& given, std::size_t index) {
   Json json = entity(0, fmt::format("wall {}", index + 1));
-  const double x = given.at("point").at(0).get<double>(), y = given.at("point").at(1).get<double>();
-  const double nx = given.at("normal").at(0).get<double>(), ny = given.at("normal").at(1).get<double>();
+  const auto [x, y] = given.at("point").pair();
+  const auto [nx, ny] = given.at("normal").pair();
   const double s = kLongWall / std::hypot(nx, ny);
   json["lines"].push_back(
       line_strip({point(x - s * ny, y + s * nx), point(x + s * ny, y - s * nx)}, kFlat / 2, color(0.4, 0.4, 0.4, 1)));
@@ -167,10 +168,12 @@ std::string scene_schema() {
 void add_scene(McapWriter& file, const PlanRecord& plan, const std::vector<Sample>& rows) {
   const std::uint16_t id = file.add_topic("/fjr/scene", "json", "foxglove.SceneUpdate", "jsonschema", scene_schema());
   std::vector<Json> still;
-  const Json& task = plan.plan.at("resolved_request").at("task");
-  const auto add_all = [&](const char* key, Json (*draw)(const Json&, std::size_t)) {
+  const JsonField task = JsonField(plan.plan, plan.source).at("resolved_request").at("task");
+  const auto add_all = [&](const char* key, Json (*draw)(const JsonField&, std::size_t)) {
     const auto found = task.find(key);
-    for (std::size_t i = 0; found != task.end() && i < found->size(); ++i) still.push_back(draw((*found)[i], i));
+    if (!found) return;
+    std::size_t i = 0;
+    for (const JsonField& item : found->items()) still.push_back(draw(item, i++));
   };
   add_all("obstacles", obstacle);
   add_all("walls", wall);

@@ -8,6 +8,7 @@
 #include "planner/results/repetition_json.h"
 #include "planner/results/report/plan_page.h"
 #include "planner/results/solution_file.h"
+#include "planner/results/strict_json.h"
 
 namespace fjr {
 
@@ -39,7 +40,8 @@ std::vector<std::string> write_plan_files(const PlanFiles& files, const fs::path
 
 fs::path write_report(const fs::path& folder) {
   const fs::path file = folder / "report.html";
-  write_file(file, plan_page(read_plan(folder)));
+  const PlanRecord plan = read_plan(folder);
+  write_file(file, reading(plan.source, [&plan] { return plan_page(plan); }));
   return file;
 }
 

@@ -261,14 +261,16 @@ void add_infeasibility(ChartPage& page, const JsonField& why) {
 // H has to be constant between via points; a column `along` of the motion is a line.
 void add_optimality(ChartPage& page, const JsonField& optimality) {
   page.add_heading("Optimality");
+  const auto along = optimality.find("along");
   Json rest = optimality.json();
   rest.erase("along");
   page.add_html(html_of_json(rest));
-  const auto along = optimality.find("along");
   if (!along || along->at("time").items().empty()) return;
   const std::vector<double> time = along->at("time").numbers();
   const auto line = [&](const JsonField& from, const std::string& name, const char* colour) {
-    return Series{name, colour, Style::kLine, time, from.at(name).numbers()};
+    std::vector<double> values = from.at(name).numbers();
+    if (values.size() != time.size()) from.at(name).fail(fmt::format("must have {} numbers, as time has", time.size()));
+    return Series{name, colour, Style::kLine, time, std::move(values)};
   };
   Chart h = time_chart("Hamiltonian", "");
   h.series = {line(*along, "hamiltonian", "#555")};

@@ -2,28 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <fstream>
 #include <system_error>
 #include <utility>
 
 #include "common/input_error.h"
+#include "planner/certificate/consistency.h"
 #include "planner/results/json_field.h"
+#include "planner/results/strict_json.h"
 
 namespace fjr {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
-Json read_json(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  if (!in)
-    throw InputError(file.string(), "", "cannot be read: this is no folder of a plan (fjr plan REQUEST --out DIR)");
-  Json json = Json::parse(in, nullptr, false);
-  if (json.is_discarded()) throw InputError(file.string(), "", "is damaged: it is not JSON");
-  return json;
-}
-
 Parameters read_robot(const JsonField& plan) {
   const JsonField robot = plan.at("robot");
   Parameters p{};
@@ -71,7 +61,7 @@ PlanRecord read_plan(const fs::path& folder) {
   std::error_code error;
   if (!fs::is_directory(folder, error)) throw InputError(folder.string(), "", "is no folder");
   const fs::path file = folder / "plan.json";
-  PlanRecord record{file.string(), read_json(file), {}, {}};
+  PlanRecord record{file.string(), load_plan_json(folder), {}, {}};
   const JsonField plan(record.plan, record.source);
   const std::string status = plan.at("status").text();
   if (status == "bad_input") {
@@ -82,6 +72,9 @@ PlanRecord read_plan(const fs::path& folder) {
   const fs::path rows = folder / (certified ? "trajectory.csv" : "trajectory.uncertified.csv");
   if (certified || (status == "uncertified" && fs::exists(rows, error))) {
     record.trajectory = read_csv(rows);
+    if (const std::string fault = malformed(*record.trajectory); !fault.empty()) {
+      throw InputError(rows.string(), "", fault);
+    }
     check_belonging(*record.trajectory, rows, plan);
   }
   return record;

@@ -7,9 +7,9 @@
 namespace fjr {
 namespace {
 
-// By moments, each of some ten nanoseconds.
-constexpr int kAwake = 40000;    // after the last piece; then it sleeps
-constexpr int kNotThere = 2000;  // that the caller waits before it lets others have its core
+// In pauses of the processor, each of some ten nanoseconds:
+constexpr int kAwake = 40000;    // how long the thread stays awake after its last piece of work
+constexpr int kNotThere = 2000;  // how long the caller waits before it lets other threads have its core
 
 void rest_a_moment() {
 #if defined(__x86_64__)

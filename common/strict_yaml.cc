@@ -179,8 +179,7 @@ std::string quoted_flow(std::string_view text) {
 
 YamlNode YamlNode::parse(const std::string& text, const std::string& source) {
   if (text.size() > kMaxYamlBytes) throw InputError(source, "", fmt::format("larger than {} bytes", kMaxYamlBytes));
-  if (text.find('\0') != std::string::npos)
-    throw InputError(source, "", "no text, but binary: it has bytes that are 0");
+  if (text.find('\0') != std::string::npos) throw InputError(source, "", "is not a text file: it contains zero bytes");
   std::istringstream in(text);
   Builder builder(source);
   try {

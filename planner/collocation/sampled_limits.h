@@ -1,4 +1,4 @@
-// What it is worth at which instants limits are asked.
+// The part of d objective / d (time of a node) that comes of imposing limits at collocation points only.
 //
 // Limits hold at collocation points only, and a node that moves takes the points beside it along. Where the limited
 // quantity passes a point at the rate dg/dt with the multiplier mu, a motion that stays as it is in time changes what

@@ -192,8 +192,8 @@ void Executor::note_considered(const RequestId& id) {
   if (considered_.size() > kConsidered) considered_.pop_front();
 }
 
-// Before anything is believed, its id not excepted: whoever copies a trajectory badly must not bring the one that the
-// service has signed to a refusal, be it before or after it.
+// The signature is checked before the id is used: otherwise a forged copy under the same id could have the genuine
+// trajectory refused, whichever of them comes first.
 bool Executor::trusts(const TrajectoryOrder& order) {
   if (!signatures_) return true;
   const auto of_this = [&](const Unsigned& other) { return other.id == order.id; };

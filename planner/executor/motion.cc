@@ -79,7 +79,7 @@ std::string reason_of(const Outcome& o) {
     case Ending::kStalled:
       return fmt::format("{} control ticks in a row were missed at {:.3f} s", o.value, o.time);
     case Ending::kNoStop:
-      return fmt::format("its stop motions could not be relied upon any further at {:.3f} s", o.time);
+      return fmt::format("no checked stop motion was there from {:.3f} s on", o.time);
     case Ending::kNotBegun:
       return "held, stopped or moved before it could begin";
     case Ending::kShutDown:

@@ -21,8 +21,9 @@ using Deviations = Eigen::Matrix<double, kDeviations, 1>;
 using DeviationsMatrix = Eigen::Matrix<double, kDeviations, kDeviations>;
 using Input = Eigen::Matrix<double, kDeviations, kJoints>;
 
-// What costs as much as one count of a link's error at one tick. A tenth or ten times of either makes no difference to
-// what ten repetitions end at, but that ten times the increment lets noise in: 1.5 counts of both links, not 0.4 and 1.
+// Each costs as much as one count of a link's error at one tick. After ten repetitions the errors are the same with a
+// tenth or ten times of either, except that ten times the increment lets noise in: 1.5 counts of both links in place of
+// 0.4 and 1.
 constexpr double kIncrement = 0.01;     // of the torque limit: of the correction, from tick to tick
 constexpr double kFirst = 0.1;          // likewise: of its first value
 constexpr double kLastVelocity = 1e-4;  // [rad/s] of links and motors at the last tick, where the plan may brake yet

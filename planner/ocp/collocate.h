@@ -13,7 +13,7 @@
 
 namespace fjr {
 
-// How far the problem at hand is from the one that was asked for.
+// By what the problem that is solved differs from the one that was asked for.
 struct Smoothing {
   double friction_width = 0;     // [rad/s] of the smoothed law; 0: the exact law
   double regularisation = 1e-3;  // weight of a regularisation by effort where there is none, see make_arm_ocp()

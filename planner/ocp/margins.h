@@ -53,8 +53,8 @@ void add_excesses_of_peak(std::vector<PerLimit>& excesses, const Problem& proble
 // The limit that a motion exceeds most, as a sentence ("spring_deflection of joint 1 exceeds ..."); empty if none.
 std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion& motion);
 
-// Adds the excesses to the margins (empty: none so far), a little enlarged so that the next solution is inside; a
-// margin that was not enough grows at least by the factor given, as the optimiser may not have felt it. False when
+// Adds the excesses to the margins (empty: none so far), a little enlarged so that the next solution is inside. A
+// margin that was not enough grows at least by the factor given, because its bound may not have been active. False when
 // there was nothing to add.
 bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses, const Problem& problem,
            double growth = 2);

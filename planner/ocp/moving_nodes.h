@@ -1,9 +1,9 @@
 // Nodes of the mesh whose times are optimised too.
 //
 // Where a motor comes to rest or leaves it the optimal torque jumps, which a mesh can follow only where it has a node.
-// With one there, a motion that does so a little earlier or later is worse on this mesh, better as it may be: the
-// solution is locked to the mesh, and H (planner/collocation/adjoint.h) jumps there by what a second of the node's time
-// is worth.
+// A motion that jumps a little earlier or later is worse on this mesh, even if it is better on one whose node is there:
+// the optimiser cannot find it. H (planner/collocation/adjoint.h) then jumps at the node by d objective / d (time of
+// the node).
 #pragma once
 
 #include <cstddef>

@@ -50,7 +50,7 @@ enum class BoundOn {
   kRow,      // a path constraint
 };
 
-// How a motion gets away from a limit that its start, a via point or its goal lies on.
+// How soon a motion can leave a limit that its start, a via point or its goal lies on: no margin is kept until then.
 enum class Leaving {
   kThere,   // the limit only counts at that state itself
   kAtOnce,  // the control changes it directly

@@ -1,5 +1,7 @@
 #include "planner/results/solution_file.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -31,6 +33,10 @@ Eigen::VectorXd vector_of(const json& values) {
   return v;
 }
 
+std::invalid_argument no_whole(int segment, double sum) {
+  return std::invalid_argument(fmt::format("the intervals of segment {} make {} of it and not all", segment, sum));
+}
+
 Mesh mesh_of(const json& intervals) {
   Mesh mesh;
   double whole = 0;  // of the present segment
@@ -39,15 +45,16 @@ Mesh mesh_of(const json& intervals) {
   for (const json& interval : intervals) {
     const double fraction = finite(interval.at(0).get<double>());
     const int segment = interval.at(1).get<int>(), last = mesh.intervals.empty() ? 0 : mesh.intervals.back().segment;
-    if (segment != last && std::abs(whole - 1) > 1e-9) throw std::invalid_argument("the mesh is no mesh");
-    if (!(fraction > 0) || (segment != last && segment != last + 1)) throw std::invalid_argument("the mesh is no mesh");
+    if (segment != last && std::abs(whole - 1) > 1e-9) throw no_whole(last, whole);
+    if (!(fraction > 0)) throw std::invalid_argument("an interval of the mesh takes no time");
+    if (segment != last && segment != last + 1)
+      throw std::invalid_argument("the segments of the mesh are out of order");
     whole = (segment == last ? whole : 0) + fraction;
-    if (whole > 1 + 1e-9) throw std::invalid_argument("the mesh is no mesh");
+    if (whole > 1 + 1e-9) throw no_whole(segment, whole);
     mesh.intervals.push_back({fraction, segment});
   }
-  if (mesh.intervals.front().segment != 0 || std::abs(whole - 1) > 1e-9) {
-    throw std::invalid_argument("the mesh is no mesh");
-  }
+  if (mesh.intervals.front().segment != 0) throw std::invalid_argument("the mesh begins with another segment than 0");
+  if (std::abs(whole - 1) > 1e-9) throw no_whole(mesh.intervals.back().segment, whole);
   return mesh;
 }
 

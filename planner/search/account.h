@@ -39,7 +39,7 @@ struct SolverStage {
   double work = 0;  // SolveReport::work
 };
 
-// How often what usually works did not, and what was tried then (planner/search/fallbacks.h has the order).
+// Counts how often each fallback was used; planner/search/fallbacks.h has the order in which they are tried.
 struct Fallbacks {
   int adaptive_barrier = 0;  // a warm start failed; tried again with multipliers forgotten and an adaptive barrier
   int friction_level = 0;    // a step to a sharper friction law stopped at the iteration limit

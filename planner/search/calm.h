@@ -1,6 +1,6 @@
-// Where there is time to spare, objectives that are not curved in the torques leave the springs free to swing and the
-// motors to tremble, more finely than any mesh or rows could hold. Small weights of other terms still them; what a plan
-// is judged by is the objective that was asked for.
+// Where there is time to spare, objectives that are not curved in the torques leave oscillations of the springs and the
+// motors undetermined, and optima have some that are finer than any mesh or rows. Small weights of other terms remove
+// them; a plan is judged by the objective that was asked for.
 #pragma once
 
 #include <memory>

@@ -30,7 +30,7 @@ constexpr double kStepTolerance = 1e-5;  // [rad] of the meshes on the way
 // in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
 constexpr int kStepIterations = 80;     // of homotopy steps that converge at all, nine of ten take less than 60
-constexpr int kPricedIterations = 250;  // of warm starts to another price: switches move, and arcs leave their limits
+constexpr int kPricedIterations = 250;  // of warm starts to another price: switching times and active limits change
 constexpr int kRestIterations = 50;     // with rests scaled, 45
 constexpr double kRestWidth = 0.003;    // [rad/s] up to which they are: in wider laws a motor that moves seems to rest
 constexpr int kMovingIterations = 60;   // nine of ten take less than 45
@@ -38,8 +38,8 @@ constexpr int kMovingIterations = 60;   // nine of ten take less than 45
 // until the law is exact are told apart by chance, and come to up to 1.5 % more.
 constexpr double kMovedWidth = 0.01;
 constexpr int kMovingRounds = 2;         // a refined mesh wants its nodes elsewhere, but no longer by much
-constexpr int kMoreIterations = 200;     // where they come down a slope on the way: up to 4 % less effort
-constexpr double kWorthMore = 0.005;     // fraction of the objective that tells a slope
+constexpr int kMoreIterations = 200;     // in all, while the objective still falls: up to 4 % less effort
+constexpr double kWorthMore = 0.005;     // fraction of the objective by which it has fallen then
 constexpr int kTimesForWhatIsAhead = 3;  // the iterations of a start
 constexpr double kNearlyKept = 1e-2;     // violation of constraints up to which an objective says something
 constexpr int kHalvings = 2;             // of a homotopy step that did not converge
@@ -50,19 +50,19 @@ constexpr int kTighteningRounds = 8;
 // round change little of what mesh and margins are judged by. Solved to the end, ten fastest motions took 1.13 times as
 // many iterations times intervals (a reach 1.4 times).
 constexpr double kRoundTolerance = 1e-4, kRoundViolation = 1e-7;
-constexpr int kFailuresToTighten = 3;  // then what is there has to do: the next would fail alike, 300 iterations each
-// Rounds that want the base margin kept; what those after them leave is still inside the limits, and chasing it takes
-// rounds in which nothing moves.
+constexpr int kFailuresToTighten = 3;  // then it is given up: further attempts fail alike, with 300 iterations each
+// Rounds in which the whole base margin has to be kept. Later ones keep a fifth of it: the rest is inside the limits
+// still, and to keep it takes rounds in which nothing moves.
 constexpr int kEagerRounds = 2;
 constexpr double kKeepAtLast = 0.2;
-constexpr double kUnfeltGrowth = 8;      // of a margin that the optimiser did not feel
+constexpr double kUnfeltGrowth = 8;      // of a margin that changed nothing: its bound was not active
 constexpr double kSharpForPeaks = 1e-3;  // [rad/s] widths of friction laws up to which peaks are kept by margins
 constexpr int kCreepRounds = 3;
 constexpr double kLargestRegularisation = 0.05;  // fraction of the objective: what it costs is of second order in that
 constexpr double kFade = 0.5;                    // of that, where it has to be reduced
 constexpr int kFadeRounds = 4;
 
-// The error that intervals must exceed to be the few that make most of the sum, or the many where many make it.
+// The error above which intervals make four fifths of the sum of all errors, be they few or many.
 double bulk_of(std::vector<double> errors) {
   constexpr double kOthers = 0.2;  // fraction of the sum that the others make
   const double sum = std::accumulate(errors.begin(), errors.end(), 0.0);
@@ -225,7 +225,7 @@ bool Continuation::came_down() const {
   return sees_friction(problem_->weights) && stages_.back().objective < before - kWorthMore * std::abs(before);
 }
 
-// Whether a motor at rest may carry a load for nothing.
+// Whether friction is in the objective, so that a motor may rest and carry a load at no cost.
 bool Continuation::has_rests() const { return sees_friction(problem_->weights) && !problem_->slack; }
 
 bool Continuation::attempt_step(const std::string& what, const CollocationSetup& setup) {
@@ -313,7 +313,7 @@ bool Continuation::take_step() {
   }
   if (homotopy_->next >= steps.size()) return false;
   const Smoothing& step = steps[homotopy_->next++];
-  // What stands in the way of a step is often a mesh on which this one's motion is locked.
+  // A step often fails because the mesh holds the switching times where they are: then nodes are moved first.
   const auto reach = [&] {
     if (reach_step(step, kHalvings)) return true;
     if (status_ == SolveStatus::kStopped || !move_nodes()) return false;
@@ -510,8 +510,8 @@ void Continuation::solve_to_the_end() {
   if (solved_loosely()) attempt(what, CollocationSetup(solution_.setup), nullptr, warm(what));
 }
 
-// Where a motor reverses, what is kept below the peak in one interval may come up in the next: of the rounds that keep
-// the limits, the one with the least peak in its rows is the best, and it need not be the last.
+// Where a motor reverses, a peak that is lowered in one interval can come up in the next. Of the rounds that keep the
+// limits, the one with the least peak in its rows is the best, and it need not be the last.
 void Continuation::keep_lowest_peak(std::optional<Collocated> best) {
   if (!best || published_objective(*problem_, *best) >= published_objective(*problem_, solution_)) return;
   solution_ = *std::move(best);

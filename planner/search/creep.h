@@ -1,4 +1,4 @@
-// Motors that cannot stand still.
+// Motors whose rest is unstable, because their friction falls with speed there, are kept moving.
 #pragma once
 
 #include <vector>

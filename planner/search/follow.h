@@ -18,9 +18,9 @@ struct Refining {
   int most;
 };
 
-// Where friction weighs, what it does while it is smooth tells little: of seven first, the fourth has come to 3 % less
-// effort than the first. `starts` more than the usual ones add as many: whatever would be refined without them is
-// refined with them too, so that more starts never come to less.
+// Where the objective depends on friction, objectives with smoothed friction do not tell the final order: of seven
+// motions the fourth came to 3 % less effort than the first, so several are refined. Every start beyond the usual
+// number adds one to them: whatever would be refined without it is refined with it too.
 Refining refining(const Weights& weights, int starts);
 
 // Notes a motion that was found on a coarse mesh, and refines and publishes it if it promises something: the best

@@ -23,8 +23,8 @@ namespace {
 using Alternative = std::shared_ptr<const Problem>;
 
 constexpr double kNearBy = 0.3;  // [rad] that the best motion so far is displaced by: minima lie side by side
-// Starts at a time, once one led somewhere: more keep more cores busy, and know less of each other. It is the same
-// however many cores there are, so that a plan is, too.
+// Starts at a time, once one has found a motion. More of them use more cores, but cannot use each other's results. The
+// number is fixed, so that the plan does not depend on the number of cores.
 constexpr std::size_t kWave = 4;
 constexpr int kGivenUp = 2;                 // failures of an alternative's first starts, while another led somewhere
 constexpr std::size_t kBeforeSwinging = 1;  // starts that led nowhere before it is asked whether it has to swing, or
@@ -59,7 +59,8 @@ void try_swinging(const Alternative& alternative, Findings& found, Session& sess
   found.swing_was_cut = session.interrupted();
 }
 
-// Where that is so of all of them nothing more is tried, but the fastest motion where it may be for want of time.
+// If every alternative is out of reach, the search ends. The fastest motion is still tried where the duration may be
+// the reason.
 void ask_whether_out_of_reach(const std::vector<Alternative>& open, Findings& found, Session& session) {
   if (!found.candidates.empty()) return;
   std::vector<OutOfReach> why;

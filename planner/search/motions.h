@@ -5,9 +5,9 @@
 
 namespace fjr {
 
-// Every start on a coarse mesh, four at a time once one led somewhere; what converges to something promising is refined
-// while the next four are tried, which do not depend on it: so what so many starts come to, more of them come to as
-// well. count: of starts; 0: as many as the request's `search` and its objective say.
+// Solves every start on a coarse mesh, four at a time once one has found a motion. Promising motions are refined while
+// the next four starts are solved. These do not depend on the refinement, so that a search with more starts repeats all
+// results of one with fewer. count: of starts; 0: as many as the request's `search` and its objective say.
 void find_motions(int count, Findings& found, Session& session);
 
 }  // namespace fjr

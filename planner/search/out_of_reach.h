@@ -21,10 +21,10 @@ enum class OutOfReach {
 // asked before the first start whether that is out of reach.
 bool asks_for_more_speed_than_motors_have(const Problem& problem);
 
-// Which of these is so, clearly: by half of a velocity, a twentieth of a via point's time, half of all limits. It is
-// found by optimising with a smoothed friction law on coarse meshes, so that what is only just out of reach, or not
-// known, is not called so. Nothing is said of arms that have to swing up, nor of motions with a task: the least excess
-// found there is that of one way among others.
+// A cause is told only where it is clear: by half of a velocity, a twentieth of a via point's time, half of all limits.
+// The numbers come from optimising with a smoothed friction law on coarse meshes, which cannot tell what is only just
+// out of reach. Arms that have to swing up and motions with a task are not judged: the least excess found there is that
+// of one way among others.
 std::optional<OutOfReach> out_of_reach(const Problem& problem, Session& session);
 
 }  // namespace fjr

@@ -29,8 +29,8 @@ struct Runner {
   bool running() const { return counts && goes_on && !dropped; }
 };
 
-// Compares each with those that were found before it only: so that what is followed among few starts is followed among
-// more of them too.
+// Each motion is compared only with those that were found before it: then additional starts never change which of the
+// earlier motions are followed.
 void drop_losers(std::vector<Runner>& runners, StepObjectives& reached) {
   for (Runner& runner : runners) {
     if (!runner.running()) continue;
@@ -72,7 +72,8 @@ Raced race(std::vector<Continuation> motions, StepObjectives& reached, Session& 
   std::vector<Runner> runners;
   for (Continuation& motion : motions) runners.push_back({std::move(motion)});
   const auto running = [](const Runner& runner) { return runner.running(); };
-  // Where friction is seen, what came to the same on refined first meshes goes on to the same.
+  // Where the objective depends on friction, motions with the same objective on refined first meshes lead to the same
+  // minimum: all but the first of them are dropped here.
   if (!runners.empty() && sees_friction(runners.front().motion.problem()->weights)) drop_losers(runners, reached);
   while (std::any_of(runners.begin(), runners.end(), running)) {
     all_do(runners, session, running, [](Continuation& motion) { return motion.take_step(); });

@@ -1,5 +1,5 @@
-// Motions that are followed through the homotopy in friction side by side, each with the same step at a time: one that
-// is no better than another, or will not be the best any more, is dropped on the way.
+// Motions take the steps of the homotopy in friction side by side. After each step those are dropped that are the same
+// as another one, or too far above the best to become better than it.
 #pragma once
 
 #include <map>

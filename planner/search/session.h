@@ -58,10 +58,11 @@ class Session {
   // A solve has ended.
   void add(SolverStage stage);
 
-  // Does `count` independent pieces of work, as many at a time as threads are idle, each with a session that is stopped
-  // with this one, may take half of what this one still may, and is counted here in the order of their indices; one
-  // alone with this session. Returns for each whether it counts, however many jobs there are: where those before it
-  // took all that was allowed, what it came to is as if it had never been begun.
+  // Does `count` independent pieces of work, as many at a time as threads are idle. Each has a session of its own,
+  // which is stopped with this one and may do half of the work that this one still may; a single piece has this
+  // session. Their work is counted in the order of their indices, until what is allowed is used up. Returns for each
+  // piece whether it counts: what those beyond that came to is to be ignored, so that the outcome is the same for any
+  // number of threads.
   std::vector<bool> do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task);
 
   // Does the same while this session works itself; its own work is counted first, and may take all that is left.

@@ -20,7 +20,7 @@ Problem with_slack_everywhere(const Problem& problem);
 // Fraction by which limits are relaxed for the duration that such a problem starts from.
 inline constexpr double kLoose = 3;
 
-// The same with time in a hurry, so that a first solution does not wander off into motions that take for ever.
+// The same with a larger weight of time, so that the first solution has a bounded duration.
 Problem hurried(Problem with_slack);
 
 // Its value when it is relaxed by that slack of with_slack(problem, what), counted as Relaxable::from is.

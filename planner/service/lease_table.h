@@ -1,4 +1,4 @@
-// Who solves what on other machines, and until when: the owner's book. Time and DDS are the caller's.
+// Who solves what on other machines, and until when, as the owner knows it. Time and DDS are the caller's.
 #pragma once
 
 #include <algorithm>
@@ -99,7 +99,7 @@ class LeaseTable {
     return id_of(last_);
   }
 
-  // What a lease was for, once: afterwards it is in the book no more.
+  // What a lease was for, once: afterwards the lease is forgotten.
   std::optional<Job> take(const LeaseId& lease, const WorkerId& worker) {
     const Leased* leased = find(lease, worker);
     if (leased == nullptr) return std::nullopt;

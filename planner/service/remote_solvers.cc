@@ -118,7 +118,7 @@ void RemoteSolvers::lose(const WorkerId& worker, const char* why, Solvers::News&
   append(news.returned, std::move(jobs));
 }
 
-// The first result of a lease that is in the book is taken; nobody waits for others.
+// The first result of a lease that is known is taken; others are ignored.
 void RemoteSolvers::take(WorkResult result, Solvers::News& news) {
   auto job = leases_.take(result.lease, result.worker);
   end(result.worker, result.lease);

@@ -68,8 +68,9 @@ void Service::keep_cancel(const dds::ServicePort::Cancel& wanted, bool relay) {
 
 void Service::no_room_for(const std::optional<Order>& dropped) {
   if (!dropped || !ownership_.answers_for(dropped->robot_id)) return;
-  reject(*dropped, {Reason::kQueueFull, "",
-                    fmt::format("more than {} requests wait for the executor to be met", backlog_.capacity())});
+  reject(*dropped,
+         {Reason::kQueueFull, "",
+          fmt::format("more than {} requests wait until the executor has been discovered", backlog_.capacity())});
 }
 
 // A service that has just begun may not have met the executor yet: it does not know where the arm rests, nor which

@@ -34,7 +34,8 @@ void Service::work() {
     if (job.lost == 1) {
       queue_.push_front(std::move(job));
     } else {
-      give_up(job, ReplyState::kFailed, Reason::kWorkerLost, "two solving processes ended unexpectedly over it");
+      give_up(job, ReplyState::kFailed, Reason::kWorkerLost,
+              "two solving processes ended unexpectedly while they solved it");
     }
   }
   for (Job& job : news.returned) queue_.push_front(std::move(job));

@@ -89,7 +89,7 @@ void WorkerHost::send_offer() {
   port_.send(offer);
 }
 
-// Nobody waits for what an owner asked for that is gone, or was started again.
+// What an owner asked for that has gone, or was started again, is given up.
 void WorkerHost::look_for_owners() {
   const auto now = Clock::now();
   for (const auto& [instance, process] : port_.take_heard()) {

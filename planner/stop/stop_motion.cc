@@ -320,11 +320,11 @@ Trajectory checked_stop(const Parameters& robot, const Trajectory& plan, std::si
     throw NoStop(fmt::format("the stop motion at {:.3f} s cannot be used: {}", time, why));
   };
   if (!(std::abs(stop.time - time) <= kSameInstant)) refuse(fmt::format("it begins at {:.6g} s", stop.time));
-  // Believed: to find that there is no stop takes 10 ms in the mean on reach.yaml, and 47 ms, at most 99 ms, on a flat
-  // motion at the limits, per instant, where 20 ms pass between instants and 100 ms is all that is checked ahead. Nor
-  // would a search that finds one prove a lie: the planner's, which begins near the stop before, missed one of six
-  // there. Whoever says 0 has the arm go on to the motion's own end for at most kLongestStop, and that end has been
-  // judged.
+  // That there is no stop is not checked: a search for one takes 10 ms in the mean on reach.yaml, and 47 ms, at most 99
+  // ms, on a flat motion at the limits, per instant, where 20 ms pass between instants and stops are checked 100 ms
+  // ahead. Finding one would not prove that the sender lied, for the planner's own search, which begins near the stop
+  // before, missed one of six there. It is safe: the arm goes on to the end of the motion, which has been judged, for
+  // at most kLongestStop.
   if (stop.duration == 0 && plan.end_time() - time <= kLongestStop) return {};
   if (!(stop.duration >= kShortestStop && stop.duration <= kLongestStop)) {
     refuse(fmt::format("it takes {:.6g} s, {:g} to {:g} s are allowed", stop.duration, kShortestStop, kLongestStop));

@@ -313,7 +313,7 @@ TEST_F(ExecutorTest, ReliesOnNoStopMotionThatItHasNotChecked) {
   // Later the motion ends by the last that is good.
   const ExecutionResult later = with([](auto& s) { s[75].free[0][0] += 1; });
   EXPECT_EQ(later.code, ResultCode::kPathToleranceViolated);
-  EXPECT_THAT(later.sentence, HasSubstr("its stop motions could not be relied upon any further at 1.46"));
+  EXPECT_THAT(later.sentence, HasSubstr("no checked stop motion was there from 1.46"));
   EXPECT_THAT(later.sentence, HasSubstr("the stop motion at 1.500 s cannot be used"));
   EXPECT_LT(later.residual_vibration[0], 2e-3);
   EXPECT_TRUE(cell().wait_for(ExecutorMode::kHolding));

@@ -53,7 +53,7 @@ TEST(BrokenRequest, ShapeOfTheDocument) {
   expect_refused({
       {"", "empty"},
       {"# nothing\n", "empty"},
-      {std::string("\xff\xfe\0", 3), "no text, but binary: it has bytes that are 0"},
+      {std::string("\xff\xfe\0", 3), "is not a text file: it contains zero bytes"},
       {"fastest",
        "must be a map with the keys robot, start, goal, duration, objective, via, obstacles, walls, tip, path, limits, "
        "sample_period, seed, payload, method, search, robust, proven, not the text \"fastest\""},

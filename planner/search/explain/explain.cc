@@ -211,9 +211,9 @@ class Explanation {
     }
   }
 
-  // A slack finds ways between the collocation points where there is none; the grid does not. More than is missing is
-  // needed where the way is between two things, for half of what one gives up is lost to the other side, and where the
-  // optimiser does not find a motion along a way that is barely open.
+  // A problem with a slack can pass through obstacles between the collocation points, so the width of a way is taken
+  // from the grid. More than is missing is needed between two obstacles, because half of what one gives up is lost to
+  // the other one, and where the optimiser finds no motion along a way that is barely open.
   void widen(const Relaxable& what, double missing) {
     if (missing == 0) return;
     for (const double more : {1.0, 1.5, 2.0}) {
@@ -258,8 +258,8 @@ class Explanation {
     if (!relax_each(worth_trying_alone(active, hurried), hurried)) relax_together(active, hurried);
   }
 
-  // Alone, each would have to change by no less than all of them together. Where that is much, and more than a request
-  // may ask for, nobody is helped by what it comes to, and mostly it comes to nothing.
+  // Alone, each limit has to grow by no less than all of them together. Where that is more than a quarter, limits that
+  // would then exceed the robot's are not tried: a request may not ask for them, and mostly no motion is found.
   std::vector<Candidate> worth_trying_alone(std::vector<Candidate> single, const std::vector<Guess>& guesses) {
     const Problem everything = with_slack(problem_, all_limits(problem_));
     const auto least = search_.sketch(everything, "all_limits", guesses, Search::kMostIterationsOfSlack);

@@ -59,9 +59,11 @@ std::string sentence_of(const Relaxation& r) {
   if (r.constraint && r.constraint->relaxed) {
     return fmt::format("{} alone would have to be {}", r.name, fmt::format(fmt::runtime(r.constraint->relaxed), to));
   }
-  const std::string unit = r.kind == RelaxableKind::kVelocity ? " of what it is" : fmt::format(" {}", r.unit);
-  return fmt::format("{} alone would have to be {}{}{} (now {:.4g}{})", name_of(r.name, r.joint),
-                     r.rough ? "about " : "", to, unit, r.from, beyond);
+  const std::string about = r.rough ? "about " : "", name = name_of(r.name, r.joint);
+  if (r.kind == RelaxableKind::kVelocity) {
+    return fmt::format("{} alone would have to be {}{} times the requested one{}", name, about, to, beyond);
+  }
+  return fmt::format("{} alone would have to be {}{} {} (now {:.4g}{})", name, about, to, r.unit, r.from, beyond);
 }
 
 }  // namespace fjr

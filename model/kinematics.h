@@ -19,6 +19,7 @@ using Coordinates = std::array<double, 2>;
 // On which side of the line from the base to the tip, looking along it, the elbow lies.
 enum class Elbow { kAny, kLeft, kRight };
 
+// Of joint 2 in the frame of the base: x to the right, y upwards, q = 0 hanging straight down. q: [rad]. [m]
 template <class T>
 Point<T> elbow_position(const Parameters& p, const Joints<T>& q) {
   using std::cos;
@@ -26,6 +27,7 @@ Point<T> elbow_position(const Parameters& p, const Joints<T>& q) {
   return {p.link.length[0] * sin(q[0]), -p.link.length[0] * cos(q[0])};
 }
 
+// Of the end of link 2, in the same frame; q[1] is relative to link 1. [m]
 template <class T>
 Point<T> tip_position(const Parameters& p, const Joints<T>& q) {
   using std::cos;

@@ -78,6 +78,7 @@ inline Parameters with_payload(Parameters robot, const Payload& more) {
   return robot;
 }
 
+// M(q), which depends on the angle of joint 2 alone [rad], eq. (23), with the payload. [kg m^2]
 template <class T>
 MassMatrix<T> mass_matrix(const Parameters& p, const T& q2) {
   using std::cos;

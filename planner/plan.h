@@ -98,6 +98,12 @@ struct Plan {
   }
 };
 
+// Plans a motion and certifies it. A hard problem is no error: what became of it is in `status` and `reason`. The plan
+// is a function of the problem and the options, the same to the last bit for any number of jobs, but where a deadline
+// or `cancelled` ends the search. problem: as resolve() (planner/request/request.h) makes it; one that is filled in
+// otherwise needs robot, limits, start, goal, duration and weights, and a request_hash for plan.json. Throws
+// std::runtime_error where the linear solver cannot be loaded. Several threads may plan at a time with the linear
+// solver "stage", and one with any other.
 Plan plan(const Problem& problem, const PlanOptions& options);
 
 }  // namespace fjr

@@ -29,6 +29,7 @@ struct Agreement {
   std::string sentence() const;
 };
 
+// Of the parameters that several procedures, or several logs, have estimated: each pair of them.
 std::vector<Agreement> agreements(const std::vector<Estimate>& estimates);
 
 // A parameter that was known otherwise.

@@ -45,16 +45,18 @@ struct ClientOptions {
   std::function<void(const std::string& robot_id)> stop_execution;
 };
 
-// Sends the order under its id and returns the final reply. Throws NoAnswer, and InputError for a document that has not
-// the shape of a request.
 struct Answer {
   Reply reply;
   std::optional<ExecutionResult> result;  // when it was solved and to be executed
 };
+
+// Sends the order under its id and returns the final reply, and of an order that is to be executed what became of the
+// execution. Throws NobodyAsked when it was cancelled before a service was found, NoAnswer when there is none, or none
+// that answers in time, and InputError for a document that has not the shape of a request.
 Answer request_plan(const Order& order, const ClientOptions& options);
 
-// The latest word of everybody heard within `wait` seconds, or, while nobody is heard, as long as ever more of those
-// who are there are met: services by instance, executors by robot.
+// The latest state of every service and executor that was heard within `wait` [s]; while none is heard, for as long as
+// further participants are discovered. Services by instance, executors by robot.
 struct Overview {
   std::vector<ServiceStatus> services;
   std::vector<ExecutorState> executors;  // two that speak for one robot are two

@@ -280,6 +280,8 @@ T node_cost(const Weights& weights, Node node, const AtNode<T>& at) {
   return cost;
 }
 
+// Whether any term that counts depends on friction, is curved in the torque so that it determines it, is of another
+// kind than time (then not only_time), depends on the links' accelerations, or is a reward, which is maximised:
 bool sees_friction(const Weights& weights);
 bool settles_torque(const Weights& weights);
 bool only_time(const Weights& weights);

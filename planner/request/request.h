@@ -127,7 +127,8 @@ Problem load_request(const std::filesystem::path& file, const std::filesystem::p
 Problem parse_request(const std::string& yaml, const std::string& source, const std::filesystem::path& folder,
                       const std::filesystem::path& default_robot = {});
 
-// The file of the robot that a request is for, with folder and default_robot as above.
+// The file of the robot that a request is for, with folder and default_robot as above. Throws InputError where the one
+// that it names is no file.
 std::filesystem::path robot_file_of(const Request& request, const std::filesystem::path& folder,
                                     const std::filesystem::path& default_robot = {});
 

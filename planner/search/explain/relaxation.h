@@ -26,6 +26,7 @@ struct Relaxation {
   const ConstraintInfo* constraint = nullptr;  // of the task
 };
 
+// to: in the unit of `what`; of a velocity the fraction of what was asked for.
 Relaxation relaxation_of(const Relaxable& what, double to);
 
 // Of a time that was asked for, which may be longer or later: the duration, or a via point's. [s]

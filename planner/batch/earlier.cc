@@ -1,10 +1,11 @@
 #include "planner/batch/earlier.h"
 
-#include <fstream>
 #include <string>
 
 #include "common/input_error.h"
+#include "common/read_file.h"
 #include "planner/plan.h"
+#include "planner/results/verification.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -16,6 +17,16 @@ using Json = nlohmann::ordered_json;
 bool says(const Json& plan, const char* key, const std::string& text) {
   const auto found = plan.find(key);
   return found != plan.end() && found->is_string() && found->get_ref<const std::string&>() == text;
+}
+
+// Whether it tells of a motion as fjr plan does, and not of some other thing, or none.
+bool tells_of_a_motion(const fs::path& folder) {
+  try {
+    (void)planned_motion(folder);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
 }
 
 bool has_proof(const Json& plan) { return plan.value(Json::json_pointer("/certificate/proof"), Json()).is_object(); }
@@ -38,9 +49,9 @@ bool has_trajectory(const fs::path& file, const Problem& problem, const std::str
 }  // namespace
 
 std::optional<Json> read_plan_json(const fs::path& folder) {
-  std::ifstream in(folder / "plan.json", std::ios::binary);
-  if (!in) return std::nullopt;
-  Json plan = Json::parse(in, nullptr, false);
+  const std::optional<std::string> text = read_file(folder / "plan.json");
+  if (!text) return std::nullopt;
+  Json plan = Json::parse(*text, nullptr, false);
   if (!plan.is_object() || !plan.contains("status") || !plan["status"].is_string()) return std::nullopt;
   return plan;
 }
@@ -64,7 +75,7 @@ std::optional<Json> finished_earlier(const Problem& problem, const fs::path& fol
   if (!plan || !is_final(*plan, problem, want_proven)) return std::nullopt;
   const std::string hash = robot_hash(problem.robot);
   if (says(*plan, "status", name(PlanStatus::kCertified)) &&
-      !has_trajectory(folder / "trajectory.csv", problem, hash)) {
+      !(has_trajectory(folder / "trajectory.csv", problem, hash) && tells_of_a_motion(folder))) {
     return std::nullopt;
   }
   if (want_uncertified && says(*plan, "status", name(PlanStatus::kUncertified)) &&

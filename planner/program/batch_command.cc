@@ -97,6 +97,22 @@ void complete_report(const Batch& batch, const BatchItem& item, const Json& plan
   }
 }
 
+// Nothing where it is to be planned: what cannot be read as a plan is no result.
+std::optional<Row> row_of_earlier(const Batch& batch, const BatchItem& item, const Problem& problem) {
+  const PlanSettings& settings = batch.options.settings;
+  const FolderLock lock(batch.folder(item));
+  try {
+    const auto plan = finished_earlier(problem, batch.folder(item), settings.keep_uncertified, settings.plan.proven);
+    if (!plan) return std::nullopt;
+    complete_report(batch, item, *plan);
+    return make_row(item, *plan);
+  } catch (const Json::exception&) {
+    return std::nullopt;
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
 // Rows of what an earlier run has finished and of bad requests; returns which items are left to be planned.
 std::vector<std::size_t> sort_out(Batch& batch) {
   std::vector<std::size_t> open;
@@ -115,12 +131,8 @@ std::vector<std::size_t> sort_out(Batch& batch) {
         continue;
       }
       tell_doubts(problem->robot);
-      const FolderLock lock(batch.folder(item));
-      const auto plan = finished_earlier(*problem, batch.folder(item), batch.options.settings.keep_uncertified,
-                                         batch.options.settings.plan.proven);
-      if (plan) {
-        complete_report(batch, item, *plan);
-        batch.rows[i] = make_row(item, *plan);
+      if (auto row = row_of_earlier(batch, item, *problem)) {
+        batch.rows[i] = *std::move(row);
         ++batch.earlier;
       } else {
         open.push_back(i);

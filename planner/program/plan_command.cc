@@ -124,6 +124,8 @@ ResolvedRequest resolve_named(const NamedRequest& named, const std::string& robo
   return {resolve(named.request, load_parameters(file)), file};
 }
 
+void complain(const std::string& problem) { say("fjr: {}\n", problem); }
+
 std::optional<WarmStart> warm_start(const Problem& problem, const PlanArguments& options) {
   if (!options.warm.empty()) {
     const FolderLock lock(options.warm);
@@ -132,8 +134,14 @@ std::optional<WarmStart> warm_start(const Problem& problem, const PlanArguments&
   }
   if (options.settings.library.empty()) return std::nullopt;
   const PlanLibrary library(options.settings.library, PlanLibrary::Access::kRead);
-  const auto neighbour = library.nearest(problem);
-  return neighbour ? std::optional(warm_start_from(*neighbour)) : std::nullopt;
+  try {
+    const auto neighbour = library.nearest(problem);
+    return neighbour ? std::optional(warm_start_from(*neighbour)) : std::nullopt;
+  } catch (const InputError& damaged) {  // an entry is: the request can be planned without it
+    complain(fmt::format("{}: planned from scratch, for the nearest plan cannot be read: {}", options.settings.library,
+                         damaged.what()));
+    return std::nullopt;
+  }
 }
 
 void load(PlanJob& job, const PlanArguments& options) {
@@ -145,8 +153,6 @@ void load(PlanJob& job, const PlanArguments& options) {
     job.refusal = error;
   }
 }
-
-void complain(const std::string& problem) { say("fjr: {}\n", problem); }
 
 bool has_earlier_results(const PlanJob& job) {
   const FolderLock lock(job.folder);

@@ -21,10 +21,15 @@
 namespace fjr {
 namespace {
 
-// The payload given, or else the robot's, or else the file's.
-void settle_payload(const std::optional<Payload>& given, Verification& v) {
+// The payload given, or else the robot's, or else that of plan.json, or else the file's.
+void settle_payload(const std::optional<Payload>& given, const std::optional<Payload>& of_plan, Verification& v) {
   if (given) v.robot.payload = *given;
-  const auto& planned = v.header.payload;
+  const auto& of_file = v.header.payload;
+  const auto& planned = of_plan ? of_plan : of_file;
+  if (of_plan && of_file && *of_plan != *of_file) {
+    v.contradictions.push_back(
+        fmt::format("payload: the file says {}, but plan.json {}", text_of(*of_file), text_of(*of_plan)));
+  }
   if (!planned || *planned == v.robot.payload) return;
   if (!given && v.robot.payload == Payload{}) {
     v.robot.payload = *planned;
@@ -133,7 +138,8 @@ Via read_via(const YamlNode& node, double tolerance) {
   return via;
 }
 
-void read_limits(const YamlNode& given, Limits& limits) {
+Limits read_limits(const YamlNode& given) {
+  Limits limits = Limits::all(kNoLimit);
   for (const LimitName& name : kLimitNames) {
     const auto found = given.find(name.quantity->name);
     if (!found) continue;
@@ -142,6 +148,15 @@ void read_limits(const YamlNode& given, Limits& limits) {
     const YamlNode value = of_joints ? found->items()[name.j()] : *found;
     if (!value.is_null()) name.in(limits) = value.number(name.quantity->unit);
   }
+  return limits;
+}
+
+// Without those of the robot that it was planned for, which another one need not keep.
+Limits tighter(Limits asked, const Limits& of_robot) {
+  for (const LimitName& name : kLimitNames) {
+    if (!(name.in(asked) < name.in(of_robot))) name.in(asked) = kNoLimit;
+  }
+  return asked;
 }
 
 void read_ends(const YamlNode& plan, PlannedMotion& planned) {
@@ -164,7 +179,13 @@ void read_ends(const YamlNode& plan, PlannedMotion& planned) {
 PlannedMotion read_motion(const YamlNode& plan) {
   const YamlNode request = plan.at("resolved_request");
   PlannedMotion planned{read_task(request.at("task")), {}};
-  if (const auto limits = request.find("limits")) read_limits(*limits, planned.limits);
+  if (const auto limits = request.find("limits")) planned.limits = read_limits(*limits);
+  if (const auto robot = plan.find("robot")) {
+    planned.limits = tighter(planned.limits, read_limits(robot->at("limits")));
+    if (const auto payload = robot->find("payload")) {
+      planned.payload = {payload->at("mass").number("kg"), payload->at("inertia").number("kg m^2")};
+    }
+  }
   if (const auto start = request.find("start")) planned.start = read_state(*start);
   if (const auto goal = request.find("goal")) planned.goals.push_back(read_goal(*goal));
   if (const auto others = request.find("other_goals")) {
@@ -186,7 +207,7 @@ PlannedMotion read_motion(const YamlNode& plan) {
 // Strictly, but for what the motion does not depend on: that may be longer than any request.
 PlannedMotion read_motion(const Json& plan, const std::string& source) {
   Json relevant = Json::object();
-  for (const char* key : {"status", "request_hash", "resolved_request", "via_times", "duration"}) {
+  for (const char* key : {"status", "request_hash", "resolved_request", "robot", "via_times", "duration"}) {
     if (plan.is_object() && plan.contains(key)) relevant[key] = plan[key];
   }
   return read_motion(YamlNode::parse(json_text(relevant), source));
@@ -205,7 +226,14 @@ const Goal& nearest_goal(const std::vector<Goal>& goals, const Joints<double>& q
 }
 
 void check_against_planned(const PlannedMotion& planned, const Trajectory& trajectory, Verification& v) {
+  if (planned.ends.empty()) return;  // no plan is known
+  if (trajectory.start_time() != 0) {
+    v.certificate.certified = false;
+    v.certificate.failures.push_back(
+        fmt::format("the rows begin at {} s, and the motion of plan.json at 0 s", trajectory.start_time()));
+  }
   if (!planned.start || planned.goals.empty()) {
+    v.contradictions.push_back("plan.json does not say from where to where the motion was to go: that is not checked");
     return check_against_task(v.robot, planned.task, planned.ends, trajectory, v.certificate);
   }
   Problem asked;
@@ -244,7 +272,7 @@ PlannedMotion planned_motion_in(const std::string& plan_json, const std::string&
 Verification verify(const Trajectory& trajectory, const std::string& source, const Parameters& robot,
                     const VerifyOptions& options) {
   Verification v{robot, {}, planned_with(trajectory.metadata, source), {}, {}, {}};
-  settle_payload(options.payload, v);
+  settle_payload(options.payload, options.planned.payload, v);
   v.limits = Limits::of(v.robot);
   tighten(v);
   tighten_as_planned(options.planned, v);

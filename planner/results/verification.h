@@ -26,10 +26,11 @@ struct Verification {
 struct PlannedMotion {
   Task task;
   std::vector<double> ends;               // [s] of the motion's segments
-  Limits limits = Limits::all(kNoLimit);  // the robot's, or tighter
+  Limits limits = Limits::all(kNoLimit);  // those that are tighter than the robot's that it was planned for
   std::optional<State<double>> start{};   // none: not said
   std::vector<Goal> goals{};              // any of them will do; empty: not said
   Duration duration{0, kNoLimit};         // [s]
+  std::optional<Payload> payload{};       // none: not said
   std::vector<Via> via{};
   std::string request_hash{}, status{};  // empty: not said
 };

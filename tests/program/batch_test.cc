@@ -112,6 +112,24 @@ TEST_F(Batch, AGridIsPlannedOnce) {
   EXPECT_TRUE(fs::exists(path("out/g_0.22/trajectory.csv")));
 }
 
+// What is no plan costs its own request, which is planned again, and no other.
+TEST_F(Batch, ADamagedPlanIsPlannedAgain) {
+  write("short.yaml", kShort);
+  write("g.yaml", kGrid);
+  const std::vector<std::string> words = {"batch", "g.yaml", "--out", "out", "-q"};
+  ASSERT_EQ(run(words).exit_code, 0);
+  const Json whole = plan_json("out/g_0.22");
+  for (const char* field : {"objective", "certificate", "duration", "resolved_request"}) {
+    Json damaged = whole;
+    damaged[field] = Json::array();
+    write("out/g_0.22/plan.json", damaged.dump());
+    const Result again = run(words);
+    EXPECT_EQ(again.exit_code, 0) << field << again.err;
+    EXPECT_EQ(summary()["planned"], 1) << field;
+    EXPECT_EQ(summary()["finished_earlier"], 2) << field;
+  }
+}
+
 TEST_F(Batch, WhatWasFinishedBeforeAKillIsNotPlannedAgain) {
   write("a.yaml", kShort);
   write("b.yaml", kLong);

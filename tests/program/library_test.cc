@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "planner/store/database.h"
 #include "tests/support/cli.h"
 
 namespace fjr {
@@ -53,6 +54,16 @@ TEST_F(Library, RequestsBesideItsPlansStartFromThem) {
     EXPECT_EQ(plan_json(name)["warm"]["from"], nullptr) << name;
     EXPECT_FALSE(plan_json(name)["warm"]["used"]) << name;
   }
+}
+
+TEST_F(Library, ADamagedPlanIsOfNoUseAndNoHindrance) {
+  build();
+  Database(path("lib/library.sqlite"), Database::Access::kWrite).execute("UPDATE plans SET solution = x'00'");
+  write("same.yaml", "start: {q: [0, 0]}\ngoal: {q: [0.24, -0.1]}\n");
+  const Result planned = run({"plan", "same.yaml", "--out", "same", "--library", "lib"});
+  EXPECT_EQ(planned.exit_code, 0) << planned.err;
+  EXPECT_THAT(planned.err, HasSubstr("lib: planned from scratch, for the nearest plan cannot be read: "));
+  EXPECT_FALSE(plan_json("same")["warm"]["used"]);
 }
 
 TEST_F(Library, ACheckComparesWithPlansFromScratch) {

@@ -149,7 +149,8 @@ TEST_F(Cli, VerifySaysWhereRowsAndPlanAreOfDifferentRequests) {
                            R"(", "resolved_request": {"task": {}}, "via_times": [], "duration": 0.02})");
     return run({"verify", "."}).err;
   };
-  EXPECT_EQ(warnings("abc"), "");
+  EXPECT_THAT(warnings("abc"), Not(HasSubstr("another request")));
+  EXPECT_THAT(warnings("abc"), HasSubstr("plan.json does not say from where to where"));
   EXPECT_THAT(warnings("def"),
               HasSubstr("it was planned for another request (request_hash abc, that of plan.json is def)"));
 }
@@ -174,6 +175,22 @@ TEST_F(Cli, VerifyHoldsTheRowsOfAFolderAgainstTheRequest) {
   EXPECT_THAT(failure([](Json& r) { r["start"]["q"][0] = 0.301; }), HasSubstr("the first row is not the start"));
   EXPECT_THAT(failure([](Json& r) { r["goal"]["q"][1] = 0.141; }), HasSubstr("the last row is not the goal"));
   EXPECT_THAT(failure([](Json& r) { r["duration"]["max"] = 0.05; }), HasSubstr("the motion takes"));
+
+  write("out/plan.json", honest.dump());
+  const Trajectory planned = read_csv(path("out/trajectory.csv"));
+  Trajectory sooner = planned;
+  for (Sample& row : sooner.samples) row.time -= 0.01;
+  write_csv(sooner, path("out/trajectory.csv"));
+  EXPECT_THAT(run({"verify", "out"}).out, HasSubstr("the rows begin at -0.01 s, and the motion of plan.json at 0 s"));
+  Trajectory unsaid = planned;  // a payload that is held nowhere but in plan.json
+  unsaid.metadata.erase("payload");
+  write_csv(unsaid, path("out/trajectory.csv"));
+  EXPECT_EQ(run({"verify", "out"}).exit_code, 0);
+  Json loaded = honest;
+  loaded["robot"]["payload"]["mass"] = 0.3;
+  write("out/plan.json", loaded.dump());
+  EXPECT_EQ(run({"verify", "out"}).exit_code, 4);
+  write_csv(planned, path("out/trajectory.csv"));
 
   Json either = honest;  // of several goals one will do
   either["resolved_request"]["other_goals"] = {either["resolved_request"]["goal"]};

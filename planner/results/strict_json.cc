@@ -39,7 +39,7 @@ Json load_plan_json(const std::filesystem::path& folder) {
     throw InputError(file.string(), "", error.what());
   }
   if (!text)
-    throw InputError(file.string(), "", "is not there: this is no folder of a plan (fjr plan REQUEST --out DIR)");
+    throw InputError(file.string(), "", "cannot be read: this is no folder of a plan (fjr plan REQUEST --out DIR)");
   return parse_json(*text, file.string());
 }
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <random>
 
@@ -149,7 +150,9 @@ void take_turns(std::vector<Turn>& turns, const VirtualArmOptions& options, doub
     while (!control.finished()) tick(kTick);
     const ExecutionResult result = result_of(*running, robot());
     ASSERT_EQ(result.code, ResultCode::kSuccessful) << result.sentence;
-    const ExecutedMotion motion = executed_motion(read_log(write_log(*running, result, testing::TempDir())));
+    const std::filesystem::path log = write_log(*running, result, testing::TempDir());
+    const ExecutedMotion motion = executed_motion(read_log(log));
+    std::filesystem::remove(log);
     turn.rms.push_back(in_counts(std::hypot(motion.link_error_rms[0], motion.link_error_rms[1])));
     const Repetition next = next_repetition(robot(), Limits::of(robot()), {}, turn.rows, motion, turn.history);
     turn.rows = next.rows;

@@ -251,6 +251,9 @@ class Earlier : public testing::Test {
     plan_["request_hash"] = problem_.request_hash;
     plan_["robot_hash"] = hash_;
     plan_["status"] = "certified";
+    plan_["resolved_request"]["task"] = Json::object();
+    plan_["via_times"] = Json::array();
+    plan_["duration"] = 1.0;
   }
   void TearDown() override { fs::remove_all(folder_); }
 

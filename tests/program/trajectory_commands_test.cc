@@ -203,7 +203,7 @@ TEST_F(Cli, VerifyHoldsTheRowsOfAFolderAgainstTheRequest) {
   fs::remove(path("out/plan.json"));
   const Result none = run({"verify", "out"});
   EXPECT_EQ(none.exit_code, 2);
-  EXPECT_THAT(none.err, HasSubstr("out/plan.json: is not there"));
+  EXPECT_THAT(none.err, HasSubstr("out/plan.json: cannot be read: this is no folder of a plan"));
 }
 
 // In the middle of a number of its last row: it has all rows that it says it has.

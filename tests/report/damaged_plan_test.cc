@@ -23,8 +23,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Pointer = Json::json_pointer;
 
-// Of all values within it; of long lists the first two items.
-void add_places(const Json& json, const Pointer& here, std::vector<Pointer>& places) {
+// Of all values within it; of long lists the first two items. here: a copy, for `places` may have to move what it has.
+void add_places(const Json& json, Pointer here, std::vector<Pointer>& places) {
   if (json.is_object()) {
     for (const auto& item : json.items()) {
       places.push_back(here / item.key());

@@ -18,6 +18,7 @@ test_packages=(
   systemd systemd-container                                     # systemd-analyze: the units are verified; and run
   libgtest-dev libgmock-dev librapidcheck-dev libbenchmark-dev libmpfr-dev  # tests and benchmarks
   python3-prometheus-client                                     # reads the service's metrics
+  locales                                                       # one that writes a comma, to test numbers with
   libfastrtps-dev fastddsgen default-jre-headless               # another DDS, to test against
   python3 python3-venv python3-dev                              # bench/suite.py, a client in Python
   slurm-wlm munge parallel                                      # engines that run batches

@@ -5,7 +5,7 @@
 #include "common/input_error.h"
 #include "common/read_file.h"
 #include "planner/plan.h"
-#include "planner/results/verification.h"
+#include "planner/results/planned_motion.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -20,9 +20,9 @@ bool says(const Json& plan, const char* key, const std::string& text) {
 }
 
 // Whether it tells of a motion as fjr plan does, and not of some other thing, or none.
-bool tells_of_a_motion(const fs::path& folder) {
+bool tells_of_a_motion(const Json& plan) {
   try {
-    (void)planned_motion(folder);
+    (void)planned_motion_in(plan, "plan.json");
     return true;
   } catch (const InputError&) {
     return false;
@@ -75,7 +75,7 @@ std::optional<Json> finished_earlier(const Problem& problem, const fs::path& fol
   if (!plan || !is_final(*plan, problem, want_proven)) return std::nullopt;
   const std::string hash = robot_hash(problem.robot);
   if (says(*plan, "status", name(PlanStatus::kCertified)) &&
-      !(has_trajectory(folder / "trajectory.csv", problem, hash) && tells_of_a_motion(folder))) {
+      !(has_trajectory(folder / "trajectory.csv", problem, hash) && tells_of_a_motion(*plan))) {
     return std::nullopt;
   }
   if (want_uncertified && says(*plan, "status", name(PlanStatus::kUncertified)) &&

@@ -431,14 +431,12 @@ std::vector<double> torque_corners(const Trajectory& trajectory, double slope_ch
   return corners;
 }
 
-double longest_interval(const Trajectory& trajectory) {
-  double longest = 0;
+double longest_step(const Trajectory& trajectory) {
+  double longest = 0;  // between two rows
   for (std::size_t k = 0; k + 1 < trajectory.samples.size(); ++k) {
     longest = std::max(longest, trajectory.samples[k + 1].time - trajectory.samples[k].time);
   }
-  return longest;
+  return std::min(longest, kLongestStep);
 }
-
-double longest_step(const Trajectory& trajectory) { return std::min(longest_interval(trajectory), kLongestStep); }
 
 }  // namespace fjr

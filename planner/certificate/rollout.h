@@ -112,9 +112,6 @@ class Rollout {
 // `slope_change` [N m/s].
 std::vector<double> torque_corners(const Trajectory& trajectory, double slope_change);
 
-// Longest distance between two rows: the sample period of a published trajectory. [s]
-double longest_interval(const Trajectory& trajectory);
-
 // Longest step for rolling this trajectory out: none over a whole row interval, so that no row goes unseen, and none
 // over 1 ms, a third of the time in which the instability grows that a rollout has to show (motor 2 at rest, 365/s).
 // [s]

@@ -106,9 +106,7 @@ std::optional<Row> row_of_earlier(const Batch& batch, const BatchItem& item, con
     if (!plan) return std::nullopt;
     complete_report(batch, item, *plan);
     return make_row(item, *plan);
-  } catch (const Json::exception&) {
-    return std::nullopt;
-  } catch (const std::runtime_error&) {
+  } catch (const std::exception&) {
     return std::nullopt;
   }
 }

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "planner/certificate/certificate.h"
-#include "planner/problem/problem.h"
+#include "planner/results/planned_motion.h"
 #include "planner/results/planned_with.h"
 
 namespace fjr {
@@ -21,25 +21,6 @@ struct Verification {
   Certificate certificate;
   std::optional<bool> complete;  // all rows are there that the file says that it had; none: it does not say
 };
-
-// What plan.json says that the motion was asked for.
-struct PlannedMotion {
-  Task task;
-  std::vector<double> ends;               // [s] of the motion's segments
-  Limits limits = Limits::all(kNoLimit);  // those that are tighter than the robot's that it was planned for
-  std::optional<State<double>> start{};   // none: not said
-  std::vector<Goal> goals{};              // any of them will do; empty: not said
-  Duration duration{0, kNoLimit};         // [s]
-  std::optional<Payload> payload{};       // none: not said
-  std::vector<Via> via{};
-  std::string request_hash{}, status{};  // empty: not said
-};
-
-// From the plan.json in the folder of a plan. Throws InputError where there is none, or none of a motion, or where its
-// via_times are no times between the motion's segments.
-PlannedMotion planned_motion(const std::filesystem::path& folder);
-// The same from its text. source: what it is called in messages.
-PlannedMotion planned_motion_in(const std::string& plan_json, const std::string& source);
 
 struct VerifyOptions {
   std::optional<Payload> payload;  // none: the robot's, or else the file's

@@ -38,7 +38,7 @@ std::optional<Joints<double>> motors_began_by(Json& plan) {
 
 Repetition next(const Parameters& robot, const Json& plan, const RunOfMotion& run, const RepetitionHistory& history) {
   const Trajectory executed{run.rows, {}};
-  const PlannedMotion planned = planned_motion_in(run.plan_json, "plan.json");
+  const PlannedMotion planned = planned_motion_in(plan, "plan.json");
   const TaskOfMotion task = TaskOfMotion::of(robot, planned.task, planned.ends);
   const Limits limits = limits_of_plan(robot, plan);
   Log log = log_of(run.ticks, run.missed_ticks);

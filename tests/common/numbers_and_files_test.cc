@@ -4,6 +4,7 @@
 
 #include <clocale>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <random>
@@ -34,14 +35,18 @@ TEST(RoundedTo, IsTheNearestNumberOfSoManyDigits) {
   }
 }
 
-// Where a locale with a comma is installed.
+// In a locale that writes a comma, which is made for this.
 TEST(RoundedTo, KnowsNoLocale) {
-  const std::string before = std::setlocale(LC_ALL, nullptr);
-  if (!std::setlocale(LC_ALL, "de_DE.UTF-8") && !std::setlocale(LC_ALL, "fr_FR.UTF-8")) {
-    GTEST_SKIP() << "no locale that writes a comma";
-  }
+  const fs::path folder = fs::temp_directory_path() / ("fjr_locale_" + std::to_string(::getpid()));
+  fs::create_directory(folder);
+  const std::string made = "localedef -i de_DE -f UTF-8 " + (folder / "de_DE.UTF-8").string();
+  ASSERT_EQ(std::system(made.c_str()), 0) << made;
+  ::setenv("LOCPATH", folder.c_str(), 1);
+  ASSERT_NE(std::setlocale(LC_ALL, "de_DE.UTF-8"), nullptr);
+  EXPECT_NE(std::strtod("5.123", nullptr), 5.123);  // what the numbers would be
   EXPECT_EQ(rounded_to(5.12345, 4), 5.123);
-  std::setlocale(LC_ALL, before.c_str());
+  std::setlocale(LC_ALL, "C");
+  fs::remove_all(folder);
 }
 
 TEST(ReadFile, TellsNoFileFromOneThatCannotBeRead) {

@@ -262,6 +262,7 @@ class RowsProver {
   }
   // The difference quotients that limits.cc takes.
   void torque_rates(const Trajectory& trajectory) {
+    if (!is_limited(LimitedTorqueRate::info, claims_.published)) return;
     const std::vector<Sample>& rows = trajectory.samples;
     const std::vector<std::optional<std::size_t>> before = rows_of_torque_rates(rows);
     for (std::size_t j = 0; j < kJoints; ++j) {

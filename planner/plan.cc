@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "common/cpu_time.h"
-#include "planner/certificate/judge.h"
 #include "planner/certificate/proof/prove.h"
 #include "planner/conclusion.h"
 #include "planner/plan_fields.h"
@@ -148,10 +147,6 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   const std::optional<Publication> without_margins = make_robust(problem, found, session);
   tell_motion(found, plan);
   conclude(found, session, plan);
-  if (plan.certificate) {
-    const Timed timed(session, "certificate");
-    predict(problem.robot, *plan.trajectory, *plan.certificate, session.side_by_side());
-  }
   if ((options.proven || problem.proven) && plan.status == PlanStatus::kCertified) demand_proof(problem, session, plan);
   if (plan.solution && plan.trajectory) plan.analysis = analyse(*found.best->problem, *plan.solution, found.scale);
   if (plan.analysis && plan.certificate->robustness.evaluated) {

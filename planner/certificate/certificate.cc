@@ -3,7 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
+#include <cstddef>
 #include <numbers>
+#include <string>
+#include <utility>
 
 #include "planner/certificate/amplification.h"
 #include "planner/certificate/comparison.h"
@@ -91,14 +95,14 @@ class Verdict {
   Certificate& certificate_;
 };
 
-// Rolls out and fills what is measured on the way; nothing is judged here.
-void measure_open_loop(const Parameters& robot, Rollout& rollout, const Trajectory& trajectory, Certificate& c) {
+// Roll out and fill what is measured on the way; nothing is judged here.
+Comparison measure_open_loop(const Parameters& robot, Rollout& rollout, const Trajectory& trajectory, Certificate& c) {
   c.open_loop.stretches = stretches_of_amplification(robot, trajectory);
   const Comparison open =
       compare(rollout, robot, trajectory, open_loop_pieces(robot, trajectory, c.open_loop.stretches),
               comparison_instants(trajectory));
   static_cast<RolloutErrors&>(c.open_loop) = open.errors;
-  c.open_loop.end = open.final;
+  return open;
 }
 
 Comparison measure_closed_loop(const Parameters& robot, const Limits& limits, Rollout& rollout,
@@ -107,10 +111,72 @@ Comparison measure_closed_loop(const Parameters& robot, const Limits& limits, Ro
       compare(rollout, robot, trajectory, Drive::closed_loop(trajectory, robot), comparison_instants(trajectory));
   static_cast<RolloutErrors&>(c.closed_loop) = closed.errors;
   c.closed_loop.feedback_torque = closed.feedback_torque;
-  c.closed_loop.end = closed.final;
   c.limits = check_limits(robot, limits, trajectory, closed);
   return closed;
 }
+
+// The rollouts of a certificate. Each part fills its own members of the certificate, so that all of them can be rolled
+// out at the same time.
+class Rollouts {
+ public:
+  static constexpr std::size_t kParts = 3 + PerturbedRollouts::kStarts;
+
+  Rollouts(const Parameters& robot, const Limits& limits, const Trajectory& trajectory, Certificate& certificate)
+      : robot_(robot),
+        limits_(limits),
+        trajectory_(trajectory),
+        certificate_(certificate),
+        ends_at_rest_(is_at_rest(robot, trajectory.samples.back())),
+        perturbed_(robot, trajectory) {}
+
+  // Longer ones, and those that others wait for, come first.
+  void roll_out(std::size_t part) {
+    if (part == 0) return roll_out_closed_loop();
+    if (part == 1) return roll_out_open_loop();
+    if (part == kParts - 1) {
+      certificate_.tracking = predict_tracking(robot_, trajectory_);
+    } else if (!failed_) {
+      perturbed_.roll_out(part - 2);
+    }
+  }
+
+  const Comparison& closed() const { return closed_; }
+  Perturbed perturbed() const { return perturbed_.worst(); }  // where no loop has failed
+
+ private:
+  void roll_out_open_loop() {
+    Rollout rollout(robot_, rollout_allowance(robot_, limits_), Accuracy::of_certificates());
+    const Comparison open = measure_open_loop(robot_, rollout, trajectory_, certificate_);
+    stop_where_failed(open.errors);
+    if (ends_at_rest_) {
+      certificate_.residual.open_loop_drift = drift_at_rest(robot_, trajectory_.samples.back(), open.final);
+    }
+  }
+
+  void roll_out_closed_loop() {
+    Rollout rollout(robot_, rollout_allowance(robot_, limits_), Accuracy::of_certificates());
+    closed_ = measure_closed_loop(robot_, limits_, rollout, trajectory_, certificate_);
+    stop_where_failed(closed_.errors);
+    certificate_.residual.window = kResidualWindow;
+    certificate_.residual.evaluated = ends_at_rest_ && closed_.errors.completed;
+    if (!certificate_.residual.evaluated) return;
+    certificate_.residual.link_vibration = deviation_at_rest(robot_, trajectory_.samples.back(), closed_.final);
+  }
+
+  // A verdict that is known needs no perturbed starts any more.
+  void stop_where_failed(const RolloutErrors& errors) {
+    if (!errors.completed || errors.max_link() > certificate_.tolerance) failed_ = true;
+  }
+
+  const Parameters& robot_;
+  const Limits& limits_;
+  const Trajectory& trajectory_;
+  Certificate& certificate_;
+  const bool ends_at_rest_;
+  Comparison closed_;
+  PerturbedRollouts perturbed_;
+  std::atomic<bool> failed_ = false;
+};
 
 // What needs no rollout.
 Certificate judge_rows(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
@@ -152,8 +218,8 @@ std::string OpenLoop::why_not_in_one_run() const {
   return text;
 }
 
-Certificate judge(const Parameters& robot, const Limits& limits, const Trajectory& trajectory,
-                  const ForEach& for_each) {
+Certificate certify(const Parameters& robot, const Limits& limits, const Trajectory& trajectory,
+                    const ForEach& for_each) {
   Certificate c;
   c.tolerance = exactness_tolerance(robot);
   Verdict verdict(robot, c);
@@ -162,24 +228,21 @@ Certificate judge(const Parameters& robot, const Limits& limits, const Trajector
     verdict.refuse(std::move(reason));
     return c;
   }
-  Comparison closed;
-  for_each(2, [&](std::size_t i) {
-    Rollout rollout(robot, rollout_allowance(robot, limits), Accuracy::of_certificates());
-    if (i == 0) {
-      measure_open_loop(robot, rollout, trajectory, c);
-    } else {
-      closed = measure_closed_loop(robot, limits, rollout, trajectory, c);
-    }
-  });
+  Rollouts rollouts(robot, limits, trajectory, c);
+  for_each(Rollouts::kParts, [&](std::size_t part) { rollouts.roll_out(part); });
   verdict.refuse(inconsistent_velocity(robot, trajectory));
   verdict.judge_exactness("open loop", c.open_loop);
-  verdict.judge_closed_loop(closed);
+  verdict.judge_closed_loop(rollouts.closed());
   if (c.failures.empty()) {
-    c.closed_loop.perturbed = roll_out_perturbed(robot, trajectory, for_each);
+    c.closed_loop.perturbed = rollouts.perturbed();
     verdict.judge_perturbed(c.closed_loop.perturbed);
   }
   c.certified = c.failures.empty();
   return c;
+}
+
+Certificate certify(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
+  return certify(robot, limits, trajectory, one_after_another);
 }
 
 Certificate judge_closed_loop(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
@@ -187,23 +250,6 @@ Certificate judge_closed_loop(const Parameters& robot, const Limits& limits, con
   if (!c.failures.empty()) return c;
   c = judge_closed_loop(robot, limits, trajectory, Accuracy::of_predictions());
   return c.certified ? c : judge_closed_loop(robot, limits, trajectory, Accuracy::of_certificates());
-}
-
-void predict(const Parameters& robot, const Trajectory& trajectory, Certificate& c, const ForEach& for_each) {
-  if (!malformed(trajectory).empty()) return;
-  for_each(2, [&](std::size_t i) {
-    if (i == 0) {
-      c.tracking = predict_tracking(robot, trajectory);
-    } else if (c.closed_loop.completed && is_at_rest(robot, trajectory.samples.back())) {
-      c.residual = roll_out_residual(robot, trajectory.samples.back(), c.closed_loop.end, c.open_loop.end);
-    }
-  });
-}
-
-Certificate certify(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
-  Certificate c = judge(robot, limits, trajectory);
-  predict(robot, trajectory, c);
-  return c;
 }
 
 }  // namespace fjr

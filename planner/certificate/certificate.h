@@ -20,7 +20,6 @@ struct RolloutErrors {          // rollout minus plan, largest magnitude over ti
   Joints<double> motor{};       // [rad] per joint
   Joints<double> final_link{};  // [rad] at the end
   double time_of_max_link = 0;  // [s]
-  State<double> end{};          // where the rollout ended
   bool completed = false;       // false: the integration broke down; `failure` says why
   std::string failure;
 
@@ -203,7 +202,7 @@ struct Certificate {
 };
 
 // The verdict on one trajectory on one robot, with residual and tracking; `limits` are the robot's or tighter. A
-// trajectory that ends with dq = dtheta = 0 in equilibrium is taken to end at rest. Parts of it: judge.h.
+// trajectory that ends with dq = dtheta = 0 in equilibrium is taken to end at rest.
 Certificate certify(const Parameters& robot, const Limits& limits, const Trajectory& trajectory);
 
 }  // namespace fjr

@@ -28,12 +28,14 @@ bool hold_at_rest(const Parameters& p, const Parameters& moved, const Sample& go
 bool hold_at_place(const Parameters& p, const Parameters& moved, const Sample& place, const State<double>& from,
                    double duration, const HoldObserver& observe);
 
-// How far the links come off the rest at `goal` within the window of Residual, held there. [rad]
+inline constexpr double kResidualWindow = 1;  // [s] after the end
+
+// How far the links come off the rest at `goal` within that time, held there from `from` on. Infinite where the
+// integration broke down. [rad]
 Joints<double> deviation_at_rest(const Parameters& p, const Sample& goal, const State<double>& from);
 
-// Holds G(q_goal) for one second from the states in which the rollouts ended, with and without feedback to the rest at
-// q_goal. A breakdown of the open-loop integration leaves the drift reached so far.
-Residual roll_out_residual(const Parameters& p, const Sample& goal, const State<double>& closed_loop_end,
-                           const State<double>& open_loop_end);
+// The same with the torque that holds the rest, and without feedback. A breakdown of the integration leaves the drift
+// reached so far. [rad]
+Joints<double> drift_at_rest(const Parameters& p, const Sample& goal, const State<double>& from);
 
 }  // namespace fjr

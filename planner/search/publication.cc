@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "planner/certificate/certificate.h"
 #include "planner/certificate/judge.h"
 #include "planner/certificate/request_check.h"
 #include "planner/ocp/objective.h"
@@ -24,7 +25,7 @@ constexpr double kFinerRows = 0.25;     // of what linear interpolation between 
 Publication with_certificate(const Continuation& c, const Problem& asked, Trajectory trajectory, Session& session) {
   const Collocated& solution = c.solution();
   Publication p{.problem = c.problem(), .solution = solution, .trajectory = std::move(trajectory)};
-  p.certificate = judge(asked.robot, asked.limits, p.trajectory, session.side_by_side());
+  p.certificate = certify(asked.robot, asked.limits, p.trajectory, session.side_by_side());
   check_against_request(*c.problem(), segment_ends(solution.durations), p.trajectory, p.certificate);
   p.terms = objective_terms(asked, solution, p.trajectory);
   p.objective = weighted_sum(asked.weights, p.terms);

@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <ctime>
 #include <exception>
+#include <stdexcept>
+#include <string>
 #include <system_error>
 #include <utility>
 
@@ -87,11 +89,24 @@ std::int64_t begin_run(const Database& database) {
 
 // ---- answers ----
 
-// Makes room for a new answer.
+// What is in a file of the current answer. None where it has no such file, or one that is damaged.
+std::optional<std::string> current_file(const Database& database, const std::string& name, const std::string& file) {
+  Statement packed =
+      database.query("SELECT size, deflated FROM files WHERE name = ? AND previous = 0 AND file = ?", name, file);
+  if (!packed.step()) return std::nullopt;
+  try {
+    return inflated(packed.text(1), static_cast<std::size_t>(packed.integer(0)));
+  } catch (const std::runtime_error&) {
+    return std::nullopt;
+  }
+}
+
+// Makes room for a new answer. A certified plan that cannot be unpacked any more takes the place of no earlier one.
 void move_aside(const Database& database, const std::string& name) {
   Statement current = database.query("SELECT status FROM plans WHERE name = ? AND previous = 0", name);
   if (!current.step()) return;
-  const bool certified = current.text(0) == fjr::name(PlanStatus::kCertified);
+  const bool certified = current.text(0) == fjr::name(PlanStatus::kCertified) &&
+                         current_file(database, name, kPlanJson) && current_file(database, name, "trajectory.csv");
   for (const char* table : {"plans", "files"}) {
     database.run(fmt::format("DELETE FROM {} WHERE name = ? AND previous = ?", table), name, certified ? 1 : 0);
     if (certified) database.run(fmt::format("UPDATE {} SET previous = 1 WHERE name = ?", table), name);
@@ -134,15 +149,8 @@ ChunkWriter::~ChunkWriter() {
   }
 }
 
-std::optional<Json> ChunkWriter::plan(const std::string& name) const {
-  Statement file =
-      database_.query("SELECT size, deflated FROM files WHERE name = ? AND previous = 0 AND file = ?", name, kPlanJson);
-  if (!file.step()) return std::nullopt;
-  return Json::parse(inflated(file.text(1), static_cast<std::size_t>(file.integer(0))));
-}
-
-bool ChunkWriter::has_file(const std::string& name, const std::string& file) const {
-  return database_.query("SELECT 1 FROM files WHERE name = ? AND previous = 0 AND file = ?", name, file).step();
+std::optional<std::string> ChunkWriter::file(const std::string& name, const std::string& file) const {
+  return current_file(database_, name, file);
 }
 
 void ChunkWriter::confirm(const ManifestItem& item) const {

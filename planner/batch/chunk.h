@@ -36,9 +36,8 @@ class ChunkWriter {
   ChunkWriter(const Manifest& manifest, std::size_t chunk);  // a run begins
   ~ChunkWriter();                                            // it ends
 
-  // plan.json of the current answer, if there is one.
-  std::optional<nlohmann::ordered_json> plan(const std::string& name) const;
-  bool has_file(const std::string& name, const std::string& file) const;
+  // What is in a file of the current answer. None where it has no such file, or one that is damaged.
+  std::optional<std::string> file(const std::string& name, const std::string& file) const;
   // That the current answer is one to the request as it is now.
   void confirm(const ManifestItem& item) const;
   // In place of an earlier answer. folder: what `fjr plan` has written, if anything. A certified plan that is replaced

@@ -8,6 +8,8 @@
 namespace fjr {
 namespace {
 
+constexpr std::size_t kMostDeflation = 1032;  // bytes of one packed byte, by zlib's technical notes
+
 const Bytef* zlib_bytes(std::string_view bytes) { return reinterpret_cast<const Bytef*>(bytes.data()); }
 Bytef* zlib_bytes(std::string& bytes) { return reinterpret_cast<Bytef*>(bytes.data()); }
 
@@ -23,6 +25,7 @@ std::string deflated(std::string_view bytes) {
 }
 
 std::string inflated(std::string_view bytes, std::size_t size) {
+  if (size / kMostDeflation > bytes.size()) throw std::runtime_error("packed bytes are damaged");
   uLongf unpacked = size;
   std::string result(size, '\0');
   const int code = ::uncompress(zlib_bytes(result), &unpacked, zlib_bytes(bytes), bytes.size());

@@ -1,7 +1,9 @@
 #include "planner/batch/earlier.h"
 
+#include <sstream>
 #include <string>
 
+#include "common/bounded_json.h"
 #include "common/input_error.h"
 #include "common/read_file.h"
 #include "planner/plan.h"
@@ -32,26 +34,25 @@ bool tells_of_a_motion(const Json& plan) {
 bool has_proof(const Json& plan) { return plan.value(Json::json_pointer("/certificate/proof"), Json()).is_object(); }
 
 // A file that was cut short or belongs to another plan is no result.
-bool has_trajectory(const fs::path& file, const Problem& problem, const std::string& hash) {
+bool is_trajectory(const std::optional<std::string>& rows, const Problem& problem) {
+  if (!rows) return false;
   try {
-    const Trajectory trajectory = read_csv(file);
+    std::istringstream in(*rows);
+    const Trajectory trajectory = parse_csv(in, "trajectory");
     const auto has = [&](const char* key, const std::string& value) {
       const auto found = trajectory.metadata.find(key);
       return found != trajectory.metadata.end() && found->second == value;
     };
-    return has("request_hash", problem.request_hash) && has("robot_hash", hash) &&
+    return has("request_hash", problem.request_hash) && has("robot_hash", robot_hash(problem.robot)) &&
            has("rows", std::to_string(trajectory.samples.size()));
   } catch (const InputError&) {
     return false;
   }
 }
 
-}  // namespace
-
-std::optional<Json> read_plan_json(const fs::path& folder) {
-  const std::optional<std::string> text = read_file(folder / "plan.json");
+std::optional<Json> plan_json_of(const std::optional<std::string>& text) {
   if (!text) return std::nullopt;
-  Json plan = Json::parse(*text, nullptr, false);
+  Json plan = json_from_text<Json>(*text);
   if (!plan.is_object() || !plan.contains("status") || !plan["status"].is_string()) return std::nullopt;
   return plan;
 }
@@ -69,17 +70,22 @@ bool is_final(const Json& plan, const Problem& problem, bool want_proven) {
   return !says(plan, "status", name(doubtful)) || has_proof(plan) == wanted;
 }
 
-std::optional<Json> finished_earlier(const Problem& problem, const fs::path& folder, bool want_uncertified,
+}  // namespace
+
+EarlierFiles files_in(const fs::path& folder) {
+  return [folder](const std::string& name) { return read_file(folder / name); };
+}
+
+std::optional<Json> finished_earlier(const Problem& problem, const EarlierFiles& files, bool want_uncertified,
                                      bool want_proven) {
-  std::optional<Json> plan = read_plan_json(folder);
+  std::optional<Json> plan = plan_json_of(files("plan.json"));
   if (!plan || !is_final(*plan, problem, want_proven)) return std::nullopt;
-  const std::string hash = robot_hash(problem.robot);
   if (says(*plan, "status", name(PlanStatus::kCertified)) &&
-      !(has_trajectory(folder / "trajectory.csv", problem, hash) && tells_of_a_motion(*plan))) {
+      !(is_trajectory(files("trajectory.csv"), problem) && tells_of_a_motion(*plan))) {
     return std::nullopt;
   }
   if (want_uncertified && says(*plan, "status", name(PlanStatus::kUncertified)) &&
-      !has_trajectory(folder / "trajectory.uncertified.csv", problem, hash)) {
+      !is_trajectory(files("trajectory.uncertified.csv"), problem)) {
     return std::nullopt;
   }
   return plan;

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <deque>
 
 #include "model/friction.h"
 #include "planner/certificate/thresholds.h"
@@ -115,15 +114,14 @@ class PublishedExtremes {
   }
 
   void torque_rates() {
-    const std::vector<std::optional<std::size_t>> before = rows_of_torque_rates(rows_);
+    const std::vector<RowPair> pairs = pairs_for_torque_rates(rows_);
     for (std::size_t j = 0; j < kJoints; ++j) {
       const FrictionLaw law = FrictionLaw::of(robot_, static_cast<int>(j));
-      const auto u = [&](const Sample& row) { return row.torque[j] - law.nonlinear(row.state.dtheta[j]); };
-      for (std::size_t k = 1; k < rows_.size(); ++k) {
-        if (!before[k]) continue;
-        const Sample& since = rows_[*before[k]];
-        include(first_limit_of(LimitedTorqueRate::info) + j, (u(rows_[k]) - u(since)) / (rows_[k].time - since.time),
-                rows_[k].time);
+      std::vector<double> u;
+      for (const Sample& row : rows_) u.push_back(row.torque[j] - law.nonlinear(row.state.dtheta[j]));
+      for (const auto& [earlier, later] : pairs) {
+        const double apart = rows_[later].time - rows_[earlier].time;
+        include(first_limit_of(LimitedTorqueRate::info) + j, (u[later] - u[earlier]) / apart, rows_[later].time);
       }
     }
   }
@@ -155,23 +153,17 @@ LimitCheck check(const LimitName& name, double limit, double allowed, const Extr
 
 }  // namespace
 
-std::vector<std::optional<std::size_t>> rows_of_torque_rates(const std::vector<Sample>& rows) {
-  std::vector<std::optional<std::size_t>> before(rows.size());
-  std::deque<std::size_t> longest;  // intervals about row k, each shorter than the ones before it
-  const auto length = [&rows](std::size_t i) { return rows[i + 1].time - rows[i].time; };
-  std::size_t next = 0;
+std::vector<RowPair> pairs_for_torque_rates(const std::vector<Sample>& rows) {
+  std::vector<RowPair> pairs;
+  std::size_t far = 0, near = 0;  // the first rows that are less than twice the span, and less than the span, away
   for (std::size_t k = 1; k < rows.size(); ++k) {
-    for (; next + 1 < rows.size() && rows[next].time < rows[k].time + kLongestSamplePeriod; ++next) {
-      while (!longest.empty() && length(longest.back()) <= length(next)) longest.pop_back();
-      longest.push_back(next);
-    }
-    while (rows[longest.front() + 1].time <= rows[k].time - kLongestSamplePeriod) longest.pop_front();
-    const double apart = 0.5 * std::min(length(longest.front()), kLongestSamplePeriod);
-    const auto near = std::partition_point(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(k),
-                                           [&](const Sample& row) { return rows[k].time - row.time >= apart; });
-    if (near != rows.begin()) before[k] = static_cast<std::size_t>(near - rows.begin()) - 1;
+    while (rows[k].time - rows[far].time >= 2 * kTorqueRateSpan) ++far;
+    while (rows[k].time - rows[near].time >= kTorqueRateSpan) ++near;
+    if (far > 0) pairs.push_back({far - 1, k});
+    for (std::size_t i = far; i < near; ++i) pairs.push_back({i, k});
   }
-  return before;
+  if (pairs.empty()) pairs.push_back({0, rows.size() - 1});
+  return pairs;
 }
 
 Limits rollout_allowance(const Parameters& p, const Limits& limits) {

@@ -102,7 +102,8 @@ std::optional<Row> row_of_earlier(const Batch& batch, const BatchItem& item, con
   const PlanSettings& settings = batch.options.settings;
   const FolderLock lock(batch.folder(item));
   try {
-    const auto plan = finished_earlier(problem, batch.folder(item), settings.keep_uncertified, settings.plan.proven);
+    const auto plan =
+        finished_earlier(problem, files_in(batch.folder(item)), settings.keep_uncertified, settings.plan.proven);
     if (!plan) return std::nullopt;
     complete_report(batch, item, *plan);
     return make_row(item, *plan);

@@ -102,10 +102,8 @@ class ChunkRun {
 
  private:
   bool is_finished(const ManifestItem& item, const Problem& problem) const {
-    const auto plan = writer_.plan(item.item.name);
-    if (!plan || !is_final(*plan, problem, want_proven_)) return false;
-    const bool uncertified = (*plan)["status"] == name(PlanStatus::kUncertified);
-    return !(uncertified && want_uncertified_) || writer_.has_file(item.item.name, "trajectory.uncertified.csv");
+    const auto files = [&](const std::string& file) { return writer_.file(item.item.name, file); };
+    return finished_earlier(problem, files, want_uncertified_, want_proven_).has_value();
   }
 
   // Returns which items are left to be planned.

@@ -7,6 +7,7 @@
 #include <exception>
 #include <utility>
 
+#include "common/bounded_json.h"
 #include "planner/batch/statuses.h"
 #include "planner/program/ending.h"
 
@@ -89,7 +90,7 @@ PoolEnd PlanPool::plan(const std::vector<std::size_t>& items, ProgressLine& line
 
 Row row_at_end(const BatchItem& item, const PlanEnding& ending, bool interrupted) {
   // Of a process that could not plan there is JSON, too, but it is of no request: that may be different the next time.
-  const auto plan = nlohmann::ordered_json::parse(ending.plan_json, nullptr, false);
+  const auto plan = json_from_text<nlohmann::ordered_json>(ending.plan_json);
   if (plan.is_object() && plan.contains("request")) return make_row(item, plan);
   if (interrupted) return make_row(item, name(PlanStatus::kCancelled), "interrupted");
   return make_row(item, kFailedStatus, ending.words);

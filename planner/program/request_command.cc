@@ -9,6 +9,7 @@
 #include <string>
 
 #include "common/atomic_file.h"
+#include "common/bounded_json.h"
 #include "common/input_error.h"
 #include "common/say.h"
 #include "common/strict_yaml.h"
@@ -142,7 +143,7 @@ std::string json_of(const Order& order, const Reply& reply) {
 std::string json_of(const Order& order, const Answer& answer) {
   const std::string plan = json_of(order, answer.reply);
   if (!answer.result) return plan;
-  auto json = nlohmann::ordered_json::parse(plan, nullptr, false);  // whoever answered
+  auto json = json_from_text<nlohmann::ordered_json>(plan);  // whoever answered
   if (!json.is_object()) return plan;
   json["execution"] = json_of(*answer.result);
   return json_text(json);
@@ -160,7 +161,7 @@ std::string store(const RequestArguments& options, const Order& order, const Rep
   NewResults results(folder);
   if (!reply.rows.empty()) {
     Trajectory trajectory{reply.rows, {}};
-    describe(trajectory, nlohmann::ordered_json::parse(reply.plan_json));
+    describe(trajectory, json_from_text<nlohmann::ordered_json>(reply.plan_json));
     write_csv(trajectory, results.stage() / "trajectory.csv");
     write_trajectory_id(order.id, results.stage());
   }
@@ -172,7 +173,7 @@ std::string store(const RequestArguments& options, const Order& order, const Rep
 // What was learnt for it; of a motion as it was planned only where it was to be a repetition.
 std::string about_repetition(const Reply& reply, bool wanted) {
   if (reply.plan_json.empty()) return "";
-  const auto plan = nlohmann::json::parse(reply.plan_json, nullptr, false);  // whoever answered
+  const auto plan = json_from_text<nlohmann::json>(reply.plan_json);  // whoever answered
   const auto found = plan.find("repetition");
   if (found == plan.end() || !found->is_object()) {
     if (!wanted) return "";

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bounded_json.h"
 #include "planner/results/plan_json.h"
 
 namespace fjr {
@@ -96,7 +97,7 @@ std::optional<Joints<double>> motors_began_before(const JsonField& plan) {
 }
 
 std::optional<TakenCorrection> correction_in(const std::string& plan_json) {
-  const Json plan = Json::parse(plan_json, nullptr, false);
+  const Json plan = json_from_text<Json>(plan_json);
   if (!plan.is_object() || !plan.contains("repetition")) return std::nullopt;
   try {
     const JsonField repetition = JsonField(plan, "plan.json").at("repetition");

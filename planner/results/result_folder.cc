@@ -18,6 +18,7 @@
 #include <system_error>
 #include <thread>
 
+#include "common/bounded_json.h"
 #include "common/read_file.h"
 
 namespace fjr {
@@ -156,7 +157,7 @@ void clear_beside(const fs::path& folder) {
 
 nlohmann::json read_plan_json(const fs::path& folder) {
   const std::optional<std::string> text = read_file(folder / "plan.json");
-  return text ? nlohmann::json::parse(*text, nullptr, false) : nlohmann::json();
+  return text ? json_from_text<nlohmann::json>(*text) : nlohmann::json();
 }
 
 std::string text_at(const nlohmann::json& plan, const char* key) {

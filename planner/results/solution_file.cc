@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/atomic_file.h"
+#include "common/bounded_json.h"
 #include "common/input_error.h"
 #include "common/read_file.h"
 
@@ -120,8 +121,7 @@ std::string solution_bytes(const Collocated& solution, const std::string& robot_
 Collocated solution_from(std::string_view bytes, const std::string& source, const std::string& robot_hash) {
   std::string of_robot;
   try {
-    const json content = json::from_cbor(bytes, true, false);
-    if (content.is_discarded()) throw std::invalid_argument("cut short, or no CBOR at all");
+    const json content = json_from_cbor<json>(bytes);
     if (content.at("fjr_solution").get<int>() != kVersion) throw std::invalid_argument("another version's");
     of_robot = content.at("robot_hash").get<std::string>();
     if (of_robot == robot_hash) return solution_of(content);

@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "common/bounded_json.h"
 #include "common/read_file.h"
 #include "common/strict_yaml.h"
 
@@ -16,7 +17,11 @@ using Json = nlohmann::ordered_json;
 Json parse_json(const std::string& text, const std::string& source) {
   std::vector<std::set<std::string>> keys;  // of the objects that are open, from the outside
   std::optional<std::string> twice;
-  const auto watch = [&](int, Json::parse_event_t event, Json& value) {
+  bool too_deep = false;
+  const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
+    const bool opens = event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
+    too_deep |= opens && depth >= static_cast<int>(kDeepestJson);
+    if (too_deep) return false;
     if (event == Json::parse_event_t::object_start) keys.emplace_back();
     if (event == Json::parse_event_t::object_end) keys.pop_back();
     if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second && !twice) {
@@ -25,6 +30,7 @@ Json parse_json(const std::string& text, const std::string& source) {
     return true;
   };
   Json json = Json::parse(text, watch, false);
+  if (too_deep) throw InputError(source, "", "is damaged: it is nested too deeply");
   if (json.is_discarded()) throw InputError(source, "", "is damaged: it is not JSON");
   if (twice) throw InputError(source, "", fmt::format("has the key {} twice in one object", shown(*twice)));
   return json;

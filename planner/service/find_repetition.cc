@@ -6,6 +6,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "common/bounded_json.h"
 #include "common/input_error.h"
 #include "model/log.h"
 #include "planner/certificate/consistency.h"
@@ -56,7 +57,7 @@ Repetition next(const Parameters& robot, const Json& plan, const RunOfMotion& ru
 FoundRepetition find_repetition(const Parameters& robot, const RunOfMotion& run) {
   if (const std::string fault = malformed({run.rows, {}}); !fault.empty()) throw std::runtime_error(fault);
   if (run.rows.front().time != 0) throw std::runtime_error("its rows do not begin at 0 s");
-  Json plan = Json::parse(run.plan_json);
+  Json plan = json_from_text<Json>(run.plan_json);
   const RepetitionHistory history{motors_began_by(plan), run.refused_fraction};
   const Repetition repetition = next(robot, plan, run, history);
   plan["repetition"] = repetition_json(repetition, {{"motion", run.motion}, {"run", run.run}}, {plan, "plan.json"});

@@ -1,6 +1,6 @@
 #include "planner/service/overheard.h"
 
-#include <nlohmann/json.hpp>
+#include "common/bounded_json.h"
 
 namespace fjr {
 
@@ -8,7 +8,7 @@ void complete_overheard(Reply& reply) {
   reply.motion = reply.id;
   if (reply.rows.empty()) return;
   try {
-    const auto plan = nlohmann::json::parse(reply.plan_json);
+    const auto plan = json_from_text<nlohmann::json>(reply.plan_json);
     const auto& request = plan.at("resolved_request");
     const auto& certificate = plan.at("certificate");
     const double tolerance = certificate.at("tolerance_rad").get<double>();

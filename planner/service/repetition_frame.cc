@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "common/bounded_json.h"
 #include "planner/service/cbor_items.h"
 
 namespace fjr {
@@ -21,7 +22,7 @@ std::string to_payload(const RunOfMotion& run) {
 }
 
 RunOfMotion run_of_motion_from(std::string_view payload) {
-  const Json frame = Json::from_cbor(payload);
+  const Json frame = json_from_cbor<Json>(payload);
   RunOfMotion run;
   frame.at("motion").get_to(run.motion);
   frame.at("run").get_to(run.run);

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "common/bounded_json.h"
 #include "planner/service/cbor_items.h"
 
 namespace fjr {
@@ -39,7 +40,7 @@ std::string to_record(const Reply& reply) {
 }
 
 Reply from_record(std::string_view bytes) {
-  const Json record = Json::from_cbor(bytes);
+  const Json record = json_from_cbor<Json>(bytes);
   if (record.at("row_bytes") != sizeof(Sample)) throw std::runtime_error("its rows are those of another version");
   Reply reply;
   record.at("client").get_to(reply.id.client);

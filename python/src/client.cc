@@ -14,6 +14,7 @@
 #include <utility>
 #include <variant>
 
+#include "common/bounded_json.h"
 #include "common/input_error.h"
 #include "planner/client/halt.h"
 #include "planner/results/report/plan_files.h"
@@ -72,7 +73,7 @@ Answered ask(const Connection& connection, Order order, const nb::object& listen
 std::optional<Planned> plan_in(const Answered& answered) {
   const Reply& reply = answered.reply;
   if (reply.plan_json.empty()) return std::nullopt;
-  auto json = nlohmann::ordered_json::parse(reply.plan_json);
+  auto json = json_from_text<nlohmann::ordered_json>(reply.plan_json);
   std::optional<Trajectory> trajectory;
   if (!reply.rows.empty()) {
     trajectory = Trajectory{reply.rows, {}};

@@ -262,7 +262,7 @@ class Earlier : public testing::Test {
   bool finished(bool want_uncertified = false) const {
     store(plan_.dump());
     write_csv(trajectory_, folder_ / "trajectory.csv");
-    return finished_earlier(problem_, folder_, want_uncertified).has_value();
+    return finished_earlier(problem_, files_in(folder_), want_uncertified).has_value();
   }
 
   fs::path folder_ = fs::temp_directory_path() / ("fjr_batch_test_" + std::to_string(::getpid()));
@@ -275,7 +275,7 @@ class Earlier : public testing::Test {
 TEST_F(Earlier, WhoAsksForAProofGetsOneAndWhoDoesNotIsNotRefusedForIt) {
   const auto finished_for = [&](bool want_proven) {
     finished();  // stores them
-    return finished_earlier(problem_, folder_, false, want_proven).has_value();
+    return finished_earlier(problem_, files_in(folder_), false, want_proven).has_value();
   };
   EXPECT_TRUE(finished_for(false));
   EXPECT_FALSE(finished_for(true));
@@ -290,7 +290,7 @@ TEST_F(Earlier, WhoAsksForAProofGetsOneAndWhoDoesNotIsNotRefusedForIt) {
 }
 
 TEST_F(Earlier, TheSameRequestRobotAndVersionAreFinished) {
-  EXPECT_FALSE(finished_earlier(problem_, folder_, false));
+  EXPECT_FALSE(finished_earlier(problem_, files_in(folder_), false));
   EXPECT_TRUE(finished());
 }
 
@@ -315,9 +315,9 @@ TEST_F(Earlier, ATrajectoryOfAnotherPlanOrCutShortIsNot) {
   ASSERT_TRUE(finished());
   const fs::path file = folder_ / "trajectory.csv";
   fs::resize_file(file, fs::file_size(file) / 2);
-  EXPECT_FALSE(finished_earlier(problem_, folder_, false));
+  EXPECT_FALSE(finished_earlier(problem_, files_in(folder_), false));
   fs::remove(file);
-  EXPECT_FALSE(finished_earlier(problem_, folder_, false));
+  EXPECT_FALSE(finished_earlier(problem_, files_in(folder_), false));
 }
 
 TEST_F(Earlier, APlanFileThatIsNotWholeIsNot) {
@@ -325,11 +325,11 @@ TEST_F(Earlier, APlanFileThatIsNotWholeIsNot) {
   const std::string whole = plan_.dump();
   for (std::size_t length = 0; length < whole.size(); ++length) {
     store(whole.substr(0, length));
-    EXPECT_FALSE(finished_earlier(problem_, folder_, false)) << length;
+    EXPECT_FALSE(finished_earlier(problem_, files_in(folder_), false)) << length;
   }
   for (const char* other : {"null", "[]", "{}", "{\"status\": 1}"}) {
     store(other);
-    EXPECT_FALSE(finished_earlier(problem_, folder_, false)) << other;
+    EXPECT_FALSE(finished_earlier(problem_, files_in(folder_), false)) << other;
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -138,6 +139,27 @@ TEST(LimitChecks, ALongRestAfterwardsHidesNoTorqueRate) {
     padded.samples.push_back(trajectory.samples.back());
     padded.samples.back().time += longest;
     EXPECT_EQ(check_limits(robot(), limits, padded, {})[0].reached, honest) << longest;
+  }
+}
+
+// A torque that swings with a period that divides the time over which rates are taken is not constant.
+TEST(LimitChecks, ASwingBetweenRowsThatAreFarApartHidesNoTorqueRate) {
+  for (const double period : {0.5e-3, 1e-3, 2.5e-3}) {
+    Trajectory trajectory;
+    trajectory.samples.emplace_back();
+    for (int swing = 0; swing < 3; ++swing) {
+      const double begin = trajectory.samples.back().time + 5e-3;
+      for (int k = 0; k <= 100; ++k) {
+        Sample row;
+        row.time = begin + 5e-5 * k;
+        row.torque[0] = 1.5 * std::sin(2 * std::numbers::pi * 5e-5 * k / period);
+        trajectory.samples.push_back(row);
+      }
+    }
+    Limits limits;
+    limits.torque_rate = {400, kNoLimit};
+    // A sine of amplitude 1.5 N m changes over half a millisecond, or a little more, by 1 N m at least: 1000 N m/s.
+    EXPECT_GT(check_limits(robot(), limits, trajectory, {})[0].reached, 1000) << period;
   }
 }
 

@@ -177,6 +177,22 @@ TEST_F(PackedBatch, ChangedRequestsAreOpenAndNewOnesAreAdded) {
   EXPECT_EQ(contents(path("after/previous/trajectory.csv")), contents(path("before/trajectory.csv")));
 }
 
+// As on a disk that has lost some of it.
+TEST_F(PackedBatch, AnAnswerWithoutItsRowsIsPlannedAgain) {
+  write("a.yaml", kShort);
+  ASSERT_EQ(prepare({"a.yaml"}).exit_code, 0);
+  ASSERT_EQ(run({"batch", "run", "out", "-q"}).exit_code, 0);
+  for (const std::string damage : {"DELETE FROM files", "UPDATE files SET size = size + 1",
+                                   "UPDATE files SET size = -1", "UPDATE files SET size = 1000000000000000"}) {
+    Database(path("out/chunks/00001.sqlite"), Database::Access::kWrite)
+        .run(damage + " WHERE file = 'trajectory.csv' AND previous = 0");
+    ASSERT_EQ(run({"batch", "run", "out", "1", "-q"}).exit_code, 0) << damage;
+    ASSERT_EQ(run({"batch", "unpack", "out", "a", "--out", "whole"}).exit_code, 0) << damage;
+    EXPECT_EQ(run({"verify", "whole"}).exit_code, 0) << damage;
+    fs::remove_all(path("whole"));
+  }
+}
+
 TEST_F(PackedBatch, WrongCommandLinesAreTold) {
   write("a.yaml", kLong);
   ASSERT_EQ(prepare({"a.yaml"}).exit_code, 0);

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/bounded_json.h"
 #include "common/input_error.h"
 #include "planner/plan.h"
 #include "planner/request/request.h"
@@ -48,6 +49,22 @@ bool used(const Json& plan, const Trajectory& rows, const Use& use) {
     EXPECT_THAT(refused.what(), testing::StartsWith("plan.json"));
     return false;
   }
+}
+
+// Readers call themselves for what is nested: 100,000 levels took all of the stack.
+TEST(DamagedPlan, IsRefusedWhereItIsNestedTooDeeply) {
+  const auto nested = [](std::size_t levels) {
+    return "{\"status\": " + std::string(levels, '[') + std::string(levels, ']') + "}";
+  };
+  EXPECT_NO_THROW(parse_json(nested(20), "plan.json"));
+  EXPECT_FALSE(json_from_text<Json>(nested(20)).is_discarded());
+  for (const std::size_t levels : {kDeepestJson, std::size_t{1'000'000}}) {
+    EXPECT_THROW(parse_json(nested(levels), "plan.json"), InputError) << levels;
+    EXPECT_TRUE(json_from_text<Json>(nested(levels)).is_discarded()) << levels;
+  }
+  EXPECT_EQ(json_from_cbor<Json>("\x81\x82\x01\x02"), Json::parse("[[1, 2]]"));
+  EXPECT_THROW(json_from_cbor<Json>(std::string(1'000'000, '\x81')), std::invalid_argument);
+  EXPECT_THROW(json_from_cbor<Json>("\x82\x01"), std::invalid_argument);
 }
 
 TEST(DamagedPlan, IsRefusedOrShownWithoutIt) {

@@ -53,13 +53,13 @@ struct Kkt {
 
 inline Kkt kkt_of(const Nlp& nlp, const Eigen::VectorXd& z) {
   Kkt kkt;
-  kkt.structure.stages = nlp.stages;
+  kkt.structure.blocks = nlp.blocks;
   const auto at = [](int i) { return static_cast<std::size_t>(i); };
   std::vector<int> variable(at(static_cast<int>(nlp.variables())), -1), row(at(static_cast<int>(nlp.constraints())));
   for (int i = 0; i < nlp.variables(); ++i) {
     if (nlp.x_lower(i) == nlp.x_upper(i)) continue;
     variable[at(i)] = kkt.size++;
-    kkt.structure.stage.push_back(nlp.variable_stage[at(i)]);
+    kkt.structure.block.push_back(nlp.variable_block[at(i)]);
   }
   kkt.structure.equality.assign(at(kkt.size), false);
   const auto inequality = [&](int i) { return nlp.g_lower(i) != nlp.g_upper(i); };
@@ -69,7 +69,7 @@ inline Kkt kkt_of(const Nlp& nlp, const Eigen::VectorXd& z) {
       if (inequality(i) != (part != 1)) continue;
       (part == 0 ? slack : row)[at(i)] = kkt.size++;
       kkt.structure.equality.resize(at(kkt.size), part == 1);
-      kkt.structure.stage.push_back(nlp.constraint_stage[at(i)]);
+      kkt.structure.block.push_back(nlp.constraint_block[at(i)]);
     }
   }
   const auto add = [&](int i, int j, double value) {

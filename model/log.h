@@ -1,4 +1,4 @@
-// Logs of experiments and executions: CSV as in DESIGN 5.6, from the virtual rig or from a real one.
+// Logs of experiments and executions: CSV as in docs/files.md, from the virtual rig or from a real one.
 #pragma once
 
 #include <filesystem>

@@ -11,7 +11,7 @@
 #include "planner/certificate/proof/prove.h"
 #include "planner/conclusion.h"
 #include "planner/plan_fields.h"
-#include "planner/search/calm.h"
+#include "planner/search/acceleration_penalty.h"
 #include "planner/search/explain/explain.h"
 #include "planner/search/fastest.h"
 #include "planner/search/follow.h"
@@ -79,8 +79,8 @@ std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
 std::optional<Infeasibility> search(int starts, Findings& found, Session& session) {
   const auto over = [&] { return found.certified() || session.stopped(); };
   find_motions(starts, found, session);
-  take_calm_back(found, session);
-  if (!over() && !found.candidates.empty() && hurries(found)) {
+  fade_acceleration_penalty(found, session);
+  if (!over() && !found.candidates.empty() && has_little_spare_time(found)) {
     found.candidates.clear();
     adopt_fastest(found, session);
   }

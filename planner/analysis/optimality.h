@@ -43,8 +43,9 @@ inline double variation(const Adjoint& a, const std::vector<double>& values, std
   return squares;
 }
 
-// On each leg H itself, or H without what limits explain of its jumps, whichever varies less, and in the mean H: where
-// the first is constant no node wants to be elsewhere, where the second is, none does but for the limits asked there.
+// On each leg H itself, or H without what limits explain of its jumps, whichever varies less, and in the mean H. Where
+// H is constant, no node would improve the objective elsewhere. Where it is constant without those jumps, nodes would
+// move only because limits hold at points that move with them.
 inline std::vector<double> conserved_along(const Adjoint& a, const std::vector<std::size_t>& legs) {
   std::vector<double> along = a.hamiltonian;
   for (std::size_t leg = 0; leg + 1 < legs.size(); ++leg) {

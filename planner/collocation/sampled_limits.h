@@ -21,8 +21,9 @@ namespace fjr {
 struct SampledLimits {
   double before = 0, after = 0;
 
-  // What of `slope` = d objective / d (time of the node) limits do not explain. Less than all of it may be theirs:
-  // nodes that were moved lie where the motion and the limits cancel.
+  // The part of `slope` = d objective / d (time of the node) that limits cannot explain: its distance from the range of
+  // 0 and of what the limits ask before and after the node. (Nodes that were moved lie where the motion's part and the
+  // limits' part cancel.)
   double left_of(double slope) const {
     return slope - std::clamp(slope, std::min({before, after, 0.0}), std::max({before, after, 0.0}));
   }

@@ -70,7 +70,7 @@ class Transcription final : public Nlp {
     number_rows();
     set_bounds();
     set_patterns();
-    set_stages();
+    set_blocks();
   }
 
   const Ocp& ocp() const { return ocp_; }
@@ -545,16 +545,16 @@ class Transcription final : public Nlp {
     });
   }
 
-  // Interval k is stage k, with the node at its end; the durations are the border.
-  void set_stages() {
-    stages = intervals();
-    variable_stage.assign(static_cast<std::size_t>(x_lower.size()), intervals());
-    constraint_stage.assign(static_cast<std::size_t>(rows_), intervals());
-    std::fill_n(variable_stage.begin(), kX, 0);
+  // Interval k is block k of the chain, with the node at its end; the durations are the border.
+  void set_blocks() {
+    blocks = intervals();
+    variable_block.assign(static_cast<std::size_t>(x_lower.size()), intervals());
+    constraint_block.assign(static_cast<std::size_t>(rows_), intervals());
+    std::fill_n(variable_block.begin(), kX, 0);
     for (int k = 0; k < intervals(); ++k) {
-      std::fill(variable_stage.begin() + interval_at(k), variable_stage.begin() + interval_at(k + 1), k);
+      std::fill(variable_block.begin() + interval_at(k), variable_block.begin() + interval_at(k + 1), k);
       const int end = k + 1 < intervals() ? interval_row_[index(k + 1)] : first_sum_row_;
-      std::fill(constraint_stage.begin() + interval_row_[index(k)], constraint_stage.begin() + end, k);
+      std::fill(constraint_block.begin() + interval_row_[index(k)], constraint_block.begin() + end, k);
     }
   }
 

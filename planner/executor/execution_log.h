@@ -1,4 +1,4 @@
-// The log of one execution: CSV as in DESIGN 5.6, which model/log.h reads.
+// The log of one execution: CSV as in docs/files.md, which model/log.h reads.
 #pragma once
 
 #include <filesystem>

@@ -225,19 +225,19 @@ void configure(Options o, const SolveOptions& options, const std::string& linear
 // What the rows of Ipopt's KKT matrix are: free variables (fixed ones are parameters), slacks, equalities,
 // inequalities.
 ChainStructure kkt_structure(const Nlp& nlp) {
-  ChainStructure kkt{nlp.stages, {}, {}};
+  ChainStructure kkt{nlp.blocks, {}, {}};
   std::vector<int> equalities, inequalities;
   for (Index i = 0; i < nlp.variables(); ++i) {
-    if (nlp.x_lower(i) != nlp.x_upper(i)) kkt.stage.push_back(nlp.variable_stage[static_cast<std::size_t>(i)]);
+    if (nlp.x_lower(i) != nlp.x_upper(i)) kkt.block.push_back(nlp.variable_block[static_cast<std::size_t>(i)]);
   }
   for (Index i = 0; i < nlp.constraints(); ++i) {
     (nlp.g_lower(i) == nlp.g_upper(i) ? equalities : inequalities)
-        .push_back(nlp.constraint_stage[static_cast<std::size_t>(i)]);
+        .push_back(nlp.constraint_block[static_cast<std::size_t>(i)]);
   }
-  kkt.equality.assign(kkt.stage.size(), false);
+  kkt.equality.assign(kkt.block.size(), false);
   for (const auto* part : {&inequalities, &equalities, &inequalities}) {
-    kkt.stage.insert(kkt.stage.end(), part->begin(), part->end());
-    kkt.equality.resize(kkt.stage.size(), part == &equalities);
+    kkt.block.insert(kkt.block.end(), part->begin(), part->end());
+    kkt.equality.resize(kkt.block.size(), part == &equalities);
   }
   return kkt;
 }
@@ -277,8 +277,8 @@ SolveReport solve_by_ipopt(const Nlp& nlp, const Iterate& start, const SolveOpti
   const int factorised = factorisations();
   const double chain_before = chain_seconds();
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
-  // A problem of no known structure has no stages to factorise by.
-  const std::string linear_solver = nlp.stages == 0 ? "mumps" : options.linear_solver;
+  // A problem of no known structure has no blocks to factorise by.
+  const std::string linear_solver = nlp.blocks == 0 ? "mumps" : options.linear_solver;
   if (linear_solver == kChainSolver) describe_chain(kkt_structure(nlp), options.both);
   configure(Options(*application), options, linear_solver);
   load(*application, linear_solver);

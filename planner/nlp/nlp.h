@@ -28,11 +28,11 @@ class Nlp {
   std::vector<Entry> jacobian_pattern;
   std::vector<Entry> hessian_pattern;  // lower triangle; repeated entries add up
 
-  // Stage of every variable and constraint when the problem is a chain: constraints of a stage see variables of that
-  // and of the stage before, and those of the border, whose stage is `stages`. 0 stages: nothing is known of the
+  // Block of every variable and constraint when the problem is a chain: constraints of a block see variables of that
+  // and of the block before, and those of the border, whose block is `blocks`. 0 blocks: nothing is known of the
   // structure.
-  int stages = 0;
-  std::vector<int> variable_stage, constraint_stage;
+  int blocks = 0;
+  std::vector<int> variable_block, constraint_block;
 
   // How the halves of what an evaluation consists of are worked off; the bits are the same.
   DoBoth both = one_after_the_other;

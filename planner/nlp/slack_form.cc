@@ -110,20 +110,20 @@ void SlackForm::set_pattern() {
   kkt_.values.resize(kkt_.rows.size(), 0);
 }
 
-// A problem of no known structure is a chain of a single stage.
+// A problem of no known structure is a chain of a single block.
 ChainStructure SlackForm::kkt_structure() const {
-  const bool known = nlp_.stages > 0;
-  ChainStructure structure{known ? nlp_.stages : 1, {}, {}};
-  const auto add = [&](const std::vector<int>& stages, Index i) {
-    structure.stage.push_back(known ? stages[at(i)] : 0);
+  const bool known = nlp_.blocks > 0;
+  ChainStructure structure{known ? nlp_.blocks : 1, {}, {}};
+  const auto add = [&](const std::vector<int>& blocks, Index i) {
+    structure.block.push_back(known ? blocks[at(i)] : 0);
   };
-  for (const Index i : free_) add(nlp_.variable_stage, i);
+  for (const Index i : free_) add(nlp_.variable_block, i);
   for (Index i = 0; i < constraints(); ++i) {
-    if (inequality(i)) add(nlp_.constraint_stage, i);
+    if (inequality(i)) add(nlp_.constraint_block, i);
   }
-  structure.equality.assign(structure.stage.size(), false);
+  structure.equality.assign(structure.block.size(), false);
   for (Index i = 0; i < constraints(); ++i) {
-    add(nlp_.constraint_stage, i);
+    add(nlp_.constraint_block, i);
     structure.equality.push_back(!inequality(i));
   }
   return structure;

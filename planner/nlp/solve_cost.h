@@ -9,7 +9,7 @@ struct SolveCost {
   double total = 0;
   double evaluation = 0;      // of the Nlp: functions and derivatives
   double linear_algebra = 0;  // assembling, factorising and solving KKT systems, without Ipopt's residuals of them
-  int factorisations = 0;     // by kkt/chain_ldlt.h; other linear solvers do not tell
+  int factorisations = 0;     // by chain/chain_ldlt.h; other linear solvers do not tell
 
   double ipopt() const { return total - evaluation - linear_algebra; }
 

@@ -42,7 +42,7 @@ Limits reached_in(const Problem& problem, const Joints<FrictionLaw>& friction, c
       if (i > 0) rate[j] = (u[j] - u_before[j]) * kProbes / interval.duration;
     }
     raise(reached, {problem.robot, x, torque, rate}, limited);
-    if (i > 0) {  // a step of the law may lie anywhere between the probes
+    if (i > 0) {  // friction may step anywhere between two probes: each u is also joined with the other one's friction
       const Joints<double> later = sum(u, friction_before), earlier = sum(u_before, now);
       raise(reached, {problem.robot, x, later, rate}, limited_torque);
       raise(reached, {problem.robot, x, earlier, rate}, limited_torque);

@@ -46,9 +46,9 @@ class Sampler {
 
   Sample row(std::size_t interval, double time) const { return {time, state(interval, time), torque(interval, time)}; }
 
-  // Rows whose velocities are not those of their positions would be no motion. By a scheme of order 2 they are further
-  // apart than rows may be. (Torques are those of the velocities of the state, which are what the torques integrate
-  // to.)
+  // A certificate refuses rows whose velocities are not the derivatives of their positions. With a scheme of order 2
+  // the velocities of the state differ from those by more than it allows, so that derivatives of the positions are
+  // published. (Torques are those of the velocities of the state, which are what the torques integrate to.)
   State<double> state(std::size_t interval, double time) const {
     const bool of_order_2 = motion_.intervals[interval].state.cols() == 3;
     return of_order_2 ? motion_.consistent_state_in(interval, time) : motion_.state_in(interval, time);

@@ -11,8 +11,8 @@ namespace fjr {
 
 // Of a functional P of a motion, to first order near one, and a quadratic that keeps the next motion there:
 //   int  density + by_state (x - x_near) + by_torque (u - u_near) + 1/2 sum curvature (x - x_near)^2  dt.
-// States are compared at the same place of a segment, whatever that takes: where a place of another motion takes
-// longer, the density, P's Hamiltonian, says what that costs.
+// Two motions are compared at equal fractions of their segments. Where the other one spends more time there, the
+// density, which is P's Hamiltonian, is what a second of it costs.
 struct MotionPrice {
   struct Piece {
     double begin, end;                     // [s]

@@ -38,10 +38,10 @@ struct TermInfo {
   const char* unit;
   const char* meaning;  // for the list of keys; integrals are summed over the joints
   double Weights::*weight;
-  double size = 1;              // of what it adds up to in a second, roughly: what makes weights comparable
-  int starts = 1;               // that it is worth trying: more where there are more minima
-  bool sees_friction = false;   // through tau_m all the way: the friction law is sharpened in small steps
-  bool settles_torque = false;  // curved in tau_m or du/dt: nothing else has to choose among torques that do the same
+  double size = 1;                 // of what it adds up to in a second, roughly: what makes weights comparable
+  int starts = 1;                  // that it is worth trying: more where there are more minima
+  bool sees_friction = false;      // through tau_m all the way: the friction law is sharpened in small steps
+  bool settles_torque = false;     // strictly convex in tau_m or du/dt: the optimal torque needs no regularisation
   bool sees_acceleration = false;  // running() uses ddq
   bool reward = false;
   // Of the uncertain arm in the executor's loop, and not of an instant: found last, from the motion that the other
@@ -289,8 +289,8 @@ bool sees_acceleration(const Weights& weights);
 bool has_reward(const Weights& weights);
 // The weights of what is optimised at once: without those of the closed loop.
 Weights without_closed_loop(Weights weights);
-// How many starts are worth trying: as many as friction asks for where it counts, and otherwise as the tamest of the
-// terms with several minima.
+// How many starts are worth trying: the most that a weighted term which depends on friction asks for; where there is
+// none, the fewest above one that a weighted term asks for, or one.
 int starts_worth_trying(const Weights& weights);
 // The largest weight, each by the size of its term.
 double size_of(const Weights& weights);

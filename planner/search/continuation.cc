@@ -34,33 +34,33 @@ constexpr int kPricedIterations = 250;  // of warm starts to another price: swit
 constexpr int kRestIterations = 50;     // with rests scaled, 45
 constexpr double kRestWidth = 0.003;    // [rad/s] up to which they are: in wider laws a motor that moves seems to rest
 constexpr int kMovingIterations = 60;   // nine of ten take less than 45
-// [rad/s] of the step after which nodes are moved first. What rests when is settled then: motions whose nodes stay
-// until the law is exact are told apart by chance, and come to up to 1.5 % more.
+// [rad/s] of the step after which nodes are moved for the first time: from then on it is settled when each motor rests.
+// Where nodes stay until the law is exact, motions compare by chance, and their objectives are up to 1.5 % higher.
 constexpr double kMovedWidth = 0.01;
-constexpr int kMovingRounds = 2;         // a refined mesh wants its nodes elsewhere, but no longer by much
-constexpr int kMoreIterations = 200;     // in all, while the objective still falls: up to 4 % less effort
-constexpr double kWorthMore = 0.005;     // fraction of the objective by which it has fallen then
-constexpr int kTimesForWhatIsAhead = 3;  // the iterations of a start
-constexpr double kNearlyKept = 1e-2;     // violation of constraints up to which an objective says something
-constexpr int kHalvings = 2;             // of a homotopy step that did not converge
-constexpr double kSharpWidth = 1e-4;     // [rad/s] as good as the exact law, where a step is halved
-constexpr double kSameMinimum = 2e-5;    // relative difference of objectives on one mesh below which minima are one
+constexpr int kMovingRounds = 2;               // a refined mesh wants its nodes elsewhere, but no longer by much
+constexpr int kMoreIterations = 200;           // in all, while the objective still falls: up to 4 % less effort
+constexpr double kWorthwhileDecrease = 0.005;  // fraction of the objective by which it has fallen then
+constexpr int kIterationFactorWhenAhead = 3;   // the iterations of a start
+constexpr double kSmallViolation = 1e-2;       // violation of constraints up to which an objective says something
+constexpr int kHalvings = 2;                   // of a homotopy step that did not converge
+constexpr double kSharpWidth = 1e-4;           // [rad/s] as good as the exact law, where a step is halved
+constexpr double kSameMinimum = 2e-5;  // relative difference of objectives on one mesh below which minima are one
 constexpr int kTighteningRounds = 8;
-// What rounds are solved to that others follow, where the objective does not see friction: the last iterations of a
-// round change little of what mesh and margins are judged by. Solved to the end, ten fastest motions took 1.13 times as
-// many iterations times intervals (a reach 1.4 times).
+// Tolerances of a tightening round that another one follows, where the objective does not depend on friction: the last
+// iterations of a round hardly change the errors by which mesh and margins are judged. Solved to the end, ten fastest
+// motions took 1.13 times as many iterations times intervals (a reach 1.4 times).
 constexpr double kRoundTolerance = 1e-4, kRoundViolation = 1e-7;
 constexpr int kFailuresToTighten = 3;  // then it is given up: further attempts fail alike, with 300 iterations each
-// Rounds in which the whole base margin has to be kept. Later ones keep a fifth of it: the rest is inside the limits
-// still, and to keep it takes rounds in which nothing moves.
-constexpr int kEagerRounds = 2;
-constexpr double kKeepAtLast = 0.2;
-constexpr double kUnfeltGrowth = 8;      // of a margin that changed nothing: its bound was not active
-constexpr double kSharpForPeaks = 1e-3;  // [rad/s] widths of friction laws up to which peaks are kept by margins
+// The first rounds keep the whole base margin. Later ones keep a fifth of it: by then the motion is inside the limits,
+// and keeping more takes rounds in which nothing changes.
+constexpr int kRoundsOfWholeMargin = 2;
+constexpr double kLaterPartOfMargin = 0.2;
+constexpr double kIneffectiveMarginGrowth = 8;  // of a margin that changed nothing: its bound was not active
+constexpr double kSharpForPeaks = 1e-3;         // [rad/s] widths of friction laws up to which peaks are kept by margins
 constexpr int kCreepRounds = 3;
 constexpr double kLargestRegularisation = 0.05;  // fraction of the objective: what it costs is of second order in that
-constexpr double kFade = 0.5;                    // of that, where it has to be reduced
-constexpr int kFadeRounds = 4;
+constexpr double kRegularisationDecrease = 0.5;  // of that, where it has to be reduced
+constexpr int kRegularisationRounds = 4;
 
 // The error above which intervals make four fifths of the sum of all errors, be they few or many.
 double bulk_of(std::vector<double> errors) {
@@ -124,7 +124,7 @@ bool any_same(const std::vector<double>& minima, double objective) {
 }
 
 Continuation::Continuation(std::shared_ptr<const Problem> problem, Session& session, std::string label)
-    : manner(usual_manner(*problem)), problem_(std::move(problem)), session_(&session), label_(std::move(label)) {}
+    : strategy(usual_strategy(*problem)), problem_(std::move(problem)), session_(&session), label_(std::move(label)) {}
 
 SolveOptions Continuation::options(const std::string& what) {
   SolveOptions o;
@@ -209,7 +209,7 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   const bool own = suits_own && (by_own_method || only_time(problem_->weights));
   o.optimiser = own ? Optimiser::kOwn : Optimiser::kIpopt;
   const int usual = coarse_intervals(*problem_, guess.duration());
-  Smoothing smoothest = manner.steps.front();
+  Smoothing smoothest = strategy.steps.front();
   smoothest.regularisation *= regularisation_factor;
   smoothest.friction_width *= width_factor;
   const CollocationSetup setup{settings().scheme,
@@ -219,10 +219,10 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   return attempt(what, setup, &guess, o);
 }
 
-// The last attempt, which found no solution, left the last solution's objective behind.
+// Whether the last attempt, although it found no solution, lowered the objective by a fraction worth going on for.
 bool Continuation::came_down() const {
   const double before = solution_.report.objective;
-  return sees_friction(problem_->weights) && stages_.back().objective < before - kWorthMore * std::abs(before);
+  return sees_friction(problem_->weights) && stages_.back().objective < before - kWorthwhileDecrease * std::abs(before);
 }
 
 // Whether friction is in the objective, so that a motor may rest and carry a load at no cost.
@@ -232,7 +232,7 @@ bool Continuation::attempt_step(const std::string& what, const CollocationSetup&
   const double width = setup.smoothing.friction_width;
   const bool scaled = has_rests() && width <= kRestWidth;
   const Collocated from = scaled ? with_rests_scaled(*problem_, solution_, width) : solution_;
-  SolveOptions o = manner.loose_steps ? loosely(what) : warm(what);
+  SolveOptions o = strategy.loose_steps ? loosely(what) : warm(what);
   const auto within = [&](double iterations) {
     o.max_iterations = static_cast<int>(std::lround(patience * iterations));
     const std::size_t before = stages_.size();
@@ -260,7 +260,7 @@ bool Continuation::move_nodes() {
         [&](const SolveOptions& with) { return fjr::move_nodes(*problem_, solution_, times.jumps, with); });
   };
   if (within(kMovingIterations)) return true;
-  // With a sharper law those that come down for long seldom arrive.
+  // With a sharper law, attempts whose objective still falls at the limit of iterations seldom converge later.
   const bool smooth = solution_.setup.smoothing.friction_width >= kMovedWidth;
   return smooth && status_ == SolveStatus::kIterationLimit && came_down() && within(kMoreIterations);
 }
@@ -304,7 +304,7 @@ void Continuation::compare_step() {
 // least, with the exact law, is kept: a sharper law usually helps, but now and then a step slips into a worse minimum
 // or fails.
 bool Continuation::take_step() {
-  const std::vector<Smoothing>& steps = manner.steps;
+  const std::vector<Smoothing>& steps = strategy.steps;
   if (!homotopy_) {
     const double width = solution_.setup.smoothing.friction_width;
     std::size_t next = 1;
@@ -346,24 +346,25 @@ bool Continuation::keep_best_step() {
 // Where the objective comes to much less than its weights let expect, the regularisation by effort that chooses among
 // torques would outweigh it: that is reduced until it is small beside the objective.
 bool Continuation::fade_regularisation() {
-  if (settles_torque(problem_->weights) || !manner.fades) return true;
-  for (int round = 0; round < kFadeRounds; ++round) {
+  if (settles_torque(problem_->weights) || !strategy.fades) return true;
+  for (int round = 0; round < kRegularisationRounds; ++round) {
     Smoothing step = solution_.setup.smoothing;
     const double weight = make_arm_ocp<Features{}>(*problem_, step.regularisation).regularisation;
     const double regularisation = weight * squared_torque(solution_.motion);
     const double objective = std::abs(solution_.report.objective - regularisation);
     if (!(regularisation > kLargestRegularisation * objective)) return true;
-    step.regularisation *= std::max(kFade * kLargestRegularisation * objective / regularisation, 1e-3);
+    step.regularisation *=
+        std::max(kRegularisationDecrease * kLargestRegularisation * objective / regularisation, 1e-3);
     if (!reach_step(step, kHalvings)) return status_ != SolveStatus::kStopped;
   }
   return true;
 }
 
-// What is already less than everything that is known is worth waiting for: of 490 starts of 41 motions four ran out of
-// iterations there, and one of them had come to less than half of all others.
+// A start at its limit of iterations goes on where its objective is already below all known minima and it nearly keeps
+// its constraints: four of 490 starts of 41 motions, one of which had come to less than half of all others.
 bool Continuation::is_ahead_of(const std::vector<double>& known) const {
   const auto least = std::min_element(known.begin(), known.end());
-  return status_ == SolveStatus::kIterationLimit && least != known.end() && violation_ < kNearlyKept &&
+  return status_ == SolveStatus::kIterationLimit && least != known.end() && violation_ < kSmallViolation &&
          stages_.back().objective < *least - kSameMinimum * std::abs(*least);
 }
 
@@ -371,7 +372,7 @@ StartOutcome Continuation::begin(const Guess& guess, int most_iterations, const 
   bool solved = cold(guess, most_iterations);
   if (!solved && is_ahead_of(known)) {
     stages_.clear();  // the first stage is what the start comes to
-    solved = cold(guess, kTimesForWhatIsAhead * most_iterations);
+    solved = cold(guess, kIterationFactorWhenAhead * most_iterations);
   }
   if (!solved) return StartOutcome::kNoSolution;
   if (any_same(known, solution_.report.objective)) return StartOutcome::kKnown;
@@ -392,7 +393,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   const double worth_splitting = 1.5 * tolerance,
                worth_quartering = std::pow(2, settings().scheme.order + 2) * tolerance;
   const bool on_the_way = tolerance > mesh_tolerance();
-  const double worth = on_the_way ? kExcessWorthSplitting : manner.worth_splitting;
+  const double worth = on_the_way ? kExcessWorthSplitting : strategy.worth_splitting;
   const std::vector<PerLimit> excess =
       excesses(*problem_, solution_.setup.mesh, solution_.motion, kKeep, solution_.slack);
   const PerLimit scales = limit_scales(*problem_);
@@ -438,7 +439,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   return setup;
 }
 
-double Continuation::mesh_tolerance() const { return manner.mesh * settings().mesh_tolerance; }
+double Continuation::mesh_tolerance() const { return strategy.mesh * settings().mesh_tolerance; }
 
 // As many as are wanted; where that is more than there may be, the worst intervals only.
 std::vector<int> Continuation::affordable_pieces(const std::vector<double>& errors, double tolerance) const {
@@ -474,7 +475,7 @@ std::size_t Continuation::most_intervals() const {
 
 bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup, const SolveOptions& o) {
   if (attempt(what, setup, nullptr, o)) return true;
-  return status_ != SolveStatus::kStopped && manner.begins_afresh && attempt_anew(what, setup);
+  return status_ != SolveStatus::kStopped && strategy.begins_afresh && attempt_anew(what, setup);
 }
 
 // Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
@@ -524,8 +525,8 @@ bool Continuation::tighten() {
   std::optional<Collocated> lowest;
   for (int round = 0; round < kTighteningRounds && failures_to_tighten_ < kFailuresToTighten; ++round) {
     CollocationSetup setup = solution_.setup;
-    const double keep = round < kEagerRounds ? kKeep : kKeepAtLast;
-    const double growth = round > 0 && solution_.report.iterations == 0 ? kUnfeltGrowth : 2;
+    const double keep = round < kRoundsOfWholeMargin ? kKeep : kLaterPartOfMargin;
+    const double growth = round > 0 && solution_.report.iterations == 0 ? kIneffectiveMarginGrowth : 2;
     std::vector<PerLimit> excess = excesses(*problem_, setup.mesh, solution_.motion, keep, solution_.slack);
     if (minds_peak && round > 0 && !exceeds(excess) &&
         (!lowest || published_objective(*problem_, solution_) < published_objective(*problem_, *lowest))) {
@@ -547,7 +548,7 @@ bool Continuation::tighten() {
       ++failures_to_tighten_;
       break;
     }
-    minds_peak = false;  // what limits and mesh ask for is tried without it
+    minds_peak = false;  // solves once more for limits and mesh alone, without lowering the peak
   }
   if (status_ == SolveStatus::kStopped) return false;
   solve_to_the_end();
@@ -608,7 +609,7 @@ bool Continuation::resume(const Collocated& neighbour) {
   // What was fitted to the other problem and may not suit this one.
   CollocationSetup& setup = solution_.setup;
   setup.creep.clear();
-  const Smoothing& exact = manner.steps.back();
+  const Smoothing& exact = strategy.steps.back();
   setup.smoothing.regularisation = std::min(setup.smoothing.regularisation, exact.regularisation);
   if (!sees_friction(problem_->weights)) setup.smoothing.friction_width = exact.friction_width;
   const std::size_t limits = limit_scales(*problem_).size();

@@ -11,8 +11,8 @@
 #include "planner/certificate/certificate.h"
 #include "planner/ocp/collocate.h"
 #include "planner/problem/problem.h"
+#include "planner/search/continuation_strategy.h"
 #include "planner/search/guesses.h"
-#include "planner/search/manner.h"
 #include "planner/search/session.h"
 
 namespace fjr {
@@ -98,9 +98,9 @@ class Continuation {
   double mesh_factor = 1;            // on the number of intervals of the first mesh
   double regularisation_factor = 1;  // on that of the first solution, by effort: with more it is easier to solve
   double width_factor = 1;  // on the width of the first solution's friction law: less of it is nearer to the exact law
-  bool by_own_method = false;  // the first solution too, where that suits it, and not by Ipopt
-  double patience = 1;         // on the iterations of warm starts and of homotopy steps
-  Manner manner;               // the usual one, unless another is set before it begins
+  bool by_own_method = false;     // the first solution too, where that suits it, and not by Ipopt
+  double patience = 1;            // on the iterations of warm starts and of homotopy steps
+  ContinuationStrategy strategy;  // the usual one, unless another is set before it begins
 
  private:
   // What an attempt from the present solution depends on beside that.

@@ -18,11 +18,11 @@
 namespace fjr {
 namespace {
 
-constexpr int kUsualIterations = 300;   // iterations of one attempt
-constexpr int kSwingIterations = 1200;  // what has to swing up first took up to 630
-constexpr int kMoreSwings = 600;        // of a step towards tighter limits that comes to swing once more
-constexpr int kLastSwings = 900;        // of one that nothing else follows
-constexpr double kMoreEffort = 10;      // times the usual regularisation
+constexpr int kUsualIterations = 300;            // iterations of one attempt
+constexpr int kSwingIterations = 1200;           // what has to swing up first took up to 630
+constexpr int kTighteningSwingIterations = 600;  // of a step towards tighter limits that comes to swing once more
+constexpr int kLastSwingIterations = 900;        // of one that nothing else follows
+constexpr double kMoreEffort = 10;               // times the usual regularisation
 constexpr std::size_t kPatientStarts = 2;
 constexpr double kCoarser = 0.5, kFiner = 2;    // times the usual number of intervals
 constexpr double kRelaxed[] = {0.5, 3};         // fractions by which limits are relaxed at first
@@ -36,23 +36,25 @@ constexpr double kShortestStep = 2e-4;     // of those that could not be taken
 // Where more work is allowed than usual, motions that swing get as much more patience, up to this: with little torque
 // to spare warm starts take up to 690 iterations.
 constexpr double kMostPatience = 5;
-// A motor that creeps finds less friction in a smoothed law: what is lifted so is not lifted with the exact one. Times
-// the usual width; with the sharper one, limits are tightened in more and longer steps.
-constexpr double kSharp = 0.1, kSharper = 0.01;
+// Fractions of the usual width of friction. A motor that creeps has less friction under a smoothed law, so that a lift
+// found with the usual width may be infeasible with the exact law. With the sharper one, limits are tightened in more
+// and longer steps.
+constexpr double kSharpWidthFactor = 0.1, kSharpestWidthFactor = 0.01;
 
 // Where carrying the arm takes more than so many times the torque of joint 1, limits that are tightened step by step
 // come near it in ever shorter steps: with 5.6 of 6.7 N m (1.196 times) in 2,300 iterations, with 5.5 in none.
 constexpr double kMuchTooHeavy = 1.205;
-constexpr double kPeriods[] = {2.3, 3.4, 4.5};  // of small swings, that the motion may take
-constexpr double kFarFromIt = 0.03;             // fraction of the torque: twice what more time gains
-constexpr double kSwing = 1.5;                  // of them, until link 1 is past where gravity takes most
-constexpr double kFewer = 0.6;                  // times the usual number of intervals
-constexpr int kLiftIterations = 650;            // those that lead somewhere took up to 590
-constexpr int kShortenings = 2;                 // of the time in which the arm is lifted, where the fastest is far off
-constexpr int kShorteningIterations = 500;      // those that lead somewhere took 290 to 410
-constexpr double kSwingPatience = 2;            // times the usual iterations of warm starts
-constexpr double kSurely = 0.01;   // fraction of the torque that is told to be missing where no plan comes of it
-constexpr double kNoSlack = 1e-3;  // fraction of the torque: as good as none
+constexpr double kLiftPeriods[] = {2.3, 3.4, 4.5};  // of small swings, that the motion may take
+constexpr double kHopelessTorqueSlack = 0.03;       // fraction of the torque: twice what more time gains
+constexpr double kSwingPeriods = 1.5;               // of them, until link 1 is past where gravity takes most
+constexpr double kFoldedMeshFactor = 0.6;           // times the usual number of intervals
+constexpr int kLiftIterations = 650;                // those that lead somewhere took up to 590
+constexpr int kShortenings = 2;             // of the time in which the arm is lifted, where the fastest is far off
+constexpr int kShorteningIterations = 500;  // those that lead somewhere took 290 to 410
+constexpr double kSwingPatience = 2;        // times the usual iterations of warm starts
+// Fraction of the torque that is told to be missing where no plan comes of a lift.
+constexpr double kReportedTorqueDeficit = 0.01;
+constexpr double kNegligibleTorqueSlack = 1e-3;  // fraction of the torque: as good as none
 
 using SharedProblem = std::shared_ptr<const Problem>;
 
@@ -84,7 +86,7 @@ std::optional<Continuation> sharpened(const SharedProblem& problem, Session& ses
   c.mesh_factor = mesh_factor;
   c.patience = patience_in(session);
   return try_to_begin(std::move(c), session, guess_from(from.motion, from.durations, from.motion.duration()),
-                      kMoreSwings);
+                      kTighteningSwingIterations);
 }
 
 // From a solution of a neighbouring problem: on its mesh where that will do, or else from the start again.
@@ -138,7 +140,7 @@ std::optional<Continuation> tighten_all(const SharedProblem& problem, Session& s
   const auto easiest = std::make_shared<const Problem>(eased(1 + fraction));
   auto easy = attempt(easiest, session, fmt::format("limits relaxed by {:.3g} %", 100 * fraction), guess);
   if (!easy) return std::nullopt;
-  Reached reached = tighten(problem, session, eased, {std::move(*easy), 1 + fraction}, kNoLimit, kSharp);
+  Reached reached = tighten(problem, session, eased, {std::move(*easy), 1 + fraction}, kNoLimit, kSharpWidthFactor);
   if (reached.factor > 1) return std::nullopt;
   return std::move(reached.motion);
 }
@@ -227,7 +229,7 @@ std::optional<Continuation> least_torque(const Problem& problem, const Relaxable
   const auto shared = std::make_shared<const Problem>(std::move(timed));
   Continuation lifted(shared, session, "least torque to be lifted with");
   lifted.width_factor = width_factor;
-  lifted.mesh_factor = kFewer;
+  lifted.mesh_factor = kFoldedMeshFactor;
   return try_to_begin(std::move(lifted), session, guess(*shared), most_iterations);
 }
 
@@ -235,7 +237,7 @@ std::optional<Continuation> least_torque(const Problem& problem, const Relaxable
 std::optional<Continuation> lifted_folded(const Problem& problem, const Relaxable& torque, double duration,
                                           double swing, Session& session) {
   const auto folding = [&](const Problem& timed) { return folding_guess(timed, duration, swing); };
-  for (const double width_factor : {kSharper, kSharp}) {
+  for (const double width_factor : {kSharpestWidthFactor, kSharpWidthFactor}) {
     if (auto lifted = least_torque(problem, torque, duration, folding, width_factor, kLiftIterations, session)) {
       return lifted;
     }
@@ -243,7 +245,7 @@ std::optional<Continuation> lifted_folded(const Problem& problem, const Relaxabl
   return std::nullopt;
 }
 
-bool is_lifted(const Continuation& lifted) { return lifted.solution().slack <= kNoSlack; }
+bool is_lifted(const Continuation& lifted) { return lifted.solution().slack <= kNegligibleTorqueSlack; }
 
 // Lifted in less time, each motion starting the next: half-way to what is too short [s], a few times.
 Continuation lifted_sooner(const Problem& problem, const Relaxable& torque, Continuation lifted, double too_short,
@@ -253,7 +255,8 @@ Continuation lifted_sooner(const Problem& problem, const Relaxable& torque, Cont
     const auto shortened = [&](const Problem&) {
       return guess_from(lifted.solution().motion, lifted.solution().durations, duration);
     };
-    auto sooner = least_torque(problem, torque, duration, shortened, kSharper, kShorteningIterations, session);
+    auto sooner =
+        least_torque(problem, torque, duration, shortened, kSharpestWidthFactor, kShorteningIterations, session);
     if (sooner && is_lifted(*sooner)) {
       lifted = std::move(*sooner);
     } else {
@@ -266,8 +269,8 @@ Continuation lifted_sooner(const Problem& problem, const Relaxable& torque, Cont
 std::optional<Continuation> fastest_from(const SharedProblem& problem, const Continuation& lifted, int most_iterations,
                                          Session& session) {
   Continuation swung(problem, session, "swung up, folded");
-  swung.width_factor = kSharper;
-  swung.manner = swinging_manner();
+  swung.width_factor = kSharpestWidthFactor;
+  swung.strategy = swinging_strategy();
   swung.patience = std::max(kSwingPatience, patience_in(session));
   return try_to_begin(std::move(swung), session, guess_of(lifted), most_iterations);
 }
@@ -282,31 +285,31 @@ struct Folded {
 // takes longer to find and starts it better.
 Folded swing_up_folded(const SharedProblem& problem, double longest, Session& session) {
   const Relaxable torque = torque_of_joint_1(*problem);
-  const double period = period_of(*problem), swing = kSwing * period;
+  const double period = period_of(*problem), swing = kSwingPeriods * period;
   double least = kNoLimit;  // slack
   double too_short = swing;
-  // In no more time than is asked for, and not in what a search may look at: with a bound far away a lift with 5.5 N m
-  // came to another minimum, 1.5 % longer, in which motor 1 slips back within the step of its friction. There margins
-  // of a third of the torque are wanted, each time elsewhere.
+  // The duration is bounded by `longest`, and not by the larger bound of the search for a fastest motion: with a bound
+  // far away a lift with 5.5 N m converged to a motion that is 1.5 % longer, in which motor 1 slips back within the
+  // step of its friction. Every round then asked for margins of a third of the torque, each time elsewhere.
   Problem in_time = *problem;
   in_time.duration.max = longest;
   const auto bounded = std::make_shared<const Problem>(std::move(in_time));
-  const Limits surely = torque.relaxed(*problem, kSurely * size_of(torque)).limits;
-  for (const double periods : kPeriods) {
+  const Limits surely = torque.relaxed(*problem, kReportedTorqueDeficit * size_of(torque)).limits;
+  for (const double periods : kLiftPeriods) {
     const double duration = std::max(periods * period, problem->duration.min);
     if (duration > longest || session.interrupted()) break;
     const auto lifted = lifted_folded(*problem, torque, duration, swing, session);
     if (!lifted) continue;
     least = std::min(least, lifted->solution().slack);
-    if (lifted->solution().slack > kFarFromIt) break;
+    if (lifted->solution().slack > kHopelessTorqueSlack) break;
     if (!is_lifted(*lifted)) {
       too_short = duration;
       continue;
     }
-    auto motion = fastest_from(bounded, *lifted, kMoreSwings, session);
+    auto motion = fastest_from(bounded, *lifted, kTighteningSwingIterations, session);
     if (!motion) {
       const Continuation sooner = lifted_sooner(*problem, torque, *lifted, too_short, session);
-      motion = fastest_from(bounded, sooner, kLastSwings, session);
+      motion = fastest_from(bounded, sooner, kLastSwingIterations, session);
     }
     return {{std::move(motion), surely}, true};
   }
@@ -326,11 +329,11 @@ SwungUp swing_up(const SharedProblem& problem, double longest, Session& session)
     folded = std::move(motion);
     if (folded.motion || (folded.reached && !torque_is_enough)) return folded;
   }
-  SwungUp swung = swing_up_with(problem, longest, session, kSharp);
+  SwungUp swung = swing_up_with(problem, longest, session, kSharpWidthFactor);
   if (!swung.motion && folded.reached) return folded;
   if (!swung.motion || session.options().patience <= 1) return swung;
   if (swung.motion->follow_homotopy() && swung.motion->has_exact_friction()) return swung;
-  SwungUp sharper = swing_up_with(problem, longest, session, kSharper);
+  SwungUp sharper = swing_up_with(problem, longest, session, kSharpestWidthFactor);
   return sharper.motion ? std::move(sharper) : std::move(swung);
 }
 

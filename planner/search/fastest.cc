@@ -14,12 +14,12 @@ namespace {
 // published, for how long it takes is then told.
 std::optional<Fastest> find_fastest(const std::shared_ptr<const Problem>& alternative, double allowed, Findings& found,
                                     Session& session) {
-  const auto hurried = std::make_shared<const Problem>(fastest_of(*alternative));
+  const auto fastest = std::make_shared<const Problem>(fastest_of(*alternative));
   std::optional<Fastest> shortest;
   std::vector<double> known;  // minima
-  for (const Guess& guess : first_guesses(*hurried)) {
+  for (const Guess& guess : first_guesses(*fastest)) {
     if (session.interrupted() || (shortest && shortest->duration() <= allowed)) break;
-    Continuation c(hurried, session, "fastest");
+    Continuation c(fastest, session, "fastest");
     if (c.begin(guess, found.patience, known) != StartOutcome::kNew) continue;
     known.push_back(c.stages().front().objective);
     if (!c.refine()) continue;
@@ -77,7 +77,7 @@ void try_from_fastest(const std::shared_ptr<const Problem>& alternative, Finding
   if (found.candidates.empty() && !session.interrupted()) adopt_fastest(found, session);
 }
 
-bool hurries(const Findings& found) {
+bool has_little_spare_time(const Findings& found) {
   constexpr double kHardlyMore = 1.05;  // times the shortest duration
   return found.fastest && !any_timed(found.asked) && !only_time(found.asked.weights) &&
          found.asked.duration.max < kHardlyMore * found.fastest->duration();

@@ -18,7 +18,7 @@ Problem fastest_to_via(Problem problem, std::size_t i);
 void try_from_fastest(const std::shared_ptr<const Problem>& alternative, Findings& found, Session& session);
 
 // There is a fastest motion, and hardly more time than it takes.
-bool hurries(const Findings& found);
+bool has_little_spare_time(const Findings& found);
 
 // With hardly any time to spare only the fastest motion's own mesh and the exact law have a motion.
 void adopt_fastest(Findings& found, Session& session);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "planner/ocp/objective.h"
-#include "planner/search/calm.h"
+#include "planner/search/acceleration_penalty.h"
 
 namespace fjr {
 namespace {
@@ -37,13 +37,14 @@ bool far_too_long(const Continuation& c, const Problem& asked) {
   return only_time(asked.weights) && duration > kLongMotion && duration > kFar * asked.duration.max;
 }
 
-// The motion, solved again with a calmer objective; itself where that leads nowhere.
-Continuation calmer(const Continuation& c, const std::shared_ptr<const Problem>& calm, int patience, Session& session) {
-  Continuation calmer(calm, session, c.label() + ", calm");
-  calmer.start = c.start;
+// The motion, solved again with a penalty on accelerations; itself where that leads nowhere.
+Continuation with_penalty(const Continuation& c, const std::shared_ptr<const Problem>& penalised, int patience,
+                          Session& session) {
+  Continuation solved(penalised, session, c.label() + ", calm");
+  solved.start = c.start;
   const Collocated& hasty = c.solution();
   const Guess guess = guess_from(hasty.motion, hasty.durations, c.duration());
-  return calmer.begin(guess, patience) == StartOutcome::kNew ? calmer : c;
+  return solved.begin(guess, patience) == StartOutcome::kNew ? solved : c;
 }
 
 // What a start came to on a coarse mesh.
@@ -69,13 +70,13 @@ void publish_best(std::vector<Continuation> motions, Findings& found, Session& s
   }
 }
 
-// Motions whose springs have time to swing, at the least time: with objectives that still them, the calmest first,
-// until one is certified.
-void hurry_calmly(const Continuation& coarse, Findings& found, Session& session) {
+// Fastest motions of many seconds, whose springs have time to swing: with penalties on accelerations, the largest
+// first, until one is certified.
+void refine_with_penalties(const Continuation& coarse, Findings& found, Session& session) {
   const Timed timed(session, "finish");
-  for (const auto& calm : calmed_hurry(*coarse.problem())) {
+  for (const auto& penalised : fastest_with_acceleration_penalties(*coarse.problem())) {
     if (session.interrupted()) return;
-    Continuation c = calmer(coarse, calm, found.patience, session);
+    Continuation c = with_penalty(coarse, penalised, found.patience, session);
     if (!c.refine()) continue;
     PublishResult published = publish(c, found.asked, session);
     if (found.keep(c, std::move(published))) return;
@@ -85,16 +86,16 @@ void hurry_calmly(const Continuation& coarse, Findings& found, Session& session)
 // Refines motions that were found beside each other. While nothing is certified, those that were dropped on the way are
 // refined too.
 void refine_all(std::vector<Continuation> coarse, Findings& found, Session& session) {
-  if (coarse.empty()) return;  // then it is not refining that the work is left for
+  if (coarse.empty()) return;  // entering the phase of refining would release its share of the work for nothing
   session.enter(Phase::kRefining);
-  const auto long_hurry = [](const Continuation& c) {
+  const auto is_long_and_fastest = [](const Continuation& c) {
     return only_time(c.problem()->weights) && c.duration() >= kLongMotion;
   };
   std::vector<Continuation> motions;
   for (Continuation& c : coarse) {
     ++found.refined;
-    if (long_hurry(c)) {
-      hurry_calmly(c, found, session);
+    if (is_long_and_fastest(c)) {
+      refine_with_penalties(c, found, session);
     } else {
       motions.push_back(std::move(c));
     }
@@ -129,7 +130,7 @@ TriedStart note_outcome(Begun& begun, Findings& found) {
     if (!c.obstacle().empty()) found.obstacle = "; in the last attempt " + c.obstacle();
     return {.led_somewhere = false, .out_of_patience = c.status() == SolveStatus::kIterationLimit};
   }
-  // Of those that were begun at once, one may have come to another's minimum.
+  // Starts of one wave do not see each other's results: two of them may have found the same minimum.
   const SolverStage& first = c.stages().front();
   const double objective = first.objective;
   if (any_same(found.minima, objective)) begun.outcome = StartOutcome::kKnown;

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "planner/search/calm.h"
+#include "planner/search/acceleration_penalty.h"
 #include "planner/search/detours.h"
 #include "planner/search/fallbacks.h"
 #include "planner/search/fastest.h"
@@ -91,20 +91,21 @@ struct Wave {
   std::vector<Start> starts;
 };
 
-// Tries them. Where one ends at its limit of iterations, its turn goes on with a calmer objective from there, if that
-// helps.
+// Tries them. Where one ends at its limit of iterations, its turn goes on from there with a penalty on accelerations,
+// if that helps.
 void try_wave(Wave& wave, Findings& found, Session& session) {
   const std::vector<TriedStart> tried = try_starts_of_many(wave.starts, found, session);
   for (std::size_t i = 0; i < tried.size(); ++i) {
     Turn& turn = *wave.turns[i];
     bool led_somewhere = tried[i].led_somewhere;
-    const Alternative calm = tried[i].out_of_patience ? calmed(*turn.alternative) : nullptr;
-    if (calm) refine_waiting(found, session);
-    if (calm && !session.interrupted()) {
+    const Alternative penalised = tried[i].out_of_patience ? with_acceleration_penalty(*turn.alternative) : nullptr;
+    if (penalised) refine_waiting(found, session);
+    if (penalised && !session.interrupted()) {
       ++session.fallbacks().calmed;
-      turn.alternative = calm;
+      turn.alternative = penalised;
       led_somewhere =
-          try_starts({{calm, wave.starts[i].guess, wave.starts[i].label + ", calm"}}, found, session)[0].led_somewhere;
+          try_starts({{penalised, wave.starts[i].guess, wave.starts[i].label + ", calm"}}, found, session)[0]
+              .led_somewhere;
     }
     turn.led_somewhere = turn.led_somewhere || led_somewhere;
     if (!led_somewhere) ++turn.failed;

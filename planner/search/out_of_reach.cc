@@ -43,7 +43,7 @@ bool any_comes_too_early(const Problem& problem, Search& search) {
 }
 
 bool takes_more(const Problem& problem, Search& search) {
-  const auto relaxing = search.least_sketch(hurried(with_slack_everywhere(problem)), "all_limits",
+  const auto relaxing = search.least_sketch(with_larger_time_weight(with_slack_everywhere(problem)), "all_limits",
                                             search.guesses(relaxed(problem, kLoose)));
   return relaxing && relaxing->solution().slack > kClearlyMore;
 }

@@ -64,7 +64,8 @@ Reserve widened(const Reserve& before, const Problem& asked, const Publication& 
       }
     }
     for (std::size_t row = 0; row < r.task.size(); ++row) {
-      // What the distance from a line lacks is made up for by a wider margin across it.
+      // A row along a line gets no margin of its own: where it lacks one, the row across the same line gets a wider
+      // one.
       if (rows[row].along && r.task[row].passed) continue;
       const std::size_t index = kLimits + row - (rows[row].along ? 1 : 0);
       margins[index] = std::max(margins[index], of(r.task[row]));
@@ -102,7 +103,8 @@ std::optional<Publication> with_reserve(const std::shared_ptr<const Problem>& pr
   if (moved.resume(from)) {
     if (auto published = certified(moved)) return published;
   }
-  // Where a path or a limit is active nearly all the way, other constraints become active, and multipliers mislead.
+  // Where a path or a limit is active nearly all the way, margins change which constraints are active, and a warm start
+  // with the old multipliers fails: it is solved from the motion alone.
   Continuation afresh(problem, session, label + ", afresh");
   afresh.patience = kPatience;
   if (session.interrupted() || !afresh.adopt(from, from.motion.duration()) || !afresh.refine()) return std::nullopt;

@@ -77,7 +77,7 @@ std::vector<bool> Session::join_all(const std::vector<std::unique_ptr<Session>>&
   return counts;
 }
 
-// With clocks of their own, which count for the part of the trunk that is at work.
+// Each branch measures its own time, and books it under the part that this session is timing now.
 std::function<void(std::size_t)> Session::in_branches(const std::vector<std::unique_ptr<Session>>& branches,
                                                       const std::function<void(std::size_t, Session&)>& task) const {
   if (innermost_ == nullptr) return [&](std::size_t i) { task(i, *branches[i]); };

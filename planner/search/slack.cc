@@ -95,7 +95,7 @@ Problem with_slack_everywhere(const Problem& problem) {
   return result;
 }
 
-Problem hurried(Problem with_slack) {
+Problem with_larger_time_weight(Problem with_slack) {
   with_slack.weights.time = kHurry;
   return with_slack;
 }

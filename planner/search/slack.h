@@ -21,7 +21,7 @@ Problem with_slack_everywhere(const Problem& problem);
 inline constexpr double kLoose = 3;
 
 // The same with a larger weight of time, so that the first solution has a bounded duration.
-Problem hurried(Problem with_slack);
+Problem with_larger_time_weight(Problem with_slack);
 
 // Its value when it is relaxed by that slack of with_slack(problem, what), counted as Relaxable::from is.
 double value_with(const Problem& problem, const Relaxable& what, double slack);

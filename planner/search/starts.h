@@ -12,8 +12,9 @@ namespace fjr {
 // The first k of them are the same however many there are.
 struct Starts {
   std::vector<Guess> guesses;
-  // Where friction is seen, Ipopt and our own method come to different minima from one guess, neither to better ones
-  // throughout, and ours takes half the time: the first so many are solved by Ipopt, the others by ours.
+  // Where the objective depends on friction, Ipopt and our interior-point method often find different minima from one
+  // guess. Neither is always better, and ours takes half the time: the first so many are solved by Ipopt, the others by
+  // ours.
   std::size_t by_ipopt = 0;
   std::size_t guided = 0;  // the first so many are made for the request, the others displaced at random
   std::size_t always = 0;  // the first so many are tried in any case, the others until one leads somewhere

@@ -158,7 +158,9 @@ class Service {
   Backlog backlog_;
   Inbox inbox_;
   Presence presence_;
-  bool waited_ = false;  // what comes now may have waited while this instance was absent, longer than its client
+  // Requests that are read now may have waited while this process was suspended: their clients, which may be gone, are
+  // asked first.
+  bool waited_ = false;
   Clock::time_point settled_at_;  // from then on the others are known
   bool owned_ = false;            // the robot, before the last review
   Clock::time_point took_over_at_{};

@@ -37,7 +37,7 @@ struct System {
 
 struct Case {
   const char* what;
-  int stages = 6, nx = 4, nu = 2, nr = 3, nb = 1;  // states, controls, inequality rows per stage; border
+  int blocks = 6, nx = 4, nu = 2, nr = 3, nb = 1;  // states, controls, inequality rows per block; border
   double curvature = 6;         // of the Hessian's diagonal; the rest is about 1: below 2 or so it is indefinite
   double largest_slack = 10;    // curvature of the slacks of active rows
   double regularisation = 0;    // of the equality rows,
@@ -50,15 +50,15 @@ struct Case {
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.what; }
 
-// The first stage's start is fixed, so not there; as many defects as states.
+// The first block's start is fixed, so not there; as many defects as states.
 System chain(const Case& c, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(-1, 1);
   System s;
-  s.structure.stages = c.stages;
-  const auto index = [&](int stage, bool equality = false) {
-    s.structure.stage.push_back(stage);
+  s.structure.blocks = c.blocks;
+  const auto index = [&](int block, bool equality = false) {
+    s.structure.block.push_back(block);
     s.structure.equality.push_back(equality && c.equalities_told);
     return s.size++;
   };
@@ -68,12 +68,12 @@ System chain(const Case& c, std::uint64_t seed) {
     s.values.push_back(v);
   };
   std::vector<int> border;
-  for (int b = 0; b < c.nb; ++b) border.push_back(index(c.stages));
-  std::vector<int> node;  // of the stage before
-  for (int k = 0; k < c.stages; ++k) {
+  for (int b = 0; b < c.nb; ++b) border.push_back(index(c.blocks));
+  std::vector<int> node;  // of the block before
+  for (int k = 0; k < c.blocks; ++k) {
     std::vector<int> variables = node, u, next;
     for (int i = 0; i < c.nu; ++i) u.push_back(index(k));
-    for (int i = 0; i < c.nx && !(c.end_given && k + 1 == c.stages); ++i) next.push_back(index(k));
+    for (int i = 0; i < c.nx && !(c.end_given && k + 1 == c.blocks); ++i) next.push_back(index(k));
     variables.insert(variables.end(), u.begin(), u.end());
     variables.insert(variables.end(), next.begin(), next.end());
     for (std::size_t i = 0; i < variables.size(); ++i) {
@@ -202,28 +202,28 @@ TEST_P(Chain, SolvesAndCountsLikeDenseAlgebraAndMumps) {
 INSTANTIATE_TEST_SUITE_P(
     Shapes, Chain,
     testing::Values(
-        Case{.what = "one stage", .stages = 1, .nx = 2, .nu = 1, .nr = 0, .nb = 0},
-        Case{.what = "two stages", .stages = 2}, Case{.what = "short", .stages = 3, .nr = 2},
-        Case{.what = "long", .stages = 40, .nx = 3, .nu = 1, .nr = 2},
-        Case{.what = "as wide as the arm", .stages = 8, .nx = 16, .nu = 4, .nr = 10},
-        Case{.what = "wider than any unrolled loop", .stages = 4, .nx = 30, .nu = 10, .nr = 10, .nb = 4},
-        Case{.what = "wrong inertia", .stages = 12, .curvature = 1},
-        Case{.what = "without curvature", .stages = 12, .curvature = 0},
+        Case{.what = "one block", .blocks = 1, .nx = 2, .nu = 1, .nr = 0, .nb = 0},
+        Case{.what = "two blocks", .blocks = 2}, Case{.what = "short", .blocks = 3, .nr = 2},
+        Case{.what = "long", .blocks = 40, .nx = 3, .nu = 1, .nr = 2},
+        Case{.what = "as wide as the arm", .blocks = 8, .nx = 16, .nu = 4, .nr = 10},
+        Case{.what = "wider than any unrolled loop", .blocks = 4, .nx = 30, .nu = 10, .nr = 10, .nb = 4},
+        Case{.what = "wrong inertia", .blocks = 12, .curvature = 1},
+        Case{.what = "without curvature", .blocks = 12, .curvature = 0},
         Case{.what = "active rows", .nx = 8, .nu = 4, .nr = 6, .nb = 2, .curvature = 1, .largest_slack = 1e9},
         Case{.what = "active bounds", .nx = 8, .nu = 4, .largest_bound = 1e9},
         Case{.what = "regularised rows", .nx = 8, .curvature = 1, .regularisation = 1e-6},
         Case{.what = "some rows regularised",
-             .stages = 20,
+             .blocks = 20,
              .nx = 4,
              .nu = 1,
              .nr = 0,
              .regularisation = 1e-2,
              .regularised = 9},
         Case{.what = "end given", .nx = 6, .nu = 2, .end_given = true},
-        Case{.what = "end given, few controls", .stages = 20, .nx = 6, .nu = 1, .nr = 0, .end_given = true},
+        Case{.what = "end given, few controls", .blocks = 20, .nx = 6, .nu = 1, .nr = 0, .end_given = true},
         Case{.what = "badly scaled", .nx = 6, .curvature = 1, .spread = 3},
-        Case{.what = "equalities unknown", .stages = 12, .nx = 8, .curvature = 1, .equalities_told = false},
-        Case{.what = "many borders", .stages = 12, .nx = 5, .nb = 6}),
+        Case{.what = "equalities unknown", .blocks = 12, .nx = 8, .curvature = 1, .equalities_told = false},
+        Case{.what = "many borders", .blocks = 12, .nx = 5, .nb = 6}),
     [](const auto& param) {
       std::string name = param.param.what;
       std::replace_if(
@@ -231,13 +231,13 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-// Two defects of stage 2 say the same but for a difference of this size.
+// Two defects of block 2 say the same but for a difference of this size.
 System nearly_singular(double difference) {
-  System s = chain({.what = "", .stages = 4, .nx = 3, .nu = 2, .nr = 1}, 1);
+  System s = chain({.what = "", .blocks = 4, .nx = 3, .nu = 2, .nr = 1}, 1);
   std::vector<int> defects;
   for (int i = 0; i < s.size; ++i) {
     const auto at = static_cast<std::size_t>(i);
-    if (s.structure.stage[at] == 2 && s.structure.equality[at]) defects.push_back(i);
+    if (s.structure.block[at] == 2 && s.structure.equality[at]) defects.push_back(i);
   }
   const Eigen::MatrixXd a = s.dense();
   bool first = true;
@@ -249,25 +249,25 @@ System nearly_singular(double difference) {
   return s;
 }
 
-// As many negative eigenvalues as rows are what a minimum has; negative curvature in one stage is known there: of the
-// half from the start nothing but the stages before it was needed, of the half from the end those of the other half
+// As many negative eigenvalues as rows are what a minimum has; negative curvature in one block is known there: of the
+// half from the start nothing but the blocks before it was needed, of the half from the end those of the other half
 // too.
 TEST(ChainLdlt, StopsWhereTheInertiaIsKnownToBeWrong) {
-  const Case convex{.what = "convex", .stages = 40};
+  const Case convex{.what = "convex", .blocks = 40};
   const System s = chain(convex, 1);
-  const auto rows = convex.stages * (convex.nx + convex.nr);
+  const auto rows = convex.blocks * (convex.nx + convex.nr);
   ChainLdlt factor = analysed(s);
   ASSERT_TRUE(factor.factorise(s.values, 1e-8, rows));
   EXPECT_EQ(factor.negative_eigenvalues(), rows);
   const double whole = factor.factorisation_work();
   const struct {
-    int stage;
+    int block;
     double of_work;
   } places[] = {{4, 0.15}, {19, 0.55}, {35, 0.65}};
   for (const auto& place : places) {
     std::vector<double> values = s.values;
     for (std::size_t e = 0; e < s.rows.size(); ++e) {  // of a control
-      const bool own = s.rows[e] == s.cols[e] && s.structure.stage[static_cast<std::size_t>(s.rows[e])] == place.stage;
+      const bool own = s.rows[e] == s.cols[e] && s.structure.block[static_cast<std::size_t>(s.rows[e])] == place.block;
       if (!own || values[e] < 1) continue;
       values[e] = -1e3;
       break;
@@ -275,12 +275,12 @@ TEST(ChainLdlt, StopsWhereTheInertiaIsKnownToBeWrong) {
     ASSERT_TRUE(factor.factorise(values, 1e-8, rows));
     const int negative = factor.negative_eigenvalues();
     const double work = factor.factorisation_work();
-    EXPECT_GT(negative, rows) << "stage " << place.stage;
-    EXPECT_LT(work, place.of_work * whole) << "stage " << place.stage;
+    EXPECT_GT(negative, rows) << "block " << place.block;
+    EXPECT_LT(work, place.of_work * whole) << "block " << place.block;
     for (const DoBoth& both : {DoBoth(the_other_first), DoBoth(on_two_threads)}) {  // whichever half is sooner
       ASSERT_TRUE(factor.factorise(values, 1e-8, rows, both));
-      EXPECT_EQ(factor.negative_eigenvalues(), negative) << "stage " << place.stage;
-      EXPECT_EQ(factor.factorisation_work(), work) << "stage " << place.stage;
+      EXPECT_EQ(factor.negative_eigenvalues(), negative) << "block " << place.block;
+      EXPECT_EQ(factor.factorisation_work(), work) << "block " << place.block;
     }
   }
 }
@@ -329,7 +329,7 @@ TEST(DenseLdlt, EliminatesWhatWouldPileUp) {
   factor.reset(index);
   for (int i = 0; i < kAll; ++i) Eigen::Map<Eigen::RowVectorXd>(factor.row(i), kAll) = a.row(i);
   const int negative = factor.eliminate(kRows, 1e-8);
-  EXPECT_LE(kRows - factor.pivots(), 16);  // as many as a stage may leave
+  EXPECT_LE(kRows - factor.pivots(), 16);  // as many as a block may leave
   EXPECT_EQ(negative, factor.pivots());
 
   const int p = factor.pivots();

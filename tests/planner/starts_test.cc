@@ -21,7 +21,7 @@
 #include "model/dynamics.h"
 #include "planner/plan.h"
 #include "planner/request/request.h"
-#include "planner/search/calm.h"
+#include "planner/search/acceleration_penalty.h"
 #include "planner/search/follow.h"
 #include "planner/search/guesses.h"
 #include "planner/search/race.h"
@@ -373,13 +373,15 @@ TEST(Race, FollowsEachMinimumOnce) {
 // ---- springs that have time to swing ----
 
 TEST(Calm, IsForObjectivesThatLeaveTorquesFreeAndHaveTime) {
-  const auto is_calmed = [](const std::string& more) { return calmed(request(kMove + more)) != nullptr; };
-  EXPECT_TRUE(is_calmed("duration: 5\nobjective: {energy: 1}\n"));
-  EXPECT_TRUE(is_calmed("duration: 5\nobjective: {peak_torque: 1}\n"));
-  EXPECT_FALSE(is_calmed("duration: 0.8\nobjective: {energy: 1}\n"));
-  EXPECT_FALSE(is_calmed("duration: 5\nobjective: {effort: 1}\n"));
-  EXPECT_FALSE(is_calmed("duration: 5\nobjective: {energy: 1, link_acceleration: 0.1}\n"));
-  EXPECT_FALSE(is_calmed("objective: fastest\n"));
+  const auto is_penalised = [](const std::string& more) {
+    return with_acceleration_penalty(request(kMove + more)) != nullptr;
+  };
+  EXPECT_TRUE(is_penalised("duration: 5\nobjective: {energy: 1}\n"));
+  EXPECT_TRUE(is_penalised("duration: 5\nobjective: {peak_torque: 1}\n"));
+  EXPECT_FALSE(is_penalised("duration: 0.8\nobjective: {energy: 1}\n"));
+  EXPECT_FALSE(is_penalised("duration: 5\nobjective: {effort: 1}\n"));
+  EXPECT_FALSE(is_penalised("duration: 5\nobjective: {energy: 1, link_acceleration: 0.1}\n"));
+  EXPECT_FALSE(is_penalised("objective: fastest\n"));
 }
 
 TEST(Start, ThatRunsOutOfIterationsSaysSo) {
@@ -425,15 +427,15 @@ TEST(Calm, IsTakenBack) {
   Session session{SessionOptions{}};
   session.enter(Phase::kFinding);
   Findings found(problem);
-  const auto calm = calmed(*found.alternatives.front());
-  ASSERT_TRUE(calm);
-  try_starts({{calm, first_guesses(problem).front(), "start"}}, found, session);
+  const auto penalised = with_acceleration_penalty(*found.alternatives.front());
+  ASSERT_TRUE(penalised);
+  try_starts({{penalised, first_guesses(problem).front(), "start"}}, found, session);
   ASSERT_TRUE(found.certified());
   const double before = found.best->objective;
-  take_calm_back(found, session);
+  fade_acceleration_penalty(found, session);
   EXPECT_TRUE(found.certified());
   EXPECT_LT(found.best->objective, before);
-  EXPECT_LT(found.best->problem->weights.link_acceleration, calm->weights.link_acceleration);
+  EXPECT_LT(found.best->problem->weights.link_acceleration, penalised->weights.link_acceleration);
 }
 
 }  // namespace

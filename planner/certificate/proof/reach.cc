@@ -69,7 +69,7 @@ bool Reach::refine(const Polynomial& c, double length, double time, int depth) {
   if (sharp || lower > allowed_ || depth >= kMostHalvings || !std::isfinite(upper)) return take(upper, time + half);
   const auto first = [&] { return refine(c, half, time, depth + 1); };
   const auto second = [&] { return refine(middle, half, time + half, depth + 1); };
-  // Where the most is found at once, little is left.
+  // The half towards which the value grows comes first: its maximum often makes refining the other half needless.
   const bool rises = middle.size() > 1 && (is_signed_ ? 1 : middle[0].mid) * middle[1].mid > 0;
   return rises ? second() && first() : first() && second();
 }

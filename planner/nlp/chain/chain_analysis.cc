@@ -31,17 +31,17 @@ class Groups {
 }  // namespace
 
 void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, const ChainStructure& structure) {
-  const std::vector<int>& stage = structure.stage;
-  const int stages = structure.stages;
-  if (stages < 1) throw std::invalid_argument("a chain has a stage at least");
-  size_ = static_cast<int>(stage.size());
-  fronts_.assign(index(stages), {});
+  const std::vector<int>& block = structure.block;
+  const int blocks = structure.blocks;
+  if (blocks < 1) throw std::invalid_argument("a chain has a block at least");
+  size_ = static_cast<int>(block.size());
+  fronts_.assign(index(blocks), {});
   leaves_.clear();
   leaf_entries_.clear();
 
-  // Neighbours, to find leaves; and who is seen by the next stage.
-  std::vector<int> only_neighbour(stage.size(), -1), degree(stage.size(), 0);
-  std::vector<char> seen_later(stage.size(), false);
+  // Neighbours, to find leaves; and who is seen by the next block.
+  std::vector<int> only_neighbour(block.size(), -1), degree(block.size(), 0);
+  std::vector<char> seen_later(block.size(), false);
   for (std::size_t e = 0; e < rows.size(); ++e) {
     const int i = rows[e], j = cols[e];
     if (i == j) continue;
@@ -49,24 +49,24 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
       if (only_neighbour[index(a)] != b) ++degree[index(a)];
       only_neighbour[index(a)] = b;
     }
-    const int si = stage[index(i)], sj = stage[index(j)];
-    if (si == stages || sj == stages || si == sj) continue;
+    const int si = block[index(i)], sj = block[index(j)];
+    if (si == blocks || sj == blocks || si == sj) continue;
     if (std::abs(si - sj) != 1) {
-      throw std::invalid_argument("the matrix is no chain: an entry joins stages " + std::to_string(si) + " and " +
+      throw std::invalid_argument("the matrix is no chain: an entry joins blocks " + std::to_string(si) + " and " +
                                   std::to_string(sj));
     }
     seen_later[index(si < sj ? i : j)] = true;
   }
 
-  // Equality rows: of one stage, and none coupled to another.
+  // Equality rows: of one block, and none coupled to another.
   std::vector<char> equality(structure.equality.begin(), structure.equality.end());
-  equality.resize(stage.size(), false);
-  for (std::size_t i = 0; i < stage.size(); ++i) equality[i] = equality[i] && stage[i] != stages && !seen_later[i];
+  equality.resize(block.size(), false);
+  for (std::size_t i = 0; i < block.size(); ++i) equality[i] = equality[i] && block[i] != blocks && !seen_later[i];
   for (std::size_t e = 0; e < rows.size(); ++e) {
     if (rows[e] != cols[e] && equality[index(rows[e])]) equality[index(cols[e])] = false;
   }
-  std::vector<char> sees_equality(stage.size(), false);
-  std::vector<int> entries(stage.size(), 0);
+  std::vector<char> sees_equality(block.size(), false);
+  std::vector<int> entries(block.size(), 0);
   for (std::size_t e = 0; e < rows.size(); ++e) {
     if (equality[index(cols[e])]) sees_equality[index(rows[e])] = true;
     if (equality[index(rows[e])]) sees_equality[index(cols[e])] = true;
@@ -74,10 +74,10 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
     ++entries[index(cols[e])];
   }
 
-  std::vector<int> leaf_role(stage.size(), -1);
+  std::vector<int> leaf_role(block.size(), -1);
   for (int i = 0; i < size_; ++i) {
     const int p = only_neighbour[index(i)];
-    if (degree[index(i)] != 1 || stage[index(i)] == stages || stage[index(i)] != stage[index(p)]) continue;
+    if (degree[index(i)] != 1 || block[index(i)] == blocks || block[index(i)] != block[index(p)]) continue;
     if (seen_later[index(p)] || sees_equality[index(p)] || sees_equality[index(i)]) continue;
     if (leaf_role[index(p)] >= 0 || leaf_role[index(i)] >= 0) continue;
     leaf_role[index(i)] = leaf_role[index(p)] = static_cast<int>(leaves_.size());
@@ -85,23 +85,23 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
   }
   // By front.
   std::stable_sort(leaves_.begin(), leaves_.end(),
-                   [&](const Leaf& a, const Leaf& b) { return stage[index(a.leaf)] < stage[index(b.leaf)]; });
+                   [&](const Leaf& a, const Leaf& b) { return block[index(a.leaf)] < block[index(b.leaf)]; });
   for (int l = 0; l < static_cast<int>(leaves_.size()); ++l) {
     const Leaf& leaf = leaves_[index(l)];
     leaf_role[index(leaf.leaf)] = leaf_role[index(leaf.neighbour)] = l;
-    ++fronts_[index(stage[index(leaf.leaf)])].last_leaf;  // a count, so far
+    ++fronts_[index(block[index(leaf.leaf)])].last_leaf;  // a count, so far
   }
 
   border_.clear();
-  std::vector<std::vector<int>> shared(index(stages)), own(index(stages));  // with the next stage; with none
+  std::vector<std::vector<int>> shared(index(blocks)), own(index(blocks));  // with the next block; with none
   for (int i = 0; i < size_; ++i) {
     if (leaf_role[index(i)] >= 0) continue;
-    if (stage[index(i)] == stages) {
+    if (block[index(i)] == blocks) {
       border_.push_back(i);
     } else if (equality[index(i)]) {
-      fronts_[index(stage[index(i)])].rows.push_back(i);
+      fronts_[index(block[index(i)])].rows.push_back(i);
     } else {
-      (seen_later[index(i)] ? shared : own)[index(stage[index(i)])].push_back(i);
+      (seen_later[index(i)] ? shared : own)[index(block[index(i)])].push_back(i);
     }
   }
   for (std::size_t k = 0; k < fronts_.size(); ++k) {
@@ -118,22 +118,22 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
   std::vector<int> belongs_to;  // a front, or after all of them a leaf
   belongs_to.reserve(rows.size());
   for (std::size_t e = 0; e < rows.size(); ++e) {
-    const int i = rows[e], j = cols[e], si = stage[index(i)], sj = stage[index(j)];
+    const int i = rows[e], j = cols[e], si = block[index(i)], sj = block[index(j)];
     const int role = std::max(leaf_role[index(i)], leaf_role[index(j)]);
     if (role >= 0) {
       if (std::min(leaf_role[index(i)], leaf_role[index(j)]) >= 0 && leaf_role[index(i)] != leaf_role[index(j)]) {
         throw std::invalid_argument("two inequality rows are coupled directly");
       }
-      belongs_to.push_back(stages + role);
+      belongs_to.push_back(blocks + role);
       continue;
     }
     int k = std::max(si, sj);
-    if (k == stages) k = std::min(si, sj);  // with the border: to the stage of the other index
-    belongs_to.push_back(std::min(k, stages - 1));
+    if (k == blocks) k = std::min(si, sj);  // with the border: to the block of the other index
+    belongs_to.push_back(std::min(k, blocks - 1));
   }
   const Groups entries_of(belongs_to, fronts_.size() + leaves_.size());
   leaf_entries_.reserve(rows.size());
-  std::vector<int> place(stage.size() + border_.size(), -1);
+  std::vector<int> place(block.size() + border_.size(), -1);
   for (std::size_t k = 0; k < fronts_.size(); ++k) {
     Front& front = fronts_[k];
     for (int c = 0; c < static_cast<int>(front.columns.size()); ++c) place[index(front.columns[index(c)])] = c;
@@ -172,10 +172,10 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
   leaf_values_.assign(leaf_entries_.size(), 0);
 }
 
-// Which columns each front has, and where they come from. shared: the indices of a stage that the next one sees; own:
-// those that no other stage sees.
+// Which columns each front has, and where they come from. shared: the indices of a block that the next one sees; own:
+// those that no other block sees.
 void ChainLdlt::set_branches(const std::vector<std::vector<int>>& shared, const std::vector<std::vector<int>>& own) {
-  const int stages = static_cast<int>(fronts_.size()), middle = stages / 2;
+  const int blocks = static_cast<int>(fronts_.size()), middle = blocks / 2;
   branches_ = {};
   int all_rows = 0;
   for (const Front& front : fronts_) all_rows += static_cast<int>(front.rows.size());
@@ -201,12 +201,12 @@ void ChainLdlt::set_branches(const std::vector<std::vector<int>>& shared, const 
   for (int k = 0; k < middle; ++k) {
     lay_out(branches_[kFromStart], k, k > 0 ? std::vector{k - 1} : std::vector<int>{}, shared[index(k)]);
   }
-  for (int k = stages - 1; k > middle; --k) {
-    lay_out(branches_[kFromEnd], k, k < stages - 1 ? std::vector{k + 1} : std::vector<int>{}, shared[index(k - 1)]);
+  for (int k = blocks - 1; k > middle; --k) {
+    lay_out(branches_[kFromEnd], k, k < blocks - 1 ? std::vector{k + 1} : std::vector<int>{}, shared[index(k - 1)]);
   }
   std::vector<int> children;
   if (middle > 0) children.push_back(middle - 1);
-  if (middle < stages - 1) children.push_back(middle + 1);
+  if (middle < blocks - 1) children.push_back(middle + 1);
   lay_out(branches_[kMiddle], middle, children, {});
   values_.assign(index(size_) + border_.size(), 0);
 }

@@ -271,7 +271,7 @@ ChainLdlt::Outcome ChainLdlt::eliminate(Branch& branch, std::span<const double> 
     if (!reduce(front, last, branch)) return Outcome::kSingular;
     count_work(front, branch);
     branch.negative += front.rest.eliminate(front.rest_summed, threshold);
-    // Pivots that pile up along the chain mean that no stage has the curvature to place them: the fronts would grow
+    // Pivots that pile up along the chain mean that no block has the curvature to place them: the fronts would grow
     // with the chain's length, and what comes out at its end would be noise. The caller's perturbation is the cure.
     if (front.rest_summed - front.rest.pivots() > kMostDelayed) return Outcome::kSingular;
     if (last) return front.rest.pivots() == front.rest.order() ? Outcome::kDone : Outcome::kSingular;
@@ -283,8 +283,8 @@ ChainLdlt::Outcome ChainLdlt::eliminate(Branch& branch, std::span<const double> 
   return Outcome::kDone;
 }
 
-// The branch from the end only counts where the one from the start led on, whichever was sooner: so the numbers are the
-// same on two threads.
+// Where the branch from the start fails, the one from the end is ignored even if it ended first: so outcome and counts
+// do not depend on the number of threads.
 bool ChainLdlt::factorise(std::span<const double> values, double threshold, int most_negative, const DoBoth& both) {
   negative_of_leaves_ = prepare_leaves(values);
   for (Branch& branch : branches_) branch.negative = 0, branch.factorisation_work = branch.solve_work = 0;

@@ -1,9 +1,9 @@
-// L D L' of symmetric indefinite matrices whose graph is a chain of stages with a border: the KKT matrices of
+// L D L' of symmetric indefinite matrices whose graph is a chain of blocks with a border: the KKT matrices of
 // collocation problems, where an interval sees itself, its neighbours and the durations.
 //
 // Multifrontal elimination (Duff & Reid, ACM TOMS 9, 1983) along the chain, from both ends to its middle, which two
-// threads can do at a time: front k assembles stage k and what the front before it left, eliminates every index that
-// only these stages see, and passes its Schur complement on, to front k + 1 or, in the second half, to k - 1. In a
+// threads can do at a time: front k assembles block k and what the front before it left, eliminates every index that
+// only these blocks see, and passes its Schur complement on, to front k + 1 or, in the second half, to k - 1. In a
 // front
 // - an index with a single neighbour, the slack of an inequality, goes first, together with that neighbour;
 // - then the equality rows, whose own block is zero, together with as many variables that they determine: with A = (B
@@ -13,7 +13,7 @@
 //   (tableau.h);
 // - the few that remain are pivots of a small dense matrix (dense_ldlt.h); what finds no good pivot is delayed to the
 //   next front.
-// Cost: O(stages) times a small dense factorisation.
+// Cost: O(blocks) times a small dense factorisation.
 #pragma once
 
 #include <array>
@@ -30,15 +30,15 @@ namespace fjr {
 
 // What the rows of such a matrix are.
 struct ChainStructure {
-  int stages = 0;
-  std::vector<int> stage;      // of every row, from 0; the border's have stage `stages`
+  int blocks = 0;
+  std::vector<int> block;      // of every row, from 0; the border's have block `blocks`
   std::vector<bool> equality;  // per row: a row of the equality constraints; may be left empty
 };
 
 class ChainLdlt {
  public:
   // Pattern: entries (rows[e], cols[e]), 0-based, either triangle, repeated entries add up. Throws
-  // std::invalid_argument if an entry joins two stages that are neither neighbours nor one of them the border.
+  // std::invalid_argument if an entry joins two blocks that are neither neighbours nor one of them the border.
   void analyse(std::span<const int> rows, std::span<const int> cols, const ChainStructure& structure);
 
   // Values of the entries. False when the matrix is singular to working precision, or so nearly that pivots pile up.
@@ -83,7 +83,7 @@ class ChainLdlt {
   };
   struct Front {
     std::vector<Child> children;  // the fronts before it: two for the middle
-    // Columns: indices that are no equality rows - those the fronts before it pass on, then what is this stage's own,
+    // Columns: indices that are no equality rows - those the fronts before it pass on, then what is this block's own,
     // what the next front sees too, and the border.
     std::vector<int> columns;
     int summed = 0, later = 0, width = 0;  // columns below `summed` become fully summed here; width is of all, padded

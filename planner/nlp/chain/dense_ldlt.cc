@@ -14,13 +14,13 @@ constexpr double kZero = 1e-20;
 // Pivots that bound growth this well are taken first; the caller's threshold is what is accepted before delaying.
 constexpr double kComfortable = 1e-2;
 
-// Rows of active constraints on states wait for the stage that determines those: up to 10 were seen to. More than this
-// are left where a fine mesh scales badly, and would pile up along the chain: an iteration with 800 intervals took
-// three times as long as four with 200.
+// Rows of active constraints on states find no good pivot before the block that determines those states: up to 10 were
+// seen to wait. More than this wait only where a fine mesh scales badly, and would pile up along the chain, so that
+// they are pivoted with scaling: an iteration with 800 intervals took three times as long as four with 200.
 constexpr int kMostWaiting = 16;
 
-// Subtracts from all rows below p what eliminating it with the pivot d leaves there, and divides row p. What this does
-// to the columns up to p is nobody's business any more.
+// Subtracts from all rows below p what eliminating it with the pivot d leaves there, and divides row p. The columns
+// up to p are not read again, and may be overwritten.
 FJR_VECTORISED void subtract_one(double* a, int n, int width, int p, double d) {
   double* from = a + p * width;
   const double inverse = 1 / d;
@@ -118,7 +118,7 @@ void DenseLdlt::exchange(int p, int q) {
 
 int DenseLdlt::eliminate(int candidates, double threshold) {
   const int n = order();
-  // Scaled only where it must be: what waits is often better off with the pivots that come later.
+  // Pivots are judged by the scaled matrix last: a row that is delayed often finds a better pivot in a later block.
   const struct {
     double wanted;
     bool scaled;

@@ -2,7 +2,7 @@
 //
 // Debian's Ipopt has no headers for a solver of one's own, but it loads MA27 at run time from a library. This file is
 // in a library of its own with those symbols, and linear_solver = ma27 means ChainLdlt when Ipopt was told to load that
-// one. The convention has no room for the stages, so they are told beforehand.
+// one. The convention has no room for the blocks, so they are told beforehand.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// The products of small matrices that a stage is made of. Matrices and vectors are padded and aligned as in
+// The products of small matrices that a block is made of. Matrices and vectors are padded and aligned as in
 // rows.h.
 #pragma once
 

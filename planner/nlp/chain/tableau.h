@@ -1,4 +1,4 @@
-// The equality rows of one stage, solved for as many of the variables they see as find a good pivot, in place
+// The equality rows of one block, solved for as many of the variables they see as find a good pivot, in place
 // (Gauss-Jordan: the exchange of a row's right-hand side with a variable). Afterwards a row with basic variable c says
 //   x_c = sum over basic columns j of a(row, j) b(row of j) - sum over the other columns j of a(row, j) x_j,
 // and a row without one, which saw too little of the candidates,

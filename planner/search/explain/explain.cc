@@ -18,20 +18,21 @@
 namespace fjr {
 namespace {
 
-constexpr double kMargin =
-    0.01;                        // fraction of a change added to it: right at the edge there is one motion, and no plan
-constexpr double kSpare = 2e-4;  // fraction of a shortest duration
-constexpr std::size_t kSpareRows = 1000;                  // for what comes between the regular ones
-constexpr double kMore[] = {1, 1.03, 1.1, 1.25, 1.5, 2};  // times the least change, until planning finds it enough
-constexpr double kEased[] = {0.02, 0.05, 0.1};            // fractions of what it is
-constexpr double kRoughMargin = 0.1;                      // the same where friction stayed smooth
-constexpr double kRoom = 0.1;        // fraction of a change, or a duration, beyond two that only just do together
-constexpr double kGridMargin = 1.1;  // times the clearance that a grid found missing
-constexpr double kClose = 0.05;      // slack of a sketch that a more exact one may do without
-constexpr double kPossible = 2e-3;   // slack below which the request is possible, as far as can be told
-constexpr double kMuch = 0.25;       // fraction of all limits at once
-constexpr std::size_t kBesides = 2;  // things that are tried beside each other
-constexpr double kLonger = 2;        // times the duration of a hurried motion that the least change may take
+// Fractions of a change that are added to it: right at the edge there is one motion, and no plan.
+constexpr double kRelaxationMargin = 0.01;
+constexpr double kRoughMargin = 0.1;               // where friction stayed smooth
+constexpr double kCombinedRelaxationMargin = 0.1;  // of two changes that together only just do
+constexpr double kGridMargin = 1.1;                // times the clearance that a grid found missing
+constexpr double kDurationMargin = 2e-4;           // fraction of a shortest duration
+constexpr std::size_t kRowsBetweenRegularOnes = 1000;
+// Times the least change, one after another until planning finds it enough.
+constexpr double kRetryFactors[] = {1, 1.03, 1.1, 1.25, 1.5, 2};
+constexpr double kTrialFractions[] = {0.02, 0.05, 0.1};  // of what is changed
+constexpr double kSlackWorthExactFriction = 0.05;        // of a sketch, that a more exact one may do without
+constexpr double kNegligibleSlack = 2e-3;          // below it the request is possible, as far as a sketch can tell
+constexpr double kSlackBeyondSingleLimits = 0.25;  // fraction of all limits at once
+constexpr std::size_t kCandidatesAtATime = 2;      // that are tried beside each other
+constexpr double kDurationFactor = 2;  // times the duration of a hurried motion that the least change may take
 
 class Explanation {
  public:
@@ -59,7 +60,7 @@ class Explanation {
   double shortest() const { return known_.fastest->solution().motion.duration(); }
 
   // What is told of a shortest duration: rounded up, and with a little to spare, so that a request for it can be met.
-  static double rounded_up(double duration) { return std::ceil(1e4 * (1 + kSpare) * duration) / 1e4; }
+  static double rounded_up(double duration) { return std::ceil(1e4 * (1 + kDurationMargin) * duration) / 1e4; }
 
   // What came of relaxing one thing.
   struct Relaxed {
@@ -71,9 +72,9 @@ class Explanation {
   // each may take half of what is left, so that together they take no more than there is.
   bool relax_each(const std::vector<Candidate>& candidates, const std::vector<Guess>& guesses) {
     bool any = false;
-    for (std::size_t first = 0; first < candidates.size() && !search_.over() && !start_; first += kBesides) {
+    for (std::size_t first = 0; first < candidates.size() && !search_.over() && !start_; first += kCandidatesAtATime) {
       anything_tried_ = true;
-      std::vector<Relaxed> relaxed(std::min(kBesides, candidates.size() - first));
+      std::vector<Relaxed> relaxed(std::min(kCandidatesAtATime, candidates.size() - first));
       const double budget = search_.left() / static_cast<double>(relaxed.size());
       const std::vector<bool> counts = session_.do_all(relaxed.size(), [&](std::size_t i, Session& own) {
         Search search(own, budget);
@@ -100,7 +101,7 @@ class Explanation {
     const bool sketched = too_long_to_plan || candidate.what.kind == RelaxableKind::kVelocity;
     const std::string name = name_of(candidate.what.name, candidate.what.joint);
     auto solution = least(with_slack_of_it, name, guesses, sketched, search);
-    const bool nearly_possible = solution && solution->solution().slack < kClose;
+    const bool nearly_possible = solution && solution->solution().slack < kSlackWorthExactFriction;
     if (sketched && !too_long_to_plan && nearly_possible) {
       solution = search.solve(with_slack_of_it, name, {guess_of(*solution)});
     }
@@ -108,13 +109,13 @@ class Explanation {
     if (!solution) solution = search.last_sketch();
     if (!solution) return {};
     const Relaxable& what = candidate.what;
-    if (solution->solution().slack < kPossible && (rough || known_.fastest == nullptr)) {
+    if (solution->solution().slack < kNegligibleSlack && (rough || known_.fastest == nullptr)) {
       if (rough) return {};
       if (known_.start_failed) return {eased(what, guess_of(*solution), search), {}};
       return {{}, guess_of(*solution)};
     }
     const bool planned_soon = sketched && !too_long_to_plan;  // and with more of it until it is enough
-    const double slack = (1 + (rough && !planned_soon ? kRoughMargin : kMargin)) * solution->solution().slack;
+    const double slack = (1 + (rough && !planned_soon ? kRoughMargin : kRelaxationMargin)) * solution->solution().slack;
     if (slack > with_slack_of_it.slack->most) return {};
     Relaxation named = relaxation_of(what, value_with(problem_, what, slack));
     named.rough = rough;
@@ -129,7 +130,7 @@ class Explanation {
   // corners. So the motion is planned with the change as it is told, and where that is not enough with more of it.
   Relaxation verified(const Relaxable& what, Relaxation named, const Guess& near, Search& search) const {
     const double amount = std::abs(named.to - what.from);
-    for (const double more : kMore) {
+    for (const double more : kRetryFactors) {
       if (more * amount > what.most || search.over()) break;
       const Relaxation tried = relaxation_of(what, what.value(more * amount));
       Problem easier = problem_;
@@ -142,7 +143,7 @@ class Explanation {
 
   // Where hardly any change is needed and still nothing was found: how much makes it easy enough.
   std::optional<Relaxation> eased(const Relaxable& what, const Guess& near, Search& search) const {
-    for (const double fraction : kEased) {
+    for (const double fraction : kTrialFractions) {
       const double amount = fraction * size_of(what);
       if (amount > what.allowed || known_.fastest != nullptr || search.over()) break;
       const Relaxation tried = relaxation_of(what, what.value(amount));
@@ -167,12 +168,12 @@ class Explanation {
     std::vector<Guess> guesses = search.guesses(quick);
     guesses.insert(near_first ? guesses.begin() : guesses.end(), near);
     const auto found = search.plan(quick, what, guesses);
-    return found && (any_timed(easier) || (1 + kSpare) * found->duration() <= easier.duration.max);
+    return found && (any_timed(easier) || (1 + kDurationMargin) * found->duration() <= easier.duration.max);
   }
 
   // Without a slack it is a motion for the request itself.
   bool is_possible(const Continuation& solution) {
-    if (solution.solution().slack >= kPossible || known_.start_failed) return false;
+    if (solution.solution().slack >= kNegligibleSlack || known_.start_failed) return false;
     start_ = guess_of(solution);
     return true;
   }
@@ -188,12 +189,13 @@ class Explanation {
   std::optional<Continuation> least(Problem relaxed, const std::string& what, std::vector<Guess> guesses, bool roughly,
                                     Search& search) const {
     Duration& duration = relaxed.duration;
-    const double soon = kLonger * guesses.front().duration();
+    const double soon = kDurationFactor * guesses.front().duration();
     if (!any_timed(problem_) && !relaxed.slack->velocity && duration.max > std::max(soon, duration.min)) {
-      const auto first = search.sketch(hurried(relaxed), what + ", hurried", guesses, Search::kMostIterationsOfSlack);
+      const auto first =
+          search.sketch(with_larger_time_weight(relaxed), what + ", hurried", guesses, Search::kMostIterationsOfSlack);
       if (!first) return std::nullopt;
       guesses = {guess_of(*first)};
-      duration.max = std::clamp(kLonger * guesses.front().duration(), duration.min, duration.max);
+      duration.max = std::clamp(kDurationFactor * guesses.front().duration(), duration.min, duration.max);
     }
     return roughly ? search.sketch(relaxed, what, guesses, Search::kMostIterationsOfSlack)
                    : search.solve(relaxed, what, guesses, Search::kMostIterationsOfSlack);
@@ -232,7 +234,7 @@ class Explanation {
 
   void explain_duration() {
     const double allowed = problem_.duration.max;
-    const double needed = rounded_up((known_.certified ? 1 : 1 + kMargin) * shortest());
+    const double needed = rounded_up((known_.certified ? 1 : 1 + kRelaxationMargin) * shortest());
     result_.shortest_duration = needed;
     const std::string where = allowed == kLongestByDefault ? " where nothing else is said" : "";
     result_.sentence = fmt::format(
@@ -241,8 +243,9 @@ class Explanation {
     if (!known_.certified) result_.sentence += ", as far as was planned: not exact enough to be certified yet";
     const double rows = needed / problem_.longest_sample_period;
     if (rows > static_cast<double>(kMaxRows)) {
-      result_.sentence += fmt::format(" (with a sample_period of {:.4f} s or more)",
-                                      std::ceil(1e4 * needed / static_cast<double>(kMaxRows - kSpareRows)) / 1e4);
+      result_.sentence +=
+          fmt::format(" (with a sample_period of {:.4f} s or more)",
+                      std::ceil(1e4 * needed / static_cast<double>(kMaxRows - kRowsBetweenRegularOnes)) / 1e4);
     }
     result_.limit = "duration";
     result_.time = allowed;
@@ -263,7 +266,7 @@ class Explanation {
   std::vector<Candidate> worth_trying_alone(std::vector<Candidate> single, const std::vector<Guess>& guesses) {
     const Problem everything = with_slack(problem_, all_limits(problem_));
     const auto least = search_.sketch(everything, "all_limits", guesses, Search::kMostIterationsOfSlack);
-    if (least && least->solution().slack > kMuch) keep_within_robot(single, least->solution().slack);
+    if (least && least->solution().slack > kSlackBeyondSingleLimits) keep_within_robot(single, least->solution().slack);
     return single;
   }
 
@@ -317,7 +320,7 @@ class Explanation {
       const auto earliest = earliest_at(problem_, i, search_);
       if (!earliest || *earliest <= asked) continue;
       tell_via(i, fmt::format("within the limits it cannot be passed before {:.4f} s", *earliest));
-      const double enough = *earliest + kMargin * (*earliest - asked);
+      const double enough = *earliest + kRelaxationMargin * (*earliest - asked);
       if (explain_duration_besides(i, enough)) continue;
       anything_tried_ = true;
       const NearestTime nearest = nearest_time(problem_, i, enough, search_);
@@ -344,7 +347,7 @@ class Explanation {
     if (!sketched || sketched->duration() <= problem_.duration.max) return false;
     const auto fastest = search_.solve(hurry, "duration", {guess_of(*sketched)});
     if (!fastest || fastest->duration() <= problem_.duration.max) return false;
-    result_.shortest_duration = rounded_up((1 + kMargin) * fastest->duration());
+    result_.shortest_duration = rounded_up((1 + kRelaxationMargin) * fastest->duration());
     result_.sentence += fmt::format(
         "; besides, at most {:.6g} s is allowed for all of the motion, and the shortest takes about {:.4f} s",
         problem_.duration.max, *result_.shortest_duration);
@@ -357,13 +360,13 @@ class Explanation {
   bool tell_both(std::size_t via, double time, const Continuation& fastest) {
     Problem moved = problem_;
     const double asked = *problem_.via[via].time;
-    moved.via[via].time = told(asked, time + kRoom * (time - asked));
+    moved.via[via].time = told(asked, time + kCombinedRelaxationMargin * (time - asked));
     Problem quick = fastest_of(moved);
     quick.via = moved.via;
     for (const Via& v : quick.via) quick.duration.min = v.time.value_or(quick.duration.min) + kShortestDuration;
     const auto both = search_.solve(quick, "duration", {guess_of(fastest)});
     if (!both) return false;
-    const double duration = rounded_up((1 + kRoom) * both->duration());
+    const double duration = rounded_up((1 + kCombinedRelaxationMargin) * both->duration());
     moved.duration = {duration, duration};
     if (!is_enough(moved, "duration", guess_of(*both), true, search_)) return false;
     result_.sentence += fmt::format("; via[{}].time of {:.4g} s and a duration of {:.4f} s would do together", via,
@@ -383,7 +386,7 @@ class Explanation {
     const double asked = *problem_.via[i].time;
     const std::string name = fmt::format("via[{}].time", i);
     Relaxation named = relaxation_of_time(RelaxableKind::kViaTime, name, asked, time);
-    for (const double more : kMore) {
+    for (const double more : kRetryFactors) {
       if (search_.over()) break;
       const Relaxation tried = relaxation_of_time(RelaxableKind::kViaTime, name, asked, asked + more * (time - asked));
       Problem moved = problem_;
@@ -400,9 +403,10 @@ class Explanation {
 
   void explain_limits() {
     if (tell_reached() || tell_velocities()) return;
-    const Problem loose = hurried(with_slack_everywhere(problem_));
+    const Problem loose = with_larger_time_weight(with_slack_everywhere(problem_));
     auto everything = search_.sketch(loose, "everything", search_.guesses(relaxed(problem_, kLoose)));
-    if (everything && everything->solution().slack < kClose) {  // nearly possible: a sketch cannot tell
+    if (everything &&
+        everything->solution().slack < kSlackWorthExactFriction) {  // nearly possible: a sketch cannot tell
       auto exact = search_.solve(loose, "everything", {guess_of(*everything)});
       if (exact && is_possible(*exact)) return;
       if (!exact && !known_.start_failed) return;

@@ -24,7 +24,7 @@ struct Known {
   bool certified = false;                 // its rows are exact enough; else its duration is told as about what it takes
   std::optional<Limits> reached;          // with which a motion was found on the way, on a coarse mesh
   std::optional<OutOfReach> out_of_reach;  // clearly
-  bool start_failed = false;               // a start that was told before led to no plan: what makes it easier is told
+  bool start_failed = false;  // explain() has returned a start, from which planning failed: it is to tell a relaxation
 };
 
 // problem: what no motion was found for.

@@ -1,4 +1,4 @@
-#include "planner/search/calm.h"
+#include "planner/search/acceleration_penalty.h"
 
 #include <utility>
 
@@ -32,18 +32,18 @@ std::shared_ptr<const Problem> with_weights(Problem problem, double link_acceler
 // whose trembling the executor's feedback cannot follow where they turn back slowly; it costs another 0.05 %. Of ten
 // motions of 6 to 75 s that a tip speed or motor velocities slow down, the first of these certified eight, the second
 // another.
-std::vector<std::shared_ptr<const Problem>> calmed_hurry(const Problem& problem) {
+std::vector<std::shared_ptr<const Problem>> fastest_with_acceleration_penalties(const Problem& problem) {
   constexpr double kAcceleration = 0.01, kJerk = 1e-5;  // [s^4/rad^2], [s^6/rad^2]
   return {with_weights(problem, kAcceleration, kJerk), with_weights(problem, kAcceleration, kJerk / 10),
           with_weights(problem, kAcceleration)};
 }
 
-std::shared_ptr<const Problem> calmed(const Problem& problem) {
+std::shared_ptr<const Problem> with_acceleration_penalty(const Problem& problem) {
   if (!leaves_torques_free(problem.weights) || problem.duration.min < kSwingingTime) return nullptr;
   return with_weights(problem, kWeight);
 }
 
-void take_calm_back(Findings& found, Session& session) {
+void fade_acceleration_penalty(Findings& found, Session& session) {
   if (!found.certified() || !leaves_torques_free(found.asked.weights)) return;
   for (int step = 0; step < kSteps && !session.interrupted(); ++step) {
     const Publication& best = *found.best;

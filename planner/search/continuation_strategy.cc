@@ -1,4 +1,4 @@
-#include "planner/search/manner.h"
+#include "planner/search/continuation_strategy.h"
 
 #include "planner/problem/objective_terms.h"
 
@@ -8,8 +8,8 @@ namespace fjr {
 // steps of about three keep every warm start within tens of iterations. Without effort the law only moves a torque
 // limit, and large steps do; there the regularisation by effort is what makes the first problems easy: with 0.1 of it
 // the time is up to 2 % longer; with 0.01, which remains, by 0.03 to 0.1 %, and half the iterations are enough.
-Manner usual_manner(const Problem& problem) {
-  Manner usual;
+ContinuationStrategy usual_strategy(const Problem& problem) {
+  ContinuationStrategy usual;
   if (sees_friction(problem.weights)) {
     usual.steps = {{0.1}, {0.03}, {0.01}, {0.003}, {0.001}, {0.0003}, {0}};
   } else {
@@ -18,13 +18,14 @@ Manner usual_manner(const Problem& problem) {
   return usual;
 }
 
-// Its time is nearly the same for many motions: fifty times the usual regularisation by effort chooses among them, and
-// stays. It is begun at 0.001 rad/s; of longer steps from there the first two could not be taken. Half a per cent less
-// torque for a moment is another motion, and each round of margins 66 to 183 iterations, so that intervals are split in
-// their place. Gravity amplifies what intervals err by, and they are split at once as the certificate would ask for.
-// With both a lift with 5.5 N m takes 5 s of work from the exact law to the certificate, in five rounds.
-Manner swinging_manner() {
-  Manner swinging;
+// The duration is nearly the same for many motions, so that the regularisation by effort is fifty times the usual one
+// and is kept. The friction of the first solution has a width of 0.001 rad/s already, and the steps to the exact law
+// are shorter than usual: of longer ones the first two could not be taken. A margin of half a per cent of the torque
+// leads to another motion and takes 66 to 183 iterations a round, so that intervals are split instead. Gravity
+// amplifies the errors of intervals, which are therefore split at once as finely as the certificate would ask for. With
+// both a lift with 5.5 N m takes 5 s of work from the exact law to the certificate, in five rounds.
+ContinuationStrategy swinging_strategy() {
+  ContinuationStrategy swinging;
   swinging.steps = {{0.1, 0.5}, {0.00056, 0.5}, {0.00032, 0.5}, {0, 0.5}};
   swinging.loose_steps = true;
   swinging.fades = false;

@@ -11,7 +11,7 @@ namespace fjr {
 // Fraction of a limit beyond which a margin would usually cost more than intervals.
 inline constexpr double kExcessWorthSplitting = 0.02;
 
-struct Manner {
+struct ContinuationStrategy {
   std::vector<Smoothing> steps;  // of the homotopy, from the first solution's friction law to the exact one
   bool loose_steps = false;      // steps that others follow are solved loosely
   bool fades = true;             // a regularisation that outweighs the objective is reduced at the end
@@ -21,9 +21,9 @@ struct Manner {
 };
 
 // The usual one.
-Manner usual_manner(const Problem& problem);
+ContinuationStrategy usual_strategy(const Problem& problem);
 
 // Of a motion that swings with hardly any torque to spare, whose time changes little near the optimum.
-Manner swinging_manner();
+ContinuationStrategy swinging_strategy();
 
 }  // namespace fjr

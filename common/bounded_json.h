@@ -7,13 +7,30 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
-#include <vector>
 
 namespace fjr {
 
 inline constexpr std::size_t kDeepestJson = 64;  // objects and arrays within each other; plan.json has 8
 
-// Follows what is read without keeping it, and stops the reader at what is nested too deeply.
+// Whether what begins here in a text, within `depth` objects and arrays, is nested too deeply.
+inline bool is_too_deep(int depth, nlohmann::json::parse_event_t event) {
+  using Kind = nlohmann::json::parse_event_t;
+  return (event == Kind::object_start || event == Kind::array_start) && depth >= static_cast<int>(kDeepestJson);
+}
+
+// The value of a text. Discarded (is_discarded()) where it is no JSON, or nested too deeply.
+template <class Json>
+Json json_from_text(std::string_view text) {
+  bool too_deep = false;
+  const auto watch = [&](int depth, typename Json::parse_event_t event, Json&) {
+    too_deep = too_deep || is_too_deep(depth, event);
+    return !too_deep;
+  };
+  Json value = Json::parse(text, watch, false);
+  return too_deep ? Json(Json::value_t::discarded) : value;
+}
+
+// Follows CBOR, whose reader takes no callback, without keeping it, and stops it at what is nested too deeply.
 template <class Json>
 class DepthCheck final : public nlohmann::json_sax<Json> {
  public:
@@ -36,14 +53,6 @@ class DepthCheck final : public nlohmann::json_sax<Json> {
  private:
   std::size_t depth_ = 0;
 };
-
-// The value of a text. Discarded (is_discarded()) where it is no JSON, or nested too deeply.
-template <class Json>
-Json json_from_text(std::string_view text) {
-  DepthCheck<Json> check;
-  if (!Json::sax_parse(text, &check)) return Json(Json::value_t::discarded);
-  return Json::parse(text, nullptr, false);
-}
 
 // The value of a CBOR item. Throws std::invalid_argument where it is none, or nested too deeply.
 template <class Json>

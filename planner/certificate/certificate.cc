@@ -157,9 +157,9 @@ class Rollouts {
     Rollout rollout(robot_, rollout_allowance(robot_, limits_), Accuracy::of_certificates());
     closed_ = measure_closed_loop(robot_, limits_, rollout, trajectory_, certificate_);
     stop_where_failed(closed_.errors);
+    if (!ends_at_rest_ || !closed_.errors.completed) return;
+    certificate_.residual.evaluated = true;
     certificate_.residual.window = kResidualWindow;
-    certificate_.residual.evaluated = ends_at_rest_ && closed_.errors.completed;
-    if (!certificate_.residual.evaluated) return;
     certificate_.residual.link_vibration = deviation_at_rest(robot_, trajectory_.samples.back(), closed_.final);
   }
 

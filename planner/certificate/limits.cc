@@ -114,15 +114,14 @@ class PublishedExtremes {
   }
 
   void torque_rates() {
-    const std::vector<RowPair> pairs = pairs_for_torque_rates(rows_);
     for (std::size_t j = 0; j < kJoints; ++j) {
       const FrictionLaw law = FrictionLaw::of(robot_, static_cast<int>(j));
       std::vector<double> u;
       for (const Sample& row : rows_) u.push_back(row.torque[j] - law.nonlinear(row.state.dtheta[j]));
-      for (const auto& [earlier, later] : pairs) {
+      each_pair_for_torque_rates(rows_, [&](std::size_t earlier, std::size_t later) {
         const double apart = rows_[later].time - rows_[earlier].time;
         include(first_limit_of(LimitedTorqueRate::info) + j, (u[later] - u[earlier]) / apart, rows_[later].time);
-      }
+      });
     }
   }
 
@@ -152,19 +151,6 @@ LimitCheck check(const LimitName& name, double limit, double allowed, const Extr
 }
 
 }  // namespace
-
-std::vector<RowPair> pairs_for_torque_rates(const std::vector<Sample>& rows) {
-  std::vector<RowPair> pairs;
-  std::size_t far = 0, near = 0;  // the first rows that are less than twice the span, and less than the span, away
-  for (std::size_t k = 1; k < rows.size(); ++k) {
-    while (rows[k].time - rows[far].time >= 2 * kTorqueRateSpan) ++far;
-    while (rows[k].time - rows[near].time >= kTorqueRateSpan) ++near;
-    if (far > 0) pairs.push_back({far - 1, k});
-    for (std::size_t i = far; i < near; ++i) pairs.push_back({i, k});
-  }
-  if (pairs.empty()) pairs.push_back({0, rows.size() - 1});
-  return pairs;
-}
 
 Limits rollout_allowance(const Parameters& p, const Limits& limits) {
   Limits allowed = limits;

@@ -6,28 +6,32 @@
 #include <vector>
 
 #include "planner/certificate/comparison.h"
+#include "planner/certificate/thresholds.h"
 
 namespace fjr {
 
 // One check per finite limit and joint. What is a polynomial between rows (QuantityInfo::degree) is searched for its
 // extremes exactly, anything else is sampled every 0.25 ms. du/dt is the difference quotient
-// of u = tau_m - tau_fm_nonlinear(dtheta) over pairs_for_torque_rates(): at a torque jump tau_m steps
+// of u = tau_m - tau_fm_nonlinear(dtheta) over each_pair_for_torque_rates(): at a torque jump tau_m steps
 // with the friction and u does not.
 std::vector<LimitCheck> check_limits(const Parameters& p, const Limits& limits, const Trajectory& trajectory,
                                      const Comparison& rollout);
 
-// Over less time than this a rate of the torque is not judged: half a tick of the executor, which commands means of the
-// torque over whole ticks. Rows are published closer to each other where the torque has a corner. [s]
-inline constexpr double kTorqueRateSpan = 0.5e-3;
-
-// Rates of the torque are difference quotients of two rows, an earlier and a later one, by their indices: of all rows
-// that are at least kTorqueRateSpan and less than twice that apart, and of each row and the last one before it that is
-// farther away. Over more time a mean is no larger than the largest of these. A torque that swings faster is seen
-// wherever it has changed by more than the limit allows within kTorqueRateSpan.
-struct RowPair {
-  std::size_t earlier, later;
-};
-std::vector<RowPair> pairs_for_torque_rates(const std::vector<Sample>& rows);
+// Rates of the torque are difference quotients of two rows. Calls visit(earlier, later) with the indices of all that
+// are at least kTorqueRateSpan and less than twice that apart, and of each row with the last one before it that is
+// farther away; of rows that take less time in all, with the first and the last. (The mean over more time is no larger
+// than the largest of these.)
+template <class Visit>
+void each_pair_for_torque_rates(const std::vector<Sample>& rows, const Visit& visit) {
+  std::size_t far = 0, near = 0;  // the first rows that are less than twice the span, and less than the span, away
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    while (rows[k].time - rows[far].time >= 2 * kTorqueRateSpan) ++far;
+    while (rows[k].time - rows[near].time >= kTorqueRateSpan) ++near;
+    if (far > 0) visit(far - 1, k);
+    for (std::size_t i = far; i < near; ++i) visit(i, k);
+  }
+  if (near == 0) visit(std::size_t{0}, rows.size() - 1);
+}
 
 // What the rollout may reach: more than the limit only by what the exactness explains.
 Limits rollout_allowance(const Parameters& p, const Limits& limits);

@@ -15,7 +15,7 @@ double start_offset(const Parameters& p, std::size_t joint);
 // The trajectory rolled out in closed loop from five starts with the whole arm, links and motors, off its first row: by
 // start_offset() in either joint, all four combinations of signs, and by a thousandth of that in both. Where the plan
 // rests on the way, the executor holds the arm from where it came to, with its ticks and the counts of the encoders, as
-// it does after an end at rest. There it holds the arm, from each of their ends.
+// it does after an end at rest, from where each of them ended.
 class PerturbedRollouts {
  public:
   static constexpr std::size_t kStarts = 5;

@@ -10,6 +10,10 @@ namespace fjr {
 inline constexpr double kFeedbackFraction = 0.01;
 // Published samples and what is between them: rounding only.
 inline constexpr double kPublishedFraction = 1e-6;
+// [s] Over less time a rate of the torque is not judged: half a tick of the executor, which commands means of the
+// torque over whole ticks. Rows are published closer to each other where the torque has a corner. Where the torque goes
+// to and fro within that time, half of the change at least is seen, over twice the time at most.
+inline constexpr double kTorqueRateSpan = 0.5e-3;
 // The rollout's velocities: what exactness explains.
 inline constexpr double kRolloutVelocityFraction = 1e-3;
 

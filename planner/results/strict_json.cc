@@ -19,8 +19,7 @@ Json parse_json(const std::string& text, const std::string& source) {
   std::optional<std::string> twice;
   bool too_deep = false;
   const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
-    const bool opens = event == Json::parse_event_t::object_start || event == Json::parse_event_t::array_start;
-    too_deep |= opens && depth >= static_cast<int>(kDeepestJson);
+    too_deep = too_deep || is_too_deep(depth, event);
     if (too_deep) return false;
     if (event == Json::parse_event_t::object_start) keys.emplace_back();
     if (event == Json::parse_event_t::object_end) keys.pop_back();

@@ -142,23 +142,27 @@ TEST(LimitChecks, ALongRestAfterwardsHidesNoTorqueRate) {
   }
 }
 
-// A torque that swings with a period that divides the time over which rates are taken is not constant.
+// A torque that swings with the period over which a rate is taken is not constant.
 TEST(LimitChecks, ASwingBetweenRowsThatAreFarApartHidesNoTorqueRate) {
-  for (const double period : {0.5e-3, 1e-3, 2.5e-3}) {
+  struct Swing {
+    double period, apart;  // [s]
+  };
+  // The last one is the same in rows that are 0.51 and 1.02 ms apart, the nearest beyond 0.5 and 1 ms.
+  for (const auto& [period, apart] : {Swing{0.5e-3, 5e-5}, {1e-3, 5e-5}, {2.5e-3, 5e-5}, {0.51e-3, 1.7e-4}}) {
     Trajectory trajectory;
     trajectory.samples.emplace_back();
-    for (int swing = 0; swing < 3; ++swing) {
+    for (int burst = 0; burst < 3; ++burst) {
       const double begin = trajectory.samples.back().time + 5e-3;
-      for (int k = 0; k <= 100; ++k) {
+      for (double since = 0; since < 5e-3; since += apart) {
         Sample row;
-        row.time = begin + 5e-5 * k;
-        row.torque[0] = 1.5 * std::sin(2 * std::numbers::pi * 5e-5 * k / period);
+        row.time = begin + since;
+        row.torque[0] = 1.5 * std::sin(2 * std::numbers::pi * since / period);
         trajectory.samples.push_back(row);
       }
     }
     Limits limits;
     limits.torque_rate = {400, kNoLimit};
-    // A sine of amplitude 1.5 N m changes over half a millisecond, or a little more, by 1 N m at least: 1000 N m/s.
+    // Within 1 ms, a sine of amplitude 1.5 N m sampled three times a period or more changes by more than 1 N m.
     EXPECT_GT(check_limits(robot(), limits, trajectory, {})[0].reached, 1000) << period;
   }
 }

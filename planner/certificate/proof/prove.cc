@@ -264,17 +264,16 @@ class RowsProver {
   void torque_rates(const Trajectory& trajectory) {
     if (!is_limited(LimitedTorqueRate::info, claims_.published)) return;
     const std::vector<Sample>& rows = trajectory.samples;
-    const std::vector<RowPair> pairs = pairs_for_torque_rates(rows);
     for (std::size_t j = 0; j < kJoints; ++j) {
       const std::size_t limit = first_limit_of(LimitedTorqueRate::info) + j;
       if (!(kLimitNames[limit].in(claims_.published) < kNoLimit)) continue;
       const FrictionLaw law = FrictionLaw::of(robot_, static_cast<int>(j));
       std::vector<Ball> u;
       for (const Sample& row : rows) u.push_back(Ball(row.torque[j]) - law.nonlinear(Ball(row.state.dtheta[j])));
-      for (const auto& [earlier, later] : pairs) {
+      each_pair_for_torque_rates(rows, [&](std::size_t earlier, std::size_t later) {
         const Ball rate = (u[later] - u[earlier]) / (Ball(rows[later].time) - Ball(rows[earlier].time));
         if (!limits_[limit].include({rate, 0}, 0, rows[later].time)) note(limit);
-      }
+      });
     }
   }
   void note(std::size_t limit) {

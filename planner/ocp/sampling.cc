@@ -48,15 +48,17 @@ class Sampler {
 
   // A certificate refuses rows whose velocities are not the derivatives of their positions. With a scheme of order 2
   // the velocities of the state differ from those by more than it allows, so that derivatives of the positions are
-  // published. (Torques are those of the velocities of the state, which are what the torques integrate to.)
+  // published.
   State<double> state(std::size_t interval, double time) const {
     const bool of_order_2 = motion_.intervals[interval].state.cols() == 3;
     return of_order_2 ? motion_.consistent_state_in(interval, time) : motion_.state_in(interval, time);
   }
 
+  // With the friction of the published velocities: who takes it off again, as the check of torque_rate does, finds the
+  // u of the motion.
   Joints<double> torque(std::size_t interval, double time) const {
     Joints<double> tau = motion_.torque_in(interval, time);
-    const State<double> x = motion_.state_in(interval, time);
+    const State<double> x = state(interval, time);
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double limit = problem_.limits.torque[j];
       tau[j] = std::clamp(tau[j] + friction_[j].nonlinear(x.dtheta[j]), -limit, limit);
@@ -143,9 +145,7 @@ class Sampler {
     smooth(split + kJumpSpacing, to);
   }
 
-  double velocity(std::size_t joint, double time) const {
-    return motion_.state_in(motion_.interval_at(time), time).dtheta[joint];
-  }
+  double velocity(std::size_t joint, double time) const { return state(motion_.interval_at(time), time).dtheta[joint]; }
 
   // Friction steps where a motor reverses, and so fast that halving the piece would never find where: rows as far
   // before it as after it, for the chord between them carries the step's impulse. Where a motor leaves its rest or

@@ -65,7 +65,7 @@ bool is_multiple(double time, double period) {
 }
 
 // The trapezoidal rule's velocities are parabolas beside the straight lines that its positions have as derivatives.
-TEST(Sampling, VelocitiesOfAMotionOfOrderTwoAreThoseOfItsPositions) {
+Motion of_order_2() {
   Motion motion = made(uneven_nodes());
   for (Motion::Interval& interval : motion.intervals) {  // the same at the nodes
     for (const int row : {2, 3, 6, 7}) {
@@ -73,10 +73,35 @@ TEST(Sampling, VelocitiesOfAMotionOfOrderTwoAreThoseOfItsPositions) {
       interval.state(row, 2) -= 0.1;
     }
   }
+  return motion;
+}
+
+TEST(Sampling, VelocitiesOfAMotionOfOrderTwoAreThoseOfItsPositions) {
   const Motion consistent = made(uneven_nodes());
-  for (const Sample& row : sample(problem(), motion).samples) {
+  for (const Sample& row : sample(problem(), of_order_2()).samples) {
     const State<double> wanted = consistent.state_at(row.time);
     for (int i = 0; i < kStates; ++i) EXPECT_NEAR(row.state[i], wanted[i], 1e-12);  // roundings
+  }
+}
+
+// With the friction of the other velocities, the rates of u that a certificate finds are up to ten times the motion's.
+TEST(Sampling, TorquesOfAMotionOfOrderTwoLessTheFrictionOfTheirRowsAreThoseOfTheMotion) {
+  const auto torques = [](const Motion& motion) {
+    std::vector<Joints<double>> u;
+    for (const Sample& row : sample(problem(), motion).samples) {
+      if (!is_multiple(row.time, problem().sample_period)) continue;  // rows beside reversals lie elsewhere
+      u.push_back(row.torque);
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        u.back()[j] -= FrictionLaw::of(robot(), static_cast<int>(j)).nonlinear(row.state.dtheta[j]);
+      }
+    }
+    return u;
+  };
+  const auto wanted = torques(made(uneven_nodes())), found = torques(of_order_2());
+  ASSERT_EQ(found.size(), wanted.size());
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    // A rounding of dtheta (1e-16 rad/s) times the steepest slope of the friction law (5,500 N m s/rad).
+    for (std::size_t j = 0; j < kJoints; ++j) EXPECT_NEAR(found[i][j], wanted[i][j], 1e-11);
   }
 }
 
@@ -265,7 +290,8 @@ TEST(Sampling, JumpsOnRowsAreNeitherEarlyNorLate) {
   for (int k = 0; k <= 60; ++k) nodes.push_back(0.01 * k);
   Motion motion = made(nodes);
   for (auto& interval : motion.intervals) {
-    interval.state.bottomRows(2).setZero();  // dtheta, in which friction would bend the chords
+    interval.state.bottomRows(4).setZero();  // theta, dtheta = 1: with any other, friction would bend the chords
+    interval.state.block(4, 0, 2, 2) << interval.start, interval.duration, interval.start, interval.duration;
     interval.state(6, 0) = interval.state(7, 0) = 1;
     interval.torque << 0, 6, 0, 2;
   }

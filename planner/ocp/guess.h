@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <numeric>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,8 @@ struct Guess {
   std::vector<double> durations;                 // [s] of the segments
   std::function<State<double>(double)> state;    // s -> state
   std::function<Joints<double>(double)> torque;  // s -> friction-compensated torque [N m]
+  // Of a motion that may end anywhere: where it is to end at first, before its end is optimised. [rad]
+  std::optional<Joints<double>> first_end = {};
 
   double duration() const { return std::accumulate(durations.begin(), durations.end(), 0.0); }
 };

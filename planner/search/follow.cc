@@ -53,6 +53,24 @@ struct Begun {
   StartOutcome outcome;
 };
 
+// The problem with its end given.
+std::shared_ptr<const Problem> ending_at(const Problem& problem, const Joints<double>& q) {
+  Problem given = problem;
+  given.goal.q = q;
+  given.goal.free = {false, false};
+  if (given.goal.at_rest) given.goal.theta = rest_at(given.robot, q).theta;
+  return std::make_shared<const Problem>(std::move(given));
+}
+
+// The guess, or what it comes to with its first end.
+Guess with_first_end(const Start& start, int patience, Session& session) {
+  if (!start.guess.first_end) return start.guess;
+  Continuation c(ending_at(*start.alternative, *start.guess.first_end), session, start.label + ", end given");
+  c.by_own_method = start.by_own_method;
+  if (c.begin(start.guess, patience) != StartOutcome::kNew) return start.guess;
+  return guess_from(c.solution().motion, c.solution().durations, c.duration());
+}
+
 // Publishes motions that were refined, the best first: those that would be no better than what is certified need not
 // be. By what was asked for: some of them may have been solved with another objective.
 void publish_best(std::vector<Continuation> motions, Findings& found, Session& session) {
@@ -160,7 +178,7 @@ std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Fin
   const auto begin = [&, patience = found.patience](std::size_t i, Session& own) {
     Continuation c(starts[i].alternative, own, starts[i].label);
     c.by_own_method = starts[i].by_own_method;
-    const StartOutcome outcome = c.begin(starts[i].guess, patience, found.minima);
+    const StartOutcome outcome = c.begin(with_first_end(starts[i], patience, own), patience, found.minima);
     begun[i] = Begun{std::move(c), outcome};
   };
   const std::vector<bool> counts =

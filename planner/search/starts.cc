@@ -1,8 +1,10 @@
 #include "planner/search/starts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "planner/problem/task/task.h"
@@ -46,6 +48,60 @@ std::vector<std::vector<Path>> task_paths(const Problem& problem) {
   return all;
 }
 
+// [rad] Where the links would take least of the torque limits to be held, with the joint that is not free where it is
+// to end.
+Joints<double> easiest_end(const Problem& problem) {
+  constexpr int kAngles = 200;
+  const auto held = [&](const Joints<double>& q) {
+    const Joints<double> gravity = gravity_torque(problem.robot, q);
+    double sum = 0;
+    for (std::size_t j = 0; j < kJoints; ++j) sum += std::pow(gravity[j] / problem.limits.torque[j], 2);
+    return sum;
+  };
+  Joints<double> easiest = problem.goal.q;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!problem.goal.free[j]) continue;
+    for (int i = 0; i <= kAngles; ++i) {
+      Joints<double> q = easiest;
+      q[j] = std::lerp(problem.limits.lowest(j), problem.limits.highest(j), i / double{kAngles});
+      if (held(q) < held(easiest)) easiest = q;
+    }
+  }
+  return easiest;
+}
+
+// [rad] Where a joint that may end anywhere might: where it is easy to hold, half way there, and beyond the last via
+// point.
+std::vector<Joints<double>> other_ends(const Problem& problem) {
+  const Joints<double> expected = problem.goal.q, easiest = easiest_end(problem);
+  std::vector<Joints<double>> ends{easiest, expected};
+  for (std::size_t j = 0; j < kJoints; ++j) ends[1][j] = std::midpoint(expected[j], easiest[j]);
+  if (problem.via.empty()) return ends;
+  const std::size_t count = problem.via.size();
+  const Joints<double>&last = problem.via.back().q, &before = count > 1 ? problem.via[count - 2].q : problem.start.q;
+  ends.push_back(expected);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (!problem.goal.free[j]) continue;
+    ends[2][j] = std::clamp(2 * last[j] - before[j], problem.limits.lowest(j), problem.limits.highest(j));
+  }
+  return ends;
+}
+
+// Minima differ by where a joint ends that may end anywhere: of 99 motions with one, seven came to 2 % to four times
+// more from guesses that end by the start. A guess that ends elsewhere slides back while it is not yet a motion of the
+// arm, so that its end is kept at first.
+std::vector<Guess> guesses_of_other_ends(const Problem& problem) {
+  if (!problem.goal.any_free() || only_time(problem.weights)) return {};
+  std::vector<Guess> guesses;
+  Problem other = problem;
+  for (const Joints<double>& end : other_ends(problem)) {
+    other.goal.q = end;
+    guesses.push_back(straight_guess(other, duration_guess(other)));
+    guesses.back().first_end = end;
+  }
+  return guesses;
+}
+
 }  // namespace
 
 int starts_to_try(const Problem& problem, int asked) {
@@ -84,6 +140,10 @@ Starts starts_of(const Problem& problem, int count) {
   if (sees_friction(problem.weights)) {
     if (auto hanging = hanging_guess(problem, duration)) starts.guesses.push_back(std::move(*hanging));
     for (std::size_t j = 0; j < kJoints; ++j) starts.guesses.push_back(staggered_guess(problem, duration, j));
+  }
+  for (Guess& guess : guesses_of_other_ends(problem)) {
+    starts.guesses.push_back(std::move(guess));
+    ++starts.always;
   }
   starts.guided = starts.guesses.size();
   const std::size_t count_of_all = std::max(starts.always, starts.enough);

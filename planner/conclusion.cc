@@ -49,6 +49,14 @@ std::string advice(const std::vector<Relaxation>& relaxations) {
 // Rows that may have been exact enough were more than there may be.
 std::string too_many_rows(const Findings& found) { return found.failure.empty() ? "" : "; " + found.failure; }
 
+constexpr const char* kOnCoarseMeshOnly = "the optimiser converged on a coarse mesh, but not on a finer one";
+
+// Motions within the limits were found on coarse meshes, and nothing that would have to change: more likely they could
+// not be refined than that there are none.
+bool only_refining_failed(const Findings& found, const Infeasibility& infeasibility) {
+  return !found.minima.empty() && infeasibility.relaxations.empty() && !found.too_short();
+}
+
 // Nothing certified was found, and nobody stopped the search.
 void tell_failure(const Findings& found, Plan& plan) {
   const bool nothing_converged = found.candidates.empty();
@@ -58,6 +66,11 @@ void tell_failure(const Findings& found, Plan& plan) {
     plan.infeasibility.reset();
   } else if (plan.infeasibility && plan.certificate && is_rough(plan.infeasibility->relaxations)) {
     plan.reason += "; " + plan.infeasibility->sentence;  // only smoothed motions tell what would have to change
+  } else if (plan.infeasibility && only_refining_failed(found, *plan.infeasibility)) {
+    plan.infeasibility.reset();
+    plan.status = PlanStatus::kNotConverged;
+    plan.reason = kOnCoarseMeshOnly;
+    withdraw_rows(plan);
   } else if (plan.infeasibility) {
     plan.status = PlanStatus::kInfeasible;
     plan.reason = plan.infeasibility->sentence;
@@ -71,7 +84,7 @@ void tell_failure(const Findings& found, Plan& plan) {
     plan.status = PlanStatus::kNotConverged;
     plan.reason = !found.failure.empty() ? found.failure
                   : nothing_converged    ? "the optimiser converged from no start" + found.obstacle
-                                         : "the optimiser converged on a coarse mesh, but not on a finer one";
+                                         : kOnCoarseMeshOnly;
   }
 }
 

@@ -496,9 +496,10 @@ void resolve_release(const Request& request, Problem& problem) {
   }
 }
 
-// With a fixed duration, staying where one is can be meant; otherwise it takes no time at all.
+// With a least duration, staying where one is can be meant; otherwise it takes no time at all.
 void refuse_empty_motion(const Request& request, const Problem& problem) {
-  if (problem.duration.fixed() || !problem.start_at_rest || !problem.goal.at_rest || !problem.via.empty()) return;
+  const bool takes_time = problem.duration.fixed() || problem.duration.min > kShortestDuration;
+  if (takes_time || !problem.start_at_rest || !problem.goal.at_rest || !problem.via.empty()) return;
   bool same = true;
   for (std::size_t j = 0; j < kJoints; ++j) {
     same = same && (problem.goal.free[j] || std::abs(problem.start.q[j] - problem.goal.q[j]) <= kNoMotion);

@@ -370,13 +370,16 @@ Guess guess_from(Motion motion, const std::vector<double>& durations, double dur
   return {"previous", stretched, state, torque};
 }
 
-double duration_guess(const Problem& problem) {
-  if (problem.duration.fixed()) return problem.duration.min;
+double usual_duration(const Problem& problem) {
   const std::vector<double> legs = leg_times(problem);
   const double time = std::max(0.1, std::accumulate(legs.begin(), legs.end(), 0.0));
   // Springs and friction roughly double it; the regularising objectives want still longer motions.
   const bool hurried = starts_worth_trying(problem.weights) == 1;
-  return std::clamp(time * (hurried ? 1.3 : 2.0), problem.duration.min, problem.duration.max);
+  return time * (hurried ? 1.3 : 2.0);
+}
+
+double duration_guess(const Problem& problem) {
+  return std::clamp(usual_duration(problem), problem.duration.min, problem.duration.max);
 }
 
 }  // namespace fjr

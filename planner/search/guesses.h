@@ -57,8 +57,10 @@ Guess waiting_guess(Guess guess, double first, double last);
 // A motion that was solved before, with segments of these durations, stretched to `duration`.
 Guess guess_from(Motion motion, const std::vector<double>& durations, double duration);
 
-// A duration to start from, clamped to the problem's bounds: the fixed one, or what the drives' torque and velocity
-// limits allow a rigid arm, roughly.
+// [s] What the drives' torque and velocity limits allow a rigid arm, roughly, and as much again for the springs.
+double usual_duration(const Problem& problem);
+
+// A duration to start from: the usual one, clamped to the problem's bounds. [s]
 double duration_guess(const Problem& problem);
 
 }  // namespace fjr

@@ -77,6 +77,19 @@ void ask_whether_out_of_reach(const std::vector<Alternative>& open, Findings& fo
   if (!found.candidates.empty()) found.out_of_reach.reset();
 }
 
+bool all_seem_too_short(const std::vector<Alternative>& open, Session& session) {
+  return std::all_of(open.begin(), open.end(), [&](const Alternative& alternative) {
+    return !only_time(alternative->weights) && seems_too_short(*alternative, session);
+  });
+}
+
+// Whether the duration may be too short for all of them, which is then asked before the first start.
+bool have_little_time(const std::vector<Alternative>& open) {
+  return std::all_of(open.begin(), open.end(), [](const Alternative& alternative) {
+    return alternative->duration.max < usual_duration(*alternative);
+  });
+}
+
 // An alternative, and how it went.
 struct Turn {
   Alternative alternative;
@@ -131,14 +144,24 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
     return asks_for_more_speed_than_motors_have(*alternative);
   });
   const std::size_t before_asking = much_too_fast ? 0 : kBeforeSwinging;
+  bool hurried = false;
+  const auto hurry = [&] {
+    if (std::exchange(hurried, true)) return;
+    for (const Alternative& alternative : open) try_from_fastest(alternative, found, session);
+  };
+  const std::size_t before_asking_for_time = have_little_time(open) ? 0 : kBeforeSwinging;
   for (std::size_t i = 0; i < most; ++i) {
+    if (i == before_asking_for_time && found.candidates.empty()) {
+      if (all_seem_too_short(open, session)) hurry();
+      if (found.too_short()) return;
+    }
     if (i == before_asking && found.candidates.empty()) {
       for (const Alternative& alternative : open) try_swinging(alternative, found, session);
       ask_whether_out_of_reach(open, found, session);
       if (found.out_of_reach) return;
     }
     if (i == kBeforeHurrying && found.candidates.empty()) {
-      for (const Alternative& alternative : open) try_from_fastest(alternative, found, session);
+      hurry();
       if (found.too_short()) return;
     }
     for (Turn& turn : turns) {

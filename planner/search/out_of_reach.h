@@ -21,6 +21,10 @@ enum class OutOfReach {
 // asked before the first start whether that is out of reach.
 bool asks_for_more_speed_than_motors_have(const Problem& problem);
 
+// Whether even a motion as fast as can be takes longer than is allowed, as far as a sketch tells: some per cent more
+// than it comes to in the end.
+bool seems_too_short(const Problem& problem, Session& session);
+
 // A cause is told only where it is clear: by half of a velocity, a twentieth of a via point's time, half of all limits.
 // The numbers come from optimising with a smoothed friction law on coarse meshes, which cannot tell what is only just
 // out of reach. Arms that have to swing up and motions with a task are not judged: the least excess found there is that

@@ -1,6 +1,7 @@
 // What valid requests resolve to.
 #include "planner/request/request.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -151,6 +152,13 @@ TEST(Request, DurationsResolve) {
   EXPECT_EQ(parse(kMove + "duration: {max: 2.0}").duration.min, 0.02);
   EXPECT_EQ(parse(kMove + "duration: {min: 2.0}").duration.max, 20);
   EXPECT_TRUE(parse(kMove + "duration: {min: 2, max: 2}").duration.fixed());
+}
+
+TEST(Request, MayAskToStayForSomeTime) {
+  for (const char* duration : {"0.5", "{min: 0.5}", "{min: 0.5, max: 2}"}) {
+    EXPECT_NO_THROW(parse(fmt::format("start: {{q: [0.3, 0]}}\ngoal: {{q: [0.3, 0]}}\nduration: {}\n", duration)));
+  }
+  EXPECT_ANY_THROW(parse("start: {q: [0.3, 0]}\ngoal: {q: [0.3, 0]}\nduration: {max: 2}\n"));
 }
 
 TEST(Request, LimitsOnlyTighten) {

@@ -19,6 +19,7 @@
 #include "common/paired_thread.h"
 #include "common/parallel.h"
 #include "model/dynamics.h"
+#include "planner/conclusion.h"
 #include "planner/plan.h"
 #include "planner/request/request.h"
 #include "planner/search/acceleration_penalty.h"
@@ -436,6 +437,43 @@ TEST(Calm, IsTakenBack) {
   EXPECT_TRUE(found.certified());
   EXPECT_LT(found.best->objective, before);
   EXPECT_LT(found.best->problem->weights.link_acceleration, penalised->weights.link_acceleration);
+}
+
+// ---- ends that are free ----
+
+// Link 1 may end anywhere. From a guess that ends beside its start, 0.58 rad, least effort holds it there; it is less
+// than half where link 1 ends at 0.02 rad, whatever happens on the way there.
+TEST(Starts, FreeJointsEndWhereTheyAreEasilyHeld) {
+  const std::string move = "start: {q: [0.58, 1.04]}\nobjective: {time: 0.2, effort: 1}\n";
+  const Plan given = plan(request(move + "goal: {q: [0.02, 1.14]}\nsearch: quick\n"), {});
+  const Plan free = plan(request(move + "goal: {q: [free, 1.14]}\n"), {});
+  ASSERT_EQ(given.status, PlanStatus::kCertified);
+  ASSERT_EQ(free.status, PlanStatus::kCertified);
+  EXPECT_LE(free.objective, given.objective * (1 + 1e-3));  // what meshes and margins may cost
+}
+
+// ---- why there is no plan ----
+
+// Motions on coarse meshes that could not be refined do not show that there are none.
+TEST(Conclusion, IsThatNothingConvergedWhereOnlyRefiningFailed) {
+  const Problem problem = request(kMove + "method: trapezoidal\n");
+  const auto concluded = [&](const std::vector<double>& minima, const std::vector<Relaxation>& relaxations) {
+    Session session{SessionOptions{}};
+    Findings found(problem);
+    found.minima = minima;
+    Plan plan;
+    plan.infeasibility.emplace();
+    plan.infeasibility->sentence = "no motion found keeps every limit";
+    plan.infeasibility->relaxations = relaxations;
+    conclude(found, session, plan);
+    return plan;
+  };
+  const Plan refining_failed = concluded({1.0}, {});
+  EXPECT_EQ(refining_failed.status, PlanStatus::kNotConverged);
+  EXPECT_FALSE(refining_failed.infeasibility);
+  EXPECT_THAT(refining_failed.reason, testing::HasSubstr("method: hermite-simpson"));
+  EXPECT_EQ(concluded({}, {}).status, PlanStatus::kInfeasible);
+  EXPECT_EQ(concluded({1.0}, {Relaxation{}}).status, PlanStatus::kInfeasible);
 }
 
 }  // namespace

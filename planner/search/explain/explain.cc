@@ -258,15 +258,20 @@ class Explanation {
     const Collocated& fastest = known_.fastest->solution();
     const std::vector<Guess> hurried{guess_from(fastest.motion, fastest.durations, allowed)};
     const std::vector<Candidate> active = active_in(*known_.fastest);
-    if (!relax_each(worth_trying_alone(active, hurried), hurried)) relax_together(active, hurried);
+    const auto single = worth_trying_alone(active, hurried);
+    if (single && !relax_each(*single, hurried)) relax_together(active, hurried);
   }
 
   // Alone, each limit has to grow by no less than all of them together. Where that is more than a quarter, limits that
-  // would then exceed the robot's are not tried: a request may not ask for them, and mostly no motion is found.
-  std::vector<Candidate> worth_trying_alone(std::vector<Candidate> single, const std::vector<Guess>& guesses) {
+  // would then exceed the robot's are not tried: a request may not ask for them, and mostly no motion is found. Nothing
+  // where no motion is found with all of them larger: then none is with one.
+  std::optional<std::vector<Candidate>> worth_trying_alone(std::vector<Candidate> single,
+                                                           const std::vector<Guess>& guesses) {
+    anything_tried_ = true;
     const Problem everything = with_slack(problem_, all_limits(problem_));
     const auto least = search_.sketch(everything, "all_limits", guesses, Search::kMostIterationsOfSlack);
-    if (least && least->solution().slack > kSlackBeyondSingleLimits) keep_within_robot(single, least->solution().slack);
+    if (!least) return std::nullopt;
+    if (least->solution().slack > kSlackBeyondSingleLimits) keep_within_robot(single, least->solution().slack);
     return single;
   }
 

@@ -51,10 +51,11 @@ std::string too_many_rows(const Findings& found) { return found.failure.empty() 
 
 constexpr const char* kOnCoarseMeshOnly = "the optimiser converged on a coarse mesh, but not on a finer one";
 
-// Motions within the limits were found on coarse meshes, and nothing that would have to change: more likely they could
-// not be refined than that there are none.
+// Motions within the limits were found on coarse meshes, and no change was found to be needed: more likely the motions
+// could not be refined than that there are none.
 bool only_refining_failed(const Findings& found, const Infeasibility& infeasibility) {
-  return !found.minima.empty() && infeasibility.relaxations.empty() && !found.too_short();
+  const bool any = !found.minima.empty() || !found.candidates.empty();
+  return any && infeasibility.relaxations.empty() && !found.too_short();
 }
 
 // Nothing certified was found, and nobody stopped the search.
@@ -68,9 +69,9 @@ void tell_failure(const Findings& found, Plan& plan) {
     plan.reason += "; " + plan.infeasibility->sentence;  // only smoothed motions tell what would have to change
   } else if (plan.infeasibility && only_refining_failed(found, *plan.infeasibility)) {
     plan.infeasibility.reset();
+    if (plan.certificate) return;  // uncertified, with its first failure
     plan.status = PlanStatus::kNotConverged;
-    plan.reason = kOnCoarseMeshOnly;
-    withdraw_rows(plan);
+    plan.reason = found.failure.empty() ? kOnCoarseMeshOnly : found.failure;
   } else if (plan.infeasibility) {
     plan.status = PlanStatus::kInfeasible;
     plan.reason = plan.infeasibility->sentence;

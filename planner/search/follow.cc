@@ -140,7 +140,7 @@ bool note(const Continuation& c, Findings& found, Session& session) {
   return false;
 }
 
-TriedStart note_outcome(Begun& begun, Findings& found) {
+TriedStart note_outcome(Begun& begun, const Guess& guess, Findings& found) {
   Continuation& c = begun.motion;
   c.start = ++found.starts;
   if (begun.outcome == StartOutcome::kNoSolution) {
@@ -154,8 +154,8 @@ TriedStart note_outcome(Begun& begun, Findings& found) {
   if (any_same(found.minima, objective)) begun.outcome = StartOutcome::kKnown;
   if (begun.outcome == StartOutcome::kKnown) return {.led_somewhere = true};
   // What is much harder than what was found already is given up early; counted in iterations, so that it is the same
-  // every time.
-  found.patience = std::min(found.patience, std::max(kLeastPatience, 2 * first.iterations));
+  // every time. What began at a motion with its end given does not tell how hard others are.
+  if (!guess.first_end) found.patience = std::min(found.patience, std::max(kLeastPatience, 2 * first.iterations));
   found.minima.push_back(objective);
   return {.led_somewhere = true};
 }
@@ -188,7 +188,7 @@ std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Fin
   for (std::size_t i = 0; i < starts.size(); ++i) {
     if (!counts[i]) continue;
     begun[i]->motion.go_on_in(session);
-    tried[i] = note_outcome(*begun[i], found);
+    tried[i] = note_outcome(*begun[i], starts[i].guess, found);
     const bool is_new = begun[i]->outcome == StartOutcome::kNew;
     if (is_new && note(begun[i]->motion, found, session)) found.waiting.push_back(std::move(begun[i]->motion));
   }

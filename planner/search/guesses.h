@@ -57,7 +57,8 @@ Guess waiting_guess(Guess guess, double first, double last);
 // A motion that was solved before, with segments of these durations, stretched to `duration`.
 Guess guess_from(Motion motion, const std::vector<double>& durations, double duration);
 
-// [s] What the drives' torque and velocity limits allow a rigid arm, roughly, and as much again for the springs.
+// [s] What a rigid arm takes within the limits of torque and velocity, roughly, times 1.3 for the fastest motion and 2
+// for others: their springs and friction.
 double usual_duration(const Problem& problem);
 
 // A duration to start from: the usual one, clamped to the problem's bounds. [s]

@@ -86,7 +86,8 @@ bool all_seem_too_short(const std::vector<Alternative>& open, Session& session) 
 // Whether the duration may be too short for all of them, which is then asked before the first start.
 bool have_little_time(const std::vector<Alternative>& open) {
   return std::all_of(open.begin(), open.end(), [](const Alternative& alternative) {
-    return alternative->duration.max < usual_duration(*alternative);
+    constexpr double kLittle = 0.7;  // of the usual duration
+    return alternative->duration.max < kLittle * usual_duration(*alternative);
   });
 }
 
@@ -152,8 +153,9 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
   const std::size_t before_asking_for_time = have_little_time(open) ? 0 : kBeforeSwinging;
   for (std::size_t i = 0; i < most; ++i) {
     if (i == before_asking_for_time && found.candidates.empty()) {
-      if (all_seem_too_short(open, session)) hurry();
-      if (found.too_short()) return;
+      const bool too_short = all_seem_too_short(open, session);
+      if (too_short) hurry();
+      if (too_short && found.too_short()) return;
     }
     if (i == before_asking && found.candidates.empty()) {
       for (const Alternative& alternative : open) try_swinging(alternative, found, session);

@@ -21,8 +21,8 @@ enum class OutOfReach {
 // asked before the first start whether that is out of reach.
 bool asks_for_more_speed_than_motors_have(const Problem& problem);
 
-// Whether even a motion as fast as can be takes longer than is allowed, as far as a sketch tells: some per cent more
-// than it comes to in the end.
+// Whether the fastest motion takes longer than is allowed, by a sketch of it, which is some per cent slower than what
+// it becomes: a reason to look closer, and no verdict. Arms that have to swing up are not judged here either.
 bool seems_too_short(const Problem& problem, Session& session);
 
 // A cause is told only where it is clear: by half of a velocity, a twentieth of a via point's time, half of all limits.

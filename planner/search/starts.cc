@@ -48,8 +48,8 @@ std::vector<std::vector<Path>> task_paths(const Problem& problem) {
   return all;
 }
 
-// [rad] Where the links would take least of the torque limits to be held, with the joint that is not free where it is
-// to end.
+// [rad] The end that takes the least torque to be held, as fractions of the torque limits: the free joint is varied,
+// the other one is kept.
 Joints<double> easiest_end(const Problem& problem) {
   constexpr int kAngles = 200;
   const auto held = [&](const Joints<double>& q) {
@@ -87,14 +87,36 @@ std::vector<Joints<double>> other_ends(const Problem& problem) {
   return ends;
 }
 
+// Whether the motion may end there, with the task and at rest.
+bool may_end_at(const Problem& problem, const Joints<double>& q) {
+  const auto posture = Posture<double>::of(problem.robot, q);
+  const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, problem.via.size());
+  if (std::any_of(rows.begin(), rows.end(),
+                  [&](const TaskRow& row) { return row.clearance(row.value(problem.robot, posture)) < 0; })) {
+    return false;
+  }
+  const Joints<double> gravity = gravity_torque(problem.robot, q);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    if (problem.goal.at_rest && std::abs(gravity[j]) > problem.limits.torque[j]) return false;
+  }
+  return true;
+}
+
 // Minima differ by where a joint ends that may end anywhere: of 99 motions with one, seven came to 2 % to four times
-// more from guesses that end by the start. A guess that ends elsewhere slides back while it is not yet a motion of the
-// arm, so that its end is kept at first.
+// more from guesses that end by the start. If the end is free from the beginning, the optimiser moves it back to the
+// start before the guess has become a motion of the arm. So the first solve keeps the end.
 std::vector<Guess> guesses_of_other_ends(const Problem& problem) {
   if (!problem.goal.any_free() || only_time(problem.weights)) return {};
+  constexpr double kAnother = 0.1;  // [rad] of ends that are not the same
   std::vector<Guess> guesses;
+  std::vector<Joints<double>> tried{problem.goal.q};
   Problem other = problem;
   for (const Joints<double>& end : other_ends(problem)) {
+    const bool known = std::any_of(tried.begin(), tried.end(), [&](const Joints<double>& before) {
+      return std::abs(end[0] - before[0]) + std::abs(end[1] - before[1]) < kAnother;
+    });
+    if (known || !may_end_at(problem, end)) continue;
+    tried.push_back(end);
     other.goal.q = end;
     guesses.push_back(straight_guess(other, duration_guess(other)));
     guesses.back().first_end = end;
@@ -143,7 +165,8 @@ Starts starts_of(const Problem& problem, int count) {
   }
   for (Guess& guess : guesses_of_other_ends(problem)) {
     starts.guesses.push_back(std::move(guess));
-    ++starts.always;
+    if (count > 1) ++starts.always;  // one start is what was asked for
+    ++starts.enough;
   }
   starts.guided = starts.guesses.size();
   const std::size_t count_of_all = std::max(starts.always, starts.enough);

@@ -452,6 +452,18 @@ TEST(Starts, FreeJointsEndWhereTheyAreEasilyHeld) {
   EXPECT_LE(free.objective, given.objective * (1 + 1e-3));  // what meshes and margins may cost
 }
 
+TEST(Starts, OtherEndsComeInAdditionWhereMoreThanOneStartIsAskedFor) {
+  const Problem free = request("start: {q: [0.58, 1.04]}\ngoal: {q: [free, 1.14]}\nobjective: {effort: 1}\n");
+  EXPECT_EQ(starts_of(free, 1).always, 1U);
+  EXPECT_EQ(starts_of(free, 12).always, 14U);
+}
+
+// Where the arm starts hanging, the end that is easily held is the one that is expected anyway.
+TEST(Starts, EndsThatAreTheSameAreTriedOnce) {
+  const Problem free = request("start: {q: [0, 0]}\ngoal: {q: [free, 0.05]}\nobjective: {effort: 1}\n");
+  EXPECT_EQ(starts_of(free, 12).always, 12U);
+}
+
 // ---- why there is no plan ----
 
 // Motions on coarse meshes that could not be refined do not show that there are none.
@@ -474,6 +486,24 @@ TEST(Conclusion, IsThatNothingConvergedWhereOnlyRefiningFailed) {
   EXPECT_THAT(refining_failed.reason, testing::HasSubstr("method: hermite-simpson"));
   EXPECT_EQ(concluded({}, {}).status, PlanStatus::kInfeasible);
   EXPECT_EQ(concluded({1.0}, {Relaxation{}}).status, PlanStatus::kInfeasible);
+}
+
+// What was refined and fails its certificate is told with what it fails by.
+TEST(Conclusion, KeepsWhatACertificateRefused) {
+  const Problem problem = request(kMove);
+  Session session{SessionOptions{}};
+  Findings found(problem);
+  found.minima = {1.0};
+  Plan plan;
+  plan.status = PlanStatus::kUncertified;
+  plan.reason = "torque of joint 1 reaches 13 N m";
+  plan.infeasibility.emplace();
+  plan.certificate.emplace();
+  plan.certificate->limits.push_back({.name = "torque", .joint = 1, .limit = 12, .reached = 13, .passed = false});
+  conclude(found, session, plan);
+  EXPECT_EQ(plan.status, PlanStatus::kUncertified);
+  EXPECT_EQ(plan.reason, "torque of joint 1 reaches 13 N m");
+  EXPECT_TRUE(plan.certificate);
 }
 
 }  // namespace

@@ -264,7 +264,7 @@ class Explanation {
 
   // Alone, each limit has to grow by no less than all of them together. Where that is more than a quarter, limits that
   // would then exceed the robot's are not tried: a request may not ask for them, and mostly no motion is found. Nothing
-  // where no motion is found with all of them larger: then none is with one.
+  // where no motion was found even with all of them larger: it is unlikely that one alone does.
   std::optional<std::vector<Candidate>> worth_trying_alone(std::vector<Candidate> single,
                                                            const std::vector<Guess>& guesses) {
     anything_tried_ = true;

@@ -49,13 +49,16 @@ std::vector<std::vector<Path>> task_paths(const Problem& problem) {
 }
 
 // [rad] The end that takes the least torque to be held, as fractions of the torque limits: the free joint is varied,
-// the other one is kept.
+// the other one is kept. Of a hanging and an upright arm, which take the same, the nearer one.
 Joints<double> easiest_end(const Problem& problem) {
   constexpr int kAngles = 200;
+  constexpr double kByDistance = 1e-3;  // [1/rad] beside squares of torques, as fractions of their limits
   const auto held = [&](const Joints<double>& q) {
     const Joints<double> gravity = gravity_torque(problem.robot, q);
     double sum = 0;
-    for (std::size_t j = 0; j < kJoints; ++j) sum += std::pow(gravity[j] / problem.limits.torque[j], 2);
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      sum += std::pow(gravity[j] / problem.limits.torque[j], 2) + kByDistance * std::abs(q[j] - problem.goal.q[j]);
+    }
     return sum;
   };
   Joints<double> easiest = problem.goal.q;

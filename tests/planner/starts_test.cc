@@ -453,14 +453,15 @@ TEST(Starts, FreeJointsEndWhereTheyAreEasilyHeld) {
 }
 
 TEST(Starts, OtherEndsComeInAdditionWhereMoreThanOneStartIsAskedFor) {
-  const Problem free = request("start: {q: [0.58, 1.04]}\ngoal: {q: [free, 1.14]}\nobjective: {effort: 1}\n");
+  const Problem free =
+      request("start: {q: [0.58, 1.04]}\ngoal: {q: [free, 1.14]}\nduration: 1\nobjective: {effort: 1}\n");
   EXPECT_EQ(starts_of(free, 1).always, 1U);
   EXPECT_EQ(starts_of(free, 12).always, 14U);
 }
 
 // Where the arm starts hanging, the end that is easily held is the one that is expected anyway.
 TEST(Starts, EndsThatAreTheSameAreTriedOnce) {
-  const Problem free = request("start: {q: [0, 0]}\ngoal: {q: [free, 0.05]}\nobjective: {effort: 1}\n");
+  const Problem free = request("start: {q: [0, 0]}\ngoal: {q: [free, 0.05]}\nduration: 1\nobjective: {effort: 1}\n");
   EXPECT_EQ(starts_of(free, 12).always, 12U);
 }
 

@@ -62,7 +62,7 @@ std::shared_ptr<const Problem> ending_at(const Problem& problem, const Joints<do
   return std::make_shared<const Problem>(std::move(given));
 }
 
-// The guess, or what it comes to with its first end.
+// The start's guess; where that has a first end, the motion that it comes to with this end, if there is one.
 Guess with_first_end(const Start& start, int patience, Session& session) {
   if (!start.guess.first_end) return start.guess;
   Continuation c(ending_at(*start.alternative, *start.guess.first_end), session, start.label + ", end given");

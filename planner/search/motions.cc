@@ -29,7 +29,9 @@ constexpr std::size_t kWave = 4;
 constexpr int kGivenUp = 2;                 // failures of an alternative's first starts, while another led somewhere
 constexpr std::size_t kBeforeSwinging = 1;  // starts that led nowhere before it is asked whether it has to swing, or
                                             // is out of reach
-constexpr std::size_t kBeforeHurrying = 2;  // and before it is asked whether there is time
+constexpr std::size_t kBeforeHurrying = 2;  // and before the fastest motion is looked for, whatever a sketch says
+constexpr std::size_t kBeforeSketchingTheFastest = 1;  // where there is not clearly little time: then none
+constexpr double kLittleTime = 0.7;                    // fraction of the usual duration
 
 // Minima lie side by side: from a place near the best motion so far others are met, and in half the iterations.
 std::optional<Guess> beside_the_best(const Alternative& alternative, std::uint64_t seed, const Findings& found) {
@@ -83,11 +85,9 @@ bool all_seem_too_short(const std::vector<Alternative>& open, Session& session) 
   });
 }
 
-// Whether the duration may be too short for all of them, which is then asked before the first start.
 bool have_little_time(const std::vector<Alternative>& open) {
   return std::all_of(open.begin(), open.end(), [](const Alternative& alternative) {
-    constexpr double kLittle = 0.7;  // of the usual duration
-    return alternative->duration.max < kLittle * usual_duration(*alternative);
+    return alternative->duration.max < kLittleTime * usual_duration(*alternative);
   });
 }
 
@@ -150,12 +150,11 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
     if (std::exchange(hurried, true)) return;
     for (const Alternative& alternative : open) try_from_fastest(alternative, found, session);
   };
-  const std::size_t before_asking_for_time = have_little_time(open) ? 0 : kBeforeSwinging;
+  const std::size_t before_sketching = have_little_time(open) ? 0 : kBeforeSketchingTheFastest;
   for (std::size_t i = 0; i < most; ++i) {
-    if (i == before_asking_for_time && found.candidates.empty()) {
-      const bool too_short = all_seem_too_short(open, session);
-      if (too_short) hurry();
-      if (too_short && found.too_short()) return;
+    if (i == before_sketching && found.candidates.empty() && all_seem_too_short(open, session)) {
+      hurry();
+      if (found.too_short()) return;
     }
     if (i == before_asking && found.candidates.empty()) {
       for (const Alternative& alternative : open) try_swinging(alternative, found, session);

@@ -2,12 +2,15 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "common/atomic_file.h"
 #include "common/input_error.h"
 #include "planner/program/commands.h"
 #include "planner/program/file_checks.h"
@@ -33,13 +36,43 @@ struct ExportArguments {
   std::vector<std::string> joint_names;
 };
 
-std::string suffix_of(const std::string& format) { return format == "ros2" ? ".ros2.mcap" : "." + format; }
+using Member = std::string_view ExportFormat::*;
 
-fs::path file_of(const ExportArguments& options, bool folder) {
+const auto kEvery = [](const ExportFormat&) { return true; };
+
+// "csv", "mat", ...: that of all formats which are chosen.
+template <class Chosen>
+std::vector<std::string> list_of(Member member, const Chosen& chosen) {
+  std::vector<std::string> list;
+  for (const ExportFormat& format : export_formats()) {
+    if (std::invoke(chosen, format)) list.emplace_back(format.*member);
+  }
+  return list;
+}
+
+template <class Chosen>
+std::string joined(Member member, const Chosen& chosen) {
+  return fmt::format("{}", fmt::join(list_of(member, chosen), ", "));
+}
+
+// "csv: columns with units, nothing else; mat: MATLAB; ..."
+std::string meanings() {
+  std::vector<std::string> all;
+  for (const ExportFormat& format : export_formats()) all.push_back(fmt::format("{}: {}", format.name, format.meaning));
+  return fmt::format("{}", fmt::join(all, "; "));
+}
+
+// The one of that name, which --format is checked to be.
+const ExportFormat& format_named(std::string_view name) {
+  const auto all = export_formats();
+  return *std::find_if(all.begin(), all.end(), [&](const ExportFormat& format) { return format.name == name; });
+}
+
+fs::path file_of(const ExportArguments& options, const ExportFormat& format, bool folder) {
   if (!options.out.empty()) return options.out;
   const fs::path input = options.input;
-  return folder ? input / ("export" + suffix_of(options.format))
-                : fs::path(input).replace_extension(".export" + suffix_of(options.format));
+  return folder ? input / fmt::format("export{}", format.suffix)
+                : fs::path(input).replace_extension(fmt::format(".export{}", format.suffix));
 }
 
 void check_ticks(const PlanRecord& plan, double tick) {
@@ -50,25 +83,19 @@ void check_ticks(const PlanRecord& plan, double tick) {
   }
 }
 
-void write(const ExportArguments& options, const Exported& exported, const fs::path& file) {
-  const auto table = [&] {
-    return exported.plan != nullptr ? table_of(exported.plan->robot, *exported.ticked) : table_of(*exported.log);
-  };
-  if (options.format == "csv") return write_file(file, as_csv(table()));
-  if (options.format == "mat") return write_mat(exported, table(), file);
-  write_file(file, options.format == "mcap" ? as_mcap(exported) : as_ros2(exported));
-}
-
 int run(const ExportArguments& options) {
   std::error_code error;
   const bool folder = fs::is_directory(options.input, error);
-  if (!folder && options.format == "ros2") {
-    throw InputError("--format", "", "ros2 is for plans: give the folder of one");
+  const ExportFormat& format = format_named(options.format);
+  if (!folder && !format.of_log_alone) {
+    throw InputError("--format", "", fmt::format("{} is for plans: give the folder of one", format.name));
   }
-  if (!options.log.empty() && (!folder || options.format != "mcap")) {
-    throw InputError("--log", "", "goes with the folder of a plan and the format mcap; a log alone is given by itself");
+  if (!options.log.empty() && (!folder || !format.log_beside_plan)) {
+    throw InputError("--log", "",
+                     fmt::format("goes with the folder of a plan and the format {}; a log alone is given by itself",
+                                 joined(&ExportFormat::name, &ExportFormat::log_beside_plan)));
   }
-  const fs::path file = file_of(options, folder);
+  const fs::path file = file_of(options, format, folder);
   if (const std::string fault = fault_of_file_to_write(file.string()); fs::exists(options.input) && !fault.empty()) {
     throw InputError("--out", "", fault);
   }
@@ -86,7 +113,7 @@ int run(const ExportArguments& options) {
     exported.log = read_log(options.input);
   }
   if (!options.joint_names.empty()) exported.joint_names = {options.joint_names[0], options.joint_names[1]};
-  const auto write_it = [&] { write(options, exported, file); };
+  const auto write_it = [&] { format.write(exported, file); };
   plan ? reading(plan->source, write_it) : write_it();
   fmt::print("{}\n", file.string());
   return 0;
@@ -96,25 +123,28 @@ int run(const ExportArguments& options) {
 
 void add_export(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<ExportArguments>();
-  CLI::App* command =
-      app.add_subcommand("export", "Write a plan or a log for other programs: CSV, MATLAB, MCAP, ROS 2");
+  CLI::App* command = app.add_subcommand(
+      "export", fmt::format("Write a plan or a log for other programs: {}", joined(&ExportFormat::title, kEvery)));
   command->add_option("input", options->input, "Folder of a plan, or a log of the executor or the rig")
       ->required()
       ->type_name("DIR|LOG.csv");
-  command
-      ->add_option("--format", options->format,
-                   "csv: columns with units, nothing else; mat: MATLAB; mcap: Foxglove, PlotJuggler; ros2: "
-                   "trajectory_msgs/JointTrajectory in MCAP")
+  command->add_option("--format", options->format, meanings())
       ->required()
-      ->check(one_of({"csv", "mat", "mcap", "ros2"}));
+      ->check(one_of(list_of(&ExportFormat::name, kEvery)));
   command
       ->add_option("--tick", options->tick,
                    "Period of the drive, in seconds: the rows of a plan, and their mean torques")
       ->check(between(kShortestTick, kLongestTick))
       ->capture_default_str();
-  command->add_option("--log", options->log, "Log of the plan's execution, into the same MCAP file")
+  command
+      ->add_option("--log", options->log,
+                   fmt::format("Log of the plan's execution, into the same {} file",
+                               joined(&ExportFormat::title, &ExportFormat::log_beside_plan)))
       ->type_name("LOG.csv");
-  command->add_option("--joint-names", options->joint_names, "Of ros2; default: joint1,joint2")
+  command
+      ->add_option(
+          "--joint-names", options->joint_names,
+          fmt::format("Of {}; default: joint1,joint2", joined(&ExportFormat::name, &ExportFormat::has_joint_names)))
       ->delimiter(',')
       ->expected(2)
       ->type_name("NAME,NAME");

@@ -1,9 +1,12 @@
-// The formats of exports: each a function from what there is to the bytes of a file.
+// The formats of exports. A new one is a line in formats.cc and the function that it names; the options of `fjr
+// export`, their help and what they refuse go by that list.
 #pragma once
 
 #include <filesystem>
 #include <optional>
+#include <span>
 #include <string>
+#include <string_view>
 
 #include "planner/results/export/table.h"
 
@@ -16,6 +19,20 @@ struct Exported {
   std::optional<Log> log;
   Joints<std::string> joint_names{"joint1", "joint2"};
 };
+
+struct ExportFormat {
+  std::string_view name;         // "ros2", of --format
+  std::string_view title;        // "ROS 2"
+  std::string_view suffix;       // ".ros2.mcap", of the file
+  std::string_view meaning;      // what is in the file, or who reads it
+  bool of_log_alone = true;      // a log is exported without a plan, too
+  bool log_beside_plan = false;  // a log is written into the same file as its plan
+  bool has_joint_names = false;  // uses Exported::joint_names
+  void (*write)(const Exported&, const std::filesystem::path& file);
+};
+
+// All of them, in the order of --help.
+std::span<const ExportFormat> export_formats();
 
 // A line of names and lines of numbers, and nothing else; the shortest digits that read back to the same bits.
 std::string as_csv(const ExportTable& table);

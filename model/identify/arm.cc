@@ -8,14 +8,20 @@
 
 #include "common/dual.h"
 #include "model/dynamics.h"
+#include "model/identify/procedures.h"
 #include "model/identify/repeated.h"
 #include "model/uncertainty.h"
 
 namespace fjr {
 namespace {
 
+// Where an input of joint 1 stands; that of joint 2 is behind it.
+constexpr std::size_t place_of(ArmInput input) { return static_cast<std::size_t>(input) * kJoints; }
+
 // Inputs: K1, K2, S1 (6), S2 (7), k1 = K1/I1, k2 = K2/I2, d1 = D1/I1, d2 = D2/I2.
-constexpr std::size_t kStiffness = 0, kSlope = 2, kRate = 4, kDecay = 6, kInputs = 8;
+constexpr std::size_t kStiffness = place_of(ArmInput::kStiffness), kSlope = place_of(ArmInput::kGravitySlope),
+                      kRate = place_of(ArmInput::kStiffnessOverInertia),
+                      kDecay = place_of(ArmInput::kDampingOverInertia), kInputs = 8;
 constexpr std::size_t kOutputs = 10, kDamping = 8;
 constexpr std::array<const char*, kOutputs> kOutputNames = {"spring.stiffness[0]",
                                                             "spring.stiffness[1]",
@@ -57,11 +63,12 @@ Inputs inputs_of(const Parameters& p) {
            p.link.damping[1] / m.m22}};
 }
 
-void take(Inputs& in, const Repeated& repeated, std::initializer_list<std::size_t> places) {
+void take(Inputs& in, const Repeated& repeated, const std::vector<ArmInput>& inputs) {
+  if (inputs.empty()) return;
   const Estimate& e = repeated.estimate;
   std::vector<Eigen::Index> rows;
-  for (const std::size_t place : places) {
-    const std::size_t at = place + static_cast<std::size_t>(e.joint);
+  for (const ArmInput input : inputs) {
+    const std::size_t at = place_of(input) + static_cast<std::size_t>(e.joint);
     in.value[at] = e.value[static_cast<Eigen::Index>(rows.size())];
     in.from[at] = &repeated;
     rows.push_back(static_cast<Eigen::Index>(at));
@@ -87,23 +94,6 @@ Outputs outputs_of(const Parameters& p, const Inputs& in) {
     }
   }
   return outputs;
-}
-
-struct MotorParameter {
-  std::string name;
-  Eigen::Index row;  // of the estimate
-  bool assumed;      // a value to go with the others, but not found out
-};
-
-// What an estimate of a motor tells directly.
-std::vector<MotorParameter> motor_parameters(const Estimate& e) {
-  if (e.procedure == "motor_inertia") return {{fmt::format("motor.inertia[{}]", e.joint), e.index("inertia"), false}};
-  std::vector<MotorParameter> found;
-  if (e.procedure != "motor_friction") return found;
-  for (const std::string& name : e.names) {
-    found.push_back({fmt::format("friction.{}[{}]", name, e.joint), e.index(name), e.is_assumed(name)});
-  }
-  return found;
 }
 
 // Appends a block that has nothing to do with what is there.
@@ -138,15 +128,18 @@ void tell_arm(const Inputs& in, const Outputs& out, Identified& result) {
   append(result.covariance, covariance(told, told));
 }
 
-void tell_motor(const Repeated& repeated, Identified& result) {
+// parameters: what the estimate tells directly, "motor.inertia".
+void tell_parameters(const Repeated& repeated, const std::vector<std::string>& parameters, Identified& result) {
   const Estimate& e = repeated.estimate;
   std::vector<Eigen::Index> told;
-  for (const MotorParameter& parameter : motor_parameters(e)) {
-    *parameter_named(result.robot, parameter.name) = e.value[parameter.row];
-    if (parameter.assumed) continue;
-    result.names.push_back(parameter.name);
-    result.from[parameter.name] = repeated.logs;
-    told.push_back(parameter.row);
+  for (const std::string& parameter : parameters) {
+    const std::string estimated = parameter.substr(parameter.find('.') + 1);
+    const std::string name = fmt::format("{}[{}]", parameter, e.joint);
+    *parameter_named(result.robot, name) = e.at(estimated);
+    if (e.is_assumed(estimated)) continue;  // a value to go with the others, but not found out
+    result.names.push_back(name);
+    result.from[name] = repeated.logs;
+    told.push_back(e.index(estimated));
   }
   append(result.covariance, e.covariance(told, told));
 }
@@ -157,15 +150,14 @@ Identified combine(const Parameters& base, const std::vector<Estimate>& estimate
   Inputs in = inputs_of(base);
   const std::vector<Repeated> all = combine_repeated(estimates);
   for (const Repeated& one : all) {
-    const std::string& procedure = one.estimate.procedure;
-    if (procedure == "stiffness") take(in, one, {kStiffness});
-    if (procedure == "gravity") take(in, one, {kSlope});
-    if (procedure == "link_inertia") take(in, one, {kRate, kDecay});
+    if (const Procedure* by = find_procedure(one.estimate.procedure)) take(in, one, by->arm_inputs);
   }
   Identified result;
   result.robot = base;
   tell_arm(in, outputs_of(base, in), result);
-  for (const Repeated& one : all) tell_motor(one, result);
+  for (const Repeated& one : all) {
+    if (const Procedure* by = find_procedure(one.estimate.procedure)) tell_parameters(one, by->parameters, result);
+  }
   return result;
 }
 

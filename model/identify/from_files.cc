@@ -29,6 +29,12 @@ Identification compare(std::vector<Estimate> estimates, const Parameters& known)
 
 }  // namespace
 
+std::vector<std::string> procedure_names() {
+  std::vector<std::string> names;
+  for (const Procedure& procedure : procedures()) names.push_back(procedure.name);
+  return names;
+}
+
 Identification identify_logs(const std::string& procedure, const LogFiles& logs, const Parameters& known) {
   std::vector<Estimate> estimates;
   for (const std::string& file : logs.files) {
@@ -43,7 +49,7 @@ Identification identify_folder(const std::string& folder, const ColumnNames& ren
     throw InputError(folder, "", "'all' needs one folder with <experiment>_<joint>.csv");
   }
   std::vector<Estimate> estimates;
-  for (const char* name : kProcedures) {
+  for (const std::string& name : procedure_names()) {
     for (int joint = 0; joint < kJoints; ++joint) {
       const fs::path file = fs::path(folder) / fmt::format("{}_{}.csv", name, joint + 1);
       const Log log = read_log(file, renamed);

@@ -1,7 +1,6 @@
 // Whole identifications: from the files of logs to robot.yaml.
 #pragma once
 
-#include <array>
 #include <filesystem>
 #include <map>
 #include <string>
@@ -13,9 +12,8 @@
 
 namespace fjr {
 
-// In the order of section IV.
-inline constexpr std::array<const char*, 5> kProcedures{"stiffness", "gravity", "link_inertia", "motor_friction",
-                                                        "motor_inertia"};
+// "stiffness", ...: of all procedures, in the order of section IV.
+std::vector<std::string> procedure_names();
 
 struct Identification {
   std::vector<Estimate> estimates;    // of each log

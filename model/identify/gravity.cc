@@ -10,7 +10,6 @@ namespace fjr {
 
 // At rest the motor's torque is the spring's and the spring's is gravity's: no stiffness and no hysteresis enters.
 Estimate identify_gravity(const Log& log, int joint, const Parameters& robot) {
-  require_experiment(log, "gravity", joint);
   require_radians(log, joint);
   Estimate e;
   e.names = {"gravity_slope"};

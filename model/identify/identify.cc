@@ -1,23 +1,36 @@
+#include <algorithm>
 #include <stdexcept>
 
+#include "model/identify/checks.h"
 #include "model/identify/procedures.h"
 
 namespace fjr {
-namespace {
 
-Estimate identify_named(const std::string& name, const Log& log, int joint, const Parameters& robot) {
-  if (name == "stiffness") return identify_stiffness(log, joint, robot);
-  if (name == "gravity") return identify_gravity(log, joint, robot);
-  if (name == "link_inertia") return identify_link_inertia(log, joint, robot);
-  if (name == "motor_friction") return identify_motor_friction(log, joint, robot);
-  if (name == "motor_inertia") return identify_motor_inertia(log, joint, robot);
-  throw std::invalid_argument("no procedure is named " + name);
+const std::vector<Procedure>& procedures() {
+  static const std::vector<Procedure> all{
+      {"stiffness", identify_stiffness, {ArmInput::kStiffness}, {}},
+      {"gravity", identify_gravity, {ArmInput::kGravitySlope}, {}},
+      {"link_inertia", identify_link_inertia, {ArmInput::kStiffnessOverInertia, ArmInput::kDampingOverInertia}, {}},
+      {"motor_friction",
+       identify_motor_friction,
+       {},
+       {"friction.viscous", "friction.amplitude", "friction.width", "friction.second_weight", "friction.second_shape"}},
+      {"motor_inertia", identify_motor_inertia, {}, {"motor.inertia"}},
+  };
+  return all;
 }
 
-}  // namespace
+const Procedure* find_procedure(std::string_view name) {
+  const std::vector<Procedure>& all = procedures();
+  const auto found = std::find_if(all.begin(), all.end(), [&](const Procedure& p) { return p.name == name; });
+  return found == all.end() ? nullptr : &*found;
+}
 
 Estimate identify(const std::string& name, const Log& log, int joint, const Parameters& robot) {
-  Estimate estimate = identify_named(name, log, joint, robot);
+  const Procedure* procedure = find_procedure(name);
+  if (procedure == nullptr) throw std::invalid_argument("no procedure is named " + name);
+  require_experiment(log, name, joint);
+  Estimate estimate = procedure->identify(log, joint, robot);
   estimate.procedure = name;
   estimate.joint = joint;
   estimate.log = log.source;

@@ -148,7 +148,6 @@ Swung fit_decay(const Curve& whole, const std::vector<Crest>& tops, const Decrem
 
 Estimate identify_link_inertia(const Log& log, int joint, const Parameters& robot) {
   const auto j = static_cast<std::size_t>(joint);
-  require_experiment(log, "link_inertia", joint);
   require_radians(log, joint);
   Estimate e;
   e.names = {"stiffness_over_inertia", "damping_over_inertia"};

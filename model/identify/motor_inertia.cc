@@ -197,7 +197,6 @@ double r_squared(const std::vector<Response>& all, const Fit& fit) {
 
 Estimate identify_motor_inertia(const Log& log, int joint, const Parameters& robot) {
   const auto j = static_cast<std::size_t>(joint);
-  require_experiment(log, "motor_inertia", joint);
   Estimate e;
   e.names = {"inertia", "viscous"};
   e.units = {"kg m^2", "N m s/rad"};

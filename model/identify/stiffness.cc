@@ -7,7 +7,6 @@
 namespace fjr {
 
 Estimate identify_stiffness(const Log& log, int joint, const Parameters& robot) {
-  require_experiment(log, "stiffness", joint);
   require_radians(log, joint);
   Estimate e;
   e.names = {"stiffness"};

@@ -1,4 +1,6 @@
-// The experiments of section IV of the paper, performed on the virtual rig.
+// The experiments of section IV of the paper, performed on the virtual rig. A new one is a function in a file of its
+// own, a member of Experiments that says how it is performed, and its line in visit_experiments; the commands and
+// rig.yaml go by that list.
 #pragma once
 
 #include <functional>
@@ -10,7 +12,8 @@
 
 namespace fjr {
 
-// Asked now and then with the fraction done; false abandons the experiment (std::runtime_error).
+// Asked now and then with the fraction done, unless the experiment is over soon; false abandons it
+// (std::runtime_error).
 using RigProgress = std::function<bool(double fraction)>;
 
 // Staircase 0 -> +n -> 0 -> -n -> 0 steps of one motor, 50 Hz: within `move` to the next step, then at rest.
@@ -44,7 +47,7 @@ struct Impulse {
   bool operator==(const Impulse&) const = default;
   static Impulse of(int joint) { return {joint == 0 ? 0.33 : 0.20, 6}; }
 };
-Record perform_link_inertia(const Rig& rig, int joint, const Impulse& impulse);
+Record perform_link_inertia(const Rig& rig, int joint, const Impulse& impulse, const RigProgress& progress = {});
 
 // IV-E: link removed, velocity mode; each speed in both directions, one after the other.
 struct ConstantSpeeds {
@@ -56,7 +59,8 @@ struct ConstantSpeeds {
   // The speeds a rig can hold; `slow` adds those in which the kinks of (24) lie and which only an ideal drive holds.
   static ConstantSpeeds of(int joint, bool slow);
 };
-Record perform_motor_friction(const Rig& rig, int joint, const ConstantSpeeds& speeds);
+Record perform_motor_friction(const Rig& rig, int joint, const ConstantSpeeds& speeds,
+                              const RigProgress& progress = {});
 
 // IV-F: link removed, torque mode, nonlinear friction compensated from the drive's own velocity (26); each constant
 // torque u in both directions from standstill. The log's column u<joint>_plan is u.
@@ -71,7 +75,8 @@ struct ConstantTorques {
                       : ConstantTorques{{1, 1.75, 2.5, 3.25, 4}, 0.2, 0.2};
   }
 };
-Record perform_motor_inertia(const Rig& rig, int joint, const ConstantTorques& torques);
+Record perform_motor_inertia(const Rig& rig, int joint, const ConstantTorques& torques,
+                             const RigProgress& progress = {});
 
 // How each experiment is performed, for both joints.
 struct Experiments {
@@ -90,10 +95,25 @@ struct Experiments {
   }
 };
 
-inline constexpr const char* kExperiments[] = {"stiffness", "gravity", "link_inertia", "motor_friction",
-                                               "motor_inertia"};
+struct ExperimentInfo {
+  const char* name;            // of the key in rig.yaml and of the procedure too
+  bool clamped_links = false;  // both, whose clamps carry gravity: rig.yaml says nothing of that
+};
 
-// The experiment of that name, one of kExperiments.
+// Calls visit(ExperimentInfo, how it is performed, the function that performs it), in the order of section IV.
+template <class E, class Visit>
+void visit_experiments(E& experiments, Visit&& visit) {
+  visit(ExperimentInfo{.name = "stiffness", .clamped_links = true}, experiments.stiffness, perform_stiffness);
+  visit(ExperimentInfo{.name = "gravity"}, experiments.gravity, perform_gravity);
+  visit(ExperimentInfo{.name = "link_inertia"}, experiments.link_inertia, perform_link_inertia);
+  visit(ExperimentInfo{.name = "motor_friction"}, experiments.motor_friction, perform_motor_friction);
+  visit(ExperimentInfo{.name = "motor_inertia"}, experiments.motor_inertia, perform_motor_inertia);
+}
+
+// "stiffness", ...: of all of them.
+std::vector<std::string> experiment_names();
+
+// The experiment of that name.
 Record perform(const std::string& name, const Rig& rig, int joint, const Experiments& experiments,
                const RigProgress& progress = {});
 

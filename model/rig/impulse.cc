@@ -14,7 +14,7 @@ constexpr double kStart = 0.2, kLength = 0.01;  // [s]  of the push, half a sine
 
 }  // namespace
 
-Record perform_link_inertia(const Rig& rig, int joint, const Impulse& impulse) {
+Record perform_link_inertia(const Rig& rig, int joint, const Impulse& impulse, const RigProgress&) {
   const auto j = static_cast<std::size_t>(joint);
   const MassMatrix<double> m = mass_matrix(rig.truth, 0.0);
   const double inertia = joint == 0 ? m.m11 : m.m22;

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/strict_yaml.h"
 
@@ -75,7 +77,10 @@ void require_rows(const YamlNode& map, double duration, double sample_rate) {
                        kMostRows));
 }
 
-void read_staircase(const YamlNode& map, Joints<Staircase>& to) {
+void read_experiment(const YamlNode& map, const ExperimentInfo& info, Joints<Staircase>& to) {
+  std::vector<std::string_view> keys{"steps", "step", "period", "move", "average", "sample_rate"};
+  if (!info.clamped_links) keys.push_back("gravity");
+  map.allow_keys(keys);
   read(map, "steps", "1", kCount, [&](std::size_t j, double v) {
     if (v != std::floor(v)) map.at("steps").fail(fmt::format("{} is not a whole number", v));
     to[j].steps = static_cast<int>(v);
@@ -93,7 +98,7 @@ void read_staircase(const YamlNode& map, Joints<Staircase>& to) {
   }
 }
 
-void read_impulse(const YamlNode& map, Joints<Impulse>& to) {
+void read_experiment(const YamlNode& map, const ExperimentInfo&, Joints<Impulse>& to) {
   map.allow_keys({"amplitude", "duration", "sample_rate", "gravity"});
   read(map, "amplitude", "rad", kAngle, [&](std::size_t j, double v) { to[j].amplitude = v; });
   read(map, "duration", "s", {0.5, 1e4}, [&](std::size_t j, double v) { to[j].duration = v; });
@@ -102,7 +107,7 @@ void read_impulse(const YamlNode& map, Joints<Impulse>& to) {
   for (const Impulse& i : to) require_rows(map, i.duration, i.sample_rate);
 }
 
-void read_speeds(const YamlNode& map, Joints<ConstantSpeeds>& to) {
+void read_experiment(const YamlNode& map, const ExperimentInfo&, Joints<ConstantSpeeds>& to) {
   map.allow_keys({"speeds", "ramp", "hold", "sample_rate"});
   read_lists(map, "speeds", "rad/s", kSpeed,
              [&](std::size_t j, std::vector<double> v) { to[j].speeds = std::move(v); });
@@ -114,7 +119,7 @@ void read_speeds(const YamlNode& map, Joints<ConstantSpeeds>& to) {
   }
 }
 
-void read_torques(const YamlNode& map, Joints<ConstantTorques>& to) {
+void read_experiment(const YamlNode& map, const ExperimentInfo&, Joints<ConstantTorques>& to) {
   map.allow_keys({"torques", "rest", "push", "sample_rate"});
   read_lists(map, "torques", "N m", kTorque,
              [&](std::size_t j, std::vector<double> v) { to[j].torques = std::move(v); });
@@ -146,25 +151,18 @@ void read_hysteresis(const YamlNode& map, Hysteresis& to) {
 
 void read_rig(const std::filesystem::path& file, RigSetup& setup) {
   const YamlNode root = YamlNode::load(file);
-  root.allow_keys({"seed", "link_damping", "hysteresis", "instruments", "stiffness", "gravity", "link_inertia",
-                   "motor_friction", "motor_inertia"});
+  const std::vector<std::string> names = experiment_names();
+  std::vector<std::string_view> keys{"seed", "link_damping", "hysteresis", "instruments"};
+  keys.insert(keys.end(), names.begin(), names.end());
+  root.allow_keys(keys);
   Rig& rig = setup.rig;
-  Experiments& experiments = setup.experiments;
   if (const auto node = root.find("seed")) rig.seed = node->whole_number();
   read(root, "link_damping", "N m s/rad", kNotNegative, [&](auto j, double v) { rig.truth.link.damping[j] = v; });
   if (const auto node = root.find("hysteresis")) read_hysteresis(*node, rig.hysteresis);
   if (const auto node = root.find("instruments")) read_instruments(*node, rig);
-  if (const auto node = root.find("stiffness")) {
-    node->allow_keys({"steps", "step", "period", "move", "average", "sample_rate"});
-    read_staircase(*node, experiments.stiffness);
-  }
-  if (const auto node = root.find("gravity")) {
-    node->allow_keys({"steps", "step", "period", "move", "average", "sample_rate", "gravity"});
-    read_staircase(*node, experiments.gravity);
-  }
-  if (const auto node = root.find("link_inertia")) read_impulse(*node, experiments.link_inertia);
-  if (const auto node = root.find("motor_friction")) read_speeds(*node, experiments.motor_friction);
-  if (const auto node = root.find("motor_inertia")) read_torques(*node, experiments.motor_inertia);
+  visit_experiments(setup.experiments, [&](const ExperimentInfo& info, auto& how, auto&&) {
+    if (const auto node = root.find(info.name)) read_experiment(*node, info, how);
+  });
 }
 
 }  // namespace fjr

@@ -99,7 +99,7 @@ class TorqueMode {
 
 }  // namespace
 
-Record perform_motor_inertia(const Rig& rig, int joint, const ConstantTorques& torques) {
+Record perform_motor_inertia(const Rig& rig, int joint, const ConstantTorques& torques, const RigProgress&) {
   return TorqueMode(rig, joint, torques).perform();
 }
 

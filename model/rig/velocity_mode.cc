@@ -62,7 +62,7 @@ ConstantSpeeds ConstantSpeeds::of(int joint, bool slow) {
   return plan;
 }
 
-Record perform_motor_friction(const Rig& rig, int joint, const ConstantSpeeds& speeds) {
+Record perform_motor_friction(const Rig& rig, int joint, const ConstantSpeeds& speeds, const RigProgress&) {
   Record record;
   record.log_velocity = true;
   Run run(rig, joint, speeds, record);

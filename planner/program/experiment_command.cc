@@ -99,19 +99,19 @@ void check_log_to_write(const fs::path& file) {
 }
 
 void perform_all(const ExperimentArguments& options, const RigSetup& setup) {
-  const auto log_of = [&](const char* name, int joint) {
+  const auto log_of = [&](const std::string& name, int joint) {
     return fs::path(options.out) / fmt::format("{}_{}.csv", name, joint);
   };
   const auto each = [](const auto& visit) {
-    for (const char* name : kExperiments) {
+    for (const std::string& name : experiment_names()) {
       for (int joint = 1; joint <= kJoints; ++joint) visit(name, joint);
     }
   };
   std::error_code error;
   fs::create_directories(options.out, error);
   if (error) throw InputError("--out", "", fmt::format("cannot make folder {}: {}", options.out, error.message()));
-  each([&](const char* name, int joint) { check_log_to_write(log_of(name, joint)); });
-  each([&](const char* name, int joint) { perform_one(setup, name, joint, log_of(name, joint)); });
+  each([&](const std::string& name, int joint) { check_log_to_write(log_of(name, joint)); });
+  each([&](const std::string& name, int joint) { perform_one(setup, name, joint, log_of(name, joint)); });
 }
 
 int run(const ExperimentArguments& options) {
@@ -177,7 +177,7 @@ void add_experiment(CLI::App& app, int& exit_code) {
   CLI::App* command = app.add_subcommand(
       "experiment", "Perform an experiment on the virtual rig and write its log; or design one for the real arm");
   add_design(*command, exit_code);
-  std::vector<std::string> names(std::begin(kExperiments), std::end(kExperiments));
+  std::vector<std::string> names = experiment_names();
   names.emplace_back("all");
   command->add_option("name", options->name, "Which: stiffness, gravity, ..., or all for both joints")
       ->check(one_of(names));

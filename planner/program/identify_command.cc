@@ -176,7 +176,7 @@ int run(const IdentifyArguments& options) {
 void add_identify(CLI::App& app, int& exit_code) {
   const auto options = std::make_shared<IdentifyArguments>();
   CLI::App* command = app.add_subcommand("identify", "Identify parameters from logs and write robot.yaml");
-  std::vector<std::string> names(std::begin(kProcedures), std::end(kProcedures));
+  std::vector<std::string> names = procedure_names();
   names.emplace_back("all");
   names.emplace_back("executed");
   command

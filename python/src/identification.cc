@@ -87,7 +87,7 @@ void add_identification(nb::module_& module) {
       .def("report",
            [](const Identification& found) { return format_identification_report(found.estimates, found.changes); });
   nb::list procedures;
-  for (const char* name : kProcedures) procedures.append(name);
+  for (const std::string& name : procedure_names()) procedures.append(name);
   module.attr("procedures") = nb::tuple(procedures);
   module.def("identify", identify_as_asked, nb::arg("name"), nb::arg("logs"), nb::arg("joint"), nb::arg("columns"),
              nb::arg("base"));

@@ -12,7 +12,7 @@ namespace {
 
 std::vector<Estimate> at_full_length(const Rig& rig, bool slow_speeds, const Parameters& believed) {
   std::vector<Estimate> estimates;
-  for (const char* name : kExperiments) {
+  for (const std::string& name : experiment_names()) {
     for (int joint = 0; joint < kJoints; ++joint) {
       estimates.push_back(
           identify(name, measure(perform(name, rig, joint, Experiments::of_paper(slow_speeds)), rig), joint, believed));

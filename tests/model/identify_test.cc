@@ -552,7 +552,7 @@ std::size_t count_of(const std::string& part, const std::string& text) {
 
 std::string full_report() {
   std::vector<Estimate> estimates;
-  for (const char* name : kExperiments) {
+  for (const std::string& name : experiment_names()) {
     for (int joint = 0; joint < kJoints; ++joint) {
       estimates.push_back(identify_quietly(name, noisy_log(name, joint), joint));
     }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "planner/analysis/analysis.h"
@@ -28,8 +29,9 @@ enum class PlanStatus {
   kCancelled,     // stopped by the caller
 };
 
-const char* name(PlanStatus status);  // as in plan.json: "certified", "bad_input", ...
-int exit_code(PlanStatus status);     // as in the README
+const char* name(PlanStatus status);                           // as in plan.json: "certified", "bad_input", ...
+std::optional<PlanStatus> plan_status(std::string_view name);  // of that name; none: no such name
+int exit_code(PlanStatus status);                              // as in the README
 
 struct Collocated;  // planner/ocp/collocate.h: a solution, with what a neighbouring problem needs to start from
 

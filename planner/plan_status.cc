@@ -1,46 +1,44 @@
 // Names and exit codes of outcomes: what plan.json, the command line and the service agree on.
+#include <algorithm>
+#include <array>
 #include <stdexcept>
 
 #include "planner/plan.h"
 
 namespace fjr {
+namespace {
 
-const char* name(PlanStatus status) {
-  switch (status) {
-    case PlanStatus::kCertified:
-      return "certified";
-    case PlanStatus::kBadInput:
-      return "bad_input";
-    case PlanStatus::kInfeasible:
-      return "infeasible";
-    case PlanStatus::kNotConverged:
-      return "not_converged";
-    case PlanStatus::kUncertified:
-      return "uncertified";
-    case PlanStatus::kDeadline:
-      return "deadline";
-    case PlanStatus::kCancelled:
-      return "cancelled";
-  }
-  throw std::logic_error("PlanStatus out of range");
+struct NamedStatus {
+  PlanStatus status;
+  const char* name;
+  int exit_code;
+};
+
+constexpr std::array<NamedStatus, 7> kNamedStatuses{{{PlanStatus::kCertified, "certified", 0},
+                                                     {PlanStatus::kBadInput, "bad_input", 2},
+                                                     {PlanStatus::kInfeasible, "infeasible", 3},
+                                                     {PlanStatus::kNotConverged, "not_converged", 3},
+                                                     {PlanStatus::kUncertified, "uncertified", 4},
+                                                     {PlanStatus::kDeadline, "deadline", 5},
+                                                     {PlanStatus::kCancelled, "cancelled", 5}}};
+
+const NamedStatus& entry_of(PlanStatus status) {
+  const auto found = std::find_if(kNamedStatuses.begin(), kNamedStatuses.end(),
+                                  [&](const NamedStatus& o) { return o.status == status; });
+  if (found == kNamedStatuses.end()) throw std::logic_error("PlanStatus out of range");
+  return *found;
 }
 
-int exit_code(PlanStatus status) {
-  switch (status) {
-    case PlanStatus::kCertified:
-      return 0;
-    case PlanStatus::kBadInput:
-      return 2;
-    case PlanStatus::kInfeasible:
-    case PlanStatus::kNotConverged:
-      return 3;
-    case PlanStatus::kUncertified:
-      return 4;
-    case PlanStatus::kDeadline:
-    case PlanStatus::kCancelled:
-      return 5;
-  }
-  throw std::logic_error("PlanStatus out of range");
+}  // namespace
+
+const char* name(PlanStatus status) { return entry_of(status).name; }
+
+std::optional<PlanStatus> plan_status(std::string_view name) {
+  const auto found =
+      std::find_if(kNamedStatuses.begin(), kNamedStatuses.end(), [&](const NamedStatus& o) { return o.name == name; });
+  return found == kNamedStatuses.end() ? std::nullopt : std::optional(found->status);
 }
+
+int exit_code(PlanStatus status) { return entry_of(status).exit_code; }
 
 }  // namespace fjr

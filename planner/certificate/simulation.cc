@@ -16,7 +16,7 @@ constexpr double kStill = 1e-5;  // [rad/s] as of a rest
 // In rows learnt for an arm that is not quite the one planned for, whose motors stand elsewhere for the same q.
 bool stands_as_learnt(const Trajectory& trajectory, const Sample& row) {
   const auto status = trajectory.metadata.find("status");
-  bool still = status != trajectory.metadata.end() && status->second == "learnt";
+  bool still = status != trajectory.metadata.end() && status->second == kLearntStatus;
   for (std::size_t j = 0; j < kJoints; ++j) {
     still &= std::abs(row.state.dq[j]) <= kStill && std::abs(row.state.dtheta[j]) <= kStill;
   }

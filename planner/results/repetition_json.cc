@@ -110,7 +110,7 @@ std::optional<TakenCorrection> correction_in(const std::string& plan_json) {
 
 void tell_repetition(const Json& plan, Metadata& metadata) {
   if (!plan.contains("repetition")) return;
-  metadata["status"] = "learnt";
+  metadata["status"] = kLearntStatus;
   metadata["repetition"] = std::to_string(number_of({plan, "plan.json"}));
 }
 

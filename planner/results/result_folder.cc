@@ -20,6 +20,7 @@
 
 #include "common/bounded_json.h"
 #include "common/read_file.h"
+#include "planner/plan.h"
 
 namespace fjr {
 namespace {
@@ -178,13 +179,17 @@ bool same_results(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
-bool has_certified_plan(const fs::path& folder) { return text_at(read_plan_json(folder), "status") == "certified"; }
+bool has_certified_plan(const fs::path& folder) {
+  return plan_status(text_at(read_plan_json(folder), "status")) == PlanStatus::kCertified;
+}
 
 Worth worth_of(const fs::path& folder) {
-  const std::string status = text_at(read_plan_json(folder), "status");
-  if (status == "certified" || fs::exists(folder / "trajectory.csv")) return Worth::kPlan;
-  if (status.empty() && fs::exists(folder / "plan.json")) return Worth::kPlan;
-  const bool answered = status == "infeasible" || status == "not_converged" || status == "uncertified";
+  const std::string said = text_at(read_plan_json(folder), "status");
+  const std::optional<PlanStatus> status = plan_status(said);
+  if (status == PlanStatus::kCertified || fs::exists(folder / "trajectory.csv")) return Worth::kPlan;
+  if (said.empty() && fs::exists(folder / "plan.json")) return Worth::kPlan;
+  const bool answered =
+      status == PlanStatus::kInfeasible || status == PlanStatus::kNotConverged || status == PlanStatus::kUncertified;
   return answered ? Worth::kAnswer : Worth::kNothing;
 }
 

@@ -64,7 +64,8 @@ void compare_robots(const Trajectory& trajectory, Verification& v) {
 
 // Rows beside the plan.json of another request, whose task is not what they were planned for, or of no certified plan.
 void compare_requests(const Trajectory& trajectory, const PlannedMotion& planned, Verification& v) {
-  if (!planned.status.empty() && planned.status != name(PlanStatus::kCertified) && planned.status != "learnt") {
+  const bool executable = plan_status(planned.status) == PlanStatus::kCertified || planned.status == kLearntStatus;
+  if (!planned.status.empty() && !executable) {
     v.contradictions.push_back(fmt::format("plan.json says that the plan is {}", shown(planned.status)));
   }
   const auto hash = trajectory.metadata.find("request_hash");

@@ -13,6 +13,8 @@ namespace fjr {
 
 inline constexpr std::size_t kMaxRows = 32768;
 inline constexpr double kJumpSpacing = 1e-6;  // [s] between the two rows of a torque jump
+// The "status" of rows that were corrected by executed motions, where those of a plan have its status.
+inline constexpr const char* kLearntStatus = "learnt";
 
 struct Sample {
   double time = 0;          // [s]

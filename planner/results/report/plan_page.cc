@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/chart_page.h"
+#include "planner/plan.h"
 #include "planner/problem/objective_terms.h"
 #include "planner/problem/quantities.h"
 #include "planner/results/json_field.h"
@@ -43,7 +44,8 @@ void add_verdict(ChartPage& page, const JsonField& plan) {
                                    repetition->at("number").number()),
                        "warning");
   }
-  page.add_html(fmt::format("<p><span class='badge {}'>{}</span>", status == "certified" ? "good" : "bad",
+  page.add_html(fmt::format("<p><span class='badge {}'>{}</span>",
+                            plan_status(status) == PlanStatus::kCertified ? "good" : "bad",
                             escaped_html(spaced(status))));
   const double duration = plan.at("duration").number();
   if (std::isfinite(duration)) {

@@ -7,6 +7,7 @@
 
 #include "common/input_error.h"
 #include "planner/certificate/consistency.h"
+#include "planner/plan.h"
 #include "planner/results/json_field.h"
 #include "planner/results/strict_json.h"
 
@@ -63,14 +64,14 @@ PlanRecord read_plan(const fs::path& folder) {
   const fs::path file = folder / "plan.json";
   PlanRecord record{file.string(), load_plan_json(folder), {}, {}};
   const JsonField plan(record.plan, record.source);
-  const std::string status = plan.at("status").text();
-  if (status == "bad_input") {
+  const std::optional<PlanStatus> status = plan_status(plan.at("status").text());
+  if (status == PlanStatus::kBadInput) {
     throw InputError(record.source, "", "the request was refused and nothing planned: " + plan.at("reason").text());
   }
   record.robot = read_robot(plan);
-  const bool certified = status == "certified";
+  const bool certified = status == PlanStatus::kCertified;
   const fs::path rows = folder / (certified ? "trajectory.csv" : "trajectory.uncertified.csv");
-  if (certified || (status == "uncertified" && fs::exists(rows, error))) {
+  if (certified || (status == PlanStatus::kUncertified && fs::exists(rows, error))) {
     record.trajectory = read_csv(rows);
     if (const std::string fault = malformed(*record.trajectory); !fault.empty()) {
       throw InputError(rows.string(), "", fault);

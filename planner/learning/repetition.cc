@@ -12,6 +12,7 @@
 #include "planner/certificate/comparison.h"
 #include "planner/certificate/consistency.h"
 #include "planner/certificate/limits.h"
+#include "planner/certificate/residual.h"
 #include "planner/certificate/ticks.h"
 #include "planner/control/motor_feedback.h"
 #include "planner/learning/correction.h"
@@ -78,7 +79,8 @@ class Rehearsed {
       check.clearance = clearance;
       check.time = time;
     }
-    const double reach = check.unit == "m" ? robot_.link.length[0] + robot_.link.length[1] : 1;
+    // A count of the links' encoders is an angle, and moves the tip by that times the arm's length.
+    const double reach = row.kind == TaskRow::Kind::kAngles ? 1 : robot_.link.length[0] + robot_.link.length[1];
     check.passed = check.clearance >= -exactness_tolerance(robot_) * reach;
   }
 

@@ -26,11 +26,11 @@ int joint_of(const JsonField& margin, const char* key) {
   return joint.is_null() ? 0 : static_cast<int>(joint.number());
 }
 
-void add_margin_rows(const JsonField& margins, const char* whose, Rows& rows) {
+// key: of the joint or link of a margin; before: what stands before its number.
+void add_margin_rows(const JsonField& margins, const char* key, const char* before, Rows& rows) {
   for (const JsonField& m : margins.items()) {
-    const int joint = joint_of(m, whose);
-    const std::string of =
-        joint == 0 ? "" : fmt::format("{} {}", std::string_view(whose) == "link" ? ", link" : "", joint);
+    const int joint = joint_of(m, key);
+    const std::string of = joint == 0 ? "" : fmt::format("{} {}", before, joint);
     const std::string parameter = m.at("parameter").text();
     rows.push_back({cell(spaced(m.at("name").text()) + of), cell(m.at("unit").text()),
                     cell(number_text(m.at("needed").number(), 3), m.at("passed").flag() ? "" : "over"),
@@ -95,8 +95,8 @@ void add_robustness(ChartPage& page, const JsonField& plan) {
   if (const std::string reason = r->at("reason").text(); !reason.empty()) page.add_paragraph(reason, "warning");
   Rows rows{{cell("margin"), cell("unit"), cell("needed"), cell("there"), cell("at"), cell("mostly for"),
              cell("of its square")}};
-  add_margin_rows(r->at("limits"), "joint", rows);
-  add_margin_rows(r->at("task"), "link", rows);
+  add_margin_rows(r->at("limits"), "joint", "", rows);
+  add_margin_rows(r->at("task"), "link", ", link", rows);
   page.add_html(html_table(rows));
   add_savings(page, plan, *r);
 }

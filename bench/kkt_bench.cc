@@ -22,7 +22,7 @@ void chain_factorise(benchmark::State& state) {
   ChainLdlt factor;
   factor.analyse(kkt.rows, kkt.cols, kkt.structure);
   for ([[maybe_unused]] auto _ : state) {
-    if (!factor.factorise(kkt.values, 1e-8)) state.SkipWithError("singular");
+    if (factor.factorise(kkt.values, 1e-8) != ChainLdlt::Outcome::kDone) state.SkipWithError("singular");
   }
 }
 

@@ -24,11 +24,12 @@ KktSystem::KktSystem(const SlackForm& form, DoBoth both) : both_(std::move(both)
 KktSystem::Inertia KktSystem::try_with(SlackForm& form, const Vector& d, double shift, double regularised) {
   form.set_diagonal(d + shift * form.shift_weights, regularised);
   ++factorisations_;
-  const bool regular =
+  const ChainLdlt::Outcome outcome =
       factor_.factorise(form.kkt().values, kPivotThreshold, static_cast<int>(form.constraints()), both_);
   multiplications_ += factor_.factorisation_work();
-  if (!regular) return Inertia::kSingular;
-  return factor_.negative_eigenvalues() == form.constraints() ? Inertia::kRight : Inertia::kWrong;
+  if (outcome == ChainLdlt::Outcome::kSingular) return Inertia::kSingular;
+  const bool right = outcome == ChainLdlt::Outcome::kDone && factor_.negative_eigenvalues() == form.constraints();
+  return right ? Inertia::kRight : Inertia::kWrong;
 }
 
 // Where the last iteration needed much of a shift, so will this one: it begins with less of it and not, as Ipopt does,

@@ -285,7 +285,8 @@ ChainLdlt::Outcome ChainLdlt::eliminate(Branch& branch, std::span<const double> 
 
 // Where the branch from the start fails, the one from the end is ignored even if it ended first: so outcome and counts
 // do not depend on the number of threads.
-bool ChainLdlt::factorise(std::span<const double> values, double threshold, int most_negative, const DoBoth& both) {
+ChainLdlt::Outcome ChainLdlt::factorise(std::span<const double> values, double threshold, int most_negative,
+                                        const DoBoth& both) {
   negative_of_leaves_ = prepare_leaves(values);
   for (Branch& branch : branches_) branch.negative = 0, branch.factorisation_work = branch.solve_work = 0;
   std::atomic<bool> of_no_use = false;
@@ -306,13 +307,13 @@ bool ChainLdlt::factorise(std::span<const double> values, double threshold, int 
     solve_work_ += branch.solve_work;
   };
   count(branches_[kFromStart]);
-  if (of_start != Outcome::kDone) return of_start != Outcome::kSingular;
+  if (of_start != Outcome::kDone) return of_start;
   if (of_end == Outcome::kTooManyNegative) negative_ = negative_of_leaves_;  // its count is of all the others too
   count(branches_[kFromEnd]);
-  if (of_end != Outcome::kDone) return of_end != Outcome::kSingular;
+  if (of_end != Outcome::kDone) return of_end;
   const Outcome of_middle = eliminate(branches_[kMiddle], values, threshold, most_negative, never);
   count(branches_[kMiddle]);
-  return of_middle == Outcome::kDone;
+  return of_middle;
 }
 
 // b of the front's columns and rows.

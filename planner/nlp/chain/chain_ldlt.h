@@ -41,13 +41,18 @@ class ChainLdlt {
   // std::invalid_argument if an entry joins two blocks that are neither neighbours nor one of them the border.
   void analyse(std::span<const int> rows, std::span<const int> cols, const ChainStructure& structure);
 
-  // Values of the entries. False when the matrix is singular to working precision, or so nearly that pivots pile up.
-  // threshold in (0, 0.5]: a pivot must exceed this fraction of what it would divide; larger is more stable and less
-  // sparse. most_negative: where the matrix certainly has more negative eigenvalues, it is not factorised to the end,
-  // and cannot be solved with. Equality rows must not have positive diagonals then.
-  // both: does the two halves of the work, on threads as it likes; the numbers are the same.
-  bool factorise(std::span<const double> values, double threshold, int most_negative = std::numeric_limits<int>::max(),
-                 const DoBoth& both = one_after_the_other);
+  enum class Outcome {
+    kDone,             // the matrix may be solved with
+    kTooManyNegative,  // it certainly has more negative eigenvalues than allowed, and was not factorised to the end
+    kSingular,         // to working precision, or so nearly that pivots pile up
+  };
+
+  // Values of the entries. threshold in (0, 0.5]: a pivot must exceed this fraction of what it would divide; larger is
+  // more stable and less sparse. most_negative: of the eigenvalues; equality rows must not have positive diagonals
+  // where there is such a bound. both: does the two halves of the work, on threads as it likes; the numbers are the
+  // same.
+  Outcome factorise(std::span<const double> values, double threshold,
+                    int most_negative = std::numeric_limits<int>::max(), const DoBoth& both = one_after_the_other);
 
   // Of the last factorised matrix: exact by Sylvester's law; at least so many where there are more than most_negative.
   int negative_eigenvalues() const { return negative_; }
@@ -119,7 +124,6 @@ class ChainLdlt {
     mutable Rows vectors;
     mutable std::vector<double> rest_values;
   };
-  enum class Outcome { kDone, kTooManyNegative, kSingular };
 
   void set_branches(const std::vector<std::vector<int>>& shared, const std::vector<std::vector<int>>& own);
   int prepare_leaves(std::span<const double> values);

@@ -90,7 +90,8 @@ void ma27bd_(const int* /*n*/, const int* nz, const int* /*irn*/, const int* /*i
   const double threshold = std::clamp(cntl[0], 1e-10, 0.5);
   const std::span<const double> values(a, static_cast<std::size_t>(*nz));
   constexpr int kAnyInertia = std::numeric_limits<int>::max();
-  if (!fjr::factor.factorise(values, threshold, kAnyInertia, fjr::halves)) info[0] = -5;  // singular
+  const fjr::ChainLdlt::Outcome outcome = fjr::factor.factorise(values, threshold, kAnyInertia, fjr::halves);
+  if (outcome == fjr::ChainLdlt::Outcome::kSingular) info[0] = -5;
   fjr::multiplied += fjr::factor.factorisation_work();
   info[14] = fjr::factor.negative_eigenvalues();
 }

@@ -7,6 +7,7 @@
 
 #include "common/input_error.h"
 #include "common/strict_yaml.h"
+#include "planner/dds/list.h"
 #include "planner/dds/text.h"
 #include "planner/dds/wire_request.h"
 #include "planner/problem/objective_terms.h"
@@ -20,11 +21,9 @@ namespace {
 static_assert(static_cast<int>(Action::kExecute) == fjr_msg_ACTION_EXECUTE);
 static_assert(static_cast<int>(Action::kRepeat) == fjr_msg_ACTION_REPEAT);
 
-void set_pair(const Joints<double>& pair, double (&to)[2]) { std::copy(pair.begin(), pair.end(), to); }
-
 void set_optional(const std::optional<Joints<double>>& pair, bool& given, double (&to)[2]) {
   given = pair.has_value();
-  if (given) set_pair(*pair, to);
+  if (given) set_pair(to, *pair);
 }
 
 template <class T>
@@ -40,7 +39,7 @@ void set_optional(const std::optional<T>& value, bool& given, T& to) {
 void encode_start(const Request& request, fjr_msg_StartState& start) {
   start.given = request.start.has_value();
   if (!start.given) return;
-  set_pair(request.start->q, start.q);
+  set_pair(start.q, request.start->q);
   set_optional(request.start->dq, start.has_dq, start.dq);
   set_optional(request.start->theta, start.has_theta, start.theta);
   set_optional(request.start->dtheta, start.has_dtheta, start.dtheta);
@@ -50,7 +49,7 @@ void encode_goal(const RequestedGoal& asked, fjr_msg_PlanRequest2& message) {
   fjr_msg_GoalState& goal = message.request.goal;
   if (const auto* tip = std::get_if<TipGoal>(&asked)) {
     goal.kind = fjr_msg_GOAL_TIP;
-    set_pair(tip->tip, goal.tip);
+    set_pair(goal.tip, tip->tip);
     set_optional(tip->velocity, goal.has_tip_velocity, goal.tip_velocity);
     goal.elbow = static_cast<std::uint8_t>(tip->elbow);
     return;
@@ -64,7 +63,7 @@ void encode_goal(const RequestedGoal& asked, fjr_msg_PlanRequest2& message) {
   const auto* moving = std::get_if<Moving>(&arrival);
   goal.has_dq = moving != nullptr;
   if (moving == nullptr) return;
-  set_pair(moving->dq, goal.dq);
+  set_pair(goal.dq, moving->dq);
   set_optional(moving->theta, goal.has_theta, goal.theta);
   set_optional(moving->dtheta, goal.has_dtheta, goal.dtheta);
 }
@@ -118,7 +117,7 @@ std::vector<fjr_msg_ViaPoint> encode_vias(const Request& request, fjr_msg_PlanRe
     }
     fjr_msg_ViaPoint via{};
     set_optional(asked.time, via.has_time, via.time);
-    set_pair(asked.q, via.q);
+    set_pair(via.q, asked.q);
     set_optional(asked.dq, via.has_dq, via.dq);
     vias.push_back(via);
   }
@@ -130,7 +129,7 @@ std::vector<fjr_msg_Disc> encode_obstacles(const Request& request) {
   std::vector<fjr_msg_Disc> discs;
   for (const Disc& asked : request.obstacles) {
     fjr_msg_Disc disc{};
-    set_pair(asked.center, disc.center);
+    set_pair(disc.center, asked.center);
     disc.radius = asked.radius;
     disc.margin = asked.margin;
     discs.push_back(disc);
@@ -140,8 +139,8 @@ std::vector<fjr_msg_Disc> encode_obstacles(const Request& request) {
 
 template <class Curve>
 void encode_curve(const Curve& curve, fjr_msg_TipPath& tip) {
-  set_pair(curve.from, tip.from);
-  set_pair(curve.to, tip.to);
+  set_pair(tip.from, curve.from);
+  set_pair(tip.to, curve.to);
   tip.tolerance = curve.tolerance;
 }
 
@@ -154,15 +153,15 @@ void encode_tip(const Request& request, fjr_msg_TipPath& tip) {
   const auto [box, line, arc] = by_kind(*request.tip);
   if (box) {
     tip.kind = fjr_msg_TIP_BOX;
-    set_pair(box->lower, tip.lower);
-    set_pair(box->upper, tip.upper);
+    set_pair(tip.lower, box->lower);
+    set_pair(tip.upper, box->upper);
   } else if (line) {
     tip.kind = fjr_msg_TIP_LINE;
     encode_curve(*line, tip);
   } else if (arc) {
     if (arc->way != ArcWay::kShort) refuse(request, "tip.arc.way", kForNewServices);
     tip.kind = fjr_msg_TIP_ARC;
-    set_pair(arc->center, tip.center);
+    set_pair(tip.center, arc->center);
     encode_curve(*arc, tip);
   }
 }
@@ -170,7 +169,7 @@ void encode_tip(const Request& request, fjr_msg_TipPath& tip) {
 // Infinite limits are those of which nothing was said.
 void set_limit(const Joints<double>& limit, bool& given, double (&to)[2]) {
   given = std::isfinite(limit[0]);
-  if (given) set_pair(limit, to);
+  if (given) set_pair(to, limit);
 }
 
 void encode_limits(const Request& request, fjr_msg_TightenedLimits& limits) {
@@ -196,7 +195,7 @@ std::vector<fjr_msg_Posture> encode_path(const Request& request, fjr_msg_JointPa
   if (!path.given) return postures;
   path.tolerance = asked->tolerance;
   refuse_long_list(request, "path.points", asked->points.size(), fjr_msg_MAX_PATH_POINTS);
-  for (const Joints<double>& point : asked->points) set_pair(point, postures.emplace_back().q);
+  for (const Joints<double>& point : asked->points) set_pair(postures.emplace_back().q, point);
   return postures;
 }
 

@@ -1,4 +1,4 @@
-// Sequences of the wire types, as idlc makes them.
+// Pairs and sequences of the wire types, as idlc makes them.
 #pragma once
 
 #include <algorithm>
@@ -15,6 +15,9 @@
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr::dds {
+
+inline void set_pair(double (&to)[2], const std::array<double, 2>& from) { std::copy(from.begin(), from.end(), to); }
+inline Joints<double> pair_of(const double (&from)[2]) { return {from[0], from[1]}; }
 
 // The wire's lists are not const, and only read when written.
 template <class List, class T>

@@ -1,8 +1,6 @@
 #include "planner/dds/wire_execution.h"
 
-#include <algorithm>
 #include <cstddef>
-#include <cstring>
 #include <type_traits>
 
 #include "planner/dds/list.h"
@@ -13,9 +11,6 @@
 namespace fjr::dds {
 namespace {
 
-void set_pair(double (&to)[2], const Joints<double>& from) { std::copy(from.begin(), from.end(), to); }
-Joints<double> pair_of(const double (&from)[2]) { return {from[0], from[1]}; }
-
 // A stop of the wire and a StopMotion are the same fourteen doubles in the same order.
 static_assert(sizeof(fjr_msg_StopMotion) == sizeof(StopMotion) && std::is_trivially_copyable_v<StopMotion>);
 static_assert(offsetof(fjr_msg_StopMotion, free) == offsetof(StopMotion, free));
@@ -25,12 +20,6 @@ static_assert(sizeof(fjr_msg_ExecutedRow) == sizeof(ExecutedRow) && std::is_triv
 static_assert(offsetof(fjr_msg_ExecutedRow, planned_theta) == offsetof(ExecutedRow, planned_theta));
 
 static_assert(fjr_msg_MAX_SIGNATURE == kLongestSignature && fjr_msg_MAX_CERTIFICATE == kLongestCertificate);
-
-template <class List, class Items>
-void copy(const List& from, Items& to) {
-  to.resize(from._length);
-  if (!to.empty()) std::memcpy(static_cast<void*>(to.data()), from._buffer, to.size() * sizeof(to[0]));
-}
 
 // What all types have.
 template <class Message>
@@ -69,7 +58,7 @@ TrajectoryOrder order_of(const Message& message) {
   order.tolerances.goal = pair_of(message.tolerances.goal);
   order.tolerances.goal_time = message.tolerances.goal_time;
   order.tolerances.stopped_velocity = pair_of(message.tolerances.stopped_velocity);
-  copy(message.rows, order.rows);
+  copy_list(message.rows, order.rows);
   return order;
 }
 
@@ -87,9 +76,9 @@ Message signed_message(const TrajectoryOrder& order) {
 template <class Message>
 TrajectoryOrder signed_order_of(const Message& message) {
   TrajectoryOrder order = order_of(message);
-  copy(message.stops, order.stops);
-  copy(message.signature, order.signature.value);
-  copy(message.signer, order.signature.signer);
+  copy_list(message.stops, order.stops);
+  copy_list(message.signature, order.signature.value);
+  copy_list(message.signer, order.signature.signer);
   return order;
 }
 
@@ -233,7 +222,7 @@ ExecutedRun decode(const fjr_msg_ExecutedRun& message) {
   run.code = static_cast<ResultCode>(message.error_code);
   run.sentence = text_of(message.sentence);
   run.missed_ticks = message.missed_ticks;
-  copy(message.rows, run.rows);
+  copy_list(message.rows, run.rows);
   return run;
 }
 

@@ -125,8 +125,8 @@ fjr_msg_WorkResult encode(const WorkResult& result) {
   message.state = static_cast<std::uint8_t>(result.state);
   message.reason = static_cast<std::uint8_t>(result.why.reason);
   set_text(message.sentence, result.why.sentence);
-  std::copy(result.errors.certified.begin(), result.errors.certified.end(), message.certified_error);
-  std::copy(result.errors.predicted.begin(), result.errors.predicted.end(), message.predicted_error);
+  set_pair(message.certified_error, result.errors.certified);
+  set_pair(message.predicted_error, result.errors.predicted);
   point_to(message.plan_json, result.plan_json.data(), result.plan_json.size(), fjr_msg_MAX_PLAN_JSON);
   point_to(message.rows, result.rows.data(), result.rows.size(), fjr_msg_MAX_ROWS);
   point_to(message.stops, result.stops.data(), result.stops.size(), fjr_msg_MAX_STOPS);
@@ -140,8 +140,7 @@ WorkResult decode(const fjr_msg_WorkResult& message) {
   result.outcome = static_cast<WorkOutcome>(message.outcome);
   result.state = static_cast<ReplyState>(message.state);
   result.why = {static_cast<Reason>(message.reason), "", text_of(message.sentence)};
-  result.errors = {{message.certified_error[0], message.certified_error[1]},
-                   {message.predicted_error[0], message.predicted_error[1]}};
+  result.errors = {pair_of(message.certified_error), pair_of(message.predicted_error)};
   result.plan_json = printable_lines(bytes_of(message.plan_json));
   copy_list(message.rows, result.rows);
   copy_list(message.stops, result.stops);

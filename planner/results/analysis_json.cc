@@ -63,11 +63,13 @@ Json along_json(const std::vector<Optimality::Along>& along) {
 
 }  // namespace
 
+Json joint_or_null(int joint) { return joint == 0 ? Json(nullptr) : Json(joint); }
+
 Json sensitivity_json(const Sensitivity& sensitivity) {
   Json limits = Json::array();
   for (const ShadowPrice& limit : sensitivity.limits) {
     limits.push_back({{"name", limit.name},
-                      {"joint", limit.joint == 0 ? Json(nullptr) : Json(limit.joint)},
+                      {"joint", joint_or_null(limit.joint)},
                       {"limit", limit.limit},
                       {"unit", limit.unit},
                       {"worth", rounded(limit.price)},

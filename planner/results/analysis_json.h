@@ -16,4 +16,7 @@ nlohmann::ordered_json optimality_json(const Optimality& optimality);
 nlohmann::ordered_json mesh_errors_json(const std::vector<double>& node_times, const std::vector<double>& errors);
 inline constexpr std::size_t kMostIntervals = 2000;
 
+// The number of a joint or link, as all of plan.json has it: null for 0, which stands for neither.
+nlohmann::ordered_json joint_or_null(int joint);
+
 }  // namespace fjr

@@ -49,7 +49,7 @@ Json open_loop_json(const OpenLoop& open_loop) {
   for (const Stretch& stretch : open_loop.stretches) {
     json["stretches"].push_back({{"from", number(stretch.from)},
                                  {"to", number(stretch.to)},
-                                 {"joint", stretch.joint == 0 ? Json(nullptr) : Json(stretch.joint)},
+                                 {"joint", joint_or_null(stretch.joint)},
                                  {"reason", stretch.why}});
   }
   return json;
@@ -81,7 +81,7 @@ Json proof_json(const Proof& proof) {
   Json limits = Json::array();
   for (const LimitBound& bound : proof.limits) {
     limits.push_back({{"name", bound.name},
-                      {"joint", bound.joint == 0 ? Json(nullptr) : Json(bound.joint)},
+                      {"joint", joint_or_null(bound.joint)},
                       {"allowed", number(bound.allowed)},
                       {"published", number(bound.published)},
                       {"rollout", bound.rollout ? number(*bound.rollout) : Json(nullptr)}});
@@ -89,7 +89,7 @@ Json proof_json(const Proof& proof) {
   Json task = Json::array();
   for (const TaskBound& bound : proof.task) {
     task.push_back({{"name", bound.name},
-                    {"link", bound.link == 0 ? Json(nullptr) : Json(bound.link)},
+                    {"link", joint_or_null(bound.link)},
                     {"unit", bound.unit},
                     {"room", number(bound.published)},
                     {"time", number(bound.time)},
@@ -110,7 +110,7 @@ Json proof_json(const Proof& proof) {
 Json margins_json(const std::vector<Robustness::Margin>& margins, const char* whose) {
   Json list = Json::array();
   for (const Robustness::Margin& m : margins) {
-    Json json{{"name", m.name}, {whose, m.joint == 0 ? Json(nullptr) : Json(m.joint)}, {"unit", m.unit}};
+    Json json{{"name", m.name}, {whose, joint_or_null(m.joint)}, {"unit", m.unit}};
     if (std::isfinite(m.limit)) json["limit"] = m.limit;
     json.update({{"factor", number(m.factor)},
                  {"needed", number(m.needed)},
@@ -210,7 +210,6 @@ Json search_json(const Plan& plan) {
 }
 
 Json time_or_null(const std::optional<double>& time) { return time ? number(*time) : Json(nullptr); }
-Json joint_or_null(int joint) { return joint == 0 ? Json(nullptr) : Json(joint); }
 
 Json infeasibility_json(const Infeasibility& why) {
   Json relaxations = Json::array();
@@ -335,7 +334,7 @@ Json head(PlanStatus status, const std::string& reason, const std::string& reque
 
 Json limit_json(const LimitCheck& check) {
   return {{"name", check.name},
-          {"joint", check.joint == 0 ? Json(nullptr) : Json(check.joint)},
+          {"joint", joint_or_null(check.joint)},
           {"limit", number(check.limit)},
           {"reached", number(check.reached)},
           {"time", number(check.time)},
@@ -345,12 +344,8 @@ Json limit_json(const LimitCheck& check) {
 }
 
 Json task_json(const TaskCheck& check) {
-  return {{"name", check.name},
-          {"link", check.link == 0 ? Json(nullptr) : Json(check.link)},
-          {"room", number(check.clearance)},
-          {"unit", check.unit},
-          {"time", number(check.time)},
-          {"passed", check.passed}};
+  return {{"name", check.name}, {"link", joint_or_null(check.link)}, {"room", number(check.clearance)},
+          {"unit", check.unit}, {"time", number(check.time)},        {"passed", check.passed}};
 }
 
 Json resolved_request_json(const Problem& problem) {

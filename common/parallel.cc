@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <exception>
 #include <fstream>
 #include <memory>
@@ -33,22 +34,54 @@ bool core_is_idle() {
 
 }  // namespace
 
+// A second thread from when there may be one.
+class Threads::Pairs {
+ public:
+  explicit Pairs(Threads& threads) : threads_(threads) {}
+  ~Pairs() { end(); }
+  Pairs(const Pairs&) = delete;
+  Pairs& operator=(const Pairs&) = delete;
+
+  void both(const std::function<void()>& one, const std::function<void()>& other) {
+    if (!thread_ && threads_.idle_ > 0) ask();
+    if (!thread_) return one_after_the_other(one, other);
+    thread_->both(one, other);
+  }
+
+  // Returns the CPU time that it took [s].
+  double end() {
+    if (!thread_) return 0;
+    const double seconds = thread_->end();
+    thread_.reset();
+    ++threads_.idle_;
+    return seconds;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void ask() {
+    constexpr std::chrono::milliseconds kSeldom{5};  // asking the system takes some 20 us
+    const Clock::time_point now = Clock::now();
+    if (asked_ && now - *asked_ < kSeldom) return;
+    asked_ = now;
+    if (!core_is_idle() || threads_.take(1) == 0) return;
+    try {
+      thread_.emplace();
+    } catch (const std::system_error&) {  // the system allows no more threads
+      ++threads_.idle_;
+    }
+  }
+
+  Threads& threads_;
+  std::optional<Clock::time_point> asked_;
+  std::optional<PairedThread> thread_;
+};
+
 double Threads::in_pairs(const std::function<void(const DoBoth&)>& work) {
-  if (idle_ < 1 || !core_is_idle() || take(1) == 0) {
-    work(one_after_the_other);
-    return 0;
-  }
-  const auto give_back = [](std::atomic<int>* idle) { ++*idle; };
-  const std::unique_ptr<std::atomic<int>, decltype(give_back)> taken(&idle_, give_back);
-  std::optional<PairedThread> paired;
-  try {
-    paired.emplace();
-  } catch (const std::system_error&) {  // the system allows no more threads
-    work(one_after_the_other);
-    return 0;
-  }
-  work([&](const auto& one, const auto& other) { paired->both(one, other); });
-  return paired->end();
+  Pairs pairs(*this);
+  work([&](const auto& one, const auto& other) { pairs.both(one, other); });
+  return pairs.end();
 }
 
 std::size_t Threads::take(std::size_t most) {
@@ -98,7 +131,9 @@ double Threads::for_each(std::size_t count, const std::function<void(std::size_t
     // The first task is the caller's, for it may have pieces of its own, which use the threads that are idle by then.
     try_task(first);
     work();
+    ++idle_;
   }
+  --idle_;
   for (const std::exception_ptr& exception : thrown) {
     if (exception) std::rethrow_exception(exception);
   }

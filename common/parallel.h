@@ -22,21 +22,25 @@ class Threads {
   explicit Threads(int most) : idle_(most - 1) {}
 
   // Calls task(i) for every i below `count`, in no particular order, on the caller's thread, which does the first, and
-  // on as many others as may work. Where none may, the caller looks again before each task. Returns the CPU time that
+  // on as many others as may work. Where none may, the caller looks again before each task. While it waits for the
+  // others to end, one more may work in its place. Returns the CPU time that
   // the others took [s]. Throws what the first of the tasks by its index has thrown: at once where only the caller
   // works, otherwise when all have ended.
   double for_each(std::size_t count, const std::function<void(std::size_t)>& task);
 
-  // Calls work(both) on the caller's thread. If another may work now, and a core of the machine is idle, it does the
-  // other one of both pieces each time as long as work lasts, and stays awake in between: such pieces may be as short
-  // as some microseconds. Where it is late, the caller does both. Returns the CPU time that it took [s]. Throws what
-  // work throws.
+  // Calls work(both) on the caller's thread. As soon as another may work, and a core of the machine is idle, it does
+  // the other one of both pieces each time until work ends, and stays awake in between: such pieces may be as short as
+  // some microseconds. Until then, and where it is late, the caller does both. Returns the CPU time that it took [s].
+  // Throws what work throws.
   double in_pairs(const std::function<void(const DoBoth& both)>& work);
 
  private:
+  class Pairs;
+
   std::size_t take(std::size_t most);
 
-  std::atomic<int> idle_;  // that may be started
+  // How many may be started. Below zero while a caller that has waited goes on before the one in its place has ended.
+  std::atomic<int> idle_;
 };
 
 // Does the same with `threads` threads of its own; the caller's counts as one.

@@ -121,6 +121,32 @@ TEST(Threads, HelpWithWhatWasBegunAlone) {
   EXPECT_TRUE(helped);
 }
 
+// A caller that only waits is not at work: two pieces of the other thread's task, of which each waits for the other to
+// begin, are done at the same time. That takes a few attempts where the caller comes to its end late.
+TEST(Threads, WorkInThePlaceOfACallerThatWaits) {
+  Threads threads(2);
+  const auto caller = std::this_thread::get_id();
+  std::atomic<bool> begun = false;
+  bool met = false;
+  const auto wait_for = [](const auto& condition) {
+    for (int ms = 0; ms < 100 && !condition(); ++ms) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  threads.for_each(2, [&](std::size_t) {
+    if (std::this_thread::get_id() == caller) return wait_for([&] { return begun.load(); });
+    begun = true;
+    for (int attempt = 0; attempt < 20 && !met; ++attempt) {
+      std::atomic<int> here = 0, seen = 0;
+      threads.for_each(2, [&](std::size_t) {
+        ++here;
+        wait_for([&] { return here == 2 || seen > 0; });
+        if (here == 2) ++seen;
+      });
+      met = seen == 2;
+    }
+  });
+  EXPECT_TRUE(met);
+}
+
 // Whoever does the second piece, both are done when the pair is; also where the other thread has gone to sleep.
 TEST(PairedThread, DoesItsPieceOfEveryPair) {
   constexpr std::size_t kPairs = 3000;

@@ -44,6 +44,9 @@ struct TermInfo {
   bool settles_torque = false;     // strictly convex in tau_m or du/dt: the optimal torque needs no regularisation
   bool sees_acceleration = false;  // running() uses ddq
   bool reward = false;
+  // The first terms are hashed, and told in plan.json, even with a weight of zero. Later ones are not: each of them
+  // would change the hashes of all earlier requests.
+  bool of_first_version = false;
   // Of the uncertain arm in the executor's loop, and not of an instant: found last, from the motion that the other
   // terms give (planner/search/tracking.h), and told where it counts.
   bool of_closed_loop = false;
@@ -89,8 +92,11 @@ T positive_part(const T& v, double width) {
 }
 
 struct Time {
-  static constexpr TermInfo info{
-      .name = "time", .unit = "s", .meaning = "duration of the motion", .weight = &Weights::time};
+  static constexpr TermInfo info{.name = "time",
+                                 .unit = "s",
+                                 .meaning = "duration of the motion",
+                                 .weight = &Weights::time,
+                                 .of_first_version = true};
   static double published(const Published& p) { return p.rows.end_time() - p.rows.start_time(); }
 };
 
@@ -102,7 +108,8 @@ struct Effort {
                                  .weight = &Weights::effort,
                                  .starts = 12,
                                  .sees_friction = true,
-                                 .settles_torque = true};
+                                 .settles_torque = true,
+                                 .of_first_version = true};
   template <class T>
   static T running(const Instant<T>& at) {
     return sum_of_squares(at.torque);
@@ -119,7 +126,8 @@ struct TorqueRate {
       .weight = &Weights::torque_rate,
       .size = 1e4,
       .starts = 4,
-      .settles_torque = true};
+      .settles_torque = true,
+      .of_first_version = true};
   static double published(const Published& p);
 };
 
@@ -131,7 +139,8 @@ struct LinkAcceleration {
                                  .weight = &Weights::link_acceleration,
                                  .size = 10,
                                  .starts = 4,
-                                 .sees_acceleration = true};
+                                 .sees_acceleration = true,
+                                 .of_first_version = true};
   template <class T>
   static T running(const Instant<T>& at) {
     return sum_of_squares(at.ddq);
@@ -146,7 +155,8 @@ struct LinkJerk {
                                  .weight = &Weights::link_jerk,
                                  .size = 1e3,
                                  .starts = 4,
-                                 .sees_acceleration = true};
+                                 .sees_acceleration = true,
+                                 .of_first_version = true};
   template <class T>
   static T running(const Instant<T>& at) {
     return sum_of_squares(link_jerk(at.robot, at.x, at.ddq));
@@ -160,7 +170,8 @@ struct Energy {
                                  .meaning = "integral of max(0, tau_m dtheta), what the motors give",
                                  .weight = &Weights::energy,
                                  .starts = 12,
-                                 .sees_friction = true};
+                                 .sees_friction = true,
+                                 .of_first_version = true};
   template <class T>
   static T running(const Instant<T>& at) {
     return positive_part(T(at.torque[0] * at.x.dtheta[0]), at.kink) +
@@ -177,7 +188,8 @@ struct Copper {
       .weight = &Weights::copper,
       .starts = 12,
       .sees_friction = true,
-      .settles_torque = true};
+      .settles_torque = true,
+      .of_first_version = true};
   template <class T>
   static T running(const Instant<T>& at) {
     const Joints<double>& loss = at.robot.drive.copper_loss;
@@ -193,7 +205,8 @@ struct PeakTorque {
                                  .meaning = "largest |tau_m|, with what holding a goal at rest takes",
                                  .weight = &Weights::peak_torque,
                                  .size = 10,
-                                 .starts = 4};
+                                 .starts = 4,
+                                 .of_first_version = true};
   static constexpr Node node = Node::kGoal;
   template <class T>
   static T at_node(const AtNode<T>& at) {
@@ -209,7 +222,8 @@ struct TipSpeed {
                                  .meaning = "speed of the tip at the release; a reward, which counts negatively",
                                  .weight = &Weights::tip_speed,
                                  .starts = 4,
-                                 .reward = true};
+                                 .reward = true,
+                                 .of_first_version = true};
   static constexpr Node node = Node::kRelease;
   static constexpr double kRounding = 0.1;  // [m/s] of the speed's corner at rest; still monotone in the speed
   template <class T>

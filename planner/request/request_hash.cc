@@ -98,7 +98,7 @@ std::string request_hash(const Problem& problem) {
   lines.add("duration.min", problem.duration.min);
   lines.add("duration.max", problem.duration.max);
   for (const TermInfo& term : Terms::infos) {
-    if (term.of_closed_loop && problem.weights.*term.weight == 0) continue;
+    if (!term.of_first_version && problem.weights.*term.weight == 0) continue;
     lines.add(fmt::format("objective.{}", term.name), problem.weights.*term.weight);
   }
   if (problem.release) lines.add("release", static_cast<double>(*problem.release));

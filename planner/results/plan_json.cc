@@ -352,7 +352,7 @@ Json resolved_request_json(const Problem& problem) {
   Json weights = Json::object();
   for (const TermInfo& term : Terms::infos) {
     const double weight = problem.weights.*term.weight;
-    if (weight != 0 || !term.of_closed_loop) weights[std::string(term.name)] = number(weight);
+    if (weight != 0 || term.of_first_version) weights[std::string(term.name)] = number(weight);
   }
   Json others = Json::array();
   for (const Goal& goal : problem.other_goals) others.push_back(goal_json(goal));

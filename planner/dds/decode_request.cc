@@ -187,7 +187,7 @@ Request motion_of(Taker& take, const fjr_msg_PlanRequest2& extended) {
   request.duration = duration_of(take, message.duration);
   request.objective = objective_of(take, extended);
   std::vector<RequestedVia> vias = vias_of(take, extended);
-  request.obstacles = obstacles_of(take, message.obstacles);
+  request.obstacles.discs = obstacles_of(take, message.obstacles);
   request.tip = tip_of(take, message.tip);
   request.limits = limits_of(take, message.limits);
   if (message.payload.given) {

@@ -125,9 +125,9 @@ std::vector<fjr_msg_ViaPoint> encode_vias(const Request& request, fjr_msg_PlanRe
 }
 
 std::vector<fjr_msg_Disc> encode_obstacles(const Request& request) {
-  refuse_long_list(request, "obstacles", request.obstacles.size(), fjr_msg_MAX_OBSTACLES);
+  refuse_long_list(request, "obstacles", request.obstacles.discs.size(), fjr_msg_MAX_OBSTACLES);
   std::vector<fjr_msg_Disc> discs;
-  for (const Disc& asked : request.obstacles) {
+  for (const Disc& asked : request.obstacles.discs) {
     fjr_msg_Disc disc{};
     set_pair(disc.center, asked.center);
     disc.radius = asked.radius;
@@ -199,10 +199,19 @@ std::vector<fjr_msg_Posture> encode_path(const Request& request, fjr_msg_JointPa
   return postures;
 }
 
+// A key that came after the older types of request, which have no place for it.
+void refuse_newer_keys(const Request& request) {
+  constexpr std::array kOfOlderTypes{"robot", "start", "goal",   "duration",      "objective", "via",    "obstacles",
+                                     "tip",   "path",  "limits", "sample_period", "seed",      "payload"};
+  for (const std::string& key : said_keys(request)) {
+    if (std::find(kOfOlderTypes.begin(), kOfOlderTypes.end(), key) == kOfOlderTypes.end()) {
+      refuse(request, key, kForNewServices);
+    }
+  }
+}
+
 void encode_motion(const Request& request, WireRequest& wire) {
-  if (request.method) refuse(request, "method", kForNewServices);
-  if (request.search) refuse(request, "search", kForNewServices);
-  if (!request.walls.empty()) refuse(request, "walls", kForNewServices);
+  refuse_newer_keys(request);
   fjr_msg_PlanRequest& message = wire.message.request;
   encode_start(request, message.start);
   encode_goal(request.goal, wire.message);
@@ -212,8 +221,6 @@ void encode_motion(const Request& request, WireRequest& wire) {
   wire.obstacles = encode_obstacles(request);
   encode_tip(request, message.tip);
   encode_limits(request, message.limits);
-  if (request.robust) refuse(request, "robust", "only a request as a document can say it");
-  if (request.proven) refuse(request, "proven", "only a request as a document can say it");
   message.payload.given = request.payload.has_value();
   if (request.payload) {
     message.payload.mass = request.payload->mass;

@@ -6,6 +6,8 @@
 #include <charconv>
 #include <stdexcept>
 
+#include "planner/problem/task/task.h"
+
 namespace fjr {
 
 std::string client_name(const RequestId& id) { return fmt::format("{:02x}", fmt::join(id.client, "")); }
@@ -44,7 +46,7 @@ std::size_t size_of(const Order& order) {
     const auto* vias = std::get_if<std::vector<RequestedVia>>(&r.way);
     size += vias != nullptr ? vias->size() * sizeof(RequestedVia)
                             : std::get<RequestedPath>(r.way).points.size() * sizeof(Joints<double>);
-    size += r.obstacles.size() * sizeof(Disc) + r.walls.size() * sizeof(Wall);
+    visit_obstacles(r.obstacles, [&](const auto& list) { size += list.size() * sizeof(list.front()); });
   }
   return size;
 }

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <string_view>
+#include <vector>
 
 #include "planner/request/request.h"
 #include "planner/request/words.h"
@@ -159,5 +160,13 @@ std::string text_of(const R& r) {
 }  // namespace
 
 std::string format_request(const Request& request) { return text_of(request); }
+
+std::vector<std::string> said_keys(const Request& request) {
+  std::vector<std::string> keys;
+  visit(request, [&](const Key& key, const auto& member) {
+    if (is_said(member)) keys.emplace_back(key.name);
+  });
+  return keys;
+}
 
 }  // namespace fjr

@@ -94,8 +94,7 @@ struct Request {
   RequestedDuration duration;
   std::optional<RequestedObjective> objective;
   RequestedWay way;
-  std::vector<Disc> obstacles;
-  std::vector<Wall> walls;
+  Obstacles obstacles;
   std::optional<RequestedTip> tip;
   Limits limits;  // infinite where nothing is said
   std::optional<double> sample_period;

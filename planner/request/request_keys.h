@@ -38,7 +38,7 @@ struct KeyFault {
 };
 std::optional<KeyFault> fault_of(const GoalByKey& goal);
 
-// Without what is at fault.
+// The goal that the keys say. Where they are at fault, what fault_of() names is left out.
 RequestedGoal goal_of(const GoalByKey& goal);
 
 // One of the kinds that a variant may hold, for the key that says it.
@@ -73,12 +73,7 @@ void visit(R& r, Visit&& v) {
     r.objective);
   OneOf<std::vector<RequestedVia>, std::remove_reference_t<decltype((r.way))>> via{r.way};
   v(Key{"via", "", "points that are passed, in this order", "none", "at most 32"}, via);
-  v(Key{"obstacles", "", "discs in the plane of motion that both links keep clear of", "none",
-        "at most 64, walls included"},
-    r.obstacles);
-  v(Key{"walls", "", "straight lines that both links keep to one side of", "none",
-        "the base is on that side; at most 64, obstacles included"},
-    r.walls);
+  visit_obstacles(r.obstacles, [&](auto& list) { v(kRequestKey<kind_of_list<decltype(list)>>, list); });
   v(Key{"tip", "", "where the tip may be all the way: one of `box`, `line`, `arc`", "anywhere"}, r.tip);
   OneOf<RequestedPath, std::remove_reference_t<decltype((r.way))>> path{r.way};
   v(Key{"path", "", "straight lines in the joint angles", "none", "not beside `via`"}, path);
@@ -172,6 +167,11 @@ void visit(R& r, Visit&& v) {
   v(Key{"min", "s", "at least", "0.02", "0.02 to 120"}, r.min);
   v(Key{"max", "s", "at most", "20; 120 for a `min` above 20", "0.02 to 120"}, r.max);
 }
+
+// ---- writing ----
+
+// The keys of which something is said, in the order of visit(): those that format_request() writes.
+std::vector<std::string> said_keys(const Request& request);
 
 // ---- reading ----
 

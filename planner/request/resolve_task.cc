@@ -6,6 +6,7 @@
 #include <cmath>
 #include <string_view>
 #include <tuple>
+#include <vector>
 
 #include "planner/problem/task/task.h"
 #include "planner/request/place.h"
@@ -37,11 +38,19 @@ void check_constraints(const Request& request, const Task& task) {
 }
 
 void check_count(const Request& request) {
-  const std::size_t count = request.obstacles.size() + request.walls.size();
+  const std::size_t count = count_of(request.obstacles);
   if (count <= kMostObstacles) return;
-  const bool discs = request.obstacles.size() >= request.walls.size();
-  Place{request, discs ? "obstacles" : "walls"}.fail(fmt::format(
-      "{} obstacles{}, above the {} allowed", count, request.walls.empty() ? "" : " and walls", kMostObstacles));
+  std::vector<std::string_view> kinds;
+  std::string_view most;
+  std::size_t longest = 0;
+  visit_obstacles(request.obstacles, [&](const auto& list) {
+    const std::string_view key = kRequestKey<kind_of_list<decltype(list)>>.name;
+    if (!list.empty()) kinds.push_back(key);
+    if (list.size() > longest) most = key;
+    longest = std::max(longest, list.size());
+  });
+  Place{request, std::string(most)}.fail(
+      fmt::format("{} {}, above the {} allowed", count, fmt::join(kinds, " and "), kMostObstacles));
 }
 
 // A corner between start and goal becomes a via point that is passed within a part of the tolerance.
@@ -139,7 +148,6 @@ void resolve_task(const Request& request, Problem& problem) {
   check_count(request);
   Task& task = problem.task;
   task.obstacles = request.obstacles;
-  task.walls = request.walls;
   if (request.tip) {
     auto [box, line, arc] = by_kind(*request.tip);
     std::tie(task.box, task.line, task.arc) = std::tie(box, line, arc);

@@ -110,7 +110,7 @@ int coarse_intervals(const Problem& problem, double duration) {
   constexpr double kTunnelStep = 0.0075;    // [s] longer intervals jump over obstacles; a wall has no other side,
   constexpr double kTunnelIntervals = 160;  // and so many do for a motion through all of the arm's reach
   double intervals = duration / kCoarseStep;
-  if (!problem.task.obstacles.empty()) {
+  if (!problem.task.obstacles.discs.empty()) {
     intervals = std::max(intervals, std::min(duration / kTunnelStep, kTunnelIntervals));
   }
   return std::clamp(static_cast<int>(std::ceil(intervals)), 25, 400) + 2 * static_cast<int>(problem.via.size());

@@ -48,7 +48,7 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
   for (const Guess& guess : guesses) {
     if (over()) break;
     Continuation c(kept, session_, "why not: " + what);
-    const bool coarse = exactness != Exactness::kKeepsLimits && kept->task.obstacles.empty();
+    const bool coarse = exactness != Exactness::kKeepsLimits && kept->task.obstacles.discs.empty();
     if (coarse) c.mesh_factor = std::min(1.0, kUsual / guess.duration());
     const bool sketched = c.begin(guess, most_iterations) == StartOutcome::kNew,
                solved = sketched && refine(c, exactness);

@@ -39,7 +39,7 @@ TEST(BrokenRequest, MembersThatAProgramSet) {
   EXPECT_EQ(refusal([&](Request& r) { r.payload = Payload{.mass = nan}; }), "payload.mass");
   EXPECT_EQ(refusal([&](Request& r) { r.way = std::vector{RequestedVia{.q = {nan, 0}}}; }), "via[0].q[0]");
   EXPECT_EQ(refusal([&](Request& r) {
-              r.obstacles.push_back({.center = {0.5, nan}, .radius = 0.1});
+              r.obstacles.discs.push_back({.center = {0.5, nan}, .radius = 0.1});
             }),
             "obstacles[0].center[1]");
   // What contradicts another member.

@@ -266,7 +266,7 @@ TEST(Excesses, SeeAnObstacleBetweenTheEnds) {
   Problem problem = limited();
   const auto [l1, l2] = problem.robot.link.length;
   const double radius = 0.05, beside = l1 + l2 + 0.03;  // 0.045 m of 0.075 m overlap when it hangs straight
-  problem.task.obstacles = {{{0, -beside}, radius, 0}};
+  problem.task.obstacles.discs = {{{0, -beside}, radius, 0}};
   problem.start = rest_at(problem.robot, {-0.5, 0});
   problem.goal.q = {0.5, 0};
   Motion motion = still();

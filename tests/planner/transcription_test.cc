@@ -71,8 +71,8 @@ ArmOcp<F> arm(double friction_width, int segments) {
   if constexpr (F.peak) bound_peaks<F>(ocp.bounds[0], problem, {0, 0});
   if constexpr (F.task_rows > 0) {  // a row of every kind, and lines that differ from segment to segment
     Task task;
-    task.obstacles = {{{0.3, -0.2}, 0.05, 0.01}};
-    task.walls = {{{0.4, 0}, {-1, 0.5}, 0.01}};
+    task.obstacles.discs = {{{0.3, -0.2}, 0.05, 0.01}};
+    task.obstacles.walls = {{{0.4, 0}, {-1, 0.5}, 0.01}};
     task.box = TipBox{{-0.5, -0.6}, {0.5, 0.2}};
     task.arc = TipArc{{0, 0.1}, {0, -0.5}, {0.6, 0.1}, 0.01};
     task.path = JointPath{{{0, 0}, {0.5, 1}, {1.2, 0.3}}, 0.01};

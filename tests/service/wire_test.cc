@@ -1,4 +1,5 @@
 // The parts of the service that need neither processes nor DDS: documents and the wire, the queue, remembered replies.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,6 +7,7 @@
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/input_error.h"
@@ -184,6 +186,19 @@ TEST(Wire, WhatPlanRequestHasNoPlaceForArrivesByTheSecond) {
   }
   EXPECT_TRUE(dds::fits_plan_request(
       dds::encode_plan_request(order_of(kShort + "objective: {time: 1, energy: 1}\nvia: [{q: [0, 0]}]\n")).message));
+}
+
+TEST(Wire, KeysThatCameLaterAreRefusedByName) {
+  for (const auto& [key, value] : {std::pair{"method", "lobatto4"},
+                                   {"search", "quick"},
+                                   {"walls", "[{point: [0, 0.7], normal: [0, -1]}]"},
+                                   {"robust", "{confidence: 0.9}"},
+                                   {"proven", "true"}}) {
+    const std::string yaml = fmt::format("{}{}: {}\n", kShort, key, value);
+    EXPECT_THAT([&] { (void)dds::encode_plan_request(order_of(yaml)); },
+                testing::ThrowsMessage<InputError>(testing::AllOf(HasSubstr(key), HasSubstr("older version"))))
+        << yaml;
+  }
 }
 
 TEST(Wire, NumbersThatAreNotFiniteAreRefusedByName) {

@@ -311,18 +311,18 @@ class Writer {
   void add_obstacles() {
     const int wanted = draw_.whole(1, 4);
     Task task;
-    for (int trial = 0; trial < 60 && static_cast<int>(task.obstacles.size()) < wanted; ++trial) {
+    for (int trial = 0; trial < 60 && static_cast<int>(task.obstacles.discs.size()) < wanted; ++trial) {
       const double away = draw_.between(0.15, 0.9), angle = draw_.between(-3.2, 3.2);
       Disc disc{{away * std::sin(angle), -away * std::cos(angle)}, draw_.magnitude(0.01, 0.15), 0};
       if (draw_.chance(0.3)) disc.margin = draw_.between(0, 0.03);
       Task alone;
-      alone.obstacles.push_back(disc);
-      if (least_clearance(alone) > 0.005) task.obstacles.push_back(disc);
+      alone.obstacles.discs.push_back(disc);
+      if (least_clearance(alone) > 0.005) task.obstacles.discs.push_back(disc);
     }
-    if (task.obstacles.empty()) return;
+    if (task.obstacles.discs.empty()) return;
     tell("obstacles");
     add("obstacles:");
-    for (const Disc& disc : task.obstacles) {
+    for (const Disc& disc : task.obstacles.discs) {
       add("  - {{center: {}, radius: {:.17g}, margin: {:.17g}}}", numbers(disc.center), disc.radius, disc.margin);
     }
   }

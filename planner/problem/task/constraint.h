@@ -8,6 +8,7 @@
 //   draw(kind, in)                     what it looks like, of the shapes of results/report/scene.cc
 //   count_of_rows(kind)                where there are not two
 //   visit(kind, v)                     its keys, unless it is written otherwise
+//   template <> inline constexpr Key kRequestKey<Kind>{...};  of an obstacle: the list in requests
 #pragma once
 
 #include <fmt/format.h>
@@ -37,6 +38,8 @@ struct ConstraintInfo {
 
 template <class Kind>
 extern const ConstraintInfo kInfo;
+template <class Kind>
+extern const Key kRequestKey;
 
 // The rows under construction.
 struct TaskRows {

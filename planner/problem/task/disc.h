@@ -9,6 +9,10 @@ namespace fjr {
 
 template <>
 inline constexpr ConstraintInfo kInfo<Disc>{.name = "obstacles", .keeps_clear = true, .sign = -1, .most = 0};
+template <>
+inline constexpr Key kRequestKey<Disc>{kInfo<Disc>.name, "",
+                                       "discs in the plane of motion that both links keep clear of", "none",
+                                       "at most 64, walls included"};
 
 inline void add_rows(const Disc& disc, TaskRows& to) {
   for (int link = 1; link <= kJoints; ++link) {

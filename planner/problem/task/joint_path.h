@@ -20,9 +20,25 @@ void check(const JointPath& path, const Place& place) {
 inline double relaxed_by(const JointPath& path) { return path.tolerance; }
 inline void relax(JointPath& path, double wider) { path.tolerance = wider; }
 
+// The tip's way along straight lines in joint space, which is curved.
+inline std::vector<Coordinates> tip_curve(const Parameters& robot, const std::vector<Joints<double>>& corners) {
+  constexpr int kPieces = 20;  // of each line
+  std::vector<Coordinates> points;
+  for (std::size_t i = 0; i + 1 < corners.size(); ++i) {
+    const Joints<double>&from = corners[i], &to = corners[i + 1];
+    for (int k = 0; k <= kPieces; ++k) {
+      const double fraction = static_cast<double>(k) / kPieces;
+      const Joints<double> q{from[0] + fraction * (to[0] - from[0]), from[1] + fraction * (to[1] - from[1])};
+      const Point<double> tip = tip_position(robot, q);
+      points.push_back({tip.x, tip.y});
+    }
+  }
+  return points;
+}
+
 template <class Drawing>
 void draw(const JointPath& path, Drawing& in) {
-  in.joint_lines(path.corners);
+  in.curve(tip_curve(in.robot, path.corners));
 }
 
 template <class R, class Visit>

@@ -51,10 +51,15 @@ struct JointPath {
   double tolerance = 0;
 };
 
+// What both links keep clear of.
+struct Obstacles {
+  std::vector<Disc> discs;
+  std::vector<Wall> walls;
+};
+
 // All that is asked of one motion.
 struct Task {
-  std::vector<Disc> obstacles;
-  std::vector<Wall> walls;
+  Obstacles obstacles;
   std::optional<TipBox> box;
   std::optional<TipLine> line;
   std::optional<TipArc> arc;

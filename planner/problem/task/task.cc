@@ -39,6 +39,12 @@ std::size_t count_of_rows(const Task& task) {
   return count;
 }
 
+std::size_t count_of(const Obstacles& obstacles) {
+  std::size_t count = 0;
+  visit_obstacles(obstacles, [&](const auto& list) { count += list.size(); });
+  return count;
+}
+
 bool keeps_clear(const Task& task) {
   bool any = false;
   each_constraint(task, [&](const std::string&, const auto& constraint) {

@@ -1,12 +1,14 @@
 // What a request asks of the motion beside the limits: what to keep clear of, where the tip may be, a path to follow.
-// The place for a new task constraint: a struct and its member of Task in shapes.h, what it means in a file of its own
-// (constraint.h says what it has), and its line in visit_constraints() here. Reading, checking, hashing, optimising,
-// margins, the certificate, explanations, shadow prices, plan.json and the picture in the report go by that list.
+// A new task constraint takes a struct and its member of Obstacles or Task in shapes.h, a file of its own for what it
+// means (constraint.h says what it has), and its line in visit_constraints() here; what both links keep clear of has a
+// line in visit_obstacles() too, which makes it a key of requests. Reading, checking, hashing, optimising, margins, the
+// certificate, explanations, shadow prices, plan.json and the pictures go by these lists.
 #pragma once
 
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "planner/problem/task/disc.h"
@@ -25,12 +27,24 @@ namespace fjr {
 template <class T, class Visit>
 void visit_constraints(T& task, Visit&& visit) {
   visit("path", task.path);
-  visit("obstacles", task.obstacles);
+  visit("obstacles", task.obstacles.discs);
   visit("box", task.box);
   visit("line", task.line);
   visit("arc", task.arc);
-  visit("walls", task.walls);
+  visit("walls", task.obstacles.walls);
 }
+
+// visit(list) for every kind of obstacle. Its key in requests, and in plan.json, is kRequestKey of the kind.
+template <class List>
+using kind_of_list = typename std::remove_cvref_t<List>::value_type;
+template <class O, class Visit>
+void visit_obstacles(O& obstacles, Visit&& visit) {
+  visit(obstacles.discs);
+  visit(obstacles.walls);
+}
+
+// How many there are of all kinds.
+std::size_t count_of(const Obstacles& obstacles);
 
 // ---- what follows from the list ----
 

@@ -9,6 +9,9 @@ namespace fjr {
 
 template <>
 inline constexpr ConstraintInfo kInfo<Wall>{.name = "walls", .keeps_clear = true, .relaxed = "moved back by {} m"};
+template <>
+inline constexpr Key kRequestKey<Wall>{kInfo<Wall>.name, "", "straight lines that both links keep to one side of",
+                                       "none", "the base is on that side; at most 64, obstacles included"};
 
 // A link is furthest beyond a straight line at one of its ends; the base does not move. So the elbow is kept clear by
 // the thicker of the links, and the tip by the second.

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -10,8 +11,10 @@
 
 #include "model/kinematics.h"
 #include "planner/problem/quantities.h"
+#include "planner/problem/task/task.h"
 #include "planner/results/export/formats.h"
 #include "planner/results/json_field.h"
+#include "planner/results/task_of_plan.h"
 
 namespace fjr {
 namespace {
@@ -130,26 +133,65 @@ Json arm_at(const Parameters& robot, const Sample& row) {
   return arm;
 }
 
-Json obstacle(const JsonField& disc, std::size_t index) {
-  Json json = entity(0, fmt::format("obstacle {}", index + 1));
-  const double radius = disc.at("radius").number();
-  const auto center = disc.at("center").pair();
-  json["cylinders"].push_back({{"pose", pose(center[0], center[1])},
-                               {"size", {{"x", 2 * radius}, {"y", 2 * radius}, {"z", kFlat}}},
-                               {"bottom_scale", 1.0},
-                               {"top_scale", 1.0},
-                               {"color", color(0.8, 0.2, 0.2, 0.8)}});
-  return json;
-}
+// What task constraints draw themselves with, flat in the arm's plane; planner/problem/task has a draw() of each.
+class TaskDrawing {
+ public:
+  TaskDrawing(const Parameters& of_robot, std::string id) : robot(of_robot), entity_(entity(0, id)) {}
 
-Json wall(const JsonField& given, std::size_t index) {
-  Json json = entity(0, fmt::format("wall {}", index + 1));
-  const auto [x, y] = given.at("point").pair();
-  const auto [nx, ny] = given.at("normal").pair();
-  const double s = kLongWall / std::hypot(nx, ny);
-  json["lines"].push_back(
-      line_strip({point(x - s * ny, y + s * nx), point(x + s * ny, y - s * nx)}, kFlat / 2, color(0.4, 0.4, 0.4, 1)));
-  return json;
+  void disc(const Coordinates& center, double radius, double) {
+    entity_["cylinders"].push_back({{"pose", pose(center[0], center[1])},
+                                    {"size", {{"x", 2 * radius}, {"y", 2 * radius}, {"z", kFlat}}},
+                                    {"bottom_scale", 1.0},
+                                    {"top_scale", 1.0},
+                                    {"color", color(0.8, 0.2, 0.2, 0.8)}});
+  }
+  void half_plane(const Coordinates& through, const Coordinates& normal) {
+    const auto [x, y] = through;
+    const double s = kLongWall / std::hypot(normal[0], normal[1]);
+    const double along_x = -s * normal[1], along_y = s * normal[0];
+    add_strip({{x + along_x, y + along_y}, {x - along_x, y - along_y}}, kFlat / 2, color(0.4, 0.4, 0.4, 1));
+  }
+  void box(const Coordinates& lower, const Coordinates& upper) {
+    add_strip({lower, {upper[0], lower[1]}, upper, {lower[0], upper[1]}, lower}, kThin, kOfTip);
+  }
+  void line(const Coordinates& from, const Coordinates& to, double tolerance) {
+    add_strip({from, to}, 2 * tolerance, kOfTip);
+  }
+  // from, to: angles [rad].
+  void arc(const Coordinates& center, double radius, double from, double to, double tolerance) {
+    constexpr int kPieces = 60;
+    std::vector<Coordinates> points;
+    for (int i = 0; i <= kPieces; ++i) {
+      const double angle = std::lerp(from, to, i / double{kPieces});
+      points.push_back({center[0] + radius * std::cos(angle), center[1] + radius * std::sin(angle)});
+    }
+    add_strip(points, 2 * tolerance, kOfTip);
+  }
+  void curve(const std::vector<Coordinates>& points) { add_strip(points, kThin, kOfTip); }
+
+  Json done() { return std::move(entity_); }
+
+  const Parameters& robot;
+
+ private:
+  static constexpr double kThin = 0.002;  // [m] of lines without a width of their own
+  const Json kOfTip = color(0.2, 0.6, 0.3, 0.5);
+
+  void add_strip(const std::vector<Coordinates>& through, double thickness, const Json& with) {
+    std::vector<Json> points;
+    for (const Coordinates& p : through) points.push_back(point(p[0], p[1]));
+    entity_["lines"].push_back(line_strip(std::move(points), thickness, with));
+  }
+
+  Json entity_;
+};
+
+// "obstacles[0]" is entity "obstacle 1", and "tip_box" is "tip box".
+std::string entity_of(std::string constraint) {
+  std::replace(constraint.begin(), constraint.end(), '_', ' ');
+  const std::size_t bracket = constraint.find("s[");
+  if (bracket == std::string::npos) return constraint;
+  return fmt::format("{} {}", constraint.substr(0, bracket), std::stoul(constraint.substr(bracket + 2)) + 1);
 }
 
 std::string scene(std::vector<Json> entities) {
@@ -168,15 +210,12 @@ std::string scene_schema() {
 void add_scene(McapWriter& file, const PlanRecord& plan, const std::vector<Sample>& rows) {
   const std::uint16_t id = file.add_topic("/fjr/scene", "json", "foxglove.SceneUpdate", "jsonschema", scene_schema());
   std::vector<Json> still;
-  const JsonField task = JsonField(plan.plan, plan.source).at("resolved_request").at("task");
-  const auto add_all = [&](const char* key, Json (*draw)(const JsonField&, std::size_t)) {
-    const auto found = task.find(key);
-    if (!found) return;
-    std::size_t i = 0;
-    for (const JsonField& item : found->items()) still.push_back(draw(item, i++));
-  };
-  add_all("obstacles", obstacle);
-  add_all("walls", wall);
+  const Task task = task_of_plan(JsonField(plan.plan, plan.source));
+  each_constraint(task, [&](const std::string& name, const auto& constraint) {
+    TaskDrawing drawing(plan.robot, entity_of(name));
+    draw(constraint, drawing);
+    still.push_back(drawing.done());
+  });
   if (!still.empty()) file.add(id, 0, scene(std::move(still)));
   double next = 0;
   for (const Sample& row : rows) {

@@ -57,7 +57,7 @@ void tell_savings(const Analysis& analysis, Robustness& robustness) {
     for (const Robustness::Margin& m : *margins) {
       for (std::size_t l = 0; l < counted.size(); ++l) {
         const ShadowPrice& limit = analysis.sensitivity.limits[l];
-        if (counted[l] || limit.name != m.name || limit.joint != m.joint || limit.price == 0) continue;
+        if (counted[l] || limit.index != m.index || limit.price == 0) continue;
         if (std::isfinite(m.limit) && m.limit > limit.limit)
           continue;  // held where feedback is included: costs nothing
         counted[l] = true;

@@ -68,6 +68,7 @@ struct LimitCheck {
   double time = 0;     // [s] where
   double rollout = 0;  // largest magnitude in the closed-loop rollout
   bool passed = false;
+  std::size_t index = 0;  // in kLimitNames
 
   double margin() const { return limit - reached; }
 };
@@ -156,6 +157,7 @@ struct Robustness {
     std::string parameter;  // knowing it exactly would take most of the margin's square; empty where counts do
     double fraction = 0;    // of that square, at least for the parameter
     bool passed = false;
+    std::size_t index = 0;       // in kLimitNames, or after those the row of the task
     std::vector<double> tube{};  // half width at Robustness::times, in `unit`
     // By how much it would be less there if each of Robustness::names had half its error.
     std::vector<std::vector<double>> halved{};

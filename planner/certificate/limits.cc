@@ -120,7 +120,7 @@ class PublishedExtremes {
       for (const Sample& row : rows_) u.push_back(row.torque[j] - law.nonlinear(row.state.dtheta[j]));
       each_pair_for_torque_rates(rows_, [&](std::size_t earlier, std::size_t later) {
         const double apart = rows_[later].time - rows_[earlier].time;
-        include(first_limit_of(LimitedTorqueRate::info) + j, (u[later] - u[earlier]) / apart, rows_[later].time);
+        include(Quantities::first_limit<LimitedTorqueRate>() + j, (u[later] - u[earlier]) / apart, rows_[later].time);
       });
     }
   }
@@ -136,9 +136,10 @@ bool within(const LimitCheck& c, double allowed) {
   return c.reached <= c.limit * (1 + kPublishedFraction) && c.rollout <= allowed;
 }
 
-LimitCheck check(const LimitName& name, double limit, double allowed, const Extreme& published,
-                 const Comparison& rollout) {
-  LimitCheck c{name.quantity->name, name.joint, limit, published.magnitude, published.time, published.magnitude, false};
+LimitCheck check(std::size_t index, double limit, double allowed, const Extreme& published, const Comparison& rollout) {
+  const LimitName& name = kLimitNames[index];
+  LimitCheck c{name.quantity->name, name.joint,          limit, published.magnitude,
+               published.time,      published.magnitude, false, index};
   if (name.quantity->bound != BoundOn::kControl) c.rollout = name.in(rollout.peaks);
   c.passed = within(c, allowed);
   // An event is a violation however brief, even where no instant of comparison saw it.
@@ -180,19 +181,16 @@ std::vector<LimitCheck> check_limits(const Parameters& p, const Limits& limits, 
     for (std::size_t i = 0; i < kLimits; ++i) {
       const LimitName& name = kLimitNames[i];
       if (name.joint != joint || !std::isfinite(name.in(limits))) continue;
-      checks.push_back(check(name, name.in(limits), name.in(allowed), published[i], rollout));
+      checks.push_back(check(i, name.in(limits), name.in(allowed), published[i], rollout));
     }
   }
   return checks;
 }
 
 std::string counted_from(const LimitCheck& c, const Limits& limits) {
-  for (const LimitName& name : kLimitNames) {
-    if (c.joint == 0 || name.joint != c.joint || name.quantity->name != c.name) continue;
-    const double middle = name.quantity->counted_from(limits, name.j());
-    return middle == 0 ? "" : fmt::format(", both counted from {:.6g}", middle);
-  }
-  return "";
+  const LimitName& name = kLimitNames[c.index];
+  const double middle = name.joint == 0 ? 0 : name.quantity->counted_from(limits, name.j());
+  return middle == 0 ? "" : fmt::format(", both counted from {:.6g}", middle);
 }
 
 std::string violation(const LimitCheck& c, const Limits& limits) {

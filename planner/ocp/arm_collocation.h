@@ -133,7 +133,7 @@ void add_velocity_rows(const Problem& problem, const Mesh& mesh, ArmOcp<F>& ocp)
 }
 
 inline Joints<double> torque_margins(const CollocationSetup& setup, std::size_t k) {
-  constexpr std::size_t kFirst = first_limit_of(Torque::info);
+  constexpr std::size_t kFirst = Quantities::first_limit<Torque>();
   return setup.margins.empty() ? Joints<double>{0, 0}
                                : Joints<double>{setup.margins[k][kFirst], setup.margins[k][kFirst + 1]};
 }

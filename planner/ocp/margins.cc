@@ -167,18 +167,6 @@ std::vector<double> places(const Mesh& mesh) {
 
 }  // namespace
 
-std::vector<std::size_t> indices_of(const Problem& problem, std::string_view name, int joint) {
-  std::vector<std::size_t> indices;
-  for (std::size_t i = 0; i < kLimits; ++i) {
-    if (kLimitNames[i].quantity->name == name && kLimitNames[i].joint == joint) indices.push_back(i);
-  }
-  const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, 0);
-  for (std::size_t r = 0; r < rows.size(); ++r) {
-    if (rows[r].name == name && rows[r].link == joint) indices.push_back(kLimits + r);
-  }
-  return indices;
-}
-
 PerLimit limit_scales(const Problem& problem) {
   PerLimit scales;
   for (const LimitName& limit : kLimitNames) scales.push_back(limit.in(problem.limits));
@@ -246,7 +234,7 @@ void add_excesses_of_peak(std::vector<PerLimit>& excesses, const Problem& proble
   for (std::size_t k = 0; k < motion.intervals.size(); ++k) {
     const Limits reached = reached_in(problem, friction, motion, k);
     for (std::size_t j = 0; j < kJoints; ++j) {
-      double& excess = excesses[k][first_limit_of(Torque::info) + j];
+      double& excess = excesses[k][Quantities::first_limit<Torque>() + j];
       const double above = reached.torque[j] - peak[j];
       if (above > kAbovePeak * peak[j]) excess = std::max(excess, above);
     }

@@ -20,8 +20,6 @@ inline constexpr double kBaseMargin = 1e-4;
 // in its own unit.
 using PerLimit = std::vector<double>;
 
-// Where the limit or the task's rows of this name and joint (or link; 0: neither) stand among them.
-std::vector<std::size_t> indices_of(const Problem& problem, std::string_view name, int joint);
 // What fractions are taken of: the limit itself (infinite where there is none), the scale of a task's row.
 PerLimit limit_scales(const Problem& problem);
 

@@ -4,13 +4,6 @@
 
 namespace fjr {
 
-double* limit_of(Limits& limits, std::string_view name, int joint) {
-  for (const LimitName& limit : kLimitNames) {
-    if (limit.quantity->name == name && limit.joint == joint) return &limit.in(limits);
-  }
-  return nullptr;
-}
-
 std::string_view unit_of_limit(std::string_view name) {
   const auto found = std::find_if(Quantities::infos.begin(), Quantities::infos.end(),
                                   [name](const QuantityInfo& info) { return info.name == name; });

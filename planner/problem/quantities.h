@@ -222,9 +222,17 @@ struct MotorPower {
 
 template <class... Quantity>
 struct QuantityList {
-  // Of each the one that there is, so that an address tells which it is.
   static constexpr std::array<std::reference_wrapper<const QuantityInfo>, sizeof...(Quantity)> infos{Quantity::info...};
   static constexpr std::size_t kLimits = (Quantity::info.count() + ...);
+  // The index of a quantity's first limit.
+  template <class Which>
+  static consteval std::size_t first_limit() {
+    static_assert((std::is_same_v<Which, Quantity> || ...), "a quantity that is not of the list");
+    std::size_t first = 0;
+    bool found = false;
+    ((found = found || std::is_same_v<Which, Quantity>, first += found ? 0 : Quantity::info.count()), ...);
+    return first;
+  }
   // Calls visit(quantity) for one value of each type.
   template <class Visit>
   static constexpr void visit(Visit&& visit) {
@@ -237,6 +245,11 @@ using Quantities =
 
 // ---- what follows from the list ----
 
+// Whether they are of one quantity, which its name tells: with sanitizers addresses are no constants.
+constexpr bool same_quantity(const QuantityInfo& a, const QuantityInfo& b) {
+  return std::string_view(a.name) == b.name;
+}
+
 // All numbers of Limits have an index, in the order of the list and then of the joints.
 inline constexpr std::size_t kLimits = Quantities::kLimits;
 
@@ -247,6 +260,7 @@ struct LimitName {
   double& in(Limits& limits) const { return quantity->in(limits, j()); }
   double in(const Limits& limits) const { return quantity->in(limits, j()); }
   constexpr std::size_t j() const { return joint == 0 ? 0 : static_cast<std::size_t>(joint - 1); }
+  bool is_of(const QuantityInfo& info) const { return same_quantity(*quantity, info); }
 };
 
 inline constexpr std::array<LimitName, kLimits> kLimitNames = [] {
@@ -264,11 +278,6 @@ inline Limits Limits::all(double value) noexcept {
   return limits;
 }
 
-// Whether they are of one quantity, which its name tells: with sanitizers addresses are no constants.
-constexpr bool same_quantity(const QuantityInfo& a, const QuantityInfo& b) {
-  return std::string_view(a.name) == b.name;
-}
-
 // The index of a quantity's first limit. The quantity is of the list.
 constexpr std::size_t first_limit_of(const QuantityInfo& quantity) {
   std::size_t first = 0;
@@ -278,9 +287,6 @@ constexpr std::size_t first_limit_of(const QuantityInfo& quantity) {
   }
   throw std::logic_error("a quantity that is not of the list");
 }
-
-// The limit called `name` ("torque", ...) of a joint (1 or 2; 0 for the tip); null if there is none of that name.
-double* limit_of(Limits& limits, std::string_view name, int joint);
 
 // "torque" -> "N m"; "" where there is none of that name.
 std::string_view unit_of_limit(std::string_view name);

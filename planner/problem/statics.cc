@@ -5,12 +5,6 @@
 
 namespace fjr {
 
-double Carrying::of(const QuantityInfo& quantity, std::size_t joint) const {
-  if (&quantity == &Torque::info) return torque[joint];
-  if (&quantity == &SpringDeflection::info) return deflection[joint];
-  return 0;
-}
-
 Carrying carrying(const Problem& problem) {
   constexpr int kPieces = 200;
   std::vector<Joints<double>> points{problem.start.q};
@@ -23,9 +17,10 @@ Carrying carrying(const Problem& problem) {
       for (std::size_t j = 0; j < kJoints; ++j) q[j] = std::lerp(points[s][j], points[s + 1][j], i / double{kPieces});
       const Joints<double> gravity = gravity_torque(problem.robot, q);
       for (std::size_t j = 0; j < kJoints; ++j) {
-        if (!(std::abs(gravity[j]) > most.torque[j])) continue;
-        most.torque[j] = std::abs(gravity[j]);
-        most.deflection[j] = most.torque[j] / problem.robot.spring.stiffness[j];
+        Limits& needed = most.needed;
+        if (!(std::abs(gravity[j]) > needed.torque[j])) continue;
+        needed.torque[j] = std::abs(gravity[j]);
+        needed.spring_deflection[j] = needed.torque[j] / problem.robot.spring.stiffness[j];
         most.posture[j] = q;
       }
     }

@@ -8,12 +8,8 @@ namespace fjr {
 // The most that gravity takes of each joint anywhere on the straight lines in the joint angles from the start through
 // the via points to the goal: what a motion that dawdles along them cannot do without.
 struct Carrying {
-  Joints<double> torque{};           // [N m]
-  Joints<double> deflection{};       // [rad]
+  Limits needed = Limits::all(0);    // magnitudes: of torque and spring deflection, zero of all others
   Joints<Joints<double>> posture{};  // [rad] of each joint's largest, the link angles
-
-  // Of a limited quantity, in its unit; 0 where carrying takes none.
-  double of(const QuantityInfo& quantity, std::size_t joint) const;
 };
 Carrying carrying(const Problem& problem);
 

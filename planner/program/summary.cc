@@ -152,9 +152,8 @@ std::string what_limits(const Problem& problem, const Plan& plan) {
   limits.resize(std::min(limits.size(), kTightest));
   std::string text;
   const auto add = [&text](const std::string& sentence) { text += line(text.empty() ? "limiting" : "", sentence); };
-  Limits of_request = problem.limits;
   for (const ShadowPrice& l : limits) {
-    const bool of_task = limit_of(of_request, l.name, l.joint) == nullptr;
+    const bool of_task = l.index >= kLimits;
     const std::string joint = l.joint == 0 ? "" : fmt::format("{} {}", of_task ? " link" : "", l.joint);
     add(fmt::format("{}{} {:.0f} % of the time: 1 % more{}, {:.3g} {}, would save {}", l.name, joint, 100 * l.fraction,
                     of_task ? " clearance" : "", kOnePercent * l.limit, l.unit,

@@ -57,9 +57,8 @@ std::string motion_of(const char* verb, const Parameters& robot, const Sample& r
 std::string header_text(const Verification& v) {
   std::string text;
   if (v.robot.payload != Payload{}) text = "payload " + text_of(v.robot.payload);
-  Limits held = v.limits;
   for (LimitInHeader limit : v.header.limits) {
-    limit.value = *limit_of(held, limit.name, limit.joint);  // the robot's, where the file's would be looser
+    limit.value = kLimitNames[limit.index].in(v.limits);  // the robot's, where the file's would be looser
     text += (text.empty() ? "" : ", ") + limit.text();
   }
   return text.empty() ? "" : fmt::format("  {:<11} {}\n", "with", text);

@@ -20,20 +20,15 @@ constexpr const char* kPayloadInertia = "payload.inertia";
 
 std::string in_unit(double value, std::string_view unit) { return fmt::format("{} {}", value, unit); }
 
-std::string key_of(std::string_view name, int joint) {
-  return joint == 0 ? fmt::format("limits.{}", name) : fmt::format("limits.{}[{}]", name, joint - 1);
+std::string key_of(const LimitName& limit) {
+  const char* name = limit.quantity->name;
+  return limit.joint == 0 ? fmt::format("limits.{}", name) : fmt::format("limits.{}[{}]", name, limit.j());
 }
 
-// visit(name, joint, unit) for every limit; joint: 1 or 2, 0 where there is one for both.
-template <class Visit>
-void visit_limits(Visit&& visit) {
-  for (const LimitName& limit : kLimitNames) visit(limit.quantity->name, limit.joint, limit.quantity->unit);
-}
-
-std::optional<double> limit_in(const Json& limits, const std::string& name, int joint) {
-  const auto found = limits.find(name);
+std::optional<double> limit_in(const Json& limits, const LimitName& limit) {
+  const auto found = limits.find(limit.quantity->name);
   if (found == limits.end()) return std::nullopt;
-  const Json& value = joint == 0 ? *found : found->at(static_cast<std::size_t>(joint - 1));
+  const Json& value = limit.joint == 0 ? *found : found->at(limit.j());
   return value.is_number() ? std::optional(value.get<double>()) : std::nullopt;
 }
 
@@ -53,7 +48,9 @@ double read(const Metadata& metadata, const std::string& key, std::string_view u
 
 }  // namespace
 
-std::string LimitInHeader::text() const { return fmt::format("{} {}", key, in_unit(value, unit)); }
+std::string LimitInHeader::key() const { return key_of(kLimitNames[index]); }
+
+std::string LimitInHeader::text() const { return fmt::format("{} {}", key(), in_unit(value, unit())); }
 
 std::string text_of(const Payload& payload) {
   const std::string mass = in_unit(payload.mass, "kg");
@@ -66,16 +63,16 @@ void tell_planned_with(const Json& plan, Metadata& metadata) {
   metadata[kPayload] = in_unit(payload.at("mass"), "kg");
   if (inertia != 0) metadata[kPayloadInertia] = in_unit(inertia, "kg m^2");
   const Json& limits = plan.at("resolved_request").at("limits");
-  visit_limits([&](const char* name, int joint, const char* unit) {
-    const auto limit = limit_in(limits, name, joint), of_robot = limit_in(robot, name, joint);
-    if (limit && (!of_robot || *limit < *of_robot)) metadata[key_of(name, joint)] = in_unit(*limit, unit);
-  });
+  for (const LimitName& name : kLimitNames) {
+    const auto limit = limit_in(limits, name), of_robot = limit_in(robot, name);
+    if (limit && (!of_robot || *limit < *of_robot)) metadata[key_of(name)] = in_unit(*limit, name.quantity->unit);
+  }
 }
 
 Limits limits_of(const Parameters& robot, const PlannedWith& header) {
   Limits limits = Limits::of(robot);
   for (const LimitInHeader& limit : header.limits) {
-    double& held = *limit_of(limits, limit.name, limit.joint);
+    double& held = kLimitNames[limit.index].in(limits);
     held = std::min(held, limit.value);
   }
   return limits;
@@ -88,14 +85,15 @@ PlannedWith planned_with(const Metadata& metadata, const std::string& source) {
     if (!result.payload) throw InputError(source, kPayloadInertia, "goes with a payload");
     result.payload->inertia = read(metadata, kPayloadInertia, "kg m^2", true, source);
   }
-  visit_limits([&](const char* name, int joint, const char* unit) {
-    const std::string key = key_of(name, joint);
+  for (std::size_t i = 0; i < kLimits; ++i) {
+    const std::string key = key_of(kLimitNames[i]);
     if (metadata.contains(key)) {
-      result.limits.push_back({key, name, joint, read(metadata, key, unit, false, source), unit});
+      result.limits.push_back({i, read(metadata, key, kLimitNames[i].quantity->unit, false, source)});
     }
-  });
+  }
   const auto known = [&](const std::string& key) {
-    return std::any_of(result.limits.begin(), result.limits.end(), [&](const auto& limit) { return limit.key == key; });
+    return std::any_of(result.limits.begin(), result.limits.end(),
+                       [&](const auto& limit) { return limit.key() == key; });
   };
   for (const auto& [key, value] : metadata) {
     if (key.starts_with("limits.") && !known(key)) {

@@ -15,11 +15,11 @@
 namespace fjr {
 
 struct LimitInHeader {
-  std::string key;  // "limits.torque[0]"
-  std::string name;
-  int joint = 0;     // 1 or 2; 0 for tip_speed
-  double value = 0;  // > 0
-  std::string unit;
+  std::size_t index = 0;  // in kLimitNames
+  double value = 0;       // > 0
+
+  std::string key() const;  // "limits.torque[0]"
+  std::string unit() const { return kLimitNames[index].quantity->unit; }
 
   std::string text() const;  // "limits.torque[0] 10 N m"
 };

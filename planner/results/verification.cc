@@ -41,10 +41,10 @@ void settle_payload(const std::optional<Payload>& given, const std::optional<Pay
 
 void tighten(Verification& v) {
   for (const LimitInHeader& header : v.header.limits) {
-    double& limit = *limit_of(v.limits, header.name, header.joint);
+    double& limit = kLimitNames[header.index].in(v.limits);
     if (header.value > limit) {
-      v.contradictions.push_back(fmt::format("{}: the file says {} {}, but the robot's {} {} hold", header.key,
-                                             header.value, header.unit, limit, header.unit));
+      v.contradictions.push_back(fmt::format("{}: the file says {} {}, but the robot's {} {} hold", header.key(),
+                                             header.value, header.unit(), limit, header.unit()));
     }
     limit = std::min(limit, header.value);
   }

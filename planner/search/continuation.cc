@@ -405,7 +405,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
       const double margin = setup.margins.empty() ? 0 : setup.margins[k][i];
       const double fraction = (excess[k][i] + margin) / scales[i];  // zero without a limit
       if (fraction <= worth) continue;
-      const bool of_torque = i < kLimits && same_quantity(*kLimitNames[i].quantity, Torque::info);
+      const bool of_torque = i < kLimits && kLimitNames[i].is_of(Torque::info);
       if (of_torque && fraction > kExcessWorthSplitting) {
         if (const auto reversal = reversal_in(solution_.motion, k, kLimitNames[i].j())) {
           steps[k].push_back(*reversal);
@@ -565,7 +565,7 @@ ChangeOutcome Continuation::keep_margins(const std::vector<LimitCheck>& checks) 
     if (check.passed || check.reached <= check.limit) continue;
     const std::size_t at = solution_.motion.interval_at(check.time);
     for (std::size_t k = at > 0 ? at - 1 : 0; k < std::min(at + 2, more.size()); ++k) {
-      for (const std::size_t i : indices_of(*problem_, check.name, check.joint)) more[k][i] = check.reached - limit;
+      more[k][check.index] = check.reached - limit;
     }
   }
   CollocationSetup setup = solution_.setup;

@@ -145,34 +145,32 @@ std::optional<Continuation> tighten_all(const SharedProblem& problem, Session& s
   return std::move(reached.motion);
 }
 
-// Factors of the limits that carrying the arm slowly takes, at least 1.
-struct ToCarry {
-  Joints<double> torque, deflection;
+constexpr std::size_t kTorqueOfJoint1 = Quantities::first_limit<Torque>();
 
-  double most() const { return std::max({torque[0], torque[1], deflection[0], deflection[1]}); }
-};
+// Factors of the limits, by their index, that carrying the arm slowly takes: at least 1.
+using Factors = std::array<double, kLimits>;
 
-ToCarry factors_to_carry(const Problem& problem) {
-  const Carrying needs = carrying(problem);
-  ToCarry factors{};
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    factors.torque[j] = std::max(1.0, needs.torque[j] / problem.limits.torque[j]);
-    factors.deflection[j] = std::max(1.0, needs.deflection[j] / problem.limits.spring_deflection[j]);
+Factors factors_to_carry(const Problem& problem) {
+  const Limits needed = carrying(problem).needed;
+  Factors factors{};
+  for (std::size_t i = 0; i < kLimits; ++i) {
+    factors[i] = std::max(1.0, kLimitNames[i].in(needed) / kLimitNames[i].in(problem.limits));
   }
   return factors;
 }
 
+double largest_of(const Factors& factors) { return *std::max_element(factors.begin(), factors.end()); }
+
 SwungUp swing_up_with(const SharedProblem& problem, double longest, Session& session, double width_factor) {
-  const ToCarry factors = factors_to_carry(*problem);
+  const Factors factors = factors_to_carry(*problem);
   const Eased eased = [&](double factor) {
     Problem result = *problem;
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      if (factors.torque[j] > 1) result.limits.torque[j] *= factor;
-      if (factors.deflection[j] > 1) result.limits.spring_deflection[j] *= factor;
+    for (std::size_t i = 0; i < kLimits; ++i) {
+      if (factors[i] > 1) kLimitNames[i].in(result.limits) *= factor;
     }
     return result;
   };
-  const double easily = kEasilyCarried * factors.most();
+  const double easily = kEasilyCarried * largest_of(factors);
   const auto easy = std::make_shared<const Problem>(eased(easily));
   const std::string label = "limits that carry the arm";
   const Guess straight = first_guesses(*easy).front();
@@ -206,16 +204,16 @@ double period_of(const Problem& problem) {
 // Whether link 1 lacks torque and nothing else, much of it, and the motion is one from rest to rest without more to it:
 // the guess is made for that.
 bool folding_helps(const Problem& problem) {
-  const ToCarry factors = factors_to_carry(problem);
-  const bool only_torque = factors.torque[1] == 1 && factors.deflection[0] == 1 && factors.deflection[1] == 1;
+  const Factors factors = factors_to_carry(problem);
+  const auto lacking = std::count_if(factors.begin(), factors.end(), [](double factor) { return factor > 1; });
   const bool plain = problem.via.empty() && problem.start_at_rest && problem.goal.at_rest &&
                      count_of_rows(problem.task) == 0 && only_time(problem.weights);
-  return only_torque && plain && factors.torque[0] > kMuchTooHeavy;
+  return plain && lacking == 1 && factors[kTorqueOfJoint1] > kMuchTooHeavy;
 }
 
 Relaxable torque_of_joint_1(const Problem& problem) {
   for (const Relaxable& what : relaxables(problem)) {
-    if (what.quantity == &Torque::info && what.joint == 1) return what;
+    if (what.indices == std::vector{kTorqueOfJoint1}) return what;
   }
   throw std::logic_error("torque cannot be relaxed");
 }
@@ -319,7 +317,7 @@ Folded swing_up_folded(const SharedProblem& problem, double longest, Session& se
 
 }  // namespace
 
-bool can_be_carried(const Problem& problem) { return factors_to_carry(problem).most() == 1; }
+bool can_be_carried(const Problem& problem) { return largest_of(factors_to_carry(problem)) == 1; }
 
 SwungUp swing_up(const SharedProblem& problem, double longest, Session& session) {
   ++session.fallbacks().swinging;

@@ -58,10 +58,7 @@ Reserve widened(const Reserve& before, const Problem& asked, const Publication& 
       return kWider * widest_between(m.tube, r.times, time_at(ends, from), time_at(ends, to));
     };
     for (const Robustness::Margin& m : r.limits) {
-      for (std::size_t i = 0; i < kLimits; ++i) {
-        if (kLimitNames[i].quantity->name != m.name || kLimitNames[i].joint != m.joint) continue;
-        margins[i] = taken(asked, i, m, of(m));
-      }
+      margins[m.index] = taken(asked, m.index, m, of(m));
     }
     for (std::size_t row = 0; row < r.task.size(); ++row) {
       // A row along a line gets no margin of its own: where it lacks one, the row across the same line gets a wider

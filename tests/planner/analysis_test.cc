@@ -82,7 +82,7 @@ void expect_slope(double slope, double step, double here, const std::function<do
 }
 
 void loosen(Problem& problem, const ShadowPrice& what, double by) {
-  if (double* limit = limit_of(problem.limits, what.name, what.joint)) *limit += by;
+  if (what.index < kLimits) kLimitNames[what.index].in(problem.limits) += by;
   if (what.name != "tip_box") return;
   for (std::size_t i = 0; i < 2; ++i) {
     problem.task.box->lower[i] -= by;

@@ -265,7 +265,7 @@ class RowsProver {
     if (!is_limited(LimitedTorqueRate::info, claims_.published)) return;
     const std::vector<Sample>& rows = trajectory.samples;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      const std::size_t limit = first_limit_of(LimitedTorqueRate::info) + j;
+      const std::size_t limit = Quantities::first_limit<LimitedTorqueRate>() + j;
       if (!(kLimitNames[limit].in(claims_.published) < kNoLimit)) continue;
       const FrictionLaw law = FrictionLaw::of(robot_, static_cast<int>(j));
       std::vector<Ball> u;

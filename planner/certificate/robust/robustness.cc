@@ -405,6 +405,7 @@ class Judge {
     Robustness::Margin m;
     m.name = channel.name;
     m.joint = channel.joint;
+    m.index = channel.kind == Channel::Kind::kTask ? kLimits + channel.index : channel.index;
     m.unit = channel.unit;
     m.limit = channel.limit;
     m.factor = factors_[c];

@@ -42,8 +42,8 @@ Candidate worst_excess_of(const Problem& problem, const Relaxable& what, const C
 // exceeded alike, what cannot be carried is in the way, and not what swinging takes.
 double short_of_carrying(const Problem& problem, const Relaxable& what) {
   if (what.joint == 0 || what.quantity == nullptr) return 0;
-  const double needed = carrying(problem).of(*what.quantity, static_cast<std::size_t>(what.joint - 1));
-  return std::max(0.0, needed / what.from - 1);
+  const Limits needed = carrying(problem).needed;
+  return std::max(0.0, what.quantity->in(needed, static_cast<std::size_t>(what.joint - 1)) / what.from - 1);
 }
 
 }  // namespace

@@ -504,7 +504,7 @@ class Explanation {
     if (result_.joint == 0 || result_.quantity == nullptr) return;
     const auto j = static_cast<std::size_t>(result_.joint - 1);
     const Carrying needs = carrying(problem_);
-    const double needed = needs.of(*result_.quantity, j);
+    const double needed = result_.quantity->in(needs.needed, j);
     if (needed <= (problem_.limits.*result_.quantity->per_joint)[j]) return;
     result_.sentence += fmt::format(" (held still on the straight way, at [{:.3g}, {:.3g}] rad, it takes {:.4g} {})",
                                     needs.posture[j][0], needs.posture[j][1], needed, result_.quantity->unit);
@@ -512,13 +512,13 @@ class Explanation {
 
   // Where not even a motion with everything relaxed is found: what cannot be carried slowly.
   void explain_by_statics() {
-    const Carrying needs = carrying(problem_);
-    for (std::size_t j = 0; j < kJoints && result_.limit.empty(); ++j) {
-      for (const QuantityInfo* quantity : {&Torque::info, &SpringDeflection::info}) {
-        if (needs.of(*quantity, j) <= (problem_.limits.*quantity->per_joint)[j]) continue;
-        result_.limit = quantity->name;
-        result_.joint = static_cast<int>(j) + 1;
-        result_.quantity = quantity;
+    const Limits needed = carrying(problem_).needed;
+    for (const int joint : {1, 2}) {
+      for (const LimitName& limit : kLimitNames) {
+        if (!result_.limit.empty() || limit.joint != joint || limit.in(needed) <= limit.in(problem_.limits)) continue;
+        result_.limit = limit.quantity->name;
+        result_.joint = joint;
+        result_.quantity = limit.quantity;
       }
     }
     if (result_.limit.empty()) return;

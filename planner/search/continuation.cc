@@ -384,7 +384,14 @@ StartOutcome Continuation::begin(const Guess& guess, int most_iterations, const 
   const CollocationSetup setup =
       refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kStepTolerance);
   const std::string what = fmt::format("{}, {} intervals", label_, setup.mesh.size());
-  if (setup.mesh.size() != solution_.setup.mesh.size()) attempt_or_forget(what, setup, warm(what));
+  if (setup.mesh.size() != solution_.setup.mesh.size()) {
+    // A second attempt, without the multipliers, takes as long as the first and hardly ever leads to the best motion.
+    if (known.empty()) {
+      attempt_or_forget(what, setup, warm(what));
+    } else {
+      attempt(what, setup, nullptr, warm(what));
+    }
+  }
   return status_ == SolveStatus::kStopped ? StartOutcome::kNoSolution : StartOutcome::kNew;
 }
 

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "planner/executor/executor_config.h"
 #include "planner/executor/virtual_arm.h"
 #include "planner/identify/executed_motion.h"
+#include "planner/protocol/messages.h"
 #include "tests/executor/flat_motion.h"
 
 namespace fjr {
@@ -30,9 +32,27 @@ inline const std::vector<Move> kMoves{
     {{0, 0}, {1.2, -0.8}, 0.8}, {{1.2, -0.8}, {-0.5, 0.9}, 1.0}, {{-0.5, 0.9}, {0.4, 0.3}, 0.7}};
 
 struct Executions {
+  std::vector<Log> logs;
   std::vector<ExecutedMotion> motions;
   std::vector<ExecutionResult> results;
 };
+
+// An order of a client of its own: the log is named after it, and other tests write logs at the same time.
+inline TrajectoryOrder order_of(const std::vector<Sample>& rows) {
+  TrajectoryOrder order;
+  order.id = new_client();
+  order.id.number = 1;
+  order.rows = rows;
+  return order;
+}
+
+// The log of a motion that has ended, written and read; the file does not stay.
+inline Log log_of(const CommandedMotion& motion, const ExecutionResult& result) {
+  const std::filesystem::path file = write_log(motion, result, std::filesystem::temp_directory_path());
+  Log log = read_log(file);
+  std::filesystem::remove(file);
+  return log;
+}
 
 // Plans for `planned_for`, one after the other, on the arm that there is.
 inline Executions executed_on(VirtualArm& arm, const Parameters& planned_for, const std::vector<Trajectory>& plans) {
@@ -47,9 +67,7 @@ inline Executions executed_on(VirtualArm& arm, const Parameters& planned_for, co
   tick(200);
   Executions all;
   for (const Trajectory& plan : plans) {
-    TrajectoryOrder order;
-    order.id.number = all.motions.size() + 1;
-    order.rows = plan.samples;
+    const TrajectoryOrder order = order_of(plan.samples);
     Tolerances wide = ExecutorConfig{}.tolerances;
     wide.path = {0.5, 0.5};
     wide.goal = {0.5, 0.5};
@@ -58,8 +76,8 @@ inline Executions executed_on(VirtualArm& arm, const Parameters& planned_for, co
     for (int i = 0; i < 5000 && !control.finished(); ++i) tick(1);
     const ExecutionResult result = result_of(*motion, planned_for);
     EXPECT_EQ(result.code, ResultCode::kSuccessful) << result.sentence;
-    const auto file = write_log(*motion, result, testing::TempDir());
-    all.motions.push_back(executed_motion(read_log(file)));
+    all.logs.push_back(log_of(*motion, result));
+    all.motions.push_back(executed_motion(all.logs.back()));
     all.results.push_back(result);
     tick(100);
   }

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 #include <random>
 
@@ -49,7 +48,7 @@ std::vector<Joints<double>> repeated(Trajectory rows, const VirtualArmOptions& a
 // What the executor itself logs is a whole run.
 TEST(Learning, TheExecutorsLogCoversTheMotion) {
   const Trajectory plan = reach();
-  Log log = read_log(executed(robot(), wrong_arm_with_hysteresis(), {plan}).motions[0].log);
+  Log log = executed(robot(), wrong_arm_with_hysteresis(), {plan}).logs[0];
   EXPECT_NO_THROW(require_run_of(plan, "the plan", log));
   for (std::vector<double>& column : log.values) column.resize(column.size() / 2);
   EXPECT_THROW(require_run_of(plan, "the plan", log), InputError);
@@ -141,18 +140,14 @@ void take_turns(std::vector<Turn>& turns, const VirtualArmOptions& options, doub
   tick(0.2);
   for (std::size_t i = 0; i < static_cast<std::size_t>(rounds) * turns.size(); ++i) {
     Turn& turn = turns[i % turns.size()];
-    TrajectoryOrder order;
-    order.id.number = i + 1;
-    order.rows = turn.rows.samples;
+    TrajectoryOrder order = order_of(turn.rows.samples);
     order.learnt = turn.learnt;
     const auto running = prepare_without_stops(robot(), order, tolerances(0.5));
     ASSERT_TRUE(control.begin(running.get())) << "run " << i;
     while (!control.finished()) tick(kTick);
     const ExecutionResult result = result_of(*running, robot());
     ASSERT_EQ(result.code, ResultCode::kSuccessful) << result.sentence;
-    const std::filesystem::path log = write_log(*running, result, testing::TempDir());
-    const ExecutedMotion motion = executed_motion(read_log(log));
-    std::filesystem::remove(log);
+    const ExecutedMotion motion = executed_motion(log_of(*running, result));
     turn.rms.push_back(in_counts(std::hypot(motion.link_error_rms[0], motion.link_error_rms[1])));
     const Repetition next = next_repetition(robot(), Limits::of(robot()), {}, turn.rows, motion, turn.history);
     turn.rows = next.rows;

@@ -1,15 +1,16 @@
 // The service and the world it runs in: systemd, services of other versions, other robots.
 #include <fjr_msgs.h>
 #include <sys/socket.h>
-#include <sys/un.h>
+#include <sys/time.h>
+#include <unistd.h>
 
 #include <cstdlib>
-#include <cstring>
 
 #include "common/descriptor.h"
 #include "planner/dds/participant.h"
 #include "planner/dds/reader.h"
 #include "tests/service/service_fixture.h"
+#include "tests/support/named_socket.h"
 
 namespace fjr {
 namespace {
@@ -17,14 +18,13 @@ namespace {
 // What systemd listens on.
 class NotifySocket {
  public:
-  explicit NotifySocket(const fs::path& file) : socket_(::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    std::strncpy(address.sun_path, file.c_str(), sizeof address.sun_path - 1);
-    EXPECT_EQ(::bind(socket_.number(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  NotifySocket() : socket_(named_socket(name_)) {
+    EXPECT_GE(socket_.number(), 0);
     const timeval patience{10, 0};
     ::setsockopt(socket_.number(), SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
   }
+
+  std::string address() const { return "@" + name_; }  // as systemd writes it
 
   std::string next() const {
     char word[256];
@@ -40,14 +40,15 @@ class NotifySocket {
   }
 
  private:
+  const std::string name_ = "fjr_test_notify_" + std::to_string(::getpid());
   Descriptor socket_;
 };
 
 class SupervisionTest : public ServiceTest {};
 
 TEST_F(SupervisionTest, SystemdHearsOfStartWorkAndEnd) {
-  const NotifySocket systemd(path("notify"));
-  ::setenv("NOTIFY_SOCKET", path("notify").c_str(), 1);
+  const NotifySocket systemd;
+  ::setenv("NOTIFY_SOCKET", systemd.address().c_str(), 1);
   serve();
   ::unsetenv("NOTIFY_SOCKET");
   EXPECT_TRUE(systemd.hear("READY=1"));

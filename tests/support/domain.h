@@ -1,27 +1,24 @@
 // A DDS domain of one's own: a service on the domain of another test would be that one's standby.
 #pragma once
 
-#include <fcntl.h>
-#include <sys/file.h>
 #include <unistd.h>
 
-#include <filesystem>
 #include <stdexcept>
 #include <string>
 
+#include "tests/support/named_socket.h"
+
 namespace fjr {
 
-// 20 to 219, the same for the whole process; other processes of this machine that ask get another one.
+// 20 to 219, the same for the whole process; other processes of this network that ask get another one, also those of
+// another build.
 inline unsigned own_domain() {
   static const unsigned domain = [] {
     constexpr unsigned kFirst = 20, kCount = 200;
     for (unsigned i = 0; i < kCount; ++i) {
       const unsigned candidate = kFirst + (static_cast<unsigned>(::getpid()) + i) % kCount;
-      const auto file = std::filesystem::temp_directory_path() / ("fjr_test_domain_" + std::to_string(candidate));
-      const int lock = ::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);  // held until the process ends
-      if (lock < 0) continue;
-      if (::flock(lock, LOCK_EX | LOCK_NB) == 0) return candidate;
-      ::close(lock);
+      // The socket stays open until the process ends.
+      if (named_socket("fjr_test_domain_" + std::to_string(candidate)) >= 0) return candidate;
     }
     throw std::runtime_error("no DDS domain is free");
   }();

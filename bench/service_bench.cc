@@ -260,7 +260,7 @@ Lateness bare_loop(const std::stop_token& over) {
 void ticks(Report& report, const Options& options, const fs::path& log) {
   constexpr double kTick = 1e6;  // [ns]
   constexpr std::size_t kWindow = 100;
-  const auto executor = start({"executor"}, log);
+  const auto executor = start({"executor", "--state", log.string() + ".state"}, log);
   std::stop_source over;
   auto beside = std::async(std::launch::async, bare_loop, over.get_token());
   const std::vector<std::int64_t> stamps = state_stamps(options.seconds, *executor);

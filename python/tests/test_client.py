@@ -30,7 +30,8 @@ def running(*command, log, **environment):
 def client(program, tmp_path_factory):
     folder = tmp_path_factory.mktemp("client")
     service = running(program, "serve", "--domain", str(DOMAIN), log=folder / "serve.log")
-    executor = running(program, "executor", "--domain", str(DOMAIN), "--logs", folder, log=folder / "executor.log")
+    words = ("--domain", str(DOMAIN), "--state", folder / "state", "--logs", folder)
+    executor = running(program, "executor", *words, log=folder / "executor.log")
     with service, executor:
         client = fjr.Client(domain=DOMAIN, find=20)
         for _ in range(40):  # they start within a second or two where the machine is not busy

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <filesystem>
@@ -219,7 +220,8 @@ TEST(Executed, WritesWhatItFound) {
   const Parameters known = uncertain_by(0.02, {kink});
   const Executions run = executed(known, {.truth = wrong_arm()}, {{{0, 0}, {0.9, -1.1}, 0.5}});
   const ExecutedFit fit = fit_executed(known, prior_of(known), run.motions, kTwoThreads);
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "robot.refined.yaml";
+  const std::filesystem::path file =
+      std::filesystem::temp_directory_path() / ("fjr_refined_" + std::to_string(::getpid()) + ".yaml");
   const Parameters written = write_executed_robot(file, default_robot_file(), fit, run.motions);
   EXPECT_EQ(robot_hash(written), robot_hash(fit.robot));
   const Uncertainty u = uncertainty_of(written);
@@ -235,6 +237,7 @@ TEST(Executed, WritesWhatItFound) {
   }
   std::ifstream in(file);
   const std::string text((std::istreambuf_iterator<char>(in)), {});
+  std::filesystem::remove(file);
   EXPECT_THAT(text, HasSubstr("sha256 " + run.motions.front().hash));
   EXPECT_THAT(text, HasSubstr("kept, as its logs hardly tell it"));
   // Another payload is no longer the one that the covariance is about; what is known of the arm stays.

@@ -34,7 +34,7 @@ class FuzzTest : public ServiceProcesses {
   void SetUp() override {
     ServiceProcesses::SetUp();
     service_ = serve();
-    executor_ = fjr({"executor", "--start", "0.3,0.2"}, "executor.log");
+    executor_ = fjr({"executor", "--start", "0.3,0.2", "--state", path("state")}, "executor.log");
     ASSERT_TRUE(comes_true([&] { return executor_->output().find("executing for") != std::string::npos; }));
   }
 

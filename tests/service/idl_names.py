@@ -40,7 +40,7 @@ def faults(folder, files):
 
 def refused_by_fastddsgen(folder, file):
     with tempfile.TemporaryDirectory() as out:
-        command = ["fastddsgen", "-replace", "-I", str(folder), "-d", out, str(folder / file)]
+        command = ["fastddsgen", "-replace", "-t", out, "-I", str(folder), "-d", out, str(folder / file)]
         run = subprocess.run(command, capture_output=True, text=True)
         made = Path(out, Path(file).stem + "PubSubTypes.cxx").exists()
     if run.returncode != 0 or not made:

@@ -14,7 +14,7 @@ class SessionTest : public ServiceProcesses {};
 TEST_F(SessionTest, LeavesNothingBehind) {
   write("slow.yaml", "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\nduration: 1.5\nobjective: efficient\n");
   const auto service = serve();
-  const auto executor = fjr({"executor", "--start", "0.3,0.2"}, "executor.log");
+  const auto executor = fjr({"executor", "--start", "0.3,0.2", "--state", path("state")}, "executor.log");
   ASSERT_TRUE(comes_true([&] { return executor->output().find("executing for") != std::string::npos; }, 30));
   const auto logged = [&](const std::string& text) {
     return comes_true([&] { return service->output().find(text) != std::string::npos; }, 30);

@@ -135,7 +135,8 @@ def main():
         (folder / "robot.yaml").write_text((source / "config" / "robot.yaml").read_text())
         started = []
         try:
-            for words in (["executor", "--start", "0,0"], ["serve", "--config", folder / "service.yaml"], ["ros2-action"]):
+            executor = ["executor", "--start", "0,0", "--state", folder / "state"]
+            for words in (executor, ["serve", "--config", folder / "service.yaml"], ["ros2-action"]):
                 with (folder / f"{words[0]}.log").open("w") as log:
                     started.append(subprocess.Popen([program, *words, "--domain", str(DOMAIN)], stdout=log, stderr=log))
             # Fast DDS is what the wheels have; it looks for others where fjr is.

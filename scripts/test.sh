@@ -13,6 +13,7 @@ run_tests() {
   ctest --preset "$1" --rerun-failed --repeat until-pass:3
 }
 
+rm -rf build/tmp build-asan/tmp  # what earlier tests have left that were killed; configuring makes the folders again
 cmake --preset release
 cmake --build --preset release
 cmake --preset asan

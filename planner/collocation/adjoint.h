@@ -1,4 +1,4 @@
-// From a solution's multipliers to derivatives of the optimum and to the Hamiltonian.
+// Computes from the multipliers of a solution the derivatives of the optimal objective and the Hamiltonian.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,12 +12,13 @@
 namespace fjr {
 
 struct Adjoint {
-  // Of objective + multipliers' constraints by each variable; multipliers of bounds on variables left out. For a fixed
-  // variable this is the derivative of the optimal objective by its value.
+  // Gradient of objective + lambda' constraints with respect to the variables, without the multipliers of their bounds.
+  // For a variable fixed by its bounds, the entry is the derivative of the optimal objective by the fixed value.
   Eigen::VectorXd lagrangian;
-  // The same with the multipliers of the defects alone: for a control, dH/du integrated over the stages that see it.
+  // The same sum with only the defect constraints. The entry of a control is dH/du integrated over the collocation
+  // points that depend on this variable.
   Eigen::VectorXd hamiltonian_gradient;
-  Eigen::VectorXd control_weight;   // [s] per variable: the integral of its part in u; 0 where it is no control
+  Eigen::VectorXd control_weight;   // [s] per variable: integral over time of du/d(variable); 0 if it is no control
   std::vector<double> hamiltonian;  // see hamiltonians()
   std::vector<double> conserved;    // see conserved()
   std::vector<double> node_times;   // [s]
@@ -36,7 +37,7 @@ std::vector<char> defect_rows(const Transcription<Ocp>& t) {
   return defect;
 }
 
-// sum_j b_j H_j over interval k.
+// Returns sum_j b_j H_j over the collocation points j of interval k.
 template <class Ocp>
 double mean_hamiltonian(const Transcription<Ocp>& t, const Iterate& solution, int k) {
   const Scheme& scheme = t.scheme();
@@ -52,7 +53,7 @@ double mean_hamiltonian(const Transcription<Ocp>& t, const Iterate& solution, in
 
 }  // namespace adjoint_detail
 
-// Mean of H over each interval: d Lagrangian / d interval's duration.
+// Returns the mean of H over each interval, which is the derivative of the Lagrangian by the duration of that interval.
 template <class Ocp>
 std::vector<double> hamiltonians(const Transcription<Ocp>& t, const Iterate& solution) {
   std::vector<double> all;
@@ -60,8 +61,8 @@ std::vector<double> hamiltonians(const Transcription<Ocp>& t, const Iterate& sol
   return all;
 }
 
-// H less what it jumps by at nodes because limits are asked at instants that move with them (sampled_limits.h): up to a
-// constant, what an optimum conserves.
+// Returns the Hamiltonian per interval without those jumps at nodes that arise because limits are imposed at points
+// that move with the nodes (sampled_limits.h). At an optimum the result is constant over the motion.
 template <class Ocp>
 std::vector<double> conserved(const Transcription<Ocp>& t, const Iterate& solution,
                               const std::vector<double>& hamiltonian) {
@@ -73,7 +74,7 @@ std::vector<double> conserved(const Transcription<Ocp>& t, const Iterate& soluti
   return all;
 }
 
-// Costs one evaluation of the first derivatives.
+// Evaluates the first derivatives once; `solution` needs multipliers of all constraints.
 template <class Ocp>
 Adjoint adjoint(const Transcription<Ocp>& t, const Iterate& solution) {
   Adjoint a;

@@ -12,7 +12,8 @@
 
 namespace fjr {
 
-// At the stages of interval k, one per row: stages x states. lambda: multipliers of all constraints.
+// Returns the costates at the collocation points of interval k: (points x states), one point per row. lambda holds the
+// multipliers of all constraints.
 template <class Ocp>
 Eigen::MatrixXd costates(const Transcription<Ocp>& t, const Eigen::VectorXd& lambda, int k) {
   const Scheme& scheme = t.scheme();

@@ -1,5 +1,6 @@
-// Which variables the entries of Jacobian and Hessian of an interval belong to. It is the same in every interval, and
-// is found once; a transcription writes the pattern and the values by these lists, in their order.
+// Lists the entries of the Jacobian and the Hessian that one interval has, and the variables they belong to. The lists
+// are the same for every interval and are built once. A transcription writes both the sparsity pattern and the values
+// by walking through them in their order.
 #pragma once
 
 #include <cstddef>
@@ -11,34 +12,36 @@
 
 namespace fjr {
 
-struct EntryVariable {  // of an interval: state `at` of the node before it, or the variable `at` after its first one
+struct EntryVariable {  // kNode: state `at` of the node before the interval; kInterval: its variable number `at`
   enum Where { kNode, kInterval, kDuration } where;
   int at;
 };
-struct DefectEntry {  // own - h A df/dinput, and with kDuration: -fraction sum_j A f_j
+struct DefectEntry {  // its value is own - h factor df/dinput; of the duration: -fraction sum_j A(i,j) f_j
   int defect, row, stage, input;
-  double own, factor;  // factor: of A and of the input's share of the variable
+  double own, factor;  // factor: A(i,j) times d(input)/d(variable)
   EntryVariable of;
 };
-struct InputEntry {  // coefficient d/dinput
+struct InputEntry {  // its value is coefficient times the derivative by `input`
   int input;
   double coefficient;
   EntryVariable of;
 };
-struct PairEntry {  // coefficient d2/dinputs, at `packed` in a lower triangle
+struct PairEntry {  // its value is coefficient times the second derivative at index `packed` of the lower triangle
   std::size_t packed;
   double coefficient;
   EntryVariable of, with;
 };
 
-// kX states, kU controls and kC path rows; inputs of a stage are its states, then its controls.
+// kX, kU and kC are the numbers of states, controls and path constraints. The inputs of a collocation point ("stage" in
+// names) are its states, then its controls.
 template <int kX, int kU, int kC>
 class IntervalEntries {
  public:
   IntervalEntries() = default;
 
-  // structure: members f, cost and rows, Pattern<kX + kU> each: what a stage gives depends on which of its inputs.
-  // curved: the pairs of inputs by which something of it has second derivatives, the larger one first.
+  // `structure` has the members f, cost and rows of type Pattern<kX + kU>, which tell the inputs that each of them
+  // depends on. `curved` lists the pairs of inputs for which any of them has a second derivative, the larger index
+  // first.
   template <class Structure>
   IntervalEntries(const Scheme& scheme, const Structure& structure, const std::vector<std::pair<int, int>>& curved)
       : rows(index(scheme.stages() * kC)),
@@ -65,15 +68,15 @@ class IntervalEntries {
   }
 
   std::vector<DefectEntry> defects;
-  std::vector<std::vector<InputEntry>> rows;           // of row c at stage j: j kC + c
-  std::vector<std::vector<PairEntry>> pairs;           // of stage j
-  std::vector<std::vector<InputEntry>> with_duration;  // second derivatives by it and an input of stage j
+  std::vector<std::vector<InputEntry>> rows;           // path constraint c at stage j has index j kC + c
+  std::vector<std::vector<PairEntry>> pairs;           // per stage
+  std::vector<std::vector<InputEntry>> with_duration;  // per stage: second derivatives by the duration and an input
 
  private:
   static constexpr int kV = kX + kU;
   static constexpr std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-  // visit(variable, coefficient) for the variables that input i of stage j is made of.
+  // Calls visit(variable, d(input)/d(variable)) for every variable that input i of stage j depends on.
   template <class Visit>
   void spread(int j, int i, Visit&& visit) const {
     if (i >= kX) {
@@ -88,7 +91,7 @@ class IntervalEntries {
     }
   }
 
-  // Component r, which depends on these inputs, of the defect of stage i.
+  // Adds the entries of component r of the defect of stage i; `depends` tells the inputs that f_r depends on.
   void list_defect(int i, int r, const Pattern<kV>& depends) {
     for (int j = 0; j < scheme_.stages(); ++j) {
       for (int c = 0; c < kV; ++c) {
@@ -108,7 +111,8 @@ class IntervalEntries {
     spread(j, i, [&](const EntryVariable& of, double coefficient) { to.push_back({i, coefficient, of}); });
   }
 
-  // A pair (a, a) spread over u_begin and u_end has two equal off-diagonal entries: the lower triangle holds one.
+  // The second derivative by a control twice (a = b) contributes two equal off-diagonal entries for u_begin and u_end.
+  // The lower triangle holds only one of them, so the other is skipped.
   void list_pair(int j, int a, int b) {
     const std::size_t packed = Dual2<kV>::row(index(a)) + index(b);
     spread(j, a, [&](const EntryVariable& of, double coefficient) {

@@ -1,4 +1,4 @@
-// Where the collocation intervals lie.
+// The mesh: how a motion is divided into segments and collocation intervals.
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ struct Mesh {
   int segments() const { return intervals.empty() ? 0 : intervals.back().segment + 1; }
   std::size_t size() const { return intervals.size(); }
 
-  // Times [s] of the nodes, size() + 1, for the durations [s] of the segments.
+  // Returns the times [s] of the size() + 1 nodes, given the durations [s] of the segments.
   std::vector<double> node_times(const std::vector<double>& durations) const {
     std::vector<double> times{0};
     double start = 0, inside = 0;

@@ -1,5 +1,5 @@
-// What the members of an Ocp are made of (transcription.h): bounds, costs of single points, closed forms at a state;
-// and the inputs that it is evaluated with.
+// Types of the members of an Ocp (transcription.h): bounds, costs at single collocation points and closed-form
+// derivatives; and the storage for the inputs it is evaluated with.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@ namespace fjr {
 template <int N>
 using Array = std::array<double, static_cast<std::size_t>(N)>;
 
-// Bounds on the state at one node of the mesh, in addition to the general ones; equal where fixed.
+// Bounds on the state at one node of the mesh, in addition to the path bounds. A fixed state has lower = upper.
 template <int N>
 struct NodeBounds {
   std::size_t node;
@@ -26,7 +26,7 @@ Array<N> filled(double value) {
   return a;
 }
 
-// Bounds that hold along the way; +-infinity where there is none.
+// Bounds on states, controls and path constraints along the motion; +-infinity means no bound.
 template <int kX, int kU, int kC>
 struct PathBounds {
   Array<kX> x_lower = filled<kX>(-std::numeric_limits<double>::infinity());
@@ -43,15 +43,15 @@ struct DurationSum {
   double lower, upper;
 };
 
-// Bounds on a path row that does not see the control, at one node other than the first.
+// Bounds on a path constraint at a single node, which is not the first. The constraint must not depend on the control.
 struct RowBounds {
   std::size_t node;
   int row;
   double lower, upper;
 };
 
-// A running cost at one collocation point: value + slope (v - near) + 1/2 curvature (v - near)^2, of its states and
-// controls v.
+// Quadratic running cost at one collocation point with states and controls v, summed over their components: value +
+// slope (v - near) + 1/2 curvature (v - near)^2.
 template <int kV>
 struct PointCost {
   double value = 0;
@@ -69,7 +69,8 @@ struct PointCost {
   }
 };
 
-// Whether an Ocp has closed forms of what depends on the state alone, and what they are kept in.
+// An Ocp may provide closed-form derivatives of the terms that depend on the state alone (transcription.h). AtStateOf
+// is the type they are stored in, an empty struct if the Ocp has none.
 template <class Ocp>
 concept HasClosedForm = requires(const Ocp& ocp, const double* x) {
   ocp.at_state(x);
@@ -82,15 +83,15 @@ struct ClosedForm<Ocp> : std::type_identity<typename Ocp::AtState> {};
 template <class Ocp>
 using AtStateOf = typename ClosedForm<Ocp>::type;
 
-// The inputs of a function whose derivatives are asked for at one point after the other. To make them anew for every
-// point took a sixth of the time of a Hessian.
+// Reusable inputs of a differentiated function: only the values change from point to point, the seeds stay.
+// Constructing the inputs anew at every point took a sixth of the time of a Hessian.
 template <class D>
 class Inputs {
  public:
   Inputs() {
     for (int i = 0; i < D::kInputs; ++i) v_[static_cast<std::size_t>(i)] = D::input(0, i);
   }
-  // D::kInputs numbers, valid until the next point.
+  // Returns D::kInputs numbers, valid until the next call.
   const D* at(const Array<D::kInputs>& values) {
     for (std::size_t i = 0; i < v_.size(); ++i) v_[i].v = values[i];
     return v_.data();

@@ -1,9 +1,10 @@
-// The part of d objective / d (time of a node) that comes of imposing limits at collocation points only.
+// Computes the part of d objective / d (time of a node) that arises because limits are imposed at collocation points
+// only.
 //
-// Limits hold at collocation points only, and a node that moves takes the points beside it along. Where the limited
-// quantity passes a point at the rate dg/dt with the multiplier mu, a motion that stays as it is in time changes what
-// the limit asks there by mu dg/dt per second that the point moves. That is part of d objective / d (time of a node),
-// and says nothing about the motion: between the points the limit holds as well.
+// When a node moves in time, the collocation points beside it move along. Let the limited quantity g change at the rate
+// dg/dt at a point whose limit has the multiplier mu. If the motion stays the same in time, then moving the point by 1
+// s changes the Lagrangian by mu dg/dt. This contribution says nothing about the motion itself, because the limit is
+// meant to hold between the points as well; so it is separated from the rest.
 #pragma once
 
 #include <algorithm>
@@ -16,14 +17,14 @@
 
 namespace fjr {
 
-// d objective / d (time of a node) by what limits ask at the points that move with it. Where controls jump at the node,
-// rates do, too, and it lies between what the rates before and after tell.
+// Contribution of the limits to d objective / d (time of a node). Where the controls jump at the node, the rates jump
+// as well, and the contribution lies between the values for the rates `before` and `after` the node.
 struct SampledLimits {
   double before = 0, after = 0;
 
-  // The part of `slope` = d objective / d (time of the node) that limits cannot explain: its distance from the range of
-  // 0 and of what the limits ask before and after the node. (Nodes that were moved lie where the motion's part and the
-  // limits' part cancel.)
+  // Returns the part of `slope` = d objective / d (time of the node) that the limits cannot explain: its signed
+  // distance from the interval spanned by 0, `before` and `after`. (0 belongs to it because the mesh refinement moves
+  // nodes to where the contributions of the motion and of the limits cancel.)
   double left_of(double slope) const {
     return slope - std::clamp(slope, std::min({before, after, 0.0}), std::max({before, after, 0.0}));
   }
@@ -65,7 +66,7 @@ class Sampling {
   using Rates = std::array<double, static_cast<std::size_t>(kX)>;  // dx/dt
 
   SampledLimits& node(int k) { return nodes_[static_cast<std::size_t>(k)]; }
-  // Of the bounds on a variable.
+  // Returns the multiplier of the bounds on a variable, upper minus lower; 0 if the solution has none.
   double multiplier(int at) const {
     return solution_.z_upper.size() == 0 ? 0 : solution_.z_upper(at) - solution_.z_lower(at);
   }
@@ -73,7 +74,7 @@ class Sampling {
     return (solution_.x(t_.u_at(k, 1) + i) - solution_.x(t_.u_at(k, 0) + i)) / t_.step(solution_.x, k);
   }
 
-  // Multipliers times rates of what is asked of the state alone.
+  // Returns the sum of multiplier times rate over the bounds on states and the path constraints without control.
   double of_state(int k, int j, const Rates& rates) const {
     double sum = 0;
     for (int i = 0; i < kX; ++i) sum += multiplier(t_.x_at(k, j) + i) * rates[static_cast<std::size_t>(i)];
@@ -102,7 +103,7 @@ class Sampling {
 
 }  // namespace sampled_limits_detail
 
-// One per node.
+// Returns one element per node of the mesh.
 template <class Ocp>
 std::vector<SampledLimits> sampled_limits(const Transcription<Ocp>& t, const Iterate& solution) {
   return sampled_limits_detail::Sampling<Ocp>(t, solution).run();

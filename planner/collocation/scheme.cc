@@ -17,7 +17,7 @@ Eigen::MatrixXd lagrange_coefficients(const Eigen::VectorXd& points) {
   return vandermonde.inverse().transpose();
 }
 
-// int_0^c of every polynomial in `coefficients`.
+// Returns the integral from 0 to c of every polynomial, one per row of `coefficients`.
 Eigen::VectorXd integrals(const Eigen::MatrixXd& coefficients, double c) {
   Eigen::VectorXd powers(coefficients.cols());
   for (Eigen::Index k = 0; k < powers.size(); ++k) {

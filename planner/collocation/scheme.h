@@ -1,4 +1,5 @@
-// Collocation schemes as tables; a new one is a function with its list of points, and is named in all_schemes().
+// Collocation schemes as tables of coefficients. A new scheme is a function with its list of points, plus its entry in
+// all_schemes().
 #pragma once
 
 #include <Eigen/Core>
@@ -15,14 +16,14 @@ namespace fjr {
 // The last point is 1 for every scheme here: the end of an interval is its last stage.
 struct Scheme {
   std::string name;
-  int order = 0;                // of the state at the nodes on smooth problems
+  int order = 0;                // order of convergence of the state at the nodes on smooth problems
   Eigen::VectorXd points;       // c, increasing, last 1
   Eigen::MatrixXd A;            // s x s
   Eigen::VectorXd b;            // s
   bool starts_at_node = false;  // c_0 = 0: the first stage is the interval's start itself (Lobatto IIIA)
-  // Controls are linear on an interval, as the published torque is between its rows, and may jump at nodes. A
-  // polynomial of higher degree overshoots its limits between the points where a torque switches, and samples cannot
-  // carry that. Stage j sees the control (1 - c_j) u_begin + c_j u_end: s x 2.
+  // s x 2; collocation point j has the control (1 - c_j) u_begin + c_j u_end. Controls are linear on an interval, as
+  // the published torque is between its samples, and may jump at nodes. A polynomial of higher degree would overshoot
+  // the limits between the points where a torque switches, and published samples cannot represent that.
   Eigen::MatrixXd control_fraction;
 
   int stages() const { return static_cast<int>(points.size()); }
@@ -30,6 +31,7 @@ struct Scheme {
   Eigen::MatrixXd lagrange;
 };
 
+// Computes the tables for increasing points in [0, 1], the last of which is 1.
 Scheme collocation(std::string name, int order, const std::vector<double>& points);
 
 Scheme trapezoidal();      // Lobatto IIIA, 2 points, order 2
@@ -38,7 +40,7 @@ Scheme lobatto4();         // Lobatto IIIA, 4 points, order 6
 Scheme radau3();           // Radau IIA, 3 points, order 5
 
 std::vector<Scheme> all_schemes();
-// Their names as documents list them: `trapezoidal`, `hermite-simpson`, ...
+// Returns their names as the documentation lists them: `trapezoidal`, `hermite-simpson`, ...
 const std::string& names_of_schemes();
 // Throws std::invalid_argument listing the known names.
 Scheme find_scheme(std::string_view name);

@@ -1,22 +1,24 @@
-// Optimal control problem x scheme x mesh -> Nlp, for any plant.
+// Transcribes an optimal control problem with a collocation scheme and a mesh to a nonlinear program, for any plant.
 //
 // An Ocp is a struct with
 //   static constexpr int kStates, kControls, kRows;
 //   static constexpr std::array<bool, kRows> kRowUsesControl;
 //   template <class T>                                dx/dt, running cost, path rows
-//   void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const;   or with `int segment` first, where what the
-//                                                     rows mean depends on the segment of the mesh; what they depend
-//                                                     on does not (optional: kRowOfSegment says which rows)
+//   void evaluate(const T* x, const T* u, T* f, T& cost, T* rows) const;   or with `int segment` as first argument, if
+//                                                     the formulas of some rows differ between the segments of the
+//                                                     mesh (optional kRowOfSegment marks them); the inputs that a row
+//                                                     depends on must not differ
 //   struct AtState; AtState at_state(const double* x) const;
-//                                                     optional, with the three that follow: closed forms of what
-//                                                     depends on the state alone
+//                                                     optional, with the three that follow: intermediate results that
+//                                                     depend on the state alone, for derivatives in closed form
 //   void dynamics(const AtState&, const double* x, const double* u, Dual<kStates + kControls>* f) const;
 //   template <class D> void cost_and_rows(int segment, const AtState&, const D* x, const D* u, D& cost, D* rows) const;
-//                                                     the two parts of what evaluate() gives; like evaluate() they
-//                                                     write to what another point left, and the same entries always
+//                                                     the two parts of evaluate(); like evaluate() they may be given
+//                                                     outputs that hold another point's results, and must overwrite
+//                                                     the same entries every time
 //   void add_curvature(const AtState&, const double* weight, double* hessian) const;
-//                                                     sum_r weight_r d2f_r/d(x, u)^2, added to the lower triangle
-//                                                     packed by rows (Dual2)
+//                                                     adds sum_r weight_r d2f_r/d(x, u)^2 to the lower triangle that
+//                                                     is packed by rows (Dual2)
 //   std::vector<PathBounds<kStates, kControls, kRows>> bounds;  one for all intervals, or one per interval
 //   std::vector<NodeBounds<kStates>> at_nodes;        start, goal, via points
 //   std::vector<std::array<double, 2>> durations;     [s] bounds, one per segment of the mesh
@@ -24,19 +26,21 @@
 //   std::vector<RowBounds> rows_at_nodes;             optional: rows that hold at one node only
 //   double time_weight;                               cost = time_weight T + int cost dt + cost at nodes
 //   std::vector<PointCost<kStates + kControls>> point_costs;
-//                                                     optional: costs of single collocation points, beside the running
-//                                                     cost; none, or one for every stage of every interval
+//                                                     optional: costs at single collocation points, added to the
+//                                                     running cost; none, or one per point of every interval
 //   cost_nodes, a list with a member `node` each, and template <class T> T node_cost(const CostNode&, const T* x)
 //   const;
-//                                                     optional: cost of the state at those nodes
+//                                                     optional: cost of the state at the nodes in this list
 //
-// Every stage keeps its own state as variables ("separated form"): the defects
+// The state at every collocation point (a Runge-Kutta stage; "stage" in names) is a decision variable ("separated
+// form"). The defects
 //   y_i - y_0 - h sum_j A(i,j) f(y_j, u_j) = 0
-// are linear in f, so the Hessian of the Lagrangian is one small block per collocation point plus the durations' rows.
+// are then linear in f, so the Hessian of the Lagrangian has one small block per collocation point, and the rows of the
+// durations.
 // Controls are linear on their interval and may jump at every node (see Scheme::control_fraction).
 //
-// Variables: x_0, then per interval u_begin, u_end and the stages' y_j, then the durations. That is the order of the
-// chain.
+// The decision variables are x_0, then per interval u_begin, u_end and the states y_j, then the durations. The chain
+// factorisation (planner/nlp) relies on this order.
 #pragma once
 
 #include <Eigen/Core>
@@ -78,7 +82,7 @@ class Transcription final : public Nlp {
   const Mesh& mesh() const { return mesh_; }
   int intervals() const { return static_cast<int>(mesh_.size()); }
 
-  // Where things are in the vector of variables. k: interval, j: stage.
+  // Return the index of the first entry in the vector of decision variables. k: interval, j: collocation point.
   int x_at(int k, int j) const { return j < first_new_ ? node_at(k) : u_at(k, 2) + (j - first_new_) * kX; }
   int u_at(int k, int end) const { return interval_at(k) + end * kU; }  // end 0: u_begin, 1: u_end
   int node_at(int k) const { return k == 0 ? 0 : x_at(k - 1, stages_ - 1); }
@@ -92,13 +96,13 @@ class Transcription final : public Nlp {
   // Duration of interval k [s].
   double step(const In& z, int k) const { return fraction(k) * z(duration_of(k)); }
 
-  // Where things are among the constraints: defect of stage i, component r; path row c at stage j, -1 if not asked
-  // there; sum i of durations.
+  // Return the index among the constraints of: component r of the defect of stage i in interval k; path constraint c at
+  // stage j, -1 if it is not imposed there; sum i of durations.
   int defect_row(int k, int i, int r) const { return interval_row_[index(k)] + (i - first_new_) * kX + r; }
   int path_row(int k, int j, int c) const { return path_rows_[index((k * stages_ + j) * kC + c)]; }
   int sum_row(std::size_t i) const { return first_sum_row_ + static_cast<int>(i); }
 
-  // dx/dt, running cost and path rows at a stage.
+  // dx/dt, running cost and values of the path constraints at a collocation point.
   template <class T>
   struct Point {
     std::array<T, static_cast<std::size_t>(kX)> f;
@@ -112,8 +116,8 @@ class Transcription final : public Nlp {
     evaluate_at(k, j, v.data(), p);
     return p;
   }
-  // The same at every stage of every interval. Objective and constraints are asked for at the same point one after the
-  // other, so the last point's are kept.
+  // Returns the values at every collocation point of every interval. Solvers ask for the objective and the constraints
+  // at the same z one after the other, so the values at the last z are cached.
   const std::vector<PointValues>& all_values(const In& z) const {
     if (valued_at_.size() == z.size() && valued_at_ == z) return values_;
     values_.resize(index(intervals() * stages_));
@@ -126,7 +130,7 @@ class Transcription final : public Nlp {
     return values_;
   }
 
-  // The same with their derivatives by the state and the control of that stage.
+  // Returns the values with their derivatives by the state and the control of collocation point j in interval k.
   const Point<Dual<kV>>& derivatives_at(const In& z, int k, int j) const {
     return first_derivatives(z)[index(k * stages_ + j)];
   }
@@ -215,8 +219,8 @@ class Transcription final : public Nlp {
     });
   }
 
-  // The collocation polynomials of interval k in monomials of c, lowest degree first: y(c) = y_0 + h sum_j f_j int l_j,
-  // u(c) = (1 - c) u_begin + c u_end.
+  // Return the coefficients of the collocation polynomials of interval k in powers of c in [0, 1], lowest degree first:
+  // y(c) = y_0 + h sum_j f_j int_0^c l_j (kX x stages + 1) and u(c) = (1 - c) u_begin + c u_end (kU x 2).
   Eigen::Matrix<double, kX, Eigen::Dynamic> state_polynomial(const In& z, int k) const {
     Eigen::Matrix<double, kX, Eigen::Dynamic> y = Eigen::Matrix<double, kX, Eigen::Dynamic>::Zero(kX, stages_ + 1);
     y.col(0) = z.template segment<kX>(node_at(k));
@@ -234,9 +238,10 @@ class Transcription final : public Nlp {
     return u;
   }
 
-  // For objectives whose second derivatives by the controls vanish, as of a shortest time: where the Hessian has to be
-  // shifted (Nlp::shift_weights), the controls and durations are held, and the states, which they determine, follow.
-  // Where the states are held as well, Newton's method takes 1.4 times as many iterations (bench/README.md, Races).
+  // Sets Nlp::shift_weights for objectives that have no second derivatives by the controls, such as the shortest time.
+  // Where the inertia correction shifts the Hessian, controls and durations get the full shift, and the states, which
+  // they determine through the dynamics, only a hundredth. With equal shifts, Newton's method takes 1.4 times as many
+  // iterations (bench/README.md, Races).
   void let_states_follow() {
     constexpr double kOfStates = 0.01;
     shift_weights = Eigen::VectorXd::Constant(variables(), kOfStates);
@@ -249,13 +254,13 @@ class Transcription final : public Nlp {
   static constexpr bool kClosedForm = HasClosedForm<Ocp>;
 
   int interval_at(int k) const { return kX + k * (2 * kU + (stages_ - first_new_) * kX); }
-  // What one thread evaluates with.
+  // Scratch memory of one evaluating thread.
   struct WorkSpace {
     Inputs<Dual<kV>> inputs;
     Inputs<Dual2<kV>> curved_inputs;
     Point<Dual2<kV>> curved_point;
   };
-  // Calls visit(k, its work space) for every interval, those of both halves on threads as `both` likes.
+  // Calls visit(k, work space) for every interval. The two halves of the mesh run concurrently if `both` does so.
   template <class Visit>
   void each_interval(Visit&& visit) const {
     const int middle = intervals() / 2;
@@ -267,7 +272,8 @@ class Transcription final : public Nlp {
     both(std::ref(first_half), std::ref(second_half));
   }
 
-  // Calls visit(variable, coefficient) for the variables that input i of stage j, a state or a control, is made of.
+  // Calls visit(variable, d(input)/d(variable)) for every variable that input i of stage j, a state or a control,
+  // depends on.
   template <class Visit>
   void spread(int k, int j, int i, Visit&& visit) const {
     if (i < kX) return visit(x_at(k, j) + i, 1.0);
@@ -275,7 +281,7 @@ class Transcription final : public Nlp {
       if (scheme_.control_fraction(j, end) != 0) visit(u_at(k, end) + i - kX, scheme_.control_fraction(j, end));
     }
   }
-  // The state and control that stage j sees.
+  // Returns the state and the control at collocation point j.
   Array<kV> stage_inputs(const In& z, int k, int j) const {
     Array<kV> v = filled<kV>(0);
     for (int i = 0; i < kV; ++i)
@@ -303,7 +309,7 @@ class Transcription final : public Nlp {
     }
   }
 
-  // visit(cost node, where its state begins)
+  // Calls visit(cost node, index of the first variable of its state).
   template <class Visit>
   void each_cost_node(Visit&& visit) const {
     if constexpr (requires { ocp_.cost_nodes; }) {
@@ -321,8 +327,9 @@ class Transcription final : public Nlp {
     return ocp_.node_cost(at, x.data());
   }
 
-  // At every stage of every interval. The gradient, the Jacobian and the Hessian are asked for at the same point one
-  // after the other, so the last point's are kept; that makes an instance one caller's.
+  // Returns the first derivatives at every collocation point. Solvers ask for the gradient, the Jacobian and the
+  // Hessian at the same z one after the other, so the results at the last z are cached. Therefore only one thread at a
+  // time may call an instance.
   const std::vector<Point<Dual<kV>>>& first_derivatives(const In& z) const {
     if (derived_at_.size() == z.size() && derived_at_ == z) return derived_;
     derived_.resize(index(intervals() * stages_));
@@ -349,8 +356,8 @@ class Transcription final : public Nlp {
     add_point_cost(k, j, v, p.cost);
   }
 
-  // Closed forms at every state once: where a stage is at the node, it is the last one of an interval and the first one
-  // of the next.
+  // Evaluates the closed forms once per state. If the scheme has a collocation point at the start of an interval, it
+  // shares the state of the last point of the interval before.
   using AtState = AtStateOf<Ocp>;
   void find_at_states(const In& z) const {
     const int each = stages_ - first_new_;
@@ -365,7 +372,8 @@ class Transcription final : public Nlp {
     return at_states_[index(k * (stages_ - first_new_) + j + 1 - first_new_)];
   }
 
-  // A row whose meaning depends on the segment says nothing about the interval after the segment's end.
+  // Returns whether a path constraint has the same formula in intervals k and l. One that depends on the segment has
+  // not if the intervals lie in different segments.
   bool means_the_same(int row, int k, int l) const {
     if constexpr (requires { Ocp::kRowOfSegment; }) {
       return !Ocp::kRowOfSegment[index(row)] || mesh_.intervals[index(k)].segment == mesh_.intervals[index(l)].segment;
@@ -377,7 +385,7 @@ class Transcription final : public Nlp {
   void each_summed(std::size_t i, Visit&& visit) const {
     for (int s = ocp_.duration_sums[i].first; s <= ocp_.duration_sums[i].last; ++s) visit(s);
   }
-  // visit(bounds) for what holds for a row at the last stage of interval k only.
+  // Calls visit(bounds) for the bounds that a path constraint has only at the node at the end of interval k.
   template <class Visit>
   void each_at_end(int k, int row, Visit&& visit) const {
     if constexpr (requires { ocp_.rows_at_nodes; }) {
@@ -387,8 +395,8 @@ class Transcription final : public Nlp {
     }
   }
 
-  // A row without a bound is left out; one that does not see the control is asked for once per state, and not where all
-  // of what it depends on is given: at the start, or at a node.
+  // A path constraint without bounds is left out. One that does not depend on the control is imposed once per state,
+  // and not at all where every state it depends on is fixed: at the start, or at a node with fixed states.
   void number_rows() {
     std::vector<std::uint32_t> given(mesh_.size() + 1, 0);  // bit i: state i is fixed at that node
     for (const auto& at : ocp_.at_nodes) {
@@ -448,7 +456,7 @@ class Transcription final : public Nlp {
     const int n = duration_at(mesh_.segments());
     x_lower = Eigen::VectorXd::Constant(n, -std::numeric_limits<double>::infinity());
     x_upper = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
-    if (first_new_ == 0) {  // the start is no stage of such a scheme
+    if (first_new_ == 0) {  // the start is no collocation point of such a scheme
       std::copy_n(bounds_in(0).x_lower.begin(), kX, x_lower.begin());
       std::copy_n(bounds_in(0).x_upper.begin(), kX, x_upper.begin());
     }
@@ -468,7 +476,7 @@ class Transcription final : public Nlp {
         double& lower = x_lower(node_at(static_cast<int>(bounds.node)) + r);
         double& upper = x_upper(node_at(static_cast<int>(bounds.node)) + r);
         const double low = bounds.lower[index(r)], high = bounds.upper[index(r)];
-        // A value that is given is meant exactly, whatever margins made of the general bound.
+        // A fixed value holds exactly, even if it violates a path bound that was tightened by a margin.
         lower = low == high ? low : std::max(lower, low);
         upper = low == high ? high : std::min(upper, high);
       }
@@ -487,7 +495,7 @@ class Transcription final : public Nlp {
           double& upper = g_upper(path_row(k, j, c));
           lower = bounds_in(k).row_lower[index(c)];
           upper = bounds_in(k).row_upper[index(c)];
-          // A row on the state at a shared node is asked once: the tighter of both intervals' bounds holds.
+          // A path constraint on the state at a node shared by two intervals is imposed once, with the tighter bounds.
           const bool shared = !Ocp::kRowUsesControl[index(c)] && first_new_ == 1 && j + 1 == stages_;
           if (shared && k + 1 < intervals() && means_the_same(c, k, k + 1)) {
             lower = std::max(lower, bounds_in(k + 1).row_lower[index(c)]);
@@ -545,7 +553,7 @@ class Transcription final : public Nlp {
     });
   }
 
-  // Interval k is block k of the chain, with the node at its end; the durations are the border.
+  // Interval k, with the node at its end, is block k of the chain. The durations are the border: they couple with all.
   void set_blocks() {
     blocks = intervals();
     variable_block.assign(static_cast<std::size_t>(x_lower.size()), intervals());
@@ -563,7 +571,7 @@ class Transcription final : public Nlp {
     return v.at + (v.where == EntryVariable::kNode ? node_at(k) : interval_at(k));
   }
 
-  // The entries of interval k's rows.
+  // Writes the entries of the constraints of interval k.
   void write_jacobian(int k, double h, const Point<Dual<kV>>* p, double* to) const {
     for (const DefectEntry& e : entries_.defects) {
       if (e.of.where == EntryVariable::kDuration) {
@@ -583,11 +591,12 @@ class Transcription final : public Nlp {
     }
   }
 
-  // The entries of stage j of interval k, whose first derivatives are given; returns where the next go.
+  // Writes the Hessian entries of collocation point j in interval k, whose first derivatives are given, and returns the
+  // position behind them.
   double* write_hessian(int k, int j, const In& z, const Point<Dual<kV>>& first, double cost_factor,
                         const In& multipliers, WorkSpace& space, double* to) const {
     const double h = step(z, k), cost_weight = cost_factor * scheme_.b(j);
-    Array<kX> weight = filled<kX>(0);  // of f_j in the Lagrangian, per unit of h
+    Array<kX> weight = filled<kX>(0);  // factor of f_j in the Lagrangian, divided by h
     for (int i = first_new_; i < stages_; ++i) {
       for (int r = 0; r < kX; ++r) weight[index(r)] -= scheme_.A(i, j) * multipliers(defect_row(k, i, r));
     }
@@ -604,7 +613,7 @@ class Transcription final : public Nlp {
     return to;
   }
 
-  // Of cost_weight L + h weight' f + multipliers' rows.
+  // Adds the second derivatives of cost_weight L + h weight' f + multipliers' rows at collocation point j to `block`.
   void add_second_derivatives(int k, int j, const In& z, double h, double cost_weight, const Array<kX>& weight,
                               const In& multipliers, WorkSpace& space,
                               std::array<double, Dual2<kV>::kHessian>& block) const {
@@ -634,7 +643,7 @@ class Transcription final : public Nlp {
   Mesh mesh_;
   int stages_ = 0, first_new_ = 0, rows_ = 0, first_sum_row_ = 0;
   std::vector<int> interval_row_, path_rows_;
-  std::vector<std::size_t> interval_jacobian_, interval_hessian_;  // where an interval's entries begin; and the others
+  std::vector<std::size_t> interval_jacobian_, interval_hessian_;  // first entry of each interval; last: of the rest
   Point<Pattern<kV>> structure_;
   std::vector<std::vector<std::pair<int, int>>> curved_at_nodes_;  // in the order of the cost nodes
   IntervalEntries<kX, kU, kC> entries_;

@@ -1,7 +1,8 @@
-// A solution on one mesh as the start on another, multipliers included.
+// Transfers a solution, with its multipliers, to another mesh as the initial iterate there.
 //
-// Costates (costates.h) are interpolated, and the new lambda solve A' lambda = -diag(b) p. Multipliers of bounds and
-// path rows are densities in time times the quadrature weight of their point: the densities are interpolated.
+// Costates p (costates.h) are interpolated, and the new defect multipliers solve A' lambda = -diag(b) p. The multiplier
+// of a bound or a path constraint is a density in time times the quadrature weight of its point. Therefore the density
+// is interpolated and multiplied with the weight on the new mesh.
 #pragma once
 
 #include <Eigen/Dense>
@@ -31,7 +32,7 @@ class Transfer {
     for (int r = 0; r < T::kX; ++r) copy_variable(r, r);
     to_weight_ = weights(to_, result_.x);
     int k = 0;
-    double used = 0;  // of interval k of the old mesh, by the new intervals so far
+    double used = 0;  // fraction of the old interval k that the new intervals have covered so far
     for (int i = 0; i < to_.intervals(); ++i) {
       const double ratio = fraction(to_, i) / fraction(from_, k);
       interval(i, k, used, std::min(1.0, used + ratio));
@@ -50,7 +51,7 @@ class Transfer {
  private:
   static double fraction(const T& t, int k) { return t.mesh().intervals[static_cast<std::size_t>(k)].fraction; }
 
-  // Quadrature weight of every variable and path row: what a multiplier is a density's product with.
+  // Quadrature weight [s] of every variable and path constraint: multiplier = density times weight.
   struct Weights {
     Eigen::VectorXd variable, row;
   };
@@ -66,7 +67,7 @@ class Transfer {
         }
         for (int c = 0; c < T::kC; ++c) {
           if (t.path_row(k, j, c) < 0) continue;
-          // A row on the state alone is asked once per node, for both intervals.
+          // A path constraint on the state alone is imposed once per node, for both intervals.
           const bool shared = !Ocp::kRowUsesControl[static_cast<std::size_t>(c)] && t.scheme().starts_at_node &&
                               j + 1 == t.scheme().stages() && k + 1 < t.intervals();
           w.row(t.path_row(k, j, c)) = weight + (shared ? t.step(x, k + 1) * t.scheme().b(0) : 0);
@@ -82,7 +83,7 @@ class Transfer {
     result_.z_upper(to) = old_.z_upper(from);
   }
 
-  // New interval i covers [begin, end] of old interval k, in fractions of it.
+  // Fills the new interval i, which covers the fractions [begin, end] of the old interval k.
   void interval(int i, int k, double begin, double end) {
     const auto state = from_.state_polynomial(old_.x, k);
     const auto control = from_.control_polynomial(old_.x, k);
@@ -136,7 +137,7 @@ class Transfer {
   }
 
   double row_density(int k, int j, int c) const {
-    // A node's row on the state alone belongs to the interval before.
+    // A path constraint on the state alone at a node belongs to the interval before it.
     if (from_.path_row(k, j, c) < 0) {
       if (k == 0 || j > 0) return 0;
       return row_density(k - 1, from_.scheme().stages() - 1, c);
@@ -144,7 +145,8 @@ class Transfer {
     return old_.lambda(from_.path_row(k, j, c)) / from_weight_.row(from_.path_row(k, j, c));
   }
 
-  // Piecewise linear interpolation between the old stages: s weights, non-negative, so densities keep their sign.
+  // Returns s weights for piecewise linear interpolation between the old collocation points. They are not negative, so
+  // densities keep their sign.
   Eigen::VectorXd hat_functions(double c) const {
     const Eigen::VectorXd& points = from_.scheme().points;
     Eigen::VectorXd hat = Eigen::VectorXd::Zero(points.size());

@@ -69,8 +69,8 @@ struct PointCost {
   }
 };
 
-// An Ocp may provide closed-form derivatives of the terms that depend on the state alone (transcription.h). AtStateOf
-// is the type they are stored in, an empty struct if the Ocp has none.
+// An Ocp may compute results that depend on the state alone once, for derivatives in closed form (transcription.h).
+// AtStateOf is the type of these results, an empty struct if the Ocp has none.
 template <class Ocp>
 concept HasClosedForm = requires(const Ocp& ocp, const double* x) {
   ocp.at_state(x);

@@ -1,5 +1,5 @@
-// What a filter line search asks of a trial point (Wächter & Biegler, sections 2.3 and 2.4): less violation or a lower
-// barrier function than here, and than wherever the search has been.
+// The acceptance test of a filter line search (Wächter & Biegler, sections 2.3 and 2.4): a trial point must have less
+// constraint violation or a lower barrier function than the current point and than every earlier point in the filter.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace fjr {
 
-// Of a point: violation of the constraints (1-norm), and the barrier function.
+// The constraint violation (1-norm) and the barrier function at a point.
 struct Merit {
   double violation, barrier;
 };
@@ -21,7 +21,7 @@ class Filter {
     small_violation_ = 1e-4 * std::max(1.0, first.violation);
   }
   void clear() { entries_.clear(); }
-  // slope: of the barrier function along the step to be tried.
+  // The point that trial points are compared with; slope is the derivative of the barrier function along the step.
   struct Reference {
     Merit here;
     double slope;
@@ -45,13 +45,14 @@ class Filter {
            });
   }
 
-  // The search goes on from that trial point, and is not to come back to where it was.
+  // To be called when the search moves on to an accepted trial point. Unless the barrier function has decreased enough,
+  // the point left behind enters the filter, so that the search cannot return to it.
   void leave(const Merit& trial, double alpha) {
     if (!descends(alpha) || !falls_enough(trial, alpha)) leave_for_good();
   }
   void leave_for_good() { entries_.push_back({sufficient_violation(), sufficient_barrier()}); }
 
-  // Below this a step is not worth trying: only a restoration could help. (23)
+  // Returns the step length below which only a restoration phase could help (equation 23).
   double shortest_step() const {
     double shortest = kGammaViolation;
     if (slope_ < 0) {
@@ -67,13 +68,13 @@ class Filter {
   static constexpr double kGammaViolation = 1e-5, kGammaBarrier = 1e-8, kArmijo = 1e-8, kViolationPower = 1.1,
                           kBarrierPower = 2.3, kSafety = 0.05;
 
-  // Up to the rounding of numbers of that size.
+  // Returns whether a <= b up to the rounding error of numbers of that size.
   static bool at_most(double a, double b, double size) {
     return a - b <= 10 * std::numeric_limits<double>::epsilon() * std::abs(size);
   }
   double sufficient_violation() const { return (1 - kGammaViolation) * here_.violation; }
   double sufficient_barrier() const { return here_.barrier - kGammaBarrier * here_.violation; }
-  // The switching condition (19) and Armijo's (20).
+  // The switching condition (19) and the Armijo condition (20).
   bool descends(double alpha) const {
     return slope_ < 0 && alpha * std::pow(-slope_, kBarrierPower) > std::pow(here_.violation, kViolationPower);
   }

@@ -17,19 +17,19 @@ namespace {
 using Vector = Eigen::VectorXd;
 using Eigen::Index;
 
-constexpr double kErrorScale = 100;  // of multipliers, beyond which the errors are scaled down
+constexpr double kErrorScale = 100;  // mean multiplier above which the optimality errors are scaled down (s_max)
 constexpr double kAcceptableTolerance = 1e-6, kAcceptableComplementarity = 1e-2;
 constexpr int kAcceptableIterations = 15;
-constexpr double kSolvedBarrier = 10;              // times mu: error of a barrier problem that counts as solved
-constexpr double kMuFactor = 0.2, kMuPower = 1.5;  // the next mu: a factor, or a power if that is less
-constexpr double kNearBoundary = 0.99;             // least fraction of the way to a bound that a step may go
-constexpr double kFromBounds = 1e-2, kFromBoundsNear = 1e-4, kFromBoundsWarm = 2e-7;  // fractions
+constexpr double kSolvedBarrier = 10;              // a barrier problem counts as solved with an error of this times mu
+constexpr double kMuFactor = 0.2, kMuPower = 1.5;  // the next mu is the smaller of factor * mu and mu^power
+constexpr double kNearBoundary = 0.99;             // lower limit of the fraction-to-the-boundary parameter
+constexpr double kFromBounds = 1e-2, kFromBoundsNear = 1e-4, kFromBoundsWarm = 2e-7;  // relative push off the bounds
 constexpr double kLeastMultiplier = 1e-9, kLargestEstimate = 1e3;
-constexpr double kMultiplierFactor = 1e10;  // by which a bound's multiplier may be off mu / slack
+constexpr double kMultiplierFactor = 1e10;  // a bound's multiplier stays within this factor of mu / slack
 constexpr int kCorrections = 4;
-constexpr double kWorthCorrecting = 0.99;  // of the violation before
-constexpr int kTinySteps = 2;              // that may follow each other
-constexpr int kPatience = 10;              // shortened steps in a row before whole ones are tried
+constexpr double kWorthCorrecting = 0.99;  // another correction is tried if the violation fell to this fraction
+constexpr int kTinySteps = 2;              // largest number of tiny steps in a row
+constexpr int kPatience = 10;              // shortened steps in a row before the watchdog takes full ones
 constexpr int kWatchedSteps = 3;
 constexpr int kSoftSteps = 10;
 constexpr double kSoftDecrease = 0.9999;
@@ -47,7 +47,8 @@ class InteriorPoint {
     const bool monotone = options.barrier_strategy == BarrierStrategy::kMonotone;
     most_complementarity_ = monotone ? (kSolvedBarrier + 1) * options.final_barrier : 1e-4;
     least_mu_ = std::min(options.tolerance, most_complementarity_) / (kSolvedBarrier + 1);
-    // Ipopt would begin with the initial barrier, and lower it by a little at the end where it is the final one.
+    // If the initial barrier parameter is already the final one, start at the value at which it ends. Ipopt would start
+    // with the initial one and lower it only a little at the end.
     mu_ = monotone && options.initial_barrier <= options.final_barrier ? least_mu_
                                                                        : std::max(options.initial_barrier, least_mu_);
     begin_at(start);
@@ -75,7 +76,7 @@ class InteriorPoint {
     return {form, options_.both};
   }
 
-  // ---- the start (section 3.6) ----
+  // ---- initialisation (section 3.6) ----
 
   void begin_at(const Iterate& start) {
     const bool near = options_.initial_barrier < 0.05;
@@ -106,14 +107,14 @@ class InteriorPoint {
     }
   }
 
-  // Positive where there is a bound, and zero where there is none.
+  // Makes the multipliers z positive for existing bounds and zero for all others.
   static void keep_to_bounds(const std::vector<Index>& bounded, Vector& z) {
     Vector kept = Vector::Zero(z.size());
     for (const Index i : bounded) kept(i) = std::max(z(i), kLeastMultiplier);
     z = std::move(kept);
   }
 
-  // Least squares of the gradient's residual.
+  // Estimates the multipliers of the constraints by least squares of the dual residual.
   void estimate_multipliers() {
     differentiate();
     const CpuTimed timed(report_.cost.linear_algebra);
@@ -124,7 +125,7 @@ class InteriorPoint {
     if (largest(y) <= kLargestEstimate) y_ = y;
   }
 
-  // ---- at the present point ----
+  // ---- evaluation at the current point ----
 
   void evaluate(const Vector& v, double& f, Vector& c) {
     const CpuTimed timed(report_.cost.evaluation);
@@ -135,7 +136,7 @@ class InteriorPoint {
     const CpuTimed timed(report_.cost.evaluation);
     form_.differentiate(v_, gradient_);
   }
-  // Inverse slacks, zero without a bound.
+  // Inverse distances to the bounds; zero where there is no bound.
   Vector to_lower() const { return (v_ - form_.lower).cwiseInverse(); }
   Vector to_upper() const { return (form_.upper - v_).cwiseInverse(); }
   double own_objective() const { return f_ / form_.objective_scale(); }
@@ -228,7 +229,7 @@ class InteriorPoint {
     return system_.factorise(form_, z_lower_.cwiseProduct(to_lower()) + z_upper_.cwiseProduct(to_upper()), mu_);
   }
 
-  // Newton's step, for constraints whose values are c.
+  // Returns the Newton step for the constraint values c.
   Step step_for(const Vector& c) {
     const CpuTimed timed(report_.cost.linear_algebra);
     const Vector lower = to_lower(), upper = to_upper();
@@ -241,7 +242,7 @@ class InteriorPoint {
     return step;
   }
 
-  // The longest steps that stay off the bounds (15).
+  // The longest steps allowed by the fraction-to-the-boundary rule (15).
   double fraction_to_boundary() const { return std::max(kNearBoundary, 1 - mu_); }
   double longest(const Vector& dv) const {
     double alpha = 1;
@@ -264,7 +265,7 @@ class InteriorPoint {
     return alpha;
   }
 
-  // False when no step leads anywhere.
+  // Makes one step. Returns false if none is found.
   bool advance() {
     Step step = step_for(c_);
     const double relative = (step.v.array().abs() / (1 + v_.array().abs())).maxCoeff();
@@ -273,7 +274,7 @@ class InteriorPoint {
     if (tiny_steps_ > kTinySteps) return false;
     if (soft_steps_ > 0) return soft_step(step);
     double alpha = longest(step.v);
-    if (tiny) {  // rounding decides about such a step, not the filter
+    if (tiny) {  // the filter's test would be decided by rounding errors, so it is skipped
       v_ += alpha * step.v;
       evaluate(v_, f_, c_);
     } else {
@@ -305,8 +306,8 @@ class InteriorPoint {
 
   double slope(const Step& step) const { return (gradient_ - mu_ * (to_lower() - to_upper())).dot(step.v); }
 
-  // Backtracks from alpha, and goes to the first point that the filter accepts. What was taken in the end is in step
-  // and alpha.
+  // Backtracks from alpha and goes to the first point that the filter accepts. On return, `step` and `alpha` are the
+  // ones taken.
   enum class Search { kAtOnce, kShortened, kNothing };
   Search search(Step& step, double& alpha) {
     const Merit trial = try_step(alpha, step.v);
@@ -322,9 +323,9 @@ class InteriorPoint {
     return Search::kNothing;
   }
 
-  // Where steps have been shortened for long, a few are taken whole without asking: if one of them comes to a point
-  // that is acceptable from where that began, it was worth it, and otherwise the search goes on from there (Ipopt's
-  // watchdog).
+  // Ipopt's watchdog: after many shortened steps in a row, a few full steps are taken without the filter's test. If one
+  // of them reaches a point that is acceptable as seen from the point where this began, the iteration continues there.
+  // Otherwise it returns to that point and backtracks.
   Search watched_search(Step& step, double& alpha) {
     const Merit trial = try_step(alpha, step.v);
     filter_.look_from(watch_->from);
@@ -344,8 +345,8 @@ class InteriorPoint {
     return backtrack(step, alpha);
   }
 
-  // Where no step is accepted, some are taken that come nearer to a solution of the system that Newton's method is to
-  // solve, until one is (Ipopt's soft restoration). False when they do not, either.
+  // Ipopt's soft restoration: when the filter accepts no step, steps are taken that reduce the residual of the
+  // primal-dual system, until the filter accepts one again. Returns false if a step does not reduce it, either.
   bool soft_step(const Step& step) {
     if (++soft_steps_ > kSoftSteps) return false;
     const double alpha = std::min(longest(step.v), longest_for_multipliers(step)), before = system_error();
@@ -405,7 +406,7 @@ class InteriorPoint {
     f_ = p.f;
   }
 
-  // Second-order corrections of a step that adds to the violation (section 2.4).
+  // Tries second-order corrections of a step that increases the constraint violation (section 2.4).
   bool correct(Step& step, double& alpha, double violation) {
     const double first = alpha;
     double before = c_.lpNorm<1>(), corrected = alpha;
@@ -439,8 +440,8 @@ class InteriorPoint {
   Vector trial_, trial_c_;
   double trial_f_ = 0;
   int acceptable_ = 0, tiny_steps_ = 0;
-  int soft_steps_ = 0;  // since no step was accepted
-  int shortened_ = 0;   // steps in a row
+  int soft_steps_ = 0;  // number of soft restoration steps so far; 0: not in soft restoration
+  int shortened_ = 0;   // number of shortened steps in a row
   struct Watch {
     Point point;
     Step step;

@@ -1,16 +1,16 @@
 // A primal-dual interior-point method with a filter line search: the algorithm of Ipopt (Wächter & Biegler,
 // Mathematical Programming 106, 2006) with a monotone barrier, on the chain factorisation.
 //
-// It is for starts that are good: it takes what Ipopt takes in iterations and three quarters of the time, and has no
-// restoration phase. Where it would want one, or finds no factorisation of the right inertia, it ends with kFailed.
+// It is meant for good initial guesses: it takes as many iterations as Ipopt and three quarters of the time, but has no
+// restoration phase. Where it would need one, or cannot correct the inertia of the KKT matrix, it ends with kFailed.
 #pragma once
 
 #include "planner/nlp/solve.h"
 
 namespace fjr {
 
-// Scaling, errors and the rules for stopping are Ipopt's, with the same options. Of SolveOptions it has no use for
-// barrier_strategy other than for the barrier at the end, and for linear_solver.
+// Scaling, error measures and termination rules are those of Ipopt, with the same options. linear_solver is ignored,
+// and barrier_strategy only decides about the final barrier parameter.
 SolveReport solve_by_interior_point(const Nlp& nlp, const Iterate& start, const SolveOptions& options);
 
 }  // namespace fjr

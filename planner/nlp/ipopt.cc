@@ -14,7 +14,7 @@
 #include "planner/nlp/chain/ma27.h"
 #include "planner/nlp/linear_solver.h"
 
-// Until 3.13 Ipopt's loader of solvers has a header, since then the option hsllib.
+// Up to Ipopt 3.13 the library of the linear solver is chosen by the functions of a header, later by the option hsllib.
 #if __has_include(<HSLLoader.h>)
 #define FJR_IPOPT_LOADER
 #include <HSLLoader.h>
@@ -165,7 +165,7 @@ SolveStatus translate(Ipopt::ApplicationReturnStatus status) {
   }
 }
 
-// Options by name; a misspelt one is a bug, not something to pass over.
+// Sets options by name. An option that Ipopt refuses is a bug here, so it throws std::logic_error.
 class Options {
  public:
   explicit Options(Ipopt::IpoptApplication& application)
@@ -191,8 +191,8 @@ void configure(Options o, const SolveOptions& options, const std::string& linear
   o.SetIntegerValue("max_iter", options.max_iterations);
   o.SetStringValue("linear_solver", linear_solver == kChainSolver ? "ma27" : linear_solver);
   o.SetStringValue("linear_system_scaling", "none");
-  // Refine a step only where its residual asks for it (residual_ratio_max): the same iterations, within what rounding
-  // does to them, and 5 % fewer instructions for a whole plan. Ipopt's default refines once whatever the residual.
+  // Refine the solution of the linear system only if its residual is too large (residual_ratio_max). Ipopt's default
+  // always refines once. The iterations are the same up to rounding, and a whole plan takes 5 % fewer instructions.
   o.SetIntegerValue("min_refinement_steps", 0);
   o.SetStringValue("mu_strategy", monotone ? "monotone" : "adaptive");
   o.SetNumericValue("mu_init", options.initial_barrier);
@@ -222,8 +222,8 @@ void configure(Options o, const SolveOptions& options, const std::string& linear
   }
 }
 
-// What the rows of Ipopt's KKT matrix are: free variables (fixed ones are parameters), slacks, equalities,
-// inequalities.
+// Returns the structure of Ipopt's KKT matrix, whose rows are: free variables (fixed ones are parameters), slacks,
+// equalities, inequalities.
 ChainStructure kkt_structure(const Nlp& nlp) {
   ChainStructure kkt{nlp.blocks, {}, {}};
   std::vector<int> equalities, inequalities;
@@ -242,7 +242,7 @@ ChainStructure kkt_structure(const Nlp& nlp) {
   return kkt;
 }
 
-// Has Ipopt take the linear solver's routines from its library.
+// Makes Ipopt load the routines of the linear solver from its library. Throws std::runtime_error if that fails.
 void load([[maybe_unused]] Ipopt::IpoptApplication& application, const std::string& linear_solver) {
   const std::string library = library_of(linear_solver);
   if (library.empty()) return;
@@ -263,8 +263,9 @@ void load([[maybe_unused]] Ipopt::IpoptApplication& application, const std::stri
 #endif
 }
 
-// KKT systems from assembling to solving, by Ipopt's clock, which is that of the process: only the chain factorisation
-// is used in several threads, and has its own. Ipopt's finer times do not suit: of MUMPS they leave solving out.
+// Returns the time [s] Ipopt spent on assembling, factorising and solving KKT systems. Ipopt measures the CPU time of
+// the process; that suffices here, because only the chain factorisation runs in several threads, and it has its own
+// clock. Ipopt's more detailed times are not used, because with MUMPS they leave out the solves.
 double linear_algebra(Ipopt::IpoptApplication& application) {
   const Ipopt::TimedTask& task = application.IpoptDataObject()->TimingStats().StdAugSystemSolverMultiSolve();
   return task.TotalCpuTime() + task.TotalSysTime();
@@ -277,7 +278,7 @@ SolveReport solve_by_ipopt(const Nlp& nlp, const Iterate& start, const SolveOpti
   const int factorised = factorisations();
   const double chain_before = chain_seconds();
   Ipopt::SmartPtr<Ipopt::IpoptApplication> application = IpoptApplicationFactory();
-  // A problem of no known structure has no blocks to factorise by.
+  // The chain factorisation needs the blocks of the problem; without them MUMPS is used.
   const std::string linear_solver = nlp.blocks == 0 ? "mumps" : options.linear_solver;
   if (linear_solver == kChainSolver) describe_chain(kkt_structure(nlp), options.both);
   configure(Options(*application), options, linear_solver);

@@ -10,10 +10,11 @@ namespace {
 constexpr double kPivotThreshold = 1e-8;  // Ipopt's for MA27
 constexpr double kFirstShift = 1e-4, kLeastShift = 1e-20, kMostShift = 1e20;
 constexpr double kFirstGrowth = 100, kGrowth = 8, kDecay = 3;
-// A smaller shift is not carried from one iteration to the next, or Newton's method would not converge quadratically.
+// A smaller shift of the Hessian is not carried over to the next iteration, because Newton's method converges
+// quadratically only without a shift.
 constexpr double kCarried = 1e-5;
 constexpr int kRefinements = 10;
-constexpr double kResidual = 1e-10;  // relative, that a solution may leave
+constexpr double kResidual = 1e-10;  // relative residual below which a solution is not refined further
 
 }  // namespace
 
@@ -32,8 +33,8 @@ KktSystem::Inertia KktSystem::try_with(SlackForm& form, const Vector& d, double 
   return right ? Inertia::kRight : Inertia::kWrong;
 }
 
-// Where the last iteration needed much of a shift, so will this one: it begins with less of it and not, as Ipopt does,
-// without.
+// Inertia correction. If the last iteration needed a large shift of the Hessian, this one probably needs one as well.
+// Therefore it starts with a fraction of that shift, whereas Ipopt always tries without a shift first.
 bool KktSystem::factorise(SlackForm& form, const Vector& d, double mu) {
   double shift = shift_ > kCarried ? shift_ / kDecay : 0, regularised = 0;
   while (shift <= kMostShift) {

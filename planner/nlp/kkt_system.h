@@ -1,5 +1,5 @@
-// The linear systems of an interior-point method: the KKT matrix of a SlackForm, made to have the eigenvalues that a
-// minimum has (Wächter & Biegler, section 3.1), factorised along the chain, and solved with.
+// The linear systems of an interior-point method: the KKT matrix of a SlackForm, whose inertia is corrected if
+// necessary (Wächter & Biegler, section 3.1) and which is factorised along the chain.
 #pragma once
 
 #include "planner/nlp/slack_form.h"
@@ -10,13 +10,13 @@ class KktSystem {
  public:
   using Vector = Eigen::VectorXd;
 
-  // both: how the halves of a factorisation and of a solution are worked off.
+  // both: runs the two halves of a factorisation or a solve, possibly on two threads.
   KktSystem(const SlackForm& form, DoBoth both);
 
-  // Of the form's derivatives, with the diagonal d added to the Hessian, and as much more as it takes. False when
-  // nothing does.
+  // Factorises the KKT matrix of the form's derivatives, with the diagonal d added to the Hessian and as large a shift
+  // as the right inertia requires. Returns false if no shift up to 1e20 suffices. mu: barrier parameter.
   bool factorise(SlackForm& form, const Vector& d, double mu);
-  // Without a Hessian: (I, J'; J, 0). False when J has not full rank.
+  // Factorises (I, J'; J, 0), for least-squares multipliers. Returns false if J does not have full rank.
   bool factorise_projection(SlackForm& form);
 
   Vector solve(const SlackForm& form, const Vector& right) const;  // refined until the residual is small
@@ -30,8 +30,8 @@ class KktSystem {
 
   ChainLdlt factor_;
   DoBoth both_;
-  double shift_ = 0;       // of the last factorisation
-  double last_shift_ = 0;  // that was needed, if any was
+  double shift_ = 0;       // shift of the Hessian in the last factorisation
+  double last_shift_ = 0;  // last shift that was not zero
   int factorisations_ = 0;
   mutable double multiplications_ = 0;
 };

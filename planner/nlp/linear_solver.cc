@@ -15,7 +15,7 @@ namespace {
 
 struct HslSolver {
   const char* name;
-  const char* symbol;  // that a library with it has
+  const char* symbol;  // a library that contains the solver has this symbol
 };
 
 constexpr std::array<HslSolver, 5> kHslSolvers{{{"ma27", "ma27ad_"},

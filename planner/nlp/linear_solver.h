@@ -1,5 +1,5 @@
-// Where the linear solvers that Ipopt can use come from: MUMPS is in Ipopt, ours is a library beside the program, and
-// those of the HSL are in a library that users bring.
+// The linear solvers that Ipopt can use: MUMPS is part of Ipopt, the chain factorisation is a library beside the
+// program, and the HSL solvers come from a library that the user provides.
 #pragma once
 
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace fjr {
 
-// kChainSolver, which is ours, "mumps", and those of the HSL.
+// Returns the names: kChainSolver, "mumps", and those of the HSL solvers.
 const std::vector<std::string>& linear_solvers();
 
-// The library that Ipopt is to load for it: for the HSL's the file that the environment variable FJR_HSL names, or else
-// libhsl.so, wherever the dynamic linker finds it. Empty for what is in Ipopt.
+// Returns the library that Ipopt must load for a solver, empty if the solver is part of Ipopt. For an HSL solver it is
+// the file named by the environment variable FJR_HSL, or else libhsl.so, which the dynamic linker searches.
 std::string library_of(const std::string& linear_solver);
 
-// Why it cannot be had here, as a sentence; empty if it can.
+// Returns a sentence why the solver is not available here; empty if it is available.
 std::string what_is_missing(const std::string& linear_solver);
 
 }  // namespace fjr

@@ -1,4 +1,4 @@
-// The one seam between what is optimised and who optimises it.
+// The interface between nonlinear programs and the methods that solve them (solve.h).
 #pragma once
 
 #include <Eigen/Core>
@@ -22,19 +22,19 @@ class Nlp {
 
   Eigen::VectorXd x_lower, x_upper;  // n; +-infinity where unbounded
   Eigen::VectorXd g_lower, g_upper;  // m
-  // n; of what is added to the Hessian's diagonal where that is not positive definite on the constraints; empty: all
-  // the same. Our own method (interior_point.h) goes by it, Ipopt cannot.
+  // n; relative size per variable of the shift that the inertia correction adds to the diagonal of the Hessian. Empty
+  // means 1 for all. Only our own method (interior_point.h) uses it; Ipopt has no such option.
   Eigen::VectorXd shift_weights;
   std::vector<Entry> jacobian_pattern;
   std::vector<Entry> hessian_pattern;  // lower triangle; repeated entries add up
 
-  // Block of every variable and constraint when the problem is a chain: constraints of a block see variables of that
-  // and of the block before, and those of the border, whose block is `blocks`. 0 blocks: nothing is known of the
-  // structure.
+  // Block of every variable and constraint if the problem is a chain: the constraints of a block depend on variables of
+  // that block, of the one before it, and of the border, whose block number is `blocks`. blocks = 0 means that the
+  // structure is unknown.
   int blocks = 0;
   std::vector<int> variable_block, constraint_block;
 
-  // How the halves of what an evaluation consists of are worked off; the bits are the same.
+  // Runs the two halves of an evaluation, possibly on two threads; the results are the same bits.
   DoBoth both = one_after_the_other;
 
   Eigen::Index variables() const { return x_lower.size(); }
@@ -44,7 +44,7 @@ class Nlp {
   virtual void gradient(const In& x, Out out) const = 0;           // n
   virtual void constraint_values(const In& x, Out out) const = 0;  // m
   virtual void jacobian(const In& x, Out out) const = 0;           // one per jacobian_pattern entry
-  // Of cost_factor f + multipliers' g: one per hessian_pattern entry.
+  // Second derivatives of cost_factor f + multipliers' g; one per hessian_pattern entry.
   virtual void hessian(const In& x, double cost_factor, const In& multipliers, Out out) const = 0;
 };
 

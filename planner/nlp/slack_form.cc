@@ -11,7 +11,7 @@ using Eigen::Index;
 
 constexpr double kLargestGradient = 100;
 constexpr double kLeastScale = 1e-8;
-constexpr double kUnbounded = 1e19;  // as Ipopt has it
+constexpr double kUnbounded = 1e19;  // beyond this a bound counts as infinite, as in Ipopt
 
 double scale_for(double gradient) {
   return gradient > kLargestGradient ? std::max(kLargestGradient / gradient, kLeastScale) : 1;
@@ -105,12 +105,12 @@ void SlackForm::set_pattern() {
   for (Index i = 0; i < constraints(); ++i) {
     if (inequality(i)) add(first_row + static_cast<int>(i), static_cast<int>(slack_of(i)));
   }
-  kkt_.values.assign(kkt_.rows.size(), -1.0);  // the slacks'; the others' are set before they are used
+  kkt_.values.assign(kkt_.rows.size(), -1.0);  // for the slacks; all other values are set before they are used
   for (int i = 0; i < first_row + static_cast<int>(constraints()); ++i) add(i, i);
   kkt_.values.resize(kkt_.rows.size(), 0);
 }
 
-// A problem of no known structure is a chain of a single block.
+// Treats a problem of unknown structure as a chain of a single block.
 ChainStructure SlackForm::kkt_structure() const {
   const bool known = nlp_.blocks > 0;
   ChainStructure structure{known ? nlp_.blocks : 1, {}, {}};

@@ -1,5 +1,5 @@
-// An Nlp as an interior-point method wants it: fixed variables are constants, inequalities have slacks, and large
-// gradients are scaled down.
+// Brings an Nlp to the form an interior-point method needs: fixed variables become constants, inequalities get slacks,
+// and large gradients are scaled down.
 //
 //   min f(v)  subject to  c(v) = 0,  lower <= v <= upper,   v = (free variables, slacks of the inequalities)
 //
@@ -15,7 +15,7 @@
 
 namespace fjr {
 
-// A symmetric matrix by the entries of one triangle; repeated entries add up.
+// A symmetric matrix given by the entries of one triangle; repeated entries add up.
 struct SymmetricEntries {
   std::vector<int> rows, cols;
   std::vector<double> values;
@@ -26,7 +26,7 @@ class SlackForm {
   using Vector = Eigen::VectorXd;
 
   // Objective and constraints are scaled so that at x no gradient has an entry above 100, as Ipopt does by default. The
-  // Nlp outlives this.
+  // Nlp must outlive this object.
   SlackForm(const Nlp& nlp, const Vector& x);
 
   Eigen::Index variables() const { return lower.size(); }
@@ -34,20 +34,20 @@ class SlackForm {
   Vector lower, upper;                                     // of v; +-infinity where unbounded
   std::vector<Eigen::Index> lower_bounded, upper_bounded;  // where they are finite
 
-  Vector shift_weights;  // as in Nlp, and then none for slacks, which their rows determine
+  Vector shift_weights;  // as in Nlp; if that has any, 0 for slacks, which are determined by their constraints
 
-  // Between v with its multipliers and the problem's own variables and multipliers.
-  Vector from_x(const Vector& x) const;  // with the slacks that satisfy their rows
+  // Conversions between v with its multipliers and the variables and multipliers of the Nlp.
+  Vector from_x(const Vector& x) const;  // chooses slacks that satisfy their constraints
   Vector to_x(const Vector& v) const;
   Vector from_lambda(const Vector& lambda) const { return objective_scale_ * lambda.cwiseQuotient(row_scale_); }
   Vector to_lambda(const Vector& y) const { return y.cwiseProduct(row_scale_) / objective_scale_; }
   Vector from_bound_multipliers(const Vector& z) const;  // zero for slacks
   Vector to_bound_multipliers(const Vector& z) const;
-  // Those of the slacks, as the rows' multipliers y want them.
+  // Sets the bound multipliers of the slacks so that they are consistent with the constraint multipliers y.
   void set_slack_multipliers(const Vector& y, Vector& z_lower, Vector& z_upper) const;
   double objective_scale() const { return objective_scale_; }
 
-  // Largest violation of the problem's constraints: scaled, and as the problem has them.
+  // Largest violation of the constraints of the Nlp, with and without scaling.
   struct Violation {
     double scaled = 0, own = 0;
   };
@@ -56,12 +56,12 @@ class SlackForm {
   double objective(const Vector& v) const;
   void constraint_values(const Vector& v, Vector& c) const;
 
-  // The KKT matrix (H + D, J'; J, -eE) with its parts at the v they were set for last.
+  // The KKT matrix (H + D, J'; J, -e I). Each part has the value it was given by the last call below that sets it.
   const SymmetricEntries& kkt() const { return kkt_; }
   ChainStructure kkt_structure() const;
-  void differentiate(const Vector& v, Vector& gradient);            // the gradient of f, and J
+  void differentiate(const Vector& v, Vector& gradient);            // computes the gradient of f, and J
   void add_transposed_jacobian(const Vector& y, Vector& to) const;  // to += J' y
-  void set_hessian(const Vector& v, const Vector& y);               // H, of f + y'c
+  void set_hessian(const Vector& v, const Vector& y);               // sets H to that of f + y'c
   void clear_hessian();
   void set_diagonal(const Vector& d, double e);
   void multiply(const Vector& by, Vector& product) const;  // the KKT matrix times a vector
@@ -82,13 +82,13 @@ class SlackForm {
   const Nlp& nlp_;
   double objective_scale_ = 1;
   Vector row_scale_;
-  std::vector<Eigen::Index> free_;                            // the problem's variable of each free one
-  std::vector<int> place_;                                    // and the other way round, -1 for fixed ones
-  std::vector<Eigen::Index> slack_;                           // of each constraint, -1 for equalities
+  std::vector<Eigen::Index> free_;                            // index in x of each free variable
+  std::vector<int> place_;                                    // index in v of each entry of x, -1 for fixed ones
+  std::vector<Eigen::Index> slack_;                           // index in v of each constraint's slack, -1: equality
   SymmetricEntries kkt_;                                      // H, J, the slacks' -1 in J, the diagonal
-  std::vector<Eigen::Index> hessian_entry_, jacobian_entry_;  // entries of the problem's patterns that are kept
-  Vector hessian_values_, jacobian_values_, gradient_;        // as the problem gives them
-  mutable Vector x_;                                          // with the fixed variables at their values
+  std::vector<Eigen::Index> hessian_entry_, jacobian_entry_;  // entries of the Nlp's patterns for free variables
+  Vector hessian_values_, jacobian_values_, gradient_;        // values of the Nlp, before scaling
+  mutable Vector x_;                                          // all variables of the Nlp, including fixed ones
 };
 
 }  // namespace fjr

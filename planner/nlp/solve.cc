@@ -6,7 +6,8 @@
 namespace fjr {
 namespace {
 
-// Whether Ipopt could do better: our method has no restoration phase, and is not asked to go on beyond its limit.
+// Returns whether Ipopt should try again, because it has a restoration phase and our method does not. After an
+// iteration limit it should not.
 bool broke_down(SolveStatus status) { return status == SolveStatus::kFailed; }
 
 }  // namespace
@@ -31,7 +32,8 @@ const char* name(SolveStatus status) {
 
 namespace {
 
-// Our method, if it is asked for and its linear solver is; where it breaks down, Ipopt.
+// Uses our interior-point method if the options ask for it and for the chain factorisation; otherwise, or where it
+// breaks down, Ipopt.
 SolveReport solve_by_either(const Nlp& nlp, const Iterate& start, const SolveOptions& options) {
   const bool own = options.optimiser == Optimiser::kOwn && options.linear_solver == kChainSolver;
   if (!own) return solve_by_ipopt(nlp, start, options);
@@ -61,10 +63,12 @@ SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& opti
   return report;
 }
 
-// Everything but the factorisations grows with what there is to evaluate and to multiply with in an iteration.
+// Apart from the factorisations, the work of an iteration is proportional to the numbers of derivatives, variables and
+// constraints.
 double work_of(const Nlp& nlp, int iterations, double multiplications) {
-  constexpr double kPerEntry = 2e-8;  // [s] of derivatives, and of variables and constraints, in one iteration
-  // [s] of a constraint's second derivatives: those of many task rows fall on the same few entries.
+  constexpr double kPerEntry = 2e-8;  // [s] per iteration and derivative, variable or constraint
+  // [s] for the second derivatives of one constraint. They are counted per constraint, because those of many task
+  // constraints contribute to the same few Hessian entries.
   constexpr double kPerConstraint = 4e-7;
   constexpr double kPerMultiplication = 6.5e-10;  // [s]
   const auto entries = nlp.jacobian_pattern.size() + nlp.hessian_pattern.size() +

@@ -1,4 +1,4 @@
-// Who optimises an Nlp, and how: what Ipopt (ipopt.h) and our interior-point method (interior_point.h) have in common.
+// Solves an Nlp by Ipopt (ipopt.h) or our interior-point method (interior_point.h), with the same options and report.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,13 +15,13 @@ enum class SolveStatus {
   kAcceptable,      // stopped at the looser acceptable tolerance: usable, less exact
   kInfeasible,      // converged to a point of local infeasibility
   kIterationLimit,  // `max_iterations` reached
-  kStopped,         // the monitor said stop
+  kStopped,         // the monitor returned false
   kFailed,          // the method broke down (restoration failed, numbers not finite, ...)
 };
 
 const char* name(SolveStatus status);
 
-// A point and its multipliers; multipliers may be empty (size 0): then they are estimated.
+// A point and its multipliers. Empty multipliers (size 0) are estimated by the solver.
 struct Iterate {
   Eigen::VectorXd x, lambda, z_lower, z_upper;
 };
@@ -33,7 +33,7 @@ enum class Optimiser {
 
 enum class BarrierStrategy { kAdaptive, kMonotone };
 
-// The name of our linear solver, the chain factorisation, as it is asked for.
+// The name of the chain factorisation in options and requests.
 inline constexpr const char* kChainSolver = "stage";
 
 struct IterationInfo {
@@ -47,7 +47,7 @@ struct SolveOptions {
   double constraint_tolerance = 1e-9;  // absolute, unscaled
   int max_iterations = 500;
   double initial_barrier = 0.1;  // mu; small for warm starts
-  double final_barrier = 1e-9;   // with the monotone strategy; the objective is worse by about mu times the bounds
+  double final_barrier = 1e-9;   // monotone strategy only; costs about mu times the number of bounds in the objective
   bool warm_start = false;       // start from the given multipliers and do not push the point off its bounds
   BarrierStrategy barrier_strategy = BarrierStrategy::kAdaptive;
   std::string linear_solver = kChainSolver;  // one of linear_solvers(), linear_solver.h
@@ -55,7 +55,7 @@ struct SolveOptions {
   int print_level = 0;
   // Called after every iteration; return false to stop.
   std::function<bool(const IterationInfo&)> monitor;
-  DoBoth both = one_after_the_other;     // how the halves of a factorisation are worked off
+  DoBoth both = one_after_the_other;     // runs the two halves of a factorisation, possibly on two threads
   Eigen::VectorXd x_scaling, g_scaling;  // empty: Ipopt's gradient-based scaling
   double objective_scaling = 1;
 };
@@ -67,20 +67,20 @@ struct SolveReport {
   double violation = 0;  // largest unscaled constraint violation
   double tolerance = 0;  // SolveOptions::tolerance that it was solved with
   int iterations = 0;
-  // What the solve took, counted in the optimiser's steps and not in time, so that it is the same every time: about
-  // seconds of one core of the machine that the weights were measured on (bench/README.md).
+  // Effort of the solve, computed from counts of iterations and multiplications instead of measured, so that it is
+  // reproducible. The unit is about 1 s of one core of the machine that the weights were measured on (bench/README.md).
   double work = 0;
   SolveCost cost{};
-  bool fell_back = false;  // our method had failed, and Ipopt was asked; the costs are of both
+  bool fell_back = false;  // our method failed and Ipopt was used; iterations, work and cost are sums over both
 
   bool solved() const { return status == SolveStatus::kOptimal || status == SolveStatus::kAcceptable; }
 };
 
-// start: n variables, m multipliers of constraints, n of lower and of upper bounds, as nlp has them. With kChainSolver
-// it may be called by several threads at a time; with MUMPS, as Debian builds it, and with the HSL's by one.
+// Solves nlp from `start`: n variables, m multipliers of constraints, n each of lower and upper bounds (unscaled). With
+// kChainSolver several threads may call it concurrently; with MUMPS as Debian builds it, or an HSL solver, only one.
 SolveReport solve(const Nlp& nlp, const Iterate& start, const SolveOptions& options);
 
-// Work of so many iterations, with so many multiplications in factorisations and their solves (SolveReport::work).
+// Returns SolveReport::work for a number of iterations and of multiplications in factorisations and their solves.
 double work_of(const Nlp& nlp, int iterations, double multiplications);
 
 }  // namespace fjr

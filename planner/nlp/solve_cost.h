@@ -1,15 +1,15 @@
-// What a solve cost.
+// CPU time of a solve by its parts.
 #pragma once
 
 namespace fjr {
 
-// CPU time [s] of the thread that solves, its waiting for a second one (SolveOptions::both) included, and not of that
-// one. What is neither evaluation nor linear algebra is Ipopt's own.
+// CPU time [s] of the solving thread. It includes waiting for a second thread (SolveOptions::both), but not the time of
+// that thread. What is neither evaluation nor linear algebra is spent in the solver itself.
 struct SolveCost {
   double total = 0;
-  double evaluation = 0;      // of the Nlp: functions and derivatives
-  double linear_algebra = 0;  // assembling, factorising and solving KKT systems, without Ipopt's residuals of them
-  int factorisations = 0;     // by chain/chain_ldlt.h; other linear solvers do not tell
+  double evaluation = 0;      // functions and derivatives of the Nlp
+  double linear_algebra = 0;  // assembling, factorising and solving KKT systems, without Ipopt's residuals
+  int factorisations = 0;     // by chain/chain_ldlt.h; unknown (0) with other linear solvers
 
   double ipopt() const { return total - evaluation - linear_algebra; }
 

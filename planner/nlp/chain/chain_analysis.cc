@@ -1,4 +1,5 @@
-// The symbolic part of ChainLdlt: which entries, indices and rows each front has, found once for a pattern.
+// The symbolic analysis of ChainLdlt: determines the entries, columns and rows of each front, once per sparsity
+// pattern.
 #include <algorithm>
 #include <numeric>
 #include <stdexcept>
@@ -11,7 +12,7 @@ namespace {
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
-// Numbers 0, 1, ... by the group of each, those of a group in their order.
+// Sorts the numbers 0, 1, ... by their group, in increasing order within a group (a counting sort).
 class Groups {
  public:
   Groups(const std::vector<int>& group_of, std::size_t groups) : begin_(groups + 1, 0), items_(group_of.size()) {
@@ -39,7 +40,7 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
   leaves_.clear();
   leaf_entries_.clear();
 
-  // Neighbours, to find leaves; and who is seen by the next block.
+  // Count the neighbours of each index, to find leaves, and mark the indices that are coupled to the next block.
   std::vector<int> only_neighbour(block.size(), -1), degree(block.size(), 0);
   std::vector<char> seen_later(block.size(), false);
   for (std::size_t e = 0; e < rows.size(); ++e) {
@@ -58,7 +59,7 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
     seen_later[index(si < sj ? i : j)] = true;
   }
 
-  // Equality rows: of one block, and none coupled to another.
+  // Only those equality rows are treated as such that lie within one block and are not coupled to one another.
   std::vector<char> equality(structure.equality.begin(), structure.equality.end());
   equality.resize(block.size(), false);
   for (std::size_t i = 0; i < block.size(); ++i) equality[i] = equality[i] && block[i] != blocks && !seen_later[i];
@@ -83,17 +84,17 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
     leaf_role[index(i)] = leaf_role[index(p)] = static_cast<int>(leaves_.size());
     leaves_.push_back({.leaf = i, .neighbour = p});
   }
-  // By front.
+  // Sort the leaves by front.
   std::stable_sort(leaves_.begin(), leaves_.end(),
                    [&](const Leaf& a, const Leaf& b) { return block[index(a.leaf)] < block[index(b.leaf)]; });
   for (int l = 0; l < static_cast<int>(leaves_.size()); ++l) {
     const Leaf& leaf = leaves_[index(l)];
     leaf_role[index(leaf.leaf)] = leaf_role[index(leaf.neighbour)] = l;
-    ++fronts_[index(block[index(leaf.leaf)])].last_leaf;  // a count, so far
+    ++fronts_[index(block[index(leaf.leaf)])].last_leaf;  // only counts at first; made an index below
   }
 
   border_.clear();
-  std::vector<std::vector<int>> shared(index(blocks)), own(index(blocks));  // with the next block; with none
+  std::vector<std::vector<int>> shared(index(blocks)), own(index(blocks));  // coupled to the next block; not coupled
   for (int i = 0; i < size_; ++i) {
     if (leaf_role[index(i)] >= 0) continue;
     if (block[index(i)] == blocks) {
@@ -106,7 +107,7 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
   }
   for (std::size_t k = 0; k < fronts_.size(); ++k) {
     Front& front = fronts_[k];
-    // Short rows first, for they leave zeros where the others' pivots come.
+    // Short rows come first, because their elimination causes less fill-in in the rows that are pivoted later.
     std::stable_sort(front.rows.begin(), front.rows.end(),
                      [&](int a, int b) { return entries[index(a)] < entries[index(b)]; });
     front.first_leaf = k > 0 ? fronts_[k - 1].last_leaf : 0;
@@ -114,8 +115,9 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
   }
   set_branches(shared, own);
 
-  // Entries, to their front or leaf: in the order of fronts, for then an index's place in the front is known.
-  std::vector<int> belongs_to;  // a front, or after all of them a leaf
+  // Assign every entry to its front or leaf. This goes front by front, because the position of an index is known only
+  // within the front at hand.
+  std::vector<int> belongs_to;  // per entry: number of a front, or number of fronts + number of a leaf
   belongs_to.reserve(rows.size());
   for (std::size_t e = 0; e < rows.size(); ++e) {
     const int i = rows[e], j = cols[e], si = block[index(i)], sj = block[index(j)];
@@ -128,7 +130,7 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
       continue;
     }
     int k = std::max(si, sj);
-    if (k == blocks) k = std::min(si, sj);  // with the border: to the block of the other index
+    if (k == blocks) k = std::min(si, sj);  // one index is in the border: the block of the other decides
     belongs_to.push_back(std::min(k, blocks - 1));
   }
   const Groups entries_of(belongs_to, fronts_.size() + leaves_.size());
@@ -172,8 +174,8 @@ void ChainLdlt::analyse(std::span<const int> rows, std::span<const int> cols, co
   leaf_values_.assign(leaf_entries_.size(), 0);
 }
 
-// Which columns each front has, and where they come from. shared: the indices of a block that the next one sees; own:
-// those that no other block sees.
+// Determines the columns of each front and the child fronts that pass them on. `shared` lists per block the indices
+// that are coupled to the next block, `own` those that are coupled to no other block.
 void ChainLdlt::set_branches(const std::vector<std::vector<int>>& shared, const std::vector<std::vector<int>>& own) {
   const int blocks = static_cast<int>(fronts_.size()), middle = blocks / 2;
   branches_ = {};

@@ -13,15 +13,15 @@ namespace {
 
 constexpr int kMostDelayed = 40;
 
-// A slack whose own curvature is beyond this is better eliminated alone: the pair's Schur complement would carry the
-// large number into the states' block and lose their digits to it.
+// A slack whose own curvature exceeds this is eliminated alone. Eliminating it together with its constraint would add
+// the large number to the block of the states, where smaller entries would lose their digits by cancellation.
 constexpr double kLargestCondensed = 1e4;
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
 }  // namespace
 
-// Returns their number of negative eigenvalues.
+// Computes the pivots of the leaves and returns the number of their negative eigenvalues.
 int ChainLdlt::prepare_leaves(std::span<const double> values) {
   int negative = 0;
   for (std::size_t e = 0; e < leaf_entries_.size(); ++e) leaf_values_[e] = values[index(leaf_entries_[e].value)];
@@ -48,7 +48,7 @@ int ChainLdlt::prepare_leaves(std::span<const double> values) {
   return negative;
 }
 
-// Lays out a front and adds its entries and the rests of the fronts before it.
+// Assembles a front: the entries of its block plus the Schur complements of its child fronts.
 void ChainLdlt::assemble(Front& front, std::span<const double> values, Branch& work) const {
   front.column_index = front.columns;
   front.row_index.clear();
@@ -68,8 +68,8 @@ void ChainLdlt::assemble(Front& front, std::span<const double> values, Branch& w
   for (std::size_t r = 0; r < front.rows.size(); ++r) {
     work.row_place.push_back(work.row_diagonal[r] == 0 ? new_row(front.rows[r]) : ~new_column(front.rows[r]));
   }
-  // What the fronts before it left: delayed rows without entries among themselves stay rows, other delayed ones are
-  // columns.
+  // Place the delayed pivots of the child fronts. Delayed rows that have no entries among themselves stay rows, all
+  // others become columns.
   for (std::size_t c = 0; c < front.children.size(); ++c) {
     const Front& previous = fronts_[index(front.children[c].front)];
     const DenseLdlt& rest = previous.rest;
@@ -112,7 +112,7 @@ void ChainLdlt::assemble(Front& front, std::span<const double> values, Branch& w
   };
   const bool all_rows =
       std::all_of(work.row_diagonal.begin(), work.row_diagonal.end(), [](double d) { return d == 0; });
-  if (width == front.width && all_rows) {  // then entries are where analyse() put them
+  if (width == front.width && all_rows) {  // nothing was delayed, so the positions from analyse() are valid
     double* t = front.tableau.data();
     for (const Entry& e : front.diagonal) s[e.at] += values[index(e.value)];
     for (const Entry& e : front.symmetric) {
@@ -171,8 +171,8 @@ void ChainLdlt::assemble(Front& front, std::span<const double> values, Branch& w
   }
 }
 
-// Eliminates the equality rows with their basic variables, and lays out what is left. False when a row depends on
-// others.
+// Eliminates the equality rows together with their basic variables, and sets up the dense matrix of what is left
+// (front.rest). Returns false if a row is linearly dependent on others.
 bool ChainLdlt::reduce(Front& front, bool last, Branch& work) {
   Tableau& tableau = front.tableau;
   const int columns = tableau.columns(), width = tableau.width(), fixed = static_cast<int>(front.columns.size());
@@ -188,7 +188,8 @@ bool ChainLdlt::reduce(Front& front, bool last, Branch& work) {
   }
   if (!tableau.solve_for_basis(preference, bounding)) return false;
 
-  // The basic columns, and what is left: fully summed columns, rows without basic variable, the other columns.
+  // List the basic columns and, in this order, what is left: fully summed columns, rows without a basic variable, and
+  // the other columns.
   work.basic.clear();
   work.list.clear();
   front.basic_rows.clear();
@@ -212,7 +213,7 @@ bool ChainLdlt::reduce(Front& front, bool last, Branch& work) {
   front.rest_summed = last ? count : leaving;
   work.negative += basics;
 
-  // The rows of H of the basic variables; of these the other columns, and Z = B^-1 N.
+  // Copy the rows of H that belong to basic variables (H_BB, H_BN) and Z = B^-1 N.
   front.curvature.resize(basics, columns);
   work.u.resize(basics, count);
   work.z.resize(basics, count);
@@ -231,7 +232,7 @@ bool ChainLdlt::reduce(Front& front, bool last, Branch& work) {
     std::fill(u + count, u + others, 0.0);
     std::fill(z + count, z + others, 0.0);
   }
-  // H_NN - H_NB Z - Z' H_BN + Z' H_BB Z, as H_NN - X - X' with X = (H_BN - H_BB Z / 2)' Z.
+  // The reduced Hessian H_NN - H_NB Z - Z' H_BN + Z' H_BB Z is H_NN - X - X' with X = (H_BN - H_BB Z / 2)' Z.
   add_product(-0.5, front.curvature.data(), width, work.basic, work.z.data(), others, work.u.data());
   transposed_product(work.u.data(), count, work.z.data(), basics, others, work.x.data());
   front.rest.reset(work.list);
@@ -258,9 +259,9 @@ void ChainLdlt::count_work(const Front& front, Branch& work) {
   work.solve_work += 4 * (rows + basics) * width + 2 * rest * rest;
 }
 
-// Eliminates the fronts of a branch, unless it is found to be of no use. What a front leaves has at least as many
-// negative eigenvalues as the fronts that are still there have equality rows, unless it is singular: its block on those
-// rows is zero or negative. With the pivots so far that tells early that there are too many.
+// Eliminates the fronts of a branch; stops early once `of_no_use` is set. What remains after a front has at least as
+// many negative eigenvalues as the remaining fronts have equality rows (unless it is singular), because its block on
+// those rows is zero or negative. Together with the pivots so far, this detects early that there are too many.
 ChainLdlt::Outcome ChainLdlt::eliminate(Branch& branch, std::span<const double> values, double threshold,
                                         int most_negative, const std::atomic<bool>& of_no_use) {
   const bool last = &branch == &branches_[kMiddle];
@@ -271,8 +272,9 @@ ChainLdlt::Outcome ChainLdlt::eliminate(Branch& branch, std::span<const double> 
     if (!reduce(front, last, branch)) return Outcome::kSingular;
     count_work(front, branch);
     branch.negative += front.rest.eliminate(front.rest_summed, threshold);
-    // Pivots that pile up along the chain mean that no block has the curvature to place them: the fronts would grow
-    // with the chain's length, and what comes out at its end would be noise. The caller's perturbation is the cure.
+    // Pivots that are delayed again and again mean that no block has the curvature to eliminate them. The fronts would
+    // grow along the chain and the result would be dominated by rounding errors. Reporting the matrix as singular makes
+    // the caller regularise it.
     if (front.rest_summed - front.rest.pivots() > kMostDelayed) return Outcome::kSingular;
     if (last) return front.rest.pivots() == front.rest.order() ? Outcome::kDone : Outcome::kSingular;
     if (negative_of_leaves_ + branch.negative > most_negative - front.rows_elsewhere) {
@@ -283,8 +285,8 @@ ChainLdlt::Outcome ChainLdlt::eliminate(Branch& branch, std::span<const double> 
   return Outcome::kDone;
 }
 
-// Where the branch from the start fails, the one from the end is ignored even if it ended first: so outcome and counts
-// do not depend on the number of threads.
+// If the branch from the start fails, the branch from the end is ignored even if it finished first. Therefore the
+// outcome and the counts do not depend on the number of threads.
 ChainLdlt::Outcome ChainLdlt::factorise(std::span<const double> values, double threshold, int most_negative,
                                         const DoBoth& both) {
   negative_of_leaves_ = prepare_leaves(values);
@@ -297,7 +299,7 @@ ChainLdlt::Outcome ChainLdlt::factorise(std::span<const double> values, double t
     of_no_use = of_start != Outcome::kDone;
   };
   auto from_end = [&] { of_end = eliminate(branches_[kFromEnd], values, threshold, most_negative, of_no_use); };
-  both(std::ref(from_start), std::ref(from_end));  // a reference is not allocated
+  both(std::ref(from_start), std::ref(from_end));  // std::ref keeps std::function from allocating memory
 
   negative_ = negative_of_leaves_;
   factorisation_work_ = solve_work_ = 0;
@@ -308,7 +310,7 @@ ChainLdlt::Outcome ChainLdlt::factorise(std::span<const double> values, double t
   };
   count(branches_[kFromStart]);
   if (of_start != Outcome::kDone) return of_start;
-  if (of_end == Outcome::kTooManyNegative) negative_ = negative_of_leaves_;  // its count is of all the others too
+  if (of_end == Outcome::kTooManyNegative) negative_ = negative_of_leaves_;  // its count includes all other fronts
   count(branches_[kFromEnd]);
   if (of_end != Outcome::kDone) return of_end;
   const Outcome of_middle = eliminate(branches_[kMiddle], values, threshold, most_negative, never);
@@ -316,7 +318,7 @@ ChainLdlt::Outcome ChainLdlt::factorise(std::span<const double> values, double t
   return of_middle;
 }
 
-// b of the front's columns and rows.
+// Return the entry of the right-hand side b that belongs to column j or row r of the front.
 double& ChainLdlt::column_value(const Front& front, std::span<double> b, int j) {
   return b[index(front.column_index[index(j)])];
 }
@@ -324,7 +326,7 @@ double& ChainLdlt::row_value(const Front& front, std::span<double> b, int r) {
   return b[index(front.row_index[index(r)])];
 }
 
-// With c = B^-1 b_R the basic variables' part of the right-hand side, what is left for the others is
+// Forward substitution in one front. With c = B^-1 b_R, the right-hand side of the other variables becomes
 //   b_N - H_NB c - Z' (b_B - H_BB c).
 void ChainLdlt::solve_forward(const Front& front, std::span<double> b, Rows& vectors) {
   const Tableau& t = front.tableau;
@@ -348,7 +350,8 @@ void ChainLdlt::solve_forward(const Front& front, std::span<double> b, Rows& vec
   }
 }
 
-// x_B = c - Z x_N, and the rows' multipliers B'^-1 (b_B - H_BB x_B - H_BN x_N).
+// Backward substitution in one front: the basic variables are x_B = c - Z x_N, and the multipliers of the rows are
+// B'^-1 (b_B - H_BB x_B - H_BN x_N).
 void ChainLdlt::solve_backward(const Front& front, std::span<double> b, Rows& vectors) {
   const Tableau& t = front.tableau;
   const int width = t.width(), rows = t.rows(), basics = static_cast<int>(front.basic_rows.size());
@@ -380,7 +383,7 @@ void ChainLdlt::solve_backward(const Front& front, std::span<double> b, Rows& ve
 
 namespace {
 
-// A value per row of a front's rest, from those of all and back.
+// Gives access to the values of the rows of a front's dense matrix (front.rest) within the vector of the whole matrix.
 class RestValues {
  public:
   RestValues(std::span<const int> local, std::span<const int> column_index, std::span<const int> row_index,
@@ -452,7 +455,8 @@ void ChainLdlt::solve_backward(const Branch& branch, std::span<double> b) const 
   }
 }
 
-// The branches share nothing but the border: the one from the end adds to a border of its own.
+// The two outer branches share only the border. To let them run concurrently, the one from the end adds to a border of
+// its own.
 void ChainLdlt::solve(std::span<double> b, const DoBoth& both) const {
   std::copy(b.begin(), b.end(), values_.begin());
   const std::span<double> values(values_), border = values.subspan(index(size_));

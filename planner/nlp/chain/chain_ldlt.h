@@ -1,19 +1,19 @@
-// L D L' of symmetric indefinite matrices whose graph is a chain of blocks with a border: the KKT matrices of
-// collocation problems, where an interval sees itself, its neighbours and the durations.
+// Factorises symmetric indefinite matrices as L D L' whose graph is a chain of blocks with a border. The KKT matrices
+// of collocation problems have this form: an interval is coupled to its neighbours and to the durations (the border).
 //
 // Multifrontal elimination (Duff & Reid, ACM TOMS 9, 1983) along the chain, from both ends to its middle, which two
-// threads can do at a time: front k assembles block k and what the front before it left, eliminates every index that
-// only these blocks see, and passes its Schur complement on, to front k + 1 or, in the second half, to k - 1. In a
-// front
-// - an index with a single neighbour, the slack of an inequality, goes first, together with that neighbour;
-// - then the equality rows, whose own block is zero, together with as many variables that they determine: with A = (B
-// N)
-//   the rows' coefficients and H the symmetric matrix of the variables, the block (H_BB B'; B 0) has as many
-//   eigenvalues of each sign as rows, whatever H is, and what it leaves is the matrix reduced to the other variables
-//   (tableau.h);
-// - the few that remain are pivots of a small dense matrix (dense_ldlt.h); what finds no good pivot is delayed to the
-//   next front.
-// Cost: O(blocks) times a small dense factorisation.
+// threads can do concurrently: front k assembles block k and the Schur complement of the front before it, eliminates
+// every index that is coupled to no later block, and passes its own Schur complement on to front k + 1 or, in the
+// second half, to k - 1. In a front
+// - an index with a single neighbour (a leaf: the slack of an inequality) is eliminated first, together with that
+//   neighbour;
+// - then the equality rows, whose own block is zero, are eliminated together with as many variables that they
+//   determine. Let A = (B N) be the coefficients of the rows and H the symmetric matrix of the variables. The block
+//   (H_BB B'; B 0) has as many positive and as many negative eigenvalues as there are rows, whatever H is, and its
+//   Schur complement is the matrix reduced to the other variables (tableau.h);
+// - the few indices that remain are pivots of a small dense matrix (dense_ldlt.h). One that finds no good pivot is
+//   delayed to the next front.
+// The cost is that of a small dense factorisation per block.
 #pragma once
 
 #include <array>
@@ -28,39 +28,41 @@
 
 namespace fjr {
 
-// What the rows of such a matrix are.
+// Tells the block of each row of such a matrix, and which rows are equality constraints.
 struct ChainStructure {
   int blocks = 0;
-  std::vector<int> block;      // of every row, from 0; the border's have block `blocks`
-  std::vector<bool> equality;  // per row: a row of the equality constraints; may be left empty
+  std::vector<int> block;      // per row, from 0; the rows of the border have block `blocks`
+  std::vector<bool> equality;  // per row: whether it is an equality constraint; may be left empty
 };
 
 class ChainLdlt {
  public:
-  // Pattern: entries (rows[e], cols[e]), 0-based, either triangle, repeated entries add up. Throws
-  // std::invalid_argument if an entry joins two blocks that are neither neighbours nor one of them the border.
+  // Sets the sparsity pattern: entries (rows[e], cols[e]), 0-based, in either triangle; repeated entries add up. Throws
+  // std::invalid_argument if an entry couples two blocks that are not neighbours, unless one of them is the border.
   void analyse(std::span<const int> rows, std::span<const int> cols, const ChainStructure& structure);
 
   enum class Outcome {
     kDone,             // the matrix may be solved with
     kTooManyNegative,  // it certainly has more negative eigenvalues than allowed, and was not factorised to the end
-    kSingular,         // to working precision, or so nearly that pivots pile up
+    kSingular,         // to working precision, or so nearly that too many pivots are delayed
   };
 
-  // Values of the entries. threshold in (0, 0.5]: a pivot must exceed this fraction of what it would divide; larger is
-  // more stable and less sparse. most_negative: of the eigenvalues; equality rows must not have positive diagonals
-  // where there is such a bound. both: does the two halves of the work, on threads as it likes; the numbers are the
-  // same.
+  // Factorises the matrix with these values of the entries. threshold in (0, 0.5]: a pivot must exceed this fraction of
+  // the entries it divides; a larger one is more stable and gives more fill-in. most_negative: as soon as the matrix is
+  // known to have more negative eigenvalues than this, the factorisation ends and solve() must not be called. With a
+  // finite most_negative, equality rows must not have positive diagonal entries. both: runs the two halves of the work,
+  // possibly on two threads; the results are the same bits.
   Outcome factorise(std::span<const double> values, double threshold,
                     int most_negative = std::numeric_limits<int>::max(), const DoBoth& both = one_after_the_other);
 
-  // Of the last factorised matrix: exact by Sylvester's law; at least so many where there are more than most_negative.
+  // Returns the number of negative eigenvalues of the last matrix. It is exact by Sylvester's law of inertia, and a
+  // lower bound if it exceeds most_negative.
   int negative_eigenvalues() const { return negative_; }
 
   void solve(std::span<double> right_hand_side, const DoBoth& both = one_after_the_other) const;  // in place
 
-  // Multiplications that the last factorisation took, and that one solve() with it takes: to a third or so, and the
-  // same every time. Delayed pivots make them several times what the pattern alone would.
+  // Return the number of multiplications of the last factorisation, and of one solve() with it. They are accurate to
+  // about a third and reproducible. Delayed pivots can make them several times larger than the pattern suggests.
   double factorisation_work() const { return factorisation_work_; }
   double solve_work() const { return solve_work_; }
 
@@ -68,51 +70,50 @@ class ChainLdlt {
 
  private:
   struct Entry {
-    int value, at, mirrored;  // which of the values, and where it goes: row x width of the front + column
+    int value, at, mirrored;  // index of the value, and its positions in the front: row * width + column
   };
   struct LeafEntry {
     int value, column;
   };
   struct Leaf {  // an index with one neighbour
     int leaf, neighbour;
-    // Where in leaf_entries_ those of (leaf, leaf), (leaf, neighbour), (neighbour, neighbour), and of the neighbour and
-    // a column of the front begin.
+    // First index in leaf_entries_ of the entries (leaf, leaf), (leaf, neighbour), (neighbour, neighbour), and of those
+    // between the neighbour and columns of the front; then the end of the latter.
     int own = 0, coupling = 0, diagonal = 0, others = 0, end = 0;
-    // Numbers of the present factorisation:
+    // Set by the current factorisation:
     bool paired = false;                                    // both eliminated; otherwise the leaf alone
     double a_ll = 0, a_lp = 0, a_pp = 0;                    // the pivot block
     double inverse_ll = 0, inverse_lp = 0, inverse_pp = 0;  // of the 2 x 2 block when paired
   };
   struct Child {
-    int front, first_column;  // where the columns that it passes on begin
+    int front, first_column;  // position of the first column that it passes on
   };
   struct Front {
-    std::vector<Child> children;  // the fronts before it: two for the middle
-    // Columns: indices that are no equality rows - those the fronts before it pass on, then what is this block's own,
-    // what the next front sees too, and the border.
+    std::vector<Child> children;  // the fronts whose Schur complements it receives; the middle has two
+    // Columns are the indices that are not equality rows, in this order: those passed on by the children, those of this
+    // block alone, those that are coupled to the next front, and the border.
     std::vector<int> columns;
-    int summed = 0, later = 0, width = 0;  // columns below `summed` become fully summed here; width is of all, padded
+    int summed = 0, later = 0, width = 0;  // `summed` columns are fully summed here, `later` go to the next front
     std::vector<int> rows;                 // equality rows
-    int rows_elsewhere = 0;                // equality rows that its branch has not come to by then
+    int rows_elsewhere = 0;                // number of equality rows not yet eliminated by its branch after this front
     std::vector<Entry> diagonal, symmetric, coupling, row_diagonal;  // of two columns, of a row and a column, of a row
     int first_leaf = 0, last_leaf = 0;                               // in leaves_
-    // Numbers of the present factorisation:
-    // Their numbers in the whole matrix: those of this front, rows that are treated as columns, those that the front
-    // before it delayed, and columns that its leaves left.
+    // Set by the current factorisation: Index in the whole matrix of each column and row of the front, including rows
+    // that are treated as columns, pivots delayed by the children, and neighbours of leaves that were eliminated alone.
     std::vector<int> column_index, row_index;
     Tableau tableau;
     std::vector<int> basic_rows;  // rows of the tableau that have a basic variable
-    Rows curvature;               // per such row: the basic variable's row of the symmetric matrix
-    DenseLdlt rest;  // rows: the columns that are not basic by their number, then tableau row r as columns + r
+    Rows curvature;               // per such row: the row of H that belongs to the basic variable
+    DenseLdlt rest;  // its index(): the number of a column that is not basic, or columns + r for tableau row r
     int rest_summed = 0;
   };
 
-  // Fronts that one thread eliminates one after the other.
+  // A branch is a sequence of fronts that one thread eliminates.
   enum { kFromStart, kFromEnd, kMiddle };
-  struct alignas(64) Branch {  // what two threads write is not in the same line of their caches
+  struct alignas(64) Branch {  // aligned so that two threads do not write to the same cache line
     std::vector<int> fronts;
-    int rows = 0;  // equality rows of all of them
-    // Of the present factorisation:
+    int rows = 0;  // number of equality rows of all its fronts
+    // Set by the current factorisation:
     int negative = 0;
     double factorisation_work = 0, solve_work = 0;
     // Work space:
@@ -148,7 +149,7 @@ class ChainLdlt {
   std::vector<Leaf> leaves_;  // by front
   std::vector<LeafEntry> leaf_entries_;
   std::vector<double> leaf_values_;     // of leaf_entries_
-  mutable std::vector<double> values_;  // of all indices, then of the border as the branch from the end knows it
+  mutable std::vector<double> values_;  // per index; then the contributions to the border of the branch from the end
 };
 
 }  // namespace fjr

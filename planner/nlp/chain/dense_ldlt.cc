@@ -8,19 +8,21 @@
 namespace fjr {
 namespace {
 
-// A pivot below this is a zero.
+// A pivot of a smaller magnitude counts as zero.
 constexpr double kZero = 1e-20;
 
-// Pivots that bound growth this well are taken first; the caller's threshold is what is accepted before delaying.
+// Pivots that pass the stability test with this threshold are taken first. Only if there are none, the caller's lower
+// threshold is used, before pivots are delayed.
 constexpr double kComfortable = 1e-2;
 
-// Rows of active constraints on states find no good pivot before the block that determines those states: up to 10 were
-// seen to wait. More than this wait only where a fine mesh scales badly, and would pile up along the chain, so that
-// they are pivoted with scaling: an iteration with 800 intervals took three times as long as four with 200.
+// Rows of active constraints on states find no good pivot before the block that determines those states. Up to 10 such
+// rows were seen to be delayed at a time. Where a finely meshed problem is badly scaled, more would accumulate along
+// the chain; beyond this number, pivots are judged by the scaled matrix instead. Without that, an iteration with 800
+// intervals took three times as long as four with 200.
 constexpr int kMostWaiting = 16;
 
-// Subtracts from all rows below p what eliminating it with the pivot d leaves there, and divides row p. The columns
-// up to p are not read again, and may be overwritten.
+// Eliminates row p with the pivot d: updates all rows below and divides row p by d. The columns up to p are not read
+// again and may be overwritten.
 FJR_VECTORISED void subtract_one(double* a, int n, int width, int p, double d) {
   double* from = a + p * width;
   const double inverse = 1 / d;
@@ -36,7 +38,7 @@ FJR_VECTORISED void subtract_one(double* a, int n, int width, int p, double d) {
   for (int i = p + 1; i < n; ++i) from[i] *= inverse;
 }
 
-// The same for rows p and p + 1 with the pivot block (d0 e0; e0 d1).
+// Eliminates rows p and p + 1 with the 2 x 2 pivot (d0 e0; e0 d1).
 FJR_VECTORISED void subtract_two(double* a, int n, int width, int p, double d0, double e0, double d1) {
   double *from0 = a + p * width, *from1 = from0 + width;
   const double inverse = 1 / (d0 * d1 - e0 * e0), b00 = d1 * inverse, b01 = -e0 * inverse, b11 = d0 * inverse;
@@ -58,7 +60,7 @@ FJR_VECTORISED void subtract_two(double* a, int n, int width, int p, double d0, 
   from0[p + 1] = 0;
 }
 
-// Largest magnitude in a row, each weighed.
+// Returns the largest magnitude times weight in a row.
 FJR_VECTORISED double largest_of(const double* row, const double* weights, int width) {
   Lanes largest{};
   for (int w = 0; w < width; w += kLanes) {
@@ -81,12 +83,12 @@ void DenseLdlt::reset(std::span<const int> index) {
   pivots_ = 0;
 }
 
-// Pivots are judged by the matrix as it is.
+// Makes the pivot tests use the matrix without scaling.
 void DenseLdlt::judge_as_is(int first) { std::fill(weights_.row(0) + first, weights_.row(0) + order(), 1.0); }
 
-// Pivots are judged by the matrix scaled so that no entry exceeds 1 and nearly every row has one that is 1 (Bunch,
-// Numer. Math. 17, 1971): the row of an active constraint is of size 1 with next to nothing on the diagonal, the
-// columns of states near their bounds are of size 1e10, and what is a good pivot should not depend on such units.
+// Makes the pivot tests use the matrix scaled so that no entry exceeds 1 and nearly every row has an entry 1 (Bunch,
+// Numer. Math. 17, 1971). The row of an active constraint has entries of size 1 and almost zero on its diagonal, while
+// the columns of states near their bounds are of size 1e10; the choice of pivots should not depend on such units.
 void DenseLdlt::judge_scaled(int first) {
   double* weights = weights_.row(0);
   std::fill(weights + first, weights + order(), 0.0);
@@ -96,7 +98,7 @@ void DenseLdlt::judge_scaled(int first) {
   }
 }
 
-// Largest magnitude, as judged, in row i of what is not eliminated, without columns c and d.
+// Returns the largest scaled magnitude in row i of the part that is not eliminated, without columns c and d.
 double DenseLdlt::largest(int i, int c, int d) {
   double* weights = weights_.row(0);
   const double of_i = weights[i], of_c = weights[c], of_d = weights[d];
@@ -118,7 +120,7 @@ void DenseLdlt::exchange(int p, int q) {
 
 int DenseLdlt::eliminate(int candidates, double threshold) {
   const int n = order();
-  // Pivots are judged by the scaled matrix last: a row that is delayed often finds a better pivot in a later block.
+  // The scaled matrix is tried last, because a delayed row often finds a better pivot in a later block.
   const struct {
     double wanted;
     bool scaled;
@@ -134,7 +136,7 @@ int DenseLdlt::eliminate(int candidates, double threshold) {
   };
   const auto entry = [&](int i, int j) { return row(i)[j] * scale[i] * scale[j]; };
   while (p < candidates) {
-    if (p + candidate >= candidates) {  // nobody left passes
+    if (p + candidate >= candidates) {  // no candidate passes this test
       if (++judgement == std::end(judgements)) break;
       if (judgement->scaled && candidates - p <= kMostWaiting) break;
       if (judgement->scaled) judge_scaled(p);
@@ -150,7 +152,7 @@ int DenseLdlt::eliminate(int candidates, double threshold) {
       next_pivot(1);
       continue;
     }
-    // 2 x 2 with the candidate it couples to most.
+    // Try a 2 x 2 pivot with the candidate that has the largest entry in this row.
     int r = -1;
     double y = 0;
     for (int j = p; j < candidates; ++j) {
@@ -161,7 +163,7 @@ int DenseLdlt::eliminate(int candidates, double threshold) {
     if (r >= 0) {
       const double x = entry(c, c), z = entry(r, r), determinant = x * z - y * y;
       const double off_c = largest(c, c, r), off_r = largest(r, c, r);
-      // Growth of the inverse times the rest, row by row (Duff & Reid's test).
+      // Bound the entries of the inverse pivot times the remaining entries, row by row (the test of Duff & Reid).
       const double growth =
           std::max(std::fabs(z) * off_c + std::fabs(y) * off_r, std::fabs(y) * off_c + std::fabs(x) * off_r);
       if (std::fabs(determinant) > kZero && growth * judgement->wanted <= std::fabs(determinant)) {

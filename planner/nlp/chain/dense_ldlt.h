@@ -1,6 +1,7 @@
-// L D L' of a small dense symmetric indefinite matrix, as far as its pivots are good.
+// Factorises a small dense symmetric indefinite matrix as L D L', as far as stable pivots are found.
 //
-// Pivots are 1 x 1 and 2 x 2 after Bunch & Kaufman, accepted only if they bound the growth of the whole matrix.
+// Pivots are 1 x 1 and 2 x 2 as in Bunch & Kaufman's method, and are accepted only if they bound the growth of the
+// entries of the whole matrix.
 #pragma once
 
 #include <span>
@@ -12,7 +13,8 @@ namespace fjr {
 
 class DenseLdlt {
  public:
-  // Rows are known by what `index` says of them. The entries are then to be set, all of them and both triangles.
+  // Starts a matrix with one row per element of `index`, which the caller chooses to identify the rows. The caller then
+  // sets all entries of both triangles.
   void reset(std::span<const int> index);
 
   int order() const { return static_cast<int>(index_.size()); }
@@ -21,14 +23,14 @@ class DenseLdlt {
   double* row(int i) { return matrix_.row(i); }
   const double* row(int i) const { return matrix_.row(i); }
 
-  // Eliminates as many of the first `candidates` rows as find a good pivot; what is left of the others' block, rows and
-  // columns from pivots() on, is their Schur complement. threshold in (0, 0.5]: a pivot must exceed this fraction of
-  // what it would divide. Returns the number of negative eigenvalues of what was eliminated.
+  // Eliminates as many of the first `candidates` rows as find a stable pivot. Afterwards the rows and columns from
+  // pivots() on hold the Schur complement. threshold in (0, 0.5]: a pivot must exceed this fraction of the entries it
+  // divides. Returns the number of negative eigenvalues of the eliminated part.
   int eliminate(int candidates, double threshold);
 
   // x: one number per row, in the order of index().
   void solve_forward(std::span<double> x) const;   // L x = b
-  void solve_backward(std::span<double> x) const;  // D L' x = b, the rows that were not eliminated given
+  void solve_backward(std::span<double> x) const;  // D L' x = b; x of the rows that were not eliminated is given
 
  private:
   void judge_as_is(int first);
@@ -37,8 +39,8 @@ class DenseLdlt {
   double largest(int i, int c, int d);
 
   std::vector<int> index_;
-  Rows matrix_;                // of the first `pivots_` rows, right of the diagonal: L'
-  Rows weights_;               // one row: what rows and columns are scaled by to judge pivots, 0 where eliminated
+  Rows matrix_;                // the first `pivots_` rows hold L' right of the diagonal
+  Rows weights_;               // one row: scale factors of rows and columns for the pivot tests, 0 where eliminated
   std::vector<double> d_, e_;  // D: diagonal, and subdiagonal where a 2 x 2 block begins (else 0)
   int pivots_ = 0;
 };

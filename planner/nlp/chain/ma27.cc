@@ -64,7 +64,7 @@ void ma27ad_(const int* n, const int* nz, const int* irn, const int* icn, int* /
   info[4] = std::max(*nz, 1);
   info[5] = std::max(*nz, 1);
   if (fjr::described.block.size() != static_cast<std::size_t>(*n)) {
-    info[0] = -1;  // "N out of range": nobody said what this matrix is
+    info[0] = -1;  // "N out of range": describe_chain() was not called for this matrix
     return;
   }
   const fjr::CpuTimed timed(fjr::seconds);

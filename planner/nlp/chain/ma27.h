@@ -1,8 +1,8 @@
-// The chain factorisation behind the calling convention that stock Ipopt loads its linear solvers by.
+// Offers the chain factorisation through the interface of MA27, as which an unmodified Ipopt can load it.
 //
-// Debian's Ipopt has no headers for a solver of one's own, but it loads MA27 at run time from a library. This file is
-// in a library of its own with those symbols, and linear_solver = ma27 means ChainLdlt when Ipopt was told to load that
-// one. The convention has no room for the blocks, so they are told beforehand.
+// Debian's Ipopt has no headers to add a linear solver, but it loads MA27 from a library at run time. This file is
+// built into a library of its own with the symbols of MA27. When Ipopt is told to load it, linear_solver = ma27 means
+// ChainLdlt. The interface of MA27 has no argument for the block structure, so describe_chain() passes it beforehand.
 #pragma once
 
 #include <string>
@@ -11,20 +11,21 @@
 
 namespace fjr {
 
-// What the rows of the KKT matrices to come on this thread are, in Ipopt's order: free variables, slacks of the
-// inequalities, equality rows, inequality rows; and how the halves of the work with them are worked off.
+// Sets the structure of the KKT matrices that this thread will factorise, with the rows in Ipopt's order: free
+// variables, slacks of the inequalities, equality constraints, inequality constraints. `both` runs the two halves of
+// the work.
 void describe_chain(ChainStructure structure, DoBoth both);
 
-// How many factorisations this thread has done.
+// Returns the number of factorisations that this thread has done.
 int factorisations();
 
-// How many multiplications they and the solves with them took, as ChainLdlt counts them.
+// Returns the number of multiplications in these factorisations and their solves, as ChainLdlt counts them.
 double multiplications();
 
-// The CPU time that this thread has spent on them [s].
+// Returns the CPU time [s] that this thread has spent on them.
 double chain_seconds();
 
-// File name of the library that this is in.
+// Returns the file name of the library that contains this code.
 std::string chain_library();
 
 }  // namespace fjr

@@ -8,7 +8,7 @@ namespace fjr {
 
 namespace {
 
-// Of kBlocks x kLanes columns at once, their sums in registers.
+// add_product() for kBlocks * kLanes columns at once, with the sums in registers.
 template <int kBlocks>
 [[gnu::always_inline]] inline void add_columns(double scale, const double* s, int s_width, std::span<const int> columns,
                                                const double* z, int width, double* to) {

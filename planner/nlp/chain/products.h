@@ -1,17 +1,16 @@
-// The products of small matrices that a block is made of. Matrices and vectors are padded and aligned as in
-// rows.h.
+// Products of the small matrices of a block. Matrices and vectors are padded and aligned as in rows.h.
 #pragma once
 
 #include <span>
 
 namespace fjr {
 
-// to += scale * S z for the square S of which row i is that of `s` + i * s_width, taken at the given columns: z and to
-// have one row per column, of `width`. Zeros of S are skipped: structure puts many there.
+// to += scale * S z. Row i of the square matrix S consists of the given columns of the row at s + i * s_width; z and
+// `to` have one row of `width` per column of S. Zeros of S are skipped, because its sparsity leaves many.
 void add_product(double scale, const double* s, int s_width, std::span<const int> columns, const double* z, int width,
                  double* to);
 
-// to = u' z: u and z are rows x width, of u the first `count` columns are used; to is count x width.
+// to = u' z: u and z are (rows x width), only the first `count` columns of u are used, `to` is (count x width).
 void transposed_product(const double* u, int count, const double* z, int rows, int width, double* to);
 
 // to = A x: A is rows x width.

@@ -1,5 +1,5 @@
-// A row-major matrix of doubles as vector units like it: every row begins at a multiple of 32 bytes and is padded to a
-// multiple of that. Storage is kept when the size changes.
+// A row-major matrix of doubles for vector instructions: every row begins at a multiple of 32 bytes and is padded to a
+// multiple of 32 bytes. resize() keeps the memory if it suffices.
 #pragma once
 
 #include <algorithm>

@@ -9,11 +9,11 @@
 namespace fjr {
 namespace {
 
-// A pivot is taken if it exceeds this fraction of its row, which bounds what the row's other variables are multiplied
-// by: first where there are good ones, then what the other rows find.
+// A pivot is accepted if its magnitude exceeds this fraction of the largest in its row, which bounds the factors of the
+// other variables. A first pass over the rows takes good pivots, a second one accepts smaller ones.
 constexpr std::array<double, 2> kFractions{0.1, 0.01};
 
-// What elimination leaves of a row is nothing below this fraction of what there was.
+// After elimination, entries below this fraction of the row's original magnitude count as zero.
 constexpr double kDependent = 1e-13;
 
 FJR_VECTORISED double largest_of(const double* row, int width) {
@@ -31,7 +31,8 @@ struct Choice {
   double fraction;
 };
 
-// The column of the largest magnitude times preference, the first of equal ones, and its fraction of the row.
+// Returns the column with the largest magnitude times preference (the first of equal ones), and the ratio of its
+// magnitude to the largest one among the columns marked in `bounding`.
 FJR_VECTORISED Choice choose(const double* row, const double* preference, const double* bounding, int width) {
   Lanes best{}, bound{}, best_at{}, block{};
   for (int w = 0; w < width; w += kLanes) {
@@ -52,8 +53,8 @@ FJR_VECTORISED Choice choose(const double* row, const double* preference, const 
   return {c, std::fabs(row[c]) / limit};
 }
 
-// Row r solved for column c, and c replaced in all other rows. Column c is written last: a vector read of what was just
-// written in part has to wait for it.
+// Solves row r for the variable of column c and substitutes it in all other rows. Column c is written last, because a
+// vector read of memory that was just partly written stalls.
 template <int kBlocks>
 [[gnu::always_inline]] inline void exchange_rows(double* a, int rows, int r, int c) {
   constexpr int kWidth = kBlocks * kLanes;
@@ -75,7 +76,7 @@ template <int kBlocks>
   }
 }
 
-// The usual widths with the pivot row in registers; wider ones in pieces would need another loop, so in memory.
+// Keeps the pivot row in registers for the usual widths, and in memory for all others.
 FJR_VECTORISED void exchange(double* a, int rows, int width, int r, int c) {
   switch (width / kLanes) {
     case 6:

@@ -1,7 +1,8 @@
-// Loops over padded rows (rows.h) for the vector units that there are.
+// Support for loops over padded rows (rows.h) that use the vector instructions of the processor they run on.
 //
-// FJR_VECTORISED before a function: compiled for newer processors too, and the loader chooses. The level is
-// named as the psABI does: a processor's name would never be chosen on another maker's.
+// A function marked FJR_VECTORISED is compiled a second time for newer processors, and the loader chooses one at run
+// time. The level is named as in the x86-64 psABI, because a variant named after one maker's processor would not be
+// chosen on another maker's.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +21,7 @@ namespace fjr {
 
 using Lanes = double __attribute__((vector_size(kLanes * sizeof(double)), may_alias));
 
-// Lane by lane, in place: vectors that are passed by value would be passed otherwise on every level.
+// These work lane by lane and by reference, because the calling convention for vectors by value depends on the level.
 [[gnu::always_inline]] inline void make_magnitude(Lanes& value) {
   using Bits = std::int64_t __attribute__((vector_size(kLanes * sizeof(double))));
   value = reinterpret_cast<Lanes>(reinterpret_cast<Bits>(value) & std::numeric_limits<std::int64_t>::max());

@@ -1,5 +1,5 @@
-// One optimisation of the arm, for what an instance supports: what collocate() chooses from. Each choice is
-// compiled in a file of its own.
+// The optimisation of one arm problem, templated on the features it supports. collocate() chooses the instance. Each
+// instance is compiled in a file of its own, because the templates take long to compile.
 #pragma once
 
 #include <algorithm>
@@ -27,11 +27,11 @@ inline constexpr Features kEverything{.rate = true, .task_rows = static_cast<int
 inline constexpr Features kSlackTask{.task_rows = 24, .slack = true};
 inline constexpr Features kSlackEverything{.rate = true, .task_rows = static_cast<int>(kMostTaskRows), .slack = true};
 
-// visit<F>() with the least that supports the problem.
+// Calls visit<F>() with the smallest set of features that supports the problem.
 template <class Visit>
 auto with_features(const Problem& problem, Visit&& visit) {
   const Limits& limits = problem.limits;
-  // The rate of u is the control only where something asks for it: two more states cost time.
+  // du/dt is the control only if it is limited or penalised, because the two additional states cost time.
   const bool rate =
       problem.weights.torque_rate > 0 || limits.torque_rate[0] < kNoLimit || limits.torque_rate[1] < kNoLimit;
   const std::size_t rows = count_of_rows(problem.task);
@@ -44,7 +44,7 @@ auto with_features(const Problem& problem, Visit&& visit) {
   return visit.template operator()<kEverything>();
 }
 
-// The same for problems with a slack.
+// Calls visit<F>() likewise for problems with a slack.
 template <class Visit>
 auto with_slack_features(const Problem& problem, Visit&& visit) {
   const Joints<double>& rate = problem.limits.torque_rate;
@@ -53,7 +53,7 @@ auto with_slack_features(const Problem& problem, Visit&& visit) {
   return visit.template operator()<kSlackEverything>();
 }
 
-// From a guess, or from an earlier solution: one of them is given.
+// Solves the problem from a guess or from an earlier solution; exactly one of `guess` and `start` is not null.
 template <Features F>
 Collocated collocate_with(const Problem& problem, const CollocationSetup& setup, const Guess* guess,
                           const Collocated* start, const SolveOptions& options);
@@ -72,12 +72,12 @@ void fix(NodeBounds<N>& bounds, std::size_t first, const Joints<double>& values)
   for (std::size_t j = 0; j < kJoints; ++j) bounds.lower[first + j] = bounds.upper[first + j] = values[j];
 }
 
-// Whether the velocity of that via point, or with their number of the goal, is lowered by the slack.
+// Returns whether the slack lowers the velocity at via point `at`, or at the goal if `at` is the number of via points.
 inline bool relaxes_velocity(const Problem& problem, std::size_t at) {
   return problem.slack && problem.slack->velocity == at;
 }
 
-// Start, via points and goal as bounds at nodes of the mesh.
+// Returns start, via points and goal as bounds on the state at nodes of the mesh.
 template <int N>
 std::vector<NodeBounds<N>> node_bounds(const Problem& problem, const Mesh& mesh) {
   std::vector<NodeBounds<N>> bounds;
@@ -105,7 +105,8 @@ std::vector<NodeBounds<N>> node_bounds(const Problem& problem, const Mesh& mesh)
   return bounds;
 }
 
-// A joint that may end anywhere rests where its spring carries gravity, and the motor can hold it.
+// Returns path constraints at the goal for motions that may end anywhere and end at rest: the springs carry gravity,
+// and the motors can hold it.
 template <Features F>
 std::vector<RowBounds> goal_rows(const Problem& problem, const Mesh& mesh) {
   std::vector<RowBounds> rows;
@@ -119,7 +120,7 @@ std::vector<RowBounds> goal_rows(const Problem& problem, const Mesh& mesh) {
   return rows;
 }
 
-// A velocity that the slack lowers.
+// Adds the constraints of the velocity that the slack lowers.
 template <Features F>
 void add_velocity_rows(const Problem& problem, const Mesh& mesh, ArmOcp<F>& ocp) {
   const auto at = problem.slack->velocity;
@@ -160,8 +161,9 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
   return bounds;
 }
 
-// Path constraints are not imposed at the start, which is given. Where u is a state it is free there, and gets bounds
-// of its own from the limits on torque and power; a limit that a slack relaxes is left to its path constraints.
+// Bounds u at the start where u is a state. Path constraints are not imposed at the start, because the state of the arm
+// is given there; but u is free and so needs bounds from the limits on torque and power. Limits that a slack relaxes
+// are left out here.
 template <Features F>
 void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
   const auto limit_that_stays = [&](const QuantityInfo& info, std::size_t j) {
@@ -178,14 +180,14 @@ void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
   }
 }
 
-// The costs that a price makes of the stages of every interval, one interval after the other. A change of the motion on
-// an interval is the sum of its changes at the stages times their Lagrange polynomials, so each piece of the price is
-// integrated with those: however short it is, none of it is lost between the stages.
+// Returns the costs at the collocation points that represent the price, interval after interval. A change of the motion
+// on an interval is the sum of its changes at the collocation points times their Lagrange polynomials. Therefore each
+// piece of the price is integrated with these polynomials, so that even a short piece between two points counts.
 template <Features F>
 auto point_costs(const MotionPrice& price, const Scheme& scheme, const Mesh& mesh) {
   using Ocp = ArmOcp<F>;
   constexpr int kOfTorque = F.rate ? Ocp::kArm : Ocp::kStates;
-  constexpr double kInside = 1e-6;  // of an interval: u may jump at its ends
+  constexpr double kInside = 1e-6;  // fraction of an interval: u is read this far inside, since it may jump at the ends
   std::vector<PointCost<Ocp::kStates + Ocp::kControls>> costs;
   const std::vector<double> times = mesh.node_times(price.durations);
   auto first = price.pieces.begin();
@@ -193,7 +195,7 @@ auto point_costs(const MotionPrice& price, const Scheme& scheme, const Mesh& mes
     const double begin = times[k], length = times[k + 1] - begin;
     while (first + 1 < price.pieces.end() && first->end <= begin) ++first;
     for (int j = 0; j < scheme.stages(); ++j) {
-      const auto integral = [&](double c) {  // of l_j from 0
+      const auto integral = [&](double c) {  // of l_j from 0 to c
         double sum = 0, power = c;
         for (int d = 0; d < scheme.stages(); ++d, power *= c) sum += scheme.lagrange(j, d) / (d + 1) * power;
         return sum;
@@ -243,9 +245,10 @@ Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSet
   return transcription;
 }
 
-// Positions as the integral of the velocity polynomial, so that both columns of a published row say the same between
-// the collocation points too. It still meets the next node: the scheme's quadrature is exact for polynomials of the
-// velocity's degree, its number of stages, except for the trapezoidal rule.
+// Replaces the position polynomials by the integrals of the velocity polynomials, so that published positions and
+// velocities are consistent between the collocation points as well. The positions still agree at the next node, because
+// the scheme's quadrature is exact for polynomials of the velocity's degree. That does not hold for the trapezoidal
+// rule, whose state is returned as it is. duration: of the interval [s].
 inline Eigen::MatrixXd with_consistent_positions(const Eigen::MatrixXd& state, double duration) {
   const Eigen::Index degree = state.cols() - 1;
   if (degree < 3) return state;
@@ -295,7 +298,7 @@ Iterate evaluate_guess(const Transcription<ArmOcp<F>>& transcription, const Gues
   for (int k = 0; k < transcription.intervals(); ++k) {
     const double from = times[static_cast<std::size_t>(k)], to = times[static_cast<std::size_t>(k) + 1];
     if constexpr (!F.rate) {
-      for (int end = 0; end < 2; ++end) {  // just inside the interval: a guess may jump at its ends
+      for (int end = 0; end < 2; ++end) {  // evaluated just inside the interval, since a guess may jump at its ends
         const Joints<double> u = guess.torque((from + (end == 0 ? 1e-6 : 1 - 1e-6) * (to - from)) / times.back());
         z.segment<kControls>(transcription.u_at(k, end)) = Eigen::Map<const Eigen::Vector2d>(u.data());
       }
@@ -352,7 +355,7 @@ Collocated collocate_with(const Problem& problem, const CollocationSetup& setup,
   return parts::run(setup, transcription, Transfer<ArmOcp<F>>(before, iterate, transcription).run(), options);
 }
 
-// What files that use an instance have in common is compiled once, in the instance's own file.
+// Explicit instantiation: the functions that several files use are compiled once per instance, in the instance's file.
 #define FJR_ARM_COLLOCATION(EXTERN, FEATURES)                                                                     \
   EXTERN template class Transcription<ArmOcp<FEATURES>>;                                                          \
   EXTERN template Adjoint adjoint(const Transcription<ArmOcp<FEATURES>>&, const Iterate&);                        \

@@ -1,8 +1,8 @@
-// The arm's optimal control problem: the place for objectives and for path constraints.
+// The arm's optimal control problem: dynamics, running cost and path constraints.
 //
-// The control is the friction-compensated torque u = tau_m - tau_fm_nonlinear(dtheta), eq. (26): the dynamics are
-// smooth in it, and the friction law appears only in the output tau_m = u + tau_fm_nonlinear(dtheta), that is in the
-// torque limit and in the effort. There the law may be a smoothed one during continuation.
+// The control is the friction-compensated torque u = tau_m - tau_fm_nonlinear(dtheta), eq. (26). The dynamics are
+// smooth in it. The friction law appears only in the output tau_m = u + tau_fm_nonlinear(dtheta), that is in the torque
+// limit and in the effort, and is smoothed there during the homotopy in friction.
 #pragma once
 
 #include <algorithm>
@@ -18,16 +18,16 @@
 
 namespace fjr {
 
-// What an instance supports; what nobody asks for would only cost time.
+// The features that an instance of ArmOcp supports. Unused ones would only cost computing time.
 struct Features {
   bool rate = false;   // u is a state and its rate the control, so that u is continuous and its rate may be limited and
                        // penalised; otherwise u is the control and may jump
-  int task_rows = 0;   // for the task's constraints; with any, goals with a free joint are possible too
-  bool peak = false;   // bounds on |tau_m| all the way are states, so that they may be penalised; needs task rows
-  bool slack = false;  // for Problem::slack
+  int task_rows = 0;   // number of path constraints for the task; if > 0, goals with a free joint are supported too
+  bool peak = false;   // an upper bound on |tau_m| per motor is a state, so that it can be penalised; needs task rows
+  bool slack = false;  // supports Problem::slack
 };
 
-// The first row of a quantity that is bounded as one.
+// Returns the index of the first path constraint of a quantity that is bounded by path constraints.
 constexpr int row_of(const QuantityInfo& info) {
   int row = 0;
   for (const QuantityInfo& other : Quantities::infos) {
@@ -47,17 +47,17 @@ inline constexpr int kQuantityRows = [] {
 template <Features F>
 struct ArmOcp {
   static constexpr int kArm = fjr::kStates;
-  static constexpr int kPeak = kArm + (F.rate ? kJoints : 0);  // the first of those states
+  static constexpr int kPeak = kArm + (F.rate ? kJoints : 0);  // index of the first of the states for Features::peak
   static constexpr int kSlack = kPeak + (F.peak ? kJoints : 0);
   static constexpr int kStates = kSlack + (F.slack ? 1 : 0);
   static constexpr int kControls = kJoints;
-  // The rows of the quantities that are bounded as rows come first: row_of() says where. kEquilibrium: theta - q -
-  // G(q) / K of a joint, zero at rest. kPeakRow: peak - tau_m and peak + tau_m of both joints.
+  // Indices of path constraints. Those of limited quantities come first; row_of() returns their places. kEquilibrium:
+  // theta - q - G(q) / K of each joint, zero at rest. kPeakRow: peak - tau_m and peak + tau_m of each joint.
   static constexpr int kEquilibrium = kQuantityRows, kPeakRow = kEquilibrium + kJoints;
   static constexpr int kTask = kPeakRow + (F.peak ? 2 * kJoints : 0);
   static_assert(!F.peak || F.task_rows > 0);
-  // With a slack: two rows for everything that is limited, value - slack and value + slack, in the order of the limits
-  // and then of the task; and the velocities that may be lower.
+  // With a slack there are two more constraints per limit and per task constraint (in this order), value - slack and
+  // value + slack, and one per joint for the velocity that may be lower.
   static constexpr int kRelaxed = F.task_rows > 0 ? kTask + F.task_rows : kEquilibrium;
   static constexpr int kLimited = static_cast<int>(kLimits) + F.task_rows;
   static constexpr int kRelaxedVelocity = kRelaxed + 2 * kLimited;
@@ -83,10 +83,10 @@ struct ArmOcp {
 
   Parameters robot;
   Weights weights;
-  Joints<FrictionLaw> friction;             // in the torque limit and the effort
-  std::vector<std::vector<TaskRow>> tasks;  // rows by segment; as many in each
-  Array<kLimited> relaxation{};             // per unit of slack
-  Limits limits;  // path constraints without a finite one are not evaluated; slacks of squares need it
+  Joints<FrictionLaw> friction;             // used in the torque limit and the effort
+  std::vector<std::vector<TaskRow>> tasks;  // task constraints per segment; the same number in each
+  Array<kLimited> relaxation{};             // by how much each limit is relaxed per unit of slack
+  Limits limits;  // quantities without a finite limit are not evaluated; relaxing the limit of a square needs its value
   Joints<double> velocity_relaxation{};  // [rad/s] per unit of slack
 
   using Bounds = PathBounds<kStates, kControls, kRows>;
@@ -101,7 +101,7 @@ struct ArmOcp {
     Node kind;
   };
   std::vector<CostNode> cost_nodes;
-  std::vector<PointCost<kStates + kControls>> point_costs;  // of Problem::price
+  std::vector<PointCost<kStates + kControls>> point_costs;  // represent Problem::price
   double kink = 0;                                          // [W] see Instant
   double regularisation = 0;  // weight of int u^2, not part of the reported objective: see make_arm_ocp()
 
@@ -121,8 +121,8 @@ struct ArmOcp {
     cost_and_rows(segment, state, x, u, rate.dq, nonlinear, cost, rows);
   }
 
-  // What depends on the state alone and takes long, with first and second derivatives in closed form: points with the
-  // same state share it.
+  // Expensive terms that depend on the state alone, with first and second derivatives in closed form. Collocation
+  // points with the same state share them.
   struct AtState {
     LinkDerivatives acceleration;
     Joints<FrictionLaw::Derivatives> friction;
@@ -134,7 +134,8 @@ struct ArmOcp {
         {friction[0].derivatives_of_nonlinear(state.dtheta[0]), friction[1].derivatives_of_nonlinear(state.dtheta[1])}};
   }
 
-  // f and its derivatives, from zeros or from what another point left: what is always zero is not written.
+  // Computes f and its derivatives. Entries that are always zero are not written, so *f must hold zeros or the results
+  // at another point.
   void dynamics(const AtState& at, const double* x, const double* u, Dual<kStates + kControls>* f) const {
     for (std::size_t j = 0; j < kJoints; ++j) {
       const std::size_t q = kStateQ + j, dq = kStateDq + j, theta = kStateTheta + j, dtheta = kStateDtheta + j;
@@ -159,7 +160,7 @@ struct ArmOcp {
     }
   }
 
-  // What evaluate() gives beside the dynamics, with derivatives.
+  // Computes the running cost and the path constraints of evaluate(), with derivatives.
   template <CarriesValues D>
   void cost_and_rows(int segment, const AtState& at, const D* x, const D* u, D& cost, D* rows) const {
     const auto state = State<D>::from(x);
@@ -171,7 +172,8 @@ struct ArmOcp {
     cost_and_rows(segment, state, x, u, ddq, {nonlinear(0), nonlinear(1)}, cost, rows);
   }
 
-  // Adds sum_r weight_r d2f_r/d(x, u)^2 to a lower triangle packed by rows. Only the links' acceleration is curved.
+  // Adds sum_r weight_r d2f_r/d(x, u)^2 to a lower triangle packed by rows. Only the accelerations of the links have
+  // second derivatives.
   void add_curvature(const AtState& at, const double* weight, double* hessian) const {
     static_assert(kStateQ == 0 && kStateDq == kJoints && kStateTheta == 2 * kJoints);  // as LinkDerivatives has them
     for (std::size_t i = 0; i < kLinkPairs; ++i) {
@@ -179,7 +181,7 @@ struct ArmOcp {
     }
   }
 
-  // Cost of the state at one of cost_nodes.
+  // Returns the cost of the state at one of cost_nodes.
   template <class T>
   T node_cost(const CostNode& at, const T* x) const {
     const auto state = State<T>::from(x);
@@ -193,7 +195,7 @@ struct ArmOcp {
   }
 
  private:
-  // u [N m]
+  // Returns u [N m].
   template <class T>
   static Joints<T> compensated(const T* x, const T* u) {
     return F.rate ? Joints<T>{x[kArm], x[kArm + 1]} : Joints<T>{u[0], u[1]};
@@ -226,7 +228,8 @@ struct ArmOcp {
     }
   }
 
-  // Deflections are asked for at goals that leave a joint free; what only requests limit is left out where they do not.
+  // Returns whether a quantity is evaluated. Quantities with a limit of the robot always are, because goals with a free
+  // joint need the spring deflections; the others are only if the request limits them.
   bool is_evaluated(const QuantityInfo& info) const { return info.of_robot || is_limited(info, limits); }
 
   template <class T>
@@ -278,13 +281,13 @@ struct ArmOcp {
   }
 };
 
-// What a limit is divided by where it bounds a control.
+// Returns the factor that a limit is divided by if it bounds a control, otherwise 1.
 template <Features F>
 double unit_of_bound(const QuantityInfo& info) {
   return info.bound == BoundOn::kControl ? ArmOcp<F>::kRateUnit : 1;
 }
 
-// The bounds that limit i, or row i - kLimits of the task, is made of.
+// Returns the lower and upper bound that represent limit i, or task constraint i - kLimits.
 template <Features F>
 std::array<double*, 2> bounds_of(typename ArmOcp<F>::Bounds& b, std::size_t i) {
   const auto row = [&b](std::size_t r) { return std::array{&b.row_lower[r], &b.row_upper[r]}; };
@@ -296,7 +299,7 @@ std::array<double*, 2> bounds_of(typename ArmOcp<F>::Bounds& b, std::size_t i) {
   return row(static_cast<std::size_t>(row_of(info)) + j);
 }
 
-// The limits as bounds on states, controls and rows.
+// Returns the limits as bounds on states, controls and path constraints.
 template <Features F>
 typename ArmOcp<F>::Bounds path_bounds(const Limits& limits) {
   typename ArmOcp<F>::Bounds b;
@@ -313,14 +316,13 @@ typename ArmOcp<F>::Bounds path_bounds(const Limits& limits) {
   return b;
 }
 
-// The states that bound |tau_m|; without a price on them they bound nothing, and only have to stay somewhere. Holding
-// the goal afterwards needs its gravity torque, so a peak below that would be of no use. (A joint that may end anywhere
-// is counted in the published value alone.) Between the collocation points they are kept as limits on torque are, by
-// the same margins [N m].
+// Bounds the states for Features::peak and, if the peak is penalised, imposes |tau_m| <= peak less the margins [N m] of
+// the torque limits. The lower bound of a peak is the gravity torque that holding the goal needs afterwards; a lower
+// peak would not pay. (Where a joint may end anywhere, its holding torque counts only in the published value.)
 template <Features F>
 void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem, const Joints<double>& margins) {
   using Ocp = ArmOcp<F>;
-  constexpr double kBelowPeak = 1e-6;  // fraction of the limit: a state whose bounds meet would be no variable
+  constexpr double kBelowPeak = 1e-6;  // fraction of the limit; with equal bounds the state would become a constant
   const Joints<double> holding = held_at_goal(problem);
   for (std::size_t j = 0; j < kJoints; ++j) {
     b.x_lower[Ocp::kPeak + j] = std::min(holding[j], problem.limits.torque[j] * (1 - kBelowPeak));
@@ -331,7 +333,8 @@ void bound_peaks(typename ArmOcp<F>::Bounds& b, const Problem& problem, const Jo
   }
 }
 
-// What is relaxed is bounded by the rows that see the slack, which count from the middle as value() does.
+// Moves the bounds of relaxed limits to the two path constraints with the slack. These measure values from the middle
+// of the range, as Quantity::value() does, so the middle is subtracted.
 template <Features F>
 void bound_with_slack(typename ArmOcp<F>::Bounds& b, const Limits& limits, const Slack& slack) {
   using Ocp = ArmOcp<F>;
@@ -351,9 +354,9 @@ void bound_with_slack(typename ArmOcp<F>::Bounds& b, const Limits& limits, const
   }
 }
 
-// The problem's plant and objective; bounds, nodes and segments depend on the mesh and are left empty. regularisation:
-// weight of a regularisation by effort in a minimum-time problem, as a fraction of the time weight; bounds what it can
-// cost in time.
+// Returns an ArmOcp with the problem's plant and objective. Bounds, nodes and segments depend on the mesh and are left
+// empty. regularisation: weight of the regularising effort, as a fraction of the weight of the objective; it limits how
+// much objective the regularisation can cost.
 template <Features F>
 ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
   ArmOcp<F> ocp;
@@ -362,9 +365,9 @@ ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
   ocp.limits = problem.limits;
   ocp.time_weight = problem.weights.time;
   for (int j = 0; j < kJoints; ++j) ocp.friction[static_cast<std::size_t>(j)] = FrictionLaw::of(problem.robot, j);
-  // Minimum time leaves the torque of the joint that does not decide the time, and along velocity limits, undetermined:
-  // the optimiser then fills it with chatter that samples cannot carry; other terms leave it undetermined elsewhere. A
-  // regularisation picks the calm one.
+  // In a minimum-time problem the torque is not unique for the joint that does not determine the time, and along
+  // velocity limits; other terms leave it undetermined elsewhere. The optimiser would then return chattering torques
+  // that samples cannot represent. The regularisation selects a smooth one.
   if (!settles_torque(problem.weights)) {
     const Joints<double>& limit = problem.limits.torque;
     ocp.regularisation = regularisation * size_of(problem.weights) / (limit[0] * limit[0] + limit[1] * limit[1]);

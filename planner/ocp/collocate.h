@@ -1,4 +1,4 @@
-// One optimisation: a problem on a given mesh, with a given friction law, from a given start.
+// Solves one problem on a given mesh, with a given friction law, from a given start.
 #pragma once
 
 #include <vector>
@@ -13,17 +13,17 @@
 
 namespace fjr {
 
-// By what the problem that is solved differs from the one that was asked for.
+// The difference between the problem that is solved and the requested one; smaller values are closer to it.
 struct Smoothing {
   double friction_width = 0;     // [rad/s] of the smoothed law; 0: the exact law
-  double regularisation = 1e-3;  // weight of a regularisation by effort where there is none, see make_arm_ocp()
+  double regularisation = 1e-3;  // weight of an effort term, if the objective does not make u unique: make_arm_ocp()
 };
 
 struct CollocationSetup {
   Scheme scheme;
   Mesh mesh;
   Smoothing smoothing{};
-  std::vector<PerLimit> margins{};      // per interval, taken off each limit (margins.h); empty: none
+  std::vector<PerLimit> margins{};      // per interval, subtracted from each limit (margins.h); empty: none
   std::vector<Joints<double>> creep{};  // [rad/s] per interval, see creep.h; empty: none
 };
 
@@ -32,18 +32,19 @@ struct Collocated {
   SolveReport report;
   std::vector<double> durations;            // [s] of the mesh's segments
   Motion motion;                            // meaningful when report.solved()
-  double slack = 0;                         // of a problem with slack
-  Joints<double> peak{kNoLimit, kNoLimit};  // [N m] of a problem that prices the peak: what bounds |tau_m|
+  double slack = 0;                         // value of the slack, if the problem has one
+  Joints<double> peak{kNoLimit, kNoLimit};  // [N m] bound on |tau_m|, if the problem penalises the peak torque
 };
 
-// About `intervals` intervals, equal within each segment, for segments of these durations [s].
+// Returns a mesh of about `intervals` intervals, of equal length within each segment and at least two per segment.
+// durations: of the segments [s].
 Mesh uniform_mesh(const std::vector<double>& durations, int intervals);
 
 Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Guess& guess,
                      const SolveOptions& options);
 
-// From an earlier solution, multipliers included, on the same mesh or on another. An earlier solution of a problem with
-// other constraints is no start: the status is then kFailed.
+// Starts from an earlier solution and its multipliers, on the same mesh or on another. If the earlier problem had other
+// constraints, the solution cannot be used and the status is kFailed.
 Collocated collocate(const Problem& problem, const CollocationSetup& setup, const Collocated& start,
                      const SolveOptions& options);
 

@@ -1,4 +1,4 @@
-// Where the optimiser starts.
+// Initial guesses for the optimiser.
 #pragma once
 
 #include <functional>
@@ -11,13 +11,14 @@
 
 namespace fjr {
 
-// A motion as a function of the fraction s in [0, 1] of its duration. It need not satisfy anything.
+// A motion as a function of the fraction s in [0, 1] of its duration. It need not satisfy dynamics or constraints.
 struct Guess {
   std::string name;
   std::vector<double> durations;                 // [s] of the segments
   std::function<State<double>(double)> state;    // s -> state
   std::function<Joints<double>(double)> torque;  // s -> friction-compensated torque [N m]
-  // Of a motion that may end anywhere: where it is to end at first, before its end is optimised. [rad]
+  // For a motion that may end anywhere: link angles [rad] at which it ends in a first solve, before the end is
+  // optimised.
   std::optional<Joints<double>> first_end = {};
 
   double duration() const { return std::accumulate(durations.begin(), durations.end(), 0.0); }

@@ -13,18 +13,18 @@
 namespace fjr {
 namespace {
 
-constexpr int kProbes = 16;       // pieces an interval is looked at in; polynomials of degree <= 4 bend little between
-constexpr double kEnlarge = 1.2;  // margins answer an excess with a little more
-constexpr double kLeast = 1e-5;   // fraction of a limit: the optimiser does not see less
-constexpr double kNegligible = 1e-7;  // fraction of a limit: an excess below a tenth of what the certificate allows
-constexpr double kAbovePeak = 3e-3;   // fraction of a peak that is priced: less is not worth another solution
+constexpr int kProbes = 16;           // steps to check an interval; polynomials of degree <= 4 vary little within one
+constexpr double kEnlarge = 1.2;      // a margin grows by this times the excess
+constexpr double kLeast = 1e-5;       // fraction of a limit; a smaller margin would have no effect in the optimiser
+constexpr double kNegligible = 1e-7;  // fraction of a limit; smaller excesses are ignored, a tenth of the certificate's
+constexpr double kAbovePeak = 3e-3;   // fraction of a penalised peak; smaller excesses do not justify another solve
 constexpr double kMostMargin = 0.5;   // fraction of a limit that a margin may take: the bounds must not cross
-constexpr double kRunThrough = 0.1;   // fraction of a task's scale
-constexpr double kWindow = 0.03;      // fraction of the duration around a given state that lies on a limit
+constexpr double kRunThrough = 0.1;   // fraction of a task's scale; see widen()
+constexpr double kWindow = 0.03;      // fraction of the motion around a state on a limit in which margins do not act
 
 Joints<double> sum(const Joints<double>& a, const Joints<double>& b) { return {a[0] + b[0], a[1] + b[1]}; }
 
-// Largest magnitude of everything that is limited, on one interval.
+// Returns the largest magnitude of each limited quantity on interval k.
 Limits reached_in(const Problem& problem, const Joints<FrictionLaw>& friction, const Motion& motion, std::size_t k) {
   Limits reached = Limits::all(0);
   const auto& interval = motion.intervals[k];
@@ -42,7 +42,7 @@ Limits reached_in(const Problem& problem, const Joints<FrictionLaw>& friction, c
       if (i > 0) rate[j] = (u[j] - u_before[j]) * kProbes / interval.duration;
     }
     raise(reached, {problem.robot, x, torque, rate}, limited);
-    if (i > 0) {  // friction may step anywhere between two probes: each u is also joined with the other one's friction
+    if (i > 0) {  // friction may step anywhere between two probes, so each u is also combined with the other's friction
       const Joints<double> later = sum(u, friction_before), earlier = sum(u_before, now);
       raise(reached, {problem.robot, x, later, rate}, limited_torque);
       raise(reached, {problem.robot, x, earlier, rate}, limited_torque);
@@ -53,7 +53,7 @@ Limits reached_in(const Problem& problem, const Joints<FrictionLaw>& friction, c
   return reached;
 }
 
-// Least clearance of each of the task's rows on one interval.
+// Returns the smallest clearance of each task constraint on interval k.
 std::vector<double> clearance_in(const Problem& problem, const std::vector<TaskRow>& rows, const Motion& motion,
                                  std::size_t k) {
   std::vector<double> clearance(rows.size(), kNoLimit);
@@ -77,7 +77,7 @@ std::vector<std::vector<TaskRow>> rows_by_segment(const Problem& problem) {
   return rows;
 }
 
-// A state that the request gives: where on the way, counted in segments, and what it leaves of each limit's clearance.
+// A state that the request prescribes: its place along the motion, counted in segments, and its distance to each limit.
 struct Given {
   double place;
   PerLimit clearance;
@@ -98,9 +98,9 @@ Given given_at(const Problem& problem, double place, std::size_t segment, const 
 
 std::vector<Given> given_states(const Problem& problem) {
   std::vector<Given> given{given_at(problem, 0, 0, problem.start)};
-  for (std::size_t i = 0; i < problem.via.size(); ++i) {  // what is free there asks nothing
+  for (std::size_t i = 0; i < problem.via.size(); ++i) {  // unprescribed velocities count as 0
     const Via& via = problem.via[i];
-    if (via.tolerance > 0) {  // a corner of a path gives its angles, nearly, and nothing else
+    if (via.tolerance > 0) {  // a corner of a path prescribes only angles, to a tolerance
       given.push_back(given_at(problem, static_cast<double>(i) + 1, i, {via.q, {0, 0}, via.q, {0, 0}}));
       std::fill(given.back().clearance.begin() + kLimits, given.back().clearance.end(), kNoLimit);
       continue;
@@ -117,7 +117,7 @@ std::vector<Given> given_states(const Problem& problem) {
   return given;
 }
 
-// What is known of the limits before any motion is.
+// The part of the margins that does not depend on a motion: base margins, reserve, and where margins cannot act.
 class Frame {
  public:
   explicit Frame(const Problem& problem)
@@ -126,16 +126,16 @@ class Frame {
   std::size_t count() const { return scale_.size(); }
   double scale(std::size_t i) const { return scale_[i]; }
 
-  // The base margin, where given states leave any.
+  // Returns the base margin of limit i, or 0 if a prescribed state is closer to the limit than that.
   double base_margin(std::size_t i) const {
     double clearance = kBaseMargin * scale_[i];
     if (std::any_of(given_.begin(), given_.end(), [&](const Given& g) { return lies_on(g, i); })) clearance = 0;
     return clearance;
   }
 
-  // Margins cannot act on an interval, from and to counted in segments, where a given state lies on limit i, for as
-  // long as leaving takes. A task's rows are left as positions are.
-  // needed: what is to be kept free there.
+  // Returns whether margins of limit i cannot act on an interval, because a prescribed state nearby lies on the limit
+  // or closer to it than `needed`, and moving away from a limit takes time. from, to: the interval, counted in
+  // segments. Task constraints are treated like limits on positions.
   bool held(std::size_t i, double from, double to, double needed = 0) const {
     const Leaving leaving = i < kLimits ? kLimitNames[i].quantity->leaving : Leaving::kSlowly;
     if (leaving == Leaving::kAtOnce) return false;
@@ -146,7 +146,7 @@ class Frame {
     });
   }
 
-  // What is kept free for the uncertainty of the arm, where a given state does not lie closer.
+  // Returns the reserve for the uncertainty of the arm, or 0 if a prescribed state lies closer to the limit.
   double reserve(std::size_t i, double from, double to) const {
     const double kept = problem_.reserve.largest(i, from, to);
     return kept > 0 && !held(i, from, to, kept + base_margin(i)) ? kept : 0;
@@ -160,7 +160,7 @@ class Frame {
   std::vector<double> scale_;
 };
 
-// Nodes of the mesh, counted in segments.
+// Returns the places of the nodes of the mesh, counted in segments.
 std::vector<double> places(const Mesh& mesh) {
   return mesh.node_times(std::vector<double>(static_cast<std::size_t>(mesh.segments()), 1.0));
 }
@@ -257,7 +257,7 @@ std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion&
   const PerLimit scales = limit_scales(problem);
   double worst = 0;
   std::string sentence;
-  // Calls sentence_of(over, time) for the largest excess of limit i if it is the worst so far.
+  // Sets `sentence` to sentence_of(excess, time) where limit i is exceeded by the largest fraction so far.
   const auto consider = [&](std::size_t i, auto&& sentence_of) {
     for (std::size_t k = 0; k < excess.size(); ++k) {
       const double fraction = excess[k][i] / scales[i];
@@ -291,7 +291,8 @@ bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses
   bool any = false;
   for (std::size_t k = 0; k < margins.size(); ++k) {
     for (std::size_t i = 0; i < scales.size(); ++i) {
-      // An obstacle that is run through wants a finer mesh; a margin of that size would bar the way beside it too.
+      // Where the motion passes through an obstacle, a finer mesh is needed. A margin of that size would also block the
+      // free path beside the obstacle.
       if (!(excesses[k][i] > 0) || (i >= kLimits && excesses[k][i] > kRunThrough * scales[i])) continue;
       double& margin = margins[k][i];
       const double before = margin;

@@ -1,4 +1,5 @@
-// Limits hold at the collocation points by construction; between them they are made to hold by margins.
+// Limits hold at the collocation points by construction. Margins, by which limits are tightened, make them hold between
+// the points as well.
 #pragma once
 
 #include <array>
@@ -13,51 +14,53 @@
 
 namespace fjr {
 
-// Fraction by which each limit is tightened everywhere: what the rollout may differ from the plan by, and more.
+// Fraction by which each limit is tightened everywhere. It is larger than the allowed difference between rollout and
+// plan.
 inline constexpr double kBaseMargin = 1e-4;
 
-// A value for everything that is limited along the way: the limits by their index, then the task's rows; each
-// in its own unit.
+// One value per limit, by its index, and then one per task constraint; each in its own unit.
 using PerLimit = std::vector<double>;
 
-// What fractions are taken of: the limit itself (infinite where there is none), the scale of a task's row.
+// Returns the values that fractions refer to: the limit itself (infinite if there is none), or the scale of a task
+// constraint.
 PerLimit limit_scales(const Problem& problem);
 
-// The limits and the bounds of the task's rows as the optimiser is given them on one interval.
+// The limits and the bounds [lower, upper] of the task constraints that the optimiser uses on one interval.
 struct TightenedLimits {
   Limits limits;
   std::vector<std::array<double, 2>> task_rows;
 };
 
-// On each interval of the mesh: less the base margin, the interval's margin (none when empty) and the problem's
-// reserve, but never tighter than what start, via points and goal ask for themselves. Leaving a state that lies on a
-// limit takes time, so where one does, no margin acts near it, and the base margin of that limit is given up.
+// Returns the limits on each interval of the mesh, tightened by the base margin, the margins (per interval; none if
+// empty) and the problem's reserve. Start, via points and goal stay feasible: where one of them lies on a limit, that
+// limit has no base margin, and no margin acts near it, because moving away from a limit takes time.
 std::vector<TightenedLimits> tightened_limits(const Problem& problem, const Mesh& mesh,
                                               const std::vector<PerLimit>& margins);
 
-// By how much each limit, less a part of the base margin, is exceeded on each interval of the motion between and at the
-// collocation points, with the exact friction law (0 where it is not, and where no margin can act). A torque that
-// passes the friction law's step counts with the whole step, wherever in the interval the step lies. keep: that part.
-// slack: of a problem with slack, which the limits are relaxed by.
-inline constexpr double kKeep = 0.8;  // leaves a fifth of the base margin to the last digits of the optimiser
+// Returns by how much each limit, tightened by the fraction `keep` of the base margin and by the reserve, is exceeded
+// on each interval of the motion, between and at the collocation points, with the exact friction law. It is 0 where the
+// limit holds, and where no margin can act. If the friction torque steps between two probes, the whole step counts.
+// slack: value of the problem's slack, by which limits are relaxed.
+inline constexpr double kKeep = 0.8;  // the optimiser's inaccuracy may use up a fifth of the base margin
 std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const Motion& motion, double keep = kKeep,
                                double slack = 0);
 
-// Where the torque, with the exact friction law, is above a peak [N m] that bounds it at the collocation points, the
-// excess becomes one of the limit on torque.
+// Where the torque, with the exact friction law, exceeds the peak [N m] that bounds it at the collocation points, the
+// excess is entered as an excess of the torque limit.
 void add_excesses_of_peak(std::vector<PerLimit>& excesses, const Problem& problem, const Motion& motion,
                           const Joints<double>& peak);
 
-// The limit that a motion exceeds most, as a sentence ("spring_deflection of joint 1 exceeds ..."); empty if none.
+// Returns a sentence about the limit that a motion exceeds most ("spring_deflection of joint 1 exceeds ..."); empty if
+// it exceeds none.
 std::string worst_excess(const Problem& problem, const Mesh& mesh, const Motion& motion);
 
-// Adds the excesses to the margins (empty: none so far), a little enlarged so that the next solution is inside. A
-// margin that was not enough grows at least by the factor given, because its bound may not have been active. False when
-// there was nothing to add.
+// Adds the excesses to the margins (empty: none so far), slightly enlarged so that the next solution is inside the
+// limits. A margin that did not suffice grows at least by the factor `growth`, because its bound may not have been
+// active. Returns false if no margin grew.
 bool widen(std::vector<PerLimit>& margins, const std::vector<PerLimit>& excesses, const Problem& problem,
            double growth = 2);
 
-// Largest fraction of any limit that margins keep free somewhere.
+// Returns the largest fraction by which any limit is tightened on any interval.
 double largest_tightening(const Problem& problem, const std::vector<PerLimit>& margins);
 
 }  // namespace fjr

@@ -11,15 +11,15 @@ namespace fjr {
 namespace {
 
 constexpr double kMostStretched =
-    2;  // by which a stretch may become longer or shorter: the error of a mesh grows with it
+    2;  // factor by which a piece may become longer or shorter; the discretisation error grows with it
 
-// The legs of the motion, which are the segments of its mesh, cut at the nodes that move.
+// The legs of the motion (the segments of its mesh), divided into pieces at the nodes that move.
 struct Pieces {
   Mesh mesh;                      // its segments are the pieces
-  std::vector<int> leg;           // that each piece is part of
+  std::vector<int> leg;           // the leg that each piece belongs to
   std::vector<double> durations;  // [s]
 
-  // The first piece of a leg; their number, of the leg after the last.
+  // Returns the first piece of a leg; for the leg after the last, the number of pieces.
   int first(int of_leg) const {
     return static_cast<int>(std::lower_bound(leg.begin(), leg.end(), of_leg) - leg.begin());
   }
@@ -45,14 +45,14 @@ Pieces cut(const Mesh& mesh, const std::vector<double>& durations, const std::ve
   return pieces;
 }
 
-// The durations of the legs [s].
+// Returns the durations of the legs [s], given those of the pieces.
 std::vector<double> of_legs(const Pieces& pieces, const std::vector<double>& durations) {
   std::vector<double> legs(static_cast<std::size_t>(pieces.leg.back()) + 1, 0.0);
   for (std::size_t p = 0; p < durations.size(); ++p) legs[static_cast<std::size_t>(pieces.leg[p])] += durations[p];
   return legs;
 }
 
-// The mesh whose segments are the legs again, for these durations of the pieces.
+// Returns the mesh whose segments are the legs again, for these durations [s] of the pieces.
 Mesh joined(const Pieces& pieces, const std::vector<double>& durations) {
   const std::vector<double> legs = of_legs(pieces, durations);
   Mesh mesh;
@@ -64,7 +64,8 @@ Mesh joined(const Pieces& pieces, const std::vector<double>& durations) {
   return mesh;
 }
 
-// Bounds on sums of legs as bounds on sums of pieces; after them, bounds on every leg that is in several.
+// Returns the bounds on sums of legs as bounds on sums of pieces, followed by the bounds on every leg that consists of
+// several pieces.
 std::vector<DurationSum> sums_of(const Pieces& pieces, const std::vector<DurationSum>& sums_of_legs,
                                  const std::vector<std::array<double, 2>>& bounds_of_legs) {
   std::vector<DurationSum> sums;
@@ -82,7 +83,7 @@ std::vector<DurationSum> sums_of(const Pieces& pieces, const std::vector<Duratio
 template <Features F>
 using Fixed = Transcription<ArmOcp<F>>;
 
-// What was said per leg, said per piece.
+// Returns the transcription whose mesh segments are the pieces instead of the legs.
 template <Features F>
 Fixed<F> with_pieces(const Fixed<F>& fixed, const Pieces& pieces) {
   ArmOcp<F> ocp = fixed.ocp();
@@ -100,8 +101,8 @@ Fixed<F> with_pieces(const Fixed<F>& fixed, const Pieces& pieces) {
   return {std::move(ocp), fixed.scheme(), pieces.mesh};
 }
 
-// The two transcriptions have all variables but the durations, and all constraints but the last sums of them, in
-// common.
+// Converts iterates between the two transcriptions. These have the same variables except for the durations, and the
+// same constraints except for the additional sums of durations at the end.
 template <Features F>
 struct Exchange {
   const Fixed<F>& fixed;
@@ -113,7 +114,8 @@ struct Exchange {
     for (std::size_t p = 0; p < pieces.durations.size(); ++p) {
       to.x(moving.duration_at(static_cast<int>(p))) = pieces.durations[p];
     }
-    // The multiplier of a leg's bounds is what a second less of it would be worth.
+    // The bounds on a leg become a constraint on the sum of its pieces, with the multiplier that makes the derivative
+    // of the Lagrangian by the leg's duration zero.
     each_new_sum([&](int leg, int row) { to.lambda(row) = -lagrangian(fixed.duration_at(leg)); });
     return to;
   }
@@ -140,7 +142,7 @@ struct Exchange {
             head(from.z_lower, states, to.variables()), head(from.z_upper, states, to.variables())};
   }
 
-  // visit(leg, row of the sum of its pieces)
+  // Calls visit(leg, row of the sum of its pieces) for every leg that consists of several pieces.
   template <class Visit>
   void each_new_sum(Visit&& visit) const {
     for (std::size_t i = fixed.ocp().duration_sums.size(); i < moving.ocp().duration_sums.size(); ++i) {

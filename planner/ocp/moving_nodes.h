@@ -1,9 +1,8 @@
-// Nodes of the mesh whose times are optimised too.
+// Optimises the times of nodes of the mesh together with the motion.
 //
-// Where a motor comes to rest or leaves it the optimal torque jumps, which a mesh can follow only where it has a node.
-// A motion that jumps a little earlier or later is worse on this mesh, even if it is better on one whose node is there:
-// the optimiser cannot find it. H (planner/collocation/adjoint.h) then jumps at the node by d objective / d (time of
-// the node).
+// Where a motor comes to rest or starts from rest, the optimal torque jumps, and the mesh can represent a jump only at
+// a node. On a fixed mesh the optimiser cannot find a motion that jumps a little earlier or later, even if it is
+// better. The Hamiltonian (planner/collocation/adjoint.h) then jumps at the node by d objective / d (time of the node).
 #pragma once
 
 #include <cstddef>
@@ -13,9 +12,10 @@
 
 namespace fjr {
 
-// Solves again from `start`, a solution of this problem, with the times of these inner nodes (increasing) as variables.
-// The others keep their places between them in proportion. The result is a solution on the mesh as it came to lie.
-// Between moving nodes no stretch becomes more than twice or less than half as long. Not for problems with slack.
+// Solves the problem again from its solution `start`, with the times of the given inner nodes (increasing) as decision
+// variables. All other nodes keep their relative places between them. No piece between moving nodes becomes more than
+// twice or less than half as long. The result is a solution on the moved mesh; its status is kFailed if `start` has no
+// complete multipliers. The problem must not have a slack.
 Collocated move_nodes(const Problem& problem, const Collocated& start, const std::vector<std::size_t>& nodes,
                       const SolveOptions& options);
 

@@ -10,7 +10,8 @@
 namespace fjr {
 namespace {
 
-// Simpson's rule over every row interval: exact for tau_m^2, tau_m being linear there.
+// Integrates a term by Simpson's rule between consecutive samples. This is exact for tau_m^2, because tau_m is linear
+// between samples.
 template <class Term>
 double integral_over(const Parameters& robot, const Trajectory& trajectory) {
   const auto running = [&robot](const Sample& s) {
@@ -29,13 +30,13 @@ double integral_over(const Parameters& robot, const Trajectory& trajectory) {
   return sum;
 }
 
-// Whether rows alone say what a term comes to: not of du/dt, which is the motion's, nor of the tip at a release; what
-// the closed loop makes of them takes longer, and is told where it is asked for.
+// Whether a term can be computed from samples alone. du/dt needs the motion, and the tip speed the time of the release.
+// Terms of the closed loop are excluded because they take long; objective_terms() computes them if they have a weight.
 template <class Term>
 constexpr bool kOfRows =
     !std::is_same_v<Term, TorqueRate> && !std::is_same_v<Term, TipSpeed> && !Term::info.of_closed_loop;
 
-// Of the terms that `wanted` picks by their weights.
+// Returns the values of the terms for which wanted(weight) is true.
 template <class Wanted>
 std::map<std::string, double> terms_of(const Problem& problem, const Collocated& solution, const Trajectory& trajectory,
                                        Wanted wanted) {

@@ -1,4 +1,4 @@
-// What a published trajectory costs, term by term.
+// Evaluates the terms of the objective on a published trajectory.
 #pragma once
 
 #include <map>
@@ -10,18 +10,20 @@
 
 namespace fjr {
 
-// Every term of the objective, unweighted, in its own unit: of the published rows, with the exact friction law that is
-// in their torque. torque_rate is the motion's, and infinite when u jumps: it is then not part of the objective.
-// tracking is the closed loop's, and there only where it counts.
+// Returns every term of the objective by name, without its weight and in its own unit, computed from the published
+// samples (whose torque contains the exact friction law). torque_rate is computed from the motion and is infinite if u
+// jumps; it is then not part of the objective. tracking needs closed-loop rollouts and is included only if it has a
+// weight.
 std::map<std::string, double> objective_terms(const Problem& problem, const Collocated& solution,
                                               const Trajectory& trajectory);
 
-// Of any rows, whoever made them: all terms but those that rows alone do not determine (torque_rate, tip_speed).
+// Returns the terms of any trajectory, except for those that samples alone do not determine (torque_rate, tip_speed)
+// and those of the closed loop.
 std::map<std::string, double> terms_of_rows(const Parameters& robot, const Trajectory& rows);
 
 double weighted_sum(const Weights& weights, const std::map<std::string, double>& terms);
 
-// The objective of the solution as it would be published.
+// Returns the weighted objective of the trajectory that would be published for the solution.
 double published_objective(const Problem& problem, const Collocated& solution);
 
 }  // namespace fjr

@@ -8,14 +8,16 @@
 namespace fjr {
 namespace {
 
-// In widths of the law: up to here a motor rests, from there it moves; tanh(2) is 0.96.
+// Velocities in multiples of the law's width: below kResting a motor counts as resting (tanh(2) is 0.96), above kMoving
+// as moving.
 constexpr double kResting = 2, kMoving = 6;
 
-// The speed [rad/s] in which the law rises about zero: the narrower of its two tanh.
+// Returns the velocity [rad/s] over which the law rises at zero: the width of the narrower of its two tanh terms.
 double rising_width(const FrictionLaw& law) {
   return law.second_shape < 1 ? law.width / (1 - law.second_shape) : law.width;
 }
 
+// Scales a resting motor's velocity from a law of width `before` to one of width `after`; keeps that of a moving motor.
 double scaled(double velocity, double before, double after) {
   const double s = std::clamp((std::abs(velocity) / before - kResting) / (kMoving - kResting), 0.0, 1.0);
   const double moves = s * s * (3 - 2 * s);  // smooth from 0 to 1

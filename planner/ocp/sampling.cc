@@ -10,8 +10,8 @@
 namespace fjr {
 namespace {
 
-constexpr double kShortestPiece = 2e-5;  // [s] passages shorter than this are steps to the motors
-constexpr double kStepReach = 5e-6;      // [s] to both sides of a reversal: friction has taken its step there
+constexpr double kShortestPiece = 2e-5;  // [s] a torque change within less time acts on the motors like a step
+constexpr double kStepReach = 5e-6;      // [s] on both sides of a reversal, after which friction has changed its sign
 constexpr int kChordPoints = 8;          // points at which a piece is compared with its chord
 
 class Sampler {
@@ -37,8 +37,8 @@ class Sampler {
   }
 
  private:
-  // The interval that a time belongs to when approached from before. A node that is nearer than a jump is wide counts
-  // as ahead: between() meets it there.
+  // Returns the interval that contains the time just before `time`. A node less than kJumpSpacing before `time` counts
+  // as lying ahead, because between() handles it there.
   std::size_t interval_before(double time) const {
     const std::size_t k = motion_.interval_at(time);
     return k > 0 && motion_.intervals[k].start >= time - kJumpSpacing ? k - 1 : k;
@@ -46,16 +46,16 @@ class Sampler {
 
   Sample row(std::size_t interval, double time) const { return {time, state(interval, time), torque(interval, time)}; }
 
-  // A certificate refuses rows whose velocities are not the derivatives of their positions. With a scheme of order 2
-  // the velocities of the state differ from those by more than it allows, so that derivatives of the positions are
-  // published.
+  // Returns the state to publish. The certificate rejects samples whose velocities are not the derivatives of their
+  // positions. With a scheme of order 2 the velocities of the state differ from the derivatives by more than it allows,
+  // so the derivatives of the positions are published instead.
   State<double> state(std::size_t interval, double time) const {
     const bool of_order_2 = motion_.intervals[interval].state.cols() == 3;
     return of_order_2 ? motion_.consistent_state_in(interval, time) : motion_.state_in(interval, time);
   }
 
-  // With the friction of the published velocities: who takes it off again, as the check of torque_rate does, finds the
-  // u of the motion.
+  // Returns tau_m with the friction of the published velocities, so that subtracting this friction again, as the check
+  // of torque_rate does, gives the u of the motion.
   Joints<double> torque(std::size_t interval, double time) const {
     Joints<double> tau = motion_.torque_in(interval, time);
     const State<double> x = state(interval, time);
@@ -71,8 +71,9 @@ class Sampler {
     if (samples.empty() || s.time > samples.back().time + 0.5 * kJumpSpacing) samples.push_back(s);
   }
 
-  // An ordinary row. Where the torque jumps there, it is half way between rows on both sides, so that the jump is
-  // neither early nor late: half a microsecond times a hundred jumps to the same side would be too much.
+  // Adds the sample at a multiple of the sample period. If the torque jumps at that time, the sample lies half way
+  // between samples on both sides, so that the jump is neither early nor late. Otherwise the errors of half a
+  // microsecond at a hundred jumps could add up.
   void add_row_at(double time) {
     const std::size_t k = interval_before(time);
     Sample here = row(k, time);
@@ -88,10 +89,11 @@ class Sampler {
     add(here);
   }
 
-  // Everything strictly between two ordinary rows: the mesh's nodes cut the stretch into smooth pieces.
+  // Adds the samples strictly between two multiples of the period. The nodes of the mesh divide this time into pieces
+  // on which the torque is smooth.
   void between(double from, double to) {
     double start = from;
-    // The row at `from` belongs to the interval before it: a node right there is met first.
+    // The sample at `from` belongs to the interval before it, so that a node right there is handled first.
     std::size_t k = interval_before(from);
     for (; k + 1 < motion_.intervals.size(); ++k) {
       const double node = motion_.intervals[k + 1].start;
@@ -111,7 +113,7 @@ class Sampler {
 
   bool jumps(std::size_t k, double node) const {
     const Joints<double> before = torque(k, node), after = torque(k + 1, node);
-    // The chord over the next row would lose up to jump * period / 2 of impulse.
+    // Linear interpolation to the next sample would miss an impulse of up to jump * period / 2.
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double impulse = std::abs(after[j] - before[j]) * problem_.sample_period / 2;
       if (impulse > velocity_error_ * problem_.robot.motor.inertia[j]) return true;
@@ -119,7 +121,7 @@ class Sampler {
     return false;
   }
 
-  // Adds pairs inside (from, to) until chords carry the torque's impulse.
+  // Adds pairs of samples inside (from, to) until linear interpolation reproduces the torque's impulse.
   void smooth(double from, double to) {
     if (to - from < 2 * kShortestPiece) return steps(from, to);
     const Joints<double> first = torque(motion_.interval_at(from), from), last = torque(interval_before(to), to);
@@ -147,9 +149,10 @@ class Sampler {
 
   double velocity(std::size_t joint, double time) const { return state(motion_.interval_at(time), time).dtheta[joint]; }
 
-  // Friction steps where a motor reverses, and so fast that halving the piece would never find where: rows as far
-  // before it as after it, for the chord between them carries the step's impulse. Where a motor leaves its rest or
-  // comes to it, the step is at an end of the piece: one row right beside that.
+  // Adds samples around steps of the friction torque, which are too fast to be found by bisecting the piece. Where a
+  // motor reverses, there is one sample as far before as after the reversal, because the chord between them has the
+  // same impulse as the step. Where a motor starts from rest or comes to rest, the step is at an end of the piece, and
+  // one sample is added right beside it.
   void steps(double from, double to) {
     std::vector<double> times, beside_rests;
     const auto within_a_step = [&](double time) {
@@ -186,7 +189,8 @@ class Sampler {
     return before;
   }
 
-  // [rad/s] that the chord over a piece makes, if the torque is as far off all of it as at that time.
+  // Returns the velocity error [rad/s] of the chord over a piece, if the torque deviates from it everywhere as much as
+  // at `time`.
   double off_the_chord(std::size_t joint, double time, double from, double to) const {
     const double first = torque(motion_.interval_at(from), from)[joint], last = torque(interval_before(to), to)[joint];
     const double miss =
@@ -196,7 +200,7 @@ class Sampler {
 
   const Problem& problem_;
   const Motion& motion_;
-  double velocity_error_;  // [rad/s] that linear interpolation of the torque between two rows may make
+  double velocity_error_;  // [rad/s] allowed error by linear interpolation of the torque between two samples
   Joints<FrictionLaw> friction_;
   Trajectory trajectory_;
 };

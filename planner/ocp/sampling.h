@@ -1,4 +1,4 @@
-// From collocation polynomials to the rows that are published.
+// Converts the collocation polynomials of a motion to the samples that are published.
 #pragma once
 
 #include "planner/problem/problem.h"
@@ -7,15 +7,15 @@
 
 namespace fjr {
 
-// Half a count of the link encoder is 5e-5 rad; the slowest motor forgets a velocity error within 0.14 s (J1/B1), and
-// hundreds of rows seldom all err to one side.
+// Half a count of the link encoder is 5e-5 rad. A velocity error of the slowest motor decays within 0.14 s (J1/B1), and
+// the errors of hundreds of samples rarely have the same sign.
 inline constexpr double kRowVelocityError = 1e-4;  // [rad/s]
 
-// Rows at multiples of the problem's sample period and at the end; between them, where linear interpolation would miss
-// the torque's impulse, pairs of rows kJumpSpacing apart: at its jumps (three rows where one falls on a multiple), and
-// as many as its fast passages through the friction law need, 10 us apart at the fastest. tau_m = u +
-// tau_fm_nonlinear(dtheta) with the exact law, held to the torque limits. velocity_error: what each of those may miss,
-// as a velocity of its motor [rad/s].
+// Returns samples at multiples of the problem's sample period and at the end. Between them, where linear interpolation
+// would miss the torque's impulse, there are pairs of samples kJumpSpacing apart: one pair at each jump of the torque
+// (three samples if it falls on a multiple), and as many as fast changes of the friction torque need, at least 10 us
+// apart. tau_m = u + tau_fm_nonlinear(dtheta) with the exact law, clamped to the torque limits. velocity_error: allowed
+// interpolation error between two samples, as a velocity of the motor [rad/s].
 Trajectory sample(const Problem& problem, const Motion& motion, double velocity_error = kRowVelocityError);
 
 }  // namespace fjr

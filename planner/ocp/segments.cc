@@ -6,9 +6,10 @@
 namespace fjr {
 namespace {
 
-constexpr double kShortestSegment = 1e-3;  // [s] as far apart as via times have to be
+constexpr double kShortestSegment = 1e-3;  // [s] also the smallest distance of two via times in a request
 
-// A stretch between two moments that are given, or up to the end: its segments and the bounds of its duration.
+// Returns the stretches of segments between two prescribed times (or up to the end), with the bounds on their
+// durations.
 std::vector<DurationSum> stretches(const Problem& problem) {
   std::vector<DurationSum> result;
   const int last = static_cast<int>(problem.via.size());

@@ -1,9 +1,9 @@
-// What a solution says about itself, by its multipliers: the shadow price of each limit, how the optimum moves with
-// what was given, and how well the conditions of optimality hold.
+// Post-optimal analysis of a solution by its multipliers: the shadow price of each limit, the sensitivity of the
+// optimum to the request, and how well Pontryagin's conditions hold.
 //
-// All of it is about the problem that was optimised last: its objective has a regularisation by effort in minimum time
-// (make_arm_ocp()), its friction law may still be smoothed, and its limits are those less margins. Values
-// are in units of the request's objective.
+// All results refer to the problem that was optimised last. Its objective contains a regularisation by effort for
+// minimum time (make_arm_ocp()), its friction law may still be smoothed, and its limits are tightened by margins.
+// Values are in units of the request's objective.
 #pragma once
 
 #include <cstddef>
@@ -17,32 +17,32 @@ namespace fjr {
 
 struct Collocated;
 
-// Derivatives of the optimal objective. An optimum changes by these to first order, as long as the same limits stay
-// active.
+// The derivative of the optimal objective by one limit. It predicts the optimum to first order as long as the same
+// limits stay active.
 struct ShadowPrice {
-  std::string name;     // as in the request's `limits`; of a constraint of the task: obstacles[0], tip_box, ...
-  int joint = 0;        // 1 or 2, of a constraint of the task the link; 0 where there is none
+  std::string name;     // as in the request's `limits`; for a task constraint: obstacles[0], tip_box, ...
+  int joint = 0;        // 1 or 2, for a task constraint the link; 0 if it belongs to neither
   std::string unit;     // of the limit
-  double limit = 0;     // of a constraint of the task: its size (TaskRow::scale)
+  double limit = 0;     // for a task constraint: its size (TaskRow::scale)
   double price = 0;     // -d objective / d limit: what the objective gains with one unit more (of a constraint of the
                         // task: of clearance); 0 where never active
-  double fraction = 0;  // of the duration in which it is active: within 1 % of the limit as the optimiser had it
+  double fraction = 0;  // of the duration in which it is active: within 1 % of the optimiser's (tightened) limit
   struct Stretch {
     double begin, end;  // [s]
   };
   std::vector<Stretch> active;
-  std::size_t index = 0;  // of the limit; of a constraint of the task, beyond them, its first row's
+  std::size_t index = 0;  // in PerLimit (margins.h): of the limit, or of the first row of the task constraint
 };
 
 struct ViaPrices {
   double time = 0;                   // [s] where the motion passes it
   Joints<double> q{};                // d objective / d via position, per rad
   std::optional<Joints<double>> dq;  // per rad/s, where dq was given
-  std::optional<double> later;  // d objective / d via time where that is given, per s, the duration staying as it is
+  std::optional<double> later;       // d objective / d via time, per s, at constant duration; if a time was given
 };
 
 struct Sensitivity {
-  std::vector<ShadowPrice> limits;  // every finite one, and every constraint of the task
+  std::vector<ShadowPrice> limits;  // of every finite limit and every task constraint
   std::optional<double> duration;   // d objective / d duration, per s, where it is fixed or at a bound
   std::vector<ViaPrices> via;
   Joints<double> goal{};  // d objective / d goal.q, per rad; a goal at rest moves with its equilibrium
@@ -50,27 +50,27 @@ struct Sensitivity {
 
 // Pontryagin's conditions, with H = running cost + p'f and p the costate, d(cost to go)/dx.
 struct Optimality {
-  // H along the motion, as the mean over each interval: constant between via points, and minus the weight of time where
-  // the duration is free.
+  // H along the motion, as the mean over each interval. At an optimum it is constant between via points, and equals
+  // minus the weight of time if the duration is free.
   struct Hamiltonian {
     double mean = 0;
     double spread = 0;               // root mean square deviation from the leg's mean, in time
     double largest = 0;              // deviation of one interval
-    double time = 0;                 // [s] where that is
-    std::optional<double> expected;  // where the duration is free
+    double time = 0;                 // [s] of the largest deviation
+    std::optional<double> expected;  // mean at an optimum, if the duration is free
     double allowed = 0;              // spread up to which the solution counts as stationary
 
     bool stationary() const { return spread <= allowed; }
   } hamiltonian;
-  // dH/du, u the control (friction-compensated torque, or its rate where that is the control), at the controls of the
-  // discretisation: averaged over the stages that see them.
+  // dH/du by the control u (the friction-compensated torque, or its rate if that is the control), for each control
+  // variable of the discretisation, averaged over the collocation points that depend on it.
   struct Stationarity {
-    double free = 0;      // root mean square in time where no limit holds the control: 0 at an optimum
-    double wrong = 0;     // largest dH/du that says to move away from an active limit: 0 at an optimum
-    double largest = 0;   // |dH/du| anywhere: what the two compare to
-    double residual = 0;  // largest of dH/du with the limits' multipliers, what the optimiser left
+    double free = 0;      // root mean square in time where no limit is active; 0 at an optimum
+    double wrong = 0;     // largest dH/du whose sign says to move away from an active limit; 0 at an optimum
+    double largest = 0;   // largest |dH/du| anywhere, to compare the two with
+    double residual = 0;  // largest |dH/du| including the multipliers of limits: the optimiser's dual residual
   } stationarity;
-  double friction_width = 0;  // [rad/s] of the smoothed law that was optimised with; 0: the exact law
+  double friction_width = 0;                     // [rad/s] of the friction law in the last solve; 0: the exact law
   State<double> costate_start{}, costate_end{};  // per rad, rad/s
   struct Along {                                 // the means over one interval
     double time;                                 // [s] its middle
@@ -85,7 +85,8 @@ struct Analysis {
   Optimality optimality;
 };
 
-// problem: as it was optimised, `solution` its solution; `scale`: what the request's objective was divided by for that.
+// Analyses `solution`, a solution of `problem` as it was optimised, with its multipliers. scale: the request's
+// objective was divided by this for the optimisation.
 Analysis analyse(const Problem& problem, const Collocated& solution, double scale);
 
 }  // namespace fjr

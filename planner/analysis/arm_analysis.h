@@ -1,4 +1,4 @@
-// The analysis for what an instance supports: what analyse() chooses from.
+// The analysis as a template on the features of the problem; analyse() chooses the instance.
 #pragma once
 
 #include <vector>
@@ -16,7 +16,7 @@ namespace arm_analysis {
 
 using Vector8 = Eigen::Matrix<double, kStates, 1>;
 
-// First interval of every leg between via points, and the number of intervals.
+// Returns the index of the first interval of every leg between via points, and then the number of intervals.
 inline std::vector<std::size_t> legs(const Problem& problem, const Mesh& mesh) {
   std::vector<std::size_t> nodes{0};
   for (std::size_t s = 0; s < segment_count(problem); ++s) nodes.push_back(end_node(mesh, s));
@@ -28,7 +28,7 @@ inline bool duration_is_free(const Problem& problem, double duration) {
          problem.duration.max - duration > kActive * problem.duration.max;
 }
 
-// d objective / d goal.q, 0 where free. The equilibrium of a goal at rest is theta = q + K^-1 G(q).
+// Returns d objective / d goal.q [1/rad], 0 for a free joint. At a goal at rest, theta = q + K^-1 G(q) changes with q.
 inline Joints<double> price_of_goal(const Problem& problem, const Vector8& by_state) {
   Joints<double> price{by_state(0), by_state(1)};
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -45,8 +45,8 @@ inline Joints<double> price_of_goal(const Problem& problem, const Vector8& by_st
   return price;
 }
 
-// What the regularisation by effort of a minimum-time problem contributes where limits are active: its weight depends
-// on them (make_arm_ocp()).
+// Adds the contribution of the regularising effort of a minimum-time problem to the prices of active limits, because
+// the weight of the regularisation depends on the torque limits (make_arm_ocp()).
 template <Features F>
 void add_regularisation(const Problem& problem, const Collocated& solution, std::vector<ShadowPrice>& prices) {
   const double reg = solution.setup.smoothing.regularisation;

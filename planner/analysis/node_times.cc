@@ -14,7 +14,7 @@ NodeTimes node_times_of(const Problem& problem, const Collocated& solution) {
   Adjoint a;
   a.node_times = t.mesh().node_times(solution.durations);
   a.hamiltonian = hamiltonians(t, solution.report.iterate);
-  a.conserved = a.hamiltonian;  // what nodes that move make constant
+  a.conserved = a.hamiltonian;  // optimising the node times makes H itself constant, with its jumps by limits
   const std::vector<std::size_t> legs = arm_analysis::legs(problem, t.mesh());
   NodeTimes result{hamiltonian(a, legs).spread, allowed_spread(solution.report.objective, a.node_times.back()), {}};
   for (std::size_t k = 1; k < a.hamiltonian.size(); ++k) {

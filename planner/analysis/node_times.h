@@ -1,4 +1,4 @@
-// Whether the nodes of a solution's mesh lie where the optimum wants them.
+// Checks by the Hamiltonian whether the nodes of a solution's mesh lie at the optimal times.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 namespace fjr {
 
 struct NodeTimes {
-  double spread = 0;               // of H, whatever it jumps by
-  double allowed = 0;              // of it
-  std::vector<std::size_t> jumps;  // inner nodes, not via points, where H jumps by more than that
+  double spread = 0;               // of H, including its jumps at nodes
+  double allowed = 0;              // spread, and jump at a node, up to which the node times count as optimal
+  std::vector<std::size_t> jumps;  // inner nodes, except via points, where H jumps by more than `allowed`
 };
 
 NodeTimes node_times(const Problem& problem, const Collocated& solution);

@@ -10,30 +10,31 @@
 
 namespace fjr {
 
-// A bound counts as active within this fraction of it; one that is 0, of the largest of what it bounds the sum of.
+// A bound counts as active if the value is within this fraction of it. For a bound of 0 the fraction is of the largest
+// term in the sum that it bounds.
 inline constexpr double kActive = 0.01;
 
-// An optimum's H is constant. A mesh leaves a spread of it, which says little as long as it is within this fraction of
-// objective / duration: d objective / d duration then agrees with the objectives of plans a little longer and shorter
-// (tests/planner/node_times_test.cc).
+// Returns the spread of H up to which a solution counts as stationary. At an optimum H is constant; on a mesh a small
+// spread remains. Up to this fraction of objective / duration, d objective / d duration agrees with the objectives of
+// slightly longer and shorter plans (tests/planner/node_times_test.cc).
 inline double allowed_spread(double objective, double duration) {
   constexpr double kFraction = 0.02;
   return kFraction * std::abs(objective) / duration;
 }
 
-// Of one value per interval: over the intervals first, ..., last - 1, weighted by their durations.
+// Returns the mean of one value per interval over the intervals first, ..., last - 1, weighted by their durations.
 inline double mean_over(const Adjoint& a, const std::vector<double>& values, std::size_t first, std::size_t last) {
   double integral = 0;
   for (std::size_t k = first; k < last; ++k) integral += values[k] * (a.node_times[k + 1] - a.node_times[k]);
   return integral / (a.node_times[last] - a.node_times[first]);
 }
 
-// Of H.
+// Returns the mean of H over these intervals.
 inline double mean_hamiltonian(const Adjoint& a, std::size_t first, std::size_t last) {
   return mean_over(a, a.hamiltonian, first, last);
 }
 
-// Square of the deviations from the leg's mean, integrated over it.
+// Returns the integral over a leg of the squared deviation from the leg's mean.
 inline double variation(const Adjoint& a, const std::vector<double>& values, std::size_t first, std::size_t last) {
   const double mean = mean_over(a, values, first, last);
   double squares = 0;
@@ -43,9 +44,9 @@ inline double variation(const Adjoint& a, const std::vector<double>& values, std
   return squares;
 }
 
-// On each leg H itself, or H without what limits explain of its jumps, whichever varies less, and in the mean H. Where
-// H is constant, no node would improve the objective elsewhere. Where it is constant without those jumps, nodes would
-// move only because limits hold at points that move with them.
+// Returns, for each leg, either H or H without the jumps that limits explain (shifted to the same mean), whichever
+// varies less. If H is constant, no node would improve the objective at another time. If it is constant only without
+// these jumps, nodes would move only because limits are imposed at points that move with them.
 inline std::vector<double> conserved_along(const Adjoint& a, const std::vector<std::size_t>& legs) {
   std::vector<double> along = a.hamiltonian;
   for (std::size_t leg = 0; leg + 1 < legs.size(); ++leg) {
@@ -57,8 +58,8 @@ inline std::vector<double> conserved_along(const Adjoint& a, const std::vector<s
   return along;
 }
 
-// legs: first intervals of the stretches within which H is constant, and the number of intervals; {0, n} without via
-// points.
+// Computes the statistics of H. legs: the first interval of each leg, within which H should be constant, and then the
+// number of intervals; {0, n} without via points.
 inline Optimality::Hamiltonian hamiltonian(const Adjoint& a, const std::vector<std::size_t>& legs) {
   Optimality::Hamiltonian result;
   result.mean = mean_hamiltonian(a, 0, a.hamiltonian.size());
@@ -78,7 +79,7 @@ inline Optimality::Hamiltonian hamiltonian(const Adjoint& a, const std::vector<s
   return result;
 }
 
-// Which way active limits keep each variable from moving: bit 1 up, bit 2 down.
+// Returns per variable the directions that active limits block: bit 1 up, bit 2 down.
 template <class Ocp>
 std::vector<int> held(const Transcription<Ocp>& t, const Iterate& solution) {
   std::vector<int> held(static_cast<std::size_t>(t.variables()), 0);

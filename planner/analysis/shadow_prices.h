@@ -1,4 +1,5 @@
-// Shadow prices of the arm's limits and of the task's constraints: the multipliers of the bounds it makes.
+// Computes the shadow prices of the arm's limits and of the task constraints from the multipliers of the bounds that
+// represent them.
 #pragma once
 
 #include <algorithm>
@@ -18,19 +19,19 @@
 
 namespace fjr {
 
-// One bound that a limit makes at every stage of an interval.
+// A bound that represents a limit at every collocation point of an interval.
 struct BoundOfLimit {
   std::size_t limit;  // as in PerLimit
   enum Of { kState, kControl, kRow } of;
   int index;
   bool upper;
   double value;
-  double size;   // what fractions of it are taken of
-  double slope;  // d value / d limit; of a task's row: d value / d clearance
+  double size;   // tolerances are fractions of this
+  double slope;  // d value / d limit; for a task constraint: d value / d clearance
 };
 
-// The bounds are functions of the limits of degree two at most (path_bounds()): central differences are exact.
-// scales: limit_scales().
+// Returns the bounds that represent the limits. Their slopes are central differences, which are exact because the
+// bounds are polynomials of degree <= 2 in the limits (path_bounds()). scales: limit_scales().
 template <Features F>
 std::vector<BoundOfLimit> bounds_of_limits(const TightenedLimits& tightened, const PerLimit& scales) {
   constexpr double kStep = 1.0 / 1024;
@@ -95,7 +96,7 @@ class ShadowPrices {
     for (int k = 0; k < t_.intervals(); ++k) {
       const auto at = static_cast<std::size_t>(k);
       if (k == 0 || !same(tightened_[at], tightened_[at - 1])) bounds = bounds_of_limits<F>(tightened_[at], scales_);
-      double time = nodes[at];  // stage j stands for the time that its weight takes
+      double time = nodes[at];  // each collocation point represents a part of the interval as long as its weight
       for (int j = 0; j < t_.scheme().stages(); ++j) {
         const double end = j + 1 == t_.scheme().stages() ? nodes[at + 1] : time + b(j) * (nodes[at + 1] - nodes[at]);
         for (const BoundOfLimit& bound : bounds) {
@@ -131,12 +132,12 @@ class ShadowPrices {
     }
   }
 
-  // A constraint of the task may have several rows, one after the other, and has one price for each link.
+  // Returns whether a row belongs to the same task constraint and link as the row before it. Such rows have one price.
   bool continues_constraint(std::size_t index) const {
     return index > kLimits && constraints_[index - kLimits] == constraints_[index - kLimits - 1];
   }
 
-  static constexpr double kGap = 0.01;  // fraction of the duration: shorter interruptions are passed over
+  static constexpr double kGap = 0.01;  // fraction of the duration; shorter interruptions are ignored
 
   static bool same(const TightenedLimits& a, const TightenedLimits& b) {
     return a.limits == b.limits && a.task_rows == b.task_rows;
@@ -152,7 +153,7 @@ class ShadowPrices {
     return stretches;
   }
 
-  // True where the bound is active at stage j; its multiplier is then added to the limit's price, once.
+  // Returns whether the bound is active at stage j. If so, its multiplier is added to the limit's price, but only once.
   bool visit(int k, int j, const BoundOfLimit& bound) {
     if (bound.of == BoundOfLimit::kState) return variable(t_.x_at(k, j) + bound.index, bound);
     if (bound.of == BoundOfLimit::kRow) return row(k, j, bound);
@@ -165,7 +166,7 @@ class ShadowPrices {
   }
 
   bool variable(int at, const BoundOfLimit& bound) {
-    if (t_.x_lower(at) == t_.x_upper(at)) return false;  // given
+    if (t_.x_lower(at) == t_.x_upper(at)) return false;  // fixed by the request
     const double present = bound.upper ? t_.x_upper(at) : t_.x_lower(at);
     if (!active(present, solution_.x(at), bound)) return false;
     char& counted = counted_variable_[static_cast<std::size_t>(at)];
@@ -178,7 +179,7 @@ class ShadowPrices {
     int row = t_.path_row(k, j, bound.index);
     const auto segment = [this](int i) { return t_.mesh().intervals[static_cast<std::size_t>(i)].segment; };
     if (row < 0 && j == 0 && k > 0 && t_.scheme().starts_at_node &&
-        segment(k) == segment(k - 1)) {  // asked once, at the end of the interval before
+        segment(k) == segment(k - 1)) {  // imposed once, at the end of the interval before
       row = t_.path_row(k - 1, t_.scheme().stages() - 1, bound.index);
     }
     if (row < 0 || !active(bound.upper ? t_.g_upper(row) : t_.g_lower(row), rows_(row), bound)) return false;
@@ -189,7 +190,7 @@ class ShadowPrices {
     return true;
   }
 
-  // `present`: the bound there is, which may be somebody else's.
+  // Returns whether the bound is active. present: the actual bound, which may come from another limit or a fixed value.
   static bool active(double present, double value, const BoundOfLimit& bound) {
     return std::abs(present - bound.value) <= 1e-12 * bound.size &&
            std::abs(value - bound.value) <= kActive * bound.size;
@@ -203,7 +204,7 @@ class ShadowPrices {
   std::vector<TightenedLimits> tightened_;
   PerLimit scales_;
   Eigen::VectorXd rows_;
-  std::vector<std::pair<std::size_t, int>> constraints_;  // and the link, of each row of the task
+  std::vector<std::pair<std::size_t, int>> constraints_;  // per row of the task: its constraint and link
   std::vector<char> counted_variable_, counted_row_;
   std::vector<ShadowPrice> prices_;  // in the order of PerLimit
 };

@@ -10,10 +10,10 @@
 namespace fjr {
 namespace {
 
-constexpr double kLinkFraction = 0.5;  // of a spring's stiffness: feedback from the link's side, stable below 1
-constexpr double kDitherCounts = 0.1;  // [-] of the link's encoder: no motor swings further
+constexpr double kLinkFraction = 0.5;  // gain of the link feedback, as a fraction of the stiffness; stable below 1
+constexpr double kDitherCounts = 0.1;  // [counts of the link encoder] largest amplitude of the dither
 
-// How far `error` is beyond +-band.
+// Applies a dead band: returns how far `error` is outside [-band, band].
 double beyond(double error, double band) { return error - std::clamp(error, -band, band); }
 
 }  // namespace
@@ -96,8 +96,8 @@ void MotorFeedback::shift_plan(const Joints<double>& by) {
   }
 }
 
-// The whole difference beyond half a count, not what is beyond: an arm that is not the model is followed as closely as
-// the counts permit.
+// Returns the whole difference if it exceeds half a count, not only the part beyond. So an arm that differs from the
+// model follows the plan as closely as the resolution of the encoder permits.
 double MotorFeedback::motor_error(const Parameters& p, std::size_t j, double difference) {
   const double half = count_angle(p.encoder.motor_counts[j]) / 2;
   return std::abs(difference) > half ? difference : 0;

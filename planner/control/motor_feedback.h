@@ -12,56 +12,58 @@ namespace fjr {
 
 inline constexpr double kTick = 1e-3;  // [s] of the executor
 
-inline constexpr int kDitherAfter = 5;    // [ticks] a motor that only reverses is not disturbed
+inline constexpr int kDitherAfter = 5;    // [ticks] at rest before dither begins, so that a reversal is not disturbed
 inline constexpr int kDitherPeriod = 10;  // [ticks] 100 Hz: nine times the arm's highest natural frequency
-// [-] of the swing, in half widths of the band in which the law falls (FrictionLaw::unstable_band): in the mean over a
-// swing the slope of joint 2's law is -5.3, 0, 12, 19, 29, 37 N m s/rad at 0, 1.44, 3, 4, 6, 20 of them.
+// [-] velocity amplitude of the dither, in half widths of the band in which friction falls with speed
+// (FrictionLaw::unstable_band). With amplitudes of 0, 1.44, 3, 4, 6, 20 half widths, the slope of joint 2's law,
+// averaged over a period, is -5.3, 0, 12, 19, 29, 37 N m s/rad.
 inline constexpr double kDitherBands = 4;
 
-// A torque that keeps a motor moving where it is to rest, for a friction law that falls with speed at rest (joint 2's).
-// At rest such a motor runs away, and no feedback through encoders is quick enough to see it. While it swings with a
-// few times the speeds at which the law falls, its friction rises with speed in the mean, and errors of its velocity
-// decay. The swing itself moves a motor over a fifteenth of a count of its link's encoder. It is added to the planned
-// velocity, which may creep: the torque makes up for the difference between the friction of the two together and that
-// of the plan, which is in the planned torque.
+// A dither torque that keeps a motor oscillating while it should rest, for a friction law that falls with speed near
+// rest (joint 2's). Such a motor is unstable at rest, and feedback through encoders detects that too late. While it
+// oscillates several times faster than the speeds at which the law falls, its friction rises with speed on average, and
+// velocity errors decay. The oscillation moves the motor by a fifteenth of a count of its link's encoder. It is added
+// to the planned velocity, which may be a slow creep: the dither torque is the friction at the sum of both velocities,
+// less the friction of the plan (which the planned torque contains), plus the torque that accelerates the motor.
 class Dither {
  public:
   Dither(const Parameters& p, std::size_t joint, double tick);
 
-  // [N m] on top of the planned torque for the next tick, given the planned velocity [rad/s]. 0 unless the plan has
-  // rested, or crept within the band, for kDitherAfter ticks.
+  // Returns the torque [N m] to add to the planned one for the next tick, given the planned velocity [rad/s]. It is 0
+  // unless the planned velocity has stayed within the unstable band for kDitherAfter ticks.
   double next(double planned_velocity);
 
-  // [rad/s] of the swing; 0: the law does not fall.
+  // Returns the velocity amplitude [rad/s]; 0 if the friction law does not fall.
   double amplitude() const { return amplitude_; }
 
-  // The tick of the swing that next() gave last, from 1 on; 0: none.
+  // Returns the number, from 1, of the dither tick that next() returned last; 0 if it did not dither.
   std::size_t swing_tick() const { return rested_ > kDitherAfter ? rested_ - kDitherAfter : 0; }
 
  private:
-  static constexpr int kParts = 8;  // of a tick, over which the friction of the swing is averaged
+  static constexpr int kParts = 8;  // parts of a tick over which the friction is averaged
 
   FrictionLaw law_;
   double band_, amplitude_;                                             // [rad/s]
-  std::array<std::array<double, kParts>, kDitherPeriod> velocities_{};  // [rad/s] of the swing, tick by tick
-  std::array<double, kDitherPeriod> accelerating_{};                    // [N m] the motor by the swing, tick by tick
-  std::size_t rested_ = 0;                                              // ticks
+  std::array<std::array<double, kParts>, kDitherPeriod> velocities_{};  // [rad/s] oscillation, per tick and part
+  std::array<double, kDitherPeriod> accelerating_{};                    // [N m] inertia torque of it, per tick
+  std::size_t rested_ = 0;                                              // [ticks] within the unstable band so far
 };
 
-// What Dither gives along a trajectory, tick by tick from its first row on: it depends on the plan alone.
+// The torques of Dither along a trajectory, computed in advance for every tick. That is possible because they depend
+// only on the planned velocities.
 class PlannedDither {
  public:
   PlannedDither(const Parameters& p, const Trajectory& trajectory, double tick = kTick);
 
-  // [N m] in the tick that `time` is in.
+  // Returns the dither torque [N m] in the tick that contains `time`.
   Joints<double> at(double time) const;
-  // Where it steps, increasing. [s]
+  // Returns the times [s] at which it changes, in increasing order.
   const std::vector<double>& steps() const { return steps_; }
 
  private:
   struct Swing {
     std::size_t first;            // tick
-    std::vector<double> torques;  // [N m] tick by tick
+    std::vector<double> torques;  // [N m] per tick
   };
 
   double start_, tick_;
@@ -70,13 +72,14 @@ class PlannedDither {
 };
 
 // Feedback from the encoders on top of a feed-forward torque, once a tick.
-// - Motors: within one count of its encoder nothing is known of a motor, so there is no error while the plan is in the
-//   count that is read. Beyond, position and velocity gains act on the error; velocities come from differences through
-//   a low-pass. (Every count taken for an error would kick the arm off by 7 counts of the link encoder on a motion.)
-// - Links: within the count of a motor the finer encoder of its link tells. Across a spring feedback is stable with
-//   less than the spring's stiffness; it has half, for errors up to half a count of the motor. Where the plan rests,
-//   and the link is where it should be, it is also believed more than a motor's encoder that is a count off.
-// - Where a motor rests whose friction falls with speed: Dither.
+// - Motors: the position of a motor is known only to one count of its encoder, so the error is 0 while the plan lies in
+//   the count that is read. Otherwise position and velocity gains act on the error; the velocity error comes from
+//   differences through a low-pass filter. (Without this dead band, every count would act as an error and push the
+//   links off the plan by 7 counts of the link encoder during a motion.)
+// - Links: within a count of the motor encoder, the finer encoder of the link is used. This feedback acts across the
+//   spring and is stable with a gain below the spring's stiffness; its gain is half of that, for errors up to half a
+//   count of the motor. If the plan rests and the link is in place, a motor encoder that is a count off is ignored.
+// - Motors at rest whose friction falls with speed get the torque of Dither.
 // Feed-forward friction is part of the planned torque: it follows the planned velocity.
 class MotorFeedback {
  public:
@@ -91,21 +94,25 @@ class MotorFeedback {
 
   MotorFeedback(const Parameters& p, double tick);
 
-  // What is taken for the error of motor j where its encoder differs from the plan by `difference`. [rad]
+  // Returns the position error [rad] of motor j that the feedback uses, if its encoder differs from the plan by
+  // `difference` [rad].
   static double motor_error(const Parameters& p, std::size_t j, double difference);
-  // What is taken for the error of link j at `measured`, before quantisation. [rad]
+  // Returns the position error [rad] of link j that the feedback uses. planned, measured: [rad], before quantisation.
   static double link_error(const Parameters& p, std::size_t j, double planned, double measured);
-  // Of the error of a link. [N m/rad]
+  // Returns the gain of the link error [N m/rad].
   static double link_gain(const Parameters& p, std::size_t j);
 
-  // Position errors now are no velocities. Measured: before quantisation.
+  // Initialises the velocity filters with the present position errors [rad], so that these do not look like velocities.
+  // measured_theta: before quantisation.
   void start(const Joints<double>& planned_theta, const Joints<double>& measured_theta);
 
-  // The planned motor positions given from now on differ by so much from those before, which is no motion. [rad]
+  // Announces that the planned motor positions jump by `by` [rad] from now on, so that the velocity filters do not take
+  // the jump for a motion.
   void shift_plan(const Joints<double>& by);
 
-  // Positions at the beginning of the tick, measured ones before quantisation; planned motor velocities [rad/s];
-  // feed-forward torque for the tick [N m]. Joints that are `blind` get none of the feedback.
+  // Computes the command for one tick from the planned and measured positions at its beginning (measured before
+  // quantisation), the planned motor velocities [rad/s] and the feed-forward torque for the tick [N m]. Joints marked
+  // in `blind` get no feedback.
   Command command(const Positions& planned, const Joints<double>& planned_velocity, const Positions& measured,
                   const Joints<double>& feedforward, const Joints<bool>& blind = {});
 
@@ -127,8 +134,8 @@ class TickController {
   // The trajectory must outlive the controller; tick [s].
   TickController(const Parameters& p, const Trajectory& trajectory, double tick = kTick);
 
-  // Command for [time, time + tick], given the positions at `time` before quantisation. Call once a tick, in order.
-  // Beyond the end: the last row is held.
+  // Returns the command for [time, time + tick], given the positions at `time` before quantisation. It must be called
+  // once per tick, in order. Beyond the end of the trajectory the last sample is held.
   Command command(double time, const MotorFeedback::Positions& measured);
 
  private:
@@ -137,8 +144,8 @@ class TickController {
   MotorFeedback feedback_;
 };
 
-// How far from where it is to rest the arm may be before a motion: half a count of the link encoder, within which it
-// is held. [rad]
+// Returns how far [rad] a joint may be from its rest position before a motion: half a count of the link encoder, within
+// which the executor holds it.
 inline double rest_error(const Parameters& p, std::size_t joint) {
   return count_angle(p.encoder.link_counts[joint]) / 2;
 }

@@ -1,4 +1,4 @@
-// A controlled stop, as it goes with a trajectory.
+// The parameters of a controlled stop, which are published with a trajectory.
 #pragma once
 
 #include <array>
@@ -7,12 +7,12 @@
 
 namespace fjr {
 
-inline constexpr int kShapes = 6;  // free numbers per joint: where it ends, and the bumps
+inline constexpr int kShapes = 6;  // free parameters per joint: the end position and 5 bumps (stop_shape.h)
 
-// What determines a stop, beside the plan that it leaves: the rows follow from it (stop_rows(), stop_motion.h).
+// Together with the plan, these numbers determine a stop; stop_rows() (stop_motion.h) computes its samples from them.
 struct StopMotion {
-  double time = 0;                             // [s] of the plan, when it begins
-  double duration = 0;                         // [s]; 0: no stop is over sooner than the plan itself
+  double time = 0;                             // [s] of the plan, at which the stop begins
+  double duration = 0;                         // [s]; 0: there is no stop that ends before the plan itself
   Joints<std::array<double, kShapes>> free{};  // StopShape::free of the joints
 };
 

@@ -14,20 +14,20 @@
 namespace fjr {
 namespace {
 
-constexpr double kLonger = 1.1;                    // ratio of the durations that are tried
-constexpr double kSoon = 0.3;                      // [s] in which a plan's own end is near enough to try less
-constexpr double kAimed = 0.98, kAllowed = 0.999;  // fractions of the limits: the search only looks at some instants
-constexpr int kNodes = 48;                         // so many of them
-constexpr int kIterations = 15, kHopeless = 4;     // after so many, far outside, it will not come inside
-constexpr double kMissedTorque = 0.02;             // [N m] between rows
-constexpr double kSharpCorner = 1000;              // [N m/s] the rollout stops there; halves its time
-constexpr double kSameInstant = 1e-9;              // [s]
-constexpr double kRestAfter = 0.25;  // [s] a quarter of the slowest oscillation: a swing shows its size in it
+constexpr double kLonger = 1.1;                    // ratio of consecutive durations in the search
+constexpr double kSoon = 0.3;                      // [s] before the end of the plan only the simpler shapes are tried
+constexpr double kAimed = 0.98, kAllowed = 0.999;  // fractions of the limits, since only some instants are checked
+constexpr int kNodes = 48;                         // number of these instants
+constexpr int kIterations = 15, kHopeless = 4;     // the search gives up after kHopeless if still far outside
+constexpr double kMissedTorque = 0.02;             // [N m] allowed interpolation error between samples
+constexpr double kSharpCorner = 1000;  // [N m/s] slope change at which the rollout ends a step; halves its time
+constexpr double kSameInstant = 1e-9;  // [s]
+constexpr double kRestAfter = 0.25;    // [s] quarter period of the slowest oscillation, which then shows its amplitude
 
 using Free = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kJoints * kShapes, 1>;
 using Excess = Eigen::Matrix<double, 4 * kJoints * kNodes, 1>;
 
-// One duration: which free numbers keep all within the limits?
+// Searches the free parameters for which a stop of a given duration is within the limits.
 class Search {
  public:
   Search(const Parameters& robot, const Limits& limits, const LinkMotion& from, double duration, int shapes)
@@ -35,11 +35,12 @@ class Search {
     free_ = Free::Zero(kJoints * count_);
     for (int j = 0; j < kJoints; ++j) {
       const auto i = static_cast<std::size_t>(j);
-      free_[j * count_] = 0.45 * from.dq[i] * duration;  // about what a polynomial left to itself takes
+      free_[j * count_] = 0.45 * from.dq[i] * duration;  // roughly the distance of a stop without limits
     }
   }
 
-  // Least squares of what exceeds the aim, by Levenberg and Marquardt; the problem is almost linear.
+  // Minimises the squared excess over kAimed of the limits by the Levenberg-Marquardt method; the problem is almost
+  // linear. Returns whether the stop is within kAllowed of the limits.
   bool run() {
     Excess excess = measure(free_);
     double damping = 1e-3;
@@ -132,8 +133,8 @@ LinkMotion motion_of(const Parameters& robot, const Sample& from) {
   return link_motion(robot, from.state, u);
 }
 
-// Rows every millisecond, and between them where the torque, linear between rows, would miss what friction does: at its
-// jump where a motor reverses, where a motor starts and comes to rest.
+// Computes the samples of a stop: every millisecond, and more where linear interpolation of the torque would miss the
+// friction torque: where it jumps because a motor reverses, starts or comes to rest.
 class Rows {
  public:
   Rows(const Parameters& robot, const Joints<StopShape>& shapes, double start, double duration)
@@ -162,7 +163,7 @@ class Rows {
     return {start_ + at, p.state, p.torque};
   }
 
-  // What rounding leaves of zero derivatives is none of the stop.
+  // Sets the last sample exactly to rest, because rounding leaves small velocities.
   void rest(Sample& last) const {
     last.state = rest_at(robot_, last.state.q);
     last.torque = gravity_torque(robot_, last.state.q);
@@ -189,7 +190,7 @@ class Rows {
   double start_, duration_;
 };
 
-// Before it is worth a rollout: empty, or what is wrong.
+// Checks the limits at the samples, before an expensive rollout. Returns what is wrong, or an empty string.
 std::string fault_of_rows(const Limits& limits, const std::vector<Sample>& rows) {
   struct Quantity {
     const char* name;
@@ -272,8 +273,8 @@ Trajectory stop_rows(const Parameters& robot, const Sample& from, const StopMoti
   return rows.between(coarse);
 }
 
-// Without the dither of the rest after it, which moves a link by a tenth of a count, where two are allowed, and would
-// take nine tenths of the time: a check has to be several times as fast as the motion.
+// The rollout leaves out the dither during the rest. It would move a link by a tenth of a count, where two are allowed,
+// but would take nine tenths of the time, and a check has to be several times faster than the motion.
 std::string fault_of_stop(const Parameters& robot, const Trajectory& stop) {
   const Trajectory t = with_rest(robot, stop);
   Drive drive = Drive::closed_loop(t, robot);
@@ -320,11 +321,11 @@ Trajectory checked_stop(const Parameters& robot, const Trajectory& plan, std::si
     throw NoStop(fmt::format("the stop motion at {:.3f} s cannot be used: {}", time, why));
   };
   if (!(std::abs(stop.time - time) <= kSameInstant)) refuse(fmt::format("it begins at {:.6g} s", stop.time));
-  // That there is no stop is not checked: a search for one takes 10 ms in the mean on reach.yaml, and 47 ms, at most 99
-  // ms, on a flat motion at the limits, per instant, where 20 ms pass between instants and stops are checked 100 ms
-  // ahead. Finding one would not prove that the sender lied, for the planner's own search, which begins near the stop
-  // before, missed one of six there. It is safe: the arm goes on to the end of the motion, which has been judged, for
-  // at most kLongestStop.
+  // If the plan has no stop for this instant, that claim is not checked. A search takes 10 ms per instant on average on
+  // reach.yaml, and 47 ms (at most 99 ms) on a flat motion at the limits, but instants are 20 ms apart and stops are
+  // checked 100 ms ahead. Nor would finding a stop prove the claim false, because the planner's own search, which
+  // starts near the previous stop, missed one of six there. It is safe: the arm continues to the end of the motion,
+  // which has been certified, for at most kLongestStop.
   if (stop.duration == 0 && plan.end_time() - time <= kLongestStop) return {};
   if (!(stop.duration >= kShortestStop && stop.duration <= kLongestStop)) {
     refuse(fmt::format("it takes {:.6g} s, {:g} to {:g} s are allowed", stop.duration, kShortestStop, kLongestStop));

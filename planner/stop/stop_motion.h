@@ -1,4 +1,4 @@
-// Controlled stops: from where a plan is to rest, without leaving the links swinging.
+// Controlled stops: motions from a state of a plan to rest that do not leave the links oscillating.
 #pragma once
 
 #include <array>
@@ -15,47 +15,49 @@
 
 namespace fjr {
 
-inline constexpr double kStopSpacing = 0.02;  // [s] between the instants of a plan for which a stop is at hand
+inline constexpr double kStopSpacing = 0.02;  // [s] between the instants of a plan for which stops are computed
 
-// What a stop may use. It begins in the middle of a plan that may itself be at its limits, with the torque continuous
-// and its slope to be found: so torque gets half of what the drive has beyond the planning limit (the other half is
-// left to feedback), motor velocity 5 %, and deflection 1 %, where the springs are still as identified. Positions get
-// nothing: there may be a wall.
+// Returns the limits of a stop. They are wider than those of a plan, because a stop may begin where the plan is at its
+// limits, and its torque must be continuous there. The torque limit is raised by half of what the drive has beyond the
+// planning limit (the other half is left to feedback), the motor velocity limit by 5 %, and the deflection limit by 1
+// %, up to which the identified stiffness is valid. Position limits stay, because there may be a wall.
 Limits stop_limits(const Parameters& robot);
 
 inline constexpr double kShortestStop = 0.05, kLongestStop = 1.5;  // [s]
 
-// The arm is flat in q: any q(t) that leaves with the plan's q and four derivatives and arrives with four zero ones is
-// a motion from the plan's state to rest. The shortest degree-9 polynomial per joint within the limits, its end free;
-// where the plan is so fast that none is, with bumps added that vanish with four derivatives at both ends. Nothing:
-// none was found. shortest, longest [s]: where to search; it never takes less than kShortestStop.
+// Returns the shortest stop within the limits that was found, or nothing. Because the arm is differentially flat in q,
+// any q(t) that begins with the plan's q and four derivatives and ends with four zero derivatives is a motion from the
+// plan's state to rest. The search uses a polynomial of degree 9 per joint with free end position and, if needed for
+// fast plans, adds bumps that vanish with four derivatives at both ends. shortest, longest [s]: range of durations;
+// none is below kShortestStop.
 std::optional<StopMotion> find_stop(const Parameters& robot, const Sample& from, double shortest, double longest);
 
-// Two counts of the link encoder: how far the links may be from a stop, and may swing after it. [rad]
+// Returns how far [rad] the links may deviate from a stop and oscillate after it: two counts of the link encoder.
 double stop_exactness(const Parameters& robot);
 
-// The stop on the exact model in closed loop and 0.25 s of rest after it: within its limits, links within
-// stop_exactness() of it throughout. Empty, or what is wrong with it.
+// Simulates the stop, and 0.25 s of rest after it, on the exact model in closed loop. Returns what is wrong: a limit of
+// stop_limits() that is exceeded, or links that deviate by more than stop_exactness(); empty if nothing is.
 std::string fault_of_stop(const Parameters& robot, const Trajectory& stop);
 
+// There is no usable stop; what() is one sentence with the reason.
 struct NoStop : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// Its rows, beginning with the plan's row `from`: every millisecond, and between where the torque needs it. Throws
-// NoStop, one sentence, when the numbers are no stop, or one that is not within stop_limits() at every millisecond.
+// Returns the samples of a stop, beginning with the plan's sample `from`: one every millisecond, and more where the
+// torque changes fast. Throws NoStop if a sample is not within stop_limits().
 Trajectory stop_rows(const Parameters& robot, const Sample& from, const StopMotion& stop);
 
-// One per kStopSpacing from the beginning of the plan on, rolled out. `between` is called after each. Throws NoStop,
-// one sentence.
+// Returns a stop, checked by a rollout, for every kStopSpacing from the beginning of the plan. Calls `between` after
+// each. Throws NoStop if there is none for an instant more than kLongestStop before the end.
 std::vector<StopMotion> stop_motions(const Parameters& robot, const Trajectory& plan,
                                      const std::function<void()>& between);
 
-// How many that are. [-]
+// Returns the number of stops that stop_motions() returns.
 std::size_t count_of_stops(const Trajectory& plan);
 
-// The i-th stop of a plan, whoever computed it: its rows, rolled out here. Empty rows: there is none, and the plan
-// itself ends within kLongestStop. Throws NoStop, one sentence.
+// Checks the i-th stop of a plan from any source by a rollout and returns its samples. They are empty if the stop says
+// that there is none and the plan ends within kLongestStop. Throws NoStop if the stop cannot be used.
 Trajectory checked_stop(const Parameters& robot, const Trajectory& plan, std::size_t i, const StopMotion& stop);
 
 }  // namespace fjr

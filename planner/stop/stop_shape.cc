@@ -11,7 +11,7 @@ constexpr int kBasis = 5 + kShapes;
 constexpr int kCoefficients = 10 + kShapes;  // degree 9, and bumps of degree 10 and more
 using Polynomial = std::array<double, kCoefficients>;
 
-// d^k/ds^k of s^i at s = 1.
+// Returns d^k/ds^k of s^i at s = 1: i (i - 1) ... (i - k + 1).
 double falling(int i, int k) {
   double product = 1;
   for (int r = 0; r < k; ++r) product *= i - r;
@@ -24,7 +24,8 @@ double derivative(const Polynomial& p, int k, double s) {
   return value;
 }
 
-// Degree 9: derivatives `start` at 0; at 1 the value `end` and four zero derivatives.
+// Returns the polynomial of degree 9 with q and four derivatives `start` at s = 0, and with the value `end` and four
+// zero derivatives at s = 1.
 Polynomial from_ends(const Derivatives& start, double end) {
   Polynomial p{};
   Eigen::Matrix<double, 5, 5> a;
@@ -39,7 +40,7 @@ Polynomial from_ends(const Derivatives& start, double end) {
   return p;
 }
 
-// Coefficients of the Legendre polynomial P_n(2s-1), by (n+1) P_n+1 = (2n+1) (2s-1) P_n - n P_n-1.
+// Returns the Legendre polynomial P_n(2s-1), by (n+1) P_n+1 = (2n+1) (2s-1) P_n - n P_n-1.
 Polynomial legendre(int n) {
   Polynomial before{}, now{};
   now[0] = 1;

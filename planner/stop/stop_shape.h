@@ -1,4 +1,4 @@
-// Polynomials q(s), s in [0, 1], from given derivatives to rest: the family in which stops are looked for.
+// The polynomials q(s), s in [0, 1], from given derivatives to rest, among which stops are searched.
 #pragma once
 
 #include <array>
@@ -9,8 +9,9 @@
 
 namespace fjr {
 
-// Of one joint; [rad]. free[0] is q at the end beyond q at the start; the others weigh the bumps s^5 (1-s)^5 P_i(2s-1),
-// P_i the Legendre polynomials, scaled to about 1: all zero is the polynomial of degree 9.
+// The polynomial of one joint [rad]. free[0] is q(1) - q(0). The others are the weights of the bumps s^5 (1-s)^5
+// P_i(2s-1) with the Legendre polynomials P_i, scaled to a size of about 1. If they are all zero, the polynomial has
+// degree 9.
 struct StopShape {
   std::array<double, 5> start{};  // q and its derivatives in s
   std::array<double, kShapes> free{};
@@ -18,8 +19,8 @@ struct StopShape {
 
 using Derivatives = std::array<double, 5>;  // q, dq/ds, ... at some s
 
-// A basis tabulated, because the search looks at the same s again and again: Chebyshev's, dense at both ends, where
-// polynomials are liveliest.
+// The basis polynomials tabulated at the nodes s that the search evaluates repeatedly. These are Chebyshev nodes, which
+// are dense at both ends, where the polynomials vary most.
 class ShapeTable {
  public:
   explicit ShapeTable(int nodes);  // node 0: s = 0; node `nodes`: s = 1
@@ -28,17 +29,17 @@ class ShapeTable {
 
  private:
   struct Row {
-    std::array<std::array<double, 5>, 5 + kShapes> value;  // of each basis polynomial: itself and its derivatives
+    std::array<std::array<double, 5>, 5 + kShapes> value;  // per basis polynomial: its value and four derivatives
   };
   std::vector<Row> rows_;
 };
 
 Derivatives evaluate(const StopShape& shape, double s);
 
-// `derivatives` in s at the duration `duration` [s], as derivatives in time.
+// Converts derivatives by s to derivatives by time, for a stop of this duration [s].
 LinkMotion in_time(const Joints<Derivatives>& derivatives, double duration);
 
-// From a link motion, all free numbers zero.
+// Returns the shapes that begin with this link motion, with all free parameters zero. duration: [s].
 Joints<StopShape> shapes_from(const LinkMotion& motion, double duration);
 
 }  // namespace fjr

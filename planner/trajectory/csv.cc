@@ -1,4 +1,4 @@
-// trajectory.csv: reading strictly, writing reproducibly.
+// Strict reading and reproducible writing of trajectory.csv.
 #include "common/csv.h"
 
 #include <fmt/format.h>
@@ -22,7 +22,7 @@
 namespace fjr {
 namespace {
 
-// In the order of Sample: time, the state's eight values, the torque.
+// The columns stand in the order of Sample: time, the eight values of the state, the torque.
 constexpr std::array<std::string_view, 1 + kStates + kControls> kColumns = {
     "time", "q1", "q2", "dq1", "dq2", "theta1", "theta2", "dtheta1", "dtheta2", "tau1", "tau2"};
 

@@ -19,10 +19,10 @@ struct Hermite {
   double position, velocity;
 };
 
-// The cubic through x0 and x1 with slopes v0 and v1 at the ends of an interval of length h, at s in [0, 1].
+// Evaluates the cubic through x0 and x1 with slopes v0 and v1 at the ends of an interval of length h, at s in [0, 1].
 Hermite hermite(double x0, double v0, double x1, double v1, double h, double s) {
   const double secant = (x1 - x0) / h;
-  const double curve0 = v0 - secant, curve1 = v1 - secant;  // what the cubic has beyond the straight line
+  const double curve0 = v0 - secant, curve1 = v1 - secant;  // deviations of the end slopes from the secant
   const double r = 1 - s;
   return {between(x0, x1, s) + h * s * r * (r * curve0 - s * curve1),
           secant + r * (1 - 3 * s) * curve0 + s * (3 * s - 2) * curve1};
@@ -73,7 +73,7 @@ Joints<double> Interpolator::mean_torque(double from, double to) {
   Joints<double> left = torque_at(from);
   double at = from;
   for (std::size_t k = from < rows.front().time ? 0 : interval(from) + 1; at < to; ++k) {
-    // Before the first row and beyond the last the torque stays as it is, as everywhere in this class.
+    // Before the first sample and after the last one the torque is constant, as everywhere in this class.
     const bool inside = k < rows.size() && rows[k].time < to;
     const double next = inside ? std::max(rows[k].time, at) : to;
     const Joints<double> right = inside ? rows[k].torque : torque_at(to);

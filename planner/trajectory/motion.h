@@ -1,4 +1,4 @@
-// A solved motion of the arm in continuous time: the collocation polynomials themselves.
+// A solved motion of the arm in continuous time, given by its collocation polynomials.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,7 +22,7 @@ struct Motion {
 
   double duration() const { return intervals.back().start + intervals.back().duration; }
 
-  // The interval that holds `time`; at a node the one that begins there.
+  // Returns the interval that contains `time`; at a node the one that begins there.
   std::size_t interval_at(double time) const {
     const auto after = std::upper_bound(intervals.begin(), intervals.end(), time,
                                         [](double t, const Interval& i) { return t < i.start; });
@@ -33,8 +33,9 @@ struct Motion {
     const Eigen::Matrix<double, kStates, 1> x = polynomial(intervals[interval].state, interval, time);
     return State<double>::from(x.data());
   }
-  // The same with the velocities that are the derivatives of the positions. Both agree at the collocation points. In
-  // between the velocities of the state have a polynomial of their own, one degree above that of the derivatives.
+  // Returns the state with its velocities replaced by the derivatives of the positions. Both agree at the collocation
+  // points. Between them they differ, because the velocities of the state are polynomials of their own, one degree
+  // higher than the derivatives of the positions.
   State<double> consistent_state_in(std::size_t interval, double time) const {
     const Interval& i = intervals[interval];
     State<double> x = state_in(interval, time);
@@ -50,7 +51,7 @@ struct Motion {
     }
     return x;
   }
-  // Compensated torque u.
+  // Returns the friction-compensated torque u [N m].
   Joints<double> torque_in(std::size_t interval, double time) const {
     const Eigen::Vector2d u = polynomial(intervals[interval].torque, interval, time);
     return {u(0), u(1)};

@@ -1,4 +1,4 @@
-// A trajectory as it is published: rows of time, state and motor torque.
+// A trajectory as it is published: samples of time, state and motor torque.
 #pragma once
 
 #include <filesystem>
@@ -12,7 +12,7 @@
 namespace fjr {
 
 inline constexpr std::size_t kMaxRows = 32768;
-inline constexpr double kJumpSpacing = 1e-6;  // [s] between the two rows of a torque jump
+inline constexpr double kJumpSpacing = 1e-6;  // [s] between the two samples of a torque jump
 // The "status" of rows that were corrected by executed motions, where those of a plan have its status.
 inline constexpr const char* kLearntStatus = "learnt";
 
@@ -22,7 +22,7 @@ struct Sample {
   Joints<double> torque{};  // tau_m [N m]
 };
 
-// Between rows the torque is linear and positions are cubic Hermite (velocities: their derivative).
+// Between samples the torque is linear, positions are cubic Hermite polynomials, and velocities are their derivatives.
 struct Trajectory {
   std::vector<Sample> samples;                  // strictly increasing time, at least two
   std::map<std::string, std::string> metadata;  // the "# key: value" lines
@@ -38,7 +38,8 @@ class Interpolator {
   explicit Interpolator(const Trajectory& trajectory) : trajectory_(&trajectory) {}
   Sample at(double time);
   Joints<double> torque_at(double time);
-  // Mean of the piecewise linear torque over [from, to], what a drive that holds one value per tick is given.
+  // Returns the mean of the piecewise linear torque [N m] over [from, to]; a drive that holds one value per tick gets
+  // it.
   Joints<double> mean_torque(double from, double to);
 
  private:

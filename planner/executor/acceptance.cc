@@ -24,7 +24,7 @@ bool at_rest(const Sample& row) {
   return still(row.state.dq) && still(row.state.dtheta);
 }
 
-// Wider tolerances would be none.
+// Checks the tolerances; ones wider than the bounds would not protect the arm. Returns what is wrong, if anything.
 std::optional<std::string> fault_of(const Tolerances& t) {
   std::optional<std::string> fault;
   const auto check = [&fault](const char* name, double value, double most) {
@@ -40,7 +40,8 @@ std::optional<std::string> fault_of(const Tolerances& t) {
   return fault;
 }
 
-// Nothing: they look like a trajectory; what the arm makes of them is judged while it is prepared.
+// Checks the form of the samples and returns what is wrong, if anything. Whether the arm can follow them is judged
+// later, while the motion is prepared.
 std::optional<std::string> fault_of(const std::vector<Sample>& rows) {
   if (rows.size() < 2 || rows.size() > kMaxRows) {
     return fmt::format("{} rows; a trajectory has at least 2 and at most {}", rows.size(), kMaxRows);
@@ -92,10 +93,10 @@ std::optional<ExecutionRefusal> refusal_of(const TrajectoryOrder& order, const S
   if (order.published < situation.started) {
     return ExecutionRefusal{ResultCode::kOldHeaderTimestamp, "published before the executor was started"};
   }
-  if (order.published < situation.halted) {  // whoever halts the arm means what is on its way, too
+  if (order.published < situation.halted) {  // a halt also applies to trajectories that were still on their way
     return ExecutionRefusal{ResultCode::kOldHeaderTimestamp, "published before the arm was told to hold"};
   }
-  if (age(order, situation) < -kClockDifference) {  // it may be older than this start, and nobody could tell
+  if (age(order, situation) < -kClockDifference) {  // with wrong clocks, an old trajectory would not be recognised
     return ExecutionRefusal{ResultCode::kOldHeaderTimestamp,
                             fmt::format("published {:.3f} s in the future: the clocks of planner and executor differ",
                                         -age(order, situation))};

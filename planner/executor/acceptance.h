@@ -1,4 +1,4 @@
-// Which trajectories the executor runs.
+// Decides which trajectories the executor accepts.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,25 @@ namespace fjr {
 struct Situation {
   std::string robot_hash;
   std::int64_t started = 0, now = 0;  // [ns] since 1970, UTC
-  std::int64_t halted = 0;            // likewise, when it was last told to hold or to stop
+  std::int64_t halted = 0;            // [ns] likewise, when it was last told to hold or to stop
   ExecutorMode mode = ExecutorMode::kResting;
   std::uint64_t epoch = 0;      // largest seen
   Joints<double> q{};           // [rad] where the links are
   Joints<double> rest_theta{};  // [rad] of the motors in equilibrium with them
   Joints<double> theta{};       // [rad] where the motors are
   std::string lost;             // an encoder without samples; empty: none
-  double oldest = 10;           // [s] since it was published
+  double oldest = 10;           // [s] largest accepted age of a trajectory since it was published
 };
 
 inline constexpr double kStartTolerance = 0.01;  // [rad] between the first row and where the links are
-// Between rows: a tenth of what lies between the two of a jump, and the longest sample period that may be asked for.
-// [s]
+// Range of the time between two samples [s]: from a tenth of the spacing at a jump to the longest sample period that a
+// request may have.
 inline constexpr double kShortestSpacing = 0.1 * kJumpSpacing, kLongestSpacing = 5e-3;
 inline constexpr double kWidestTolerance = 0.5;  // [rad], [rad/s]
 inline constexpr double kLongestGoalTime = 60;   // [s]
 inline constexpr double kClockDifference = 0.1;  // [s] between the planner's and the executor's machine
 
-// One sentence and a code; nothing: it may run.
+// Why a trajectory is not run. refusal_of() returns nothing if it may run.
 struct ExecutionRefusal {
   ResultCode code;
   std::string sentence;

@@ -1,5 +1,5 @@
-// The stop motions of a plan, checked by whoever has to rely on them: in a thread of their own that runs ahead of the
-// motion, about ten times as fast.
+// The stop motions of a plan, which the executor checks itself before it relies on them. A separate thread checks them
+// ahead of the motion, about ten times as fast as the motion runs.
 #pragma once
 
 #include <atomic>
@@ -13,20 +13,20 @@ namespace fjr {
 
 class CheckedStops {
  public:
-  // All can be used.
+  // Takes stops that are known to be usable.
   explicit CheckedStops(std::vector<Trajectory> stops);
-  // Begins to check them; `plan` is where they leave from.
+  // Starts the thread that checks `stops`, which begin on `plan`.
   CheckedStops(const Parameters& robot, Trajectory plan, std::vector<StopMotion> stops);
 
-  // For the tick, which neither waits nor allocates.
+  // These may be called from the control tick: they neither wait nor allocate.
   std::size_t size() const { return rows_.size(); }
-  std::size_t usable() const { return usable_.load(std::memory_order_acquire); }  // so many, from the first on
-  const Trajectory& at(std::size_t i) const { return rows_[i]; }                  // a usable one; empty: see StopMotion
+  std::size_t usable() const { return usable_.load(std::memory_order_acquire); }  // number checked, from the first on
+  const Trajectory& at(std::size_t i) const { return rows_[i]; }                  // i < usable(); empty: see StopMotion
 
   bool over() const { return over_.load(std::memory_order_acquire); }  // all are checked, or one cannot be used
-  const std::string& fault() const { return fault_; }                  // once it is over: that one, or empty
+  const std::string& fault() const { return fault_; }                  // once over(): why one cannot be used, or empty
 
-  void give_up();  // and waits until it is over
+  void give_up();  // stops checking, and waits for the thread
 
  private:
   void check(const Parameters& robot, const Trajectory& plan, const std::vector<StopMotion>& stops,
@@ -36,7 +36,7 @@ class CheckedStops {
   std::atomic<std::size_t> usable_ = 0;
   std::atomic<bool> over_ = false;
   std::string fault_;
-  std::jthread checking_;  // last: it ends before what it writes to
+  std::jthread checking_;  // declared last, so that it is joined before the members it writes to are destroyed
 };
 
 }  // namespace fjr

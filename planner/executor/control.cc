@@ -15,8 +15,8 @@
 namespace fjr {
 namespace {
 
-constexpr double kEncodersAgree = 0.1;  // [rad] theta and q + K^-1 G(q) at rest: hysteresis, a payload, no wrong sign
-constexpr double kRunAway = 0.2;        // [rad] a motor off the stop: feedback does not help, and is given up
+constexpr double kEncodersAgree = 0.1;  // [rad] allowed |theta - q - K^-1 G(q)| at rest; a wrong sign exceeds it
+constexpr double kRunAway = 0.2;        // [rad] motor error during a stop, beyond which feedback is switched off
 constexpr double kRounding = 1e-9;      // [s]
 
 Reading first_reading(Arm& arm) {
@@ -60,7 +60,8 @@ Control::Control(const Parameters& robot, Arm& arm)
   feedback_.start(theta, theta);
 }
 
-// Rests at q, beginning at `time` with the motors at theta; the difference to where q wants them is faded out.
+// Holds the arm at rest at q from `time` on. The reference of the motors starts at theta and is blended to their
+// equilibrium for q.
 void Control::hold_at(const Joints<double>& q, const Joints<double>& theta, double time) {
   hold({time, rest_at(robot_, q), gravity_torque(robot_, q)});
   for (std::size_t j = 0; j < kJoints; ++j) offset_[j] = theta[j] - planned_.state.theta[j];
@@ -181,7 +182,8 @@ void Control::supervise_execution() {
     const double error = std::abs(sensing_.q()[j] - planned_.state.q[j]);
     const int joint = static_cast<int>(j) + 1;
     if (!(error <= allowed.path[j])) {
-      // The motors stop beside the plan, where they are: nothing is pulled back into what may have stopped a link.
+      // The reference continues from where the motors are, beside the plan, so that the arm is not pulled back into an
+      // obstacle that may have stopped a link.
       move_reference(sensing_.theta());
       after_ = ExecutorMode::kHolding;
       return stop_because({Ending::kPathTolerance, time_, joint, error, allowed.path[j], ""});
@@ -220,13 +222,14 @@ std::size_t Control::index_of_next_stop() const {
   return static_cast<std::size_t>(std::floor(since / kStopSpacing + kRounding)) + 1;
 }
 
-// While the one after the next is being checked there is still the next to stop by.
+// Returns whether the second stop from now is not checked yet. Then the next one, which is checked, must be taken.
 bool Control::stops_run_out() const {
   if (!motion_->stops || at_rest()) return false;
   return motion_->stops->usable() < std::min(index_of_next_stop() + 2, motion_->stops->size());
 }
 
-// From the next instant on for which a stop is at hand; without one the plan itself is over soonest.
+// Stops at the next instant for which there is a usable stop motion. Without one, the arm continues to the end of the
+// plan, which is then the fastest way to rest.
 void Control::stop_because(const Outcome& outcome) {
   mode_ = ExecutorMode::kStopping;
   motion_->outcome = outcome;
@@ -239,8 +242,8 @@ void Control::stop_because(const Outcome& outcome) {
   end_ = stop_->end_time();
 }
 
-// After so many missed ticks the drives have braked by themselves: neither the plan nor a stop that begins on it is
-// where the arm is now. The motors are held where they are found, until it is known how the links swing.
+// Handles many missed ticks. The drives have braked by themselves meanwhile, so the arm is neither on the plan nor on
+// any stop motion. The motors are held where they are until the observer knows how the links oscillate.
 void Control::stop_where_it_is(int missed) {
   if (mode_ == ExecutorMode::kExecuting) {
     motion_->outcome = {Ending::kStalled, time_, 0, static_cast<double>(missed), kStallTicks, ""};
@@ -262,7 +265,8 @@ void Control::hold_and_look() {
   observer_.start(sensing_.q());
 }
 
-// Without all encoders nobody knows how the links swing: then the motors stay where they are.
+// Observes the oscillation of the links and decides what to do about it. If an encoder is lost, the oscillation is
+// unknown, and the motors stay where they are.
 void Control::look_at_swing() {
   observer_.tick(sensing_.q(), sensing_.theta());
   if (!at_rest()) return;
@@ -281,8 +285,8 @@ void Control::look_at_swing() {
   }
 }
 
-// The motors give way, and their damping takes energy out of a swing that is too large to be stopped at one go. What is
-// held is where they are.
+// Lets the motors give way, so that their damping takes energy out of an oscillation that is too large to be stopped by
+// one motion. The held position follows the motors.
 void Control::yield() {
   if (time_ >= looked_at_ + kYield || sensing_.lost() != nullptr) return hold_and_look();
   const Joints<double> theta = sensing_.theta();
@@ -295,10 +299,10 @@ void Control::finish(ExecutorMode mode) {
   motion_->ended_at = sensing_.q();
   const bool beside = shift_ != Joints<double>{} || motion_->outcome.ending == Ending::kGoalTolerance;
   const bool as_learnt = motion_->order.learnt && motion_->outcome.ending == Ending::kReached;
-  finished_.put(motion_);  // from here on it is the other thread's, which deletes it
+  finished_.put(motion_);  // from here on the other thread owns it and deletes it
   motion_ = nullptr;
   if (beside) return rest_here();
-  if (as_learnt) return hold({0, planned_.state, planned_.torque});  // the model's equilibrium would let the links sag
+  if (as_learnt) return hold({0, planned_.state, planned_.torque});  // with the model's torque the links would sag
   hold_at(planned_.state.q, planned_.state.theta);
 }
 
@@ -310,7 +314,7 @@ void Control::rest_here() {
   blind_ = run_away_ ? Joints<bool>{true, true} : sensing_.motors_lost();
 }
 
-// The reference goes on from `theta`, beside the path.
+// Shifts the reference so that it continues from `theta` [rad], at a constant offset from the path.
 void Control::move_reference(const Joints<double>& theta) {
   const Joints<double> from = reference();
   const Joints<double> by{theta[0] - from[0], theta[1] - from[1]};

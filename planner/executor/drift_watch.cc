@@ -15,7 +15,7 @@ namespace fjr {
 namespace {
 
 constexpr std::size_t kMostWaiting = 8;  // motions, with some MB each
-constexpr int kLeastPriority = 19;       // of a thread, by nice(2)
+constexpr int kLeastPriority = 19;       // lowest priority of a thread by nice(2)
 
 }  // namespace
 
@@ -40,7 +40,7 @@ void DriftWatch::begin_next() {
   waiting_.pop_front();
   current_ = next.id;
   const auto look = [this, motion = std::move(next.motion), unwanted = unwanted_.get_token()] {
-    (void)!nice(kLeastPriority);  // on Linux of this thread alone
+    (void)!nice(kLeastPriority);  // on Linux this affects the calling thread only
     return test_.look_at(motion, one_after_another, [&] { return unwanted.stop_requested(); });
   };
   try {

@@ -1,4 +1,4 @@
-// Whether the arm is still the one of robot.yaml, looked at beside the executor's work.
+// Tests in the background, with the executed motions, whether the arm has drifted from the one in robot.yaml.
 #pragma once
 
 #include <deque>
@@ -14,20 +14,21 @@
 
 namespace fjr {
 
-// One motion after the other, each in a thread of the least priority; what it tells is some hundred rollouts, about as
-// long as the motion. Where motions come faster than that, the oldest of more than a few is left out.
+// Evaluates one motion after the other in a thread of lowest priority. Each takes some hundred rollouts, about as long
+// as the motion itself. If motions arrive faster than that, the oldest waiting ones are dropped.
 class DriftWatch {
  public:
   explicit DriftWatch(const Parameters& robot);
-  ~DriftWatch();  // ends what is looked at
+  ~DriftWatch();  // aborts the evaluation
   DriftWatch(const DriftWatch&) = delete;
   DriftWatch& operator=(const DriftWatch&) = delete;
 
-  // What was executed to its end. Motions that tell nothing, as those with missed ticks, are left out.
+  // Adds a motion that was executed to its end. Motions without information, such as those with missed ticks, are
+  // ignored.
   void add(const CommandedMotion& motion);
 
-  // What is known since the last call; nothing where no motion was concluded meanwhile. robot_id and robot_hash are the
-  // caller's to fill. Does not wait.
+  // Returns the state of the test if the evaluation of a motion has finished since the last call. Does not wait. The
+  // caller has to fill in robot_id and robot_hash.
   std::optional<ArmDrift> look();
 
  private:
@@ -39,11 +40,11 @@ class DriftWatch {
   ArmDrift word() const;
 
   DriftTest test_;
-  std::vector<RequestId> looked_at_;  // in the order of the test's motions
+  std::vector<RequestId> looked_at_;  // motions of the test so far, in its order
   std::deque<Waiting> waiting_;
   RequestId current_;
   std::stop_source unwanted_;
-  std::future<std::optional<DriftTest::Look>> looking_;  // last: waits for the thread
+  std::future<std::optional<DriftTest::Look>> looking_;  // declared last: its destructor waits for the thread
 };
 
 }  // namespace fjr

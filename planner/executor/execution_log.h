@@ -10,11 +10,11 @@
 
 namespace fjr {
 
-// Measured and planned values; times are of the trajectory.
+// Returns the log of an execution with measured and planned values. Its times are those of the trajectory.
 Log log_of(const CommandedMotion& motion);
 
-// Writes it into `folder`, complete or not at all, with what became of it and `metadata`, and returns its path. Throws
-// std::runtime_error.
+// Writes the log with the result and `metadata` into `folder`, either completely or not at all, and returns its path.
+// Throws std::runtime_error if it cannot be written.
 std::filesystem::path write_log(const CommandedMotion& motion, const ExecutionResult& result,
                                 const std::filesystem::path& folder,
                                 const std::map<std::string, std::string>& metadata = {});

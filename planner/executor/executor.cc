@@ -17,15 +17,15 @@ namespace fjr {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr std::chrono::milliseconds kPatience{5000};  // for the arm to come to rest at the end
-constexpr std::chrono::milliseconds kFarewell{200};   // for the last result to be taken
-constexpr std::chrono::milliseconds kLooking{500};    // for others: discovery takes 13 ms, a lease is 300 ms
-constexpr std::chrono::milliseconds kBeside{500};     // since the last word of another one
-constexpr std::size_t kConsidered = 1024;             // trajectories
-constexpr std::size_t kUnsentRuns = 4;                // that wait for a slow reader
+constexpr std::chrono::milliseconds kPatience{5000};  // wait for the arm to come to rest at the end
+constexpr std::chrono::milliseconds kFarewell{200};   // wait for readers to take the last result
+constexpr std::chrono::milliseconds kLooking{500};    // wait for other executors: discovery takes 13 ms, a lease 300 ms
+constexpr std::chrono::milliseconds kBeside{500};     // another executor counts as present this long after a message
+constexpr std::size_t kConsidered = 1024;             // remembered trajectories
+constexpr std::size_t kUnsentRuns = 4;                // runs that may wait for a slow reader
 constexpr std::chrono::milliseconds kSendAgain{500};
-constexpr std::size_t kUnsigned = 64;                // that wait for a signed copy
-constexpr std::chrono::milliseconds kForACopy{250};  // between two of one trajectory, published within a moment
+constexpr std::size_t kUnsigned = 64;                // trajectories that may wait for a signed copy
+constexpr std::chrono::milliseconds kForACopy{250};  // wait for that copy
 
 std::filesystem::path history_file(const ExecutorConfig& config) {
   const std::filesystem::path folder = config.state.empty() ? default_state_folder() : config.state;
@@ -64,12 +64,12 @@ void Executor::run() {
   try {
     while (!stopping_ && !over_ && !superseded_) serve();
     if (!over_) come_to_rest();
-  } catch (...) {  // nobody hears it any more, but the arm still comes to rest
+  } catch (...) {  // results can no longer be published, but the arm still comes to rest
     failure = std::current_exception();
     if (!over_) stop_silently();
   }
   over_ = true;
-  if (preparing_) preparing_->unwanted.request_stop();  // its thread is waited for
+  if (preparing_) preparing_->unwanted.request_stop();  // the destructor waits for its thread
   ticking.join();
   if (tick_failure) std::rethrow_exception(tick_failure);
   if (failure) std::rethrow_exception(failure);
@@ -79,7 +79,7 @@ void Executor::run() {
 
 // ---- other executors of the robot ----
 
-// Nothing is commanded or reported before it is known that nobody else does.
+// Makes sure that no other executor of this robot runs, before anything is commanded or reported.
 void Executor::claim() {
   self_ = port_.self();
   const auto refuse_if = [this](const std::vector<Claimant>& others) {
@@ -99,7 +99,7 @@ void Executor::claim() {
   self_.established = true;
 }
 
-// Discovery can be late, or have been interrupted.
+// Looks for other executors again and again, because discovery may have been late or interrupted at the start.
 void Executor::look_for_others() {
   self_.moved = self_.moved || latest_.trajectory_id != RequestId{};
   for (const Claimant& other : port_.take_reporting()) {
@@ -205,7 +205,7 @@ bool Executor::trusts(const TrajectoryOrder& order) {
     std::erase_if(unsigned_, of_this);
     return true;
   }
-  if (considered(order.id)) {  // the one that came before it has the result
+  if (considered(order.id)) {  // the copy that came first has got the result
     spdlog::warn("left out a copy of id={}: {}", text(order.id), fault);
   } else if (std::none_of(unsigned_.begin(), unsigned_.end(), of_this)) {
     unsigned_.push_back({order.id, fault, Clock::now() + kForACopy});
@@ -213,7 +213,8 @@ bool Executor::trusts(const TrajectoryOrder& order) {
   return false;
 }
 
-// What has been refused is not run any more, however well a later copy is signed.
+// Refuses trajectories for which no validly signed copy came in time. They are not run later, even if a signed copy
+// comes.
 void Executor::refuse_unsigned() {
   while (!unsigned_.empty() && (Clock::now() >= unsigned_.front().refused_at || unsigned_.size() > kUnsigned)) {
     note_considered(unsigned_.front().id);
@@ -237,7 +238,7 @@ std::optional<ExecutionRefusal> Executor::refusal_now(const TrajectoryOrder& ord
   return refusal_of(order, situation_);
 }
 
-// What ran before this start is reported once more, for those who were not there then.
+// Reports once more a trajectory that ran before this start, for subscribers that were not there then.
 void Executor::report_again(const History::Entry& entry) {
   ExecutionResult result;
   result.robot_id = config_.robot_id;
@@ -301,8 +302,8 @@ void Executor::conclude_preparation() {
   preparing_.reset();
 }
 
-// The arm may have been moved meanwhile, an encoder lost, another executor started. What preparing took does not count
-// as age.
+// Checks once more after the preparation, because meanwhile the arm may have been moved, an encoder lost, or another
+// executor started. The time of the preparation does not count as age of the trajectory.
 std::optional<ExecutionRefusal> Executor::refusal_after_preparation(const TrajectoryOrder& order) {
   look_at_arm();
   situation_.now = order.published;
@@ -311,7 +312,7 @@ std::optional<ExecutionRefusal> Executor::refusal_after_preparation(const Trajec
   return refusal;
 }
 
-// Remembered before anything moves: whatever happens then, it does not run twice.
+// Starts the motion. It is recorded in the history first, so that it does not run twice, whatever happens.
 void Executor::run(std::unique_ptr<CommandedMotion> motion) {
   const TrajectoryOrder& order = motion->order;
   history_.begin(order.id, order.epoch);
@@ -325,7 +326,8 @@ void Executor::run(std::unique_ptr<CommandedMotion> motion) {
   control_.begin(running_.get());
 }
 
-// One per tick; of a burst, as after a long pause or on a simulated clock, the latest.
+// Publishes the state of every tick. Of a burst, as after a long pause or on a simulated clock, only the first few and
+// the latest are published.
 void Executor::publish_states() {
   constexpr int kBurst = 4;
   int count = 0;
@@ -339,7 +341,7 @@ void Executor::publish_states() {
 
 std::optional<RequestId> Executor::about_to_begin(const TickState& tick) const {
   if (preparing_ && !preparing_->unwanted.stop_requested()) return preparing_->header.id;
-  if (running_ && running_->order.id != tick.trajectory_id) return running_->order.id;  // on its way to the tick
+  if (running_ && running_->order.id != tick.trajectory_id) return running_->order.id;  // the tick has not taken it yet
   return std::nullopt;
 }
 
@@ -393,14 +395,15 @@ void Executor::conclude(CommandedMotion& motion) {
   drift_watch_.add(motion);
 }
 
-// Before its result: whoever asks for the next repetition when that has come finds the service with the run.
+// Publishes the run before its result. So the service already has the run when a client that got the result asks for
+// the next repetition.
 void Executor::publish_run(const CommandedMotion& motion, const ExecutionResult& result) {
   if (motion.outcome.ending == Ending::kNotBegun) return;
   unsent_runs_.push_back(run_of(motion, result));
   publish_unsent_runs();
 }
 
-// In their order, and again where whoever reads them is too slow.
+// Sends the runs in their order, and tries again later if a reader is too slow.
 void Executor::publish_unsent_runs() {
   if (Clock::now() < send_runs_again_) return;
   while (!unsent_runs_.empty() && port_.send(unsent_runs_.front())) unsent_runs_.pop_front();

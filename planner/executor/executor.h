@@ -1,4 +1,4 @@
-// Runs what it receives on an arm: the control tick in a thread of its own, everything else in another.
+// Runs received trajectories on an arm. The control tick has a thread of its own; everything else runs in the caller's.
 #pragma once
 
 #include <atomic>
@@ -26,7 +26,7 @@ class Executor {
  public:
   Executor(const ExecutorConfig& config, const Parameters& robot, Arm& arm);
 
-  void run();                        // until stop(); then the arm is brought to rest
+  void run();                        // returns after stop(), when the arm has been brought to rest
   void stop() { stopping_ = true; }  // from any thread
 
  private:
@@ -66,29 +66,29 @@ class Executor {
   const ExecutorConfig config_;
   const Parameters robot_;
   dds::ExecutorPort port_;
-  std::optional<SignatureCheck> signatures_;  // none: a domain without DDS Security
+  std::optional<SignatureCheck> signatures_;  // empty in a domain without DDS Security
   History history_;
   const StampClock clock_;
   Control control_;
   Situation situation_;
-  // A trajectory that was accepted so far, while a thread looks into it.
+  // A trajectory that passed the first checks, while a thread prepares it.
   struct Preparation {
     using Clock = std::chrono::steady_clock;
     TrajectoryOrder header;  // without rows and stops
     bool brings_stops = false;
     Clock::time_point began;
     std::stop_source unwanted;
-    std::future<std::unique_ptr<CommandedMotion>> motion;  // last: waits for the thread
+    std::future<std::unique_ptr<CommandedMotion>> motion;  // declared last: its destructor waits for the thread
   };
   std::optional<Preparation> preparing_;
   TickState latest_;
   Claimant self_;
-  std::chrono::steady_clock::time_point other_heard_{};  // an executor of the same robot
-  std::optional<std::string> superseded_;                // by another executor: one sentence
-  bool ticking_ = false;                                 // there is a latest one
+  std::chrono::steady_clock::time_point other_heard_{};  // when another executor of the robot last reported
+  std::optional<std::string> superseded_;                // set if another executor took over: one sentence
+  bool ticking_ = false;                                 // latest_ is set
   std::unique_ptr<CommandedMotion> running_;             // lent to the control tick
   std::deque<RequestId> considered_;                     // the last ones: each trajectory has one result
-  // Badly signed, for which the one that the service has signed may still come.
+  // A trajectory without valid signature, of which a copy signed by the service may still arrive.
   struct Unsigned {
     RequestId id;
     std::string fault;
@@ -99,7 +99,7 @@ class Executor {
   std::chrono::steady_clock::time_point send_runs_again_{};
   DriftWatch drift_watch_;
   std::optional<ArmDrift> drift_;  // last reported
-  Lateness lateness_;              // of the tick; the tick's until it has ended
+  Lateness lateness_;              // of the tick; only its thread may use it until that has ended
   std::atomic<bool> stopping_ = false, over_ = false;
 };
 

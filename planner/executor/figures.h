@@ -1,4 +1,4 @@
-// What a motion amounts to: errors, feedback, and how near its limits it came.
+// Statistics of an executed motion: errors, feedback torque, and how close it came to the limits.
 #pragma once
 
 #include "planner/problem/quantities.h"
@@ -16,7 +16,7 @@ class Figures {
   };
   void add(const Instant& now);
 
-  // Into what is reported.
+  // Fills the statistics into the result that is reported.
   void fill(ExecutionResult& result, const Parameters& robot) const;
 
  private:

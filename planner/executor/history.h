@@ -1,4 +1,4 @@
-// What the executor ran, remembered over restarts: no trajectory runs twice.
+// Remembers over restarts which trajectories the executor ran, so that none runs twice.
 #pragma once
 
 #include <deque>
@@ -14,18 +14,18 @@ class History {
  public:
   struct Entry {
     RequestId id;
-    std::optional<ResultCode> code;  // none: it never ended; the executor did
+    std::optional<ResultCode> code;  // empty if the executor ended before the trajectory did
     std::string sentence;
   };
 
-  // Reads the file if it is there. Throws InputError when it is no such file, std::runtime_error when it cannot be
-  // read.
+  // Reads the file if it exists. Throws InputError if it has another format, std::runtime_error if it cannot be read.
   explicit History(std::filesystem::path file);
 
   const Entry* find(const RequestId& id) const;
-  std::uint64_t epoch() const { return epoch_; }  // the largest of what it ran
+  std::uint64_t epoch() const { return epoch_; }  // the largest epoch of all trajectories it ran
 
-  // Both replace the file, complete or not at all, and return when it is on the disk. Throw std::runtime_error.
+  // Record that a trajectory begins or has ended. Both replace the file atomically and return when it is on the disk.
+  // They throw std::runtime_error if that fails.
   void begin(const RequestId& id, std::uint64_t epoch);
   void end(const RequestId& id, ResultCode code, const std::string& sentence);
 

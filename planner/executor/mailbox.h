@@ -1,4 +1,4 @@
-// How the control tick and the thread that talks to the world pass things to each other: neither ever waits.
+// Wait-free mailboxes between the control tick and the thread that communicates over DDS.
 #pragma once
 
 #include <array>
@@ -8,11 +8,11 @@
 
 namespace fjr {
 
-// At most one thing at a time; whoever finds it owns it.
+// Holds at most one object. The thread that takes it owns it.
 template <class T>
 class Slot {
  public:
-  // False: the one before has not been taken yet.
+  // Returns false if the previous object has not been taken yet.
   bool put(T* thing) {
     T* none = nullptr;
     return slot_.compare_exchange_strong(none, thing, std::memory_order_acq_rel);
@@ -23,7 +23,7 @@ class Slot {
   std::atomic<T*> slot_ = nullptr;
 };
 
-// From one thread to one other, in order; what finds no room is dropped.
+// A queue from one thread to one other. put() returns false and drops the value if the queue is full.
 template <class T, std::size_t kCapacity>
 class Ring {
  public:

@@ -18,7 +18,7 @@
 namespace fjr {
 namespace {
 
-constexpr double kLongestAfter = 3;  // [s] beyond the end of the motion or of a stop that is logged
+constexpr double kLongestAfter = 3;  // [s] logged after the end of the motion or of a stop
 
 double given_or(double given, double standard) { return given > 0 ? given : standard; }
 
@@ -33,8 +33,9 @@ Tolerances resolved(const Tolerances& given, const Tolerances& standard) {
   return t;
 }
 
-// The last row's torque still brakes; from there on the goal is held by what the springs have to hold there, which is
-// its gravity torque unless the motion was learnt on an arm that is not quite the model.
+// Returns the samples followed by rest at the goal. The torque of the last sample still brakes; after it the goal is
+// held by the torque in the springs. That is the gravity torque, unless the motion was learnt on an arm that differs
+// from the model.
 Trajectory with_rest_after(const Parameters& robot, const std::vector<Sample>& rows) {
   Trajectory trajectory{rows, {}};
   const State<double>& goal = rows.back().state;
@@ -48,7 +49,7 @@ ResultCode code_of(Ending ending) {
     case Ending::kReached:
       return ResultCode::kSuccessful;
     case Ending::kPathTolerance:
-    case Ending::kEncoderLost:  // nobody can say that it kept to the path
+    case Ending::kEncoderLost:  // whether it stayed within the path tolerance is unknown
     case Ending::kStalled:
     case Ending::kNoStop:
       return ResultCode::kPathToleranceViolated;
@@ -96,10 +97,11 @@ void judge(const Parameters& robot, const Trajectory& plan) {
   refuse_for(judge_closed_loop(robot, Limits::of(robot), plan).failures);
 }
 
-// Learnt rows are made for an arm that is not quite the model, on which their links leave the plan by design. But
-// should the arm be the model after all, they keep its limits, and the links stay so near to the plan that not even an
-// arm that was at the tolerance on one side of it when they were learnt would leave it on the other one.
-// The rest at the goal counts, for it is held as it was learnt.
+// Judges a learnt motion. It is made for an arm that differs from the model, so on the model its links deviate from the
+// plan by design. In case the arm is the model after all, the motion must keep the model's limits, and its links must
+// stay close to the plan: so close that an arm that was at the path tolerance on one side when the motion was learnt
+// does not leave the tolerance on the other side. The rest at the goal is included, because it is held as it was
+// learnt.
 void judge_learnt(const Parameters& robot, Trajectory rows, const Tolerances& tolerances) {
   if (const std::string fault = malformed(rows); !fault.empty()) refuse_for({fault});
   rows = with_rest_after(robot, rows.samples);
@@ -149,7 +151,7 @@ std::unique_ptr<CommandedMotion> prepare_without_stops(const Parameters& robot, 
   motion->trajectory = with_rest_after(robot, order.rows);
   motion->tolerances = resolved(order.tolerances, defaults);
   const double longest = motion->end + motion->tolerances.goal_time + kLongestAfter;
-  // Touched here: a page that the tick is the first to touch has it wait for whoever changes the memory map.
+  // Touch the memory of the log here. If the tick touched a page first, it would have to wait for the kernel.
   motion->log.resize(static_cast<std::size_t>(longest / kTick));
   motion->log.clear();
   motion->order = std::move(order);
@@ -162,7 +164,7 @@ std::unique_ptr<CommandedMotion> prepare(const Parameters& robot, TrajectoryOrde
   const Trajectory plan{motion->order.rows, {}};
   std::vector<StopMotion>& stops = motion->order.stops;
   const bool brings_stops = !stops.empty();
-  if (brings_stops) begin_to_check(robot, plan, *motion);  // beside the judgement
+  if (brings_stops) begin_to_check(robot, plan, *motion);  // runs concurrently with the judgement
   motion->order.learnt ? judge_learnt(robot, plan, motion->tolerances) : judge(robot, plan);
   if (!brings_stops) {
     stops = stop_motions(robot, plan, [&] { continue_if_wanted(unwanted); });
@@ -210,7 +212,7 @@ ExecutedRun run_of(const CommandedMotion& motion, const ExecutionResult& result)
   run.sentence = result.sentence;
   run.missed_ticks = static_cast<std::uint32_t>(motion.missed_ticks);
   run.rows = ticks_of(motion);
-  if (run.rows.size() > kMaxRows) run.rows.resize(kMaxRows);  // long after the motion: it waits for the goal
+  if (run.rows.size() > kMaxRows) run.rows.resize(kMaxRows);  // the rest is long after the motion, waiting for the goal
   return run;
 }
 

@@ -1,4 +1,5 @@
-// A trajectory on its way through the executor: prepared by one thread, run by the other, reported by the first again.
+// A trajectory in the executor. One thread prepares it, the control tick runs it, and the first thread reports the
+// result.
 #pragma once
 
 #include <memory>
@@ -24,17 +25,17 @@ enum class Ending {
   kCommanded,      // hold or stop
   kEncoderLost,
   kStalled,   // control ticks were missed
-  kNoStop,    // for what comes there is no stop motion that can be used
+  kNoStop,    // there is no checked stop motion for the instants ahead
   kNotBegun,  // held or stopped before its first tick, or no longer at rest
   kShutDown,  // the executor was ended
 };
 
 struct Outcome {
   Ending ending = Ending::kReached;
-  double time = 0;  // [s] of the trajectory, when it was noticed
+  double time = 0;  // [s] of the trajectory, when it was detected
   int joint = 0;    // 1 or 2
   double value = 0, allowed = 0;
-  const char* what = "";  // the encoder, the quantity
+  const char* what = "";  // name of the encoder, the quantity or the command, depending on `ending`
 };
 
 struct LogRow {
@@ -43,44 +44,46 @@ struct LogRow {
   Sample planned;
 };
 
-// Of rows that are not exact, break a limit, or leave the plan too far: wherever the arm is, they are not run.
+// The samples are inexact, exceed a limit, or deviate too far from the plan. Such a trajectory is never run, wherever
+// the arm is.
 struct RowsRefused : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 struct CommandedMotion {
   TrajectoryOrder order;
-  Tolerances tolerances;  // resolved: nothing is 0
-  Trajectory trajectory;  // the rows, and rest at the goal after them
-  double end = 0;         // [s] of the rows
+  Tolerances tolerances;  // with defaults filled in for zeros
+  Trajectory trajectory;  // the samples, and rest at the goal after them
+  double end = 0;         // [s] time of the last sample of the order
   std::optional<CheckedStops> stops;
 
-  // Filled in the tick; nothing is allocated there.
-  std::vector<LogRow> log;  // capacity for the longest course of events
+  // Filled in the tick, which does not allocate.
+  std::vector<LogRow> log;  // has capacity for the longest possible execution
   Figures figures;
   Outcome outcome;
   Joints<double> ended_at{};  // [rad] of the links
   long missed_ticks = 0;      // during the motion
 };
 
-// Without stop motions: from any instant its own end is the way to rest.
+// Prepares a motion without stop motions: at any instant its own end is the only way to rest.
 std::unique_ptr<CommandedMotion> prepare_without_stops(const Parameters& robot, TrajectoryOrder order,
                                                        const Tolerances& defaults);
 
-// How far ahead of the tick stop motions are checked before a motion begins. [s]
+// Stop motions are checked this far [s] ahead before a motion begins.
 inline constexpr double kLead = 0.1;
 
-// With them, and believing nobody: its rows are judged (judge_closed_loop, or where they were learnt on what the model
-// does under them), its stops checked from the first on; where it brings none they are found, which takes about 0.2 s
-// per second of motion. It may begin when this returns, and so many of its stops are checked that they last for `lead`
-// [s]; the others follow. Throws std::runtime_error, one sentence: why it is not run, or that it is `unwanted`.
+// Prepares a motion with stop motions, and trusts neither. Judges its samples (by judge_closed_loop(), or for learnt
+// ones by a rollout on the model) and checks its stops from the first on. If the order has no stops, they are computed
+// here, which takes about 0.2 s per second of motion. The motion may begin when this returns: its stops are then
+// checked for `lead` [s], and the others are checked in the background. Throws std::runtime_error, RowsRefused or
+// NoStop with one sentence if the motion must not be run or is `unwanted`.
 std::unique_ptr<CommandedMotion> prepare(const Parameters& robot, TrajectoryOrder order, const Tolerances& defaults,
                                          double lead, const std::stop_token& unwanted);
 
-// What is reported about it; without log_file.
+// Returns the result that is reported, without log_file.
 ExecutionResult result_of(const CommandedMotion& motion, const Parameters& robot);
 
-// What was logged of it, tick by tick; and the same as it is told, at most kMaxRows of them.
+// Return the logged ticks of the motion, and the run as it is published, with at most kMaxRows of them.
 std::vector<ExecutedRow> ticks_of(const CommandedMotion& motion);
 ExecutedRun run_of(const CommandedMotion& motion, const ExecutionResult& result);
 

@@ -41,7 +41,7 @@ double Lateness::quantile(double fraction) const {
 std::string become_realtime(int priority) {
   if (priority <= 0) return "";
   std::string refused;
-  // What is touched stays; not all that was ever reserved, which address sanitizers reserve by the terabyte.
+  // Lock pages only when they are first touched, since address sanitizers reserve terabytes that are never touched.
   if (::mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) != 0) {
     refused = std::string("memory is not locked (") + std::strerror(errno) + ")";
   }

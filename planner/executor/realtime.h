@@ -1,4 +1,4 @@
-// A tick that keeps its time: the scheduling of its thread, waiting for absolute instants, and how late it was.
+// A periodic real-time tick: scheduling of its thread, waiting for absolute times, and statistics of its lateness.
 #pragma once
 
 #include <time.h>
@@ -9,7 +9,7 @@
 
 namespace fjr {
 
-// How late ticks began, in steps of 10 us. No allocation.
+// A histogram of how late ticks began, in steps of 10 us. It does not allocate.
 class Lateness {
  public:
   void add(double seconds);
@@ -27,8 +27,8 @@ class Lateness {
   double largest_ = 0;
 };
 
-// Memory of the process that stays in place, and for the calling thread the first-in first-out class at `priority` (1
-// to 99; 0: neither). Returns what was not permitted, for the log; empty: all was.
+// Locks the memory of the process and gives the calling thread the scheduling class SCHED_FIFO at `priority` (1 to 99;
+// 0 does nothing). Returns a description of what was not permitted, for the log; empty if all was.
 std::string become_realtime(int priority);
 
 // Wakes up at multiples of the period on the monotonic clock.
@@ -36,10 +36,10 @@ class Metronome {
  public:
   explicit Metronome(double period);
 
-  // Until the next multiple; what has passed already is skipped and counted. Returns how many have passed since the
-  // call before: 1, or more when some were missed.
+  // Waits until the next multiple; those that have passed already are skipped and counted. Returns the number of
+  // multiples since the previous call: 1, or more if some were missed.
   int wait(Lateness& lateness);
-  // The next wait is one period from now.
+  // Makes the next wait end one period from now.
   void restart();
 
  private:

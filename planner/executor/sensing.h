@@ -1,4 +1,4 @@
-// From readings to positions and velocities of every tick, samples that did not arrive included.
+// Computes positions and velocities in every tick from the readings, and bridges missing samples.
 #pragma once
 
 #include "model/encoder.h"
@@ -7,16 +7,17 @@
 
 namespace fjr {
 
-inline constexpr int kLostAfter = 3;  // samples missing in a row: the encoder is lost
+inline constexpr int kLostAfter = 3;  // an encoder is lost after so many missing samples in a row
 
 class Sensing {
  public:
   explicit Sensing(const Parameters& robot);
 
-  // At rest at these positions. [rad]
+  // Starts at rest at these positions [rad].
   void start(const Joints<double>& q, const Joints<double>& theta);
 
-  // A sample that is missing is bridged: the plan's value and how far from it the last one was.
+  // Processes the readings of a tick. A missing sample is replaced by the planned value plus the last known deviation
+  // from the plan.
   void update(const Reading& reading, const Joints<double>& planned_q, const Joints<double>& planned_theta);
 
   const Joints<double>& q() const { return link_.position; }
@@ -26,8 +27,8 @@ class Sensing {
 
   Joints<bool> motors_lost() const { return motor_.gone; }
   const char* lost() const;  // "theta1", ...; null: none
-  void trust_again();        // what has samples again is no longer lost
-  void restart();            // at rest where it is: after a gap in time, differences say nothing about velocities
+  void trust_again();        // encoders that give samples again are no longer lost
+  void restart();            // resets the velocities to 0, because after a gap in time differences are meaningless
 
  private:
   struct Encoders {

@@ -10,11 +10,11 @@ namespace fjr {
 namespace {
 
 constexpr std::array<double, 9> kDurations{0.1, 0.13, 0.16, 0.2, 0.25, 0.32, 0.4, 0.5, 0.62};  // [s]
-constexpr int kInstants = 16;                      // at which a duration is looked at
-constexpr double kPosition = 0.2, kVelocity = 15;  // corrections by the encoder, of which a count makes 1.4e-3 rad/s
+constexpr int kInstants = 16;                      // instants at which limits are checked
+constexpr double kPosition = 0.2, kVelocity = 15;  // observer gains; a count of the encoder causes 1.4e-3 rad/s
 
-// Where a joint comes to that is left to itself: dq/ds = (1-s)^4 (a + b s + c s^2 + d s^3) has the derivatives `start`
-// at s = 0, and four zero ones at s = 1. Beyond q at the start.
+// Returns q(1) - q(0) of the polynomial of lowest degree with the derivatives `start` at s = 0 and four zero
+// derivatives at s = 1: dq/ds = (1-s)^4 (a + b s + c s^2 + d s^3).
 double natural_end(const std::array<double, 5>& start) {
   const double a = start[1];
   const double b = start[2] + 4 * a;
@@ -47,8 +47,8 @@ void SwingObserver::tick(const Joints<double>& q, const Joints<double>& theta) {
   }
 }
 
-// A mass m on a spring K whose other end a damper D holds: m D s^2 + m K s + K D = 0, with the damping ratio
-// sqrt(m K) / (2 D).
+// Each link is modelled as a mass m on a spring K whose other end is held by a damper D. Its characteristic equation m
+// D s^2 + m K s + K D = 0 has the damping ratio sqrt(m K) / (2 D).
 MotorFeedback::Command yielding_torque(const Parameters& robot, const Joints<double>& q, const Joints<double>& dtheta) {
   constexpr double kDampingRatio = 0.7;
   const MassMatrix<double> mass = mass_matrix(robot, q[1]);
@@ -76,7 +76,8 @@ bool SwingStop::find(double start, const State<double>& swinging) {
   return false;
 }
 
-// Of the limits but those of the springs, which are as far out as the swing has them.
+// Returns the largest fraction of any limit that the stop uses. The spring deflections are not checked, because the
+// oscillation itself determines them.
 double SwingStop::largest_fraction(const Joints<StopShape>& shapes, double duration) const {
   double largest = 0;
   for (int n = 0; n <= kInstants; ++n) {

@@ -1,5 +1,5 @@
-// Brings links to rest that swing on their springs because their motors were stopped at once. The model's springs have
-// no damping: held stiffly, the links would swing on them for ever.
+// Brings links to rest that oscillate on their springs because the motors were stopped abruptly. The model's springs
+// have no damping, so with the motors held, the links would oscillate forever.
 #pragma once
 
 #include <optional>
@@ -11,10 +11,10 @@
 
 namespace fjr {
 
-inline constexpr double kLookAtSwing = 0.06;  // [s] until the motors stand still, and the links' velocities are known
-inline constexpr double kYield = 0.1, kMostYielding = 3;  // [s] before the links are looked at again; in all
+inline constexpr double kLookAtSwing = 0.06;  // [s] until the motors are at rest and the links' velocities are known
+inline constexpr double kYield = 0.1, kMostYielding = 3;  // [s] of giving way at a time, and in all
 
-// Where the links are and how fast, while the motors stand: the model goes along, corrected by the encoders.
+// Observer of the links' positions and velocities while the motors are at rest: the model, corrected by the encoders.
 class SwingObserver {
  public:
   explicit SwingObserver(const Parameters& robot) : robot_(robot) {}
@@ -30,18 +30,19 @@ class SwingObserver {
   Joints<double> q_{}, dq_{};
 };
 
-// A motion of the arm, which is flat in q, from swinging with its motors at rest to rest: of the polynomials q(t) that
-// leave with the links' position and four derivatives and arrive with four zero ones, the one of lowest degree, in the
-// duration that takes least of the limits.
+// A motion from oscillating links with motors at rest to complete rest. Because the arm is differentially flat in q, it
+// is given by polynomials q(t) that start with the links' position and four derivatives and end with four zero
+// derivatives. The polynomial of lowest degree is used, with the shortest tabulated duration that keeps the limits.
 class SwingStop {
  public:
   explicit SwingStop(const Parameters& robot);
 
-  // False: every duration would exceed a limit. Takes 0.1 ms at most, and neither waits nor allocates.
+  // Finds the motion that begins at the time `start` [s]. Returns false if every duration would exceed a limit. Takes
+  // at most 0.1 ms, and neither waits nor allocates.
   bool find(double start, const State<double>& swinging);
 
   double end() const { return start_ + duration_; }
-  Sample at(double time) const;  // rest at the end after it
+  Sample at(double time) const;  // after end(): rest at the final position
 
  private:
   double largest_fraction(const Joints<StopShape>& shapes, double duration) const;
@@ -53,8 +54,8 @@ class SwingStop {
   double start_ = 0, duration_ = 0;
 };
 
-// Of motors that give way to a swing: they hold the links' weight, and brake as viscous dampers that the springs pull
-// at, matched to inertia and stiffness so that what swings on them decays fastest. Within the drive's peak torque.
+// Returns the torque of motors that give way to an oscillation, within the drives' peak torque. They carry the links'
+// weight and act as viscous dampers at the ends of the springs, matched to inertia and stiffness for fast decay.
 MotorFeedback::Command yielding_torque(const Parameters& robot, const Joints<double>& q, const Joints<double>& dtheta);
 
 }  // namespace fjr

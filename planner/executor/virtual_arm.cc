@@ -10,11 +10,12 @@
 namespace fjr {
 namespace {
 
-constexpr int kPieces = 4;        // of a tick, in which the hysteresis stands still
-constexpr double kBraked = 0.01;  // [s] in which a braking drive takes all but 1/e of its motor's speed
-constexpr int kStopped = 2000;    // ticks after which nothing moves any more
+constexpr int kPieces = 4;        // parts of a tick, in each of which the hysteresis torque is constant
+constexpr double kBraked = 0.01;  // [s] time constant of the motor speed when a drive brakes
+constexpr int kStopped = 2000;    // [ticks] of braking after which nothing moves any more
 
-// z after the deflection has changed by `change` [rad]: dz/dphi = (1 - z sign(dphi)) / width, solved exactly.
+// Returns the hysteresis state z after the deflection has changed by `change` [rad]. It is the exact solution of
+// dz/dphi = (1 - z sign(dphi)) / width.
 double hysteresis_after(double z, double change, double width) {
   const double towards = change > 0 ? 1 : -1;
   return towards + (z - towards) * std::exp(-std::abs(change) / width);
@@ -54,7 +55,7 @@ void VirtualArm::pass_tick(const Joints<double>& torque) {
   for (int i = 0; i < kPieces; ++i) advance(torque, kTick / kPieces);
 }
 
-// Of drives that get no commands: the motors are held against the springs, and what speed they have is taken from them.
+// Returns the torque of drives that get no commands: it holds the motors against the springs and brakes them.
 Joints<double> VirtualArm::braking() const {
   const Parameters& p = options_.truth;
   Joints<double> torque;
@@ -66,7 +67,7 @@ Joints<double> VirtualArm::braking() const {
   return torque;
 }
 
-// A hysteresis torque that stands still is a spring whose rest is elsewhere: tau_c = K (theta + h z / K - q).
+// Simulates with a constant hysteresis torque. It acts like an offset of the spring: tau_c = K (theta + h z / K - q).
 void VirtualArm::advance(const Joints<double>& torque, double duration) {
   const Hysteresis& h = options_.hysteresis;
   Joints<double> before;

@@ -1,4 +1,4 @@
-// The exact model behind its encoders, with what a real arm has beyond the model, if wanted.
+// A simulated arm: the exact model behind encoders, optionally with effects of a real arm that the model lacks.
 #pragma once
 
 #include <optional>
@@ -13,11 +13,11 @@ namespace fjr {
 struct EncoderFault {
   enum class Encoder { kQ1, kQ2, kTheta1, kTheta2 };
   Encoder encoder = Encoder::kTheta1;
-  double above = 0;  // [rad/s] faster than this once, it gives no samples any more
+  double above = 0;  // [rad/s] once the speed exceeds this, the encoder gives no more samples
 };
 
 struct VirtualArmOptions {
-  Parameters truth;                       // what the arm really is
+  Parameters truth;                       // parameters of the simulated arm, which may differ from the planner's
   Hysteresis hysteresis{{0, 0}, {1, 1}};  // of the springs; height 0: none
   double payload = 0;                     // [kg] a point mass at the tip, beside the truth's own
   std::optional<EncoderFault> fault{};
@@ -25,11 +25,11 @@ struct VirtualArmOptions {
 
 class VirtualArm : public Arm {
  public:
-  // At rest at q [rad].
+  // Begins at rest at q [rad].
   VirtualArm(const VirtualArmOptions& options, const Joints<double>& q);
 
-  // Time goes on by so many ticks: with the torque that was commanded last, and beyond kStallTicks missed ones with the
-  // brakes of the drives. It stands still before the first command.
+  // Advances the simulation by so many ticks with the last commanded torque; after kStallTicks missed ticks the drives
+  // brake. Nothing moves before the first command.
   Reading read(int ticks) override;
   void command(const Joints<double>& torque) override { torque_ = torque; }
 

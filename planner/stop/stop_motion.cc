@@ -22,7 +22,7 @@ constexpr int kIterations = 15, kHopeless = 4;     // the search gives up after 
 constexpr double kMissedTorque = 0.02;             // [N m] allowed interpolation error between samples
 constexpr double kSharpCorner = 1000;  // [N m/s] slope change at which the rollout ends a step; halves its time
 constexpr double kSameInstant = 1e-9;  // [s]
-constexpr double kRestAfter = 0.25;    // [s] quarter period of the slowest oscillation, which then shows its amplitude
+constexpr double kRestAfter = 0.25;    // [s] a quarter of the slowest oscillation, enough to show its amplitude
 
 using Free = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kJoints * kShapes, 1>;
 using Excess = Eigen::Matrix<double, 4 * kJoints * kNodes, 1>;

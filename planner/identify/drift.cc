@@ -15,16 +15,17 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kUnit = 0.01;                       // of a parameter's value: z = 1
+constexpr double kUnit = 0.01;                       // fraction of a parameter's value that is z = 1
 constexpr double kPayloadUnit = 0.01;                // [kg]
-constexpr std::array<double, 3> kSizes{0.1, 1, 10};  // of changes, in z
-constexpr std::size_t kRemembered = 256;             // motions that may have been the first
-// Neighbouring readings do not err independently where a link creeps over its counts: over 60 motions of the arm known
-// the variance of scores was 0.9 to 2.5 times what independent ones have.
+constexpr std::array<double, 3> kSizes{0.1, 1, 10};  // standard deviations of a change, in z
+constexpr std::size_t kRemembered = 256;             // number of motions that may be the first with a change
+// Factor by which the information is reduced, because quantisation errors of neighbouring readings are not independent
+// where a link moves slowly. Over 60 motions of the known arm, the variance of the scores was 0.9 to 2.5 times that of
+// independent errors.
 constexpr double kNeighbours = 4;
-constexpr int kLooks = 3;             // at a motion
-constexpr double kSameSlopes = 0.01;  // in z: so little changes slopes by 1e-4
-constexpr double kMostLog = 700;      // of a ratio: exp(700) is a number
+constexpr int kLooks = 3;             // largest number of linearisations per motion
+constexpr double kSameSlopes = 0.01;  // in z; a smaller move of the expansion point changes slopes by less than 1e-4
+constexpr double kMostLog = 700;      // largest exponent for which exp() does not overflow
 
 double size_of(const Parameters& robot, const std::string& name, double otherwise) {
   if (name == "payload.mass") return kPayloadUnit;
@@ -33,7 +34,7 @@ double size_of(const Parameters& robot, const std::string& name, double otherwis
   return value > 0 ? kUnit * value : otherwise;
 }
 
-// What a motion adds about z = 0.
+// The contribution of a motion to information matrix and score, expanded about z = 0.
 struct Share {
   MatrixXd matrix;
   VectorXd score;
@@ -122,8 +123,8 @@ void DriftTest::add(const Look& look) {
   expected_ = expected(all_matrix_, all_score_);
 }
 
-// Of z = known xi + delta e_i since the change, with xi and delta integrated out: delta has the information s and the
-// slope b, once what xi makes up for is taken out.
+// Returns the likelihood ratio of a change of parameter i: z = known xi + delta e_i since the change, against z = known
+// xi, with xi and delta integrated out. s and b are the information and the score of delta after xi is eliminated.
 DriftTest::Likelihood DriftTest::likelihood(const Change& change, Index candidate, double size) const {
   const auto column = change.matrix.col(candidate);
   const double s = std::max(0.0, column[candidate] - column.dot(expected_.covariance * column)) + 1 / (size * size);
@@ -152,7 +153,7 @@ double DriftTest::evidence() const {
 
 std::optional<DriftCause> DriftTest::cause() const {
   if (changes_.empty()) return std::nullopt;
-  // Apart by what is largest: of several that are out of proportion the likeliest counts.
+  // Subtract the largest logarithm before exp(), so that the likeliest cause is found even if several would overflow.
   double largest = -kMostLog;
   visit([&](const Change&, std::size_t, const Likelihood& l, double) { largest = std::max(largest, l.log_ratio); });
   std::vector<double> of_candidate(parameters_.candidates, 0);

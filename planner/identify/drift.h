@@ -1,4 +1,4 @@
-// Whether an arm is still the one that its robot.yaml says: a sequential test on what was executed.
+// A sequential test on executed motions whether an arm has drifted from the parameters in its robot.yaml.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,42 +13,43 @@
 
 namespace fjr {
 
-// Mean number of motions between two false alarms, at least.
+// Lower bound of the mean number of motions until a false alarm.
 inline constexpr double kMotionsPerFalseAlarm = 1000;
 
-// Parameters that may have changed, and those besides that are uncertain: z is each in hundredths of its value, or in
-// 10 g of payload.
+// The parameters that may have changed, followed by the other uncertain ones. z expresses their errors in hundredths of
+// their values, and for the payload in units of 10 g.
 struct DriftParameters {
-  Prior of;                // names, and how large a z of 1 is
-  std::size_t candidates;  // the first so many may have changed
+  Prior of;                // names, and the size of z = 1
+  std::size_t candidates;  // number of parameters, from the first on, that may have changed
 };
 DriftParameters drift_parameters(const Parameters& robot);
 
-// What explains best that an arm is not the one known.
+// The change that best explains why an arm differs from the known one.
 struct DriftCause {
   std::string parameter, unit;
-  double known = 0, change = 0, error = 0;  // what it was, by how much it is off now, and the standard error of that
-  double share = 0;                         // of all evidence, from 0 to 1
-  std::size_t since = 0;                    // the motion that was the first with it, counted from 0
+  double known = 0, change = 0, error = 0;  // known value, estimated change, and the standard error of the change
+  double share = 0;                         // fraction of all evidence for this parameter, from 0 to 1
+  std::size_t since = 0;                    // the first motion with the change, counted from 0
 };
 
-// Shiryaev and Roberts' procedure with mixtures for what is not known (Pollak & Siegmund, Biometrika 72, 1985): after
-// every motion the evidence is the sum, over all motions that may have been the first with a change, of the likelihood
-// ratio of a change then against none. The change is one of one parameter, normal with a standard deviation of 0.1, 1
-// or 10 hundredths, each of them as likely. Without a change the evidence less the number of motions is a martingale,
-// so that the mean number of motions before it exceeds a bound is at least that bound, whatever the motions are.
-// Without a change the arm is robot.yaml's, off by what its covariance leaves open, and the same throughout.
+// The Shiryaev-Roberts procedure with mixtures for the unknown change (Pollak & Siegmund, Biometrika 72, 1985). After
+// every motion, the evidence is the sum of likelihood ratios over all motions that may be the first with a change: of a
+// change at that motion against no change. The change affects one parameter and is normally distributed with a standard
+// deviation of 0.1, 1 or 10 hundredths, all with the same weight. Without a change, the evidence minus the number of
+// motions is a martingale. Therefore the mean number of motions until it exceeds a bound is at least that bound, for
+// any motions. Without a change the arm has constant parameters that differ from robot.yaml according to its
+// covariance.
 class DriftTest {
  public:
   explicit DriftTest(const Parameters& robot);
 
-  // A motion as one looks at it: what it tells about the arm that is off by `about`.
+  // The information of a motion about the parameters, linearised at the errors `about`.
   struct Look {
     MotionInformation told;
     Eigen::VectorXd about;  // z
   };
-  // Of the next motion, held against the arm that is expected, and again against what it then is expected to be where
-  // robot.yaml leaves so much open that slopes change. Nothing where it tells nothing, or once it is stopped.
+  // Evaluates the next motion, linearised at the expected arm. If the motion moves that expectation so far that slopes
+  // change, it linearises again. Returns nothing if the motion has no information, or once stopped() is true.
   std::optional<Look> look_at(const ExecutedMotion& motion, const ForEach& for_each = one_after_another,
                               const std::function<bool()>& stopped = not_stopped) const;
 
@@ -56,20 +57,20 @@ class DriftTest {
 
   const Prior& parameters() const { return parameters_.of; }
   std::size_t motions() const { return motions_; }
-  // Alarm: it is above kMotionsPerFalseAlarm.
+  // Returns the evidence for a change; above kMotionsPerFalseAlarm the test gives an alarm.
   double evidence() const;
   bool drifts() const { return evidence() > kMotionsPerFalseAlarm; }
-  // Of the evidence there is; nothing before the first motion.
+  // Returns the likeliest cause given the present evidence; nothing before the first motion.
   std::optional<DriftCause> cause() const;
 
  private:
-  struct Change {            // that may have been
-    std::size_t first;       // motion with it
-    Eigen::MatrixXd matrix;  // of the motions since then
+  struct Change {            // a hypothetical change
+    std::size_t first;       // first motion with it
+    Eigen::MatrixXd matrix;  // sums over the motions since then
     Eigen::VectorXd score;
   };
   struct Likelihood {
-    double log_ratio, change, deviation;  // of a change in z
+    double log_ratio, change, deviation;  // log likelihood ratio; estimate of the change in z, and its deviation
   };
 
   struct Expected {  // of z without a change
@@ -83,8 +84,8 @@ class DriftTest {
 
   Parameters robot_;
   DriftParameters parameters_;
-  Eigen::MatrixXd known_;       // z = known_ xi, xi normal and independent: what robot.yaml leaves open
-  Eigen::MatrixXd all_matrix_;  // of all motions, about z = 0
+  Eigen::MatrixXd known_;       // z = known_ xi, with independent normal xi, is the uncertainty in robot.yaml
+  Eigen::MatrixXd all_matrix_;  // sums over all motions, expanded about z = 0
   Eigen::VectorXd all_score_;
   Expected expected_;
   std::deque<Change> changes_;

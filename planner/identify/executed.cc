@@ -17,11 +17,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr Index kBlocks = 5;  // of neighbouring readings of a piece
+constexpr Index kBlocks = 5;  // blocks of neighbouring readings per piece
 
-// Of the parameters. Readings that are off by more than counts tell less; so do neighbours that err alike: where the
-// sandwich estimator with pieces' parts as clusters (Liang & Zeger, Biometrika 73, 1986) has a larger standard error,
-// it is that.
+// Returns the covariance of the parameters. It grows by chi^2 if residuals are larger than quantisation explains. It
+// also grows to the standard errors of the sandwich estimator with blocks of readings as clusters (Liang & Zeger,
+// Biometrika 73, 1986) if these are larger, because residuals of neighbouring readings are correlated.
 MatrixXd covariance_of(const Readings& readings, const Fit& fit, const MatrixXd& factor, double chi_square) {
   const auto j = fit.jacobian.topRows(readings.readings());
   const auto r = fit.residuals.head(readings.readings());
@@ -47,7 +47,8 @@ MatrixXd covariance_of(const Readings& readings, const Fit& fit, const MatrixXd&
   return covariance;
 }
 
-// What cannot be less than nothing is nothing, and the others go along by the covariance.
+// Sets payloads and dampings that the fit made negative to 0, and changes the other parameters according to the
+// covariance.
 void bound(const std::vector<std::string>& names, const Parameters& known, const MatrixXd& covariance,
            VectorXd& change) {
   Parameters p = known;
@@ -59,7 +60,7 @@ void bound(const std::vector<std::string>& names, const Parameters& known, const
   }
 }
 
-// By motion and encoder. [rad]
+// Returns the rms residuals [rad] per motion and encoder.
 std::vector<Eigen::Vector4d> rms_of(const Readings& readings, const VectorXd& residuals, std::size_t motions,
                                     const Eigen::Vector4d& noise) {
   std::vector<Eigen::Vector4d> sums(motions, Eigen::Vector4d::Zero());

@@ -11,9 +11,9 @@
 namespace fjr {
 namespace {
 
-constexpr double kLongestGap = 6.5e-3;    // [s] five missed ticks: with more of them the drives brake
-constexpr std::size_t kFewestTicks = 50;  // of a motion that can tell anything
-constexpr double kLongestMotion = 120;    // [s] in all
+constexpr double kLongestGap = 6.5e-3;    // [s] allows five missed ticks; after more, the drives brake
+constexpr std::size_t kFewestTicks = 50;  // shorter motions contain too little information
+constexpr double kLongestMotion = 120;    // [s]
 
 Joints<const std::vector<double>*> columns(const Log& log, std::string_view quantity, std::string_view suffix = "") {
   return {&log.column(joint_column(quantity, 0, suffix)), &log.column(joint_column(quantity, 1, suffix))};
@@ -25,7 +25,7 @@ std::vector<Joints<double>> pairs(const Joints<const std::vector<double>*>& both
   return all;
 }
 
-// Rows up to and with the first one from which on the plan rests.
+// Returns the number of rows up to and including the first one from which on the plan rests.
 std::size_t moving_rows(const Log& log) {
   const auto q = columns(log, "q", "_plan"), theta = columns(log, "theta", "_plan");
   std::size_t rows = log.rows();
@@ -39,7 +39,8 @@ std::size_t moving_rows(const Log& log) {
   return rows;
 }
 
-// Ticks that were missed are gaps in time; those that are not were so many that the executor went on beside the time.
+// Checks that the drives did not brake during the motion. Up to five missed ticks in a row are visible as gaps in time.
+// After more, the executor continued without a gap, so that the number of missed ticks exceeds the visible ones.
 void check_ticks(const Log& log, const std::vector<double>& times) {
   double visible = 0;
   for (std::size_t i = 1; i < log.rows(); ++i) {

@@ -1,4 +1,4 @@
-// robot.yaml from what executed motions told.
+// Writes a robot.yaml with the parameters identified from executed motions.
 #pragma once
 
 #include <filesystem>
@@ -8,9 +8,9 @@
 
 namespace fjr {
 
-// A complete robot.yaml: values after, standard errors and covariance, and the logs with their hashes for what was
-// refined. What is no possible arm is refused (InputError), and the file that may be there already stays. base: what
-// was known. Returns what was written, read again.
+// Writes a complete robot.yaml: the identified values, standard errors and covariance and, for refined parameters, the
+// logs with their hashes. Throws InputError if the parameters are physically impossible; an existing file then stays.
+// base: the robot file known before. Returns the parameters as read back from the written file.
 Parameters write_executed_robot(const std::filesystem::path& file, const std::filesystem::path& base,
                                 const ExecutedFit& fit, const std::vector<ExecutedMotion>& motions);
 

@@ -21,7 +21,8 @@ std::optional<MotionInformation> information_of(const Parameters& known, const P
   VectorXd x = VectorXd::Zero(readings.unknowns()), off(readings.size());
   MatrixXd slopes(readings.size(), readings.unknowns());
   if (!readings.fit_starts(x) || !readings.fill(x, off, &slopes)) return std::nullopt;
-  // At the most likely starts their slope is none. What the starts make up for of the parameters is taken out.
+  // At the most likely initial states the score of these is zero. The initial states are eliminated by a Schur
+  // complement.
   const Index n = readings.parameters(), starts = readings.unknowns() - n;
   const auto rows = slopes.topRows(readings.readings());
   const auto by_z = rows.leftCols(n), by_start = rows.rightCols(starts);

@@ -1,4 +1,4 @@
-// What one executed motion tells of an arm's parameters.
+// The information about an arm's parameters in one executed motion.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,17 +12,17 @@
 
 namespace fjr {
 
-// About the arm known, to first order, and whatever the motion began with: the log likelihood of its readings is, but
-// for a constant, z' score - z' matrix z / 2, where the parameters are off by the prior's factor times z.
+// The log likelihood of the readings, linearised at the known arm and maximised over the initial states, is up to a
+// constant z' score - z' matrix z / 2. z are the prior's independent numbers: the parameter errors are factor * z.
 struct MotionInformation {
-  Eigen::MatrixXd matrix;  // Fisher's information of z, with the encoders' counts for noise; n x n
+  Eigen::MatrixXd matrix;  // Fisher information of z, with quantisation of the encoders as noise; n x n
   Eigen::VectorXd score;   // n
-  double chi_square = 0;   // per degree of freedom: what is left of the readings that no z explains
+  double chi_square = 0;   // per degree of freedom, of the residuals that no z explains
   long readings = 0;
 };
 
-// Nothing where the motors hardly move, or where the arm known cannot be rolled out under the torques of the motion.
-// for_each: 2 n + 50 rollouts. stopped: asked before each of them; then there is nothing.
+// Returns nothing if the motors hardly move, if the known arm cannot be simulated under the torques of the motion, or
+// once stopped() is true, which is called before every rollout. for_each runs 2 n + 50 rollouts.
 std::optional<MotionInformation> information_of(const Parameters& known, const Prior& prior,
                                                 const ExecutedMotion& motion,
                                                 const ForEach& for_each = one_after_another,

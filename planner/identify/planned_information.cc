@@ -18,9 +18,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kRateStep = 1e-4;  // of a parameter, by which the model's rates are differentiated
+constexpr double kRateStep = 1e-4;  // relative step of a parameter to differentiate the model's rates
 
-// As the executor will log it, but for counts.
+// Returns the motion as the executor will log it if it follows the plan exactly, without quantisation.
 ExecutedMotion as_planned(const Trajectory& plan) {
   ExecutedMotion motion;
   Interpolator at(plan);
@@ -37,7 +37,7 @@ ExecutedMotion as_planned(const Trajectory& plan) {
   return motion;
 }
 
-// Slopes of the state by where its piece began and by the parameters, along a plan.
+// Integrates the derivatives of the state by the initial state of a piece and by the parameters, along a plan.
 class Variation {
  public:
   Variation(const Parameters& known, const Prior& prior) : known_(known) {
@@ -59,7 +59,8 @@ class Variation {
   const StateMatrix& by_start() const { return by_start_; }
   const MatrixXd& by_parameters() const { return by_parameters_; }
 
-  // Over a tick with the torque held: dS/dt = A S + F, both as in the middle, friction's slope as in the mean.
+  // Integrates dS/dt = A S + F over a tick with constant torque. A and F are those in the middle of the tick, except
+  // that the slope of friction is averaged over the tick.
   void pass(const Sample& middle, const Sample& end, double duration) {
     StateMatrix a = state_jacobian(known_, middle.state, middle.torque);
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -90,14 +91,14 @@ class Variation {
 
   const Parameters& known_;
   std::vector<Parameters> more_, less_;
-  std::vector<double> apart_;  // in the prior's independent numbers
-  Sample at_;                  // where it has come to
+  std::vector<double> apart_;  // distance of more_ and less_ in the prior's independent numbers
+  Sample at_;                  // sample of the plan up to which it is integrated
   MatrixXd rates_;
   StateMatrix by_start_;
   MatrixXd by_parameters_;
 };
 
-// What the starts make up for of the parameters is taken out.
+// Eliminates the initial state by a Schur complement.
 MatrixXd without_start(const MatrixXd& all, Index n) {
   const MatrixXd mixed = all.bottomLeftCorner(kStates, n);
   return all.topLeftCorner(n, n) - mixed.transpose() * all.bottomRightCorner<kStates, kStates>().ldlt().solve(mixed);

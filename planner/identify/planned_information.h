@@ -1,4 +1,4 @@
-// What a motion will tell of an arm's parameters, before it is executed.
+// Predicts how much information a motion will contain about an arm's parameters.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,9 +8,10 @@
 
 namespace fjr {
 
-// Fisher's information of the prior's independent numbers in what the executor will log of this motion on the arm
-// known, as information_of() has it afterwards: encoders with their counts for noise, torques known, and pieces that
-// begin anyhow. By the variational equation along the plan, tick by tick; 0 where the motors hardly move. n x n.
+// Returns the expected Fisher information (n x n) of the prior's independent numbers in the log of this motion on the
+// known arm, as information_of() computes it afterwards: with quantisation of the encoders as noise, known torques, and
+// unknown initial states of the pieces. It integrates the variational equation along the plan, tick by tick, and is 0
+// if the motors hardly move.
 Eigen::MatrixXd planned_information(const Parameters& known, const Prior& prior, const Trajectory& plan);
 
 }  // namespace fjr

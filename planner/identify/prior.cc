@@ -23,7 +23,7 @@ void assume(Prior& prior, const std::string& name, double deviation) {
   prior.factor(n, r) = deviation;
 }
 
-// The rest, given that the payload's mass is as it is said to be.
+// Returns the uncertainty of the other parameters, conditional on the payload's mass being exact.
 Uncertainty without_payload_mass(Uncertainty u) {
   const auto found = std::find(u.names.begin(), u.names.end(), kPayloadMass);
   if (found == u.names.end()) return u;

@@ -1,4 +1,4 @@
-// What is known of an arm before its motions are looked at.
+// The prior distribution of an arm's parameters, before its motions are evaluated.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,30 +9,30 @@
 
 namespace fjr {
 
-// Errors of the parameters are factor times independent numbers of variance 1.
+// The errors of the parameters are `factor` times independent normal numbers of variance 1.
 struct Prior {
   std::vector<std::string> names;
-  std::vector<bool> assumed;  // its deviation is kUnknownFraction's, and not the robot file's
+  std::vector<bool> assumed;  // whether its deviation is assumed (kUnknownFraction) and not from the robot file
   Eigen::VectorXd deviation;
   Eigen::MatrixXd factor;
 };
 
-// The covariance of robot.yaml, its standard errors `widened` times as large. Parameters that have none there, and that
-// ordinary motions usually tell, are given a weak one: kUnknownFraction of the value for stiffness, gravity torque,
-// both inertias, viscous friction and its amplitude, kUnknownPayload for the payload's mass unless it is known. All
-// others are kept as they are.
+// The prior is the covariance in robot.yaml, with standard errors `widened` times as large. Parameters without a
+// standard error there that ordinary motions usually determine get a large one: kUnknownFraction of the value for
+// stiffness, gravity torque, both inertias, viscous friction and its amplitude, and kUnknownPayload for the payload's
+// mass unless it is known. All other parameters are fixed.
 inline constexpr double kUnknownFraction = 0.2;
 inline constexpr double kUnknownPayload = 0.5;  // [kg]
 enum class PayloadMass {
   kUncertain,
-  kKnown  // as the robot file has it: it cannot be told from link 2's own mass
+  kKnown  // fixed as in the robot file, since it cannot be distinguished from link 2's own mass
 };
 Prior prior_of(const Parameters& robot, double widened = 1, PayloadMass payload = PayloadMass::kUncertain);
 
-// Names of the parameters that ordinary motions usually tell: those that have such a weak one, the payload's mass last.
+// Returns the names of the parameters that ordinary motions usually determine, with the payload's mass last.
 std::vector<std::string> usually_told(const Parameters& robot);
 
-// Of a parameter by its name; empty where there is none.
+// Returns the unit of a parameter by its name; empty if there is no such parameter.
 std::string unit_of(const std::string& name);
 
 }  // namespace fjr

@@ -12,14 +12,15 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kLongestStep = 0.25;    // of a prior's standard deviation
-constexpr double kStepOfStart = 0.0005;  // of kOffGuess
+constexpr double kLongestStep = 0.25;    // largest difference step, in standard deviations of the prior
+constexpr double kStepOfStart = 0.0005;  // difference step of an initial state, in units of kOffGuess
 
-// How far a piece begins off what was guessed, one standard deviation: so far that the readings alone decide. [rad],
-// [rad/s]
+// Standard deviation of a piece's initial state from its guess [rad], [rad/s]. It is so large that the readings alone
+// determine the initial state.
 const State<double> kOffGuess{{0.02, 0.02}, {0.5, 0.5}, {0.02, 0.02}, {0.5, 0.5}};
 
-// Steps of the prior's independent numbers, which move no parameter by more than kSlopeStep of its size.
+// Returns difference steps of the prior's independent numbers that move no parameter by more than kSlopeStep of its
+// size.
 VectorXd steps_of(const Parameters& known, const Prior& prior) {
   Parameters p = known;
   VectorXd sizes(prior.factor.rows());
@@ -66,7 +67,7 @@ Parameters Readings::robot_at(const VectorXd& x) const {
   return moved(known_, prior_.names, prior_.factor * x.head(parameters()));
 }
 
-// Positions less readings, in standard deviations of a count.
+// Returns simulated positions minus readings, in standard deviations of a count.
 std::optional<VectorXd> Readings::off(const Parameters& robot, const VectorXd& x, std::size_t piece) const {
   if (stopped_()) return std::nullopt;
   const ReplayedPiece& at = pieces_[piece];
@@ -87,7 +88,7 @@ std::optional<VectorXd> Readings::off(const Parameters& robot, const VectorXd& x
   return r;
 }
 
-// All residuals, and their slopes by the unknowns of the starts alone or by all of them.
+// Computes all residuals and, if `jacobian` is given, their derivatives by all unknowns.
 bool Readings::fill(const VectorXd& x, VectorXd& r, MatrixXd* jacobian) const {
   const Parameters robot = robot_at(x);
   std::vector<char> good(pieces(), 1);
@@ -101,7 +102,7 @@ bool Readings::fill(const VectorXd& x, VectorXd& r, MatrixXd* jacobian) const {
   return jacobian == nullptr || fill_slopes(x, *jacobian);
 }
 
-// The most likely start of a piece with these parameters, into x.
+// Writes the most likely initial state of a piece, given the parameters in x, to x.
 bool Readings::fit_start(VectorXd& x, std::size_t piece) const {
   const Parameters robot = robot_at(x);
   const Index column = start_column(piece), size = count(piece);
@@ -121,7 +122,7 @@ bool Readings::fit_start(VectorXd& x, std::size_t piece) const {
     }
     return true;
   };
-  // Ceres complains on standard error where nothing can be evaluated: what is not wanted any more ends as if it fitted.
+  // Ceres prints to standard error if an evaluation fails. After stopped(), zero residuals let it end quietly.
   const SlopedResiduals residuals = [&](const VectorXd& start, VectorXd& r, MatrixXd* jacobian) {
     if (evaluate(start, r, jacobian)) return true;
     if (!stopped_()) return false;
@@ -145,7 +146,7 @@ bool Readings::fit_starts(VectorXd& x) const {
   return std::count(good.begin(), good.end(), 0) == 0;
 }
 
-// Of the readings of a piece by one unknown, by central differences.
+// Returns the derivative of the residuals of a piece by one unknown, by central differences.
 std::optional<VectorXd> Readings::slope(const VectorXd& x, std::size_t piece, Index column) const {
   const double step = column < parameters() ? steps_[column] : kStepOfStart;
   VectorXd more = x, less = x;

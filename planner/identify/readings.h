@@ -1,4 +1,4 @@
-// Readings of executed motions off an arm whose parameters and starts are unknown, and their slopes.
+// Residuals between the readings of executed motions and a simulated arm with unknown parameters and initial states.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,14 +14,15 @@
 
 namespace fjr {
 
-// The arm whose parameters are off by that much, in the order of the names; without the bounds of changed(): a mass
-// below none is a mean to find one that is hardly there.
+// Returns the arm with the named parameters changed by `by`. Unlike changed() it applies no bounds: the fit must be
+// able to pass through a negative mass to find a very small one.
 Parameters moved(const Parameters& known, const std::vector<std::string>& names, const Eigen::VectorXd& by);
 
-// All motions at one arm, in pieces. Unknown are the prior's independent numbers z, then what each piece begins off its
-// guess, in units so large that the readings alone decide. Residuals are the readings of each piece, in standard
-// deviations of a count, then the unknown themselves. What it is made of has to outlive it. stopped: asked before every
-// rollout; from then on there is nothing.
+// The residuals of all motions, divided into pieces. The unknowns are the prior's independent numbers z, followed by
+// the deviation of each piece's initial state from its guess (in units so large that the readings alone determine it).
+// The residuals are those of the readings of each piece, in standard deviations of a count, followed by the unknowns
+// themselves. The constructor's arguments must outlive this object. stopped is called before every rollout; once it
+// returns true, evaluations fail.
 class Readings {
  public:
   Readings(const Parameters& known, const Prior& prior, const std::vector<ExecutedMotion>& motions,
@@ -39,10 +40,11 @@ class Readings {
     return parameters() + kStates * static_cast<Eigen::Index>(piece);
   }
 
-  // Residuals, and where wanted their slopes by all unknowns, by central differences. False: there can be no such arm.
+  // Computes the residuals and, if `jacobian` is not null, their derivatives by all unknowns, by central differences.
+  // Returns false if the arm with these parameters cannot be simulated.
   bool fill(const Eigen::VectorXd& x, Eigen::VectorXd& r, Eigen::MatrixXd* jacobian) const;
 
-  // The most likely starts with these parameters, into x.
+  // Writes the most likely initial states, given the parameters in x, to x. Returns false if that fails.
   bool fit_starts(Eigen::VectorXd& x) const;
 
  private:

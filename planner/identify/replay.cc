@@ -15,22 +15,22 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kFewestRows = 30;  // of a piece: 120 readings for its 8 unknowns, and some to spare
-constexpr std::size_t kFirstRows = 20;   // by which it is guessed where a piece begins
-constexpr int kParkedTicks = 3;          // in a row; a motor that only reverses does not park
+constexpr std::size_t kFewestRows = 30;  // rows of a piece, that is 120 readings for its 8 unknowns and the parameters
+constexpr std::size_t kFirstRows = 20;   // rows used to guess the initial state of a piece
+constexpr int kParkedTicks = 3;          // in a row, so that a motor that only reverses does not count as parked
 
 bool can_be(const Parameters& p) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!(p.spring.stiffness[j] > 0 && p.motor.inertia[j] > 0 && p.friction.width[j] > 0)) return false;
   }
-  for (const double q2 : {0.0, std::numbers::pi}) {  // where the determinant is least
+  for (const double q2 : {0.0, std::numbers::pi}) {  // where the determinant of M is smallest
     const MassMatrix<double> m = mass_matrix(p, q2);
     if (!(m.m11 > 0 && m.m11 * m.m22 - m.m12 * m.m12 > 0)) return false;
   }
   return true;
 }
 
-// Whether the plan, from a row to the next, has a motor in velocities at which the executor's dither would act.
+// Returns whether between a row and the next any motor's planned velocity is so low that the executor's dither may act.
 bool parks(const Parameters& robot, const ExecutedMotion& motion, std::size_t row) {
   if (row + 1 >= motion.times.size()) return false;
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -52,7 +52,7 @@ std::vector<bool> parked_rows(const Parameters& robot, const ExecutedMotion& mot
   return parked;
 }
 
-// Position and velocity at the first row of the parabola nearest to the readings. [rad], [rad/s]
+// Fits a parabola to the first readings and returns its position [rad] and velocity [rad/s] at the first row.
 std::pair<double, double> begin_of(const ExecutedMotion& motion, const std::vector<Joints<double>>& readings,
                                    std::size_t first, std::size_t joint) {
   Eigen::Matrix<double, kFirstRows, 3> a;

@@ -1,4 +1,4 @@
-// An arm under the torques of a log.
+// Simulates an arm under the torques of a log.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,32 +11,33 @@
 
 namespace fjr {
 
-// Rows of a motion that are rolled out from a start of their own.
+// Consecutive rows of a motion that are simulated from an initial state of their own.
 struct ReplayedPiece {
-  std::size_t motion;        // which one
+  std::size_t motion;        // index of the motion
   std::size_t first, count;  // rows
-  State<double> begins;      // about where: what the readings of its first rows are nearest to
+  State<double> begins;      // guess of the initial state, fitted to its first readings
 };
 
-// A motion in pieces of kPiece or less, so that little adds up of what the model has not. Left out is where a motor
-// parks in velocities at which its friction falls (motor 2's, at rest): there errors grow by 365/s, and nobody can say
-// where the motor goes. Too short pieces are left out, too.
+// Divides a motion into pieces of at most kPiece, so that model errors do not accumulate for long. Rows are left out
+// where a motor stays at velocities at which its friction falls with speed (motor 2 at rest): there errors grow at a
+// rate of 365/s, so that the motion of the motor cannot be predicted. Pieces that are too short are left out as well.
 inline constexpr double kPiece = 2;  // [s]
 std::vector<ReplayedPiece> pieces_of(const Parameters& robot, const ExecutedMotion& motion, std::size_t index);
 
-// Where the encoders are at the rows of a piece that begins in a state [rad]: q1, q2, theta1, theta2 of the first, of
-// the second, ... Nothing where there can be no such arm, or the integration breaks down.
+// Returns the simulated positions [rad] at the rows of a piece that begins in the state `start`: q1, q2, theta1, theta2
+// of the first row, of the second, ... Returns nothing if the parameters are impossible or the integration fails.
 //
-// The torque of each tick is in the log, whatever made the executor command it. Given it, an arm without other
-// disturbances moves in one way alone, and the counts of its encoders are all that is left to chance.
+// The log contains the commanded torque of each tick, including feedback. Given these torques, the motion of an arm
+// without disturbances is determined, and the quantisation of its encoders is the only random error.
 std::optional<Eigen::VectorXd> replayed(const Parameters& robot, const ExecutedMotion& motion,
                                         const ReplayedPiece& piece, const State<double>& start);
 
-// Of a parameter, by which it is moved to differentiate positions by it: a few standard errors of three motions, and a
-// thousand times what the integration errs by.
+// Relative step of a parameter for differences. It is a few standard errors after three motions, and its effect is a
+// thousand times the error of the integration.
 inline constexpr double kSlopeStep = 2e-5;
 
-// Counts' standard deviation of each encoder, in that order: uniform within a count. [rad]
+// Returns the standard deviation [rad] of each encoder's quantisation error, which is uniform within a count, in the
+// order q1, q2, theta1, theta2.
 Eigen::Vector4d count_deviation(const Parameters& robot);
 
 }  // namespace fjr

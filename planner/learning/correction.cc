@@ -15,24 +15,27 @@
 namespace fjr {
 namespace {
 
-// Deviation of the arm's state from that of the last run, then the correction of the torque.
+// The state vector of the regulator: deviation of the arm's state from that of the last run, then the torque
+// correction.
 constexpr int kTorque = kStates, kDeviations = kStates + kJoints;
 using Deviations = Eigen::Matrix<double, kDeviations, 1>;
 using DeviationsMatrix = Eigen::Matrix<double, kDeviations, kDeviations>;
 using Input = Eigen::Matrix<double, kDeviations, kJoints>;
 
-// Each costs as much as one count of a link's error at one tick. After ten repetitions the errors are the same with a
-// tenth or ten times of either, except that ten times the increment lets noise in: 1.5 counts of both links in place of
-// 0.4 and 1.
-constexpr double kIncrement = 0.01;     // of the torque limit: of the correction, from tick to tick
-constexpr double kFirst = 0.1;          // likewise: of its first value
-constexpr double kLastVelocity = 1e-4;  // [rad/s] of links and motors at the last tick, where the plan may brake yet
+// Weights of the cost: each of these values costs as much as a link error of one count at one tick. After ten
+// repetitions the errors are the same with a tenth or ten times of either torque weight, except that ten times the
+// increment amplifies noise: errors of 1.5 counts of both links instead of 0.4 and 1.
+constexpr double kIncrement = 0.01;  // fraction of the torque limit: change of the correction from tick to tick
+constexpr double kFirst = 0.1;       // fraction of the torque limit: first value of the correction
+constexpr double kLastVelocity =
+    1e-4;  // [rad/s] velocity of links and motors at the last tick, where the plan may still brake
 
-// Of Gauss and Newton's method. The first expects motors to reverse when they did, and friction's slopes to be those
-// of the last run: alone it leaves 2.5 to 4.4 counts of link 2 where two and more leave one.
+// Iterations of the Gauss-Newton method. The first one assumes that motors reverse when they did in the last run, with
+// the same slopes of friction. Alone it leaves errors of 2.5 to 4.4 counts of link 2, where two or more leave one
+// count.
 constexpr int kIterations = 3;
-constexpr double kSameStart = 2;   // [motor counts] within which a motor begins where it did, or was to
-constexpr double kOntoPlan = 0.3;  // [s] in which links go over to the plan from where they begin
+constexpr double kSameStart = 2;   // [motor counts] up to which two initial positions of a motor count as the same
+constexpr double kOntoPlan = 0.3;  // [s] in which the desired link positions blend from the initial ones to the plan
 
 struct Affine {  // next = a z + b v + c
   DeviationsMatrix a;
@@ -47,7 +50,7 @@ struct Law {  // v = -gain z - offset
 
 Eigen::Vector2d pair(const Joints<double>& v) { return {v[0], v[1]}; }
 
-// Ticks of a run, done or to come.
+// States and torques of a past or future run, per tick.
 struct Course {
   std::vector<State<double>> states;
   std::vector<Joints<double>> torque;  // [N m] in the tick that begins there
@@ -88,9 +91,10 @@ class Regulator {
   std::size_t ticks() const { return run_.times.size() - 1; }
   double limit(Eigen::Index j) const { return robot_.limits.torque[static_cast<std::size_t>(j)]; }
 
-  // At rest. A motor begins where it did in the last run, if that is where its reference began, or where the run before
-  // did. Otherwise it was there by chance: then where the reference begins. The links hang from the motors as they did:
-  // gravity bends the springs of an arm that is not the model otherwise, whenever it starts.
+  // Returns the expected state at the start of the next run, at rest. A motor is expected where it began in the last
+  // run if that agrees with its reference, or with where the run before began. Otherwise its position was accidental,
+  // and it is expected at the reference. The deflection of the springs under gravity is taken from the last run,
+  // because it differs from the model's if the arm does.
   static State<double> start_of_next(const Parameters& robot, const State<double>& last,
                                      const Joints<double>& reference,
                                      const std::optional<Joints<double>>& began_before) {
@@ -108,7 +112,7 @@ class Regulator {
     return next;
   }
 
-  // The plan, from where the links begin.
+  // Returns the desired link positions: the plan, blended from where the links begin.
   Joints<double> wanted(std::size_t k) const {
     const double left = 1 - smooth_step((run_.times[k] - run_.times[0]) / onto_plan_);
     Joints<double> q = planned_[k].q;
@@ -116,7 +120,7 @@ class Regulator {
     return q;
   }
 
-  // Where the tick leads beside the course.
+  // Returns the simulated state at the end of tick k minus that of the course.
   Eigen::Matrix<double, kStates, 1> defect(std::size_t k, const std::vector<State<double>>& states,
                                            const Joints<double>& torque) {
     const auto to = arm_.advance(run_.times[k], run_.times[k + 1], states[k], torque, run_.lacking[k]);
@@ -131,7 +135,8 @@ class Regulator {
     return beside;
   }
 
-  // The next run commands the rows and the dither, and, where all goes as expected, no feedback.
+  // Linearises the arm along the course. The next run is expected to command the planned torque and the dither, and no
+  // feedback, because the arm then follows its reference.
   void linearise(const Course& course) {
     steps_.resize(ticks());
     for (std::size_t k = 0; k < ticks(); ++k) {
@@ -193,7 +198,7 @@ class Regulator {
     }
   }
 
-  // From the start, with the first torque that makes the rest of it cheapest.
+  // Returns the initial deviation, with the first torque correction that minimises the cost of the rest.
   Deviations first(const Course& course, const DeviationsMatrix& p, const Deviations& slope) const {
     Deviations z = Deviations::Zero();
     for (std::size_t i = 0; i < kStates; ++i) z[static_cast<Eigen::Index>(i)] = begins_[i] - course.states[0][i];
@@ -234,7 +239,8 @@ class Regulator {
   std::vector<Affine> steps_;
 };
 
-// The rows' times and the correction's; what is nearer to a row than a jump's other row is that row.
+// Returns the times of the samples and of the correction, merged. A time of the correction less than 2 kJumpSpacing
+// from a sample is left out.
 std::vector<double> times_of(const Trajectory& executed, const Correction& correction) {
   std::vector<double> rows, ticks, all;
   for (const Sample& row : executed.samples) rows.push_back(row.time);
@@ -248,7 +254,7 @@ std::vector<double> times_of(const Trajectory& executed, const Correction& corre
   return all;
 }
 
-// The correction as a trajectory of its own, so that between its times it is what rows are.
+// Returns the correction as a trajectory, so that it is interpolated like one.
 Trajectory as_rows(const Correction& correction, double fraction) {
   Trajectory rows;
   for (std::size_t k = 0; k < correction.times.size(); ++k) {

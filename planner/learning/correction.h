@@ -1,4 +1,4 @@
-// What a motion has to change for the arm to follow the links' plan, after one run of it.
+// Computes from one run of a motion how to correct its torques so that the links follow the plan in the next run.
 #pragma once
 
 #include <optional>
@@ -9,28 +9,29 @@
 
 namespace fjr {
 
-// On top of the rows that were executed, at `times` [s]; torque and dtheta are linear between them, theta is cubic.
+// A correction to be added to the executed samples, at `times` [s]. Between them torque is linear and theta cubic, as
+// in a trajectory.
 struct Correction {
   std::vector<double> times;
   std::vector<Joints<double>> torque;         // [N m] feed-forward
   std::vector<Joints<double>> theta, dtheta;  // [rad], [rad/s] of the motors' reference
-  State<double> start{};                      // of the arm in the next run, as it is expected
+  State<double> start{};                      // expected state of the arm at the start of the next run
 };
 
-// Norm-optimal iterative learning control (Amann, Owens & Rogers, IEE Proc. Control Theory Appl. 143, 1996): of all
-// changes of the torque since the last run, the one that is least in the sum of the squared errors of the links that
-// the model, linearised along what the arm did, expects of the next run, and of the squared increments of the change
-// from tick to tick. By a Riccati recursion over the ticks. The motors' reference is where they are expected.
-// The next run is expected to begin at rest, each motor where it did in the last one, if that was within two counts of
-// where its reference began, or of where the run before began: another motion of a repeated sequence leaves it there.
-// Any other start was chance, and the next one is expected at the reference. Where the links then are off the plan,
-// they go over to it within 0.3 s, or half of the motion.
-// executed: the rows that the run was commanded; began_before: motors [rad] at the start of the run before it.
+// Norm-optimal iterative learning control (Amann, Owens & Rogers, IEE Proc. Control Theory Appl. 143, 1996). It
+// minimises over all changes of the torque since the last run the sum of the squared link errors expected in the next
+// run, and the squared increments of the change from tick to tick. The prediction is the model, linearised along the
+// last run, and the minimisation a Riccati recursion over the ticks. The reference of the motors is set to their
+// expected positions. The next run is expected to begin at rest. Each motor is expected where it began in the last run,
+// if that is within two counts of where its reference began, or of where the run before began (then another motion of a
+// repeated sequence leaves it there). Otherwise it is expected at its reference. If the links then begin off the plan,
+// they are led to it within 0.3 s, or half of the motion. executed: the samples that the run was commanded;
+// began_before: motor positions [rad] at the start of the run before it.
 Correction correction_after(const Parameters& robot, const Trajectory& executed, const SmoothedRun& run,
                             const std::optional<Joints<double>>& began_before = {});
 
-// The rows with so much of the correction, and with rows at its times. Positions and velocities of the links stay the
-// plan's. fraction: 0 to 1.
+// Returns the samples with the given fraction (0 to 1) of the correction added, and with additional samples at its
+// times. Positions and velocities of the links stay those of the plan.
 Trajectory corrected(const Trajectory& executed, const Correction& correction, double fraction = 1);
 
 }  // namespace fjr

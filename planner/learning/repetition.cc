@@ -22,10 +22,10 @@ namespace fjr {
 namespace {
 
 constexpr std::array kFractions{1.0, 0.5, 0.25, 0.125};
-constexpr double kSamePlan = 1e-8;  // [rad] the log has twelve digits
+constexpr double kSamePlan = 1e-8;  // [rad] allowed difference, as the log has twelve digits
 constexpr double kSameTime = 1e-6;  // [s] likewise
 
-// What a rollout amounts to, tick by tick.
+// Collects errors and checks of limits during a rollout, tick by tick.
 class Rehearsed {
  public:
   Rehearsed(const Parameters& robot, const TaskOfMotion* task, const Trajectory& rows)
@@ -94,7 +94,7 @@ class Rehearsed {
   std::vector<TaskCheck> checks_;
 };
 
-// run: whose lacking torques act; none: the model itself.
+// Simulates the samples with the executor's control law. run: its lacking torques act on the model; null: none act.
 Rehearsal rehearse(const Parameters& robot, const Limits& limits, const TaskOfMotion& task, const Trajectory& rows,
                    const State<double>& start, const SmoothedRun* run) {
   Rehearsed figures(robot, run == nullptr ? nullptr : &task, rows);
@@ -116,7 +116,7 @@ Rehearsal rehearse(const Parameters& robot, const Limits& limits, const TaskOfMo
   return figures.finish(run == nullptr ? "the model" : "the model with the learnt torques", limits, rows, rollout);
 }
 
-// What keeps these rows from being executed.
+// Returns the reasons why these samples must not be executed; empty if there are none.
 std::vector<std::string> against(const Parameters& robot, const Repetition& repetition) {
   const std::string malformation = malformed(repetition.rows);
   if (!malformation.empty()) return {malformation};

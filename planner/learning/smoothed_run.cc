@@ -13,27 +13,27 @@
 namespace fjr {
 namespace {
 
-// State of the arm, then the lacking torques of links and motors.
+// The unknowns per tick: state of the arm, then the lacking torques of links and motors.
 constexpr int kLacking = kStates, kUnknowns = kStates + 2 * kJoints, kReadings = 2 * kJoints;
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using UnknownsMatrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Reading = Eigen::Matrix<double, kReadings, 1>;
 
-// Of the random walks, in the torque limit of the joint: what a model lacks changes within some tenths of a second, as
-// the motion does. Ten repetitions on an arm 5 % softer with a payload end at 0.4 and 0.9 counts rms of the two links
-// with 0.1 to 0.3; with 1 the counts of the motors' encoders are taken for torques, and link 2 stays at 4, with 3
-// at 16. [1/sqrt(s)]
+// Intensity of the random walks, relative to the torque limit of the joint [1/sqrt(s)]. Lacking torques change within
+// some tenths of a second, like the motion. With 0.1 to 0.3, ten repetitions on an arm 5 % softer with a payload end at
+// errors of 0.4 and 0.9 counts rms of the two links. With 1, the quantisation of the motor encoders is mistaken for
+// torques and link 2 stays at 4 counts, with 3 at 16.
 constexpr double kWalk = 0.2;
 constexpr double kFirstLacking = 0.1;   // of the torque limit, one standard deviation before the first reading
 constexpr double kFirstVelocity = 0.1;  // [rad/s] likewise: motions begin at rest, or nearly so
-// The error of a count is the same for as long as the count is; it is taken for so many ticks at most.
+// The quantisation error is constant while the reading is. It is treated as constant for at most so many ticks.
 constexpr double kMostAlike = 100;
 
 struct Step {
   Unknowns filtered;
   UnknownsMatrix covariance;  // of it
   UnknownsMatrix transition;  // to the next tick
-  UnknownsMatrix kept;        // I - K H: what of a deviation before the reading is left after it
+  UnknownsMatrix kept;        // I - K H: maps a deviation before the measurement update to the one after it
   Unknowns gradient;          // H' S^-1 innovation
 };
 
@@ -86,7 +86,8 @@ class Filter {
  private:
   double torque_limit(Eigen::Index j) const { return robot_.limits.torque[static_cast<std::size_t>(j)]; }
 
-  // Variance of a reading: of readings within the same count, all are one.
+  // Returns the variances of the readings. Consecutive readings within the same count are worth only one, so the
+  // variance is multiplied by their number.
   Reading noise() const {
     Reading variance;
     for (Eigen::Index i = 0; i < kReadings; ++i) {
@@ -108,7 +109,7 @@ class Filter {
     step.kept = UnknownsMatrix::Identity() - gain * kReads;
     step.gradient = kReads.transpose() * weight * innovation;
     at_ += gain * innovation;
-    // Joseph's form: it stays positive whatever is rounded.
+    // Joseph form of the update: it stays positive definite in spite of rounding errors.
     covariance_ = step.kept * covariance_ * step.kept.transpose() + gain * variance.asDiagonal() * gain.transpose();
     step.filtered = at_;
     step.covariance = covariance_;

@@ -1,4 +1,4 @@
-// What an arm did in an executed motion, and which torques its model lacks for that.
+// Estimates the states of an arm in an executed motion, and the torques that the model lacks to explain them.
 #pragma once
 
 #include <string>
@@ -17,14 +17,14 @@ struct SmoothedRun {
   std::vector<Joints<double>> torque;   // [N m] commanded from then to the next
   std::vector<LackingTorques> lacking;  // from then to the next
 
-  // In the tick that `time` [s] is in; before the first and after the last, theirs.
+  // Returns the lacking torques in the tick that contains `time` [s], clamped to the first and the last tick.
   LackingTorques lacking_at(double time) const;
 };
 
-// The most likely motion given all readings, where the lacking torques are random walks: an extended Kalman filter, and
-// backwards the smoother of Bryson & Frazier as Bierman has it (Fixed interval smoothing with discrete measurements,
-// Int. J. Control 18, 1973), which inverts nothing but the innovations' covariance. Readings are off by what their
-// counts make. Throws InputError naming the log where the arm cannot be rolled out under its torques.
+// Returns the most likely motion given all readings, with the lacking torques modelled as random walks and quantisation
+// as measurement noise. It uses an extended Kalman filter and the Bryson-Frazier smoother in Bierman's form (Fixed
+// interval smoothing with discrete measurements, Int. J. Control 18, 1973), which inverts only the innovations'
+// covariance. Throws InputError naming the log if the arm cannot be simulated under its torques.
 SmoothedRun smoothed_run(const Parameters& robot, const ExecutedMotion& motion);
 
 }  // namespace fjr

@@ -14,7 +14,7 @@ State<double> middle_of(const State<double>& a, const State<double>& b) {
   return middle;
 }
 
-// M^-1, column by column.
+// Returns M^-1, computed column by column.
 Eigen::Matrix2d inverse_mass(const Parameters& robot, double q2) {
   const MassMatrix<double> m = mass_matrix(robot, q2);
   const Joints<double> first = accelerations(m, 1.0, 0.0), second = accelerations(m, 0.0, 1.0);

@@ -1,4 +1,4 @@
-// The arm under torques that its model lacks, over a tick: where it goes, and the slopes of that.
+// Simulates the arm under lacking torques over a tick, and linearises the result.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@
 
 namespace fjr {
 
-// What acts on an arm beside its model. [N m]
+// Torques [N m] that act on the arm in addition to those of the model.
 struct LackingTorques {
   Joints<double> link{}, motor{};
 };
@@ -19,8 +19,8 @@ class LackingArm {
  public:
   explicit LackingArm(const Parameters& robot) : rollout_(robot, Limits{}, Accuracy::of_predictions()) {}
 
-  // From `state` under a motor torque and lacking torques that are held for the tick. Nothing: the integration broke
-  // down. Times [s], torque [N m].
+  // Returns the state at the time `to` [s], starting from `state` at `from` [s], under a constant motor torque [N m]
+  // and constant lacking torques. Returns nothing if the integration fails.
   std::optional<State<double>> advance(double from, double to, const State<double>& state, const Joints<double>& torque,
                                        const LackingTorques& lacking);
 
@@ -28,18 +28,18 @@ class LackingArm {
   Rollout rollout_;
 };
 
-// Of the state at the end of a tick, to first order: by the state at its beginning, by the motor torque that is held
-// during it, and by the lacking torques, of links and of motors.
+// First derivatives of the state at the end of a tick by the state at its beginning, by the motor torque, and by the
+// lacking torques of links and motors, which are constant during the tick.
 struct TickSlopes {
   StateMatrix state;
   Eigen::Matrix<double, kStates, kJoints> torque;
   Eigen::Matrix<double, kStates, 2 * kJoints> lacking;
 };
 
-// By the variational equation with the model's slopes in the middle of the tick. Friction's slope is the mean over the
-// velocities that the motor passes through, and `uncertain` [rad/s] beyond them: a motor of which nobody knows on which
-// side of a kink it is feels neither side's slope (statistical linearisation: Gelb, Applied Optimal Estimation, 1974,
-// section 6.2). duration [s].
+// Computes the derivatives by the variational equation with the model's slopes in the middle of the tick. The slope of
+// friction is the mean over the range of velocities in the tick, extended by `uncertain` [rad/s] on both sides. If it
+// is uncertain on which side of a kink the motor is, the mean slope is the right one (statistical linearisation: Gelb,
+// Applied Optimal Estimation, 1974, section 6.2). duration: [s].
 TickSlopes tick_slopes(const Parameters& robot, const State<double>& begin, const State<double>& end,
                        const Joints<double>& torque, const LackingTorques& lacking, double duration,
                        const Joints<double>& uncertain = {});

@@ -1,4 +1,4 @@
-// What a service takes on, and why not.
+// Decides which requests a service accepts, and gives the reasons for refusals.
 #pragma once
 
 #include <optional>
@@ -21,25 +21,25 @@ struct Served {
 
 inline bool executes(const Order& order) { return order.action != Action::kPlan; }
 
-// The motion begins wherever the arm rests. Of a motion that was read.
+// Returns whether the motion is to begin wherever the arm rests. The motion must have been read.
 inline bool leaves_start_out(const Order& order) { return order.motion && !order.motion->start; }
 
-Refusal refusal_of(const InputError& error);  // in a request document
+Refusal refusal_of(const InputError& error);  // converts an error in a request document
 
-// Of whatever kind it is, before its motion is looked at.
+// Checks a request of any kind without its motion: robot, budget and the like. Returns nothing if it is accepted.
 std::optional<Refusal> refusal_of_terms(const Order& order, const Served& served);
 
-// Reads the order's document into order.motion, unless that was done; what is no request is refused.
+// Reads the order's document into order.motion, unless that was done already. Refuses documents that are not requests.
 std::optional<Refusal> read_motion(Order& order);
 
-// Of a motion to be planned, whose start is given by now. What is learnt about it is put into the job.
+// Checks a motion to be planned, whose start must be known, and fills in what follows from it in the job.
 std::optional<Refusal> refusal_of_motion(Job& job, const Parameters& robot);
 
-// What can be told without knowing where the arm rests; reads the motion. Of one whose start is left out that is what
-// its document says, and not what follows from the start.
+// Checks what does not depend on where the arm rests, and reads the motion for that. If the start is left out, the
+// consequences of the start are not checked.
 std::optional<Refusal> refusal_at_sight(Order& order, const Served& served, const Parameters& robot);
 
-// Of executing what was planned under `id`, on the served robot. planned: what became of it, if that is still known.
+// Checks whether the plan with this id may be executed on the served robot. planned: the reply to it, if still known.
 std::optional<Refusal> refusal_of_execution(const RequestId& id, const SharedReply& planned, bool in_hand,
                                             const std::string& robot_hash);
 

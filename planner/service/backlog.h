@@ -1,6 +1,7 @@
-// Requests, and cancellations, that another instance is to answer: kept in case it will not, and passed on to it in
-// case it has not heard them. A cancellation is kept without its request, too, for the two come on different topics,
-// and what was cancelled must not be done when it comes. Bounded; of whoever has most the oldest go first.
+// Requests and cancellations that another instance should answer. They are kept in case it fails, and relayed to it in
+// case it has not received them. A cancellation is also kept without its request, because the two arrive on different
+// topics and a cancelled request must not be carried out when it arrives later. The number is bounded; when full, the
+// oldest entry of the participant with the most entries is dropped.
 #pragma once
 
 #include <algorithm>
@@ -24,14 +25,15 @@ class Backlog {
     Order order;
     Clock::time_point arrived{}, heard{};  // heard: the last sign of life of its client
     bool cancelled = false;
-    bool asked = true;  // false: only its cancellation has come, and of the order only id, robot and origin are known
+    bool asked = true;        // false: only the cancellation has arrived, and the order has only id, robot and origin
     std::size_t relayed = 0;  // how often it was passed on
     Clock::time_point relay_at = Clock::time_point::max();
   };
 
   explicit Backlog(std::size_t most) : most_(most) {}
 
-  // relay: its sender may be unknown to the one that is to answer. Returns what there is no more room for.
+  // Adds a request. relay: pass it on, since the instance that answers may not know its sender. Returns the request
+  // that was dropped because of lack of space, if any.
   std::optional<Order> add(Order order, Clock::time_point arrived, Clock::time_point heard, bool relay) {
     if (const auto known = find(order.id); known != entries_.end()) {
       known->heard = std::max(known->heard, heard);
@@ -45,7 +47,7 @@ class Backlog {
         {.order = std::move(order), .arrived = arrived, .heard = heard, .relay_at = relay_from(arrived, relay)});
     return dropped;
   }
-  // The same for a cancellation: of an order its id, robot and origin are enough.
+  // Adds a cancellation. The order needs only id, robot and origin.
   std::optional<Order> cancel(Order order, Clock::time_point arrived, bool relay) {
     std::optional<Order> dropped;
     auto found = find(order.id);
@@ -59,12 +61,13 @@ class Backlog {
     if (relay) found->relay_at = relay_from(arrived, true);
     return dropped;
   }
-  // Somebody has it in hand. Whether that one has heard of its cancellation only the final reply tells.
+  // An instance has accepted the request, so it is no longer relayed. A cancelled one still is, because only the final
+  // reply shows that the instance has received the cancellation.
   void accepted(const RequestId& id) {
     const auto found = find(id);
     if (found != entries_.end() && !found->cancelled) found->relay_at = Clock::time_point::max();
   }
-  // By whom it was asked; all zero: unknown here.
+  // Removes a request that has been answered. Returns the participant that sent it; all zero if it is not known here.
   Origin answered(const RequestId& id) {
     const auto found = find(id);
     if (found == entries_.end()) return {};
@@ -72,7 +75,7 @@ class Backlog {
     entries_.erase(found);
     return origin;
   }
-  // What nobody waits for any more.
+  // Drops entries that no client waits for any more.
   template <class Overdue>
   void forget_if(Overdue&& overdue) {
     std::erase_if(entries_, overdue);
@@ -95,7 +98,7 @@ class Backlog {
     for (const Entry& entry : entries_) next = std::min(next, entry.relay_at);
     return next;
   }
-  // Calls relay(entry) for what has had no answer for a while, some at a time.
+  // Calls relay(entry) for entries that have had no answer for a while, at most kAtOnce at a time.
   template <class Relay>
   void relay_due(Clock::time_point now, Relay&& relay) {
     std::size_t count = 0;
@@ -108,8 +111,8 @@ class Backlog {
   }
 
  private:
-  // An answer takes about a millisecond, and reliability does the rest: more than one is for an owner that did not know
-  // this instance yet.
+  // Pauses between relays. An answer takes about a millisecond and DDS is reliable, so a repeated relay only helps if
+  // the owner had not discovered this instance before.
   static constexpr std::array<std::chrono::milliseconds, 5> kPauses{
       std::chrono::milliseconds(20), std::chrono::milliseconds(60), std::chrono::milliseconds(200),
       std::chrono::milliseconds(500), std::chrono::milliseconds(1000)};
@@ -118,7 +121,7 @@ class Backlog {
   static Clock::time_point relay_from(Clock::time_point arrived, bool relay) {
     return relay ? arrived + kPauses.front() : Clock::time_point::max();
   }
-  // What is dropped for it, if that was asked for.
+  // Drops an entry if there is no room. Returns its request, if that had arrived.
   std::optional<Order> make_room() {
     std::optional<Order> dropped;
     if (entries_.size() < most_) return dropped;

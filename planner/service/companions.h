@@ -1,5 +1,5 @@
-// What the services of several robots have in common when one process has them all, a thread for each: what can be
-// solved at a time, the page of metrics, and systemd's watchdog.
+// Shared resources of the services of several robots in one process (one thread each): the slots for solving, the page
+// of metrics, and systemd's watchdog.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +24,7 @@ class Companions {
   std::shared_ptr<Turns> turns() const { return turns_; }  // none: there is one alone
   bool has_metrics() const { return metrics_.has_value(); }
   void publish(std::size_t which, Metrics metrics);
-  void ready(std::size_t which);  // systemd hears of it when all are
+  void ready(std::size_t which);  // tells systemd once all are ready
   void alive(std::size_t which);
 
  private:
@@ -37,7 +37,7 @@ class Companions {
   std::optional<MetricsServer> metrics_;
 };
 
-// One of them.
+// The share of one service in these resources.
 class Companion {
  public:
   Companion(std::shared_ptr<Companions> all, std::size_t which) : all_(std::move(all)), which_(which) {}

@@ -1,5 +1,5 @@
-// The last runs that executors have told of: what the next repetition of their motions learns from. Bounded; the oldest
-// go first.
+// The last runs that executors have published, from which the next repetition of their motions learns. The number is
+// bounded; the oldest are dropped first.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,8 @@ using SharedRun = std::shared_ptr<const ExecutedRun>;
 
 class ExecutedRuns {
  public:
-  // What cannot have been logged of a motion is left out. A trajectory runs once: the first word of it counts.
+  // Adds a run. Runs that cannot be the log of a motion are ignored. A trajectory runs only once, so the first report
+  // of a run counts.
   void add(ExecutedRun run) {
     if (!could_be(run) || contains(run.trajectory_id)) return;
     bytes_ += size_of(run);
@@ -32,7 +33,7 @@ class ExecutedRuns {
     return last([&](const RequestId& id) { return id == trajectory_id; }) != nullptr;
   }
 
-  // The last one of a trajectory of whose id `which` holds; null: there is none.
+  // Returns the last run whose trajectory id satisfies which(id), or null.
   template <class Which>
   SharedRun last(Which&& which) const {
     const auto found =

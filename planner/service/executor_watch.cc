@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kFresh = 0.5;             // [s] a state may be old; the executor's period is a millisecond
 constexpr double kSameAsHeld = 0.01;       // [rad] the executor's own tolerance between a start and where the arm is
-constexpr std::chrono::seconds kTaken{1};  // for the executor to show that it has taken up a trajectory
+constexpr std::chrono::seconds kTaken{1};  // until the executor's state shows that it has accepted a trajectory
 
 double age_of(ExecutorWatch::Clock::time_point then) {
   return std::chrono::duration<double>(ExecutorWatch::Clock::now() - then).count();
@@ -36,8 +36,9 @@ const char* doing(ExecutorMode mode) {
 
 bool at_rest(ExecutorMode mode) { return mode == ExecutorMode::kResting || mode == ExecutorMode::kHolding; }
 
-// The position that is held rather than the encoders' word: a chain of motions must not pick up a count each time. Only
-// an arm that is somewhere else altogether starts from where it is.
+// Returns the link positions from which a motion should start: the held reference instead of the encoder readings,
+// because otherwise a sequence of motions would drift by a count each time. The readings are used only if the arm is
+// far off.
 Joints<double> held_position(const ExecutorState& state) {
   Joints<double> q = state.planned_q;
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -104,7 +105,7 @@ std::optional<std::string> ExecutorWatch::twice() const {
   return fmt::format("{} executors report for robot {}: all but one have to be stopped", fresh, robot_id_);
 }
 
-// What was published a moment ago may not show in the executor's state yet.
+// Returns whether a published trajectory may still start. Its acceptance may not show in the executor's state yet.
 bool ExecutorWatch::about_to_move() const {
   return published_ && !runs_or_ran(*published_) && Clock::now() - published_at_ < kTaken;
 }

@@ -1,4 +1,4 @@
-// What the robot's executor says of itself: its epoch, and where the arm rests for requests that leave out their start.
+// Watches the state of the robot's executor: its epoch, and where the arm rests for requests without a start.
 #pragma once
 
 #include <chrono>
@@ -19,26 +19,26 @@ class ExecutorWatch {
 
   ExecutorWatch(std::string robot_id, std::string robot_hash);
 
-  // Of any robot. source: who says it; two may speak for one robot.
+  // Takes a published state of any robot. source: identifies the publisher, since two executors may claim one robot.
   void heard(const ExecutorState& state, std::uint64_t source = 0, Clock::time_point now = Clock::now());
-  void lost(const std::string& robot_id);          // nobody speaks for it any more
+  void lost(const std::string& robot_id);          // it has no live executor any more
   void published(const RequestId& trajectory_id);  // to be executed: it will move the arm
   void concluded(const RequestId& trajectory_id);  // executed, or refused
 
-  bool met() const { return met_; }             // whether one was ever heard
-  std::optional<ExecutorState> latest() const;  // that was heard a moment ago
-  std::uint64_t source() const;                 // who said it last; 0: nobody
-  std::optional<std::uint64_t> epoch() const;   // of two who speak for the robot the smaller: nothing moves meanwhile
-  bool runs_or_ran(const RequestId& trajectory_id) const;  // last
+  bool met() const { return met_; }                        // whether an executor was ever heard
+  std::optional<ExecutorState> latest() const;             // if it is recent
+  std::uint64_t source() const;                            // publisher of the latest state; 0: none
+  std::optional<std::uint64_t> epoch() const;              // the smaller one if two executors claim the robot
+  bool runs_or_ran(const RequestId& trajectory_id) const;  // whether it is the last one that the executor ran
 
-  // [ns] by the executor's clock, for what is published now; by the service's own while no executor is heard. The wall
-  // clocks of the two machines may differ, and be stepped.
+  // Returns the time stamp [ns] for publishing now. It follows the executor's clock, because the wall clocks of the two
+  // machines may differ and may be stepped; without an executor it is the service's own clock.
   std::int64_t stamp() const;
 
-  // One sentence when two executors speak for the robot: then nobody knows which arm would move.
+  // Returns a sentence if two executors claim the robot, because then it is unknown which arm would move.
   std::optional<std::string> twice() const;
 
-  // Link positions [rad] at rest, or one sentence on why there are none.
+  // Returns the link positions [rad] at rest, or a sentence why they are unknown.
   std::variant<Joints<double>, std::string> rest() const;
 
  private:

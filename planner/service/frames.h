@@ -1,5 +1,5 @@
-// What the service and its solving processes say to each other over pipes: a kind, a length, bytes. Both ends are the
-// same program on the same machine.
+// Messages between the service and its solving processes over pipes: a kind, a length, and bytes. Both ends are the
+// same program on the same machine, so numbers are sent as they lie in memory.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ enum class FrameKind : std::uint32_t {
   kDone,            // from the worker: the PlanStatus and the reason; it is idle again
   kFindStops,       // to the worker: samples of a certified trajectory; it starts
   kFindRepetition,  // to the worker: a RunOfMotion (repetition_frame.h); it starts
-  kStops,           // from the worker: their StopMotions; none where there is an instant without
+  kStops,           // from the worker: their StopMotions; empty if there is none for some instant
 };
 
 struct Frame {
@@ -44,10 +44,10 @@ std::vector<T> from_payload(std::string_view payload) {
   return items;
 }
 
-// Blocks; nothing at the end of the stream, and when what comes is not a frame.
+// Reads a frame; blocks. Returns nothing at the end of the stream or if the data is not a frame.
 std::optional<Frame> read_frame(int descriptor);
 
-// Blocks; false: the other end is gone.
+// Writes a frame; blocks. Returns false if the other end is closed.
 bool write_frame(int descriptor, FrameKind kind, std::string_view payload);
 
 }  // namespace fjr

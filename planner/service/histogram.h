@@ -1,4 +1,4 @@
-// How often something took how long, in classes that grow by about two: as Prometheus counts it.
+// A cumulative histogram of durations as Prometheus defines it, with bounds that grow by a factor of about two.
 #pragma once
 
 #include <array>

@@ -1,5 +1,5 @@
-// What waits to be solved: by priority; within a priority one of each participant in turn, of one by arrival. Bounded
-// for each participant.
+// The jobs that wait to be solved, ordered by priority. Within a priority the participants take turns, and the jobs of
+// one participant are ordered by arrival. The number per participant is bounded.
 #pragma once
 
 #include <algorithm>
@@ -21,21 +21,21 @@ struct Job {
   using Clock = std::chrono::steady_clock;
 
   Order order;
-  Request request;       // the motion that is to be planned, its start given by now
+  Request request;       // the motion to be planned, with its start filled in
   std::string document;  // the same, as solving processes read it
   std::string request_hash;
-  std::string robot_hash;  // of the robot it is planned for: the served one, or that with the request's payload
+  std::string robot_hash;  // of the robot it is planned for: the served one, possibly with the request's payload
   bool rest_to_rest = false;
   Clock::time_point arrived, deadline, started;
-  int lost = 0;                              // how many workers have died of it, or with it
-  SharedReply planned = nullptr;             // what is to be executed: only its stop motions are to be found; or:
-  SharedRun run = nullptr;                   // of `planned`, by which it is corrected first
-  std::optional<double> refused_fraction{};  // of the correction by it, by the executor
+  int lost = 0;                              // number of workers that died while solving it
+  SharedReply planned = nullptr;             // a plan to be executed, which only needs stop motions
+  SharedRun run = nullptr;                   // if set: last run of `planned`, by which it is corrected first
+  std::optional<double> refused_fraction{};  // fraction of this correction that the executor refused
   std::chrono::steady_clock::time_point awaited_since{};
-  std::optional<RequestId> awaited{};  // a trajectory of which the run has yet to come, before those two are known
+  std::optional<RequestId> awaited{};  // a trajectory whose run has yet to arrive, before `planned` and `run` are known
 };
 
-// Other machines are not told of runs.
+// Returns whether a job must be solved on this machine, because runs are not sent to others.
 inline bool solved_here(const Job& job) { return job.order.action == Action::kRepeat; }
 
 class JobQueue {
@@ -43,7 +43,8 @@ class JobQueue {
   // capacity: of one participant.
   explicit JobQueue(std::size_t capacity) : capacity_(capacity) {}
 
-  // Where many participants have much, each has an even share of the whole, so that whoever is new gets in.
+  // Returns whether a participant has no room for another job. If many participants have many jobs, each gets an equal
+  // fraction of the total, so that new participants still get in.
   bool full_for(const Origin& origin) const {
     const std::size_t most = kClients * capacity_;
     if (jobs_.size() < most) return of(origin) >= capacity_;
@@ -56,14 +57,14 @@ class JobQueue {
   std::size_t capacity() const { return capacity_; }
 
   void push(Job job) { jobs_.push_back(std::move(job)); }
-  void push_front(Job job) { jobs_.push_front(std::move(job)); }  // it has had its turn
+  void push_front(Job job) { jobs_.push_front(std::move(job)); }  // puts back a job that already had its turn
 
   template <class Ready>
   bool any_of(Ready&& ready) const {
     return std::any_of(jobs_.begin(), jobs_.end(), ready);
   }
 
-  // Removes and returns the next of those of which `ready` holds.
+  // Removes and returns the next job for which ready(job) is true.
   template <class Ready>
   std::optional<Job> pop_if(Ready&& ready) {
     auto next = jobs_.end();
@@ -98,7 +99,7 @@ class JobQueue {
   const std::deque<Job>& jobs() const { return jobs_; }
 
  private:
-  static constexpr std::size_t kClients = 8;  // that may use their share to the full
+  static constexpr std::size_t kClients = 8;  // number of participants that may use their full capacity
 
   std::size_t of(const Origin& origin) const {
     return static_cast<std::size_t>(

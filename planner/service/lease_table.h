@@ -1,4 +1,5 @@
-// Who solves what on other machines, and until when, as the owner knows it. Time and DDS are the caller's.
+// The owner's table of leases: which worker on another machine solves which job, and until when. The caller provides
+// the time and the communication over DDS.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +16,7 @@
 
 namespace fjr {
 
-// Ten heartbeats of a worker: with one packet in twenty lost that many are never lost in a row.
+// Ten heartbeats of a worker. Even if one packet in twenty is lost, ten in a row practically never are.
 inline constexpr std::chrono::milliseconds kLeaseTime{1500};
 
 class LeaseTable {
@@ -28,13 +29,13 @@ class LeaseTable {
     Clock::time_point extended;
   };
 
-  // owner: of this process.
+  // owner: id of this process.
   explicit LeaseTable(const std::array<std::uint8_t, 16>& owner) : owner_(owner) {}
 
   void own(std::uint64_t epoch) { epoch_ = epoch; }
 
-  // Extends the leases that the offer names. Returns those of them that nobody waits for: of this owner when they are
-  // in the book no more, of others when this owner came after them.
+  // Extends the leases that the offer names. Returns those of them whose result is no longer needed: leases of this
+  // owner that are not in the table any more, and leases of other owners with an earlier or the same epoch.
   std::vector<LeaseId> heard(const WorkerOffer& offer, Clock::time_point now) {
     Machine& machine = machines_[offer.worker];
     machine = {.slots = offer.slots, .heard = now};
@@ -52,19 +53,19 @@ class LeaseTable {
     return over;
   }
 
-  // The worker takes nothing before its next offer.
+  // Marks the worker as full until its next offer.
   void full(const WorkerId& worker) {
     const auto machine = machines_.find(worker);
     if (machine != machines_.end()) machine->second.full = true;
   }
 
-  // The worker is gone: the jobs it had.
+  // Removes a worker that is gone. Returns the jobs it had.
   std::vector<Job> lost(const WorkerId& worker) {
     machines_.erase(worker);
     return take_jobs([&](const Leased& leased) { return leased.worker == worker; });
   }
 
-  // Workers that were not heard for a lease's time.
+  // Returns the workers that were not heard for the time of a lease.
   std::vector<WorkerId> silent(Clock::time_point now) const {
     std::vector<WorkerId> workers;
     for (const auto& [worker, machine] : machines_) {
@@ -72,12 +73,12 @@ class LeaseTable {
     }
     return workers;
   }
-  // Jobs of leases that were not extended for so long.
+  // Removes leases that were not extended for the time of a lease. Returns their jobs.
   std::vector<Job> expired(Clock::time_point now) {
     return take_jobs([&](const Leased& leased) { return now - leased.extended > kLeaseTime; });
   }
 
-  // The share of its slots that is taken, 0 to 1, of the worker where that is least and `may` holds of it.
+  // The worker with the smallest fraction (0 to 1) of occupied slots among those for which may(worker) is true.
   struct Choice {
     WorkerId worker{};
     double load = 0;
@@ -99,7 +100,7 @@ class LeaseTable {
     return id_of(last_);
   }
 
-  // What a lease was for, once: afterwards the lease is forgotten.
+  // Removes a lease and returns its job.
   std::optional<Job> take(const LeaseId& lease, const WorkerId& worker) {
     const Leased* leased = find(lease, worker);
     if (leased == nullptr) return std::nullopt;
@@ -112,7 +113,7 @@ class LeaseTable {
     return leased != leases_.end() && leased->second.worker == worker ? &leased->second : nullptr;
   }
 
-  // The same for the first job of which `which` holds.
+  // Removes the first lease whose job satisfies which(job).
   struct Stopped {
     LeaseId lease;
     WorkerId worker{};

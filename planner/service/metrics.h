@@ -1,4 +1,4 @@
-// How the service is doing, as Prometheus reads it: text in its exposition format, version 0.0.4.
+// The metrics of the service as text in the exposition format of Prometheus, version 0.0.4.
 #pragma once
 
 #include <chrono>
@@ -17,12 +17,13 @@ struct Metrics {
 
   ServiceStatus status;
   Tally tally;
-  std::optional<ExecutorState> executor;  // none: nobody is heard
+  std::optional<ExecutorState> executor;  // empty: no executor is heard
   std::size_t remembered = 0;             // replies
   Clock::time_point now = Clock::now();
 };
 
-// Of one service, or of several in one process, each sample then with its robot_id; none: of one nothing is known yet.
+// Returns the metrics of one service, or of several in one process (each sample then has the label robot_id). An empty
+// element is a service of which nothing is known yet.
 std::string metrics_text(const std::vector<std::optional<Metrics>>& services);
 
 }  // namespace fjr

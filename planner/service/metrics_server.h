@@ -1,5 +1,5 @@
-// Serves one text by HTTP on the loopback interface: http://127.0.0.1:PORT/metrics. It knows nothing of who publishes
-// the text, and nobody who reads it, however slowly, can keep the publisher from its work.
+// Serves one text by HTTP on the loopback interface: http://127.0.0.1:PORT/metrics. Slow readers do not block the
+// thread that publishes the text.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,8 @@ namespace fjr {
 
 class MetricsServer {
  public:
-  // 0: any port that is free, which the log names. One that is taken is told, and tried again until it is free.
+  // port: 0 chooses a free port, which is logged. If the port is taken, that is logged, and it is tried again until
+  // free.
   explicit MetricsServer(std::uint16_t port);
   ~MetricsServer();
   MetricsServer(const MetricsServer&) = delete;

@@ -1,5 +1,5 @@
-// One host for each robot that service.yaml names, in one process: each with a thread, a DDS participant and a name of
-// its own, so that owners and standbys, epochs, queues and executors of the robots have nothing to do with each other.
+// Runs one host per robot in service.yaml within one process. Each has its own thread, DDS participant and instance
+// name, so that owners and standbys, epochs, queues and executors of the robots are independent of each other.
 #pragma once
 
 #include <cstddef>
@@ -25,7 +25,7 @@ class OnePerRobot {
     }
   }
 
-  // Until stop(), the first in this thread. When one of them fails all end, and its problem is thrown.
+  // Runs all hosts until stop(), the first one in this thread. If one fails, all end, and its exception is thrown.
   void run() {
     std::vector<std::exception_ptr> problems(hosts_.size());
     {

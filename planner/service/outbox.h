@@ -1,4 +1,5 @@
-// Replies that their clients have no room for yet. Each client's stay in order; no client makes another wait.
+// Replies that their clients have no room for yet. The replies of a client stay in order, and no client makes another
+// wait.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +21,8 @@ class Outbox {
 
   Outbox(Send send, std::size_t most_bytes) : send_(std::move(send)), most_bytes_(most_bytes) {}
 
-  // False: there was too much to keep, and the client furthest behind has to ask again for its oldest reply.
+  // Posts a reply. Returns false if there was too much to keep: then the oldest reply of the client furthest behind was
+  // dropped, and that client has to ask again.
   bool post(SharedReply reply) {
     const auto behind = waiting_.find(reply->id.client);
     if (behind == waiting_.end() && send_(reply)) return true;
@@ -34,8 +36,8 @@ class Outbox {
     return all_kept;
   }
 
-  // Sends what there is room for by now, a few to each client so that it does not take long; the rest is due at once.
-  // Where very many wait, they have their turns.
+  // Sends the replies for which there is room by now, only a few per client so that it does not take long; the rest is
+  // due again at once. If very many clients wait, they take turns.
   void deliver() {
     if (waiting_.empty() || Clock::now() < next_) return;
     bool progress = false, more = false;
@@ -63,7 +65,7 @@ class Outbox {
     std::size_t bytes = 0;
   };
 
-  // DDS does not tell when there is room: it is asked again, the less often the longer nothing moves.
+  // DDS does not notify when there is room. So sending is tried again, with pauses that grow while nothing can be sent.
   static constexpr Clock::duration kShortest = std::chrono::milliseconds(1), kLongest = std::chrono::milliseconds(50);
 
   static constexpr int kAtOnce = 8;

@@ -1,12 +1,12 @@
-// What another instance's reply leaves unsaid of its trajectory, read from the plan.json within.
+// Completes the reply of another instance with facts about its trajectory from the plan.json in it.
 #pragma once
 
 #include "planner/protocol/messages.h"
 
 namespace fjr {
 
-// Sets rest_to_rest, errors, and for rows that were learnt learnt and motion, of a reply that was heard; left as they
-// are, it cannot be executed.
+// Sets rest_to_rest and errors of an overheard reply and, for a learnt motion, `learnt` and `motion`. If plan.json
+// cannot be read they stay unset, and the trajectory cannot be executed.
 void complete_overheard(Reply& reply);
 
 }  // namespace fjr

@@ -10,7 +10,8 @@
 namespace fjr {
 namespace {
 
-// The same on every machine: FNV-1a, then SplitMix64's finaliser, for FNV alone hardly mixes the last characters.
+// Returns a hash that is the same on every machine: FNV-1a followed by the finaliser of SplitMix64, because FNV alone
+// hardly mixes the last characters.
 std::uint64_t rank(std::string_view robot, std::string_view instance) {
   std::uint64_t hash = 0xcbf29ce484222325;
   for (const std::string_view part : {robot, std::string_view("\0", 1), instance}) {
@@ -41,7 +42,8 @@ void Ownership::heard_executor(std::uint64_t epoch) {
 
 bool Ownership::believes(std::uint64_t epoch) const { return epoch <= largest_believed(executor_); }
 
-// Somebody spoke for the executor before it could: what followed from that would be refused by it.
+// Drops epochs that are no longer believed. That happens if another publisher claimed to be the executor before the
+// real one was heard; the executor would refuse everything with such an epoch.
 void Ownership::forget_what_is_not_believed() {
   if (believes(largest_)) return;
   if (!believes(epoch_)) epoch_ = 0;
@@ -75,7 +77,7 @@ bool Ownership::review() {
   const std::uint64_t before = epoch_;
   forget_what_is_not_believed();
   if (owner() && outranked()) epoch_ = 0;
-  // An owner that is behind what the executor has seen would be refused: it goes ahead of it again.
+  // An owner whose epoch is lower than the largest seen would be refused by the executor, so it takes a new one.
   const bool entitled = owner() ? epoch_ < largest_ : !somebody_owns() && first_in_line();
   if (entitled) epoch_ = largest_ = std::min(largest_, largest_believed(executor_) - 1) + 1;
   return epoch_ != before;

@@ -1,5 +1,5 @@
-// Which clients are still there, by what they send and what they acknowledge: an arm must not start to move for a
-// client that is gone, and nobody waits for what it had asked for.
+// Tracks which clients are still alive, by what they send and acknowledge. An arm must not start to move for a client
+// that is gone, and its requests need not be solved.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace fjr {
 
-// A client that is there is heard of at least that often: it is asked with every second heartbeat at the latest. [s]
+// A live client is heard at least this often [s], because it is asked with every second heartbeat at the latest.
 inline constexpr double kLeastStartWithin = 0.5;
 
 inline Refusal client_gone() {
@@ -34,20 +34,21 @@ class Presence {
     return found == clients_.end() ? Clock::time_point{} : found->second.heard;
   }
 
-  // Whether the client is to be asked for a sign of life; asked() tells that it has been.
+  // Returns whether the client must be asked for a sign of life. asked() records that it has been.
   bool is_due(const Order& order, Clock::time_point now) const {
     const auto found = clients_.find(order.id.client);
     return found != clients_.end() && !found->second.asked && now - found->second.heard > asks_after(order);
   }
   void asked(const RequestId& id, Clock::time_point now) { clients_[id.client].asked = now; }
 
-  // Whether the request may make the arm start now.
+  // Returns whether the client was heard recently enough for the request to start the arm now.
   bool may_start(const Order& order, Clock::time_point now) const {
     return now - last_heard(order.id) <= patience(order);
   }
 
-  // It was asked, has had time to answer, and has not been there for too long. A client that was never heard, as after
-  // the death of an owner, may have yet to meet who asks: it has as long to answer as one that was heard before.
+  // Returns whether the client was asked, has had time to answer, and was not heard for too long. A client that was
+  // never heard, as after the death of an owner, may not have discovered this instance yet, so it gets as much time to
+  // answer as others.
   bool gone(const Order& order, Clock::time_point now) const {
     const auto found = clients_.find(order.id.client);
     if (found == clients_.end() || !found->second.asked) return false;

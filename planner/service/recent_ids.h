@@ -1,5 +1,5 @@
-// The ids of requests that were answered a moment ago: bounded; of the participant that has most the oldest are
-// forgotten first.
+// The ids of recently answered requests. The number is bounded; when full, the oldest of the participant with the most
+// ids is forgotten.
 #pragma once
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// How much of the corrections by motions' last runs executors have refused. Bounded; the oldest go first.
+// The fractions of corrections (by the last run of a motion) that executors have refused. The number is bounded; the
+// oldest are dropped first.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace fjr {
 
 class RefusedRepetitions {
  public:
-  // run: by which the motion was corrected; fraction: of that correction, larger than 0.
+  // run: the run by which the motion was corrected; fraction: of that correction, larger than 0.
   void add(const std::string& run, double fraction) {
     double least = fraction;
     if (const auto before = of(run)) least = std::min(least, *before);
@@ -21,7 +22,7 @@ class RefusedRepetitions {
     if (refused_.size() > kMost) refused_.pop_front();
   }
 
-  // The least of them; none: nothing has been refused.
+  // Returns the smallest refused fraction; nothing if none was refused.
   std::optional<double> of(const std::string& run) const {
     const auto found = std::ranges::find_if(refused_, [&](const auto& refused) { return refused.first == run; });
     return found == refused_.end() ? std::nullopt : std::optional(found->second);

@@ -1,5 +1,5 @@
-// What other machines solve for the owner of a robot: requests are leased to them, and come back with a result, or
-// without one when the lease runs out.
+// Workers on other machines that solve for the owner of a robot. Requests are leased to them and come back with a
+// result, or without one when the lease expires.
 #pragma once
 
 #include <chrono>
@@ -22,17 +22,17 @@ class RemoteSolvers {
     std::string instance, robot_id, robot_hash;
   };
 
-  // What comes ends the waits of `waitset`.
+  // Incoming messages wake up `waitset`.
   RemoteSolvers(const dds::Participant& participant, dds::Waitset& waitset, Owner owner);
 
   void own(std::uint64_t epoch) { leases_.own(epoch); }
 
-  // The share of its slots that is taken where that is least; nothing: there is no free one.
+  // Returns the occupied fraction of slots of the least busy worker; nothing if no slot is free.
   std::optional<double> load() const;
-  std::optional<Job> solve(Job job);  // returns it where nobody can be told of it
+  std::optional<Job> solve(Job job);  // returns the job if it cannot be sent to any worker
 
   Solvers::News take_news();
-  void drop_news();  // of an instance that owns nothing
+  void drop_news();  // discards messages while this instance is not the owner
 
   template <class Which>
   std::optional<Job> stop_if(Which&& which) {

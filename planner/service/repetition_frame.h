@@ -1,4 +1,4 @@
-// What the next repetition of a motion is found from, as the payload of a frame: CBOR (RFC 8949).
+// The input for computing the next repetition of a motion, as the payload of a frame in CBOR (RFC 8949).
 #pragma once
 
 #include <cstdint>
@@ -12,12 +12,12 @@
 namespace fjr {
 
 struct RunOfMotion {
-  std::string motion, run;   // ids in full: that was planned; of the run
+  std::string motion, run;   // full ids of the plan and of the run
   std::string plan_json;     // that went with the rows
   std::vector<Sample> rows;  // that were executed
   std::vector<ExecutedRow> ticks;
   std::uint32_t missed_ticks = 0;
-  std::optional<double> refused_fraction;  // of the correction by it, by the executor
+  std::optional<double> refused_fraction;  // fraction of the correction by this run that the executor refused
 };
 
 std::string to_payload(const RunOfMotion& run);

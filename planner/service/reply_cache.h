@@ -1,6 +1,6 @@
-// The last replies by id, so that a repeated request is answered and never solved again. Certified trajectories, which
-// can be executed later, are kept apart from what else was answered: whoever is refused a thousand times costs nobody a
-// trajectory. Each kind is bounded in number and bytes; of whoever has most the oldest go first.
+// The last replies by id, so that a repeated request is answered and not solved again. Certified trajectories, which
+// can be executed later, are kept apart from other replies, so that a thousand refusals do not displace a trajectory.
+// Both kinds are bounded in number and bytes; when full, the oldest of the participant with the most is dropped.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,8 @@
 
 namespace fjr {
 
-// What may be different a moment later, or elsewhere, is not remembered: the same request may be sent again.
+// Returns whether a reply with this reason may be remembered. If the answer may be different later or elsewhere, it may
+// not, and the same request can be sent again.
 inline bool lasting(Reason reason) {
   return reason != Reason::kQueueFull && reason != Reason::kArmNotAtRest && reason != Reason::kNoTrajectory &&
          reason != Reason::kShuttingDown && reason != Reason::kClientGone;
@@ -21,7 +22,7 @@ inline bool lasting(Reason reason) {
 
 class ReplyCache {
  public:
-  // Of each kind.
+  // The bounds apply to each kind.
   ReplyCache(std::size_t most, std::size_t most_bytes) : trajectories_(most, most_bytes), others_(most, most_bytes) {}
 
   SharedReply find(const RequestId& id) const {
@@ -29,13 +30,13 @@ class ReplyCache {
     return found ? found : others_.find(id);
   }
 
-  // A trajectory of which `which` holds; null: there is none.
+  // Returns a reply with a trajectory that satisfies which(reply), or null.
   template <class Which>
   SharedReply find_trajectory(Which&& which) const {
     return trajectories_.find_if(which);
   }
 
-  // Returns what is forgotten for it.
+  // Adds a reply. Returns the ids of the replies that were dropped for it.
   std::vector<RequestId> add(SharedReply reply) {
     if (find(reply->id)) return {};
     return (reply->state == ReplyState::kSolved ? trajectories_ : others_).add(std::move(reply));
@@ -90,7 +91,7 @@ class ReplyCache {
     std::size_t bytes_ = 0;
     std::map<RequestId, SharedReply> replies_;
     struct Entry {
-      std::uint64_t added;  // the how many-th
+      std::uint64_t added;  // sequence number
       RequestId id;
     };
     std::uint64_t added_ = 0;

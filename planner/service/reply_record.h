@@ -1,5 +1,5 @@
-// A reply as bytes that outlive the process, in CBOR (RFC 8949): what its client was told, and what it takes to have
-// its trajectory executed. Its stop motions are found again where they are needed.
+// The persistent form of a reply in CBOR (RFC 8949): what the client was told, and what is needed to execute the
+// trajectory. Stop motions are not stored but computed again when needed.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace fjr {
 
 std::string to_record(const Reply& reply);
 
-// Throws std::exception where the bytes are no such record.
+// Throws std::exception if the bytes are not such a record.
 Reply from_record(std::string_view record);
 
 }  // namespace fjr

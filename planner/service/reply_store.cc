@@ -19,8 +19,8 @@ constexpr std::chrono::seconds kPatience{2};  // that an answer waits for a disk
 constexpr std::chrono::seconds kTryAgain{1};  // after a disk has taken nothing
 constexpr int kRecordFormat = 1;              // PRAGMA user_version of the file
 
-// WAL and FULL: a commit is on the disk when it returns, after one fsync, and what a crash has torn is as if it had not
-// begun. The log of a large commit is cut again.
+// With WAL and synchronous FULL, a commit is on the disk when it returns, after one fsync, and a transaction
+// interrupted by a crash is discarded. The log file is truncated again after a large commit.
 constexpr const char* kDurably =
     "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA journal_size_limit = 8388608;";
 constexpr const char* kReplies = R"(
@@ -33,7 +33,7 @@ std::int64_t record_format(const Database& database) {
   return format.step() ? format.integer(0) : 0;
 }
 
-// Throws where the file is one of another version, which is left as it is.
+// Throws if the file is of another version; it is then left unchanged.
 void prepare_tables(const Database& database, const std::filesystem::path& file) {
   Transaction transaction(database);
   if (!database.query("SELECT 1 FROM sqlite_master").step()) {
@@ -80,7 +80,7 @@ void ReplyStore::open() {
   prepare_tables(*database_, file_);
 }
 
-// A record that a crash, or a disk, has damaged costs itself alone.
+// Reads the stored replies. A damaged record is skipped without affecting the others.
 void ReplyStore::read_earlier() {
   Statement rows = database_->query("SELECT id, sha256, reply FROM replies WHERE robot_id = ? ORDER BY number",
                                     std::string_view(robot_id_));
@@ -96,7 +96,7 @@ void ReplyStore::read_earlier() {
   }
 }
 
-// The file itself is damaged: what could be read of it is written to a new one.
+// Handles a damaged file: renames it, and writes the records that could be read to a new one.
 void ReplyStore::set_aside(const std::string& why) {
   database_.reset();
   const std::filesystem::path damaged = file_.string() + ".damaged";
@@ -127,7 +127,7 @@ void ReplyStore::write(const std::vector<Change>& changes) {
   transaction.commit();
 }
 
-// Returns why not; nothing: it is on the disk.
+// Writes the changes to the disk. Returns an error message, or an empty string on success.
 std::string ReplyStore::try_to_write(const std::vector<Change>& changes) {
   try {
     write(changes);
@@ -206,7 +206,7 @@ void ReplyStore::keep_writing(const std::stop_token& over) {
   }
 }
 
-// What was not written is tried again, in its order; what was forgotten meanwhile is not.
+// Puts changes that could not be written back in their order, to try again, except for replies dropped meanwhile.
 void ReplyStore::put_back() {
   for (const Change& later : changes_) {
     std::erase_if(writing_, [&](const Change& change) { return change.id == later.id && change.reply; });

@@ -1,6 +1,6 @@
-// The replies that were given, on disk: a service that is started again, after a crash too, answers the same id with
-// the same. A thread of its own writes, all that waits in one transaction, so that neither a slow nor a full disk keeps
-// the service from its work: what cannot be written leaves unwritten.
+// Stores the replies on disk, so that a service that restarts, even after a crash, gives the same answer to the same
+// id. A thread of its own writes all waiting changes in one transaction. A slow or full disk does not block the
+// service: replies that cannot be written are sent without being stored.
 #pragma once
 
 #include <chrono>
@@ -20,25 +20,25 @@ namespace fjr {
 
 class ReplyStore {
  public:
-  // Makes the folder where it is not there. Of a folder that several services share each knows its robot's replies.
-  // `wake` is called from another thread whenever take_settled() has something to tell.
+  // Creates the folder if necessary. Several services may share it; each reads only the replies of its robot. `wake` is
+  // called from another thread whenever take_settled() has new results.
   ReplyStore(std::filesystem::path folder, std::string robot_id, std::function<void()> wake);
-  ~ReplyStore();  // writes what waits
+  ~ReplyStore();  // writes the waiting changes
 
-  // What was given before this start, the oldest first; once.
+  // Returns the replies from before this start, the oldest first. To be called once.
   std::vector<SharedReply> take_earlier() { return std::move(earlier_); }
 
   void add(SharedReply reply);
   void forget(const RequestId& id);
 
-  // Whose replies may leave by now: they are on disk, or the disk does not take them.
+  // Returns the ids of replies that may now be sent, because they are on disk or cannot be written.
   std::vector<RequestId> take_settled();
 
  private:
   using Clock = std::chrono::steady_clock;
   struct Change {
     RequestId id;
-    SharedReply reply;  // none: it is to be forgotten
+    SharedReply reply;  // null: delete the record
   };
 
   void load();
@@ -61,11 +61,11 @@ class ReplyStore {
   std::mutex mutex_;                  // for all below
   std::condition_variable_any changed_;
   std::vector<Change> changes_;  // to be written
-  std::vector<Change> writing_;  // by the thread, which alone changes it, while busy_since_ says so
+  std::vector<Change> writing_;  // being written; only the thread changes it while busy_since_ is set
   std::vector<RequestId> settled_;
   std::optional<Clock::time_point> busy_since_;
-  bool failing_ = false;  // the disk takes nothing: it is tried again, and no reply waits for it
-  std::jthread writer_;   // last: it ends before what it uses
+  bool failing_ = false;  // the disk fails: writing is tried again, and replies do not wait for it
+  std::jthread writer_;   // declared last, so that it ends before the members it uses
 };
 
 }  // namespace fjr

@@ -1,8 +1,9 @@
-// Planning as a service: admits requests, queues them, has them solved in worker processes, answers. One thread does
-// all of it; workers and signals only leave word and wake it.
+// Planning as a service: admits requests, queues them, has them solved in worker processes, and replies. A single
+// thread does all of this; workers and signals only leave messages and wake it.
 //
-// Of several instances for a robot one, the owner, answers; the others remember what they hear and take over when it is
-// gone (ownership.h). It serves one robot; a process may have several of them (one_per_robot.h).
+// If there are several instances for a robot, one of them, the owner, answers. The others remember what they hear and
+// take over when the owner is gone (ownership.h). A service serves one robot; a process may contain several services
+// (one_per_robot.h).
 #pragma once
 
 #include <atomic>
@@ -39,18 +40,18 @@ class Service {
  public:
   Service(const ServiceConfig& config, Companion companion);
 
-  void run();   // until stop(); then answers what is in flight
+  void run();   // returns after stop(), when pending requests are answered or handed over
   void stop();  // from any thread
 
  private:
   using Clock = Job::Clock;
-  struct Answer {  // a final reply, and what it answers
+  struct Answer {  // a final reply, and the request it answers
     Order order;
     Clock::time_point arrived;
     SharedReply reply;
   };
 
-  // What comes in.
+  // Incoming requests and cancellations (service_incoming.cc).
   void take_in();
   bool fill_inbox(Clock::duration most);
   void receive(Order order);
@@ -75,7 +76,7 @@ class Service {
   bool answers_cancel(const std::string& robot_id) const;
   void cancel_waiting(const Backlog::Entry& entry);
 
-  // What is repeated.
+  // Repetitions (service_repetitions.cc).
   RequestId motion_of(const RequestId& trajectory_id) const;
   bool is_run_of(const RequestId& motion, const RequestId& trajectory_id) const;
   std::optional<RequestId> run_on_its_way() const;
@@ -84,7 +85,7 @@ class Service {
   std::optional<Refusal> choose_run(Job& job) const;
   std::optional<Refusal> refusal_of_learnt() const;
 
-  // Whose client is still there.
+  // Liveness of clients (service_clients.cc).
   bool may_start(const Order& order);
   void listen_for(const Order& order);
   void look_after_clients();
@@ -92,7 +93,7 @@ class Service {
   std::vector<const Order*> orders_in_hand() const;
   void meet_clients();
 
-  // Work and time.
+  // Solving and deadlines (service_work.cc).
   void work();
   void expire();
   void give_work();
@@ -107,9 +108,9 @@ class Service {
   void refuse_at_end(const Backlog::Entry& last);
   void hand_over();
 
-  // Other instances, and the executor.
-  // It knows its place: it has listened long enough, and was not absent (stopped, starved) for so long that the others
-  // may have taken it for gone.
+  // Other instances and the executor (service_others.cc).
+  // Returns whether this instance knows the others: it has listened long enough, and was not suspended for so long that
+  // they may consider it gone.
   bool settled() const;
   void listen_to_others();
   void hear(const dds::ServicePort::Peer& peer);
@@ -127,7 +128,7 @@ class Service {
   void answer_backlog();
   void give_up_ownership();
 
-  // What goes out.
+  // Outgoing replies and trajectories (service_replies.cc).
   Reply reply_to(const Order& order, ReplyState state, Refusal why = {}) const;
   void finish(const Job& job, Reply reply);
   void give_up(const Job& job, ReplyState state, Reason reason, const std::string& sentence);
@@ -158,10 +159,10 @@ class Service {
   Backlog backlog_;
   Inbox inbox_;
   Presence presence_;
-  // Requests that are read now may have waited while this process was suspended: their clients, which may be gone, are
-  // asked first.
+  // This process was suspended, so requests that are read now may have waited. Their clients may be gone and are asked
+  // first.
   bool waited_ = false;
-  Clock::time_point settled_at_;  // from then on the others are known
+  Clock::time_point settled_at_;  // when the other instances will be known
   bool owned_ = false;            // the robot, before the last review
   Clock::time_point took_over_at_{};
   bool answering_ = false;  // more of the backlog can be answered at once
@@ -171,14 +172,14 @@ class Service {
   ReplyCache cache_;
   ExecutedRuns runs_;
   RefusedRepetitions refused_repetitions_;
-  RecentIds refused_lately_;  // for the moment only
+  RecentIds refused_lately_;  // refused for a temporary reason
   Unclaimed unclaimed_;
   Outbox outbox_;
   Tally tally_;
   LogLimit log_requests_, log_refusals_, log_slow_clients_, log_others_;
-  std::vector<Answer> being_stored_;  // they leave when they are on disk
+  std::vector<Answer> being_stored_;  // sent when they are on disk
   std::optional<ReplyStore> store_;   // none: a restarted service remembers nothing
-  Slots solvers_;                     // last, as the store: they wake the port
+  Slots solvers_;                     // declared last, as store_ and solvers_ wake the port from their threads
 };
 
 }  // namespace fjr

@@ -1,11 +1,12 @@
-// Whose client is still there.
+// Liveness of clients.
 #include <set>
 
 #include "planner/service/service.h"
 
 namespace fjr {
 
-// A client that listens acknowledges what it is told, in its middleware; of one that does not, only DDS can tell.
+// Records a sign of life. The middleware of a client with a reader acknowledges replies; for a client without a reader
+// only the liveliness in DDS can be used.
 void Service::listen_for(const Order& order) {
   if (const auto told = port_.clients().acknowledged(order.id)) return presence_.heard(order.id, *told);
   if (!port_.clients().listens(order.id) && port_.present(order.origin)) presence_.heard(order.id, Clock::now());
@@ -16,7 +17,7 @@ bool Service::may_start(const Order& order) {
   return presence_.may_start(order, Clock::now());
 }
 
-// Asking is to say again that the request is in hand.
+// Asks a client for a sign of life by repeating that its request is accepted, which the client acknowledges.
 void Service::ask(const Order& order) {
   presence_.asked(order.id, Clock::now());
   if (port_.clients().listens(order.id)) {

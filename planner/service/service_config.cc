@@ -36,7 +36,7 @@ void read_seconds(const YamlNode& root, std::string_view key, double& to) {
   if (!(to > 0) || to > 86400) node->fail(fmt::format("{} s is outside (0, 86400]", to));
 }
 
-// What travels as a bounded string is refused rather than cut.
+// Reads a name that is sent as a bounded string. A longer one is refused instead of truncated.
 void read_name(const YamlNode& root, std::string_view key, std::string& to) {
   const auto node = root.find(key);
   if (!node) return;
@@ -55,7 +55,7 @@ void read_ros2(const YamlNode& node, ServiceConfig& config) {
   if (config.joint_names[0] == config.joint_names[1]) names->fail("the two names are the same");
 }
 
-// Its services are instances of their own, by this name.
+// Returns the instance name of one of several services in a process.
 std::string instance_of(const ServiceConfig& config, const std::string& robot_id) {
   return config.instance + "/" + robot_id;
 }

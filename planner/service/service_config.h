@@ -20,12 +20,12 @@ struct ServedRobot {
 struct ServiceConfig {
   Network network;
   std::string instance;             // unique among the running services; by default host name and process
-  std::string robot_id = "arm";     // whose trajectories it publishes
-  std::filesystem::path robot;      // what is planned for
-  std::vector<ServedRobot> robots;  // in place of these two: several in one process
-  std::size_t workers = 1;          // solving processes; 0: those of other machines alone
-  std::size_t jobs = 1;             // threads of each
-  std::size_t queue = 64;           // requests of one client that may wait
+  std::string robot_id = "arm";     // robot whose trajectories it publishes
+  std::filesystem::path robot;      // its robot.yaml
+  std::vector<ServedRobot> robots;  // instead of these two: several robots in one process
+  std::size_t workers = 1;          // solving processes; 0: only workers on other machines solve
+  std::size_t jobs = 1;             // threads per solving process
+  std::size_t queue = 64;           // waiting requests allowed per client
   std::size_t warm_plans = 32;      // minimum-time plans that each worker keeps to start neighbouring ones from
   std::filesystem::path library;    // folder of a plan library to start from and to learn into; empty: none
   std::filesystem::path remember;   // folder of the replies that are remembered over a restart; empty: none are
@@ -37,10 +37,10 @@ struct ServiceConfig {
   double rehearsal = 0;  // [s] that each solving process waits in place of planning; 0: it plans
 };
 
-// The defaults, with the robot shipped with the program and the credentials that FJR_SECURITY names.
+// Returns the defaults, with the robot file shipped with the program and the credentials that FJR_SECURITY names.
 ServiceConfig default_service_config();
 
-// The same for each robot alone, which gives the instance a name of its own where there are several.
+// Returns one configuration per robot. If there are several, each gets an instance name of its own.
 std::vector<ServiceConfig> one_per_robot(const ServiceConfig& config);
 
 WorkerSettings worker_settings(const ServiceConfig& config);

@@ -1,4 +1,4 @@
-// How a service ends: what it has in hand goes to the standby, or back to its clients.
+// The end of a service: pending requests go to the standby, or are refused so that their clients can send them again.
 #include <spdlog/spdlog.h>
 
 #include <utility>
@@ -15,7 +15,7 @@ constexpr std::size_t kRelayedAtOnce = 128;
 
 }  // namespace
 
-// With a standby nothing needs to be asked for again: it knows the requests and takes over.
+// Ends the service. If there is a standby, it takes over the requests, and clients need not send them again.
 void Service::end() {
   tell_stopping();
   take_last_cancels();
@@ -42,8 +42,8 @@ void Service::end() {
   spdlog::info("stopped handed_over={}", handing_over ? in_hand : 0);
 }
 
-// The standby has heard most of it already. The writer keeps the last 256 for whoever is slow: no more are under way at
-// a time, as long as there is time to wait.
+// Hands the requests over to the standby, which has heard most of them already. The DDS writer keeps only the last 256
+// samples for slow readers, so fewer than that are sent at a time, as long as there is time to wait.
 void Service::hand_over() {
   const auto now = Clock::now(), over = now + kFarewell;
   const auto await_taken = [&] { port_.flush_relayed(std::max(Clock::duration::zero(), over - Clock::now())); };
@@ -61,7 +61,7 @@ void Service::hand_over() {
   await_taken();
 }
 
-// What has come by now: a standby that is told of a request must not do what its client has cancelled.
+// Processes the cancellations that have arrived, so that the standby is not told to carry out cancelled requests.
 void Service::take_last_cancels() {
   (void)fill_inbox(kFarewell);  // however many more keep coming
   const auto over = Clock::now() + kFarewell;
@@ -77,7 +77,7 @@ void Service::refuse_at_end(const Backlog::Entry& last) {
   reject(last.order, {Reason::kShuttingDown, "", "the service is shutting down; send the request again"});
 }
 
-// What nobody has answered, and, after a take-over, what was cancelled meanwhile.
+// Returns the requests that have not been answered and, after a take-over, those cancelled meanwhile.
 std::vector<Backlog::Entry> Service::last_requests() {
   const auto ours = [this](const Backlog::Entry& entry) {
     return entry.asked ? ownership_.answers_for(entry.order.robot_id) : answers(entry);

@@ -1,4 +1,4 @@
-// What comes in: requests and cancellations, what is taken on of them, and what is refused.
+// Incoming requests and cancellations: which are accepted, and which are refused.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -12,13 +12,13 @@
 namespace fjr {
 namespace {
 
-constexpr std::chrono::seconds kMeetExecutor{2};  // who was not heard by then is taken for absent
-constexpr std::chrono::milliseconds kSlice{5};    // for new requests, before the service looks at anything else
+constexpr std::chrono::seconds kMeetExecutor{2};  // an executor that was not heard by then counts as absent
+constexpr std::chrono::milliseconds kSlice{5};    // time for new requests before the service does anything else
 
 }  // namespace
 
-// What has come is all taken first, for DDS gives it out by arrival; looked at, which takes ten times as long, it is in
-// turn.
+// Takes all new requests from DDS first, which returns them by arrival. Then processes them, which takes ten times as
+// long, with the participants in turn.
 void Service::take_in() {
   const bool took_all = fill_inbox(kSlice);
   const auto end = Clock::now() + kSlice;
@@ -32,7 +32,7 @@ void Service::take_in() {
   }
 }
 
-// False: more keeps coming than can be taken in that time.
+// Returns false if more requests arrive than can be taken in that time.
 bool Service::fill_inbox(Clock::duration most) {
   for (const auto end = Clock::now() + most; Clock::now() < end;) {
     std::vector<Order> orders = port_.take_requests();
@@ -50,12 +50,13 @@ void Service::receive(Order order) {
   keep(std::move(order), now, heard, true);
 }
 
-// Until it can be answered, here or by another instance.
+// Keeps a request until it can be answered, here or by another instance.
 void Service::keep(Order order, Clock::time_point arrived, Clock::time_point heard, bool relay) {
   no_room_for(backlog_.add(std::move(order), arrived, heard, relay));
 }
 
-// In case it is this instance that has to answer when the request comes, or when the one that has it is gone.
+// Keeps a cancellation, in case this instance has to answer when its request arrives or when the responsible instance
+// is gone.
 void Service::keep_cancel(const dds::ServicePort::Cancel& wanted, bool relay) {
   if (cache_.find(wanted.id)) return;
   Order cancelled;
@@ -73,21 +74,22 @@ void Service::no_room_for(const std::optional<Order>& dropped) {
           fmt::format("more than {} requests wait until the executor has been discovered", backlog_.capacity())});
 }
 
-// A service that has just begun may not have met the executor yet: it does not know where the arm rests, nor which
-// epochs the executor has seen.
+// Returns whether the executor is known, or known to be absent. A service that has just started may not have heard it
+// yet and then knows neither where the arm rests nor which epochs the executor has seen.
 bool Service::knows_executor() const { return executor_.met() || Clock::now() - began_ > kMeetExecutor; }
 
-// What is refused whatever the executor says does not wait for it.
+// Notes whether the request must wait for the executor to be heard. One that would be refused anyway need not.
 void Service::note_what_it_needs(Order& order) const {
   order.needs_executor =
       !knows_executor() && !refusal_at_sight(order, served(), robot_) && (executes(order) || leaves_start_out(order));
 }
 
-// Whether it is for this instance to answer, and this instance knows enough to do so.
+// Returns whether this instance is responsible for the request and knows enough to answer it.
 bool Service::answers(const Order& order) const {
   return ownership_.answers_for(order.robot_id) && (!order.needs_executor || knows_executor());
 }
-// A cancellation alone tells of no request of another robot, which may have been answered long ago.
+// A cancellation without its request is answered by the owner of the robot only, since another owner may have answered
+// the request long ago.
 bool Service::answers(const Backlog::Entry& entry) const {
   return entry.asked ? answers(entry.order) : ownership_.owner() && entry.order.robot_id == config_.robot_id;
 }
@@ -133,7 +135,8 @@ std::optional<Refusal> Service::resolve_start(Request& request) const {
   return std::nullopt;
 }
 
-// It is published under the id of the request to execute it: asked for again under another id, it moves again.
+// Executes an earlier plan. It is published under the id of this request, so that a second request to execute it, which
+// has another id, moves the arm again.
 void Service::execute_planned(const Order& order, Clock::time_point arrived) {
   const SharedReply planned = cache_.find(order.trajectory_id);
   if (auto refusal = refusal_of_execution(order.trajectory_id, planned, in_hand(order.trajectory_id), robot_hash_)) {
@@ -152,8 +155,8 @@ void Service::enqueue(Job job, Clock::time_point arrived) {
   job.deadline = arrived + duration_of(job.order.budget > 0 ? job.order.budget : config_.budget);
   const Order accepted = job.order;
   queue_.push(std::move(job));
-  give_work();                        // first: telling costs time that solving can use
-  if (!in_hand(accepted.id)) return;  // it has its answer already
+  give_work();                        // before the reply, so that solving starts as early as possible
+  if (!in_hand(accepted.id)) return;  // it has been answered already
   post(std::make_shared<const Reply>(reply_to(accepted, ReplyState::kAccepted)));
   if (log_requests_.allows()) {
     spdlog::info("accepted id={} name={} priority={} queued={}", text(accepted.id), accepted.name, accepted.priority,
@@ -161,7 +164,8 @@ void Service::enqueue(Job job, Clock::time_point arrived) {
   }
 }
 
-// A client that hears nothing asks again: it gets the reply it missed, or hears that its request is in hand.
+// Answers a repeated request, which a client sends if it hears nothing, with the earlier reply, or with the news that
+// it has been accepted.
 bool Service::answer_again(const Order& order) {
   if (const SharedReply reply = cache_.find(order.id)) {
     tally_.duplicate();
@@ -192,7 +196,7 @@ void Service::cancel(const dds::ServicePort::Cancel& wanted) {
     return give_up(*job, ReplyState::kCancelled, Reason::kCancelled, "cancelled while it was solved");
   }
   if (!answers_cancel(wanted.robot_id.value_or(""))) return keep_cancel(wanted, false);
-  // It may still be on its way, for the two come on different topics.
+  // The request may still arrive, since requests and cancellations come on different topics.
   Job unknown;
   unknown.order.id = id;
   unknown.order.origin = wanted.origin;
@@ -200,13 +204,14 @@ void Service::cancel(const dds::ServicePort::Cancel& wanted) {
   give_up(unknown, ReplyState::kCancelled, Reason::kCancelled, "cancelled before it arrived");
 }
 
-// Of a request that is not known. Where several robots are served and it does not say which, another owner may know it.
+// Returns whether the cancellation of an unknown request is answered here. If several robots are served and it names
+// none, another owner may know the request.
 bool Service::answers_cancel(const std::string& robot_id) const {
   if (!robot_id.empty()) return ownership_.answers_for(robot_id);
   return ownership_.owner() && ownership_.robots().size() == 1;
 }
 
-// A cancelled request that was not in hand.
+// Replies to a cancelled request that was not queued.
 void Service::conclude(const Backlog::Entry& entry) {
   if (answer_again(entry.order)) return;
   Job job;

@@ -1,4 +1,4 @@
-// Other instances, and the executor: who owns the robot, and what the others pass on.
+// Other instances and the executor: ownership of the robot, and relayed requests.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kAnsweredAtOnce =
     4;  // of what was remembered, in a turn; a document takes up to 40 ms to be read
 
-// False: another instance tells of a cancellation alone.
+// Returns whether a relayed order contains a request, and is not only a cancellation.
 bool asks(const Order& order) { return order.action != Action::kPlan || order.motion || !order.document.empty(); }
 
 }  // namespace
@@ -55,7 +55,7 @@ void Service::hear(const dds::ServicePort::Peer& peer) {
   }
 }
 
-// Told when it changes: an arm that drifts does so at every motion.
+// Logs the drift of the arm only if the verdict changes, because a drifting arm is reported after every motion.
 void Service::hear(ArmDrift drift) {
   if (drift.robot_id != config_.robot_id) return;
   const auto level = drift.drifts ? spdlog::level::warn : spdlog::level::info;
@@ -74,7 +74,7 @@ void Service::hear(Reply reply) {
   remember(shared);
 }
 
-// A plan that was executed once more is told by its rows.
+// Completes an overheard reply. A plan that is executed again is recognised by its samples.
 void Service::complete(Reply& reply) const {
   complete_overheard(reply);
   if (reply.learnt) return;
@@ -84,12 +84,12 @@ void Service::complete(Reply& reply) const {
   if (before) reply.motion = before->motion;
 }
 
-// Its client may have met the other instance only.
+// Handles a request that another instance relays, whose client may have discovered only that instance.
 void Service::hear(dds::Relayed relayed) {
   const auto now = Clock::now();
   const auto heard = now - duration_of(relayed.silence);
   const RequestId id = relayed.order.id;
-  // A copy that comes after the answer, to whoever listens, is no request of its own.
+  // A copy that arrives after the reply, to a client that listens, is not a new request.
   const bool told = cache_.find(id) && port_.clients().listens(id);
   if (told && ownership_.answers_for(relayed.order.robot_id)) return;
   const dds::ServicePort::Cancel wanted{id, relayed.order.robot_id, relayed.order.origin};
@@ -115,8 +115,9 @@ void Service::relay() {
   });
 }
 
-// Whether it counts among those who serve their robot. One that has another idea of this one's robot does so only while
-// it is the owner: what one plans, the other could not have executed, so that one of the two must not serve.
+// Returns whether another instance counts as serving its robot. If it serves this robot with a different robot file, it
+// counts only while it is the owner. Plans of one could not be executed by the other, so one of the two must not serve:
+// if it is this one, throws InputError.
 bool Service::takes_part(const ServiceStatus& other) const {
   if (other.robot_id != config_.robot_id || other.robot_hash == robot_hash_) return true;
   const bool owns = other.epoch > 0;
@@ -129,7 +130,7 @@ bool Service::takes_part(const ServiceStatus& other) const {
   return owns;
 }
 
-// Not before the others are known: what this instance answers, another must not answer too.
+// Begins to answer, but not before the other instances are known, so that no request is answered twice.
 void Service::open() {
   port_.open();
   spdlog::info("serving instance={} domain={} workers={} queue={} robot={} {}", config_.instance,
@@ -157,9 +158,9 @@ void Service::take_over() {
   owned_ = true;
 }
 
-// What was heard while another instance, or nobody, was the owner, or before the executor was met: some at a time, for
-// there may be many. A client whose request came before this instance was the owner may have left with the one before:
-// nothing moves for it until it has acknowledged what it is told now.
+// Answers requests that arrived while there was another owner or none, or before the executor was heard. Only some are
+// answered at a time, because there may be many. The client of a request from before the take-over may be gone, so the
+// arm does not move for it until the client has acknowledged a reply of this instance.
 void Service::answer_backlog() {
   std::size_t count = 0;
   const auto ours = [&](const Backlog::Entry& entry) {
@@ -172,7 +173,7 @@ void Service::answer_backlog() {
   answering_ = count == kAnsweredAtOnce;
 }
 
-// Whoever owns the robot now has heard the same requests.
+// Gives up the ownership. The new owner has heard the same requests, so they are not answered here.
 void Service::give_up_ownership() {
   spdlog::warn("superseded robot_id={}", config_.robot_id);
   port_.disown();

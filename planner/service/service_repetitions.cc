@@ -1,4 +1,4 @@
-// Motions that are repeated, and learn from their last run.
+// Repetitions of motions, which learn from the last run.
 #include <fmt/format.h>
 
 #include <utility>
@@ -10,12 +10,12 @@
 namespace fjr {
 namespace {
 
-constexpr std::chrono::seconds kOnItsWay{1};  // for what the executor publishes before a run's result
+constexpr std::chrono::seconds kOnItsWay{1};  // wait for the run, which the executor publishes before the result
 
 }  // namespace
 
-// What was planned, of which the trajectory is a run; itself where it was planned under that id, or is not known any
-// more.
+// Returns the id of the plan that a trajectory repeats. It is the id itself if the trajectory is that plan, or if it is
+// no longer known.
 RequestId Service::motion_of(const RequestId& trajectory_id) const {
   const SharedReply reply = cache_.find(trajectory_id);
   return reply ? reply->motion : trajectory_id;
@@ -25,8 +25,8 @@ bool Service::is_run_of(const RequestId& motion, const RequestId& trajectory_id)
   return cache_.find(trajectory_id) && motion_of(trajectory_id) == motion;
 }
 
-// It has moved the arm last, and what was logged of it has not come: the client may have been quicker, or this service
-// has just begun, and runs come in their order.
+// Returns the trajectory that moved the arm last, if its run has not arrived yet. The client may have been quicker than
+// the run, or this service has just started and receives earlier runs first.
 std::optional<RequestId> Service::run_on_its_way() const {
   const auto executor = executor_.latest();
   if (!executor || runs_.contains(executor->trajectory_id)) return std::nullopt;
@@ -57,7 +57,7 @@ void Service::repeat_motion(const Order& order, Clock::time_point arrived) {
   enqueue(std::move(job), arrived);
 }
 
-// A motion that has not run, as far as anybody here knows, runs as it was planned.
+// Chooses the last run from which the next repetition learns. Without a known run, the motion is executed as planned.
 std::optional<Refusal> Service::choose_run(Job& job) const {
   const RequestId motion = motion_of(job.order.trajectory_id);
   job.awaited.reset();
@@ -76,7 +76,8 @@ std::optional<Refusal> Service::choose_run(Job& job) const {
                              text(executed), name(job.run->code), job.run->sentence)};
 }
 
-// For the moment: another executor may be started.
+// Returns a refusal if the present executor does not accept learnt motions. It is temporary, since another executor may
+// be started.
 std::optional<Refusal> Service::refusal_of_learnt() const {
   if (port_.learnt_are_taken(executor_.source())) return std::nullopt;
   return Refusal{

@@ -1,4 +1,4 @@
-// What goes out: replies to clients, trajectories to the executor.
+// Outgoing replies to clients and trajectories to the executor.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -23,7 +23,7 @@ Reply Service::reply_to(const Order& order, ReplyState state, Refusal why) const
   return reply;
 }
 
-// Why certified rows must not move the arm after all; nothing: they may. They are never empty.
+// Returns why certified rows must not move the arm now, or nothing if they may. The rows are never empty.
 std::optional<Refusal> Service::refusal_to_publish(const std::vector<Sample>& rows, bool learnt) const {
   if (const auto twice = executor_.twice()) {
     return Refusal{Reason::kArmNotAtRest, "", "planned, but not executed: " + *twice};
@@ -64,8 +64,8 @@ void Service::give_up(const Job& job, ReplyState state, Reason reason, const std
   finish(job, reply_to(job.order, state, {reason, "", sentence}));
 }
 
-// What was refused for the moment only is not repeated from memory: the client may ask again. A standby's copy of the
-// same request must not count as that.
+// Remembers a reply. A temporary refusal is not remembered, so that the client may ask again. Its id is, so that a copy
+// relayed by a standby does not count as a new request.
 void Service::remember(const SharedReply& reply) {
   if (!lasting(reply->why.reason)) return refused_lately_.add(reply->id, reply->origin, Clock::now());
   for (const RequestId& forgotten : cache_.add(reply)) {
@@ -81,7 +81,8 @@ void Service::reject(const Order& order, Refusal why) {
   }
 }
 
-// What is remembered over a restart leaves when it is on disk: a client that has heard it hears the same again.
+// Sends a final reply. If replies are remembered over a restart, it is stored on disk first, so that a client never
+// gets two different replies.
 void Service::settle(Answer answer) {
   if (!store_ || !lasting(answer.reply->why.reason)) return release(answer);
   store_->add(answer.reply);
@@ -96,13 +97,13 @@ void Service::release(const Answer& answer) {
   post(answer.reply);
 }
 
-// Its client may have left while it was stored.
+// Sends the replies that are on disk by now. Their clients may have gone while they were stored.
 void Service::release_stored() {
   if (!store_) return;
   for (const RequestId& id : store_->take_settled()) {
     const auto stored = std::find_if(being_stored_.begin(), being_stored_.end(),
                                      [&](const Answer& answer) { return answer.reply->id == id; });
-    if (stored == being_stored_.end()) continue;  // one that was overheard
+    if (stored == being_stored_.end()) continue;  // an overheard reply, which is not sent
     Answer answer = std::move(*stored);
     being_stored_.erase(stored);
     const bool moves = executes(answer.order) && answer.reply->state == ReplyState::kSolved;
@@ -127,8 +128,8 @@ bool Service::being_stored(const RequestId& id) const {
                      [&](const Answer& answer) { return answer.reply->id == id; });
 }
 
-// Only a certified trajectory has rows. A repeated request is answered again but never published again, nor is what an
-// earlier owner published before it could answer.
+// Publishes a trajectory to the executor. Only certified ones have rows. The trajectory of a repeated request is never
+// published again, nor one that an earlier owner published before it could reply.
 void Service::publish(const Reply& reply) {
   if (executor_.runs_or_ran(reply.id)) return spdlog::info("published before id={}", text(reply.id));
   TrajectoryOrder order;
@@ -153,7 +154,7 @@ void Service::publish(const Reply& reply) {
   if (ros_) ros_->send(order);
 }
 
-// False: its client has no room for it now.
+// Returns false if the client has no room for the reply now.
 bool Service::send(const SharedReply& reply) {
   switch (port_.clients().send(*reply)) {
     case dds::Sent::kYes:

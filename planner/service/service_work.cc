@@ -1,4 +1,4 @@
-// What is to be solved, and what became of it.
+// Solving of requests, and their results.
 #include <algorithm>
 #include <utility>
 

@@ -5,11 +5,11 @@
 namespace fjr {
 namespace {
 
-constexpr std::chrono::milliseconds kRelease{50};  // for workers to hear that what they solve is wanted no more
+constexpr std::chrono::milliseconds kRelease{50};  // until workers have heard that their jobs are no longer needed
 
 }  // namespace
 
-// It stays when the ownership ends: to take leave of a worker that does not answer takes up to a second.
+// elsewhere_ is kept when the ownership ends, because disconnecting from a worker that does not answer takes up to 1 s.
 void Slots::own(const dds::Participant& participant, dds::Waitset& waitset, RemoteSolvers::Owner owner,
                 std::uint64_t epoch) {
   if (!elsewhere_) elsewhere_.emplace(participant, waitset, std::move(owner));

@@ -1,4 +1,4 @@
-// What can be solved at a time: by solving processes here and, while this instance owns its robot, on other machines.
+// All slots for solving: processes on this machine and, while this instance owns its robot, workers on other machines.
 #pragma once
 
 #include <functional>
@@ -14,23 +14,23 @@ namespace fjr {
 
 class Slots {
  public:
-  // As Solvers.
+  // The arguments are those of Solvers.
   Slots(std::size_t here, WorkerSettings settings, std::function<void()> wake, std::shared_ptr<Turns> turns)
       : here_(here, std::move(settings), std::move(wake), std::move(turns)) {}
 
-  // From now on, until disown(), workers of other machines are given leases.
+  // Lets workers on other machines get leases, until disown().
   void own(const dds::Participant& participant, dds::Waitset& waitset, RemoteSolvers::Owner owner, std::uint64_t epoch);
-  // What is still leased is nobody's from now on: to be called when it has been stopped, or handed over.
+  // Cancels all leases. Their jobs must have been stopped or handed over before.
   void disown();
 
   bool may_solve_here() { return here_.may_solve(); }
   bool may_solve() { return here_.may_solve() || (owner_ && elsewhere_->load()); }
   void withdraw() { here_.withdraw(); }
-  std::optional<Job> solve(Job job);  // where the least is going on; returns it where nobody can be told of it
+  std::optional<Job> solve(Job job);  // at the least busy place; returns the job if it cannot be sent
   void replace_missing() { here_.replace_missing(); }
   Solvers::News take_news();
 
-  // Stops the first one that solves a job of which `which` holds, and returns the job.
+  // Stops solving the first job for which which(job) is true, and returns it.
   template <class Which>
   std::optional<Job> stop_if(Which&& which) {
     if (auto job = here_.stop_if(which)) return job;

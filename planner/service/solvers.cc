@@ -90,7 +90,7 @@ void Solvers::find_stops(Solver& solver) {
   solver.worker->find_stops(solver.result.rows);
 }
 
-// What it was doing is over; its later words are of a serial nobody knows.
+// Stops a solving process by replacing it. Messages that it still sends are ignored, because they have an old serial.
 Job Solvers::stop(Solver& solver) {
   Job job = std::move(*solver.job);
   turn_.end();
@@ -162,7 +162,8 @@ void Solvers::conclude(Solver& solver, const std::string& payload, News& news) {
   news.outcomes.push_back(std::move(outcome));
 }
 
-// It is started again with the next heartbeat: one that cannot start at all must not keep the service busy.
+// Handles a process that ended unexpectedly. It is restarted with the next heartbeat and not at once, so that a process
+// that cannot start at all does not keep the service busy.
 void Solvers::lose(Solver& solver, News& news) {
   ++lost_;
   spdlog::error("worker lost pid={} solving={}", solver.worker->pid(),

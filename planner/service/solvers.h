@@ -1,4 +1,4 @@
-// The solving processes, and what each of them is doing.
+// The solving processes of this machine, and their current jobs.
 #pragma once
 
 #include <functional>
@@ -27,17 +27,17 @@ struct SolveOutcome {
 
 class Solvers {
  public:
-  // `wake` is called from other threads whenever take_news() has something to tell, or it is their turn. turns: shared
-  // with others; none: all may solve at once.
+  // `wake` is called from other threads whenever take_news() has results or it is the turn of these solvers. turns:
+  // shared with the services of other robots; null: all may solve at once.
   Solvers(std::size_t count, WorkerSettings settings, std::function<void()> wake,
           std::shared_ptr<Turns> turns = nullptr);
 
-  bool may_solve();  // one of them is idle and it is their turn, which is then theirs until solve() or withdraw()
+  bool may_solve();  // whether one is idle and it is their turn, which is then reserved until solve() or withdraw()
   void withdraw();   // there is nothing more to solve
-  std::size_t free() const;  // how many are idle, whether or not it is their turn
-  double load() const;       // the share of them that is solving, 0 to 1
-  void solve(Job job);       // by an idle one
-  void replace_missing();    // starts those again that have ended
+  std::size_t free() const;  // number of idle ones, whether or not it is their turn
+  double load() const;       // fraction of them that is solving, 0 to 1
+  void solve(Job job);       // assigns a job to an idle one
+  void replace_missing();    // restarts those that have ended
 
   struct News {
     std::vector<ProgressReport> progress;
@@ -47,7 +47,7 @@ class Solvers {
   };
   News take_news();
 
-  // Stops the first one that solves a job of which `which` holds, and returns the job.
+  // Stops solving the first job for which which(job) is true, and returns it.
   template <class Which>
   std::optional<Job> stop_if(Which&& which) {
     for (Solver& solver : solvers_) {
@@ -71,7 +71,7 @@ class Solvers {
     std::unique_ptr<Worker> worker;  // none: to be started again
     std::optional<Job> job;
     SolveOutcome result;   // as far as it has come
-    bool planned = false;  // what is left are the stop motions
+    bool planned = false;  // only the stop motions are still missing
   };
 
   void start(Solver& solver);

@@ -1,4 +1,4 @@
-// What became of the requests, in numbers.
+// Counts of requests by their outcome, and latencies.
 #pragma once
 
 #include <algorithm>
@@ -55,7 +55,7 @@ class Tally {
   const Histogram& solving() const { return solving_; }
   const Histogram& waiting() const { return waiting_; }
 
-  // Counts and latencies; the rest is left to the caller.
+  // Fills in counts and latencies; the caller fills in the rest.
   ServiceStatus status() const {
     ServiceStatus status = counts_;
     std::vector<double> sorted = latencies_;

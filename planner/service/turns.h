@@ -1,6 +1,6 @@
-// Whose turn it is to solve, where the services of several robots share what can be solved at a time. Of those who have
-// something to solve it is the turn of whoever had one longest ago: one of them that comes with a single request waits
-// for at most one solve of each of the others, however many requests these have.
+// Distributes the shared solving slots among the services of several robots. Among the members with something to solve,
+// the one whose last turn is longest ago is next. So a member with a single request waits for at most one solve of each
+// other member, however many requests these have.
 #pragma once
 
 #include <cstddef>
@@ -22,18 +22,18 @@ class Turns {
   // `wake` is called, from other threads, when it may be the member's turn.
   std::size_t join(std::function<void()> wake);
 
-  bool ask(std::size_t member);       // whether it is its turn; a slot is then kept for it. If not, it is in line.
-  void begin(std::size_t member);     // solving, in the slot that was kept for it
-  void withdraw(std::size_t member);  // it has nothing to solve for the moment
-  void end();                         // of a solve: its slot is free
+  bool ask(std::size_t member);       // reserves a slot and returns true if it is its turn; otherwise puts it in line
+  void begin(std::size_t member);     // begins to solve in the reserved slot
+  void withdraw(std::size_t member);  // gives the reservation back, as there is nothing to solve
+  void end();                         // frees the slot at the end of a solve
 
  private:
   struct Member {
     std::function<void()> wake;
-    bool in_line = false, has_slot = false;  // has_slot: kept for it
+    bool in_line = false, has_slot = false;  // has_slot: a slot is reserved for it
     std::uint64_t last_turn = 0;
   };
-  // Who is to be woken: the first in line, if there is a slot for it.
+  // Returns the member to wake: the first in line, if a slot is free.
   std::optional<std::size_t> next() const;
   void wake_next(std::unique_lock<std::mutex> lock);
 
@@ -43,7 +43,7 @@ class Turns {
   std::vector<Member> members_;
 };
 
-// One member's part in it. Without others it is always its turn.
+// The access of one member to Turns. Without Turns it is always its turn.
 class Turn {
  public:
   Turn() = default;

@@ -1,6 +1,7 @@
-// Replies to clients that do not listen yet: they come late, or never. Bounded by the ids that one participant uses,
-// and in bytes; the oldest go first, and those of whoever has most. One client may have as many replies as there are
-// bytes: requests can arrive well before its reader of replies is known.
+// Replies to clients whose reader is not known yet; it may be discovered late or never. Bounded are the number of
+// clients of one participant, and the total size in bytes; the oldest replies of the participant with the most bytes
+// are dropped first. The number of replies per client is not bounded, because requests can arrive well before the
+// client's reader is known.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +20,7 @@ class Unclaimed {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Of one participant at most so many clients' replies, of all together at most so many bytes.
+  // Keeps replies to at most so many clients of one participant, and at most so many bytes in all.
   Unclaimed(std::size_t most_clients_of_one, std::size_t most_bytes)
       : most_clients_of_one_(most_clients_of_one), most_bytes_(most_bytes) {}
 
@@ -33,7 +34,7 @@ class Unclaimed {
     while (bytes_ > most_bytes_) drop_oldest(furthest());
   }
 
-  // Takes what is for clients of which `listens` holds, in order.
+  // Removes and returns, in order, the replies to clients for which listens(id) is true.
   template <class Listens>
   std::vector<SharedReply> claim(Listens&& listens) {
     std::vector<SharedReply> claimed;

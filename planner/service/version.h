@@ -1,5 +1,5 @@
-// The version by which instances and workers know each other: of this program. In a file of its own, so that a test can
-// link the same program as another version.
+// The version of this program, by which instances and workers recognise each other. It is in a file of its own, so that
+// a test can link the same program as another version.
 #pragma once
 
 #include <string>

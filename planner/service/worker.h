@@ -1,5 +1,5 @@
-// One solving process: this program again, spoken to over pipes. A crash or an overdue solve costs this process, never
-// the service.
+// One solving process, which is this program started again and controlled over pipes. A crash or an endless solve
+// affects only this process and never the service.
 #pragma once
 
 #include <sys/types.h>
@@ -31,16 +31,16 @@ class Worker {
   // False: it is gone.
   bool solve(const std::string& name, const std::string& yaml);
 
-  // Stop motions for these rows, which are too many for a pipe to take them at once: a thread waits for that.
+  // Starts the search for stop motions for these rows. A thread writes them, because they exceed the buffer of a pipe.
   void find_stops(std::vector<Sample> rows);
 
-  // The next repetition of a motion, likewise.
+  // Starts the computation of the next repetition of a motion; a thread writes the input likewise.
   void find_repetition(RunOfMotion run);
 
   pid_t pid() const { return process_.pid(); }
 
  private:
-  Child process_;  // begun before all others, and therefore ended whichever of them cannot be had
+  Child process_;  // declared first, so that it is ended if the construction of any other member fails
   Descriptor to_worker_, from_worker_;
   std::thread listening_;
   std::jthread sending_;

@@ -20,7 +20,8 @@ constexpr std::chrono::milliseconds kOfferPause{150};
 constexpr std::chrono::seconds kSayAgain{1};  // a result that nobody has taken
 constexpr std::chrono::milliseconds kLeave{200};
 
-// Here a job goes by its lease: of one request there may be two leases for a moment, an earlier owner's and a later's.
+// Returns the id of a job here, which is that of its lease. A request may have two leases for a moment, from an earlier
+// and a later owner.
 RequestId job_id(const LeaseId& lease) { return {lease.owner, lease.number}; }
 
 Job job_of(LeaseWord word) {
@@ -89,7 +90,7 @@ void WorkerHost::send_offer() {
   port_.send(offer);
 }
 
-// What an owner asked for that has gone, or was started again, is given up.
+// Gives up the leases of owners that are gone or were restarted.
 void WorkerHost::look_for_owners() {
   const auto now = Clock::now();
   for (const auto& [instance, process] : port_.take_heard()) {
@@ -124,13 +125,13 @@ void WorkerHost::receive(LeaseWord word) {
   }
 }
 
-// An owner that was not heard before counts from now on.
+// Begins a lease. An owner that was not heard before is added.
 void WorkerHost::begin(LeaseWord word) {
   owners_.try_emplace(word.instance, Owner{0, Clock::now()});
   if (held_.contains(word.lease) || held_.size() >= kMaxHeld) return;
   Held& held = held_[word.lease];
   held.instance = word.instance;
-  if (waiting_.size() >= solvers_.free()) {  // taken by another owner's, or just lost
+  if (waiting_.size() >= solvers_.free()) {  // another owner's lease took the slot, or its process has just ended
     return conclude(job_id(word.lease), {});
   }
   if (log_.allows()) spdlog::info("leased by={} id={} name={}", word.instance, text(word.id), word.name);
@@ -147,7 +148,7 @@ void WorkerHost::give_work() {
   if (waiting_.empty()) solvers_.withdraw();
 }
 
-// A process that has ended may have been the one that it would have had.
+// Returns waiting leases for which there is no process any more, because one has ended.
 void WorkerHost::return_what_cannot_be_solved() {
   while (waiting_.size() > solvers_.free()) {
     conclude(waiting_.back().order.id, {});
@@ -161,7 +162,7 @@ void WorkerHost::drop(const LeaseId& lease) {
   (void)solvers_.stop_if([&](const Job& job) { return job.order.id == job_id(lease); });
 }
 
-// While an upgrade is under way another version's turn may come; another robot's file is a mistake.
+// Handles a refused lease. A different version is normal during an upgrade; a different robot file is a mistake.
 void WorkerHost::refused(const LeaseWord& word) {
   if (word.refused == RefusedFor::kRobot) {
     throw InputError(config_.robot.string(), "",

@@ -1,6 +1,6 @@
-// `fjr serve --worker-only`: solves for the owners of its robot, wherever they are. It takes as many leases as it has
-// solving processes, says again and again which ones it has, and keeps each result until that is taken. Where one
-// process does so for several robots, which share its processors, what is leased may wait for its turn.
+// `fjr serve --worker-only`: solves for the owners of its robot on other machines. It takes as many leases as it has
+// solving processes, repeatedly announces which ones it holds, and keeps each result until the owner has taken it. If
+// one process does so for several robots, which share its processors, leased jobs may wait for their turn.
 #pragma once
 
 #include <atomic>
@@ -21,11 +21,10 @@ namespace fjr {
 
 class WorkerHost {
  public:
-  // Of the configuration: the network, the instance, the robot, and what concerns solving.
+  // Uses the network, the instance, the robot and the solving options of the configuration.
   WorkerHost(const ServiceConfig& config, Companion companion);
 
-  // Until stop(); then what is leased is returned. Throws InputError when the owner of its robot has another
-  // robot.yaml.
+  // Runs until stop(), then returns its leases. Throws InputError if the owner of its robot has a different robot.yaml.
   void run();
   void stop();  // from any thread
 
@@ -65,7 +64,7 @@ class WorkerHost {
   std::atomic<bool> stopping_ = false;
   Clock::time_point next_heartbeat_{};
   std::map<LeaseId, Held> held_;
-  std::deque<Job> waiting_;              // of what is held, for their turn; no more than there are idle processes
+  std::deque<Job> waiting_;              // held jobs that wait for their turn; at most one per idle process
   std::map<std::string, Owner> owners_;  // by instance; standbys, too
   std::string refused_;                  // the sentence that was logged
   LogLimit log_;

@@ -95,7 +95,7 @@ class Client {
     throw NoAnswer("the trajectory was published, and its execution goes on: it was not waited for");
   }
 
-  // True: it is cancelled, and nobody here stops the arm.
+  // Returns true if the request is cancelled and this client is not to stop the arm.
   bool abandoned(const std::string& robot_id) {
     if (!cancelled() || stopped_) return false;
     if (!options_.stop_execution) return true;
@@ -114,7 +114,7 @@ class Client {
     }
   }
 
-  // Cancelling is idempotent, so it is repeated: it may have met nobody, or an instance that is gone now.
+  // The cancellation may have reached nobody, or an instance that is gone now. It is idempotent, so it is repeated.
   void cancel_if_asked() {
     if (!cancelled()) return;
     const auto now = Clock::now();

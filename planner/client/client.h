@@ -1,4 +1,4 @@
-// Asking a planning service, and not giving up too early nor waiting forever.
+// A client of the planning service, with timeouts that neither give up too early nor wait forever.
 #pragma once
 
 #include <functional>
@@ -13,13 +13,13 @@
 
 namespace fjr {
 
-// Nobody takes requests, or whoever does is silent. One sentence that says what to look at.
+// No service was found, or it does not answer. what() is one sentence that says what to check.
 class NoAnswer : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-// It was cancelled before anybody was there to be asked: nothing was sent.
+// The request was cancelled before a service was found, so nothing was sent.
 class NobodyAsked : public NoAnswer {
  public:
   using NoAnswer::NoAnswer;
@@ -33,40 +33,41 @@ struct ExecutionProgress {
 
 struct ClientOptions {
   Network network;
-  double find = 3;        // [s] to find a service, since somebody was last met; and an executor
+  double find = 3;        // [s] to find a service or an executor, since any participant was last discovered
   double ask_again = 2;   // [s] of silence after which the same request is sent again
-  double execution = 15;  // [s] beyond the trajectory's duration for the executor to report
-  double silence = 10;    // [s] after which nobody is expected to answer any more
+  double execution = 15;  // [s] after the end of the trajectory for the executor to report
+  double silence = 10;    // [s] of silence after which no answer is expected any more
   std::function<void(const ProgressReport&)> on_progress;
   std::function<void(const ExecutionProgress&)> on_execution;
-  std::function<bool()> cancelled;  // polled; then the request is cancelled, which is answered too
-  // How to stop the arm of that robot_id (halt.h), for a cancellation that comes once the trajectory is published: the
-  // executor's result is waited for even so. Without it nobody waits, and the execution goes on.
+  std::function<bool()> cancelled;  // polled; if true, the request is cancelled, and the reply to that is awaited
+  // Stops the arm of the given robot_id (halt.h) if the request is cancelled after the trajectory was published; the
+  // executor's result is still awaited. Without this function, the call returns and the execution continues.
   std::function<void(const std::string& robot_id)> stop_execution;
 };
 
 struct Answer {
   Reply reply;
-  std::optional<ExecutionResult> result;  // when it was solved and to be executed
+  std::optional<ExecutionResult> result;  // set if the motion was solved and was to be executed
 };
 
-// Sends the order under its id and returns the final reply, and of an order that is to be executed what became of the
-// execution. Throws NobodyAsked when it was cancelled before a service was found, NoAnswer when there is none, or none
-// that answers in time, and InputError for a document that has not the shape of a request.
+// Sends the order under its id and returns the final reply and, if it is to be executed, the result of the execution.
+// Throws NobodyAsked if it was cancelled before a service was found, NoAnswer if there is no service or none that
+// answers in time, and InputError if the document is not a request.
 Answer request_plan(const Order& order, const ClientOptions& options);
 
-// The latest state of every service and executor that was heard within `wait` [s]; while none is heard, for as long as
-// further participants are discovered. Services by instance, executors by robot.
+// The latest state of every service (by instance) and executor (by robot) that was heard within `wait` [s]. While none
+// is heard, it waits longer as long as further participants are discovered.
 struct Overview {
   std::vector<ServiceStatus> services;
-  std::vector<ExecutorState> executors;  // two that speak for one robot are two
-  std::vector<ArmDrift> drifts;          // of robots, as far as motions were looked at
-  std::optional<std::string> strangers;  // without services: one sentence on who lets nothing be seen
-  double looked = 0;                     // [s]
+  std::vector<ExecutorState> executors;  // contains both if two executors claim one robot
+  std::vector<ArmDrift> drifts;          // of robots whose motions were evaluated
+  std::optional<std::string> strangers;  // if no service is found: a sentence about participants that reveal nothing
+  double looked = 0;                     // [s] spent
 };
 Overview overview(const Network& network, double wait);
 
-// The same again and again. What each look tells was heard during it, but for the drifts, which are seldom told.
+// Gives such overviews repeatedly. Each contains only what was heard during it, except for drifts, which are rarely
+// published.
 class Lookout {
  public:
   explicit Lookout(const Network& network);
@@ -74,7 +75,7 @@ class Lookout {
   Lookout(const Lookout&) = delete;
   Lookout& operator=(const Lookout&) = delete;
 
-  Overview look(double wait, const std::function<bool()>& enough = {});  // enough: polled; then the look ends
+  Overview look(double wait, const std::function<bool()>& enough = {});  // ends early once enough() is true
 
  private:
   struct Seen;

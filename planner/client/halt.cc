@@ -19,10 +19,10 @@ using Clock = std::chrono::steady_clock;
 using Source = dds::ExecutorStates::Source;
 
 constexpr double kAgain = 0.1;   // [s] between repetitions: commands are idempotent
-constexpr double kObey = 0.05;   // [s] from the arrival of the command until states are of after it
-constexpr double kQuiet = 0.25;  // [s] without anybody new, after which everybody is taken to be known
+constexpr double kObey = 0.05;   // [s] after the arrival of a command, from which on states reflect it
+constexpr double kQuiet = 0.25;  // [s] without a new participant, after which all count as known
 constexpr double kMeeting =
-    0.5;  // [s] for who takes commands to show that it reports states; otherwise it only listens
+    0.5;  // [s] for a reader of commands to appear as a writer of states, too; otherwise it is no executor
 
 const char* verb(ExecutorCommand command) { return command == ExecutorCommand::kStop ? "stop" : "hold"; }
 
@@ -46,7 +46,7 @@ class Halt {
   }
 
  private:
-  // To those who are known by now; at once when they have become more.
+  // Sends the command to the readers known by now, and at once again when a new one is discovered.
   void send() {
     const std::size_t readers = port_.readers();
     if (readers > readers_) delivered_.reset();
@@ -83,7 +83,7 @@ class Halt {
            std::all_of(states_.begin(), states_.end(), [](const auto& word) { return word.second.complied; });
   }
 
-  // How many take commands or report states, to all appearance, and have not said of which robot.
+  // Returns the number of participants that read commands or write states and whose robot is still unknown.
   std::size_t silent() {
     const auto& peers = port_.discovery().peers();
     return static_cast<std::size_t>(std::count_if(peers.begin(), peers.end(), [this](const auto& entry) {
@@ -129,7 +129,7 @@ class Halt {
 
   struct Word {
     ExecutorState state;
-    bool complied;  // after the command had arrived
+    bool complied;  // whether a state after the arrival of the command shows it
   };
 
   const HaltOptions& options_;
@@ -141,7 +141,7 @@ class Halt {
   Clock::time_point sent_;
   std::optional<Clock::time_point> delivered_;
   std::set<dds::Discovery::Key> heard_of_;
-  std::map<Source, Word> states_;  // of the robot's executors, the latest
+  std::map<Source, Word> states_;  // the latest state of each executor of the robot
 };
 
 }  // namespace

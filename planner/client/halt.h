@@ -1,4 +1,4 @@
-// Holding or stopping an executor from elsewhere, and seeing that it did.
+// Holds or stops an executor from another program, and verifies that it did.
 #pragma once
 
 #include <string>
@@ -12,13 +12,13 @@ namespace fjr {
 struct HaltOptions {
   Network network;
   std::string robot_id = "arm";
-  double find = 3;     // [s] to hear an executor of the robot, since somebody was last met
+  double find = 3;     // [s] to hear an executor of the robot, since any participant was last discovered
   double comply = 10;  // [s] for the arm to come to rest
 };
 
-// Sends the command to whoever takes commands, as soon as they are met and again until it is over, whether anything is
-// heard of them or not. Returns the states in which every executor of the robot holds, or is stopped. Throws NoAnswer
-// (planner/client/client.h), one sentence on what was sent and who has not said so.
+// Sends the command to every subscriber of commands as soon as it is discovered, and repeats it until the end, even if
+// nothing is heard of them. Returns the states in which every executor of the robot holds or is stopped. Throws
+// NoAnswer (planner/client/client.h) with one sentence about what was sent and who has not confirmed it.
 std::vector<ExecutorState> halt(ExecutorCommand command, const HaltOptions& options);
 
 }  // namespace fjr

@@ -1,6 +1,6 @@
-// How long to look for somebody: as long as ever more of the others are met, and so long beyond it; ten times that at
-// most. With DDS Security everybody shakes hands with everybody, which takes many clients at once longer than any fixed
-// time.
+// Decides how long to look for a participant: until nothing new was discovered for a given time, and at most ten times
+// as long in all. With DDS Security every two participants perform a handshake. With many clients at once that takes
+// longer than any fixed timeout.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ class Patience {
   void progressed() { last_ = Clock::now(); }
   double looked() const { return since(began_); }      // [s]
   double nothing_new() const { return since(last_); }  // [s] since the last progress, or the beginning
-  bool over(double under_way = 0) const {              // [s] that what is under way may take beyond the usual
+  bool over(double under_way = 0) const {              // [s] extra time for handshakes that may be under way
     return nothing_new() > seconds_ + under_way || looked() > kMost * seconds_;
   }
 

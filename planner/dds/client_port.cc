@@ -11,7 +11,7 @@
 
 namespace fjr::dds {
 
-// The readers come before the writers: who sees the request can answer it.
+// The readers are created before the writers, so that a service that receives a request can already reply.
 ClientPort::ClientPort(Participant participant, const RequestId& client)
     : participant_(std::move(participant)),
       waitset_(participant_),
@@ -36,7 +36,7 @@ bool ClientPort::send(const Order& order) {
   return all_know_motion_requests() ? motion_requests_.write(encode(order)) : send_as_before(order);
 }
 
-// One of an earlier version may be the one that answers.
+// Returns whether all services know MotionRequest. Otherwise one of an earlier version may have to answer.
 bool ClientPort::all_know_motion_requests() const {
   return motion_requests_.has_reader() && motion_requests_.readers() >= plan_requests_.readers();
 }
@@ -90,7 +90,7 @@ std::vector<ServiceStatus> ClientPort::take_services() {
   return services;
 }
 
-// They are looked at when something else has ended the wait, so as not to end it a thousand times a second.
+// The states do not wake up waits, which would end a thousand times a second. They are read when something else does.
 void ClientPort::follow_executors() {
   if (!executors_) executors_.emplace(participant_, participant_.handle());
 }

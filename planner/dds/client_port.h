@@ -22,9 +22,9 @@ class ClientPort {
 
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
 
-  bool served() const { return plan_requests_.has_reader(); }  // somebody takes requests; no proof of delivery
-  // By fjr/motion_request where all services here take it. InputError: not the shape of a request, or nobody here takes
-  // what it asks for.
+  bool served() const { return plan_requests_.has_reader(); }  // a service reads requests; no proof of delivery
+  // Sends a request, by fjr/motion_request if all services here read that. Throws InputError if the document is not a
+  // request, or if no service here supports it.
   bool send(const Order& order);
   bool cancel(const RequestId& id, const std::string& robot_id = "");  // of the request
 
@@ -33,20 +33,20 @@ class ClientPort {
   std::vector<ExecutionResult> take_results();
   std::vector<ServiceStatus> take_services();  // the latest word of each
 
-  // The executors' states come a thousand times a second, to whoever wants them.
+  // Subscribes to the states of executors, which are published a thousand times a second.
   void follow_executors();
   bool any_executor() const { return executors_ && executors_->has_writer(); }
   std::vector<ExecutorState> take_executors();
 
   Discovery& discovery() { return discovery_; }
 
-  // Why requests, or replies to them, do not come through although somebody is there; nothing: nobody is.
+  // Returns why requests or replies do not get through although a participant is there, or nothing if there is none.
   std::optional<std::string> why_unserved() const;
   std::optional<std::string> why_unanswered() const;
 
  private:
   bool all_know_motion_requests() const;
-  bool send_as_before(const Order& order);  // by what earlier versions take
+  bool send_as_before(const Order& order);  // by the topics of earlier versions
 
   Participant participant_;
   Waitset waitset_;

@@ -9,11 +9,12 @@
 namespace fjr::dds {
 namespace {
 
-// Writers are kept while somebody listens. At the first number the participant's least recently used client that has
-// everything makes room, and is met anew when it returns; where none has, there are no more writers for that
-// participant. So it is at an even share of the second, where many participants have many: whoever is new gets some.
+// Writers are kept while their client listens. When a participant has kMostOfOne clients, the least recently used one
+// that has received everything loses its writers (they are created again if it returns). If there is none, the
+// participant gets no more writers. If many participants have many clients, each may have an equal fraction of
+// kMostOfAll instead, so that new participants get writers, too.
 constexpr std::size_t kMostOfOne = 128, kMostOfAll = 1024;
-constexpr std::chrono::milliseconds kLookAgain{50};  // whether there is room by now; looking takes up to 3 ms
+constexpr std::chrono::milliseconds kLookAgain{50};  // pause before looking for room again, which takes up to 3 ms
 
 }  // namespace
 
@@ -23,7 +24,7 @@ ClientWriters::Client::Client(const Participant& participant, const std::string&
       replies(participant, publisher.handle()),
       progress(participant, publisher.handle()) {}
 
-// Those that wait for their readers, which is up to a second, wait at the same time.
+// Deleting a writer waits up to 1 s for its readers. Those that have to wait are deleted concurrently.
 ClientWriters::~ClientWriters() {
   std::vector<std::jthread> waiting;
   for (auto next = clients_.begin(); next != clients_.end();) {
@@ -33,7 +34,7 @@ ClientWriters::~ClientWriters() {
   }
 }
 
-// Deleting a writer whose reader lacks something would wait for the reader.
+// Only a writer whose reader has received everything is deleted, because otherwise deleting waits for the reader.
 bool ClientWriters::make_room_of(const Origin& origin) {
   auto oldest = clients_.end();
   for (auto client = clients_.begin(); client != clients_.end(); ++client) {
@@ -78,7 +79,8 @@ bool ClientWriters::look() {
   return true;
 }
 
-// One that was full is tried again only when it has taken everything: trying means serialising.
+// A client that had no room is tried again only when it has received everything, because each attempt serialises the
+// reply.
 Sent ClientWriters::send(const Reply& reply) {
   if (!listens(reply.id)) return Sent::kNobodyListens;
   Client* to = find_or_make(reply);

@@ -1,6 +1,6 @@
-// The service's writers, one pair per client in the client's own partition. None of them ever waits, and there is none
-// for whom nobody listens. Their number is bounded for each participant that asks, so that one who uses many ids takes
-// no writer from another.
+// The service's writers, one pair per client in the client's own partition. They never block, and exist only for
+// clients that listen. Their number is bounded per participant, so that one with many client ids takes no writers from
+// others.
 #pragma once
 
 #include <array>
@@ -17,8 +17,8 @@ namespace fjr::dds {
 
 enum class Sent {
   kYes,
-  kNoRoom,         // for what the client has not taken yet
-  kNobodyListens,  // in the client's partition
+  kNoRoom,         // the client has not yet received earlier replies
+  kNobodyListens,  // no reader in the client's partition
 };
 
 class ClientWriters {
@@ -32,27 +32,27 @@ class ClientWriters {
   ClientWriters& operator=(const ClientWriters&) = delete;
 
   Sent send(const Reply& reply);
-  void send(const ProgressReport& report);  // disposable
+  void send(const ProgressReport& report);  // may be lost
 
-  // For standbys alone, which remember what was answered.
+  // Sends a reply to standbys only, which remember it.
   void tell_standbys(const Reply& reply);
 
   bool listens(const RequestId& id) const { return listeners_.any(client_name(id)); }
   dds_entity_t changed() const { return listeners_.changed(); }  // for a waitset
-  bool look();  // takes notice of clients that have come and gone; true: somebody has
+  bool look();  // updates which clients listen; returns whether any has come or gone
 
-  // Nothing: it has not taken everything that was written to it. Otherwise when the last of that was written; it was
-  // there at that time.
+  // Returns when the last message to the client was written, if it has acknowledged everything; so it was alive then.
+  // Otherwise returns nothing.
   std::optional<Clock::time_point> acknowledged(const RequestId& id) const;
 
-  // Waits until the clients have their replies, at most so long.
+  // Waits until the clients have their replies, but at most for the timeout.
   void flush(std::chrono::nanoseconds timeout) const;
 
  private:
   struct Client {
     Client(const Participant& participant, const std::string& partition, const Origin& origin = {});
 
-    const Origin origin;  // whose first request it answered
+    const Origin origin;  // participant that sent the first answered request
     Entity publisher;
     Writer<fjr_msg_PlanReply> replies;
     Writer<fjr_msg_PlanStatus> progress;

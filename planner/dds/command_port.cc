@@ -6,7 +6,7 @@
 
 namespace fjr::dds {
 
-// The writer comes first: a command can be sent as soon as it has met a reader, whatever else is known.
+// The writer is created first, so that a command can be sent as soon as a reader is discovered.
 CommandPort::CommandPort(Participant participant)
     : participant_(std::move(participant)),
       waitset_(participant_),

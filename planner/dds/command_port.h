@@ -1,4 +1,4 @@
-// The side of the protocol of who halts an executor.
+// The protocol side of programs that hold or stop an executor.
 #pragma once
 
 #include <chrono>
@@ -17,14 +17,14 @@ class CommandPort {
  public:
   explicit CommandPort(Participant participant);
 
-  // Ends at once when somebody takes commands who did not before.
+  // Waits; ends at once when a new reader of commands is discovered.
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
 
   std::size_t readers() const { return commands_.readers(); }  // of commands, known by now: send() is for them
   bool send(const ExecutorOrder& order);
-  bool delivered() const { return commands_.flush(0); }  // they have acknowledged what was sent
+  bool delivered() const { return commands_.flush(0); }  // whether they have acknowledged all commands
 
-  // To all appearance, whether it and this program understand each other or not.
+  // Returns whether the participant has a writer of states, even if it is not compatible with this program.
   static bool reports_states(const Discovery::Peer& peer);
   static bool takes_commands(const Discovery::Peer& peer);
 

@@ -1,4 +1,4 @@
-// Who a participant is, for DDS Security.
+// Credentials of a participant for DDS Security.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace fjr::dds {
 
-// Properties that make a participant take part with the certificates, key and signed documents in `folder`, which has
-// the file names of a ROS 2 enclave (config/security/README.md). Throws InputError naming what is missing.
+// Returns the properties of a participant with the certificates, key and signed documents in `folder`, which has the
+// file names of a ROS 2 enclave (config/security/README.md). Throws InputError naming what is missing.
 Qos with_credentials(const std::filesystem::path& folder);
 
 }  // namespace fjr::dds

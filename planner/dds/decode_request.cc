@@ -1,4 +1,4 @@
-// Wire -> Request.
+// Converts wire messages to requests.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -199,7 +199,7 @@ Request motion_of(Taker& take, const fjr_msg_PlanRequest2& extended) {
   request.way = path ? RequestedWay{std::move(*path)} : RequestedWay{std::move(vias)};
   request.sample_period = take.optional("sample_period", message.has_sample_period, message.sample_period);
   if (message.has_seed) request.seed = message.seed;
-  // Numbers that are none come first, by the names of their fields.
+  // Numbers that are not finite are reported first, with the names of their fields.
   if (const auto fault = fault_of(goal)) take.refuse(fmt::format("goal.{}", fault->key), fault->sentence);
   if (both) take.refuse("path", kPathAndVia);
   return request;
@@ -210,7 +210,7 @@ std::optional<Refusal> refusal_of_time(const char* field, double time) {
   return Refusal{Reason::kBadInput, field, fmt::format("{} s must be finite and not negative", time)};
 }
 
-// What every kind of request has, apart from the motion.
+// Decodes the fields that all kinds of requests have, apart from the motion.
 template <class Message>
 Order decode_terms(const Message& message) {
   Order order;

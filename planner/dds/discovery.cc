@@ -82,7 +82,7 @@ std::size_t Discovery::strangers() const {
   }));
 }
 
-// It does not tell handshakes that are under way from those that failed.
+// DDS does not distinguish handshakes that are under way from failed ones.
 double Discovery::handshakes_may_take() const { return secured_ ? kHandshake * static_cast<double>(strangers()) : 0; }
 
 std::optional<std::string> Discovery::about_strangers() const {

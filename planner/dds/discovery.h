@@ -1,4 +1,4 @@
-// Who is there on the domain, and what they write and read, as DDS gets to know it.
+// The participants on the domain, and the topics they write and read, as DDS discovers them.
 #pragma once
 
 #include <array>
@@ -23,15 +23,15 @@ class Discovery {
 
   explicit Discovery(const Participant& participant);
 
-  // Takes in what is new; true: there was something.
+  // Processes new discovery data; returns whether there was any.
   bool look();
 
   const std::map<Key, Peer>& peers() const { return peers_; }  // without the participant itself
 
-  double handshakes_may_take() const;  // [s] of those that DDS Security may still be about
+  double handshakes_may_take() const;  // [s] that pending handshakes of DDS Security may take
 
-  // One sentence on participants that are there and let nothing be seen of them; nothing: there are none. They have no
-  // writers and readers, or DDS Security keeps them and this program apart.
+  // Returns a sentence about participants of which no endpoints are visible, or nothing if there are none. They have no
+  // writers and readers, or DDS Security separates them from this program.
   std::optional<std::string> about_strangers() const;
 
  private:

@@ -1,4 +1,4 @@
-// Request -> wire.
+// Converts requests to wire messages.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -144,7 +144,7 @@ void encode_curve(const Curve& curve, fjr_msg_TipPath& tip) {
   tip.tolerance = curve.tolerance;
 }
 
-// What has no place on the wire of earlier services.
+// Parts of a request that messages to earlier services cannot express.
 constexpr const char* kForNewServices =
     "cannot be said to the service, which is of an older version; `fjr plan` plans it";
 
@@ -166,7 +166,7 @@ void encode_tip(const Request& request, fjr_msg_TipPath& tip) {
   }
 }
 
-// Infinite limits are those of which nothing was said.
+// An infinite limit means that none was given.
 void set_limit(const Joints<double>& limit, bool& given, double (&to)[2]) {
   given = std::isfinite(limit[0]);
   if (given) set_pair(to, limit);
@@ -232,14 +232,14 @@ void encode_motion(const Request& request, WireRequest& wire) {
   if (request.seed) message.seed = *request.seed;
 }
 
-// The message's list is the vector's, which has to outlive it.
+// The message's list points to the elements of the vector, which must outlive it.
 template <class T, class Sequence>
 void lend(std::vector<T>& list, Sequence& to) {
   to._length = to._maximum = static_cast<std::uint32_t>(list.size());
   to._buffer = list.data();
 }
 
-// What every kind of request has, apart from the motion.
+// Encodes the fields that all kinds of requests have, apart from the motion.
 template <class Message>
 void encode_terms(const Order& order, Message& message) {
   message.id = encode(order.id);
@@ -274,7 +274,7 @@ fjr_msg_MotionRequest encode(const Order& order) {
   return message;
 }
 
-// The document is passed on as it came, whatever is wrong with it: the other one answers.
+// The document is relayed unchanged, even if it is invalid; the instance that answers will refuse it.
 fjr_msg_RelayedRequest encode(const Relayed& relayed) {
   fjr_msg_RelayedRequest message{};
   encode_terms(relayed.order, message.asked);

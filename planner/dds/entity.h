@@ -1,4 +1,4 @@
-// Cyclone DDS handles that clean up after themselves, and errors that say what was tried.
+// RAII for handles of Cyclone DDS, and exceptions that name the call that failed.
 #pragma once
 
 #include <dds/dds.h>
@@ -20,7 +20,7 @@ class Error : public std::runtime_error {
   dds_return_t code_;
 };
 
-// Returns what a call returned when it is not an error.
+// Returns the result of a call, or throws if it is an error.
 inline dds_return_t checked(dds_return_t returned, const char* call) {
   if (returned < 0) throw Error(call, returned);
   return returned;

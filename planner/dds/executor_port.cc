@@ -53,7 +53,8 @@ std::vector<TrajectoryOrder> ExecutorPort::take_trajectories() {
   return orders;
 }
 
-// Whoever does says there all that it says here, and more.
+// Returns whether the participant of this writer also has a writer of the second topic. Then its trajectories are read
+// from that one, which contains all of them.
 bool ExecutorPort::also_writes_2(dds_instance_handle_t publication) const {
   const auto participant = trajectories_.participant_of(publication);
   if (!participant) return false;
@@ -89,7 +90,7 @@ std::vector<Claimant> ExecutorPort::take_reporting() {
   for (const auto& [source, state] : others_.take()) {
     const auto participant = others_.peer(source);
     if (!participant || state.robot_id != robot_id_) continue;
-    // What is only prepared may be prepared by both; who says later that it runs has moved.
+    // Two executors may prepare the same trajectory. Only the one that reports it as running has moved its arm.
     const bool moved = state.trajectory_id != RequestId{} && state.mode != ExecutorMode::kPreparing;
     others.push_back({.moved = moved, .established = true, .guid = *participant});
   }

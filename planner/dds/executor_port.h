@@ -26,17 +26,17 @@ class ExecutorPort {
   std::vector<TrajectoryOrder> take_trajectories();
   std::vector<ExecutorOrder> take_commands();
 
-  // Executors of the same robot: who announces itself, and who reports its state.
+  // Executors of the same robot: this one, those that have announced themselves, and those that report states.
   Claimant self() const;
   std::vector<Claimant> announced() const;
   std::vector<Claimant> take_reporting();
 
   void send(const ExecutorState& state);
   void send(const ExecutionResult& result);
-  bool send(const ExecutedRun& run);  // false: whoever learns from it is too slow
+  bool send(const ExecutedRun& run);  // false: a reader is too slow
   void send(const ArmDrift& drift);
 
-  // Waits until results and runs have been taken, at most so long for each.
+  // Waits until results and runs have been received, at most for the timeout each.
   void flush(std::chrono::nanoseconds timeout) const {
     (void)results_.flush(timeout.count());
     if (runs_) (void)runs_->flush(timeout.count());

@@ -1,4 +1,4 @@
-// What executors say of themselves, each by itself: two may speak for one robot.
+// The states that executors publish, separately for each executor, because two may claim one robot.
 #pragma once
 
 #include <optional>
@@ -14,7 +14,7 @@ namespace fjr::dds {
 
 class ExecutorStates {
  public:
-  using Source = dds_instance_handle_t;  // of the writer
+  using Source = dds_instance_handle_t;  // identifies the writer
 
   struct Heard {
     Source source;
@@ -26,9 +26,9 @@ class ExecutorStates {
   dds_entity_t arrived() const { return reader_.arrived(); }
   std::vector<Heard> take();
   bool there(Source source) const { return peer(source).has_value(); }
-  std::optional<Discovery::Key> peer(Source source) const;  // nothing: it is gone
+  std::optional<Discovery::Key> peer(Source source) const;  // nothing if it is gone
 
-  // Who has a writer for this robot's states, whether it has written or not.
+  // Returns the participants that have a writer for this robot's states, even if they have not written any.
   std::vector<Discovery::Key> announced(const std::string& robot_id) const;
 
  private:

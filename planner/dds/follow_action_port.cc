@@ -244,7 +244,7 @@ void FollowActionPort::publish_status(const std::vector<GoalRecord>& goals) {
   }
   GoalStatusArray message{};
   list_of_items(message.status_list_, statuses);
-  (void)status_.write(message);  // the next one says it too
+  (void)status_.write(message);  // if it is lost, the next one repeats it
 }
 
 void FollowActionPort::publish_feedback(const GoalId& id, const FollowFeedback& feedback, std::int64_t now_ns) {

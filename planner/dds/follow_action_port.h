@@ -65,7 +65,7 @@ struct TopicOf<FeedbackMessage> {
 template <>
 struct TopicOf<FeedbackMessage63> {
   static constexpr const char* kName = "feedback";
-  static const dds_topic_descriptor_t* descriptor();  // by the name of the one above
+  static const dds_topic_descriptor_t* descriptor();  // has the name of the type above
   static Qos qos() { return TopicOf<FeedbackMessage>::qos(); }
 };
 
@@ -99,10 +99,10 @@ class FollowActionPort {
   // action: its full name, as in /arm/follow_joint_trajectory. with_indices: feedback as of control_msgs 6.3.
   FollowActionPort(Participant participant, const std::string& action, bool with_indices);
 
-  void wait(std::chrono::nanoseconds timeout);  // less while an answer waits for its reader
+  void wait(std::chrono::nanoseconds timeout);  // waits less while a response waits for its reader
   void wake() const { waitset_.wake(); }        // from any thread
 
-  // At most so many as are looked at in one turn; the rest stays for the next.
+  // Returns a bounded number of goals; the rest stays for the next call.
   std::vector<GoalRequest> take_goals();
   std::vector<CancelRequest> take_cancels();
   std::vector<ResultRequest> take_result_requests();

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kTakenAtOnce = 64;
 
-// Null: it is the type, which is counted among the policies.
+// Returns the name of a policy; null for the type, which DDS counts among the policies.
 const char* policy_name(std::uint32_t id) {
   switch (id) {
     case DDS_DURABILITY_QOS_POLICY_ID:
@@ -42,7 +42,7 @@ const char* policy_name(std::uint32_t id) {
   }
 }
 
-// Of the last endpoint whose quality of service did not go with ours.
+// Returns the policy because of which the last incompatible endpoint did not match ours.
 const char* policy_in_the_way(dds_entity_t ours, Side side) {
   if (side == Side::kReaders) {
     dds_offered_incompatible_qos_status_t status;
@@ -56,7 +56,7 @@ const char* policy_in_the_way(dds_entity_t ours, Side side) {
   return nullptr;
 }
 
-// The types of all endpoints of the topic that are known on the domain.
+// Returns the types of all endpoints of the topic that are known on the domain.
 std::vector<std::string> types_of(const Participant& participant, Side side, const std::string& topic) {
   const dds_entity_t all =
       side == Side::kReaders ? DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION : DDS_BUILTIN_TOPIC_DCPSPUBLICATION;

@@ -1,4 +1,4 @@
-// Why endpoints of the same topic do not meet.
+// Explains why endpoints of the same topic do not match.
 #pragma once
 
 #include <optional>
@@ -10,8 +10,8 @@ namespace fjr::dds {
 
 enum class Side { kReaders, kWriters };
 
-// One sentence on a reader or writer of `topic`, found on the domain, that cannot talk to ours, which is `ours` and of
-// type `type`; nothing when there is no such one.
+// Returns a sentence about a reader or writer of `topic` on the domain that does not match our endpoint `ours` of type
+// `type`, or nothing if there is none.
 std::optional<std::string> incompatibility(const Participant& participant, Side side, const std::string& topic,
                                            const std::string& type, dds_entity_t ours);
 

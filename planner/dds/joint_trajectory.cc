@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::int64_t kNanoseconds = 1'000'000'000;
 
-// What one point's four lists point to.
+// The values that the four lists of one point refer to.
 struct Point {
   Joints<double> q, dq, ddq, torque;
 };
@@ -55,7 +55,7 @@ void JointTrajectoryWriter::send(const TrajectoryOrder& order) {
   message.joint_names_._buffer = names.data();
   message.points_._length = message.points_._maximum = static_cast<std::uint32_t>(points.size());
   message.points_._buffer = points.data();
-  (void)writer_.write(message);  // a slow tool misses one
+  (void)writer_.write(message);  // a slow reader may miss one
 }
 
 }  // namespace fjr::dds

@@ -20,7 +20,7 @@ LeasePort::LeasePort(const Participant& participant, Waitset& waitset)
   waitset.attach(results_.arrived());
 }
 
-// Those that wait for their readers, which is up to a second, wait at the same time.
+// Deleting a writer waits up to 1 s for its readers. Those that have to wait are deleted concurrently.
 LeasePort::~LeasePort() {
   std::vector<std::jthread> waiting;
   while (!workers_.empty()) forgotten_.push_back(workers_.extract(workers_.begin()));
@@ -51,7 +51,7 @@ std::vector<WorkResult> LeasePort::take_results() {
 
 void LeasePort::meet(const WorkerId& worker) { workers_.try_emplace(worker, participant_, worker); }
 
-// Deleting a writer whose reader lacks something would wait for the reader.
+// Only a writer whose reader has received everything is deleted, because otherwise deleting waits for the reader.
 void LeasePort::forget(const WorkerId& worker) {
   if (auto node = workers_.extract(worker)) forgotten_.push_back(std::move(node));
   std::erase_if(forgotten_, [](const auto& gone) { return gone.mapped().leases.flush(0); });

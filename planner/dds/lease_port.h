@@ -1,4 +1,4 @@
-// The owner's side of work that others do: offers and results come in, leases go out.
+// The owner's side of the protocol with workers: receives offers and results, sends leases.
 #pragma once
 
 #include <map>
@@ -14,27 +14,27 @@ namespace fjr::dds {
 
 class LeasePort {
  public:
-  // What comes ends the waits of `waitset`, which must outlive this.
+  // Incoming messages wake up `waitset`, which must outlive this object.
   LeasePort(const Participant& participant, Waitset& waitset);
   ~LeasePort();
   LeasePort(const LeasePort&) = delete;
   LeasePort& operator=(const LeasePort&) = delete;
 
   struct Offer {
-    WorkerOffer offer;  // of one that is gone only the worker
+    WorkerOffer offer;  // only the worker's id is set if it is gone
     bool alive = false;
   };
   std::vector<Offer> take_offers();  // the latest word of each
   std::vector<WorkResult> take_results();
 
-  // Meets a worker: leases can be sent once it is reachable, which takes milliseconds.
+  // Creates a writer for a worker. Leases can be sent once the worker has discovered it, which takes milliseconds.
   void meet(const WorkerId& worker);
   void forget(const WorkerId& worker);
   bool knows(const WorkerId& worker) const { return workers_.contains(worker); }
   bool reachable(const WorkerId& worker) const;
   bool send(const WorkerId& worker, const LeaseWord& word);  // false: it is not reachable, or too slow
 
-  // Waits until the workers have heard everything, at most so long.
+  // Waits until the workers have received everything, at most for the timeout.
   void flush(std::chrono::nanoseconds timeout) const;
 
  private:

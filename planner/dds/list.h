@@ -19,7 +19,7 @@ namespace fjr::dds {
 inline void set_pair(double (&to)[2], const std::array<double, 2>& from) { std::copy(from.begin(), from.end(), to); }
 inline Joints<double> pair_of(const double (&from)[2]) { return {from[0], from[1]}; }
 
-// The wire's lists are not const, and only read when written.
+// Makes a list of the wire from const data. The lists are not const, but writing only reads them.
 template <class List, class T>
 void point_to(List& list, const T* data, std::size_t size, std::size_t most) {
   if (size > most) throw std::length_error("more than the wire type allows");
@@ -27,7 +27,7 @@ void point_to(List& list, const T* data, std::size_t size, std::size_t most) {
   list._buffer = reinterpret_cast<decltype(list._buffer)>(const_cast<T*>(data));
 }
 
-// The other way: items have the layout of the list's elements.
+// Copies a list of the wire; the items must have the layout of the list's elements.
 template <class List, class Items>
 void copy_list(const List& from, Items& to) {
   static_assert(sizeof(*from._buffer) == sizeof(to[0]) && std::is_trivially_copyable_v<typename Items::value_type>);

@@ -1,5 +1,5 @@
-// Who listens for replies: the partitions of the reliable readers of fjr/plan_reply. Standbys overhear replies without
-// reliability, and do not count.
+// Tracks which clients listen for replies, by the partitions of the reliable readers of fjr/plan_reply. Standbys read
+// replies without reliability and do not count.
 #pragma once
 
 #include <dds/dds.h>
@@ -21,10 +21,10 @@ class Listeners {
 
   dds_entity_t changed() const { return changed_.handle(); }  // for a waitset
 
-  // Takes notice of who has come and gone; true: somebody has.
+  // Updates the readers; returns whether any has come or gone.
   bool look();
 
-  bool any(const std::string& partition) const;  // somebody listens there
+  bool any(const std::string& partition) const;  // whether there is a reader in this partition
 
  private:
   using Key = std::array<std::uint8_t, 16>;

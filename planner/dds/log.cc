@@ -19,7 +19,7 @@ void write_line(void* sink, const dds_log_data_t* data) {
   static_cast<LogSink*>(sink)->write(text, (data->priority & (DDS_LC_ERROR | DDS_LC_FATAL)) != 0);
 }
 
-// Packets and samples that cannot be taken apart.
+// Returns whether the line is about packets or samples that cannot be decoded.
 bool about_malformed(std::string_view line) {
   return line.find("malformed packet") != line.npos || line.find("deserialization") != line.npos;
 }

@@ -1,4 +1,4 @@
-// What DDS itself has to say, in the program's log.
+// Redirects the messages of DDS to the program's log.
 #pragma once
 
 #include <condition_variable>
@@ -11,8 +11,9 @@
 
 namespace fjr::dds {
 
-// As long as it lives, lines of DDS go to the program's log: a few a second at most, for others can cause one with
-// every message they send. Packets that are none are counted, and told once a second. To be made before DDS is used.
+// While it exists, lines of DDS go to the program's log. Their rate is limited, because other participants could cause
+// one with every message. Malformed packets are counted and reported once a second. It must be created before DDS is
+// used.
 class LogSink {
  public:
   LogSink();

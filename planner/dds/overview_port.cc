@@ -8,7 +8,8 @@
 
 namespace fjr::dds {
 
-// Executors speak a thousand times a second: they are looked at when something else has ended the wait.
+// States of executors, which come a thousand times a second, do not end the wait. They are read when something else
+// does.
 OverviewPort::OverviewPort(Participant participant)
     : participant_(std::move(participant)),
       waitset_(participant_),

@@ -1,4 +1,5 @@
-// The side of the protocol of who only looks: no writers, so that DDS Security lets an observer have it.
+// The protocol side of observers. It has no writers, so that DDS Security can permit it to participants that may only
+// read.
 #pragma once
 
 #include <chrono>

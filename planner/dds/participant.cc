@@ -29,7 +29,7 @@ Entity loopback_domain(unsigned domain) {
   return Entity(dds_create_domain(domain, uri.c_str()), "domain");
 }
 
-// A process configures a domain once, and it must outlive all its participants.
+// Returns the domain, which a process can configure only once and which must outlive all its participants.
 std::shared_ptr<Entity> shared_domain(unsigned domain) {
   if (configured_by_user()) return nullptr;
   static std::mutex mutex;

@@ -1,4 +1,4 @@
-// Taking part in a DDS domain, and what everything else is made from.
+// A participant in a DDS domain, from which all other entities are created.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@
 
 namespace fjr::dds {
 
-// Applies the shipped loopback configuration unless CYCLONEDDS_URI says otherwise. With credentials (credentials.h)
-// only participants with credentials of the same authorities are met.
+// Applies the shipped loopback configuration unless CYCLONEDDS_URI is set. With credentials (credentials.h), only
+// participants with credentials of the same authorities are discovered.
 class Participant {
  public:
   explicit Participant(unsigned domain, const std::filesystem::path& credentials = credentials_from_environment());
@@ -22,14 +22,14 @@ class Participant {
   dds_entity_t handle() const { return participant_.handle(); }
   bool secured() const { return secured_; }  // takes part with credentials
 
-  // name: where it is not the same for all.
+  // name: of the topic, if it is not the same for all topics of this type.
   template <class T>
   Entity topic(const char* name = TopicOf<T>::kName) const {
     using Topic = TopicOf<T>;
     return Entity(dds_create_topic(handle(), Topic::descriptor(), name, Topic::qos().get(), nullptr), name);
   }
 
-  // Groups: readers and writers made from these only meet within the partition.
+  // Return a publisher or subscriber whose writers or readers only match within the partition.
   Entity publisher(const std::string& partition) const {
     return Entity(dds_create_publisher(handle(), Qos().partition(partition).get(), nullptr), "publisher");
   }
@@ -43,8 +43,8 @@ class Participant {
   Entity participant_;
 };
 
-// For every program that moves or stops an arm, or has it moved or stopped: throws InputError when others on a network
-// could do so without saying who they are, unless that is allowed.
+// Returns the participant for programs that move or stop an arm, directly or by requests. Throws InputError if
+// anonymous participants on the network could do so as well, unless that is allowed explicitly.
 Participant guarded_participant(const Network& network);
 
 }  // namespace fjr::dds

@@ -1,4 +1,4 @@
-// Readers and writers that credentials made for an earlier version may not permit.
+// Creates readers and writers of topics that credentials for an earlier version may not permit.
 #pragma once
 
 #include <spdlog/spdlog.h>
@@ -9,8 +9,8 @@
 
 namespace fjr::dds {
 
-// One of that participant, or nothing, with a line in the log, where DDS Security does not let it have that topic.
-// Endpoint: a Reader or a Writer of a type; qos: what it takes beside its parent.
+// Returns an endpoint of the participant, or nothing (with a line in the log) if DDS Security does not permit the
+// topic. Endpoint: a Reader or a Writer of a type; qos: further arguments of its constructor.
 template <class Endpoint, class... Qos>
 std::optional<Endpoint> if_permitted(const Participant& participant, const char* topic, const Qos&... qos) {
   try {

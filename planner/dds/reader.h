@@ -1,4 +1,4 @@
-// Taking samples of one type.
+// A reader that takes samples of one type.
 #pragma once
 
 #include <array>
@@ -24,14 +24,14 @@ class Reader {
   dds_entity_t handle() const { return reader_.handle(); }
   dds_entity_t arrived() const { return arrived_.handle(); }  // for a waitset
 
-  // Calls use(sample, info) for everything that is there; without valid data (info.valid_data) only the key is.
+  // Calls use(sample, info) for every sample. If info.valid_data is false, only the key fields are set.
   template <class Use>
   void take_all(Use&& use) {
     while (take_some(use) == kMost) {
     }
   }
 
-  // The same for about `most`; what is left keeps arrived() triggered.
+  // Calls use(sample, info) for about `most` samples; while some are left, arrived() stays triggered.
   template <class Use>
   void take_at_most(std::size_t most, Use&& use) {
     for (std::size_t taken = 0; taken < most;) {
@@ -41,7 +41,7 @@ class Reader {
     }
   }
 
-  // The publications that are matched, as in dds_sample_info_t.
+  // Returns the handles of matched publications, as in dds_sample_info_t.
   std::vector<dds_instance_handle_t> writers() const {
     std::vector<dds_instance_handle_t> handles(16);
     for (;;) {
@@ -53,7 +53,7 @@ class Reader {
     }
   }
 
-  // Whose publication it is; nothing: it is gone.
+  // Returns the participant of a publication, or nothing if it is gone.
   std::optional<dds_instance_handle_t> participant_of(dds_instance_handle_t publication) const {
     dds_builtintopic_endpoint_t* endpoint = dds_get_matched_publication_data(reader_.handle(), publication);
     if (endpoint == nullptr) return std::nullopt;
@@ -69,7 +69,8 @@ class Reader {
   }
 
  private:
-  // A loan smaller than an earlier one of the same reader is written beyond its end: there is one size, this one.
+  // All loans have the same size, because Cyclone DDS writes beyond the end of a loan that is smaller than an earlier
+  // one of the same reader.
   static constexpr std::size_t kMost = 16;
 
   struct Loan {

@@ -9,9 +9,9 @@ namespace {
 
 using MatchedEndpoint = std::unique_ptr<dds_builtintopic_endpoint_t, void (*)(dds_builtintopic_endpoint_t*)>;
 
-constexpr std::size_t kMostClients = 1024;  // of one service that are looked through
+constexpr std::size_t kMostClients = 1024;  // largest number of clients of one service that is searched
 
-// The value of `clientid` in "key=value;key=value;"; empty: there is none.
+// Returns the value of `clientid` in "key=value;key=value;"; empty if there is none.
 std::string client_id_of(const MatchedEndpoint& endpoint) {
   void* data = nullptr;
   std::size_t size = 0;

@@ -1,5 +1,6 @@
-// A service of ROS 2 as rmw_cyclonedds_cpp has it: requests on rq/<name>Request, responses on rr/<name>Reply, each with
-// the client's 64-bit number and its count before it. Every client reads all responses and takes its own.
+// A ROS 2 service as implemented by rmw_cyclonedds_cpp: requests on rq/<name>Request and responses on rr/<name>Reply,
+// each preceded by the client's 64-bit number and a sequence number. Every client reads all responses and picks its
+// own.
 #pragma once
 
 #include <chrono>
@@ -14,8 +15,8 @@
 
 namespace fjr::dds {
 
-// Reader and writer of a service, and those of a client, have an id in common in their user data: `serviceid=...;`,
-// `clientid=...;` (rmw_node.cpp, rmw_init_cs).
+// Returns the user data that the reader and the writer of a service, or those of a client, have in common:
+// `serviceid=...;` or `clientid=...;` (rmw_node.cpp, rmw_init_cs).
 std::string ros2_user_data(const std::string& key, const std::string& id);
 
 struct Ros2Call {
@@ -26,8 +27,8 @@ struct Ros2Call {
 
 enum class CallerPresence { kReads, kMayComeToRead, kGone };
 
-// Whether the client's reader of responses is met: what is written before that is lost to it. One without an id, as of
-// the first versions, is taken to be there.
+// Returns whether the client's reader of responses has been discovered; a response written before that would be lost. A
+// client without an id, as of the first versions, is assumed to be there.
 CallerPresence presence_of(const Ros2Call& call, dds_entity_t requests, dds_entity_t responses);
 
 template <class Request, class Response>
@@ -49,18 +50,18 @@ class Ros2Service {
     });
   }
 
-  // As soon as the client can read it, for as long as rmw_send_response waits for that.
+  // Sends a response as soon as the client can read it; gives up after the same time as rmw_send_response.
   void respond(const Ros2Call& call, Write write) {
     if (waiting_.size() == kMostWaiting) waiting_.pop_front();
     waiting_.push_back({call, Clock::now() + kPatience, std::move(write)});
     look();
   }
 
-  // Writes what can be written; true: something still waits.
+  // Writes the responses that can be written; returns whether some still wait.
   bool look() {
     std::erase_if(waiting_, [this](Waiting& one) {
       const CallerPresence presence = presence_of(one.call, requests_.handle(), responses_.handle());
-      if (presence == CallerPresence::kReads) (void)one.write(responses_);  // who does not take it asks again
+      if (presence == CallerPresence::kReads) (void)one.write(responses_);  // a client that misses it asks again
       return presence != CallerPresence::kMayComeToRead || Clock::now() > one.until;
     });
     return !waiting_.empty();
@@ -78,7 +79,8 @@ class Ros2Service {
   static constexpr std::size_t kMostWaiting = 64;
   static constexpr std::chrono::milliseconds kPatience{100};
 
-  // Of reader and writer; what DDS compares is as in rmw_qos_profile_services_default; depths and waits are our own.
+  // Returns the quality of service of reader and writer. The policies that DDS compares are those of
+  // rmw_qos_profile_services_default; depths and waiting times are our own.
   static Qos service_qos(const std::string& id) {
     return std::move(Qos().reliable(DDS_MSECS(5)).keep_last(64).user_data(ros2_user_data("serviceid", id)));
   }

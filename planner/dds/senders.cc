@@ -29,7 +29,7 @@ Origin of_its_own(dds_instance_handle_t writer) {
   return origin;
 }
 
-// Whether anybody has come or gone since the last call.
+// Returns whether a writer has come or gone since the last call.
 bool changed(dds_entity_t reader) {
   dds_subscription_matched_status_t status;
   checked(dds_get_subscription_matched_status(reader, &status), "subscription matched");
@@ -60,7 +60,7 @@ Origin Senders::origin(dds_entity_t reader, dds_instance_handle_t writer) {
 }
 
 void Senders::look(const std::vector<dds_entity_t>& readers) {
-  // Every reader is asked, for asking resets its status.
+  // Every reader is queried, because the query resets its status.
   if (std::count_if(readers.begin(), readers.end(), changed) == 0) return;
   std::map<dds_instance_handle_t, Origin> writers;
   present_.clear();

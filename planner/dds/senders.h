@@ -1,4 +1,4 @@
-// Who writes requests: the DDS participants behind the writers that the service's readers have met.
+// Tracks the DDS participants that send requests, by the writers matched to the service's readers.
 #pragma once
 
 #include <dds/dds.h>
@@ -13,13 +13,14 @@ namespace fjr::dds {
 
 class Senders {
  public:
-  // Of a sample that `reader` took, by its publication handle. A writer that is gone by now is a sender of its own.
+  // Returns the participant that sent a sample, by its publication handle. A writer that is already gone counts as a
+  // participant of its own.
   Origin origin(dds_entity_t reader, dds_instance_handle_t writer);
 
-  // Takes notice of who has left the readers.
+  // Updates which participants are no longer matched to the readers.
   void look(const std::vector<dds_entity_t>& readers);
 
-  // Until its end, or the lease of its participant, is noticed.
+  // Returns true until DDS notices that the participant has ended or its lease has expired.
   bool present(const Origin& origin) const { return present_.contains(origin); }
 
  private:

@@ -13,10 +13,10 @@ namespace {
 
 constexpr std::size_t kAtOnce = 128;  // requests taken before the service looks at anything else
 
-// A standby only listens: without acknowledgements it cannot hold up the owner's replies, whatever becomes of it.
+// A standby reads replies without acknowledging them, so that it cannot delay the owner's replies.
 Qos overheard() { return std::move(Qos().best_effort().keep_last(64).ignore_own()); }
 
-// What is acknowledged must not be overwritten before it is taken, which happens at once.
+// Relayed requests are acknowledged, so they must not be overwritten before they are read (keep_all).
 Qos relayed_by_others() { return std::move(TopicOf<fjr_msg_RelayedRequest>::qos().keep_all().ignore_own()); }
 
 Qos of_others() { return std::move(TopicOf<fjr_msg_PlannerStatus>::qos().ignore_own()); }
@@ -49,7 +49,8 @@ ServicePort::ServicePort(Participant participant)
   waitset_.attach(clients_.changed());
 }
 
-// Clients look for the last of these readers: who sees it can cancel requests, and ask for everything.
+// Clients wait for the last of these readers. Once they have discovered it, they can send every kind of request and
+// cancellation.
 void ServicePort::open() {
   const auto listen = [&](auto& reader) {
     reader.emplace(participant_, participant_.handle());
@@ -165,7 +166,7 @@ std::vector<ExecutedRun> ServicePort::take_runs() {
 
 void ServicePort::send(const ServiceStatus& status) { (void)status_.write(encode(status)); }
 
-// Executors meet them in this order, and take the second only from those who have not the first.
+// Executors discover the writers in this order, and read the second topic only from participants without the first.
 void ServicePort::own(std::uint64_t epoch) {
   disown();
   trajectories_2_.emplace(participant_, participant_.handle(), of_owner(epoch));

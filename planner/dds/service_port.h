@@ -23,20 +23,20 @@ class ServicePort {
  public:
   explicit ServicePort(Participant participant);
 
-  // Until something arrives, wake() is called (from any thread) or the time is over. The executor's states, a thousand
-  // a second, and other instances' replies do not end the wait.
+  // Waits until something arrives, wake() is called (from any thread) or the timeout is over. The executor's states, a
+  // thousand per second, and other instances' replies do not end the wait.
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
   void wake() const { waitset_.wake(); }
 
-  // From now on requests and cancellations are heard.
+  // Begins to receive requests and cancellations.
   void open();
   bool is_open() const { return plan_requests_.has_value(); }
 
-  // A part of what has come, so that a flood leaves time for everything else.
+  // Returns a bounded number of requests, so that a flood of them leaves time for everything else.
   std::vector<Order> take_requests();
   struct Cancel {
     RequestId id;
-    std::optional<std::string> robot_id;  // none: its sender could not say, being of an earlier version
+    std::optional<std::string> robot_id;  // empty if sent by an earlier version
     Origin origin{};
   };
   std::vector<Cancel> take_cancels();
@@ -46,7 +46,7 @@ class ServicePort {
   void relay(const Relayed& relayed) { (void)relayed_.write(encode(relayed)); }  // they may have it already
   void flush_relayed(std::chrono::nanoseconds timeout) const { (void)relayed_.flush(timeout.count()); }
 
-  // Whether a writer of requests of that participant is here.
+  // Returns whether a writer of requests of that participant exists.
   bool present(const Origin& origin) const { return senders_.present(origin); }
   void look_for_senders();  // takes notice of who has left
 
@@ -59,12 +59,12 @@ class ServicePort {
   struct Executor {
     ExecutorState state;  // of one that is gone only the robot
     bool alive = false;
-    ExecutorStates::Source source = 0;  // two may speak for one robot
+    ExecutorStates::Source source = 0;  // distinguishes two executors that claim one robot
   };
   std::vector<Executor> take_executors();
   std::vector<ExecutionResult> take_results();  // of trajectories that were executed or refused
-  std::vector<ArmDrift> take_drifts();          // what executors say of their arms, of any robot
-  std::vector<ExecutedRun> take_runs();         // likewise of what has moved them
+  std::vector<ArmDrift> take_drifts();          // drift reports of executors of any robot
+  std::vector<ExecutedRun> take_runs();         // logged runs of executors of any robot
 
   const Participant& participant() const { return participant_; }
   Waitset& waitset() { return waitset_; }
@@ -75,7 +75,7 @@ class ServicePort {
   void own(std::uint64_t epoch);
   void disown();
   bool send(const TrajectoryOrder& order);                       // to the executor; false: it is too slow
-  bool learnt_are_taken(ExecutorStates::Source executor) const;  // orders that are `learnt`, by that one
+  bool learnt_are_taken(ExecutorStates::Source executor) const;  // whether that executor accepts learnt trajectories
 
  private:
   Participant participant_;

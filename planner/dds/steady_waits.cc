@@ -26,7 +26,7 @@ timespec steady_instant(dds_duration_t from_now) {
 
 extern "C" {
 
-// False: the time is over.
+// Returns false if the time is over.
 bool ddsrt_cond_waitfor(ddsrt_cond_t* condition, ddsrt_mutex_t* mutex, dds_duration_t duration) {
   if (duration == DDS_INFINITY) {
     ddsrt_cond_wait(condition, mutex);
@@ -38,7 +38,7 @@ bool ddsrt_cond_waitfor(ddsrt_cond_t* condition, ddsrt_mutex_t* mutex, dds_durat
   return error == 0;
 }
 
-// `instant` of the wall clock, as far away as it is now.
+// Waits until an instant of the wall clock, converted to the time that is left now.
 bool ddsrt_cond_waituntil(ddsrt_cond_t* condition, ddsrt_mutex_t* mutex, dds_time_t instant) {
   return ddsrt_cond_waitfor(condition, mutex, instant == DDS_NEVER ? DDS_INFINITY : instant - dds_time());
 }
@@ -47,9 +47,9 @@ bool ddsrt_cond_waituntil(ddsrt_cond_t* condition, ddsrt_mutex_t* mutex, dds_tim
 
 namespace fjr::dds {
 
-// Looked up once. A plugin of DDS Security is loaded for everybody to see, and with it the library that it is linked
-// to: to a module of Python the library's own functions come first from then on. By then the library's calls are bound,
-// for Debian links it to have that done when it is loaded.
+// The functions are looked up only once. A plugin of DDS Security is loaded with global symbols, and with it the
+// library it is linked to; from then on a Python module would find the library's own functions first. By then the calls
+// within the library are bound already, because Debian links it so that this happens when it is loaded.
 void require_steady_waits() {
   const auto in_place = [](const char* name, auto* function) {
     return ::dlsym(RTLD_DEFAULT, name) == reinterpret_cast<void*>(function);

@@ -1,4 +1,4 @@
-// Bounded strings of the wire, which nothing obliges to end with a zero, nor to hold what can be shown.
+// Bounded strings of the wire, which need not end with a zero and may contain unprintable characters.
 #pragma once
 
 #include <algorithm>
@@ -10,19 +10,20 @@
 
 namespace fjr::dds {
 
-// As it was sent; for what is read by programs.
+// Returns the text as it was sent, for use by programs.
 template <std::size_t N>
 std::string raw_text_of(const char (&bounded)[N]) {
   return std::string(bounded, ::strnlen(bounded, N));
 }
 
-// Fit for logs and terminals: whatever comes from others is so from here on.
+// Returns the text in a form that is safe for logs and terminals. All text from other participants is converted this
+// way.
 template <std::size_t N>
 std::string text_of(const char (&bounded)[N]) {
   return printable(raw_text_of(bounded));
 }
 
-// Cut to what fits, never within a UTF-8 character.
+// Copies a text, truncated to the size of the field but never within a UTF-8 character.
 template <std::size_t N>
 void set_text(char (&bounded)[N], std::string_view text) {
   std::size_t length = std::min(text.size(), N - 1);

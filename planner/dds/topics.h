@@ -56,9 +56,9 @@ struct TopicOf<fjr_msg_RelayedRequest> {
   static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(0)).keep_last(256)); }
 };
 
-// One writer per client, in the client's own partition: with a shared one a stalled client costs the others replies.
-// Nothing is overwritten before the client has it, and nobody waits for a slow one: what finds no room is kept by the
-// service and tried again (outbox.h).
+// There is one writer per client in the client's own partition, because with a shared writer a stalled client would
+// delay the replies to others. Replies are not overwritten before the client has them, and the writer does not block:
+// replies that find no room are kept by the service and tried again (outbox.h).
 template <>
 struct TopicOf<fjr_msg_PlanReply> {
   static constexpr const char* kName = "fjr/plan_reply";
@@ -76,7 +76,7 @@ struct TopicOf<fjr_msg_PlanStatus> {
   static Qos qos() { return std::move(Qos().best_effort().keep_last(1)); }
 };
 
-// Asserted by the thread that does the work, so that a service that hangs is noticed like one that is gone.
+// Liveliness is asserted by the working thread, so that a service that hangs is noticed like one that has ended.
 template <>
 struct TopicOf<fjr_msg_PlannerStatus> {
   static constexpr const char* kName = "fjr/planner_status";
@@ -86,8 +86,9 @@ struct TopicOf<fjr_msg_PlannerStatus> {
   }
 };
 
-// A restarted executor gets the latest; of two owners the stronger counts. Several published within a moment do not
-// overwrite each other, for each is to get a result: 64 take up to 190 MB, and 6 s to be planned.
+// A restarted executor gets the latest trajectory, and of two owners the one with the higher ownership strength counts.
+// The history is deep enough that trajectories published in quick succession do not overwrite each other, because each
+// must get a result. 64 of them take up to 190 MB, and at least 6 s to be planned.
 template <>
 struct TopicOf<fjr_msg_Trajectory> {
   static constexpr const char* kName = "fjr/trajectory";
@@ -125,8 +126,8 @@ struct TopicOf<fjr_msg_ExecutorCommand> {
   static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(100)).keep_last(16)); }
 };
 
-// Telemetry: the latest wins. Two executors of one robot write the same instance by turns: so many are kept that both
-// are found there.
+// Telemetry, of which the latest counts. Two executors of one robot write the same instance alternately; the history is
+// deep enough to contain states of both.
 template <>
 struct TopicOf<fjr_msg_ExecutorState> {
   static constexpr const char* kName = "fjr/executor_state";
@@ -145,8 +146,8 @@ struct TopicOf<fjr_msg_ExecutionResult> {
   }
 };
 
-// A service that joins, or is started again, goes on learning from them: of motions that take turns the last run of
-// each counts. A motion of a second takes 130 kB.
+// Runs are kept for services that join or restart, which continue to learn from them. For motions that are executed in
+// turn, the last run of each is needed. A motion of 1 s takes 130 kB.
 template <>
 struct TopicOf<fjr_msg_ExecutedRun> {
   static constexpr const char* kName = "fjr/executed_run";
@@ -156,7 +157,7 @@ struct TopicOf<fjr_msg_ExecutedRun> {
   }
 };
 
-// The latest counts, for whoever comes too.
+// Only the latest report counts, also for late joiners.
 template <>
 struct TopicOf<fjr_msg_ArmDrift> {
   static constexpr const char* kName = "fjr/arm_drift";
@@ -164,7 +165,7 @@ struct TopicOf<fjr_msg_ArmDrift> {
   static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(5)).transient_local().keep_last(1)); }
 };
 
-// A worker's heartbeat. Who joins hears of it at once.
+// A worker's heartbeat. Late joiners get the last one at once.
 template <>
 struct TopicOf<fjr_msg_WorkerOffer> {
   static constexpr const char* kName = "fjr/worker_offer";
@@ -172,8 +173,8 @@ struct TopicOf<fjr_msg_WorkerOffer> {
   static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(5)).transient_local().keep_last(1)); }
 };
 
-// One writer per worker, in the worker's own partition: a worker that is stuck costs the others nothing. What it has
-// not heard when its lease runs out is granted to somebody else.
+// There is one writer per worker in the worker's own partition, so that a stuck worker does not delay others. A job
+// whose lease expires is granted to another worker.
 template <>
 struct TopicOf<fjr_msg_WorkLease> {
   static constexpr const char* kName = "fjr/work_lease";
@@ -181,7 +182,7 @@ struct TopicOf<fjr_msg_WorkLease> {
   static Qos qos() { return std::move(Qos().reliable(DDS_MSECS(0)).keep_all()); }
 };
 
-// Said again until it is taken; so an owner that is stuck keeps nobody waiting.
+// A worker repeats a result until it is taken, so that its writer need not block for a stuck owner.
 template <>
 struct TopicOf<fjr_msg_WorkResult> {
   static constexpr const char* kName = "fjr/work_result";

@@ -1,4 +1,4 @@
-// Sleeping until something happens: samples, or a word from another thread.
+// Waits until samples arrive or another thread calls wake().
 #pragma once
 
 #include <chrono>
@@ -24,7 +24,7 @@ class Waitset {
     checked(dds_take_guardcondition(guard_.handle(), &woken), "guard condition");
   }
 
-  // From any thread: ends the wait, or the next one.
+  // Ends the current wait or, if there is none, the next one. May be called from any thread.
   void wake() const { dds_set_guardcondition(guard_.handle(), true); }
 
  private:

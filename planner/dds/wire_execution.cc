@@ -11,11 +11,11 @@
 namespace fjr::dds {
 namespace {
 
-// A stop of the wire and a StopMotion are the same fourteen doubles in the same order.
+// A stop motion on the wire has the same memory layout as StopMotion: fourteen doubles in the same order.
 static_assert(sizeof(fjr_msg_StopMotion) == sizeof(StopMotion) && std::is_trivially_copyable_v<StopMotion>);
 static_assert(offsetof(fjr_msg_StopMotion, free) == offsetof(StopMotion, free));
 
-// Likewise eleven doubles of a tick.
+// Likewise for a tick: eleven doubles.
 static_assert(sizeof(fjr_msg_ExecutedRow) == sizeof(ExecutedRow) && std::is_trivially_copyable_v<ExecutedRow>);
 static_assert(offsetof(fjr_msg_ExecutedRow, planned_theta) == offsetof(ExecutedRow, planned_theta));
 

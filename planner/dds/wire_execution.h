@@ -10,7 +10,7 @@
 
 namespace fjr::dds {
 
-// Points into `order`, which must outlive the message; nothing is copied.
+// The message points into `order`, which must outlive it; nothing is copied.
 fjr_msg_Trajectory encode(const TrajectoryOrder& order);
 TrajectoryOrder decode(const fjr_msg_Trajectory& message);
 fjr_msg_Trajectory2 encode_2(const TrajectoryOrder& order);
@@ -32,7 +32,7 @@ struct WireResult {
 WireResult encode(const ExecutionResult& result);
 ExecutionResult decode(const fjr_msg_ExecutionResult& message);
 
-// Points into `run`, as above.
+// The message points into `run`, as above.
 fjr_msg_ExecutedRun encode(const ExecutedRun& run);
 ExecutedRun decode(const fjr_msg_ExecutedRun& message);
 

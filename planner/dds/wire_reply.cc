@@ -10,7 +10,7 @@
 namespace fjr::dds {
 namespace {
 
-// A row of the wire and a sample are the same eleven doubles in the same order.
+// A row on the wire has the same memory layout as Sample: eleven doubles in the same order.
 static_assert(sizeof(fjr_msg_Row) == sizeof(Sample) && std::is_trivially_copyable_v<Sample>);
 static_assert(offsetof(fjr_msg_Row, tau) == offsetof(Sample, torque));
 static_assert(kMaxRows == fjr_msg_MAX_ROWS);

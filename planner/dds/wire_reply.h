@@ -7,10 +7,10 @@
 
 namespace fjr::dds {
 
-// Points into `reply`, which must outlive the message; nothing is copied.
+// The message points into `reply`, which must outlive it; nothing is copied.
 fjr_msg_PlanReply encode(const Reply& reply);
 
-// A reply of SOLVED without a trajectory, or with numbers that are not finite, has failed: kNoTrajectory.
+// A reply SOLVED without a trajectory, or with numbers that are not finite, is decoded as a failure with kNoTrajectory.
 Reply decode(const fjr_msg_PlanReply& message);
 
 fjr_msg_PlanStatus encode(const ProgressReport& report);

@@ -23,7 +23,7 @@ struct WireRequest {
 fjr_msg_RequestId encode(const RequestId& id);
 RequestId decode(const fjr_msg_RequestId& id);
 
-// Where a message of an earlier type, const or not, has a term's weight; null for terms that came after it.
+// Returns the field of a message of an earlier type for the weight of a term; null if the type does not have the term.
 template <class Message>
 auto weight_in(Message& message, std::string_view term) {
   auto& objective = message.request.objective;
@@ -39,26 +39,27 @@ auto weight_in(Message& message, std::string_view term) {
   return decltype(&objective.time){};
 }
 
-// For services of this version. Throws InputError for a document that is no YAML map or too long.
+// Encodes a request for services of this version. Throws InputError if the document is not a YAML map or is too long.
 fjr_msg_MotionRequest encode(const Order& order);
 
-// For earlier ones. Throws InputError for a document that has not the shape of a request; what it asks for is the
-// service's to judge.
+// Encodes a request for services of earlier versions. Throws InputError if the document does not have the form of a
+// request; the service checks its content.
 WireRequest encode_plan_request(const Order& order);
-// Whether message.request says it all, so that services that know PlanRequest only can plan it.
+// Returns whether message.request contains everything, so that services that know only PlanRequest can plan it.
 bool fits_plan_request(const fjr_msg_PlanRequest2& message);
 
-// Never throws for what is on the wire: what cannot be meant (not finite, an unknown choice) becomes order.refusal. All
-// else is for resolve() to judge, however the request came. A document is not read yet: that takes up to 40 ms.
+// Decodes a request. Never throws because of the content of a message: impossible values (not finite, an unknown
+// choice) become order.refusal. Everything else is checked by resolve(), as for all requests. A document is not parsed
+// here, because that takes up to 40 ms.
 Order decode(const fjr_msg_MotionRequest& message);
 Order decode(const fjr_msg_PlanRequest2& message);
 Order decode(const fjr_msg_PlanRequest& message);
 
-// What one service tells the others of a request that it has heard and that is theirs to answer.
+// A request that a service has received but another instance must answer, as it is relayed to the others.
 struct Relayed {
   Order order;
   double silence = 0;      // [s] since its client was heard
-  bool cancelled = false;  // meanwhile
+  bool cancelled = false;  // whether it has been cancelled meanwhile
 };
 fjr_msg_RelayedRequest encode(const Relayed& relayed);
 Relayed decode(const fjr_msg_RelayedRequest& message);

@@ -48,7 +48,7 @@ HeldLease decode(const fjr_msg_HeldLease& message) {
           {text_of(message.stage), static_cast<int>(message.iteration), message.objective, message.violation}};
 }
 
-// Accepted is no end; a solved request has a trajectory, nothing else has.
+// Returns whether a result is consistent: its state is final, and it has a trajectory if and only if it is solved.
 bool makes_sense(const WorkResult& result) {
   const bool known = result.outcome >= WorkOutcome::kDone && result.outcome <= WorkOutcome::kReturned &&
                      result.state >= ReplyState::kRejected && result.state <= ReplyState::kExpired &&

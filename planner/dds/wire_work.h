@@ -17,12 +17,12 @@ struct WireOffer {
 WireOffer encode(const WorkerOffer& offer);
 WorkerOffer decode(const fjr_msg_WorkerOffer& message);
 
-// These point into what they are made of, which must outlive the message.
+// The messages point into the arguments, which must outlive them.
 fjr_msg_WorkLease encode(const LeaseWord& word);
 LeaseWord decode(const fjr_msg_WorkLease& message);
 
-// Of a result that cannot be meant (an unknown outcome or state, solved without rows, rows that are not finite) what is
-// returned is that the work was lost.
+// An impossible result (an unknown outcome or state, solved without rows, rows that are not finite) is decoded as lost
+// work.
 fjr_msg_WorkResult encode(const WorkResult& result);
 WorkResult decode(const fjr_msg_WorkResult& message);
 

@@ -7,7 +7,7 @@
 
 namespace fjr::dds {
 
-// Offers come last: who hears one can grant leases.
+// The writer of offers is created last, so that an owner that receives an offer can already grant leases.
 WorkerPort::WorkerPort(Participant participant, const WorkerId& worker)
     : participant_(std::move(participant)),
       waitset_(participant_),

@@ -1,4 +1,4 @@
-// A worker's side: leases come in, offers and results go out.
+// The worker's side of the protocol: receives leases, sends offers and results.
 #pragma once
 
 #include <chrono>
@@ -18,19 +18,19 @@ class WorkerPort {
  public:
   WorkerPort(Participant participant, const WorkerId& worker);
 
-  // Until something arrives, wake() is called (from any thread) or the time is over.
+  // Waits until something arrives, wake() is called (from any thread) or the timeout is over.
   void wait(std::chrono::nanoseconds timeout) { waitset_.wait(timeout); }
   void wake() const { waitset_.wake(); }
 
   std::vector<LeaseWord> take_leases();  // in the order of one owner's words
   struct Heard {                         // a service that has said that it is there
     std::string instance;
-    std::uint64_t process = 0;  // another one after a restart
+    std::uint64_t process = 0;  // changes when it is restarted
   };
   std::vector<Heard> take_heard();
 
   void send(const WorkerOffer& offer);
-  bool send(const WorkResult& result);  // false: whoever is to have it is too slow
+  bool send(const WorkResult& result);  // false: the owner is too slow
   void flush(std::chrono::nanoseconds timeout) const { (void)results_.flush(timeout.count()); }
 
  private:

@@ -1,4 +1,4 @@
-// Writing samples of one type.
+// A writer of samples of one type.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ class Writer {
 
   dds_entity_t handle() const { return writer_.handle(); }
 
-  // False: a reader is too slow and the time to wait for it is over. The sample stays the caller's.
+  // Returns false if a reader was too slow within the blocking time. The caller keeps the ownership of the sample.
   [[nodiscard]] bool write(const T& sample) {
     const dds_return_t returned = dds_write(writer_.handle(), &sample);
     if (returned == DDS_RETCODE_TIMEOUT) return false;
@@ -36,14 +36,14 @@ class Writer {
     return status.current_count;
   }
 
-  // Of that participant, as in a reader's participant_of().
+  // Returns whether a reader of that participant (see Reader::participant_of()) is matched.
   bool has_reader_of(dds_instance_handle_t participant) const {
     return any_reader([&](const dds_builtintopic_endpoint_t& endpoint) {
       return endpoint.participant_instance_handle == participant;
     });
   }
 
-  // One that acknowledges what it has taken.
+  // Returns whether a reader is matched that acknowledges samples.
   bool has_reliable_reader() const {
     return any_reader([](const dds_builtintopic_endpoint_t& endpoint) {
       dds_reliability_kind_t kind = DDS_RELIABILITY_BEST_EFFORT;

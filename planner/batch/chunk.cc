@@ -89,7 +89,7 @@ std::int64_t begin_run(const Database& database) {
 
 // ---- answers ----
 
-// What is in a file of the current answer. None where it has no such file, or one that is damaged.
+// Returns the content of a file of the current answer; nothing if there is no such file or it is damaged.
 std::optional<std::string> current_file(const Database& database, const std::string& name, const std::string& file) {
   Statement packed =
       database.query("SELECT size, deflated FROM files WHERE name = ? AND previous = 0 AND file = ?", name, file);
@@ -101,7 +101,7 @@ std::optional<std::string> current_file(const Database& database, const std::str
   }
 }
 
-// Makes room for a new answer. A certified plan that cannot be unpacked any more takes the place of no earlier one.
+// Makes room for a new answer. A certified plan that can no longer be unpacked does not replace `previous`.
 void move_aside(const Database& database, const std::string& name) {
   Statement current = database.query("SELECT status FROM plans WHERE name = ? AND previous = 0", name);
   if (!current.step()) return;

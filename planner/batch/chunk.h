@@ -1,5 +1,6 @@
-// The answers to one chunk of a packed batch, in one file: DIR/chunks/00001.sqlite. Tables: `plans`, a row for each
-// request; `files`, what `fjr plan` would have written for it, deflated; `runs`, who has planned how many, and where.
+// The answers to one chunk of a packed batch, in one file: DIR/chunks/00001.sqlite. It has the tables `plans` (one row
+// per request), `files` (the files `fjr plan` would have written for it, deflated) and `runs` (who planned how many,
+// where).
 #pragma once
 
 #include <cstddef>
@@ -16,12 +17,12 @@
 
 namespace fjr {
 
-// Held by whoever plans a chunk: a job that is started again while its first process lives on, on a machine that was
-// given up, waits for that. One file for all chunks, DIR/chunks/locks, with a byte for each: locks of the kind that
-// network file systems know, too, and that end with their process.
+// The lock on a chunk, held by the process that plans it. If a job is restarted while its first process still runs on a
+// machine that was given up, the second process waits. All locks are in one file, DIR/chunks/locks, with one byte per
+// chunk. They are POSIX record locks, which work on network file systems and end with their process.
 class ChunkLock {
  public:
-  // None where another process holds it.
+  // Returns nothing if another process holds the lock.
   static std::optional<ChunkLock> take(const Manifest& manifest, std::size_t chunk);
   static bool is_held(const Manifest& manifest, std::size_t chunk);  // by another process
 
@@ -30,20 +31,20 @@ class ChunkLock {
   Descriptor file_;
 };
 
-// To add answers: by whoever holds the chunk's lock. Each is on the disk when the function returns.
+// Adds answers to a chunk. The caller must hold the chunk's lock. Each answer is on the disk when the function returns.
 class ChunkWriter {
  public:
   ChunkWriter(const Manifest& manifest, std::size_t chunk);  // a run begins
   ~ChunkWriter();                                            // it ends
 
-  // What is in a file of the current answer. None where it has no such file, or one that is damaged.
+  // Returns the content of a file of the current answer; nothing if there is no such file or it is damaged.
   std::optional<std::string> file(const std::string& name, const std::string& file) const;
-  // That the current answer is one to the request as it is now.
+  // Records that the current answer is valid for the present version of the request.
   void confirm(const ManifestItem& item) const;
-  // In place of an earlier answer. folder: what `fjr plan` has written, if anything. A certified plan that is replaced
-  // stays, as `previous`, until another certified one is replaced.
+  // Stores an answer, replacing an earlier one. folder: the files that `fjr plan` has written, if any. A certified plan
+  // that is replaced is kept as `previous` until another certified plan is replaced.
   void answer(const ManifestItem& item, const Row& row, const std::optional<std::filesystem::path>& folder) const;
-  // Likewise, of what was not planned: a request that is refused.
+  // Stores the answer to a request that was refused and therefore not planned.
   void refuse(const ManifestItem& item, const nlohmann::ordered_json& plan) const;
 
  private:
@@ -62,10 +63,10 @@ struct ChunkRuns {
   std::size_t runs = 0, planned = 0;  // how often it was worked on, and how many requests were planned in all of them
 };
 
-// To read them, whoever is adding to them meanwhile.
+// Reads the answers of a chunk. Another process may add answers at the same time.
 class ChunkReader {
  public:
-  // None where nothing was planned yet.
+  // Returns nothing if nothing was planned yet.
   static std::optional<ChunkReader> open(const Manifest& manifest, std::size_t chunk);
 
   void for_each(const std::function<void(const ChunkAnswer&)>& take, bool rows) const;

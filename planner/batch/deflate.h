@@ -1,4 +1,4 @@
-// Bytes made smaller and back again, in zlib's format: Python's zlib.decompress reads it.
+// Compression in zlib's format, which Python's zlib.decompress reads.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 namespace fjr {
 
 std::string deflated(std::string_view bytes);
-// size: of what was deflated. Throws std::runtime_error where it comes to anything else.
+// size: number of bytes before compression. Throws std::runtime_error if the result has another size.
 std::string inflated(std::string_view bytes, std::size_t size);
 
 }  // namespace fjr

@@ -21,7 +21,7 @@ bool says(const Json& plan, const char* key, const std::string& text) {
   return found != plan.end() && found->is_string() && found->get_ref<const std::string&>() == text;
 }
 
-// Whether it tells of a motion as fjr plan does, and not of some other thing, or none.
+// Returns whether the document describes a motion as `fjr plan` writes it.
 bool tells_of_a_motion(const Json& plan) {
   try {
     (void)planned_motion_in(plan, "plan.json");

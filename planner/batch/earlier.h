@@ -1,4 +1,4 @@
-// What an earlier run has finished, so that it need not be planned again.
+// Recognises the results of an earlier run, which need not be planned again.
 #pragma once
 
 #include <filesystem>
@@ -11,15 +11,15 @@
 
 namespace fjr {
 
-// What is in one of the files of an earlier answer, by its name. None where it is not there, or cannot be unpacked.
+// Returns the content of a file of an earlier answer by its name; nothing if it does not exist or cannot be unpacked.
 using EarlierFiles = std::function<std::optional<std::string>(const std::string& name)>;
 
 EarlierFiles files_in(const std::filesystem::path& folder);
 
-// plan.json of an earlier answer if it is this version's final word on this very problem, and the files that belong to
-// it are there and whole. A deadline or a cancellation is not final. want_uncertified: the file of a trajectory that
-// was not certified belongs to it. want_proven: a certificate without a proof is not final, as where the problem asks
-// for one; without that a refusal that a proof was asked for is not.
+// Returns the plan.json of an earlier answer if it is a final answer of this version to the same problem, and its files
+// are complete. An answer because of a deadline or a cancellation is not final. want_uncertified: the file of an
+// uncertified trajectory must exist as well. want_proven: a certificate without a proof is not final (as if the problem
+// asked for a proof); if false, a failure of a requested proof is not final.
 std::optional<nlohmann::ordered_json> finished_earlier(const Problem& problem, const EarlierFiles& files,
                                                        bool want_uncertified, bool want_proven = false);
 

@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// A request of the chunk with what is known of it: its answer, or none.
+// A request of the chunk with its answer, if it has one.
 using TakeAnswer = std::function<void(const std::string& name, const ChunkAnswer* answer)>;
 
 void for_each(const Manifest& manifest, std::size_t chunk, bool rows, const TakeAnswer& take) {
@@ -139,7 +139,7 @@ std::string in_ranges(const std::vector<std::size_t>& numbers) {
 }
 
 void gather(const Manifest& manifest) {
-  Columns columns;  // in a first pass: 1e5 rows are not kept in memory
+  Columns columns;  // found in a first pass, so that 1e5 rows need not be kept in memory
   for (std::size_t chunk = 1; chunk <= manifest.chunks(); ++chunk) {
     for_each(manifest, chunk, true,
              [&](const std::string& name, const ChunkAnswer* answer) { columns.add(row_of(manifest, name, answer)); });
@@ -148,7 +148,7 @@ void gather(const Manifest& manifest) {
   const fs::path fresh = temporary_beside(file);
   try {
     const Database database(fresh, Database::Access::kWrite);
-    database.execute("PRAGMA journal_mode = OFF");  // what is not completed is thrown away
+    database.execute("PRAGMA journal_mode = OFF");  // an incomplete file is deleted anyway
     Transaction transaction(database);
     create_results(database, columns);
     insert_results(database, manifest, columns);

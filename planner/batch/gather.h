@@ -1,4 +1,4 @@
-// A packed batch as a whole: how far it is, its table of results, its plans as folders.
+// A packed batch as a whole: its progress, its table of results, and its plans as folders.
 #pragma once
 
 #include <cstddef>
@@ -17,10 +17,10 @@ struct BatchProgress {
   StatusCounts statuses;  // of the requests
   std::size_t chunks = 0, under_way = 0;
   std::vector<std::size_t> unfinished;  // chunks with requests that are open or failed
-  std::size_t runs = 0, planned = 0;    // how often chunks were worked on, and requests planned in all of that
+  std::size_t runs = 0, planned = 0;    // number of runs over chunks, and of requests planned in them
 };
 
-// Answers to requests, robots or versions of fjr that were others are none: their requests are open.
+// Answers to an earlier request, robot or version of fjr do not count; their requests are open.
 BatchProgress look_at(const Manifest& manifest);
 
 nlohmann::ordered_json to_json(const BatchProgress& progress);

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLongestName = 200;  // file systems allow 255, and extensions are still to come
+constexpr std::size_t kLongestName = 200;  // file systems allow 255, and extensions are appended
 constexpr std::size_t kLongestIndex = 4;   // [digits]
 constexpr int kDigits = 12;
 
@@ -76,7 +76,7 @@ std::string to_yaml(const Json& request) {
   return yaml;
 }
 
-// Requests end up in another folder than the file that names the robot.
+// Makes the path of the robot absolute, because requests are written to another folder than the file that names it.
 void make_robot_absolute(Json& request, const fs::path& folder) {
   const auto robot = request.find("robot");
   if (robot == request.end() || !robot->is_string()) return;
@@ -130,7 +130,8 @@ std::vector<Step> steps_of(const YamlNode& axis, std::string_view path) {
   return steps;
 }
 
-// Where it leads in the request. Only the last key may be new: a mistyped path should not go unnoticed.
+// Returns the place in the request that a path leads to. Only the last key may be new, so that a mistyped path is
+// noticed.
 Json::json_pointer target_of(const YamlNode& axis, std::string_view path, const Json& request) {
   const std::vector<Step> steps = steps_of(axis, path);
   Json::json_pointer target;
@@ -163,7 +164,7 @@ void check_overlap(const std::vector<Axis>& axes) {
 
 // ---- values ----
 
-// What any file system takes.
+// Returns whether every file system accepts the text in a file name.
 std::string for_file_name(std::string text) {
   std::replace_if(
       text.begin(), text.end(),

@@ -19,7 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kMaxShards = 100'000;
 
-// A file that cannot be read is a request: that it is a bad one is found out when it is planned.
+// A file that cannot be read counts as a request; the error is reported when it is planned.
 std::optional<YamlNode> grid_in(const fs::path& file) {
   try {
     YamlNode root = YamlNode::load(file);
@@ -57,7 +57,7 @@ std::vector<fs::path> requests_in(const fs::path& folder) {
   return files;
 }
 
-// One that cannot be read needs none.
+// Returns whether the request uses the shipped robot file. One that cannot be read does not.
 bool needs_default_robot(const BatchItem& item) {
   try {
     const YamlNode root = item.yaml ? YamlNode::parse(*item.yaml, item.request.string()) : YamlNode::load(item.request);
@@ -127,7 +127,7 @@ Shard parse_shard(const std::string& text) {
                    fmt::format("{} is not a part I/N with 1 <= I <= N <= {}, such as 2/8", shown(text), kMaxShards));
 }
 
-// Dealt out in turn: neighbours in a grid take similar time, so that every part gets its share of the long ones.
+// The items are dealt out in turn. Neighbours in a grid take similar time, so every part gets some of the long ones.
 std::vector<BatchItem> shard_of(std::vector<BatchItem> items, const Shard& shard) {
   std::vector<BatchItem> part;
   for (std::size_t i = shard.index - 1; i < items.size(); i += shard.count) part.push_back(std::move(items[i]));

@@ -30,7 +30,7 @@ constexpr const char* kManifestTables = R"(
 
 fs::path manifest_file(const fs::path& folder) { return folder / "manifest.sqlite"; }
 
-// A folder that holds another batch, or none.
+// Throws InputError for a folder with another batch, or without one.
 fs::path existing(const fs::path& folder) {
   const fs::path file = manifest_file(folder);
   if (fs::exists(file)) return file;
@@ -38,11 +38,11 @@ fs::path existing(const fs::path& folder) {
                    "holds no manifest.sqlite: it is no packed batch (fjr batch prepare REQUESTS... --out DIR)");
 }
 
-// The files of robots, each read once.
+// Hashes of robot files, each of which is read only once.
 class Robots {
  public:
-  // Hash of the one that a request names or gets; where it cannot be read, which is said when it is planned, of
-  // nothing.
+  // Returns the hash of the robot file that a request names or gets by default. If the file cannot be read, it is the
+  // hash of an empty text, and the error is reported when the request is planned.
   const std::string& hash_for(const YamlNode& request, const fs::path& folder) {
     const auto robot = request.find("robot");
     const auto [found, fresh] = hashes_.try_emplace(robot ? folder / robot->text() : default_robot_file());
@@ -66,11 +66,11 @@ struct Text {
   std::string source, yaml, axes, digest;
 };
 
-// As it means the same on any machine and in any folder. What cannot be read as YAML stays as it is, and is refused
-// when it is planned.
+// Returns the request in a form that is independent of machine and folder. Text that is not YAML stays as it is, and is
+// refused when it is planned.
 Text text_of(const BatchItem& item, Robots& robots) {
   Text text;
-  // A point of a grid is in no file: it is told by its name.
+  // A point of a grid is not in a file, so messages use its name.
   text.source = item.yaml ? item.name + ".yaml" : fs::absolute(item.request).lexically_normal().string();
   text.axes = item.axes.dump();
   const std::string given = item.yaml ? *item.yaml : read_document(item.request);
@@ -110,7 +110,7 @@ void check_options(const Database& database, const std::vector<std::string>& opt
                   shown(known.text(0)), shown(words)));
 }
 
-// Dealt out in turn, as shards are: neighbours in a grid take similar time.
+// Requests are dealt out to chunks in turn, as to shards, because neighbours in a grid take similar time.
 void deal_out(const Database& database, const std::vector<std::string>& names, std::size_t chunk_size) {
   Statement last = database.query("SELECT ifnull(max(chunk), 0) FROM requests");
   last.step();
@@ -189,7 +189,7 @@ BatchItem Manifest::item(const std::string& name, std::size_t& chunk) const {
 
 namespace {
 
-// Returns the names of those that were not there, which have no chunk yet.
+// Returns the names of new requests, which have no chunk yet.
 std::vector<std::string> put(const Database& database, const std::vector<BatchItem>& items,
                              const std::vector<Text>& texts, Prepared& prepared) {
   Statement known = database.prepare("SELECT digest FROM requests WHERE name = ?");

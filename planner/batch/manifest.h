@@ -1,5 +1,5 @@
-// What a packed batch is to plan, DIR/manifest.sqlite: every request as text, in chunks that are planned by themselves,
-// on whatever machine. Made once by `fjr batch prepare`; whoever plans a chunk only reads it.
+// The manifest of a packed batch, DIR/manifest.sqlite: every request as text, in chunks that can be planned
+// independently on any machine. `fjr batch prepare` creates it; the processes that plan a chunk only read it.
 #pragma once
 
 #include <cstddef>
@@ -14,20 +14,20 @@
 namespace fjr {
 
 struct Prepared {
-  std::size_t unchanged = 0, changed = 0, added = 0;  // of the requests given
-  std::size_t kept = 0;                               // not given this time, but before
+  std::size_t unchanged = 0, changed = 0, added = 0;  // numbers of the given requests
+  std::size_t kept = 0;                               // number of earlier requests that were not given this time
 };
 
 struct ManifestItem {
   BatchItem item;
-  // Over all that the answer depends on: the request, its robot's file, the version of fjr. An answer with another one
-  // is looked at again.
+  // Hash over everything that the answer depends on: the request, its robot file, and the version of fjr. An answer
+  // with another digest is checked again.
   std::string digest;
 };
 
 class Manifest {
  public:
-  // Throws InputError where the folder holds none.
+  // Throws InputError if the folder has no manifest.
   explicit Manifest(std::filesystem::path folder);
 
   const std::filesystem::path& folder() const { return folder_; }
@@ -48,10 +48,9 @@ class Manifest {
   Database database_;
 };
 
-// Makes the folder's manifest, or adds to it: requests that are there already stay in their chunks, with what they say
-// now, and new ones get chunks of their own. All at once, or nothing if it throws. chunk_size: at most so many requests
-// in a chunk, from 1. Throws InputError for a batch that was begun with other options, and where the folder cannot be
-// made.
+// Creates the manifest of a folder or adds to it. Existing requests stay in their chunks with their text updated; new
+// ones get new chunks. If it throws, nothing has changed. chunk_size: largest number of requests per chunk, at least 1.
+// Throws InputError if the batch was begun with other options, or if the folder cannot be created.
 Prepared prepare(const std::filesystem::path& folder, const std::vector<BatchItem>& items,
                  const std::vector<std::string>& options, std::size_t chunk_size);
 

@@ -22,7 +22,7 @@ struct Part {
   }
 };
 
-// The number that name.substr(at) begins with, and how long it is written; 0: there is none.
+// Returns the number that name.substr(at) begins with, and the length of its text; length 0 if there is none.
 std::pair<double, std::size_t> number_at(std::string_view name, std::size_t at) {
   const bool negative = name[at] == '-' && (at == 0 || name[at - 1] == '_');
   const std::size_t first = at + (negative ? 1 : 0);
@@ -33,7 +33,7 @@ std::pair<double, std::size_t> number_at(std::string_view name, std::size_t at) 
   return {number, static_cast<std::size_t>(read.ptr - (name.data() + at))};
 }
 
-// Numbers and the single characters between them.
+// Splits a name into numbers and the single characters between them.
 std::vector<Part> parts_of(std::string_view name) {
   std::vector<Part> parts;
   for (std::size_t at = 0; at < name.size();) {

@@ -5,8 +5,8 @@
 
 namespace fjr {
 
-// Whether a comes before b; of two different names one always does. A minus is a sign at the beginning and after '_',
-// where values stand in the names of a grid's points; numbers come before words.
+// Returns whether a comes before b (a strict total order). A minus counts as a sign only at the beginning and after
+// '_', where values are in the names of a grid's points. Numbers come before words.
 bool comes_before(const std::string& a, const std::string& b);
 
 }  // namespace fjr

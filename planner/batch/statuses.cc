@@ -17,7 +17,7 @@ struct Status {
 
 Status of_plan(PlanStatus status) { return {name(status), exit_code(status)}; }
 
-// In the order in which they are told.
+// The statuses in the order in which they are reported.
 const std::array kStatuses = {of_plan(PlanStatus::kCertified),
                               of_plan(PlanStatus::kInfeasible),
                               of_plan(PlanStatus::kNotConverged),

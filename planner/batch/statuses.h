@@ -1,4 +1,4 @@
-// How many requests of a batch came to what.
+// Counts the requests of a batch by their status.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace fjr {
 
-// Beside the statuses of plans (planner/plan.h):
+// Statuses in addition to those of plans (planner/plan.h):
 inline constexpr const char* kFailedStatus = "failed";  // the planning process crashed, or could not plan
 inline constexpr const char* kOpenStatus = "open";      // not planned yet
 
@@ -19,7 +19,7 @@ class StatusCounts {
 
   nlohmann::ordered_json to_json() const;  // of those that occur, certified first
   std::string for_people() const;          // a line each
-  int exit_code() const;                   // the largest; of what is open that of a deadline
+  int exit_code() const;                   // the largest of all; open requests count like a deadline
 
  private:
   std::map<std::string, std::size_t> counts_;

@@ -26,7 +26,7 @@ void LearntPlans::with_library(const Use& use) {
     if (!library_) library_.emplace(folder_, PlanLibrary::Access::kWrite);
     use(*library_);
   } catch (const std::exception& error) {
-    library_.reset();  // opened anew the next time: what was wrong may be over
+    library_.reset();  // opened again the next time, as the cause may be gone by then
     if (told_ != error.what()) say("fjr: plan library not used: {}\n", error.what());
     told_ = error.what();
   }

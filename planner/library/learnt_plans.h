@@ -1,5 +1,5 @@
-// What a service's worker starts requests from: the plans that it has made since it began, and a plan library, if there
-// is one, which what is learnt goes into and which outlives it.
+// The plans from which a service's worker warm-starts requests: those it has made since it started, and those of a plan
+// library, if there is one. New plans are added to the library.
 #pragma once
 
 #include <cstddef>
@@ -14,20 +14,19 @@
 
 namespace fjr {
 
-// In memory only minimum-time plans: those have one minimum for practical purposes, while with effort in the objective
-// the neighbour's may be far from the best here. A library has whatever it was built for as well.
+// In memory only minimum-time plans are kept. These practically have a single minimum, while with effort in the
+// objective the minimum of a neighbour may be far from the best one. A library may contain other plans as well.
 //
-// A library that fails, on a full disk for instance, is told of on stderr, once for each reason, and never keeps a plan
-// from being made.
+// If the library fails, for instance on a full disk, that is reported on stderr once per reason, and planning goes on.
 class LearntPlans {
  public:
   // most: plans in memory; library: its folder, empty for none.
   LearntPlans(std::size_t most, std::filesystem::path library);
 
-  // What to start from; none: nothing that is near enough.
+  // Returns the plan to start from, or nothing if none is near enough.
   std::optional<WarmStart> nearest(const Problem& problem);
 
-  // request: YAML. Into the library goes what was planned farther than half of kNearby from what is in there.
+  // Adds a plan. It goes into the library if it is farther than half of kNearby from the plans there. request: YAML.
   void remember(const Problem& problem, const std::string& request, const Plan& plan);
 
  private:
@@ -44,7 +43,7 @@ class LearntPlans {
   std::deque<Earlier> plans_;
   std::filesystem::path folder_;
   std::optional<PlanLibrary> library_;
-  std::string told_;  // of why the library failed
+  std::string told_;  // the last reported reason why the library failed
 };
 
 }  // namespace fjr

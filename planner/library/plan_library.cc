@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr int kVersion = 1;
 constexpr const char* kFile = "library.sqlite";
 
-// `places` finds plans by their angles: an R*-tree of SQLite, whose numbers have 24 bits.
+// The table `places` finds plans by their angles. It is an R*-tree of SQLite, whose numbers have 24 bits.
 constexpr const char* kTables = R"(
   CREATE TABLE IF NOT EXISTS fjr_library (version INTEGER);
   CREATE TABLE IF NOT EXISTS plans (
@@ -31,7 +31,7 @@ constexpr const char* kTables = R"(
   CREATE VIRTUAL TABLE IF NOT EXISTS places USING rtree(
     id, start_1_min, start_1_max, start_2_min, start_2_max, goal_1_min, goal_1_max, goal_2_min, goal_2_max);
 )";
-constexpr double kRounding = 1e-5;  // [rad] more than an angle below 100 rad loses in the tree
+constexpr double kRounding = 1e-5;  // [rad] exceeds the rounding error of an angle below 100 rad in the tree
 
 constexpr const char* kEntry = "name, start_1, start_2, goal_1, goal_2, objective, request";
 
@@ -138,7 +138,7 @@ std::optional<LibraryNeighbour> PlanLibrary::nearest(const Problem& problem, dou
   auto row = nearest_row(problem, within);
   if (!row) return std::nullopt;
   Statement solution = database_.query("SELECT solution FROM plans WHERE id = ?", row->id);
-  if (!solution.step()) return std::nullopt;  // replaced just now
+  if (!solution.step()) return std::nullopt;  // another process has just replaced the plan
   const std::string where = fmt::format("{}, {}", file_.string(), row->entry.name);
   return LibraryNeighbour{
       std::move(row->entry), row->away,

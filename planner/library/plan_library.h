@@ -1,8 +1,8 @@
-// A plan library: plans that were kept so that requests beside them start from theirs. `fjr library build` fills it
-// with a batch, a service with what it plans; `fjr plan --library` and the service look requests up in it.
+// A plan library: stored plans from which neighbouring requests are warm-started. `fjr library build` fills it with a
+// batch, and a service with the plans it makes. `fjr plan --library` and the service look requests up in it.
 //
-// Plans are comparable when their requests differ by nothing but the joint angles of start and goal: those are one
-// family. The nearest in its family is the one whose four angles differ least, by the largest of the four differences.
+// Plans belong to one family if their requests differ only in the joint angles of start and goal. The distance of two
+// plans in a family is the largest of the four differences of these angles.
 #pragma once
 
 #include <cstddef>
@@ -20,15 +20,16 @@ namespace fjr {
 
 struct Collocated;  // planner/ocp/collocate.h
 
-// [rad] of every angle of start and goal, roundings included: farther away a start from the neighbour takes as long as
-// one from scratch (bench/README.md, Races).
+// [rad] largest distance for a warm start, including rounding. From a plan farther away, a warm start takes as long as
+// a start from scratch (bench/README.md, Races).
 inline constexpr double kNearby = 0.02 + 1e-9;
 
-// SHA-256 over all that a plan depends on but the angles of start and goal, the seed and how thoroughly is searched.
-// None where these angles are not all told, or more than one goal is: such requests are never looked up.
+// Returns the SHA-256 hash of everything that a plan depends on except the angles of start and goal, the seed, and the
+// thoroughness of the search. Returns nothing if not all of these angles are given, or if there are several goals; such
+// requests are never looked up.
 std::optional<std::string> family_of(const Problem& problem);
 
-// A plan of the library as it is told to people.
+// A plan of the library for display.
 struct LibraryEntry {
   std::string name;            // of its request
   Joints<double> start, goal;  // [rad] link angles
@@ -56,26 +57,26 @@ class PlanLibrary {
  public:
   enum class Access { kRead, kWrite };
 
-  // DIR/library.sqlite; kWrite makes it, and DIR, where there is none. Throws InputError where kRead finds none, and
-  // for a file that is none of fjr's. Several processes may use one library at the same time.
+  // Opens DIR/library.sqlite. kWrite creates it, and DIR, if necessary. Throws InputError if kRead finds none, or if
+  // the file is not a plan library. Several processes may use one library at the same time.
   PlanLibrary(const std::filesystem::path& folder, Access access);
 
-  // The nearest plan that is at most `within` [rad] away; none: there is none, or the request has no family. A
-  // solution that cannot be read throws InputError.
+  // Returns the nearest plan that is at most `within` [rad] away, or nothing if there is none or the request has no
+  // family. Throws InputError if its solution cannot be read.
   std::optional<LibraryNeighbour> nearest(const Problem& problem, double within = kNearby) const;
 
-  // Whether a plan is at most `within` [rad] away.
+  // Returns whether there is a plan at most `within` [rad] away.
   bool any_within(const Problem& problem, double within) const;
 
-  // Whether a plan of this very problem is there.
+  // Returns whether there is a plan of exactly this problem.
   bool has(const Problem& problem) const;
 
-  // Keeps a certified plan with its solution; false for a problem without a family. Of two plans of one problem the
-  // better is kept. request: YAML that stands by itself.
+  // Adds a certified plan with its solution. Of two plans of the same problem the better one is kept. Returns false if
+  // the problem has no family. request: YAML with absolute paths.
   bool add(const Problem& problem, const std::string& request, double objective, const Collocated& solution);
 
   std::vector<LibraryFamily> families() const;
-  // At most `most` plans, drawn without replacement; the same for the same seed and library.
+  // Returns at most `most` random plans, drawn without replacement; the same ones for the same seed and library.
   std::vector<LibraryEntry> sample(std::size_t most, std::uint64_t seed) const;
 
  private:

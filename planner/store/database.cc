@@ -107,7 +107,7 @@ Statement Database::prepare(std::string_view statement) const {
 
 // ---- transactions ----
 
-// IMMEDIATE: two writers take turns, where each would otherwise begin with a read that the other makes stale.
+// With IMMEDIATE two writers take turns. Otherwise both could begin with a read that the other's write makes stale.
 Transaction::Transaction(const Database& database) : database_(database) { database_.execute("BEGIN IMMEDIATE"); }
 
 void Transaction::commit() {

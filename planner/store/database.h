@@ -1,4 +1,4 @@
-// SQLite files: a connection, a statement, a transaction, each of which ends itself.
+// RAII classes for SQLite files: a connection, a statement, a transaction.
 #pragma once
 
 #include <concepts>
@@ -13,17 +13,17 @@ struct sqlite3_stmt;
 
 namespace fjr {
 
-// Bytes, where text would be taken for UTF-8.
+// Bytes to be bound as a BLOB; text would be interpreted as UTF-8.
 struct Blob {
   std::string_view bytes;
 };
 
-// A prepared statement with its values bound: `while (statement.step()) statement.text(0);`. It has to go before the
-// Database it came from.
+// A prepared statement with its values bound: `while (statement.step()) statement.text(0);`. It must be destroyed
+// before the Database it came from.
 class Statement {
  public:
-  bool step();   // to the first row, to the next one; false: there is none
-  void reset();  // to before the first row, for other values
+  bool step();   // goes to the first or the next row; returns false if there is none
+  void reset();  // goes back to before the first row, to bind other values
 
   void bind(int index, std::nullptr_t);
   void bind(int index, double value);
@@ -33,7 +33,7 @@ class Statement {
   void bind(int index, Integer value) {
     bind_integer(index, static_cast<std::int64_t>(value));
   }
-  // All of them, in the order of the question marks.
+  // Binds all values in the order of the question marks.
   template <class... Values>
   Statement& with(const Values&... values) {
     int index = 0;
@@ -42,7 +42,7 @@ class Statement {
   }
 
   // Columns of the row, counted from 0.
-  std::string text(int column) const;  // of a blob its bytes; of NULL nothing
+  std::string text(int column) const;  // the bytes of a blob; empty for NULL
   std::int64_t integer(int column) const;
   double real(int column) const;
 
@@ -57,26 +57,26 @@ class Statement {
   std::unique_ptr<sqlite3_stmt, Finalise> statement_;
 };
 
-// Everything throws std::runtime_error naming the file, and InputError where the file is none of SQLite's. A connection
+// All functions throw std::runtime_error naming the file, or InputError if the file is not an SQLite file. A connection
 // that is locked out by another one waits for up to a minute.
 class Database {
  public:
-  // kWrite makes the file where it is not there. kRead may write nevertheless: what a killed writer has left half done
-  // is undone by whoever opens the file next.
+  // kWrite creates the file if necessary. Even kRead may write, because an incomplete transaction of a killed writer is
+  // rolled back when the file is opened next.
   enum class Access { kRead, kWrite };
 
   Database(const std::filesystem::path& file, Access access);
 
   void execute(const std::string& statements) const;  // without values
   Statement prepare(std::string_view statement) const;
-  // Prepared, with its values bound.
+  // Returns the prepared statement with its values bound.
   template <class... Values>
   Statement query(std::string_view statement, const Values&... values) const {
     Statement prepared = prepare(statement);
     prepared.with(values...);
     return prepared;
   }
-  // Run to its end.
+  // Runs the statement to its end.
   template <class... Values>
   void run(std::string_view statement, const Values&... values) const {
     Statement prepared = query(statement, values...);
@@ -91,7 +91,7 @@ class Database {
   std::unique_ptr<sqlite3, Close> connection_;
 };
 
-// All or nothing: what was not committed when it goes is undone.
+// A transaction, which is rolled back if it is destroyed before it was committed.
 class Transaction {
  public:
   explicit Transaction(const Database& database);

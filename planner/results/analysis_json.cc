@@ -16,7 +16,7 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t kMostStretches = 16;  // of one limit; the longest
 constexpr std::size_t kMostAlong = 100;     // of the intervals: plan.json travels in every reply
 
-// In as many significant digits as mean something.
+// Rounds to the number of significant digits that are meaningful.
 Json rounded(double value, int digits = 6) {
   if (!std::isfinite(value)) return nullptr;
   return rounded_to(value, digits);
@@ -42,7 +42,7 @@ Json costate(const State<double>& p) {
   return {{"q", rounded(p.q)}, {"dq", rounded(p.dq)}, {"theta", rounded(p.theta)}, {"dtheta", rounded(p.dtheta)}};
 }
 
-// Columns, of every n-th interval.
+// Returns the values along the motion as columns, thinned out to every n-th interval.
 Json along_json(const std::vector<Optimality::Along>& along) {
   Json json{{"time", Json::array()}, {"hamiltonian", Json::array()}};
   const auto add = [&json](const std::string& name, const Joints<double>& values) {

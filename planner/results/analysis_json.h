@@ -11,8 +11,8 @@ namespace fjr {
 nlohmann::ordered_json sensitivity_json(const Sensitivity& sensitivity);
 nlohmann::ordered_json optimality_json(const Optimality& optimality);
 
-// {node_times, errors}: at most kMostIntervals of them, for plan.json travels in a message of bounded size. Beyond,
-// neighbours are told together, with the larger error.
+// Returns {node_times, errors} of at most kMostIntervals intervals, because plan.json is sent in a message of bounded
+// size. If there are more, neighbouring intervals are merged, with the larger error.
 nlohmann::ordered_json mesh_errors_json(const std::vector<double>& node_times, const std::vector<double>& errors);
 inline constexpr std::size_t kMostIntervals = 2000;
 

@@ -18,11 +18,11 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A key's path with the indices of what is there: via[].time is via[0].time, via[1].time.
+// A key's path with indices: via[].time has the instances via[0].time, via[1].time, ...
 struct Instance {
   std::string key;
-  std::optional<YamlNode> node;  // none: not given
-  bool below_given = true;       // what it stands below is given, as a map
+  std::optional<YamlNode> node;  // empty if it is not given
+  bool below_given = true;       // whether its parent is given, as a map
 };
 
 std::vector<Instance> step(const std::vector<Instance>& above, const std::string& word) {
@@ -77,7 +77,7 @@ std::string text_of(const Json& value, Digits digits) {
   return "[" + items + "]";
 }
 
-// Backticks and links of Markdown belong on a page.
+// Removes the backticks and links of Markdown.
 std::string plain(std::string text) {
   for (std::size_t from = text.find('['); from != std::string::npos; from = text.find('[', from + 1)) {
     const std::size_t middle = text.find("](", from), to = text.find(')', from);
@@ -88,7 +88,7 @@ std::string plain(std::string text) {
   return text;
 }
 
-// What only stands as one value in a request, and as several where it is resolved.
+// Returns the value of a key that is a single value in a request but becomes several when it is resolved.
 std::optional<std::string> in_one_word(const std::string& key, const Problem& problem, const std::string& robot) {
   if (key == "robot") return robot;
   if (key == "duration") return problem.duration.fixed() ? fmt::format("{}", problem.duration.min) : "free";
@@ -109,15 +109,15 @@ std::string note_on(const std::string& key, const Problem& problem) {
 
 bool says_something(const std::string& value) { return !value.empty() && !value.starts_with(kNeeded); }
 
-// A part of the request that is not there has no defaults of its own, unless it was resolved to some, or needs nothing:
-// `limits` and `objective`, whose keys all can be left out.
+// Returns whether all keys of a part of the request are optional, as in `limits` and `objective`. Other missing parts
+// have no defaults to show.
 bool needs_nothing(const std::string& part, const std::vector<KeyLine>& lines) {
   return std::all_of(lines.begin(), lines.end(), [&](const KeyLine& line) {
     return !line.name.starts_with(part + ".") || (!line.otherwise.empty() && !line.otherwise.starts_with(kNeeded));
   });
 }
 
-// Keys that are for goals of the tip say nothing of others.
+// Returns whether a key applies only to another kind of goal, such as a goal of the tip.
 bool is_for_another_goal(const std::string& key, const YamlNode& root) {
   const std::optional<YamlNode> goal = root.find("goal");
   return (key == "goal.elbow" || key == "goal.tip_velocity") && !(goal && goal->is_map() && goal->find("tip"));

@@ -1,4 +1,4 @@
-// JSON from a file, read strictly: what is missing or of another kind is told with its path.
+// Strict reading of JSON: errors about missing values or wrong types name the path of the value.
 #pragma once
 
 #include <limits>
@@ -12,7 +12,7 @@
 
 namespace fjr {
 
-// A value together with where it stands. Its document must outlive it. Everything that reads throws InputError.
+// A JSON value together with its path. The document must outlive it. All reading functions throw InputError.
 class JsonField {
  public:
   using Json = nlohmann::ordered_json;
@@ -42,7 +42,7 @@ class JsonField {
     return fields;
   }
 
-  // null, which plan.json has for what is not finite or not there: not a number.
+  // Returns NaN for null, which plan.json contains for numbers that are not finite or do not exist.
   double number() const {
     if (is_null()) return std::numeric_limits<double>::quiet_NaN();
     if (!json_->is_number()) fail("must be a number or null");
@@ -58,7 +58,7 @@ class JsonField {
     for (const JsonField& item : items()) values.push_back(item.number());
     return values;
   }
-  // null: empty.
+  // Returns an empty text for null.
   std::string text() const {
     if (is_null()) return "";
     if (!json_->is_string()) fail("must be text or null");

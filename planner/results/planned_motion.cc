@@ -42,7 +42,7 @@ Goal read_goal(const YamlNode& node) {
   return goal;
 }
 
-// tolerance: where plan.json does not say it, as that of earlier versions does not. [rad]
+// tolerance: default [rad] for a plan.json of an earlier version, which does not contain it.
 Via read_via(const YamlNode& node, double tolerance) {
   Via via;
   via.tolerance = tolerance;
@@ -66,7 +66,8 @@ Limits read_limits(const YamlNode& given) {
   return limits;
 }
 
-// Without those of the robot that it was planned for, which another one need not keep.
+// Returns only the limits that are tighter than those of the robot that it was planned for; another robot need not keep
+// the latter.
 Limits tighter(Limits asked, const Limits& of_robot) {
   for (const LimitName& name : kLimitNames) {
     if (!(name.in(asked) < name.in(of_robot))) name.in(asked) = kNoLimit;
@@ -121,7 +122,7 @@ PlannedMotion read_motion(const YamlNode& plan) {
 
 }  // namespace
 
-// Strictly, but for what the motion does not depend on: that may be longer than any request.
+// Reads strictly only what describes the motion; other parts may be longer than any request.
 PlannedMotion planned_motion_in(const Json& plan, const std::string& source) {
   Json relevant = Json::object();
   for (const char* key : {"status", "request_hash", "resolved_request", "robot", "via_times", "duration"}) {

@@ -1,4 +1,4 @@
-// What plan.json says of the motion that was asked for.
+// The requested motion as described in plan.json.
 #pragma once
 
 #include <filesystem>
@@ -14,19 +14,19 @@ namespace fjr {
 struct PlannedMotion {
   Task task;
   std::vector<double> ends;               // [s] of the motion's segments
-  Limits limits = Limits::all(kNoLimit);  // those that are tighter than the robot's that it was planned for
-  std::optional<State<double>> start{};   // none: not said
-  std::vector<Goal> goals{};              // any of them will do; empty: not said
+  Limits limits = Limits::all(kNoLimit);  // only those that are tighter than the planned robot's
+  std::optional<State<double>> start{};   // empty if not given
+  std::vector<Goal> goals{};              // alternatives; empty if not given
   Duration duration{0, kNoLimit};         // [s]
   std::optional<Payload> payload{};       // none: not said
   std::vector<Via> via{};
   std::string request_hash{}, status{};  // empty: not said
 };
 
-// From the plan.json in the folder of a plan. Throws InputError where there is none, or none of a motion, or where its
-// via_times are no times between the motion's segments.
+// Reads plan.json in the folder of a plan. Throws InputError if it does not exist or describes no motion, or if its
+// via_times do not fit the segments of the motion.
 PlannedMotion planned_motion(const std::filesystem::path& folder);
-// The same of a plan.json that was read already. source: what it is called in messages.
+// Returns the motion in a plan.json that was read already. source: its name in messages.
 PlannedMotion planned_motion_in(const nlohmann::ordered_json& plan, const std::string& source);
 
 }  // namespace fjr

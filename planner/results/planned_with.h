@@ -1,7 +1,7 @@
-// What a trajectory file says in its header of the payload and of the limits that it was planned with:
+// The payload and the limits that a trajectory was planned with, as the header of its file gives them:
 //   # payload: 0.1 kg
 //   # payload.inertia: 0.001 kg m^2
-//   # limits.torque[0]: 10 N m           (those alone that are tighter than the robot's)
+//   # limits.torque[0]: 10 N m           (only those that are tighter than the robot's)
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -25,19 +25,19 @@ struct LimitInHeader {
 };
 
 struct PlannedWith {
-  std::optional<Payload> payload;  // none: the file does not say
+  std::optional<Payload> payload;  // empty if the file does not contain it
   std::vector<LimitInHeader> limits;
 };
 
 std::string text_of(const Payload& payload);  // "0.1 kg", "0.1 kg, 0.001 kg m^2"
 
-// Adds the lines for a plan, by its plan.json.
+// Adds these lines for a plan, from its plan.json.
 void tell_planned_with(const nlohmann::ordered_json& plan, Metadata& metadata);
 
-// The robot's limits, and those in the header that are tighter.
+// Returns the robot's limits, tightened by those in the header.
 Limits limits_of(const Parameters& robot, const PlannedWith& header);
 
-// Throws InputError naming `source` and the line's key where a value is not what the lines above show.
+// Throws InputError naming `source` and the key of the line if a value does not have the form above.
 PlannedWith planned_with(const Metadata& metadata, const std::string& source);
 
 }  // namespace fjr

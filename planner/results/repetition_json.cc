@@ -30,7 +30,7 @@ Json rehearsal_json(const Rehearsal& rehearsal) {
   return json;
 }
 
-// What an earlier version wrote has none.
+// Returns the earlier runs; none if the plan.json is of an earlier version.
 std::vector<JsonField> runs_before(const JsonField& plan) {
   const auto repetition = plan.find("repetition");
   const auto runs = repetition ? repetition->find("runs") : std::nullopt;
@@ -51,13 +51,13 @@ int number_in(const JsonField& field) {
   return static_cast<int>(value);
 }
 
-// Which one the rows are that go with a plan.json; 1: as it was planned.
+// Returns the number of the repetition to which the rows belong; 1 is the motion as planned.
 int number_of(const JsonField& plan) {
   const auto repetition = plan.find("repetition");
   return repetition ? number_in(repetition->at("number")) : 1;
 }
 
-// Of all runs so far, the last one at the end.
+// Returns all runs so far, with the last one at the end.
 Json runs_so_far(const Repetition& repetition, const JsonField& plan) {
   Json runs = Json::array();
   for (const JsonField& run : runs_before(plan)) runs.push_back(run.json());

@@ -27,8 +27,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kStage = ".fjr-next";       // being written: of no use when it is left behind
-constexpr const char* kPending = ".fjr-pending";  // complete, and to be moved into the folder file by file
+constexpr const char* kStage = ".fjr-next";       // being written; useless if left behind by an interruption
+constexpr const char* kPending = ".fjr-pending";  // complete; must be moved into the folder file by file
 constexpr std::chrono::seconds kPatience{60};
 constexpr std::chrono::milliseconds kPause{5};
 
@@ -41,14 +41,15 @@ bool is_result(const fs::path& name) {
   return std::any_of(kResultFiles.begin(), kResultFiles.end(), [&](const char* file) { return name == file; });
 }
 
-// The folder as it is called in its parent, whatever links lead there.
+// Returns the path of the folder without symbolic links.
 fs::path resolved(const fs::path& folder) {
   std::error_code error;
   const fs::path real = fs::canonical(folder, error);
   return error ? fs::path() : real;
 }
 
-// The folder, made again where somebody has removed it since the planning began: what was planned is not lost.
+// Returns the folder, and creates it again if it was removed since the planning began, so that the results are not
+// lost.
 fs::path existing(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -57,7 +58,7 @@ fs::path existing(const fs::path& folder) {
   return real;
 }
 
-// The name under which a folder is exchanged: beside it, for an exchange moves both.
+// Returns the temporary name beside a folder under which it is exchanged.
 fs::path beside(const fs::path& folder) {
   return folder.parent_path() / fmt::format(".{}{}", folder.filename().string(), kStage);
 }
@@ -66,7 +67,7 @@ Descriptor open_folder(const fs::path& folder) {
   return Descriptor(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
 }
 
-// On the disk, as far as the file system knows of such a thing.
+// Flushes a file or folder to the disk, if the file system supports it.
 void sync(const fs::path& path) {
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   if (file.number() < 0 || (::fsync(file.number()) != 0 && errno != EINVAL && errno != ENOTSUP)) {
@@ -101,9 +102,10 @@ bool has_folders_in_it(const fs::path& folder) {
   });
 }
 
-// ---- what an interruption has left ----
+// ---- recovery after an interruption ----
 
-// An empty file stands for one that the new results do not have; what was moved is not there any more.
+// Moves the results file by file. An empty file means that the new results do not have this file. Files that were moved
+// before an interruption no longer exist in `from`.
 void move_results(const fs::path& from, const fs::path& to) {
   for (const char* name : kResultFiles) {
     const fs::path file = from / name;
@@ -117,7 +119,7 @@ void move_results(const fs::path& from, const fs::path& to) {
   }
 }
 
-// plan.json is missing until all the others are in their places.
+// Completes a replacement. plan.json is moved last, so it is missing until all other files are in place.
 void complete_moves(const fs::path& folder) {
   const fs::path pending = folder / kPending;
   if (!fs::exists(pending)) return;
@@ -131,7 +133,7 @@ void complete_moves(const fs::path& folder) {
   fs::remove_all(pending);
 }
 
-// The other way: marks what is to be missing.
+// Marks the files that the new results do not have by empty files.
 void mark_missing(const fs::path& folder) {
   for (const char* name : kResultFiles) {
     const fs::path mark = folder / name;
@@ -140,7 +142,8 @@ void mark_missing(const fs::path& folder) {
   sync(folder);
 }
 
-// Of an exchange: what is ours goes, and what came into the folder while it was exchanged goes back into it.
+// Cleans up after an exchange: removes the old results, and moves files that were added to the old folder meanwhile to
+// the new one.
 void clear_beside(const fs::path& folder) {
   const fs::path old = beside(folder);
   std::error_code error;
@@ -193,7 +196,7 @@ Worth worth_of(const fs::path& folder) {
   return answered ? Worth::kAnswer : Worth::kNothing;
 }
 
-// The parent is locked, for the folder itself is exchanged.
+// The lock is on the parent, because the folder itself is exchanged.
 FolderLock::FolderLock(const fs::path& folder) {
   const fs::path real = resolved(folder);
   if (real.empty()) return;
@@ -228,7 +231,7 @@ bool NewResults::publish() {
   return kept;
 }
 
-// The replaced results, or else what was kept before them, as part of the new ones.
+// Copies the replaced results, or those kept in `previous` before, into the new folder.
 bool NewResults::keep_previous() const {
   const Worth replaced = worth_of(folder_), before = worth_of(folder_ / kPrevious);
   const bool lost = replaced == Worth::kPlan || (replaced == Worth::kAnswer && worth_of(stage_) < Worth::kPlan);
@@ -242,7 +245,7 @@ bool NewResults::keep_previous() const {
   return keep;
 }
 
-// The new folder has to be like the old one in everything but the results.
+// Returns whether the folders can be exchanged: the new one must equal the old one in everything except the results.
 bool NewResults::may_be_exchanged() const {
   struct stat old = {}, fresh = {};
   if (::stat(folder_.c_str(), &old) != 0 || ::stat(stage_.c_str(), &fresh) != 0) return false;
@@ -254,7 +257,7 @@ bool NewResults::may_be_exchanged() const {
          ::chmod(stage_.c_str(), old.st_mode & 07777) == 0;
 }
 
-// False where the system cannot do it; then nothing has changed.
+// Returns false if the system does not support it; then nothing has changed.
 bool NewResults::exchange() const {
   const auto carry = [](const fs::path& from, const fs::path& to) {
     for (const fs::directory_entry& entry : fs::directory_iterator(from)) {

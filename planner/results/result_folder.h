@@ -1,5 +1,5 @@
-// A folder with the results of one plan. Whatever ends the program, and whenever, its files are of one plan: the old
-// one or the new one.
+// A folder with the results of one plan. Even if the program is interrupted at any time, all its files belong to the
+// same plan, either the old or the new one.
 #pragma once
 
 #include <array>
@@ -10,29 +10,29 @@
 
 namespace fjr {
 
-// The files that make up the results of a plan. Whatever else is in the folder stays as it is. plan.json is the last
-// that is put in its place where files are moved one by one.
+// The files that make up the results of a plan. Other files in the folder stay as they are. If files are moved one by
+// one, plan.json is moved last.
 inline constexpr std::array<const char*, 7> kResultFiles = {
     "trajectory.csv", "trajectory.uncertified.csv", "solution.cbor", "report.html", "compared.html", "trajectory.id",
     "plan.json"};
 inline constexpr const char* kPrevious = "previous";  // the folder within it for results that were replaced
 
-// What results are worth keeping for.
+// How valuable results are; more valuable ones are kept when they are replaced.
 enum class Worth {
   kNothing,  // there are none, or the request was refused, cancelled or out of time
   kAnswer,   // planned to the end, without a certified trajectory
   kPlan      // certified
 };
 
-// By the status in plan.json. A trajectory.csv without one is kept like a certified plan, and so is a plan.json without
-// a status, which is somebody else's.
+// Decides by the status in plan.json. A trajectory.csv without plan.json, or a plan.json without a status (which is not
+// from fjr), is kept like a certified plan.
 Worth worth_of(const std::filesystem::path& folder);
 
 bool has_certified_plan(const std::filesystem::path& folder);  // by the status in plan.json
 
-// While it lives no other fjr replaces the results in the folder. A replacement that was interrupted is completed
-// first, so that what is read then belongs together. Nothing happens for a folder that does not exist, and nothing is
-// locked where the file system has no locks. Throws std::runtime_error when another process holds it for a minute.
+// While it exists, no other fjr process replaces the results in the folder. An interrupted replacement is completed
+// first, so that the files belong together. Nothing happens if the folder does not exist, and nothing is locked if the
+// file system has no locks. Throws std::runtime_error if another process holds the lock for a minute.
 class FolderLock {
  public:
   explicit FolderLock(const std::filesystem::path& folder);
@@ -41,24 +41,24 @@ class FolderLock {
   Descriptor parent_;
 };
 
-// Results on their way into a folder.
+// New results that are written to a temporary folder and then published.
 class NewResults {
  public:
-  // Makes the folder where it does not exist. Throws std::runtime_error where that cannot be done.
+  // Creates the folder if necessary. Throws std::runtime_error if that fails.
   explicit NewResults(const std::filesystem::path& folder);
-  ~NewResults();  // what was not published is removed
+  ~NewResults();  // removes results that were not published
   NewResults(const NewResults&) = delete;
   NewResults& operator=(const NewResults&) = delete;
 
-  // Where the files of the new results are to be written.
+  // Returns the folder to which the files of the new results must be written.
   const std::filesystem::path& stage() const { return stage_; }
 
-  // Puts them in place of the old ones, all at once: the two folders are exchanged. Where that is not possible (another
-  // file system or owner, a folder with further folders in it, the working directory) a mark that survives any
-  // interruption is set first, and whoever reads or writes the folder next completes what is not complete. Certified
-  // results that are replaced by others, and any answer that is replaced by less, are in `previous` afterwards, unless
-  // what is there already is worth more. Returns whether the replaced results were moved there.
-  // The files are on the disk when it returns. Throws std::runtime_error; then the old results are still there.
+  // Replaces the old results atomically by exchanging the two folders. If that is not possible (another file system or
+  // owner, subfolders, the working directory), a persistent mark is set first, and after an interruption the next
+  // process that reads or writes the folder completes the replacement. Certified results that are replaced, and any
+  // answer that is replaced by a less valuable one, are moved to `previous`, unless more valuable ones are there
+  // already. Returns whether that was done. The files are on the disk when it returns. Throws std::runtime_error on
+  // failure; the old results are then unchanged.
   bool publish();
 
  private:

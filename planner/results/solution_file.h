@@ -14,10 +14,10 @@ inline constexpr const char* kSolutionFile = "solution.cbor";  // beside traject
 
 void write_solution(const std::filesystem::path& file, const Collocated& solution, const std::string& robot_hash);
 
-// Throws InputError naming the file and what is wrong with it: not such a file, or of another robot.
+// Throws InputError naming the file and the problem if it is not such a file or belongs to another robot.
 Collocated read_solution(const std::filesystem::path& file, const std::string& robot_hash);
 
-// The same without a file. source: what they come from, for messages.
+// Convert to and from bytes without a file. source: their origin, for messages.
 std::string solution_bytes(const Collocated& solution, const std::string& robot_hash);
 Collocated solution_from(std::string_view bytes, const std::string& source, const std::string& robot_hash);
 

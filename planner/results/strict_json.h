@@ -1,4 +1,4 @@
-// JSON from a file, as strict as YAML is read.
+// Reads JSON as strictly as YAML is read.
 #pragma once
 
 #include <filesystem>
@@ -9,14 +9,14 @@
 
 namespace fjr {
 
-// source: what it is called in messages. Throws InputError where it is no JSON, or has a key twice: of two values one
-// reader takes the first and another one the last.
+// source: its name in messages. Throws InputError if the text is not JSON, or if a key occurs twice, because then some
+// readers would use the first value and others the last.
 nlohmann::ordered_json parse_json(const std::string& text, const std::string& source);
 
-// plan.json in the folder of a plan. Throws InputError, where there is none too.
+// Reads plan.json in the folder of a plan. Throws InputError, also if it does not exist.
 nlohmann::ordered_json load_plan_json(const std::filesystem::path& folder);
 
-// Returns read(), which takes values of JSON for what fjr plan writes. Throws InputError where they are something else.
+// Returns read(), which assumes JSON as `fjr plan` writes it. Throws InputError if values have other types.
 template <class Read>
 auto reading(const std::string& source, Read&& read) {
   try {

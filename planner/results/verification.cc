@@ -21,7 +21,7 @@
 namespace fjr {
 namespace {
 
-// The payload given, or else the robot's, or else that of plan.json, or else the file's.
+// Determines the payload: the given one, or else the robot's, or else that of plan.json, or else the file's.
 void settle_payload(const std::optional<Payload>& given, const std::optional<Payload>& of_plan, Verification& v) {
   if (given) v.robot.payload = *given;
   const auto& of_file = v.header.payload;
@@ -50,7 +50,7 @@ void tighten(Verification& v) {
   }
 }
 
-// Of a robot that differs in more than the payload.
+// Adds a contradiction if the trajectory was planned for a robot that differs in more than the payload.
 void compare_robots(const Trajectory& trajectory, Verification& v) {
   const auto planned_for = trajectory.metadata.find("robot_hash");
   const std::string hash = robot_hash(v.robot);
@@ -62,7 +62,8 @@ void compare_robots(const Trajectory& trajectory, Verification& v) {
                                          planned_for->second, hash, v.header.payload ? "" : " or payload"));
 }
 
-// Rows beside the plan.json of another request, whose task is not what they were planned for, or of no certified plan.
+// Adds a contradiction if plan.json belongs to another request, whose task the rows were not planned for, or to a plan
+// that is not certified.
 void compare_requests(const Trajectory& trajectory, const PlannedMotion& planned, Verification& v) {
   const bool executable = plan_status(planned.status) == PlanStatus::kCertified || planned.status == kLearntStatus;
   if (!planned.status.empty() && !executable) {
@@ -75,14 +76,14 @@ void compare_requests(const Trajectory& trajectory, const PlannedMotion& planned
                   planned.request_hash));
 }
 
-// Whether all rows are there that the file says that it had; nothing where it does not say.
+// Returns whether the file contains as many rows as its header says; nothing if the header does not say.
 std::optional<bool> is_complete(const Trajectory& trajectory) {
   const auto rows = trajectory.metadata.find("rows");
   if (rows == trajectory.metadata.end()) return std::nullopt;
   return rows->second == std::to_string(trajectory.samples.size());
 }
 
-// A file that was cut short is as exact as before, but not what was planned.
+// Reports a truncated file: its rows may still be exact, but they are not the planned motion.
 void check_completeness(const Trajectory& trajectory, Verification& v) {
   v.complete = is_complete(trajectory);
   if (v.complete.value_or(true)) return;
@@ -95,7 +96,7 @@ void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& tas
   for_each_index(count, static_cast<int>(std::max(1U, std::thread::hardware_concurrency())), task);
 }
 
-// The goal that the motion comes nearest to, of those that will do.
+// Returns the one of the alternative goals to which the motion comes nearest.
 const Goal& nearest_goal(const std::vector<Goal>& goals, const Joints<double>& q) {
   const auto away = [&q](const Goal& goal) {
     double most = 0;
@@ -128,7 +129,7 @@ void check_against_planned(const PlannedMotion& planned, const Trajectory& traje
   check_against_request(asked, planned.ends, trajectory, v.certificate);
 }
 
-// The limits of plan.json hold too, whether or not the file's header has them.
+// Tightens the limits to those of plan.json, even if the file's header does not contain them.
 void tighten_as_planned(const PlannedMotion& planned, Verification& v) {
   for (const LimitName& name : kLimitNames) {
     const double asked = name.in(planned.limits);

@@ -1,4 +1,4 @@
-// The certificate of any trajectory, whoever made it.
+// Certifies trajectories from any source.
 #pragma once
 
 #include <filesystem>
@@ -14,29 +14,28 @@
 namespace fjr {
 
 struct Verification {
-  Parameters robot;  // and the limits that the verdict is about: those given, made no easier by anything in the file
+  Parameters robot;  // robot and limits of the verdict: the given ones, which the file can only make stricter
   Limits limits;
   PlannedWith header;
   std::vector<std::string> contradictions;  // between the file and what was given, one sentence each
   Certificate certificate;
-  std::optional<bool> complete;  // all rows are there that the file says that it had; none: it does not say
+  std::optional<bool> complete;  // whether no rows are missing; empty if the file does not say how many there were
 };
 
 struct VerifyOptions {
-  std::optional<Payload> payload;  // none: the robot's, or else the file's
-  bool proven = false;             // certified only if everything is proven (planner/certificate/proof), on all cores
-  // Certified only if this fraction of the arms that the robot's uncertainty leaves possible keeps everything
-  // (planner/certificate/robust), on all cores.
+  std::optional<Payload> payload;  // empty: the robot's, or else the file's
+  bool proven = false;             // certify only what is proven (planner/certificate/proof); uses all cores
+  // Certify only if this fraction of the arms that the robot's uncertainty admits keeps all limits and the task
+  // (planner/certificate/robust); uses all cores.
   std::optional<double> robust{};
-  PlannedMotion planned{};  // empty where it is not known
+  PlannedMotion planned{};  // empty if it is not known
 };
 
-// source: what it is called in messages. Throws InputError for what the file's header says in another form than
-// planned_with() has it.
+// source: name of the trajectory in messages. Throws InputError if its header does not have the form of planned_with().
 Verification verify(const Trajectory& trajectory, const std::string& source, const Parameters& robot,
                     const VerifyOptions& options = {});
 
-// The certificate, and what else it is about.
+// Returns the certificate and the conditions it refers to.
 nlohmann::ordered_json verification_json(const Trajectory& trajectory, const Verification& verification);
 
 }  // namespace fjr

@@ -12,7 +12,7 @@
 
 namespace fjr {
 
-// What is exported: a plan at its ticks, a log, or both.
+// The data to export: a plan at its ticks, a log, or both.
 struct Exported {
   const PlanRecord* plan = nullptr;
   std::optional<Ticked> ticked;  // of the plan
@@ -34,7 +34,7 @@ struct ExportFormat {
 // All of them, in the order of --help.
 std::span<const ExportFormat> export_formats();
 
-// A line of names and lines of numbers, and nothing else; the shortest digits that read back to the same bits.
+// Returns CSV with one line of names and lines of numbers, with the fewest digits that read back to the same bits.
 std::string as_csv(const ExportTable& table);
 
 // JSON messages with JSON schemas: /fjr/trajectory, /fjr/tip, /fjr/limits, /fjr/scene (foxglove.SceneUpdate: the arm
@@ -45,8 +45,8 @@ std::string as_mcap(const Exported& exported);
 // velocities and accelerations of the links, effort: the mean torque of each tick.
 std::string as_ros2(const Exported& exported);
 
-// A MATLAB file (level 5): a column vector for each column, a struct `limits`, and texts. Written to `file` at once or
-// not at all; throws std::runtime_error where it cannot be.
+// Writes a MATLAB file (level 5) with a column vector for each column, a struct `limits`, and texts. The file is
+// replaced atomically. Throws std::runtime_error if it cannot be written.
 void write_mat(const Exported& exported, const ExportTable& table, const std::filesystem::path& file);
 
 }  // namespace fjr

@@ -1,4 +1,4 @@
-// The one place that knows libmatio.
+// Only this file uses libmatio.
 #include <fmt/format.h>
 #include <matio.h>
 
@@ -27,7 +27,7 @@ struct Free {
 using MatFile = std::unique_ptr<mat_t, Close>;
 using Variable = std::unique_ptr<matvar_t, Free>;
 
-// Removed again unless it was renamed.
+// A temporary file beside the target, which is removed unless it was renamed.
 class Beside {
  public:
   explicit Beside(const fs::path& file) : path_(temporary_beside(file)) {}
@@ -66,7 +66,7 @@ void write(mat_t* file, const Variable& variable) {
   }
 }
 
-// As plan.json has them, and what those of the links' positions are counted from where that is not zero.
+// Returns the limits in plan.json, with the middle from which positions of the links are measured if it is not zero.
 nlohmann::ordered_json limits_with_middle(const PlanRecord& plan) {
   nlohmann::ordered_json limits = plan.plan.at("resolved_request").at("limits");
   const Joints<double>& middle = plan.robot.limits.link_middle;
@@ -74,7 +74,7 @@ nlohmann::ordered_json limits_with_middle(const PlanRecord& plan) {
   return limits;
 }
 
-// The struct `limits`, a field for each, of one number for each joint.
+// Returns the struct `limits` with one field per limit, which has one number per joint.
 Variable limits_of(const nlohmann::ordered_json& limits) {
   std::vector<const char*> names;
   for (const auto& [name, value] : limits.items()) names.push_back(name.c_str());

@@ -35,7 +35,8 @@ int32 sec
 uint32 nanosec
 )";
 
-// XCDR1, little-endian: every value is aligned to its size, counted from behind the four bytes of the encapsulation.
+// Serialises to XCDR1, little-endian: every value is aligned to its size, relative to the end of the four bytes of the
+// encapsulation header.
 class Cdr {
  public:
   void add(std::uint32_t value) { add_bytes(&value, sizeof value); }
@@ -72,7 +73,7 @@ void add_time(Cdr& to, double time) {
 
 std::string message(const Parameters& robot, const Ticked& ticked, const Joints<std::string>& names) {
   Cdr cdr;
-  add_time(cdr, 0);  // of the header: execution begins when it is received
+  add_time(cdr, 0);  // a zero time in the header means that execution begins on reception
   cdr.add(std::string_view(""));
   cdr.add(static_cast<std::uint32_t>(names.size()));
   for (const std::string& name : names) cdr.add(std::string_view(name));

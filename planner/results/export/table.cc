@@ -58,7 +58,7 @@ const std::vector<double>& ExportTable::column(const std::string& name) const {
 }
 
 Ticked at_ticks(const Parameters& robot, const Trajectory& trajectory, double tick) {
-  constexpr double kRounding = 1e-9;  // of a tick: durations are sums of many
+  constexpr double kRounding = 1e-9;  // fraction of a tick, because durations are sums of many numbers
   const double begin = trajectory.start_time(), end = trajectory.end_time();
   const bool rests = is_at_rest(robot, trajectory.samples.back());
   Trajectory held = trajectory;  // with the goal held after the end, by its own gravity torque

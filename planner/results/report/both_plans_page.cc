@@ -22,7 +22,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Both = std::array<JsonField, 2>;
 
-// By their requests; where those are called alike by their folders too.
+// Returns the names of the two plans: those of their requests, with their folders if these are equal.
 std::array<std::string, 2> names_of(const Both& plans, const PlanRecord& first, const PlanRecord& second) {
   std::array<std::string, 2> names{plans[0].at("request").text(), plans[1].at("request").text()};
   if (names[0] != names[1]) return names;
@@ -33,7 +33,7 @@ std::array<std::string, 2> names_of(const Both& plans, const PlanRecord& first, 
   return names;
 }
 
-// What is asked for in the plane: the first plan's, and what the second one has beside.
+// Returns the objects to draw in the plane: those of the first plan, and further ones of the second.
 Json scene_of_both(const Both& plans, const PlanRecord& first, const PlanRecord& second) {
   Json scene = scene_json(plans[0], first.robot);
   for (const Json& shape : scene_json(plans[1], second.robot)) {
@@ -42,7 +42,7 @@ Json scene_of_both(const Both& plans, const PlanRecord& first, const PlanRecord&
   return scene;
 }
 
-// A row of what is read from each plan.
+// Adds a row with a value from each plan.
 template <class Value>
 void add_row(Rows& rows, const Both& plans, const std::string& label, const Value& value) {
   rows.push_back({cell(label), cell(value(plans[0])), cell(value(plans[1]))});
@@ -72,7 +72,7 @@ Rows figures_of_both(const Both& plans, const std::array<std::string, 2>& names)
   return rows;
 }
 
-// Of every limit that one of them has: what each reaches, and what it is allowed.
+// Returns rows with the reached and the allowed value in each plan, for every limit that one of them has.
 Rows limits_of_both(const Both& plans, const std::array<std::string, 2>& names) {
   const std::array<std::vector<ReachedLimit>, 2> limits{read_limits(plans[0]), read_limits(plans[1])};
   Rows rows{{cell("reached, of limit"), cell(names[0]), cell(names[1]), cell("unit")}};

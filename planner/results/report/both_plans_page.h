@@ -7,7 +7,7 @@
 
 namespace fjr {
 
-// HTML that needs nothing but itself: both motions over one another, and their figures side by side. Throws InputError
+// Returns self-contained HTML with both motions drawn over each other and their figures side by side. Throws InputError
 // for a plan without a trajectory.
 std::string both_plans_page(const PlanRecord& first, const PlanRecord& second);
 

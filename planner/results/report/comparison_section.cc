@@ -33,13 +33,13 @@ void add_peaks(Rows& rows, const std::vector<ComparedMotion>& motions, const std
   }
 }
 
-// Whether rows of a run say what a term comes to: torques there jump from tick to tick, so that they have no rate, and
-// nothing is let go.
+// Returns whether a term can be computed from the samples of a run. The torque rate cannot, since torques there jump
+// from tick to tick, nor can terms of a release.
 bool is_told_by_rows(const WeightedTerm& term, const std::map<std::string, double>& terms_of_run) {
   return terms_of_run.count(term.info->name) > 0;
 }
 
-// What each run comes to, until the end of the plan, of what was asked for.
+// Adds rows with the terms of the objective for each run, until the end of the plan.
 void add_objective_rows(Rows& rows, const Parameters& robot, const std::vector<ComparedMotion>& motions,
                         const std::vector<WeightedTerm>& objective, double end) {
   std::vector<std::map<std::string, double>> terms;
@@ -94,7 +94,7 @@ Rows comparison_table(const Parameters& robot, const std::vector<ComparedMotion>
   return rows;
 }
 
-// One sentence on what of the objective is not in the table; empty where all of it is.
+// Returns a sentence about terms of the objective that are not in the table; empty if all are.
 std::string about_what_is_missing(const Parameters& robot, const Trajectory& plan,
                                   const std::vector<WeightedTerm>& objective) {
   const std::map<std::string, double> told = terms_of_rows(robot, plan);

@@ -1,4 +1,4 @@
-// What planning the same move without the springs would have cost.
+// A section that compares the plan with profiles that ignore the springs.
 #pragma once
 
 #include <string>
@@ -17,11 +17,11 @@ struct ComparedMotion {
   ElasticRun run;
 };
 
-// The plan first, and then the textbook's profiles of the same duration; all followed by the same controller on the
-// same elastic arm. Empty where the plan does not lead from rest to rest.
+// Returns the plan, followed by textbook profiles of the same duration, all executed by the same controller on the same
+// elastic arm. Empty if the plan does not lead from rest to rest.
 std::vector<ComparedMotion> compared_motions(const Parameters& robot, const Trajectory& plan);
 
-// with_scene: the request asks for something on the way.
+// with_scene: whether the request has task constraints.
 void add_comparison(ChartPage& page, const Parameters& robot, const std::vector<ComparedMotion>& motions,
                     const Trajectory& plan, const std::vector<WeightedTerm>& objective,
                     const std::vector<ReachedLimit>& limits, bool with_scene);

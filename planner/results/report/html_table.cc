@@ -23,7 +23,7 @@ bool is_short_list(const Json& json, std::size_t most) {
          std::all_of(json.begin(), json.end(), [](const Json& item) { return item.is_primitive(); });
 }
 
-// What fits into a cell: one value, a few, or a list of pairs.
+// Returns whether a value fits into a cell: a single value, a few, or a list of pairs.
 bool is_plain(const Json& json) {
   if (json.is_primitive() || is_short_list(json, 8)) return true;
   return json.is_array() && json.size() <= 16 &&
@@ -77,7 +77,7 @@ std::string table_of_numbers(const Json& list) {
   return html_table(rows, false);
 }
 
-// Long ones wait to be opened.
+// Wraps long lists so that they are collapsed at first.
 std::string folded(const Json& list, const std::string& table) {
   if (list.size() <= kUnfolded) return table;
   const std::string count = list.size() <= kMostItems ? fmt::format("{} entries", list.size())

@@ -17,13 +17,13 @@ Cell cell(std::string text, std::string css_class = "");
 Cell html_cell(std::string html);
 using Rows = std::vector<std::vector<Cell>>;
 
-// With a heading, that is the first row.
+// heading: whether the first row is one.
 std::string html_table(const Rows& rows, bool heading = true);
 
-// Objects and lists of any shape: numbers and texts in one table, whatever is nested below under its name.
+// Shows JSON of any structure: numbers and texts in one table, nested objects and lists below it under their names.
 std::string html_of_json(const nlohmann::ordered_json& json);
 
-// "-" for what is not a number, as null is; "none" for what is infinite.
+// Returns "-" for NaN (also from null), and "none" for infinity.
 std::string number_text(double value, int digits = 4);
 
 // "torque_rate" -> "torque rate"

@@ -32,7 +32,7 @@ double motor_velocity(const Sample& s, std::size_t j) { return s.state.dtheta[j]
 double deflection(const Sample& s, std::size_t j) { return s.state.theta[j] - s.state.q[j]; }
 double torque(const Sample& s, std::size_t j) { return s.torque[j]; }
 
-// Of the limit of `name`, or of the links' positions, about the lines that the chart begins with.
+// Adds the robustness tubes of the limit `name`, or of the links' positions, around the first lines of the chart.
 void add_tubes(Chart& chart, const std::optional<Tubes>& tubes, const std::string& name, int first_joint = 1) {
   if (!tubes) return;
   const std::size_t lines = std::min<std::size_t>(chart.series.size(), first_joint == 0 ? 1 : kJoints);
@@ -52,14 +52,14 @@ void add_joints(Chart& chart, const std::vector<Sample>& samples, const std::str
   }
 }
 
-// "±1.3", or "-1.2 to 1.4" where the middle is not zero.
+// Returns "±1.3", or "-1.2 to 1.4" if the middle is not zero.
 std::string range_text(double middle, double limit) {
   if (middle == 0) return fmt::format("±{:.4g}", limit);
   return fmt::format("{:.4g} to {:.4g}", middle - limit, middle + limit);
 }
 
-// The limits of `name` to either side of the middle: in the title, and drawn where they are near enough not to flatten
-// the curves.
+// Adds the limits of `name` on both sides of the middle: always to the title, and as lines if they are so close to the
+// curves that these are not flattened.
 void add_limits(Chart& chart, const std::vector<ReachedLimit>& limits, const std::string& name, double end,
                 const Joints<double>& middle = {}) {
   std::string said;
@@ -93,7 +93,7 @@ Chart tip_speed_chart(const Parameters& robot, const Trajectory& trajectory, con
   return chart;
 }
 
-// Charts of what is limited and is in no other chart; rates of torque are not drawn.
+// Returns charts of limited quantities that are in no other chart; torque rates are not drawn.
 std::vector<Chart> further_charts(const PlanRecord& record, const std::vector<ReachedLimit>& limits,
                                   const std::optional<Tubes>& tubes) {
   constexpr std::array<std::string_view, 5> kElsewhere{"torque", "motor_velocity", "link_position", "spring_deflection",
@@ -154,7 +154,7 @@ std::vector<Chart> motion_charts(const PlanRecord& record, const std::vector<Rea
 double short_number(double value) { return rounded_to(value, 6); }
 Json pair_json(const Joints<double>& values) { return {values[0], values[1]}; }
 
-// Columns over time, thinned out to what an animation can show.
+// Returns the columns over time, thinned out for the animation.
 Json motion_json(const std::string& name, const std::vector<Sample>& samples) {
   Json json{{"name", name}};
   for (const char* column : {"time", "q1", "q2", "theta1", "theta2", "dtheta1", "dtheta2", "tau1", "tau2"}) {
@@ -180,7 +180,7 @@ Json arm_json(const Parameters& robot) {
   return {{"length", pair_json(robot.link.length)}, {"radius", pair_json(robot.link.radius)}};
 }
 
-// What plan_page.js draws; motions and poses are yet to come.
+// Returns the data for plan_page.js, to which motions and poses are added later.
 Json stage_json(const Parameters& robot, const Json& scene) {
   return {
       {"arm", arm_json(robot)},   {"gravity", {{"fraction", robot.mounting.gravity}, {"down", robot.mounting.down}}},
@@ -188,7 +188,7 @@ Json stage_json(const Parameters& robot, const Json& scene) {
       {"motions", Json::array()}, {"poses", Json::array()}};
 }
 
-// Limits that the picture shows something against.
+// Adds the limits that the picture shows values relative to.
 void add_ring_limits(Json& data, const std::vector<ReachedLimit>& limits) {
   for (const char* name : {"torque", "spring_deflection"}) {
     const ReachedLimit *first = find_limit(limits, name, 1), *second = find_limit(limits, name, 2);
@@ -196,8 +196,8 @@ void add_ring_limits(Json& data, const std::vector<ReachedLimit>& limits) {
   }
 }
 
-// The curves of a second plan into the charts of a first one, in colours of their own; without those of the motors'
-// angles, which lie near those of the links.
+// Adds the curves of a second plan to the charts of the first, in other colours. Those of the motor angles are left
+// out, because they are close to those of the links.
 void add_second(std::vector<Chart>& charts, const NamedPlan& second) {
   const std::vector<Chart> others = motion_charts(second.record, {});
   for (std::size_t i = 0; i < std::min(charts.size(), others.size()); ++i) {

@@ -1,4 +1,4 @@
-// The arm in motion, and the plots that share its time.
+// The animation of the arm, and plots with the same time axis.
 #pragma once
 
 #include <string>
@@ -14,8 +14,8 @@ namespace fjr {
 void add_motion(ChartPage& page, const PlanRecord& record, const nlohmann::ordered_json& scene,
                 const std::vector<ReachedLimit>& limits, const std::vector<ComparedMotion>& motions);
 
-// Two plans, the second over the first: in the picture at the same instant, and in the plots. Both have a trajectory;
-// limits are the first one's.
+// Shows the second plan over the first, in the picture at the same time and in the plots. Both must have a trajectory;
+// the limits are those of the first.
 struct NamedPlan {
   std::string name;
   const PlanRecord& record;
@@ -23,7 +23,7 @@ struct NamedPlan {
 void add_both_motions(ChartPage& page, const NamedPlan& first, const NamedPlan& second,
                       const nlohmann::ordered_json& scene, const std::vector<ReachedLimit>& limits);
 
-// Of a request that came to no motion: start and goals, and what else was asked for in the plane.
+// Shows a request for which no motion was found: start, goals and task constraints.
 void add_poses(ChartPage& page, const Parameters& robot, const JsonField& plan, const nlohmann::ordered_json& scene);
 
 }  // namespace fjr

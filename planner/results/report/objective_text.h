@@ -1,4 +1,4 @@
-// What a plan minimised, in words and units.
+// Describes the objective of a plan in words and units.
 #pragma once
 
 #include <string>
@@ -14,16 +14,16 @@ struct WeightedTerm {
   double weight;  // negative: a reward
 };
 
-// Those that count, by plan.json's resolved request. Terms of another version are left out.
+// Returns the terms with a weight in the resolved request in plan.json. Unknown terms of other versions are left out.
 std::vector<WeightedTerm> weighted_terms(const JsonField& plan);
 
-// "time", "0.5 x effort + time"; "none" where nothing counts.
+// Returns a formula such as "time" or "0.5 x effort + time"; "none" if there are no terms.
 std::string objective_formula(const std::vector<WeightedTerm>& terms);
 
-// Of the sum: that of the only term where its weight is 1; otherwise none, "".
+// Returns the unit of the objective: that of its only term if the weight is 1, otherwise "".
 std::string objective_unit(const std::vector<WeightedTerm>& terms);
 
-// How gains of the objective are told: as time where nothing else counts.
+// How gains of the objective are expressed: as a time if time is the only term.
 struct Gain {
   double factor;
   std::string unit;

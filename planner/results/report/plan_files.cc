@@ -18,7 +18,7 @@ void describe(Trajectory& trajectory, const nlohmann::ordered_json& plan) {
   for (const char* key : {"request", "request_hash", "robot_hash", "status", "version"}) {
     trajectory.metadata[key] = plan.at(key).get<std::string>();
   }
-  trajectory.metadata["rows"] = std::to_string(trajectory.samples.size());  // a file that was cut short shows it
+  trajectory.metadata["rows"] = std::to_string(trajectory.samples.size());  // to detect truncated files
   tell_planned_with(plan, trajectory.metadata);
   tell_repetition(plan, trajectory.metadata);
 }

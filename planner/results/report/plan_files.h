@@ -1,4 +1,4 @@
-// The files of a planned request, the same whoever planned it.
+// Writes the files of a planned request, for the command line, batches and the service alike.
 #pragma once
 
 #include <filesystem>
@@ -12,23 +12,24 @@
 
 namespace fjr {
 
-// So that a trajectory file says by itself what it is for: request, robot, payload, tightened limits, as plan.json has
-// them.
+// Adds request, robot, payload and tightened limits from plan.json to the metadata of a trajectory, so that its file is
+// self-describing.
 void describe(Trajectory& trajectory, const nlohmann::ordered_json& plan);
 
-// What a plan came to. Without motion: no trajectory. Trajectories are described.
+// The results of a plan. Without a motion there is no trajectory. describe() must have been applied to trajectories.
 struct PlanFiles {
   const nlohmann::ordered_json& plan;
   const Trajectory* trajectory = nullptr;
-  const Collocated* solution = nullptr;  // for warm starts
+  const Collocated* solution = nullptr;  // stored for warm starts
 };
 
-// Writes plan.json, and of a certified plan its trajectory and solution; of an uncertified one, where that is to be
-// kept, likewise, under the trajectory's other name. folder: the stage of NewResults. Returns the names for people.
+// Writes plan.json and, for a certified plan, its trajectory and solution. If an uncertified plan is to be kept, they
+// are written as well, with the trajectory under its other name. folder: the stage of NewResults. Returns the names of
+// the files for display.
 std::vector<std::string> write_plan_files(const PlanFiles& files, const std::filesystem::path& folder,
                                           bool keep_uncertified);
 
-// report.html from the other files in the folder (plan_record.h); returns its path.
+// Writes report.html from the other files in the folder (plan_record.h); returns its path.
 std::filesystem::path write_report(const std::filesystem::path& folder);
 
 }  // namespace fjr

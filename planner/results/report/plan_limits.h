@@ -1,4 +1,4 @@
-// The limits of a plan and what it reaches of them, as its plan.json tells.
+// The limits of a plan and the values it reaches, from its plan.json.
 #pragma once
 
 #include <string>
@@ -15,9 +15,9 @@ struct ReachedLimit {
   bool passed;
 };
 
-std::vector<ReachedLimit> read_limits(const JsonField& plan);  // empty: there is no certificate
+std::vector<ReachedLimit> read_limits(const JsonField& plan);  // empty if there is no certificate
 
-// Null: there is none, or it is infinite.
+// Returns null if there is no such limit or it is infinite.
 const ReachedLimit* find_limit(const std::vector<ReachedLimit>& limits, const std::string& name, int joint);
 
 }  // namespace fjr

@@ -67,7 +67,7 @@ Cell bar(double percent, const std::string& css) {
       fmt::format("<span class='bar {}'><i style='width:{:.1f}%'></i></span>", css, std::clamp(percent, 0.0, 100.0)));
 }
 
-// What magnitudes of the links' positions are counted from, where that is not zero.
+// Adds the middles of the ranges from which positions of the links are measured, if they are not zero.
 void add_middles(ChartPage& page, const Parameters& robot) {
   std::string ranges;
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -95,7 +95,7 @@ void add_margins(ChartPage& page, const std::vector<ReachedLimit>& limits, const
   add_middles(page, robot);
 }
 
-// What the request asks for on the way.
+// Adds the margins to the task constraints.
 void add_task_margins(ChartPage& page, const JsonField& checks) {
   Rows rows{{cell("on the way"), cell("clearance"), cell("unit"), cell("at")}};
   for (const JsonField& check : checks.items()) {
@@ -218,7 +218,7 @@ void add_solver(ChartPage& page, const JsonField& solver, const std::vector<Weig
   }
 }
 
-// Null: a term of another version.
+// Returns null for a term of another version.
 const TermInfo* term_of(std::string_view name) {
   const auto found =
       std::find_if(Terms::infos.begin(), Terms::infos.end(), [&](const TermInfo& term) { return term.name == name; });
@@ -260,7 +260,7 @@ void add_infeasibility(ChartPage& page, const JsonField& why) {
   page.add_html(html_of_json(why.json()));
 }
 
-// H has to be constant between via points; a column `along` of the motion is a line.
+// Plots H, which should be constant between via points, as a line if the columns `along` exist.
 void add_optimality(ChartPage& page, const JsonField& optimality) {
   page.add_heading("Optimality");
   const auto along = optimality.find("along");

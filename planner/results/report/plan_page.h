@@ -1,5 +1,5 @@
-// A plan as one HTML page that needs nothing but itself: the arm in motion beside plots that share its time, margins,
-// certificate, what planning without the springs would have done, mesh, solver, request.
+// A plan as one self-contained HTML page: an animation of the arm beside plots with the same time axis, margins,
+// certificate, a comparison with planning without the springs, mesh, solver, request.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace fjr {
 
-// Rolls out two textbook profiles on the way (rigid_profile.h). InputError: record.plan lacks something or holds it in
-// another form. Sections of plan.json that this page does not know are shown as they are.
+// Returns the HTML. For the comparison it rolls out two textbook profiles (rigid_profile.h). Unknown sections of
+// plan.json are shown as they are. Throws InputError if record.plan lacks a field or has it in another form.
 std::string plan_page(const PlanRecord& record);
 
 }  // namespace fjr

@@ -1,4 +1,4 @@
-// A plan as it lies in its folder: everything a report is made of.
+// The contents of a plan's folder, from which reports are made.
 #pragma once
 
 #include <filesystem>
@@ -12,19 +12,19 @@
 namespace fjr {
 
 struct PlanRecord {
-  std::string source;                    // of the plan, for messages: the path of plan.json
+  std::string source;                    // path of plan.json, for messages
   nlohmann::ordered_json plan;           // plan.json
   Parameters robot;                      // the one it was planned for
-  std::optional<Trajectory> trajectory;  // none: nothing came of it that was to be kept
+  std::optional<Trajectory> trajectory;  // empty if no trajectory was kept
 };
 
-// From what a plan.json says and the trajectory that goes with it. The robot is the one in plan.json, held against its
-// robot_hash. InputError as below.
+// Returns the record for a plan.json and its trajectory. The robot is read from plan.json and checked against
+// robot_hash. Throws InputError as read_plan() does.
 PlanRecord record_of(nlohmann::ordered_json plan, std::string source, std::optional<Trajectory> trajectory);
 
-// Reads plan.json, and trajectory.csv beside it, or trajectory.uncertified.csv of a plan that is uncertified.
-// InputError: no such folder or files, or they are damaged, or do not belong together, or the request was refused, so
-// that nothing was planned.
+// Reads plan.json and trajectory.csv, or trajectory.uncertified.csv for an uncertified plan. Throws InputError if the
+// folder or files do not exist, are damaged or do not belong together, or if the request was refused, so that nothing
+// was planned.
 PlanRecord read_plan(const std::filesystem::path& folder);
 
 }  // namespace fjr

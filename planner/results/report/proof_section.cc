@@ -10,7 +10,7 @@
 namespace fjr {
 namespace {
 
-// Of a joint or a link that is named by its number, or of none where that is null.
+// Appends the number of a joint or link to a name, unless the number is null.
 std::string numbered(const std::string& name, const JsonField& number, const char* of = " ") {
   return spaced(name) + (number.is_null() ? "" : of + number_text(number.number()));
 }

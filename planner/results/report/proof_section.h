@@ -1,4 +1,4 @@
-// What is certain of the motion, where a proof was asked for.
+// The section about the proof of the motion, if one was requested.
 #pragma once
 
 #include "common/chart_page.h"
@@ -6,7 +6,7 @@
 
 namespace fjr {
 
-// certificate: of plan.json. Adds nothing where it has no proof.
+// certificate: the field of plan.json. Adds nothing if it contains no proof.
 void add_proof(ChartPage& page, const JsonField& certificate);
 
 }  // namespace fjr

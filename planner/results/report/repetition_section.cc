@@ -16,7 +16,7 @@ double in_counts(double angle, std::size_t j, const Parameters& robot) {
   return angle / count_angle(robot.encoder.link_counts[j]);
 }
 
-// What the limits, the task or the executor have left of the correction.
+// Describes the fraction of the correction that limits, task and executor have permitted.
 std::string correction_taken(const JsonField& repetition) {
   const double fraction = repetition.at("fraction").number();
   std::string text = fraction == 1  ? "All of the correction was taken."
@@ -26,7 +26,7 @@ std::string correction_taken(const JsonField& repetition) {
   return text;
 }
 
-// What an earlier version wrote has no runs.
+// Adds the runs. A plan.json of an earlier version has none.
 void add_runs(ChartPage& page, const JsonField& repetition, const Parameters& robot) {
   const auto runs = repetition.find("runs");
   if (!runs || runs->items().empty()) return;
@@ -54,7 +54,7 @@ void add_runs(ChartPage& page, const JsonField& repetition, const Parameters& ro
   page.add_html("</div>\n");
 }
 
-// The run that it was corrected by: a file, or the ids that a service has given.
+// Describes the run that the motion was corrected by: a file, or the ids given by a service.
 std::string corrected_by(const JsonField& repetition) {
   std::string text;
   for (const char* key : {"log", "log_sha256", "motion", "run"}) {

@@ -1,4 +1,4 @@
-// What a motion has learnt from its runs.
+// The section about what a motion has learnt from its runs.
 #pragma once
 
 #include "common/chart_page.h"
@@ -7,8 +7,8 @@
 
 namespace fjr {
 
-// How far every run so far was off the plan, and what is expected of the next one. Nothing where the plan is as it was
-// planned.
+// Adds the deviations of all runs so far from the plan, and those expected in the next one. Adds nothing if the motion
+// has not been corrected.
 void add_repetition(ChartPage& page, const JsonField& plan, const Parameters& robot);
 
 }  // namespace fjr

@@ -7,8 +7,8 @@ namespace fjr {
 namespace {
 
 constexpr double kPeriod = 1e-3;       // [s] at most between rows
-constexpr double kPeakVelocity = 1.5;  // of the trapezoid: 1 / (1/3 / 2 + 1/3 + 1/3 / 2)
-constexpr double kAcceleration = 4.5;  // of the trapezoid: kPeakVelocity / (1/3)
+constexpr double kPeakVelocity = 1.5;  // ds/dc of the trapezoid: 1 / (1/3 / 2 + 1/3 + 1/3 / 2)
+constexpr double kAcceleration = 4.5;  // d2s/dc2 of the trapezoid: kPeakVelocity / (1/3)
 constexpr double kAfterJump = 1e-9;    // fraction of the time: safely on the later side
 
 Along trapezoid(double c) {
@@ -22,7 +22,7 @@ Along minimum_jerk(double c) {
   return {c * c * c * (10 + c * (-15 + 6 * c)), 30 * c * c * (1 + c * (-2 + c)), 60 * c * (1 + c * (-3 + 2 * c))};
 }
 
-// Reference and torque at `along`, on the straight way between two rests.
+// Computes reference and torque at `along` on the straight line in joint space between two rest states.
 class StraightWay {
  public:
   StraightWay(const Parameters& p, const Joints<double>& from, const Joints<double>& to, double duration)

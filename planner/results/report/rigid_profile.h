@@ -1,4 +1,4 @@
-// What planning without the springs would have done: the textbook's profiles for a rigid arm, run on the elastic one.
+// Textbook profiles for a rigid arm, executed on the elastic one, to show the benefit of planning with the springs.
 #pragma once
 
 #include <string>
@@ -18,32 +18,31 @@ enum class Profile {
 
 const char* name(Profile profile);
 
-// How far along the way at fraction c of the time, 0 to 1, and its derivatives with respect to c. Where the trapezoid's
-// acceleration jumps, at 1/3 and 2/3, it is the later one.
+// The position s (0 to 1) along the path at the fraction c of the time, and its derivatives by c. Where the
+// acceleration of the trapezoid jumps, at 1/3 and 2/3, it is the later value.
 struct Along {
   double position = 0, velocity = 0, acceleration = 0;
 };
 Along along(Profile profile, double c);
 
-// What a controller that takes the arm for rigid commands between two rests: link and motor positions go straight from
-// one rest to the other, all along the profile; torque is the inverse dynamics of the rigid arm (links and motors as
-// one body per joint) with gravity and the exact friction law. At both ends motors and torque are those of the true
-// rest, springs included, so that nothing but the elasticity on the way is left out. Torque jumps with the trapezoid's
-// acceleration. duration [s] > 0.
+// Returns what a controller for a rigid arm would command between two rest states. Link and motor positions move on a
+// straight line in joint space with the given profile; the torque is the inverse dynamics of the rigid arm (link and
+// motor as one body per joint) with gravity and the exact friction law. At both ends motor positions and torque are
+// those of the elastic arm at rest, so that only the elasticity during the motion is neglected. The torque jumps with
+// the acceleration of the trapezoid. duration [s] > 0.
 Trajectory rigid_reference(const Parameters& p, Profile profile, const Joints<double>& from, const Joints<double>& to,
                            double duration);
 
 inline constexpr double kWatchedAfterEnd = 1;  // [s]
 inline constexpr double kSettled = 1e-3;       // [rad] ten counts of the link encoder
 
-// One run on the exact elastic model, to kWatchedAfterEnd after the end. What the drive would have to give is not
-// bounded.
+// A run on the exact elastic model until kWatchedAfterEnd after the end of the motion. The drive torque is not limited.
 struct ElasticRun {
   Simulation simulation;
   RunFigures figures;  // settled: within kSettled
 };
 
-// Follows `reference` in closed loop, then holds the rest at its last row. `reference` starts at rest.
+// Follows `reference`, which starts at rest, in closed loop, and then holds its last sample.
 ElasticRun run_on_elastic_arm(const Parameters& p, const Trajectory& reference);
 
 }  // namespace fjr

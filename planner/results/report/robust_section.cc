@@ -11,9 +11,9 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kDearest = 5;  // parameters shown
+constexpr std::size_t kDearest = 5;  // number of parameters shown, the most costly first
 
-// Null where the plan has no such section, or says nothing in it.
+// Returns nothing if the plan has no such section or an empty one.
 std::optional<JsonField> robustness_of(const JsonField& plan) {
   const auto certificate = plan.find("certificate");
   if (!certificate || certificate->is_null()) return std::nullopt;

@@ -1,4 +1,4 @@
-// What the uncertainty of the arm's parameters makes of a plan: tubes for charts, and a section.
+// The effect of the arm's parameter uncertainty on a plan: tubes for charts, and a section of the report.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace fjr {
 
-// Half widths over time, as plan.json's robustness has them.
+// Half widths of the tubes over time, from `robustness` in plan.json.
 struct Tubes {
   struct Tube {
     std::string name;  // of a limit, or "link"
@@ -20,15 +20,15 @@ struct Tubes {
   std::vector<double> times;  // [s]
   std::vector<Tube> all;
 
-  // Null where there is none.
+  // Returns null if there is none.
   const std::vector<double>* find(const std::string& name, int joint) const;
 };
 
-// None where the plan says nothing of other arms.
+// Returns nothing if the plan contains no robustness analysis.
 std::optional<Tubes> read_tubes(const JsonField& plan);
 
-// What is promised of other arms, with which probability, and what that does not cover; margins, and what they cost.
-// Nothing where the plan says nothing of it.
+// Adds what is guaranteed for other arms and with which probability, what that does not cover, and the margins with
+// their cost. Adds nothing if the plan contains no robustness analysis.
 void add_robustness(ChartPage& page, const JsonField& plan);
 
 }  // namespace fjr

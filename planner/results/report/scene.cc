@@ -23,7 +23,7 @@ Json tip_at(const Parameters& robot, const Joints<double>& q) {
   return {tip.x, tip.y};
 }
 
-// times: when they are passed, of a plan that came to a motion.
+// Adds the via points. times: when the motion passes them; empty if there is no motion.
 void add_vias(const JsonField& vias, const std::vector<double>& times, const Parameters& robot, Json& scene) {
   const std::vector<JsonField> all = vias.items();
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -37,7 +37,7 @@ void add_vias(const JsonField& vias, const std::vector<double>& times, const Par
 
 // ---- shapes ----
 
-// What constraints draw themselves with; each shape is a function of that name in plan_page.js.
+// The interface by which constraints draw themselves. Each shape has a function of the same name in plan_page.js.
 struct Drawing {
   const Parameters& robot;
   std::string label;

@@ -1,4 +1,4 @@
-// What is drawn with the arm: everything of a request that has a place in the plane of motion.
+// The objects that are drawn with the arm: all parts of a request that have a place in the plane of motion.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>

@@ -13,12 +13,12 @@
 namespace fjr {
 namespace {
 
-// Of a thousandth of the unit: a whole radian, or second, is far beyond first order.
+// Shows a sensitivity per thousandth of the unit, because a whole radian or second is far outside the linear range.
 Cell per_thousandth(const Gain& gain, const std::string& unit_of_what, double objective) {
   return cell(fmt::format("{} per m{}", gain.saved(1e-3 * objective), unit_of_what));
 }
 
-// The change of a limit or duration that prices are told for, as in the summary.
+// The change of a limit or duration for which prices are shown, as in the summary.
 constexpr double kOnePercentMore = 0.01;
 
 std::string stretches(const JsonField& active) {
@@ -30,7 +30,7 @@ std::string stretches(const JsonField& active) {
   return text;
 }
 
-// Those that are active anywhere, the most expensive first.
+// Adds the limits that are active anywhere, those with the highest price first.
 void add_limits(ChartPage& page, const JsonField& all, const Gain& gain) {
   std::vector<JsonField> limits = all.items();
   std::erase_if(limits, [](const JsonField& l) { return l.at("active").items().empty(); });
@@ -61,7 +61,7 @@ void add_pair(Rows& rows, const std::string& name, const JsonField& values, cons
   }
 }
 
-// What was given and is no limit: the duration, via points, the goal.
+// Adds the sensitivities to given values that are not limits: duration, via points, goal.
 void add_givens(ChartPage& page, const JsonField& plan, const Gain& gain) {
   const JsonField sensitivity = plan.at("sensitivity");
   Rows rows{{cell("given"), cell(fmt::format("more costs ({})", gain.unit))}};

@@ -1,4 +1,4 @@
-// What limits the motion, and what more of it would be worth.
+// The section about the limits that restrict the motion, and their shadow prices.
 #pragma once
 
 #include "common/chart_page.h"

@@ -17,12 +17,12 @@ Chart time_chart(const std::string& title, const std::string& unit);
 Series series_of(const std::string& name, const char* colour, const std::vector<Sample>& samples, Quantity quantity,
                  std::size_t joint, Style style = Style::kLine);
 
-// What lies within half widths of a line: `half` at each of `times`, and since the time before. Empty where there are
-// none.
+// Returns the area within half widths of a line. half[i] holds from times[i-1] to times[i]. Returns an empty series if
+// there are none.
 Series tube_about(const Series& line, const std::string& name, const std::vector<double>& times,
                   const std::vector<double>& half);
 
-// A limit on a magnitude, dashed.
+// Returns a limit on a magnitude as dashed lines on both sides.
 Series both_sides(const std::string& name, const char* colour, double limit, double from, double to);
 
 }  // namespace fjr

@@ -30,7 +30,8 @@ int write_all(int descriptor, std::string_view text) {
   return 0;
 }
 
-// Returns 0 or errno. A rename is on the disk when its folder is.
+// Flushes the folder of a file to the disk, because a rename is on the disk only when the folder is. Returns 0 or
+// errno.
 int synchronise_folder(const std::filesystem::path& file) {
   const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -1,4 +1,4 @@
-// Files that are either complete or not there.
+// Writes files that are either complete or do not exist.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,11 @@ namespace fjr {
 // Throws std::runtime_error, one sentence with the path and the system's reason; nothing is left behind.
 void write_file(const std::filesystem::path& file, std::string_view text);
 
-// The same, and on the disk when it returns: what has to be known after a power failure.
+// Writes likewise, and the file is on the disk when it returns, for data that must survive a power failure.
 void write_file_durably(const std::filesystem::path& file, std::string_view text);
 
-// The name of a temporary file in the same folder: random, because processes in two containers that share the folder
-// may have the same number.
+// Returns the name of a temporary file in the same folder. It is random, because processes in two containers that share
+// the folder may have the same process id.
 std::filesystem::path temporary_beside(const std::filesystem::path& file);
 
 }  // namespace fjr

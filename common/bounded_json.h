@@ -1,6 +1,6 @@
-// JSON and CBOR that somebody else may have written: what is nested more deeply than anything that this program writes
-// is refused, because the library reads, copies and writes such values by functions that call themselves, until the
-// stack ends.
+// Parses JSON and CBOR from outside with a bounded depth. The library reads, copies and writes values recursively, so
+// that deeply nested ones would overflow the stack. Values nested more deeply than any that this program writes are
+// refused.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,13 +12,13 @@ namespace fjr {
 
 inline constexpr std::size_t kDeepestJson = 64;  // objects and arrays within each other; plan.json has 8
 
-// Whether what begins here in a text, within `depth` objects and arrays, is nested too deeply.
+// Parser callback: returns whether the object or array that begins within `depth` others is nested too deeply.
 inline bool is_too_deep(int depth, nlohmann::json::parse_event_t event) {
   using Kind = nlohmann::json::parse_event_t;
   return (event == Kind::object_start || event == Kind::array_start) && depth >= static_cast<int>(kDeepestJson);
 }
 
-// The value of a text. Discarded (is_discarded()) where it is no JSON, or nested too deeply.
+// Returns the value of a JSON text. It is discarded (is_discarded()) if the text is not JSON or nested too deeply.
 template <class Json>
 Json json_from_text(std::string_view text) {
   bool too_deep = false;
@@ -30,7 +30,7 @@ Json json_from_text(std::string_view text) {
   return too_deep ? Json(Json::value_t::discarded) : value;
 }
 
-// Follows CBOR, whose reader takes no callback, without keeping it, and stops it at what is nested too deeply.
+// Walks through CBOR without storing it, and stops if it is nested too deeply, since the CBOR reader has no callback.
 template <class Json>
 class DepthCheck final : public nlohmann::json_sax<Json> {
  public:
@@ -54,7 +54,7 @@ class DepthCheck final : public nlohmann::json_sax<Json> {
   std::size_t depth_ = 0;
 };
 
-// The value of a CBOR item. Throws std::invalid_argument where it is none, or nested too deeply.
+// Returns the value of a CBOR item. Throws std::invalid_argument if it is not CBOR or nested too deeply.
 template <class Json>
 Json json_from_cbor(std::string_view bytes) {
   DepthCheck<Json> check;

@@ -8,7 +8,7 @@ namespace fjr {
 
 enum class Style { kDots, kRings, kLine, kThinLine, kDashes, kArea };
 
-// Equally many x and y; a point that is not finite interrupts a line. Of an area they go round its edge.
+// x and y have equal sizes. A point that is not finite interrupts a line. For an area the points run along its edge.
 struct Series {
   std::string name, colour;  // colour: as in CSS
   Style style = Style::kDots;

@@ -1,4 +1,4 @@
-// HTML pages with charts that need nothing but themselves: no network, no other file.
+// Self-contained HTML pages with charts, which need neither network nor other files.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace fjr {
 
 class ChartPage {
  public:
-  // title: plain text, as all texts below, unless they are called html.
+  // title: plain text, like all texts below except for parameters named html.
   explicit ChartPage(const std::string& title);
 
   void add_html(const std::string& html) { body_ += html; }
@@ -23,7 +23,7 @@ class ChartPage {
   void add_script(const std::string& javascript) { script_ += javascript; }
   // JSON for scripts: JSON.parse(document.getElementById(id).textContent).
   void add_data(const std::string& id, const std::string& json);
-  // Side by side where there is room.
+  // Adds charts side by side if there is room.
   void add_charts(const std::vector<Chart>& charts);
 
   std::string html() const;

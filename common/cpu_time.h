@@ -1,11 +1,12 @@
-// CPU time of this thread, for SolveCost: that of the process would count the threads that a BLAS keeps waiting.
+// CPU time of the calling thread, for SolveCost. The CPU time of the process would include waiting threads of a BLAS
+// library.
 #pragma once
 
 #include <ctime>
 
 namespace fjr {
 
-// [s]
+// Returns the CPU time [s] of this thread.
 inline double cpu_time() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
@@ -13,7 +14,7 @@ inline double cpu_time() {
 }
 inline double cpu_since(double start) { return cpu_time() - start; }
 
-// Adds the CPU time of its life to a sum.
+// Adds the CPU time [s] between its construction and destruction to a sum.
 class CpuTimed {
  public:
   explicit CpuTimed(double& sum) : sum_(sum) {}

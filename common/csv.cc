@@ -17,9 +17,9 @@ namespace fjr {
 namespace {
 
 constexpr std::size_t kMaxLineLength = 16384;  // characters
-constexpr const char* kRows = "rows";          // said in the header by who writes whole lines
+constexpr const char* kRows = "rows";          // header key for the number of rows, to detect truncated files
 constexpr const char* kNotMeant = " (another column was named)";
-constexpr std::size_t kMaxOtherLines = 4096;  // comments and blank lines: a file is refused early, not read forever
+constexpr std::size_t kMaxOtherLines = 4096;  // comments and blank lines, so that an endless file is refused early
 
 std::string_view trimmed(std::string_view text) {
   const std::size_t first = text.find_first_not_of(" \t");

@@ -1,4 +1,4 @@
-// CSV files of numbers over time, read strictly: what trajectories and logs have in common.
+// Strict reading of CSV files with numbers over time, for trajectories and logs.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace fjr {
 
 using Metadata = std::map<std::string, std::string>;  // the `# key: value` lines
 
-// Column names of ours -> those of the file, where they differ.
+// Maps our column names to those of the file, if they differ.
 using ColumnNames = std::map<std::string, std::string>;
 
 struct CsvRules {
@@ -30,9 +30,9 @@ struct CsvTable {
   std::vector<std::vector<double>> values;  // values[i] belongs to names[i]; at least two rows
 };
 
-// InputError names source, line and column of anything that is not a finite number, of missing and repeated columns, of
-// times that do not increase; of fewer than 2 or more than max_rows rows. Lines are bounded, so an endless file is
-// refused early.
+// Throws InputError naming source, line and column for anything that is not a finite number, for missing and repeated
+// columns, for times that do not increase, and for fewer than 2 or more than max_rows rows. The length of lines is
+// bounded, so that an endless file is refused early.
 CsvTable read_table(std::istream& in, const std::string& source, const CsvRules& rules);
 
 // `# key: value` lines that read back as they were; line ends within become spaces.

@@ -1,4 +1,4 @@
-// Angles that were written in degrees where radians are meant.
+// Detects angles that were given in degrees instead of radians.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,8 +9,9 @@
 
 namespace fjr {
 
-// "; angles are in rad, and 45 degrees are 0.785398 rad" behind a message that refuses an angle, where degrees would
-// explain it: more than a whole turn, and within [lower, upper] if it is degrees. Otherwise "".
+// Returns "; angles are in rad, and 45 degrees are 0.785398 rad" to be appended to a message that refuses an angle, if
+// degrees would explain it: the value exceeds a whole turn and is within [lower, upper] if taken as degrees. Otherwise
+// returns "".
 inline std::string degrees_suspected(double angle, double lower, double upper) {
   const double meant = angle * std::numbers::pi / 180;
   if (!(std::abs(angle) > 2 * std::numbers::pi) || meant < lower || meant > upper) return "";

@@ -36,9 +36,9 @@ struct Support {
   friend Support operator|(Support a, Support b) { return {std::min(a.first, b.first), std::max(a.end, b.end)}; }
 };
 
-// Hessian entries are packed by rows of the lower triangle: (i, j <= i) at i (i + 1) / 2 + j. The function is constant
-// in all inputs but those it `sees`, and linear in all but those it is `curved` in; what is zero for these reasons
-// costs no time: of ten inputs sin(q2) sees one, and a spring torque is curved in none.
+// Hessian entries are packed by rows of the lower triangle: (i, j <= i) at i (i + 1) / 2 + j. The function depends only
+// on the inputs in `sees`, and is linear in all except those in `curved`. Derivatives that are zero for these reasons
+// cost no time: of ten inputs, sin(q2) depends on one, and a spring torque is linear in all.
 template <int N>
 struct Dual2 {
   static_assert(N <= 64);
@@ -47,15 +47,15 @@ struct Dual2 {
   double v = 0;
   Support sees, curved;
   std::array<double, N> g{};
-  std::array<double, kHessian> h;  // undefined outside what it is curved in
+  std::array<double, kHessian> h;  // undefined outside `curved`
 
   Dual2() = default;
   Dual2(double value) : v(value) {}  // NOLINT(google-explicit-constructor)
-  // Zero derivatives, to be accumulated.
+  // Starts with zero derivatives, to which others are added.
   Dual2(double value, Support sees_, Support curved_) : v(value), sees(sees_), curved(curved_) {
     if (curved.first < curved.end) std::fill_n(h.data() + row(curved.first), row(curved.end) - row(curved.first), 0.0);
   }
-  // Of h only what is defined: most of it is not.
+  // Copies only the defined entries of h, because most are undefined.
   Dual2(const Dual2& other) : v(other.v), sees(other.sees), curved(other.curved), g(other.g) { copy_hessian(other); }
   Dual2& operator=(const Dual2& other) {
     v = other.v;
@@ -85,12 +85,12 @@ struct Dual2 {
       for (std::size_t j = curved.first; j <= i; ++j) visit(i, j, row(i) + j);
     }
   }
-  // Adds s d to the derivatives; d within what this sees and is curved in.
+  // Adds s d to the derivatives. The supports of d must lie within those of this.
   void accumulate(double s, const Dual2& d) {
     for (std::size_t i = d.sees.first; i < d.sees.end; ++i) g[i] += s * d.g[i];
     d.each([&](std::size_t, std::size_t, std::size_t at) { h[at] += s * d.h[at]; });
   }
-  // Adds s times what the gradients of a and b give to the Hessian of their product.
+  // Adds s times the contribution of the gradients of a and b to the Hessian of a b.
   void accumulate_product(double s, const Dual2& a, const Dual2& b) {
     for (std::size_t i = a.sees.first; i < a.sees.end; ++i) {
       for (std::size_t j = b.sees.first; j < b.sees.end; ++j) {
@@ -112,7 +112,7 @@ concept Differentiable = requires {
   D::kInputs;
 };
 
-// Those with a value, for closed forms; a Pattern has none.
+// Scalars that carry a value, which closed forms need; a Pattern does not.
 template <class D>
 inline constexpr bool kHasFirst = false;
 template <int N>

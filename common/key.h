@@ -1,4 +1,4 @@
-// A key of a map that users write, as reading, writing and documenting it go by.
+// A key of a map in user files. Reading, writing and documentation all use this description.
 #pragma once
 
 #include <string_view>
@@ -11,8 +11,8 @@ struct Key {
   const char* name;
   const char* unit;  // of numbers; "" where there are none
   const char* meaning;
-  const char* otherwise = "";  // what counts when it is left out; kNeeded where it may not be; "" where nothing does
-  const char* allowed = "";    // beside what its meaning says
+  const char* otherwise = "";  // default if it is left out; kNeeded if it must not be; "" if there is none
+  const char* allowed = "";    // allowed values, if its meaning does not say
 
   bool required() const { return otherwise == std::string_view(kNeeded); }
 };

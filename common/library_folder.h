@@ -1,12 +1,12 @@
-// Where this installation is, whatever program it is linked into.
+// Finds the folder of this installation, whatever program it is linked into.
 #pragma once
 
 #include <filesystem>
 
 namespace fjr {
 
-// The folder of the shared library that has this function, and nothing else: the other libraries are static, so their
-// own code is in the file of whoever links them, and says nothing about where configuration lies. Empty: not known.
+// Returns the folder of the shared library that contains only this function; empty if it is unknown. The other
+// libraries are static, so their code may be in any program and does not show where the configuration is.
 std::filesystem::path library_folder();
 
 }  // namespace fjr

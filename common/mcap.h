@@ -1,6 +1,6 @@
-// MCAP, the container of Foxglove, PlotJuggler and rosbag2: timed messages on topics, each with its schema. Written as
-// https://mcap.dev/spec has it: chunks without compression, with their indexes, and a summary at the end. Debian 12 has
-// no library for it.
+// A writer of MCAP, the container format of Foxglove, PlotJuggler and rosbag2: timed messages on topics, each with a
+// schema. It follows https://mcap.dev/spec, with uncompressed chunks, their indexes, and a summary at the end. Debian
+// 12 has no library for it.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace fjr {
 
 class McapWriter {
  public:
-  // profile: "ros2", or "" for none. library: who writes.
+  // profile: "ros2", or "" for none. library: name of the writing program.
   McapWriter(std::string_view profile, std::string_view library);
 
   // A topic whose messages are encoded ("json", "cdr") as the schema says. Returns its number.

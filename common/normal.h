@@ -1,4 +1,4 @@
-// Normally distributed numbers that are the same with every standard library: std::normal_distribution is not.
+// Normally distributed random numbers that are the same with every standard library, unlike std::normal_distribution.
 #pragma once
 
 #include <cmath>

@@ -1,4 +1,4 @@
-// For what takes long and asks now and then whether it is still wanted.
+// The default `stopped` argument of long computations that can be aborted: never stops them.
 #pragma once
 
 namespace fjr {

@@ -1,1 +1,1 @@
-// A library needs a source. This one exists for its precompiled headers.
+// This library exists only for its precompiled headers, but must have a source file.

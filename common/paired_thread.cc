@@ -7,7 +7,7 @@
 namespace fjr {
 namespace {
 
-// In pauses of the processor, each of some ten nanoseconds:
+// In pause instructions of the processor, each of which takes some ten nanoseconds:
 constexpr int kAwake = 40000;    // how long the thread stays awake after its last piece of work
 constexpr int kNotThere = 2000;  // how long the caller waits before it lets other threads have its core
 
@@ -28,8 +28,8 @@ cpu_set_t allowed_cores() {
   return cores;
 }
 
-// Linux begins a thread where the one that begins it works, and may leave it waiting there for milliseconds: it is sent
-// to another core, and free to leave that one when it has got there (begin()).
+// Linux starts a thread on the core of its creator and may let it wait there for milliseconds. Therefore the new thread
+// is pinned to another core first, and may use all cores again once it runs there (begin()).
 PairedThread::PairedThread() : thread_([this] { run(); }) {
   cpu_set_t others = cores_;
   CPU_CLR(static_cast<std::size_t>(sched_getcpu()), &others);

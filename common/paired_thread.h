@@ -1,4 +1,4 @@
-// A second thread for pieces of work of some microseconds, one after another.
+// A helper thread for many consecutive pieces of work of some microseconds each.
 #pragma once
 
 #include <sched.h>
@@ -10,7 +10,7 @@
 
 namespace fjr {
 
-// The cores that the calling thread may use.
+// Returns the cores that the calling thread may use.
 cpu_set_t allowed_cores();
 
 class PairedThread {
@@ -20,12 +20,12 @@ class PairedThread {
   PairedThread(const PairedThread&) = delete;
   PairedThread& operator=(const PairedThread&) = delete;
 
-  // Does `one` on the caller's thread and `other` on this one, or where it is late on the caller's too, and returns
-  // when both are done. Throws what `one` throws, or else what `other` throws. Not to be called by either, nor by two
-  // threads.
+  // Runs `one` on the caller's thread and `other` on this one, or also on the caller's if this one is late. Returns
+  // when both are done. Throws the exception of `one`, or else that of `other`. Must not be called by either of them,
+  // nor by two threads.
   void both(const std::function<void()>& one, const std::function<void()>& other);
 
-  // Ends it. Returns the CPU time that it took [s].
+  // Ends the thread. Returns the CPU time [s] that it used.
   double end();
 
  private:

@@ -22,8 +22,8 @@ namespace fjr {
 
 namespace {
 
-// Whether a core has nothing to do. Two threads that wait for each other every few microseconds are slower than one
-// where they have to share a core with others.
+// Returns whether a core is idle. Two threads that wait for each other every few microseconds are slower than one if
+// they have to share a core with others.
 bool core_is_idle() {
   const cpu_set_t cores = allowed_cores();
   std::string loads;
@@ -127,8 +127,9 @@ double Threads::for_each(std::size_t count, const std::function<void(std::size_t
       }
     } catch (const std::system_error&) {  // the system allows no more threads: there are fewer from now on
     }
-    // A caller that only waits leaves its core idle for milliseconds: Linux begins all new threads on the other cores.
-    // The first task is the caller's, for it may have pieces of its own, which use the threads that are idle by then.
+    // The caller works as well, because Linux starts all new threads on other cores and would leave the caller's core
+    // idle for milliseconds. It runs the first task, which may have parallel pieces of its own for threads that are
+    // idle by then.
     try_task(first);
     work();
     ++idle_;

@@ -7,9 +7,8 @@
 
 namespace fjr {
 
-// The bytes of the file, nothing where there is none. Throws std::runtime_error, one sentence with the path and the
-// system's reason, where it cannot be opened, or not be read to its end: a file that cannot be read is not an empty
-// one.
+// Returns the bytes of the file, or nothing if it does not exist. Throws std::runtime_error, one sentence with the path
+// and the system's reason, if it cannot be opened or read to its end.
 std::optional<std::string> read_file(const std::filesystem::path& file);
 
 }  // namespace fjr

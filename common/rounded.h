@@ -1,4 +1,4 @@
-// Numbers as they are told to people.
+// Rounds numbers for display.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,8 +9,8 @@
 
 namespace fjr {
 
-// The value rounded to so many significant digits, from 1 to 17. Whatever the locale of the process: a text that is
-// read back by strtod() would end at its point where the locale has a comma.
+// Returns the value rounded to 1 to 17 significant digits, independently of the locale. (strtod() would stop at the
+// decimal point in a locale with a comma.)
 inline double rounded_to(double value, int digits) {
   fmt::basic_memory_buffer<char, 32> text;
   fmt::format_to(std::back_inserter(text), "{:.{}e}", value, digits - 1);

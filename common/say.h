@@ -1,5 +1,5 @@
-// What is said to people while work goes on, which it does, too, where nobody can read it, as on a terminal that was
-// closed or a full disk. What stdout has lost is told in the end (main.cc).
+// Prints messages for the user. Errors in writing, as with a closed terminal or a full disk, do not interrupt the work;
+// lost output on stdout is reported at the end (main.cc).
 #pragma once
 
 #include <fmt/format.h>

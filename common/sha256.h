@@ -6,7 +6,7 @@
 
 namespace fjr {
 
-// Of the bytes of `text`, as 64 lower-case hexadecimal digits.
+// Returns the hash of the bytes of `text` as 64 lower-case hexadecimal digits.
 std::string sha256_hex(std::string_view text);
 
 }  // namespace fjr

@@ -1,4 +1,5 @@
-// This program again, as a process of its own: fork and exec, never fork alone (DDS has threads).
+// Starts this program again as a child process by posix_spawn(). A fork() without exec would not be
+// safe, because DDS has threads.
 #pragma once
 
 #include <sys/types.h>
@@ -10,7 +11,7 @@
 
 namespace fjr {
 
-// A process of ours. Ended and waited for when it goes out of scope, so that none is left behind.
+// A child process. Its destructor ends it and waits for it.
 class Child {
  public:
   Child() = default;  // none
@@ -22,16 +23,16 @@ class Child {
   pid_t pid() const { return pid_; }
   void signal(int number) const;  // nothing where it has ended and ended() has said so
 
-  // Its status as waitpid() tells it, once; nothing while it runs.
+  // Returns its status as from waitpid(), once; nothing while it runs.
   std::optional<int> ended();
 
  private:
   pid_t pid_ = -1;
 };
 
-// Starts `fjr WORDS...` with these descriptors as stdin, stdout and stderr and nothing else of ours, no signal blocked,
-// and a process group of its own: Ctrl-C is meant for the parent. Broken pipes and full files end it; other signals
-// that are ignored here are ignored there. Throws std::system_error.
+// Starts `fjr WORDS...` with these descriptors as stdin, stdout and stderr; no other descriptors are inherited, and no
+// signals are blocked. It has a process group of its own, so that Ctrl-C reaches only the parent. SIGPIPE and SIGXFSZ
+// end it; other signals that are ignored here are ignored there. Throws std::system_error.
 Child spawn_self(std::vector<std::string> words, int in, int out, int err = STDERR_FILENO);
 
 }  // namespace fjr

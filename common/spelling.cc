@@ -7,7 +7,7 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kLongest = 64;  // letters that are compared: whatever is longer is no misspelt word
+constexpr std::size_t kLongest = 64;  // longer texts are not considered as misspelt words
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// What somebody may have meant who misspelt a word of a list.
+// Suggests words of a list for a misspelt word.
 #pragma once
 
 #include <string>
@@ -7,14 +7,15 @@
 
 namespace fjr {
 
-// How many letters have to be left out, put in, replaced or exchanged with their neighbour to make one word of the
-// other (optimal string alignment: R. Lowrance, R. Wagner, J. ACM 22(2), 1975, without repeated edits of one place).
+// Returns the number of letters that must be deleted, inserted, replaced or exchanged with their neighbour to turn one
+// word into the other (optimal string alignment: R. Lowrance, R. Wagner, J. ACM 22(2), 1975, without repeated edits of
+// one place).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-// The nearest of `known`, where it is near enough to have been meant: within a third of its letters. "" where none is.
+// Returns the nearest word of `known`, if it differs by at most a third of its letters; otherwise "".
 std::string_view nearest_word(std::string_view word, const std::vector<std::string_view>& known);
 
-// "; did you mean goal?", to stand behind a message; "" where nothing is near.
+// Returns "; did you mean goal?" to be appended to a message, or "" if no word is near.
 std::string did_you_mean(std::string_view word, const std::vector<std::string_view>& known);
 
 }  // namespace fjr

@@ -30,7 +30,7 @@ std::string_view without_plus(std::string_view text) {
   return text;
 }
 
-// All of `text` as one number.
+// Parses all of `text` as one number.
 template <class Number>
 std::errc read_whole_text(std::string_view text, Number& value) {
   const std::string_view digits = without_plus(text);
@@ -63,7 +63,7 @@ struct YamlNode::Document {
   Tree root;
 };
 
-// Builds the tree from the parser's events, refusing on the way what YAML allows and no input of ours needs.
+// Builds the tree from the parser's events, and refuses features of YAML that our files do not need.
 class YamlNode::Builder : public YAML::EventHandler {
  public:
   explicit Builder(std::string source) : source_(std::move(source)) {}

@@ -1,4 +1,4 @@
-// YAML from outside the program, read strictly: the one place that knows yaml-cpp.
+// Strict reading of YAML from outside the program. Only this module uses yaml-cpp.
 #pragma once
 
 #include <array>
@@ -20,18 +20,18 @@ inline constexpr std::uintmax_t kMaxYamlBytes = 1 << 20;
 // "3.4 rad"; the unit "1" is left out. Shortest digits that read back to the same value.
 std::string with_unit(double value, std::string_view unit);
 
-// `text` from outside, fit for an error message: quoted, printable, cut to a readable length.
+// Returns `text` from outside in a form for error messages: quoted, printable, and truncated to a readable length.
 std::string shown(std::string_view text);
 
-// `text` as a quoted scalar that reads back as the same.
+// Returns `text` as a quoted scalar that is read back as the same text.
 std::string quoted_flow(std::string_view text);
 
-// The text of a document, or its beginning where it is longer than kMaxYamlBytes, which parse() refuses. Throws
-// InputError where it cannot be read.
+// Returns the text of a document. If it is longer than kMaxYamlBytes, returns only its beginning, which parse()
+// refuses. Throws InputError if it cannot be read.
 std::string read_document(const std::filesystem::path& file);
 std::string read_document(std::istream& in, const std::string& source);
 
-// One value of a document together with where it stands, so that whatever is wrong with it can be said precisely.
+// One value of a document together with its position, for precise error messages.
 // All reading functions throw InputError with source, path of the field ("goal.q[1]") and problem. Refused while
 // parsing: syntax errors (with their line), duplicate keys, keys that are not text, anchors and aliases, tags, several
 // documents, deep nesting, and documents too large to have been meant. A node keeps its document alive.
@@ -47,14 +47,14 @@ class YamlNode {
   bool is_list() const;
   bool is_scalar() const;  // not null
   bool is_null() const;
-  bool is_number() const;                  // number() would take it, that is: finite and not quoted
+  bool is_number() const;                  // number() would accept it: finite and not quoted
   bool is_nan_or_infinite() const;         // spelt nan, inf or infinity, as JSON writers of Python do it
-  bool says(std::string_view word) const;  // the scalar `word`
+  bool says(std::string_view word) const;  // whether it is the scalar `word`
   std::string kind() const;                // "a list of 3", for messages
 
   const std::vector<std::string>& keys() const;  // of a map, in their order
 
-  // Of a map. `find` returns nothing for an absent key; `at` refuses with "missing".
+  // For maps. `find` returns nothing for an absent key; `at` throws "missing".
   void allow_keys(const std::vector<std::string_view>& allowed) const;
   std::optional<YamlNode> find(std::string_view key) const;
   YamlNode at(std::string_view key) const;
@@ -65,7 +65,7 @@ class YamlNode {
   std::uint64_t whole_number() const;                                    // 0, 1, 2, ...
   std::array<double, 2> pair(std::string_view unit) const;               // a list of two finite numbers
   const std::string& text() const;                                       // not empty
-  std::size_t one_of(const std::vector<std::string_view>& words) const;  // the index of the word that it says
+  std::size_t one_of(const std::vector<std::string_view>& words) const;  // index of the word that it is
   bool truth() const;                                                    // true or false
 
   std::string flow() const;  // as one line of YAML that reads back as the same: "{q: [0.3, 0.2]}"

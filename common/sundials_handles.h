@@ -1,4 +1,4 @@
-// SUNDIALS objects that free themselves, and calls that cannot fail unseen: for the rollouts and for the virtual rig.
+// RAII for SUNDIALS objects, and checks of return flags, for the rollouts and the virtual rig.
 #pragma once
 
 #include <arkode/arkode_arkstep.h>
@@ -59,8 +59,8 @@ using NonlinearSolver = Handle<SUNNonlinearSolver, SUNNonlinSolFree>;
 using Arkode = Handle<void*, free_arkode>;
 using Cvode = Handle<void*, free_cvode>;
 
-// Where versions 6 and 7 differ. Nothing is printed: flags say the same, and are all looked at. Version 7 has the
-// handlers of errors in the context, and communicators of a type of their own.
+// The differences between versions 6 and 7. Version 7 has the error handlers in the context, and a separate type for
+// communicators. Error messages are switched off, because all return flags are checked.
 #if SUNDIALS_VERSION_MAJOR >= 7
 inline Context make_context() {
   SUNContext c = nullptr;
@@ -69,8 +69,8 @@ inline Context make_context() {
   check(SUNContext_ClearErrHandlers(c), "SUNContext_ClearErrHandlers");
   return context;
 }
-// It ends the iterations of an implicit stage earlier, too: with its own coefficient an arm that is held at rest with
-// the accuracy of ticks came off by 2.0e-5 rad.
+// Sets the convergence coefficient of the implicit stages. With its own coefficient, version 7 ends their iterations
+// earlier, and an arm held at rest with the accuracy of ticks deviated by 2.0e-5 rad.
 inline void prepare_arkode(void* m) { check(ARKStepSetNonlinConvCoef(m, 1e-2), "ARKStepSetNonlinConvCoef"); }
 inline void prepare_cvode(void*) {}
 #else

@@ -54,7 +54,7 @@ struct Taylor {
     return r;
   }
 
-  // From r b = a, coefficient by coefficient. b.c[0] must not be zero.
+  // Solves r b = a, coefficient by coefficient. b.c[0] must not be zero.
   friend constexpr Taylor operator/(const Taylor& a, const Taylor& b) {
     Taylor r;
     for (std::size_t k = 0; k <= Order; ++k) {
@@ -71,7 +71,7 @@ struct Taylor {
   Taylor& operator/=(const Taylor& b) { return *this = *this / b; }
 };
 
-// Both at once, since each needs the other: s' = c a', c' = -s a'.
+// Computes sine and cosine together, since each needs the other: s' = c a', c' = -s a'.
 template <std::size_t Order>
 struct SineCosine {
   Taylor<Order> sine, cosine;

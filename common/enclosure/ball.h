@@ -11,7 +11,7 @@
 // - std::sin, cos, tanh and exp are off by at most kElementaryError of their value (glibc 2.36 documents 1 to 2 units
 //   in the last place, 2.2e-16 each).
 //
-// What is not finite is the ball of all reals: is_bounded() is false, and stays false whatever is done with it.
+// A result that is not finite is the ball of all reals: is_bounded() is false, also for every result computed from it.
 // Rump, Verification methods, Acta Numerica 19 (2010); Johansson, Arb, IEEE Trans. Computers 66(8), 2017.
 #pragma once
 
@@ -34,9 +34,9 @@ static_assert(std::numeric_limits<double>::is_iec559 && FLT_EVAL_METHOD == 0, "d
 inline constexpr double kUnit = 0x1p-53;             // largest relative error of one operation
 inline constexpr double kElementaryError = 0x1p-51;  // of sin, cos, tanh and exp: 4 kUnit
 inline constexpr double kLargest = 1e280;            // beyond, a ball counts as unbounded
-inline constexpr double kUnderflow = 0x1p-400;       // more than all that underflow in one expression can lose
+inline constexpr double kUnderflow = 0x1p-400;       // exceeds all losses by underflow in one expression
 
-// Sets rounding to nearest, and restores what was there at the end of its life. A mode belongs to a thread.
+// Sets rounding to nearest, and restores the previous mode in its destructor. The mode belongs to the calling thread.
 class RoundingToNearest {
  public:
   RoundingToNearest() : before_(std::fegetround()) { std::fesetround(FE_TONEAREST); }
@@ -48,8 +48,8 @@ class RoundingToNearest {
   int before_;
 };
 
-// Not less than the exact value of an expression of at most 12 additions, multiplications and divisions of
-// non-negative numbers, of which `computed` is the rounded value.
+// Returns an upper bound of the exact value of an expression of at most 12 additions, multiplications and divisions of
+// non-negative numbers, whose rounded value is `computed`.
 inline double rounded_up(double computed) { return computed * (1 + 0x1p-49) + kUnderflow; }
 
 struct Ball {
@@ -59,7 +59,7 @@ struct Ball {
   constexpr Ball(double exactly) : mid(exactly) {}  // NOLINT(google-explicit-constructor): constants mix with balls
   constexpr Ball(double middle, double radius) : mid(middle), rad(radius) {}
 
-  // All reals between two.
+  // Returns a ball that contains all reals between low and high.
   static Ball between(double low, double high) {
     const double middle = 0.5 * low + 0.5 * high;
     return {middle, rounded_up(std::max(high - middle, middle - low))};
@@ -70,7 +70,7 @@ struct Ball {
   double mignitude() const { return std::max(0.0, least(std::abs(mid))); }  // no element is smaller
   double upper() const { return -Ball(-mid, rad).lower(); }
   double lower() const { return least(mid); }
-  // Every element of the other is surely one of this.
+  // Returns whether every element of b is certainly in this ball.
   bool contains(const Ball& b) const { return rounded_up(std::abs(b.mid - mid) + b.rad) <= rad; }
   bool is_bounded() const { return std::abs(mid) < kLargest && rad < kLargest; }  // false for NaN
 
@@ -102,7 +102,7 @@ inline Ball& operator+=(Ball& a, const Ball& b) { return a = a + b; }
 inline Ball& operator-=(Ball& a, const Ball& b) { return a = a - b; }
 inline Ball& operator*=(Ball& a, const Ball& b) { return a = a * b; }
 
-// (m + e)^2 = m^2 + 2 m e + e^2 with e^2 in [0, r^2]: half as wide as a product where the ball is wide.
+// (m + e)^2 = m^2 + 2 m e + e^2 with e^2 in [0, r^2]. For a wide ball the result is half as wide as that of a product.
 inline Ball square(const Ball& a) {
   const double half = 0.5 * a.rad * a.rad, m = a.mid * a.mid + half;
   return {m, rounded_up(2 * std::abs(a.mid) * a.rad + half + 4 * kUnit * std::abs(m))};
@@ -139,7 +139,7 @@ inline Ball tanh(const Ball& a) {
   return Ball::between(low, high);
 }
 
-// 1 - tanh^2 = 4 e / (1 + e)^2 with e = exp(-2 |a|): small where tanh is near 1, with a small error.
+// 1 - tanh^2 = 4 e / (1 + e)^2 with e = exp(-2 |a|). This form has a small error also where tanh is near 1.
 inline Ball sech2(const Ball& a) {
   if (!a.is_bounded()) return Ball::unbounded();
   const auto value = [](const Ball& size) {

@@ -7,9 +7,9 @@
 //    starts in X, over all of [0, h]. X^[k], E^[k]: the k-th Taylor coefficient over the box.
 // 2. center and set apart, by the mean value form:
 //      x(h) in sum_(k<p) center^[k] h^k + J (edges s + basis r) + E^[p] h^p,  J = sum_(k<p) dX^[k]/dx h^k
-// 3. The edges are transported as they are, and never wrapped. What that leaves (roundings, remainders, the width of J)
-//    goes into the second part, whose next basis is the orthogonal factor of the transported one, longest first. When
-//    the second part has outgrown the first, it becomes the first: sets are wrapped that few times.
+// 3. The edges are transported without wrapping them in a box. The errors (roundings, remainders, the width of J) go
+//    into the second part, whose next basis is the orthogonal factor of the transported one, longest first. Only when
+//    the second part has outgrown the first, the first is wrapped in it and it becomes the first.
 // Lohner, Computation of guaranteed enclosures for the solutions of ordinary initial and boundary value problems
 // (1992); Corliss & Rihm (1996) for 1.; Nedialkov, Jackson & Corliss, Applied Mathematics and Computation 105 (1999).
 #pragma once
@@ -29,7 +29,7 @@ namespace enclosure {
 
 using Polynomial = std::vector<Ball>;  // coefficients of powers of time
 
-// The polynomial in t - by.
+// Returns the coefficients of the polynomial in t - by.
 inline Polynomial shifted(Polynomial c, const Ball& by) {
   for (std::size_t i = 0; i + 1 < c.size(); ++i) {
     for (std::size_t k = c.size() - 1; k-- > i;) c[k] += by * c[k + 1];
@@ -82,8 +82,8 @@ class Flow {
   const Set<N>& set() const { return set_; }
   long steps() const { return steps_; }
 
-  // Follows the solutions for `duration` under these signals, and calls observe(Step) for one step after the other.
-  // False where no enclosure is found from reached() on, or observe returned false.
+  // Encloses the solutions for `duration` under these signals, and calls observe(Step) for each step. Returns false if
+  // no enclosure is found from reached() on, or if observe returned false.
   template <class Observe>
   bool run(const std::vector<Polynomial>& signals, const Ball& duration, Observe&& observe) {
     reached_ = 0;
@@ -95,7 +95,7 @@ class Flow {
     }
     return true;
   }
-  // [s] since the beginning of the last run.
+  // Returns the time [s] from the beginning of the last run up to which solutions are enclosed.
   double reached() const { return reached_; }
 
  private:
@@ -125,7 +125,7 @@ class Flow {
 
   std::size_t slope_order() const { return std::min(options_.slope_order, options_.order - 1); }
 
-  // The end of the step, and its exact length.
+  // Chooses the end of the step, and sets its exact length.
   void choose_end(double h, const Ball& duration) {
     next_ = reached_ + h;
     is_last_ = next_ >= duration.lower() - 0.1 * h;
@@ -133,7 +133,7 @@ class Flow {
     last_.length = (is_last_ ? duration : Ball(next_)) - Ball(reached_);
   }
 
-  // After which the last coefficients would come to what a remainder may.
+  // Returns the step length for which the last coefficients reach the allowed remainder.
   double length_by_decay() const {
     double h = 1e300;
     for (const std::size_t k : {options_.order - 1, options_.order}) {
@@ -146,7 +146,7 @@ class Flow {
   }
   double allowed(std::size_t i) const { return options_.remainder * (1 + std::abs(set_.center()[i])); }
 
-  // t^k for all t in the step.
+  // Returns an enclosure of t^k for all t in the step.
   Ball power(std::size_t k) const {
     double p = 1;
     const double h = last_.length.upper();
@@ -154,7 +154,7 @@ class Flow {
     return k == 0 ? Ball(1) : Ball::between(0, p);
   }
 
-  // 1. True where a box and a remainder that is small enough are found.
+  // Step 1 above. Returns true if a box with a sufficiently small remainder is found.
   bool enclose(const std::vector<Polynomial>& signals) {
     const std::size_t p = options_.order;
     const Ball whole = last_.from + power(1), last_power = power(p);
@@ -186,7 +186,7 @@ class Flow {
     return false;
   }
 
-  // The series for those who look on.
+  // Provides the series of the step to the observer.
   void tell() {
     const std::size_t p = options_.order;
     for (std::size_t i = 0; i < N; ++i) {
@@ -199,7 +199,7 @@ class Flow {
     }
   }
 
-  // 2. and 3.
+  // Steps 2 and 3 above.
   bool transport() {
     const std::size_t p = options_.order, q = slope_order();
     Balls<N> center{};
@@ -219,7 +219,7 @@ class Flow {
     return set_.move(center, jacobian);
   }
 
-  // Of the coefficients over the box, with respect to the state.
+  // Computes the derivatives of the Taylor coefficients over the box by the state.
   void expand_slopes(std::size_t order) {
     for (std::size_t i = 0; i < N; ++i) {
       for (std::size_t j = 0; j < N; ++j) slopes_.at(i, 0).set(j, i == j ? 1.0 : 0.0);
@@ -234,10 +234,11 @@ class Flow {
     }
   }
 
-  // Where steps cannot become longer, as in steep friction, each one that is tried in vain costs as much as a step.
+  // Growth factors of the step length. A failed attempt costs as much as a step, so the length grows slowly where
+  // attempts fail, as in steep friction.
   static constexpr double kShorter = 0.8, kLonger = 1.5, kRegained = 1.05, kForgotten = 0.999;
-  static constexpr double kSlack = 4;    // of a remainder, beyond what was predicted
-  static constexpr double kWider = 4.4;  // all of that, and roundings: found at once, or not at all
+  static constexpr double kSlack = 4;    // factor by which a remainder may exceed its prediction
+  static constexpr double kWider = 4.4;  // kSlack and rounding: such a box is accepted at once or not at all
   static constexpr int kAttempts = 3;
 
   FlowOptions options_;
@@ -246,9 +247,9 @@ class Flow {
   Set<N> set_;
   Step<N> last_;
   double reached_ = 0, next_ = 0;
-  double usual_ = 1e300;     // length of the last step that nothing cut short
-  double longer_ = kLonger;  // than that the next one may be
-  double wider_ = 1;         // than predicted the first box of a step is; more where that was too little
+  double usual_ = 1e300;     // length of the last step that was not shortened by the end of a run
+  double longer_ = kLonger;  // factor by which the next step may be longer
+  double wider_ = 1;         // factor of the first box to the predicted one; grows where that was too small
   bool is_last_ = false;
   long steps_ = 0;
 };

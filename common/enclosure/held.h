@@ -1,15 +1,15 @@
-// Enclosures where one component of x' = f(x, u(t)) decays fast to where the others drive it: a motor in steep
-// friction. A Taylor series gets no farther than a few of its time constants in a step, and is not needed: the
-// component v is compared with a polynomial w(t) of which it cannot get far.
+// Enclosures for the case that one component of x' = f(x, u(t)) decays fast to a value driven by the others, such as
+// the velocity of a motor in steep friction. A Taylor series would be limited to steps of a few of its time constants.
+// Instead the component v is compared with a polynomial w(t), to which it stays close.
 //
 // On [0, H], with e = v - w, F the rate of v, and x the others:
 //    e' = F(w + e, x) - w' = r(t) + F_v e,   |r(t)| = |F(w(t), x(t)) - w'(t)| <= rho,   F_v <= -lambda < 0
 //    so |e(t)| <= |e(0)| exp(-lambda t) + rho / lambda                                            (Gronwall)
 // The others see v as w and a disturbance. With x* the motion under w alone, |x - x*| is in every component at most
 //    D = exp(M H) |df/dv| (|e(0)| / lambda + H rho / lambda),   M_ij >= |df_i/dx_j|, M_ii >= max(0, df_i/dx_i)
-// All bounds hold on the box that x* and D and e fill: as long as the motion is in it, it is inside of what they say,
-// and so it never leaves it. w is any polynomial; that of collocation makes rho small. Zgliczynski & Kapela,
-// Topological Methods in Nonlinear Analysis 34 (2009): perturbed motions by logarithmic norms.
+// All bounds hold on the box spanned by x*, D and e. While the motion is in the box, it satisfies the bounds and so
+// stays inside; therefore it never leaves the box. w may be any polynomial; one found by collocation makes rho small.
+// Zgliczynski & Kapela, Topological Methods in Nonlinear Analysis 34 (2009): perturbed motions by logarithmic norms.
 #pragma once
 
 #include <algorithm>
@@ -27,11 +27,11 @@
 
 namespace enclosure {
 
-// What became of a time over which a component was to be held.
+// The result of the attempt to enclose a motion with one component held near a polynomial.
 enum class Holding {
-  kNotHeld,  // it does not decay fast enough, or no bounds were found: nothing was followed, nobody was told
-  kHeld,     // to the end
-  kStopped   // the observer has seen enough
+  kNotHeld,  // it does not decay fast enough, or no bounds were found; the set is unchanged, observe was not called
+  kHeld,     // the whole duration was enclosed
+  kStopped   // the observer returned false
 };
 
 template <std::size_t N>
@@ -53,8 +53,8 @@ class HeldFlow {
   HeldFlow(const HeldFlow&) = delete;
   HeldFlow& operator=(const HeldFlow&) = delete;
 
-  // Follows the solutions that start in the set for `duration` under these signals, if the component can be held; calls
-  // observe(Step) for one step after the other, and moves the set.
+  // If the component can be held, encloses the solutions that start in the set for `duration` under these signals,
+  // calls observe(Step) for each step, and moves the set.
   template <class Observe>
   Holding run(Set<N>& set, const std::vector<Polynomial>& signals, const Ball& duration, Observe&& observe) {
     const double rate = rate_at(set.center(), signals, 0);
@@ -72,19 +72,19 @@ class HeldFlow {
     set = moved;
     return Holding::kHeld;
   }
-  // [s] since the beginning of the last run, where it was stopped.
+  // Returns the time [s] from the beginning of the last run at which it was stopped.
   double reached() const { return reached_; }
-  // Of the motion without the component, and one more for every duration that was held.
+  // Returns the number of steps of the motion without the component, plus one for every duration that was held.
   long steps() const { return flow_.steps(); }
 
  private:
   static constexpr std::size_t kNodes = 6;       // of the collocation: w has degree 5
   static constexpr std::size_t kGuessOrder = 6;  // of the motion that it is found for
-  static constexpr double kWorthIt = 12;         // time constants: as many cost as much in steps of a Taylor series
+  static constexpr double kWorthIt = 12;         // time constants for which a Taylor series would cost as much
   static constexpr int kNewton = 8, kAttempts = 3;
   using Values = std::array<double, kNodes>;
 
-  // ---- w, in floating point: nothing depends on how good it is but the width of the bounds ----
+  // ---- w, in floating point: its accuracy affects only the width of the bounds, not their validity ----
 
   // The held component's rate, its derivative by the component, at a state and signals.
   double rate_at(const std::array<double, N>& x, const std::vector<Polynomial>& signals, double time) {
@@ -106,8 +106,8 @@ class HeldFlow {
     return sum;
   }
 
-  // w' = F(w, x(t)) at the nodes of Gauss and Chebyshev, with no value given at the beginning: where the rate is steep
-  // that has one solution, which is smooth. Twice, for the others depend on w.
+  // Solves w' = F(w, x(t)) at the Gauss-Chebyshev nodes without an initial value; with a steep rate this has one smooth
+  // solution. It is done twice, because the other components depend on w.
   bool choose_middle(const std::array<double, N>& center, const std::vector<Polynomial>& signals, double duration) {
     for (std::size_t i = 0; i < kNodes; ++i) {
       const double angle = std::numbers::pi * (static_cast<double>(i) + 0.5) / kNodes;
@@ -158,7 +158,7 @@ class HeldFlow {
     }
     return true;
   }
-  // d/dt at the nodes of the polynomial through values there.
+  // Returns the matrix that differentiates the polynomial through values at the nodes.
   std::array<Values, kNodes> differentiation() const {
     std::array<Values, kNodes> d{};
     Values weight;
@@ -189,7 +189,7 @@ class HeldFlow {
     }
     middle_.assign(c.begin(), c.end());
   }
-  // b := a^-1 b, by elimination with pivots.
+  // Replaces b by a^-1 b by Gaussian elimination with pivoting.
   static bool solve(std::array<Values, kNodes>& a, Values& b) {
     for (std::size_t k = 0; k < kNodes; ++k) {
       std::size_t pivot = k;
@@ -267,7 +267,7 @@ class HeldFlow {
     return false;
   }
 
-  // What is bounded is no longer known to be what it is: as much as a step may leave open, and no more.
+  // Returns whether the bounds widen the set by no more than a step of a Taylor series may.
   bool is_small_enough(const Set<N>& set) const {
     for (std::size_t i = 0; i < N; ++i) {
       if (i != held_ && apart_[i] > options_.remainder * (1 + std::abs(set.center()[i]))) return false;
@@ -283,7 +283,7 @@ class HeldFlow {
   }
   static Ball whole(const Step<N>& step) { return step.from + Ball::between(0, step.length.upper()); }
 
-  // df/dx over all of the box: the component's decay, and what bounds the others.
+  // Bounds df/dx over the box: the decay rate lambda of the component, and M for the others.
   bool find_slopes(const std::vector<Polynomial>& signals) {
     decay_ = 1e300;
     for (auto& row : growth_) row.fill(0);
@@ -344,8 +344,8 @@ class HeldFlow {
     for (std::size_t j = 0; j < signals.size(); ++j) set(N + j, shifted(signals[j], since));
   }
 
-  // D, where the disturbance comes to `integral` in all: the exponential by its series. Terms are halved at least
-  // beyond those that are summed, so that all the others come to less than twice the next.
+  // Returns D for a disturbance with the given integral, with the series of the exponential. Beyond the summed terms
+  // each is at most half of the one before, so all of them together are less than twice the next.
   std::array<double, N> differences(double integral, double duration) const {
     constexpr int kTerms = 16;
     constexpr double kMost = 50;  // of |M H|
@@ -378,7 +378,7 @@ class HeldFlow {
     return sum;
   }
 
-  // A step of x*, for those who look on: at every instant the motion is no farther from it than that.
+  // Widens a step of x* for the observer by the bounds on the distance between the motion and x*.
   Step<N> widened(Step<N> step) const {
     for (std::size_t i = 0; i < N; ++i) {
       step.near[i][0] += Ball(0, apart_[i]);
@@ -392,7 +392,7 @@ class HeldFlow {
     return step;
   }
 
-  // The set of x* at the end becomes that of the motion: the component forgets where it began.
+  // Makes the set of x* at the end that of the motion. The held component no longer depends on its initial value.
   bool move(Set<N>& set, const Ball& duration) const {
     Balls<N> center;
     BallMatrix<N> map{};

@@ -1,4 +1,4 @@
-// A function written once for any scalar, recorded as a list of operations, which can then be evaluated on power
+// Records a function that is templated on its scalar as a list of operations, which can then be evaluated on power
 // series, coefficient by coefficient.
 #pragma once
 
@@ -29,9 +29,8 @@ enum class Op {
   kExp
 };
 
-// What a node is made of: nodes a and b, which stand before it, and a constant. kSine at i and kCosine at i + 1 belong
-// together, and so do t = tanh a (kTanh) at i, t a' (kTanhRate) at i + 1, and
-// w = 1 - t^2 (kSech2) at i + 2.
+// An operation on the earlier nodes a and b and a constant. Some nodes are computed together: kSine at i and kCosine at
+// i + 1; and t = tanh a (kTanh) at i, t a' (kTanhRate) at i + 1, w = 1 - t^2 (kSech2) at i + 2.
 struct Node {
   Op op;
   std::size_t a = 0, b = 0;
@@ -40,7 +39,7 @@ struct Node {
 
 class Recording;
 
-// A number while a function is recorded: a node, or a constant that nothing was recorded of.
+// A number while a function is recorded: a node, or a constant that has not been recorded.
 class Active {
  public:
   Active() = default;
@@ -81,7 +80,7 @@ class Recording {
 
   void output(const Active& value) { outputs_.push_back(node_of(value)); }
 
-  // The function that has this output alone, with the nodes that it takes and all inputs.
+  // Returns the function with this output only, which keeps the nodes it needs and all inputs.
   Recording only(std::size_t output) const {
     std::vector<char> needed(nodes_.size(), 0);
     needed[outputs_[output]] = 1;
@@ -100,8 +99,8 @@ class Recording {
     return r;
   }
 
-  // The same function, to which an input, and the output of that number, are given as two more inputs, in this order:
-  // what takes the place of a state of x' = f(x) and of its rate.
+  // Returns the function with the input and the output of this number replaced by two additional inputs, in this order:
+  // a state of x' = f(x) and its rate are then given from outside.
   Recording with_given(std::size_t number) const {
     constexpr std::size_t kGiven = 2;
     Recording r(inputs_ + kGiven);
@@ -118,13 +117,13 @@ class Recording {
     return r;
   }
 
-  // The node of this operation: the one that there is, if it was recorded before.
+  // Returns the node of this operation, an existing one if it was recorded before.
   Active add(Op op, std::size_t a, std::size_t b = 0, const Ball& c = {}) {
     const auto [at, is_new] = known_.try_emplace({op, a, b, c.mid, c.rad}, nodes_.size());
     if (is_new) nodes_.push_back({op, a, b, c});
     return {*this, at->second};
   }
-  // The first of nodes that are computed together.
+  // Adds nodes that are computed together, and returns the first.
   std::size_t add_group(std::initializer_list<Op> ops, std::size_t a) {
     const auto [at, is_new] = known_.try_emplace({*ops.begin(), a, 0, 0, 0}, nodes_.size());
     for (const Op op : ops) {
@@ -137,7 +136,7 @@ class Recording {
   }
 
  private:
-  // Of nodes that are computed together, and refer to each other by their places.
+  // Returns the first of the nodes that are computed together with node i and refer to each other by their positions.
   std::size_t first_of_group(std::size_t i) const {
     switch (nodes_[i].op) {
       case Op::kCosine:

@@ -1,4 +1,4 @@
-// Sets of states that linear maps move without wrapping them in boxes.
+// Sets of states that can be transported by linear maps without wrapping them in boxes.
 #pragma once
 
 #include <algorithm>
@@ -110,8 +110,9 @@ Matrix<N> orthonormal(const Matrix<N>& edges, const std::array<double, N>& lengt
   return transposed(found);
 }
 
-// From bounds of q^T y to bounds of q^-1 y, where q is nearly orthonormal: with q^T q = I + e and |e| <= defect in the
-// maximum norm, they differ by at most defect / (1 - defect) of the largest. False where q is far from that.
+// Converts bounds of q^T y to bounds of q^-1 y for a nearly orthonormal q. With q^T q = I + e and |e| <= defect in the
+// maximum norm, they differ by at most defect / (1 - defect) of the largest. Returns false if q is not nearly
+// orthonormal.
 template <std::size_t N>
 bool allow_for_defect(const Matrix<N>& q, std::array<double, N>& bounds) {
   const BallMatrix<N> unit = exactly(transposed(q)) * exactly(q);
@@ -127,12 +128,12 @@ bool allow_for_defect(const Matrix<N>& q, std::array<double, N>& bounds) {
   return true;
 }
 
-// {center + scale (edges s + basis r) : |s_j| <= old_j, |r_j| <= young_j}. The edges are moved as they are, and are
-// never wrapped; they may become as flat as they like. What moving leaves beside them (roundings, remainders, the width
-// of the map) goes into the second part, whose basis is orthonormal: of the moved basis the orthogonal factor. When the
-// second part has outgrown the first it becomes the first, so that sets are wrapped only a few times on a long way.
-// x_i is scale_i times its component here: lengths and right angles are those in units in which what turns turns about
-// circles. Scales are powers of two, with which no rounding comes.
+// {center + scale (edges s + basis r) : |s_j| <= old_j, |r_j| <= young_j}. The edges are transported without wrapping,
+// and may become arbitrarily flat. Errors (roundings, remainders, the width of the map) go into the second part. Its
+// basis is orthonormal: the orthogonal factor of the transported basis. When the second part has outgrown the first, it
+// becomes the first, so that the set is wrapped only a few times over a long motion. x_i is scale_i times the component
+// here. The scales are units in which oscillations are circles, so that lengths and right angles are meaningful. They
+// are powers of two, which cause no rounding.
 // Lohner (1992); Mrozek & Zgliczynski, Annales Polonici Mathematici 74 (2000).
 template <std::size_t N>
 class Set {
@@ -149,7 +150,7 @@ class Set {
 
   const std::array<double, N>& center() const { return center_; }
 
-  // The box around it.
+  // Returns the smallest box around the set.
   Balls<N> hull() const {
     const std::array<double, N> old = extents(exactly(edges_), old_), young = extents(exactly(basis_), young_);
     Balls<N> box;
@@ -157,8 +158,8 @@ class Set {
     return box;
   }
 
-  // Becomes a set that holds center + map (x - center()) for all x in this one, all centers and all maps in the balls.
-  // False where there is no such set.
+  // Replaces the set by one that contains center + map (x - center()) for all its x, and all centers and maps in the
+  // balls. Returns false if none is found.
   bool move(const Balls<N>& center, const BallMatrix<N>& map) {
     const BallMatrix<N> here = scaled(map), edges = here * exactly(edges_), moved = here * exactly(basis_);
     if (!is_bounded(center) || !is_bounded(edges) || !is_bounded(moved)) return false;
@@ -185,7 +186,7 @@ class Set {
     const std::array<double, N> old = extents(exactly(edges_), old_), young = extents(exactly(basis_), young_);
     return *std::max_element(young.begin(), young.end()) > kTimes * *std::max_element(old.begin(), old.end());
   }
-  // The second part, with the first wrapped in it, becomes the first.
+  // Wraps the first part in the second, which then becomes the first.
   bool rejuvenate() {
     if (!set_young(extents(exactly(transposed(basis_)) * exactly(edges_), old_), young_)) return false;
     old_ = young_;

@@ -24,7 +24,7 @@ class Series {
   const Ball& at(std::size_t node, std::size_t k) const { return coefficients_[node * stride_ + k]; }
   const Ball& output(std::size_t i, std::size_t k) const { return at(f_->outputs()[i], k); }
 
-  // Coefficient k of every node, where those below and the inputs' coefficients up to k are there.
+  // Computes coefficient k of every node. The lower coefficients, and those of the inputs up to k, must be set.
   void compute(std::size_t k) {
     const std::vector<Node>& nodes = f_->nodes();
     for (std::size_t i = f_->inputs(); i < nodes.size(); ++i) at(i, k) = coefficient(nodes[i], i, k);
@@ -90,7 +90,7 @@ class Series {
   std::vector<Ball> coefficients_;
 };
 
-// A ball in each of N directions, kept apart by middles and radii so that loops over them are loops over arrays.
+// A ball for each of N directions, stored as separate arrays of middles and radii for fast loops.
 template <std::size_t N>
 struct Slope {
   std::array<double, N> mid{}, rad{};
@@ -111,7 +111,7 @@ class Slopes {
   Slope<N>& at(std::size_t node, std::size_t k) { return coefficients_[node * stride_ + k]; }
   const Slope<N>& at(std::size_t node, std::size_t k) const { return coefficients_[node * stride_ + k]; }
 
-  // Of coefficient k of every node, where those below are there, and all of `values` up to k.
+  // Computes coefficient k of every node. The lower ones, and those of `values` up to k, must be set.
   void compute(const Series& values, std::size_t k) {
     const std::vector<Node>& nodes = values.function().nodes();
     for (std::size_t i = values.function().inputs(); i < nodes.size(); ++i) coefficient(nodes[i], i, k, values);

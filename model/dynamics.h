@@ -16,7 +16,7 @@
 
 namespace fjr {
 
-// dddq [rad/s^3] of the link side: (1) differentiated once in time,
+// Returns dddq [rad/s^3] of the link side, from (1) differentiated once in time:
 //   M dddq = K (dtheta - dq) - d(C dq)/dt - D ddq - dG/dt - dM/dt ddq.
 template <class T>
 Joints<T> link_jerk(const Parameters& p, const State<T>& x, const Joints<T>& ddq) {
@@ -28,18 +28,18 @@ Joints<T> link_jerk(const Parameters& p, const State<T>& x, const Joints<T>& ddq
   const T hanging = x.q[0] - p.mounting.down;
   const T both = dq1 + dq2, second = gravity[1] * cos(hanging + x.q[1]) * both;
   const T first = gravity[0] * cos(hanging) * dq1;
-  const T mass_rate = -bend * dq2;  // dm12/dt; dm11/dt is twice that, dm22/dt nothing
+  const T mass_rate = -bend * dq2;  // dm12/dt; dm11/dt is twice that, dm22/dt is 0
   const T c1 = -bend_rate * dq2 * (dq1 + both) - bend * (ddq[1] * (dq1 + both) + dq2 * (2.0 * ddq[0] + ddq[1]));
   const T c2 = (bend_rate * dq1 + 2.0 * bend * ddq[0]) * dq1;
-  const Joints<T> spring = spring_torque(p, x.dq, x.dtheta);  // linear: its rate
+  const Joints<T> spring = spring_torque(p, x.dq, x.dtheta);  // rate of the spring torque, which is linear
   const T r1 = spring[0] - c1 - p.link.damping[0] * ddq[0] - first - second - mass_rate * (2.0 * ddq[0] + ddq[1]);
   const T r2 = spring[1] - c2 - p.link.damping[1] * ddq[1] - second - mass_rate * ddq[0];
   const MassMatrix<T> m = mass_matrix(p, x.q[1]);
   return accelerations(m, r1, r2);
 }
 
-// dx/dt with the friction-compensated torque u = tau_m - tau_fm_nonlinear(dtheta), eq. (26): J ddtheta + B dtheta +
-// tau_c = u. Smooth for every finite x and u. u [N m].
+// Returns dx/dt for the friction-compensated torque u = tau_m - tau_fm_nonlinear(dtheta) [N m], eq. (26): J ddtheta + B
+// dtheta + tau_c = u. It is smooth for every finite x and u.
 template <class T>
 State<T> compensated_dynamics(const Parameters& p, const State<T>& x, const Joints<T>& u) {
   const Joints<T> tau_c = spring_torque(p, x.q, x.theta);
@@ -53,7 +53,7 @@ State<T> compensated_dynamics(const Parameters& p, const State<T>& x, const Join
   return f;
 }
 
-// dx/dt, eq. (1), with the exact friction law (24). tau_m [N m].
+// Returns dx/dt, eq. (1), with the exact friction law (24), for the motor torque tau_m [N m].
 template <class T>
 State<T> dynamics(const Parameters& p, const State<T>& x, const Joints<T>& tau_m) {
   Joints<T> u;
@@ -64,7 +64,7 @@ State<T> dynamics(const Parameters& p, const State<T>& x, const Joints<T>& tau_m
   return compensated_dynamics(p, x, u);
 }
 
-// Kinetic energy (19) of the links and of the motors, potential energy (21) of gravity and of the springs. [J]
+// Returns the total energy [J]: kinetic energy (19) of links and motors, potential energy (21) of gravity and springs.
 template <class T>
 T energy(const Parameters& p, const State<T>& x) {
   using std::cos;
@@ -80,7 +80,8 @@ T energy(const Parameters& p, const State<T>& x) {
   return e;
 }
 
-// The state at rest at q: dq = dtheta = 0 and theta = q + K^-1 G(q), so that nothing moves under tau_m = G(q).
+// Returns the equilibrium state at q: dq = dtheta = 0 and theta = q + K^-1 G(q), so that nothing moves under tau_m =
+// G(q).
 inline State<double> rest_at(const Parameters& p, const Joints<double>& q) {
   const Joints<double> g = gravity_torque(p, q);
   return {q, {0, 0}, {q[0] + g[0] / p.spring.stiffness[0], q[1] + g[1] / p.spring.stiffness[1]}, {0, 0}};

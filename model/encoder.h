@@ -1,4 +1,5 @@
-// Encoders of the platform: positions in whole counts; velocities only by filtered numerical differentiation.
+// Encoders of the platform. They give positions in whole counts; velocities come from filtered numerical
+// differentiation.
 #pragma once
 
 #include <cmath>
@@ -6,17 +7,18 @@
 
 namespace fjr {
 
-// Angle of one count. [rad]
+// Returns the angle of one count [rad].
 inline double count_angle(double counts_per_revolution) { return 2 * std::numbers::pi / counts_per_revolution; }
 
-// What an encoder with that many counts per revolution reports for `angle` [rad].
+// Returns the reading [rad] of an encoder with that many counts per revolution at `angle` [rad].
 inline double quantised(double angle, double counts_per_revolution) {
   const double count = count_angle(counts_per_revolution);
   return std::round(angle / count) * count;
 }
 
-// Velocity from sampled positions: backward difference, then a first-order low-pass discretised exactly for its period.
-// Raw differences are useless here: one count per 1 ms tick is 1.57 rad/s on motor 1.
+// Estimates the velocity from sampled positions: a backward difference, followed by a first-order low-pass filter that
+// is discretised exactly for its period. Unfiltered differences are useless, since one count per 1 ms tick is 1.57
+// rad/s on motor 1.
 class VelocityFilter {
  public:
   // cutoff [Hz], period [s]
@@ -28,10 +30,10 @@ class VelocityFilter {
     velocity_ = velocity;
   }
 
-  // What counts as position moves by `by` [rad], which is no velocity.
+  // Shifts the position by `by` [rad] without affecting the velocity.
   void shift(double by) { last_ += by; }
 
-  // position [rad] of this tick -> filtered velocity [rad/s]
+  // Takes the position [rad] of this tick and returns the filtered velocity [rad/s].
   double update(double position) {
     const double difference = (position - last_) / period_;
     last_ = position;

@@ -5,7 +5,7 @@
 namespace fjr {
 namespace {
 
-// The spring torque and two of its time derivatives: all that theta, dtheta and ddtheta need.
+// The spring torque and its first two time derivatives, which determine theta, dtheta and ddtheta.
 using Expansion = Taylor<2>;
 
 Joints<Expansion> series_of(const Joints<double>& value, const Joints<double>& first, const Joints<double>& second) {
@@ -13,7 +13,7 @@ Joints<Expansion> series_of(const Joints<double>& value, const Joints<double>& f
           Expansion::from_derivatives({value[1], first[1], second[1]})};
 }
 
-// The link side of (1), solved for tau_c.
+// Solves the link side of (1) for tau_c.
 Joints<Expansion> required_spring_torque(const Parameters& p, const LinkMotion& motion) {
   const Joints<Expansion> q = series_of(motion.q, motion.dq, motion.ddq);
   const Joints<Expansion> dq = series_of(motion.dq, motion.ddq, motion.dddq);
@@ -45,8 +45,8 @@ FlatPoint from_link_motion(const Parameters& p, const LinkMotion& motion) {
   return point;
 }
 
-// The spring torque's k-th derivative is M times the (2+k)-th derivative of q plus what the lower ones give: one after
-// the other they follow from theta and its derivatives.
+// The k-th derivative of the spring torque is M times the (2+k)-th derivative of q, plus terms with lower derivatives
+// of q. Therefore the derivatives of q follow one after the other from theta and its derivatives.
 LinkMotion link_motion(const Parameters& p, const State<double>& state, const Joints<double>& u) {
   const MassMatrix<double> m = mass_matrix(p, state.q[1]);
   const double determinant = m.m11 * m.m22 - m.m12 * m.m12;

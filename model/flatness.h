@@ -1,4 +1,4 @@
-// The arm is differentially flat in q: q and its four derivatives give the whole state and the torque.
+// Differential flatness: q and its first four time derivatives determine the whole state and the torque.
 #pragma once
 
 #include "model/dynamics.h"
@@ -16,11 +16,12 @@ struct FlatPoint {
   Joints<double> torque;              // tau_m = u + tau_fm_nonlinear(dtheta), exact law  [N m]
 };
 
-// theta, dtheta and ddtheta follow from the link side of (1) and its first two time derivatives, taken exactly by
-// propagating truncated Taylor series through the link equation.
+// Computes state and torque from a link motion. theta, dtheta and ddtheta follow from the link side of (1) and its
+// first two time derivatives, which are computed exactly by propagating truncated Taylor series through the link
+// equation.
 FlatPoint from_link_motion(const Parameters& p, const LinkMotion& motion);
 
-// The other way round: the link motion of a state under the friction-compensated torque u [N m].
+// The inverse: returns the link motion in a state under the friction-compensated torque u [N m].
 LinkMotion link_motion(const Parameters& p, const State<double>& state, const Joints<double>& u);
 
 }  // namespace fjr

@@ -15,8 +15,8 @@ bool FrictionLaw::increasing() const {
 
 double FrictionLaw::velocity(double torque_wanted) const {
   if (!increasing()) throw std::domain_error("friction law is not increasing: its inverse is not unique");
-  // Odd and increasing with slope >= B eventually: bracket on a logarithmic scale, then bisect in log(v) to the last
-  // bit.
+  // The law is odd and increasing, so the velocity is bracketed on a logarithmic scale and then found by bisection in
+  // log(v) to the last bit.
   const double target = std::abs(torque_wanted);
   if (target == 0) return 0;
   double low = 0, high = width * 1e-8;
@@ -34,7 +34,7 @@ double FrictionLaw::velocity(double torque_wanted) const {
 
 double FrictionLaw::unstable_band() const {
   if (slope(0) >= 0) return 0;
-  constexpr double kRatio = 1.02;  // of neighbouring velocities in the search for the sign change
+  constexpr double kRatio = 1.02;  // ratio of neighbouring velocities in the search for a sign change
   double inside = 0, outside = width * 1e-7;
   while (slope(outside) < 0) {
     inside = outside;

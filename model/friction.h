@@ -28,7 +28,7 @@ struct FrictionLaw {
     return amplitude * first - amplitude * second_weight * tanh(s - second_shape * first);
   }
 
-  // The same with its derivatives by v, in closed form: with s = v/eta, t = tanh s, a = s - h t, u = tanh a.
+  // nonlinear(v) with its derivatives by v, in closed form: with s = v/eta, t = tanh s, a = s - h t, u = tanh a.
   struct Derivatives {
     double value, first, second;
   };
@@ -52,9 +52,9 @@ struct FrictionLaw {
     return viscous * v + nonlinear(v);
   }
 
-  // A law of the same family without features narrower than about eps [rad/s] around v = 0; eps = 0 is the exact law.
-  // The first tanh gets width sqrt(eta^2 + eps^2); the second keeps its far kink where it is (h eta, when h > 0) and
-  // its slope at zero, (1-h)/eta, is lowered to at most 1/eps by the same rule.
+  // Returns a law of the same family without features narrower than about eps [rad/s] around v = 0; eps = 0 gives the
+  // exact law. The first tanh gets the width sqrt(eta^2 + eps^2). The second keeps its far kink at the same velocity (h
+  // eta, if h > 0), and its slope at zero, (1-h)/eta, is reduced to at most 1/eps by the same rule.
   FrictionLaw smoothed(double eps) const {
     FrictionLaw s = *this;
     if (eps <= 0) return s;
@@ -68,25 +68,27 @@ struct FrictionLaw {
     return s;
   }
 
-  // Velocity at which the complete law gives `torque` [N m]; only for laws that increase everywhere (joint 1's).
-  // Throws std::domain_error otherwise: joint 2's law is three-valued around zero, and unstable there.
+  // Returns the velocity [rad/s] at which the complete law gives the torque [N m]. Throws std::domain_error unless the
+  // law increases everywhere, as joint 1's does. Joint 2's law has three such velocities around zero and is unstable
+  // there.
   double velocity(double torque_wanted) const;
 
-  // True when torque() increases everywhere, found by scanning the slope over all of the law's scales.
+  // Returns whether torque() increases everywhere, by scanning the slope over all velocity scales of the law.
   bool increasing() const;
 
-  // Half width of the band around rest in which the complete law falls with speed, from zero to its first minimum;
-  // there a motor runs away from rest exponentially. 0 for a law that increases at rest, infinite for one that falls
-  // for ever. [rad/s]
+  // Returns the half width [rad/s] of the band around rest in which the complete law falls with speed, from zero to its
+  // first minimum. There rest is unstable: the velocity of a motor grows exponentially. Returns 0 for a law that
+  // increases at rest, and infinity for one that never stops falling.
   double unstable_band() const;
 
-  // d torque / dv in the mean between two velocities: what a tick feels of a kink that is narrower. [N m s/rad]
+  // Returns the mean of d torque / dv [N m s/rad] between two velocities, which is the effective slope over a tick if a
+  // kink is narrower than the change of velocity.
   double mean_slope(double from, double to) const {
     constexpr double kApart = 1e-9;  // [rad/s] below it the difference is roundings
     return std::abs(to - from) > kApart ? (torque(to) - torque(from)) / (to - from) : slope(0.5 * (from + to));
   }
 
-  // d torque / dv at v.
+  // Returns d torque / dv [N m s/rad] at v.
   double slope(double v) const {
     const double s = v / width;
     const double first = std::tanh(s), dfirst = 1 - first * first;

@@ -16,10 +16,11 @@ struct Point {
 // x, y of a point or of a vector in the plane, as users write them. [m]
 using Coordinates = std::array<double, 2>;
 
-// On which side of the line from the base to the tip, looking along it, the elbow lies.
+// The side of the line from base to tip, looking towards the tip, on which the elbow lies.
 enum class Elbow { kAny, kLeft, kRight };
 
-// Of joint 2 in the frame of the base: x to the right, y upwards, q = 0 hanging straight down. q: [rad]. [m]
+// Returns the position [m] of joint 2 in the base frame: x to the right, y upwards, q = 0 hanging straight down. q:
+// [rad].
 template <class T>
 Point<T> elbow_position(const Parameters& p, const Joints<T>& q) {
   using std::cos;
@@ -27,7 +28,7 @@ Point<T> elbow_position(const Parameters& p, const Joints<T>& q) {
   return {p.link.length[0] * sin(q[0]), -p.link.length[0] * cos(q[0])};
 }
 
-// Of the end of link 2, in the same frame; q[1] is relative to link 1. [m]
+// Returns the position [m] of the end of link 2 in the same frame; q[1] is relative to link 1.
 template <class T>
 Point<T> tip_position(const Parameters& p, const Joints<T>& q) {
   using std::cos;
@@ -37,7 +38,7 @@ Point<T> tip_position(const Parameters& p, const Joints<T>& q) {
   return {elbow.x + p.link.length[1] * sin(angle), elbow.y - p.link.length[1] * cos(angle)};
 }
 
-// [m/s]
+// Returns the tip velocity [m/s].
 template <class T>
 Point<T> tip_velocity(const Parameters& p, const Joints<T>& q, const Joints<T>& dq) {
   using std::cos;
@@ -47,7 +48,8 @@ Point<T> tip_velocity(const Parameters& p, const Joints<T>& q, const Joints<T>& 
           p.link.length[0] * sin(q[0]) * dq[0] + p.link.length[1] * sin(angle) * rate};
 }
 
-// Squared tip speed [m^2/s^2]; depends on q2 alone, and smooth at rest where the speed itself is not.
+// Returns the squared tip speed [m^2/s^2]. Of the positions it depends only on q2, and unlike the speed it is smooth at
+// rest.
 template <class T>
 T tip_speed_squared(const Parameters& p, const T& q2, const Joints<T>& dq) {
   using std::cos;

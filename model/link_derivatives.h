@@ -1,5 +1,5 @@
-// First and second derivatives of the link acceleration in closed form. Dual numbers carried through it took a quarter
-// of the time of an interval's Hessian more (bench/README.md).
+// First and second derivatives of the link acceleration in closed form. With dual numbers instead, the Hessian of an
+// interval took a quarter more time (bench/README.md).
 //
 // With a = M^-1 r, r = tau_c - C dq - D dq - G, and subscripts for derivatives (only q2 moves M):
 //   a_i  = M^-1 (r_i - M_i a),        a_ij = M^-1 (r_ij - M_i a_j - M_j a_i - M_ij a)
@@ -15,12 +15,12 @@
 
 namespace fjr {
 
-// The acceleration depends on the first six of a state's numbers: q, dq, theta.
+// The acceleration depends only on the first six entries of a state: q, dq, theta.
 inline constexpr std::size_t kLinkInputs = 3 * kJoints;
 inline constexpr std::size_t kLinkPairs = kLinkInputs * (kLinkInputs + 1) / 2;
 
-// ddq [rad/s^2], and of each joint's the derivatives by those inputs; second derivatives are packed by rows of the
-// lower triangle, as in Dual2.
+// ddq [rad/s^2] of each joint and its derivatives by these inputs. Second derivatives are packed by rows of the lower
+// triangle, as in Dual2.
 struct LinkDerivatives {
   Joints<double> value;
   Joints<std::array<double, kLinkInputs>> first;
@@ -45,7 +45,7 @@ struct InverseMass {
 
 }  // namespace link_derivatives
 
-// kSecond: the second derivatives too; they are zero otherwise.
+// kSecond: whether second derivatives are computed; they are zero otherwise.
 template <bool kSecond>
 LinkDerivatives derivatives_of_link_acceleration(const Parameters& p, const Joints<double>& q, const Joints<double>& dq,
                                                  const Joints<double>& theta) {
@@ -62,7 +62,7 @@ LinkDerivatives derivatives_of_link_acceleration(const Parameters& p, const Join
   const auto set = [&](auto& to, std::size_t at, const Joints<double>& value) {
     for (std::size_t j = 0; j < kJoints; ++j) to[j][at] = value[j];
   };
-  // -dM/dq2 times an acceleration; d2M/dq2^2 times it is the same with stretch in place of bend.
+  // Returns -dM/dq2 times an acceleration. d2M/dq2^2 times it is the same with `stretch` instead of `bend`.
   const auto less_mass = [&](const Joints<double>& ddq) {
     return Joints<double>{bend * (2 * ddq[0] + ddq[1]), bend * ddq[0]};
   };
@@ -99,13 +99,13 @@ LinkDerivatives derivatives_of_link_acceleration(const Parameters& p, const Join
   return of;
 }
 
-// ddq [rad/s^2] of the link side in a state whose springs pull as they do.
+// Returns ddq [rad/s^2] of the link side in a state, under the torque of its springs.
 template <class T>
 Joints<T> link_acceleration(const Parameters& p, const State<T>& x) {
   return link_acceleration(p, x.q, x.dq, spring_torque(p, x.q, x.theta));
 }
 
-// The same with derivatives: those by the six numbers in closed form, by the chain rule.
+// Returns ddq with derivatives, by the chain rule from the closed-form derivatives by the six inputs.
 template <CarriesValues D>
 Joints<D> link_acceleration(const LinkDerivatives& of, const State<D>& x) {
   const std::array<const D*, kLinkInputs> inputs{&x.q[0], &x.q[1], &x.dq[0], &x.dq[1], &x.theta[0], &x.theta[1]};

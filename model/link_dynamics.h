@@ -11,7 +11,7 @@ namespace fjr {
 
 inline constexpr int kStates = 8;
 inline constexpr int kControls = 2;
-// Where each part of the state begins among its eight numbers.
+// Index of the first entry of each part of the state.
 inline constexpr int kStateQ = 0, kStateDq = kJoints, kStateTheta = 2 * kJoints, kStateDtheta = 3 * kJoints;
 
 // Order of the state everywhere (vectors, files, messages): q, dq, theta, dtheta; [rad], [rad/s].
@@ -19,7 +19,7 @@ template <class T>
 struct State {
   Joints<T> q, dq, theta, dtheta;
 
-  // Its numbers in that order, by index.
+  // Gives access to the entries in this order by index.
   T& operator[](std::size_t i) { return part(*this, i / kJoints)[i % kJoints]; }
   const T& operator[](std::size_t i) const { return part(*this, i / kJoints)[i % kJoints]; }
 
@@ -56,14 +56,14 @@ struct MassMatrix {
   T m11, m12, m22;
 };
 
-// (alpha2 m2 + payload) l1 l2: the coupling between the links. [kg m^2]
+// Returns (alpha2 m2 + payload) l1 l2 [kg m^2], the inertial coupling between the links.
 inline double coupling(const Parameters& p) {
   return (p.link.com_fraction[1] * p.link.mass[1] + p.payload.mass) * p.link.length[0] * p.link.length[1];
 }
 
-// Coefficients of sin(q1 - down) and of sin(q1 + q2 - down) in G, eq. (8), with the payload's share, in the plane as it
-// is mounted. [N m]
-inline constexpr double kPaperGravity = 9.8;  // [m/s^2] with which alone (6) and (7) give its alphas
+// Returns the coefficients [N m] of sin(q1 - down) and sin(q1 + q2 - down) in G, eq. (8), including the payload and the
+// inclination of the plane.
+inline constexpr double kPaperGravity = 9.8;  // [m/s^2] the value with which (6) and (7) give the alphas in the paper
 inline Joints<double> gravity_coefficients(const Parameters& p) {
   const double weight = p.payload.mass * kPaperGravity;
   const double in_plane = p.mounting.gravity;
@@ -71,14 +71,14 @@ inline Joints<double> gravity_coefficients(const Parameters& p) {
           in_plane * (p.link.gravity_torque[1] + weight * p.link.length[1])};
 }
 
-// The robot with this at its tip too.
+// Returns the robot with an additional payload at its tip.
 inline Parameters with_payload(Parameters robot, const Payload& more) {
   robot.payload.mass += more.mass;
   robot.payload.inertia += more.inertia;
   return robot;
 }
 
-// M(q), which depends on the angle of joint 2 alone [rad], eq. (23), with the payload. [kg m^2]
+// Returns M(q) [kg m^2], eq. (23), with the payload. It depends only on the angle of joint 2 [rad].
 template <class T>
 MassMatrix<T> mass_matrix(const Parameters& p, const T& q2) {
   using std::cos;
@@ -89,8 +89,8 @@ MassMatrix<T> mass_matrix(const Parameters& p, const T& q2) {
           T(about_joint2)};
 }
 
-// C(q,dq) dq [N m]. The paper prints C12 = -a dq1 sin q2 in (23); the Lagrangian (19)-(21) gives C12 = -a dq2 sin q2,
-// and only that conserves energy. This is the Lagrangian's.
+// Returns C(q,dq) dq [N m]. The paper prints C12 = -a dq1 sin q2 in (23). The Lagrangian (19)-(21) gives C12 = -a dq2
+// sin q2, which is used here, because only that conserves energy.
 template <class T>
 Joints<T> coriolis_torque(const Parameters& p, const Joints<T>& q, const Joints<T>& dq) {
   using std::sin;
@@ -98,7 +98,7 @@ Joints<T> coriolis_torque(const Parameters& p, const Joints<T>& q, const Joints<
   return {-a * dq[1] * (2.0 * dq[0] + dq[1]), a * dq[0] * dq[0]};
 }
 
-// G(q), eq. (8). [N m]
+// Returns G(q) [N m], eq. (8).
 template <class T>
 Joints<T> gravity_torque(const Parameters& p, const Joints<T>& q) {
   using std::sin;
@@ -108,20 +108,20 @@ Joints<T> gravity_torque(const Parameters& p, const Joints<T>& q) {
   return {coefficient[0] * sin(first) + second, second};
 }
 
-// tau_c = K (theta - q). [N m]
+// Returns tau_c = K (theta - q) [N m].
 template <class T>
 Joints<T> spring_torque(const Parameters& p, const Joints<T>& q, const Joints<T>& theta) {
   return {p.spring.stiffness[0] * (theta[0] - q[0]), p.spring.stiffness[1] * (theta[1] - q[1])};
 }
 
-// M^-1 r. [N m] -> [rad/s^2]
+// Returns M^-1 r [rad/s^2] for torques r [N m].
 template <class T, class R>
 Joints<T> accelerations(const MassMatrix<T>& m, const R& r1, const R& r2) {
   const T inverse_determinant = 1.0 / (m.m11 * m.m22 - m.m12 * m.m12);
   return {(m.m22 * r1 - m.m12 * r2) * inverse_determinant, (m.m11 * r2 - m.m12 * r1) * inverse_determinant};
 }
 
-// ddq [rad/s^2] of the link side under the spring torque tau_c.
+// Returns ddq [rad/s^2] of the link side under the spring torque tau_c [N m].
 template <class T>
 Joints<T> link_acceleration(const Parameters& p, const Joints<T>& q, const Joints<T>& dq, const Joints<T>& tau_c) {
   const MassMatrix<T> m = mass_matrix(p, q[1]);

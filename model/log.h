@@ -1,4 +1,4 @@
-// Logs of experiments and executions: CSV as in docs/files.md, from the virtual rig or from a real one.
+// Logs of experiments and executions, from the virtual rig or a real one, as CSV files described in docs/files.md.
 #pragma once
 
 #include <filesystem>
@@ -25,19 +25,20 @@ struct Log {
   const std::vector<double>& column(std::string_view name) const;
   std::vector<double>& column(std::string_view name);
 
-  // Number behind a metadata key, or `otherwise` where the key is absent. Throws InputError for anything but a number.
+  // Returns the number of a metadata key, or `otherwise` if the key is absent. Throws InputError if it is not a number.
   double number(const std::string& key, double otherwise) const;
 };
 
 // "q", 0 -> "q1".
 std::string joint_column(std::string_view quantity, int joint, std::string_view suffix = "");
 
-// Reads strictly: InputError names line and column of missing, repeated or malformed columns, of fields that are no
-// finite numbers, and of times that do not increase. Any sampling rate; at least 2 rows.
+// Reads a log strictly. Throws InputError naming line and column for missing, repeated or malformed columns, for fields
+// that are not finite numbers, and for times that do not increase. The sampling rate is arbitrary; at least 2 rows are
+// needed.
 Log read_log(const std::filesystem::path& file, const ColumnNames& renamed = {});
 Log parse_log(std::string_view text, const std::string& source, const ColumnNames& renamed = {});
 
-// 12 significant digits.
+// Returns the log as CSV with 12 significant digits.
 std::string format_log(const Log& log);
 
 }  // namespace fjr

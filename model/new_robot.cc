@@ -18,7 +18,7 @@
 namespace fjr {
 namespace {
 
-// What is assumed where nothing is given.
+// Assumptions for values that are not given.
 constexpr double kPeak = 1.2;            // times the torque limit
 constexpr double kSlender = 0.08;        // of a link's length, its radius
 constexpr double kMotorCounts = 4096;    // per turn of the motor
@@ -38,7 +38,7 @@ constexpr double kTriangle = 1e-9;       // relative: rounding
 void read(const YamlNode& node, const char* unit, Joints<double>& value) { value = node.pair(unit); }
 void read(const YamlNode& node, const char*, std::string& value) { value = node.text(); }
 
-// Principal moments of any body: each is at most the sum of the others.
+// Checks the triangle inequality of the principal moments of a body: each is at most the sum of the others.
 void check_triangle(const YamlNode& node, const std::array<double, 3>& moments) {
   const double sum = moments[0] + moments[1] + moments[2];
   for (const double one : moments) {
@@ -115,7 +115,7 @@ void read(const YamlNode& node, const char* unit, std::optional<T>& value) {
   }
 }
 
-// What may be zero, or anything; all others are above it.
+// Returns whether a value may be zero; all others must be positive.
 bool may_be_zero(std::string_view key) { return key == "gravity_torque" || key == "damping"; }
 
 void check_sign(const Key& key, const YamlNode& node, const Joints<double>& values) {
@@ -140,21 +140,21 @@ void read_member(const Key& key, const YamlNode& node, T& member) {
 
 // ---- writing ----
 
-// An entry of robot.yaml with where it is from.
+// An entry of robot.yaml and its origin.
 struct Entry {
   Joints<double> value;
   std::string source;
-  std::string key;  // of the description, whose value it is or is computed from; empty for what is assumed
+  std::string key;  // key of the description from which it is computed; empty for an assumed value
   std::string about;
   std::string error = "null";
 };
 
-// Without the digits that rounding left: 0.12 / 0.25 is 0.48.
+// Rounds away the digits that are only rounding errors, so that 0.12 / 0.25 gives 0.48.
 Joints<double> rounded(const Joints<double>& values, int digits = 15) {
   return {rounded_to(values[0], digits), rounded_to(values[1], digits)};
 }
 
-// As a comment of one line, whatever is in it.
+// Returns the text as a single line, for a comment.
 std::string one_line(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < ' '; }, ' ');
@@ -172,7 +172,8 @@ class Writer {
     feedback();
   }
 
-  // The key of the description that an entry of robot.yaml, "link.mass", is from; empty where there is none.
+  // Returns the key of the description from which an entry of robot.yaml, such as "link.mass", is computed; empty if
+  // there is none.
   std::string key_of(const std::string& entry) const {
     const auto found = entries_.find(entry);
     return found == entries_.end() ? "" : found->second.key;
@@ -213,7 +214,7 @@ class Writer {
     put(name, otherwise, assumption);
   }
 
-  // Of the short description's key, in the unit of the entry.
+  // Returns the standard error of a key of the description, in the unit of the entry.
   std::string error_of(const char* key, const Joints<double>& factor) const {
     const auto found = d_.standard_error ? d_.standard_error->find(key) : std::nullopt;
     if (!found) return "null";
@@ -280,7 +281,7 @@ class Writer {
              fmt::format("assumption: {} times the planning limit", kPeak));
   }
 
-  // The links about their joints, the other joint still and the arm stretched. [kg m^2]
+  // Returns the inertias [kg m^2] of the links about their joints, with the other joint locked and the arm stretched.
   Joints<double> link_inertia() const {
     Joints<double> about_joint{};
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -292,9 +293,9 @@ class Writer {
     return {about_joint[0] + about_joint[1] + outer, about_joint[1]};
   }
 
-  // The motor on its feedback alone, J s^2 + kd s + kp, is damped; and the links swing on springs whose other end the
-  // motor holds: they are damped most where the motor's impedance kd w is about that of both springs, K + kp, unless a
-  // motor that light had to be faster than ticks and filters let it be.
+  // Chooses feedback gains. The motor alone, J s^2 + kd s + kp, must be damped. The links oscillate on springs whose
+  // other end the motor holds. They are damped most if the motor's impedance kd w is about that of both springs, K +
+  // kp, unless a light motor would then have to be faster than tick and filter permit.
   void feedback() {
     Joints<double> position{}, velocity{}, filter{};
     const Joints<double> links = link_inertia();
@@ -336,7 +337,8 @@ void check_standard_errors(const YamlNode& errors) {
   }
 }
 
-// What robot.yaml is refused for is told of the description that it was made of: link.inertia.value[0] is inertia[0].
+// Converts an error about robot.yaml to one about the description it was made from: link.inertia.value[0] is
+// inertia[0].
 InputError in_terms_of(const Writer& writer, const InputError& error) {
   const std::string& field = error.field();
   const std::string entry = field.substr(0, std::min(field.find(".value"), field.find('[')));

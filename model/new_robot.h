@@ -1,5 +1,5 @@
-// A robot.yaml from what somebody knows of an arm: lengths, masses, springs, drives. What is not known is assumed, and
-// marked so.
+// Creates a robot.yaml from basic data of an arm: lengths, masses, springs, drives. Unknown values are assumed, and
+// marked as assumptions.
 #pragma once
 
 #include <array>
@@ -14,11 +14,11 @@
 
 namespace fjr {
 
-// An inertia about the axis of motion, Izz, and where all three are known, the other principal moments of the body.
+// The inertia Izz about the axis of motion and, if all three are known, the other principal moments of the body.
 struct GivenInertia {
   Joints<std::array<double, 3>> moments{};        // Ixx, Iyy, Izz
-  Joints<bool> all_known{};                       // otherwise Izz alone
-  Joints<bool> about_center_of_mass{true, true};  // otherwise about the joint
+  Joints<bool> all_known{};                       // false: only Izz is known
+  Joints<bool> about_center_of_mass{true, true};  // false: about the joint
 };
 
 // The range of each joint.
@@ -31,7 +31,7 @@ struct GivenFriction {
   std::optional<Joints<double>> width;
 };
 
-// The short description; everything in it that is required fits on a page.
+// The short description of an arm; its required entries fit on a page.
 struct RobotDescription {
   std::optional<std::string> name, source;
   Joints<double> length{}, mass{}, center_of_mass{};
@@ -44,7 +44,7 @@ struct RobotDescription {
   std::optional<YamlNode> standard_error, mounting, payload;
 };
 
-// visit(key, member) in the order in which they are asked for.
+// Calls visit(key, member) in the order in which the user is asked for the values.
 template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, RobotDescription>
 void visit(R& r, Visit&& v) {
@@ -85,23 +85,23 @@ void visit(R& r, Visit&& v) {
   v(Key{"payload", "kg", "fixed to the tip: a mass, or {mass, inertia}", "none"}, r.payload);
 }
 
-// The keys, with unit, meaning and what counts when they are left out.
+// Returns the keys with unit, meaning and default.
 std::vector<Key> description_keys();
 
-// Throws InputError naming what is wrong with the value of one key, without the others.
+// Checks the value of one key independently of the others. Throws InputError if it is not allowed.
 void check_answer(const Key& key, const YamlNode& value);
 
 // Throws InputError for what is missing, unknown, or contradicts itself (triangle inequality of the moments).
 RobotDescription read_description(const YamlNode& root);
 
-// A complete robot.yaml, and what is read of it.
+// A complete robot.yaml, and the parameters read from it.
 struct NewRobot {
   std::string yaml;
   Parameters parameters;
 };
 
-// Of a description. Throws InputError as read_description() does, and where there can be no such arm, naming the key of
-// the description that has the value.
+// Creates the robot.yaml of a description. Throws InputError as read_description() does, and if the arm is physically
+// impossible, naming the responsible key of the description.
 NewRobot new_robot(const YamlNode& root);
 
 }  // namespace fjr

@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 
 constexpr double kMostCounts = 1e9;  // per revolution; far beyond any encoder, far below where doubles skip integers
 
-// What a single value may be. Written as the condition that holds, so that messages can quote it.
+// A condition that a single value must satisfy, written so that messages can quote it.
 struct Rule {
   std::string_view text;
   bool (*holds)(double);
@@ -66,7 +66,7 @@ void check_standard_error(const YamlNode& entry, std::string_view unit) {
   const std::vector<YamlNode> joints = error.items();
   if (joints.size() != kJoints) error.pair(unit);  // says what is wrong
   for (std::size_t j = 0; j < kJoints; ++j) {
-    if (joints[j].is_null()) continue;  // known for the other joint alone
+    if (joints[j].is_null()) continue;  // known only for the other joint
     const double value = joints[j].number(unit);
     if (!kNotNegative.holds(value)) error.fail_at(j, fmt::format("{} must be >= 0", with_unit(value, unit)));
   }
@@ -74,7 +74,7 @@ void check_standard_error(const YamlNode& entry, std::string_view unit) {
 
 bool names_points(std::string_view section, std::string_view name) { return section == "link" && name == "inertia"; }
 
-// One `name: {value, unit, source, standard_error}`; of the links' inertia also `about`.
+// Reads one `name: {value, unit, source, standard_error}`; the links' inertia may also have `about`.
 Joints<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_view unit, bool has_points) {
   std::vector<std::string_view> keys{"value", "unit", "source", "standard_error"};
   if (has_points) keys.emplace_back("about");
@@ -91,7 +91,7 @@ Joints<double> read_entry(const YamlNode& entry, const Rule& rule, std::string_v
   return values;
 }
 
-// A number, or an entry like the others' with its standard error; and where it stands, for what is wrong with it.
+// A number, or an entry with its standard error; and its node, for error messages.
 struct Single {
   double number;
   double error;  // standard error; 0 where there is none
@@ -116,7 +116,7 @@ Single read_single(const YamlNode& node, std::string_view unit) {
   return {value.number(unit), error, value};
 }
 
-// number, standard error
+// Returns the number and its standard error.
 std::pair<double, double> read_payload_value(const YamlNode& node, const PayloadBound& bound) {
   const Single single = read_single(node, bound.unit);
   bound.check(single.value, single.number);
@@ -134,7 +134,7 @@ double read_angle(const YamlNode& node, double lowest, double highest) {
 
 using Sections = std::vector<std::pair<std::string_view, std::vector<std::string_view>>>;
 
-// The names of visit_parameters, grouped, in its order.
+// Returns the names of visit_parameters() in its order, grouped by section.
 Sections known_sections() {
   Sections sections;
   Parameters unused;
@@ -156,7 +156,8 @@ void check_keys(const YamlNode& root) {
   for (const auto& [section, names] : sections) root.at(section).allow_keys(names);
 }
 
-// Parallel axis theorem, from the points that `about` names to those of Parameters. Without `about` it is these.
+// Converts inertias by the parallel axis theorem from the points named by `about` to those of Parameters. Without
+// `about` they already refer to these.
 void move_inertias(const YamlNode& root, Parameters& p) {
   const YamlNode entry = root.at("link").at("inertia");
   const auto about = entry.find("about");
@@ -196,7 +197,7 @@ void check_mass_matrix(const YamlNode& root, const Parameters& p) {
   }
 }
 
-// Gravity must not be able to hang the arm beyond the deflection for which its springs are known.
+// Checks that gravity cannot deflect the springs beyond the range in which they are identified.
 void check_springs_hold_gravity(const YamlNode& root, const Parameters& p) {
   const Joints<double> gravity = gravity_coefficients(p), worst{gravity[0] + gravity[1], gravity[1]};
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -228,8 +229,9 @@ bool has_robot(const fs::path& folder) {
   return fs::is_regular_file(folder / "robot.yaml", error);
 }
 
-// Where installations put it, seen from lib/fjr or lib/<architecture>/fjr, and where a build tree has it. No folder
-// further above is looked into: somebody else may write to it.
+// Returns the folders in which the configuration may be, relative to lib/fjr or lib/<architecture>/fjr of an
+// installation and in a build tree. Folders further above are not searched, because others may have write access to
+// them.
 std::vector<fs::path> folders_nearby() {
   const fs::path start = library_folder();
   if (start.empty()) return {};
@@ -325,7 +327,8 @@ Parameters load_bare_parameters(const fs::path& file) {
 }
 
 fs::path default_robot_file() {
-  // Whoever names a folder wants that robot: silently planning for another one would be worse than an error.
+  // If the user names a folder, only its robot may be used. Silently planning for another robot would be worse than an
+  // error.
   if (const char* folder = std::getenv("FJR_CONFIG_DIR"); folder != nullptr && *folder != '\0') {
     if (has_robot(folder)) return fs::path(folder) / "robot.yaml";
     throw InputError("robot.yaml", "", fmt::format("not in FJR_CONFIG_DIR, {}", folder));
@@ -340,7 +343,7 @@ fs::path default_robot_file() {
 
 std::string robot_hash(const Parameters& p) {
   std::vector<std::string> lines;
-  std::vector<Joints<double>> left_out;  // what there is where nothing is given
+  std::vector<Joints<double>> left_out;  // defaults of entries that are not given
   const Parameters defaults{};
   visit_parameters(defaults, [&](auto, auto, auto, const Joints<double>& value) { left_out.push_back(value); });
   std::size_t next = 0;

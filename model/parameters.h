@@ -1,4 +1,4 @@
-// The identified robot as plain numbers, and where they are read from.
+// The parameters of the robot as plain numbers, and functions that read them.
 #pragma once
 
 #include <array>
@@ -17,24 +17,24 @@ inline constexpr int kJoints = 2;
 template <class T>
 using Joints = std::array<T, kJoints>;
 
-// What is fixed to the tip: a point mass, with an inertia about its own centre of mass if it is no point.
+// A payload fixed to the tip: a mass, and an inertia about its own centre of mass if it is not a point mass.
 struct Payload {
   double mass = 0;           // [kg]
   double inertia = 0;        // [kg m^2]
   double mass_error = 0;     // [kg]      standard error of the mass
-  double inertia_error = 0;  // [kg m^2]  and of the inertia
+  double inertia_error = 0;  // [kg m^2]  standard error of the inertia
 
-  // The same payload, however well it is known.
+  // Compares mass and inertia, but not how accurately they are known.
   bool operator==(const Payload& other) const { return mass == other.mass && inertia == other.inertia; }
 };
 
 struct Uncertainty;  // model/uncertainty.h
 
-// How the plane of motion stands: upright with q = 0 hanging, unless a file says otherwise.
+// The orientation of the plane of motion: upright with q = 0 hanging down, unless a file says otherwise.
 struct PlaneMounting {
   double gravity = 1;  // [-]    fraction of gravity that acts in the plane: the sine of its inclination
   double down = 0;     // [rad]  q1 at which the stretched arm points down (in an inclined plane: down the slope)
-  double inclination = std::numbers::pi / 2;  // [rad]  as it was given: what gravity is the sine of
+  double inclination = std::numbers::pi / 2;  // [rad]  the given angle; `gravity` is its sine
 
   bool operator==(const PlaneMounting&) const = default;
 };
@@ -86,16 +86,16 @@ struct Parameters {
   } drive;
   Payload payload{};         // none, unless the file has one
   PlaneMounting mounting{};  // as the paper's arm hangs, unless the file has another
-  // How well all of it but the payload is known; none: the file says nothing of it.
+  // Uncertainty of all parameters except the payload; null if the file contains none.
   std::shared_ptr<const Uncertainty> uncertainty{};
 
-  // The range of q of a joint. [rad]
+  // Return the lower and the upper end of the range of q [rad] of joint j.
   double lowest(std::size_t j) const { return limits.link_middle[j] - limits.link_position[j]; }
   double highest(std::size_t j) const { return limits.link_middle[j] + limits.link_position[j]; }
 };
 
-// Calls visit(section, name, unit, member) for every parameter: the one list that loading, checking, hashing and
-// writing go through. P is Parameters or const Parameters.
+// Calls visit(section, name, unit, member) for every parameter. Loading, checking, hashing and writing all use this
+// list. P is Parameters or const Parameters.
 template <class P, class Visit>
 void visit_parameters(P& p, Visit&& visit) {
   visit("link", "length", "m", p.link.length);
@@ -126,15 +126,15 @@ void visit_parameters(P& p, Visit&& visit) {
   visit("drive", "copper_loss", "W/(N m)^2", p.drive.copper_loss);
 }
 
-// Entries that a robot.yaml may leave out have the value of a default Parameters; all others have to be given.
+// Returns whether an entry may be left out of robot.yaml; it then has the value of a default Parameters.
 bool may_be_left_out(std::string_view section, std::string_view name);
 
-// What a payload may be, wherever it comes from: several times what the arm can hold in any posture but hanging.
+// Upper bounds of a payload from any source: several times what the arm can hold in any posture other than hanging.
 struct PayloadBound {
   double most;
   const char* unit;
 
-  // place.fail(sentence) where the value is outside.
+  // Calls place.fail(sentence) if the value is outside the bounds.
   template <class Place>
   void check(const Place& place, double value) const {
     if (!(value >= 0 && value <= most)) place.fail(sentence_of(value));
@@ -144,32 +144,35 @@ struct PayloadBound {
 inline constexpr PayloadBound kPayloadMassBound{10, "kg"}, kPayloadInertiaBound{1, "kg m^2"};
 
 class YamlNode;
-// A payload as a robot.yaml or a request writes it: the mass [kg] alone, or {mass, inertia}; each of them a number or
-// an entry {value, unit, source, standard_error}. Throws InputError.
+// Reads a payload as in robot.yaml or a request: the mass [kg] alone, or {mass, inertia}, each of them a number or an
+// entry {value, unit, source, standard_error}. Throws InputError.
 Payload read_payload(const YamlNode& node);
 
-// `mounting: {inclination, down}`: the plane's angle to the ground and q1 of the stretched arm pointing down. [rad]
+// Reads `mounting: {inclination, down}`: the angle [rad] of the plane to the ground, and q1 [rad] at which the
+// stretched arm points down.
 PlaneMounting read_mounting(const YamlNode& node);
 
 // Reads and validates a robot.yaml. Throws InputError naming file, field, value and what is allowed: unknown and
 // missing keys, wrong sizes and units, NaN and infinity, and unphysical values (a mass matrix that is not positive
 // definite at every q2, a spring that cannot hold gravity within its deflection limit, ...) are refused.
 Parameters load_parameters(const std::filesystem::path& file);
-Parameters read_parameters(const YamlNode& root);  // the same of a document
+Parameters read_parameters(const YamlNode& root);  // reads a document likewise
 
-// What a robot.yaml says, whether or not there can be such an arm. Throws InputError for what is no robot.yaml.
+// Reads a robot.yaml without checking whether the arm is physically possible. Throws InputError if it is not a
+// robot.yaml.
 Parameters parameters_as_written(const std::filesystem::path& file);
 
-// The same as load_parameters of a hanging arm with nothing at its tip, which is what experiments and identification
-// are about; one with a payload, or mounted otherwise, is refused.
+// Like load_parameters(), but refuses (InputError) an arm with a payload or in another mounting than hanging, because
+// experiments and identification assume a bare, hanging arm.
 Parameters load_bare_parameters(const std::filesystem::path& file);
 
-// The robot.yaml shipped with the program: found from where the library is (common/library_folder.h), installed or
-// built, from any working directory; or that of the folder FJR_CONFIG_DIR. Throws InputError where there is none.
+// Returns the robot.yaml shipped with the program, or the one in the folder FJR_CONFIG_DIR if that is set. The former
+// is found relative to the library (common/library_folder.h), installed or in a build tree, from any working directory.
+// Throws InputError if there is none.
 std::filesystem::path default_robot_file();
 
-// SHA-256 (lower-case hex) over names and values ("section.name[i]=%.17g\n", sorted), not over the file's bytes. What
-// may be left out counts where it is not as if it were.
+// Returns the SHA-256 hash (lower-case hex) over names and values ("section.name[i]=%.17g\n", sorted), not over the
+// file's bytes. Optional entries are included only if they differ from their defaults.
 std::string robot_hash(const Parameters& p);
 
 }  // namespace fjr

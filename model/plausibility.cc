@@ -15,7 +15,7 @@
 namespace fjr {
 namespace {
 
-// From which ratio on a value is improbable, and from which on impossible.
+// The ratios from which on a value is improbable, and impossible.
 struct Bounds {
   double improbable, impossible;
 };
@@ -67,8 +67,9 @@ class Examination {
                      inertia, inertia / least, least, p_.link.mass[0], r));
   }
 
-  // Of a body between the ends of its link, as wide as the link: with the given centre of mass it has most when its
-  // mass is at both ends. A body much smaller than a rod is one whose mass is in a point.
+  // Checks against a body between the ends of its link and as wide as the link. With the given centre of mass, its
+  // inertia is largest if the mass is at both ends. A much smaller inertia than that of a rod means that the mass is in
+  // a point.
   void most_inertia(std::size_t j) {
     const double mass = p_.link.mass[j], length = p_.link.length[j], width = p_.link.radius[j], r = to_com(j);
     const double at_ends = mass * ((r + width) * (length - r + width) + width * width);
@@ -86,7 +87,7 @@ class Examination {
                      inertia, point, inertia / rod, rod));
   }
 
-  // (4): both coefficients follow from masses and lengths, but for one factor: the plane of motion may be inclined.
+  // By (4) both coefficients follow from masses and lengths, up to a common factor if the plane of motion is inclined.
   void gravity() {
     const auto& link = p_.link;
     const Joints<double> upright{(to_com(0) * link.mass[0] + link.length[0] * link.mass[1]) * kPaperGravity,
@@ -123,7 +124,7 @@ class Examination {
                      p_.spring.stiffness[j], frequency, stiff ? ": no flexible joint" : ""));
   }
 
-  // Friction takes power, at any speed.
+  // Checks that friction dissipates power at every speed.
   void friction(std::size_t j) {
     const FrictionLaw law = FrictionLaw::of(p_, static_cast<int>(j));
     constexpr int kSpeeds = 400;

@@ -63,7 +63,7 @@ class Abilities {
                      least > 0 ? "" : "not "));
   }
 
-  // Gravity's largest torque anywhere, against what deflects the spring as far as it may be.
+  // Compares the largest gravity torque in any posture with the torque at the spring's deflection limit.
   void spring_holds(std::size_t j) {
     const Joints<double> gravity = gravity_coefficients(p_), worst{gravity[0] + gravity[1], gravity[1]};
     const double deflection = worst[j] / p_.spring.stiffness[j], limit = p_.limits.spring_deflection[j];
@@ -96,8 +96,8 @@ class Abilities {
                     count, torque, 100 * fraction, count / kTick));
   }
 
-  // Within a count the feedback sees nothing: without friction that holds it, the motor wanders there, and the link
-  // with it.
+  // Checks holding. Within a count of the encoder the feedback has no error signal; without enough friction the motor
+  // drifts there, and the link with it.
   void holding(std::size_t j) {
     const double count = kTurn / p_.encoder.motor_counts[j], exact = kTurn / p_.encoder.link_counts[j];
     const double torque = count * p_.feedback.position_gain[j], friction = p_.friction.amplitude[j];
@@ -126,7 +126,7 @@ class Abilities {
                      time / kTick));
   }
 
-  // Over postures within the joints' ranges.
+  // Checks the motors in postures over the ranges of the joints.
   void motors_hold() {
     Joints<double> most{};
     int held = 0;

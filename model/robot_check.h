@@ -1,4 +1,4 @@
-// What an arm can do: whether springs and motors hold it, what its encoders see, how far it reaches.
+// Checks the capabilities of an arm: whether springs and motors hold it, what its encoders resolve, how far it reaches.
 #pragma once
 
 #include <vector>
@@ -8,8 +8,8 @@
 
 namespace fjr {
 
-// findings_about(p), and what the arm is able to, with its payload and as it is mounted. What is impossible here is
-// what load_parameters() refuses.
+// Returns findings_about(p), and findings about the capabilities of the arm with its payload and mounting. Impossible
+// ones are those that load_parameters() refuses.
 std::vector<Finding> check_robot(const Parameters& p);
 
 }  // namespace fjr

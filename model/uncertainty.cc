@@ -13,7 +13,7 @@
 namespace fjr {
 namespace {
 
-// Of correlations: files are written with ten digits.
+// Eigenvalues of the correlation matrix below this count as zero, because files are written with ten digits.
 constexpr double kNegligibleVariance = 1e-8;
 
 bool can_be_uncertain(std::string_view section, std::string_view name) {
@@ -24,7 +24,7 @@ std::string scalar_name(std::string_view section, std::string_view name, std::si
   return fmt::format("{}.{}[{}]", section, name, joint);
 }
 
-// Correlations: what remains when every parameter is counted in its own standard error.
+// Returns the correlation matrix: the covariance with each parameter in units of its standard error.
 Eigen::MatrixXd correlations(const Eigen::MatrixXd& covariance, const Eigen::VectorXd& errors) {
   const Eigen::VectorXd inverse = errors.unaryExpr([](double e) { return e > 0 ? 1 / e : 0.0; });
   return inverse.asDiagonal() * covariance * inverse.asDiagonal();
@@ -99,7 +99,7 @@ struct Reader {
     }
   }
 
-  // On the diagonal, what no block has named.
+  // Adds the standard error of a parameter to the diagonal if no block has named it.
   void read_standard_error(const YamlNode& entry, std::string_view section, std::string_view name) {
     const YamlNode error = entry.at("standard_error");
     if (error.is_null()) return;
@@ -113,8 +113,8 @@ struct Reader {
   }
 };
 
-// To first order, what the errors of what the file has make of those of what Parameters has: an inertia about another
-// point is moved by m (alpha l)^2.
+// Returns the Jacobian from the errors of the file's values to those of Parameters: an inertia about another point
+// changes by m (alpha l)^2.
 Eigen::MatrixXd moved_inertias(const YamlNode& root, const Parameters& p, const std::vector<std::string>& names) {
   const auto size = static_cast<Eigen::Index>(names.size());
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Identity(size, size);

@@ -1,4 +1,4 @@
-// How well a robot's parameters are known: standard errors and covariance, as robot.yaml has them.
+// The uncertainty of a robot's parameters: standard errors and covariance, as in robot.yaml.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,36 +13,37 @@ namespace fjr {
 
 class YamlNode;
 
-// The errors of the parameters have mean zero and this covariance; what is not named is known exactly. Of the arm and
-// its motors only: lengths, masses, springs, friction, the payload. Limits, encoders, feedback and drives are chosen,
-// and the links' radius is a bound.
+// The errors of the parameters have mean zero and this covariance; parameters that are not named are known exactly.
+// Only physical parameters of arm and motors can be uncertain: lengths, masses, springs, friction, payload. Limits,
+// encoders, feedback and drives are chosen, and the radius of the links is a bound.
 struct Uncertainty {
   std::vector<std::string> names;  // "spring.stiffness[0]", ..., "payload.mass", "payload.inertia"
   Eigen::MatrixXd covariance;      // of them, in this order, each in its own unit
-  Payload payload{};               // that it is about, where it names the payload
+  Payload payload{};               // the payload it refers to, if it names the payload
 
   bool none() const { return names.empty(); }
   double standard_error(std::size_t i) const;
 
-  // n x r with A A^T = covariance and r its rank: errors are A times r independent numbers of variance 1. An
-  // identification's covariances are singular, for it tells, say, a centre of mass by a gravity torque.
+  // Returns A (n x r) with A A^T = covariance, where r is its rank: the errors are A times r independent numbers of
+  // variance 1. Covariances of an identification are singular, because for example a centre of mass is computed from a
+  // gravity torque.
   Eigen::MatrixXd factor() const;
 };
 
-// Of a robot.yaml: `covariance`, one {names, matrix} or a list of such blocks, which have nothing to do with each
-// other; on the diagonal, the standard errors of what no block names. p: its entries. Errors of the links' inertia are
-// about the points that p has them about, by the parallel axis theorem to first order. Throws InputError for unknown
-// and repeated names, and for what is no covariance.
+// Reads the uncertainty in a robot.yaml: `covariance` is one {names, matrix} or a list of such blocks, which are
+// independent of each other; the standard errors of parameters that no block names are added to the diagonal. p: the
+// parameters of the file. Errors of the links' inertia are converted to the points used by p, by the parallel axis
+// theorem to first order. Throws InputError for unknown and repeated names, and for matrices that are not covariances.
 Uncertainty read_uncertainty(const YamlNode& root, const Parameters& p);
 
-// A robot's, with that of its payload. Where it carries another one than robot.yaml's covariance is about, what that
-// says of the payload is left out, and of everything else stays.
+// Returns the uncertainty of a robot with its payload. If it carries another payload than the one to which the
+// covariance in robot.yaml refers, the entries about the payload are left out, and all others stay.
 Uncertainty uncertainty_of(const Parameters& p);
 
-// The parameter of that name; null where there is none.
+// Returns the parameter of that name, or null if there is none.
 double* parameter_named(Parameters& p, std::string_view name);
 
-// The robot whose parameters differ by `change`, in the order of the names. A mass that would be negative is 0.
+// Returns the robot with the named parameters changed by `change`. Masses that would become negative are set to 0.
 Parameters changed(const Parameters& p, const std::vector<std::string>& names, const Eigen::VectorXd& change);
 
 }  // namespace fjr

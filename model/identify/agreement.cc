@@ -11,7 +11,7 @@
 namespace fjr {
 namespace {
 
-// The experiment; where both are the same one, its log too.
+// Returns the name of the experiment, with its log if both estimates are from the same experiment.
 std::string told_by(const Estimate& e, const Estimate& other) {
   if (e.procedure != other.procedure) return e.procedure;
   return fmt::format("{} ({})", e.procedure, std::filesystem::path(e.log).filename().string());

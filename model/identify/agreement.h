@@ -1,4 +1,4 @@
-// Whether experiments agree with each other, and with the robot as it was known.
+// Checks whether experiments agree with each other, and with the robot known before.
 #pragma once
 
 #include <string>
@@ -11,28 +11,29 @@ namespace fjr {
 
 struct Identified;  // model/identify/arm.h
 
-// In standard errors of their difference: two experiments that are further apart are worth a warning; one of them is
-// wrong.
+// Differences of two experiments in standard errors of the difference. Beyond the first a warning is given; beyond the
+// second one of them must be wrong.
 inline constexpr double kDoubtfulApart = 3, kContradictoryApart = 10;
-// Times what was known: a factor of 1.5, less the noise of a log in which a column is in error by just that.
+// Ratio to the known value that counts as a large change. It detects a column that is wrong by a factor of 1.5, in
+// spite of the noise of the log.
 inline constexpr double kLargeChange = 1.45;
 
-// One parameter that two logs on the same joint tell: of the same experiment, or of two, such as B, which is the slope
-// of friction over speed (IV-E) and decides the final speed of a push (IV-F).
+// A parameter that was estimated from two logs on the same joint. They may be of the same experiment or of different
+// ones: B, for example, is the slope of friction over speed (IV-E) and determines the final speed of a push (IV-F).
 struct Agreement {
   std::string parameter;  // "viscous, joint 1"
   std::string unit;
-  std::string first, second;  // the procedures; of the same one, with the logs
+  std::string first, second;  // names of the procedures, with the logs if they are equal
   double first_value = 0, first_error = 0, second_value = 0, second_error = 0;
 
   double standard_errors_apart() const;  // infinite where a value or an error is not a number
   std::string sentence() const;
 };
 
-// Of the parameters that several procedures, or several logs, have estimated: each pair of them.
+// Compares every pair of estimates of the same parameter by several procedures or logs.
 std::vector<Agreement> agreements(const std::vector<Estimate>& estimates);
 
-// A parameter that was known otherwise.
+// A parameter whose identified value differs from the known one.
 struct Change {
   std::string name;  // "motor.inertia[0]"
   double known = 0, found = 0, error = 0;
@@ -41,7 +42,7 @@ struct Change {
   std::string sentence() const;
 };
 
-// Of all that was identified; `known`: the robot before.
+// Returns the changes of all identified parameters with respect to the robot `known` before.
 std::vector<Change> changes(const Parameters& known, const Identified& identified);
 
 }  // namespace fjr

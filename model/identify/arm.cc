@@ -33,7 +33,8 @@ constexpr std::array<const char*, kOutputs> kOutputNames = {"spring.stiffness[0]
                                                             "link.inertia[1]",
                                                             "damping[0]",
                                                             "damping[1]"};
-// The input without whose experiment an output stays as it was; the others may come from the robot known so far.
+// For each output the input whose experiment is required. Without it the output keeps its known value; other inputs may
+// come from the robot known so far.
 constexpr std::array<std::size_t, kOutputs> kDecidedBy = {0, 1, 2, 3, 2, 3, 4, 5, 6, 7};
 
 template <class T>
@@ -96,7 +97,7 @@ Outputs outputs_of(const Parameters& p, const Inputs& in) {
   return outputs;
 }
 
-// Appends a block that has nothing to do with what is there.
+// Appends a block that is not correlated with the existing ones.
 void append(Eigen::MatrixXd& covariance, const Eigen::MatrixXd& block) {
   const Eigen::Index n = covariance.rows(), m = block.rows();
   covariance.conservativeResizeLike(Eigen::MatrixXd::Zero(n + m, n + m));

@@ -1,4 +1,4 @@
-// From what the procedures give to the parameters of the model: the split of (6) into (8), and (15)-(18).
+// Converts the results of the procedures to the parameters of the model, by (6)-(8) and (15)-(18).
 #pragma once
 
 #include <map>
@@ -12,18 +12,18 @@
 namespace fjr {
 
 struct Identified {
-  Parameters robot;                // `base` with everything the estimates tell
+  Parameters robot;                // `base` with all identified parameters
   std::vector<std::string> names;  // "spring.stiffness[0]", ...: what they tell, in the order of the covariance
   Eigen::MatrixXd covariance;
-  std::map<std::string, std::vector<const Estimate*>> from;  // by name; estimates outlive this
+  std::map<std::string, std::vector<const Estimate*>> from;  // by name; the estimates must outlive this object
   Joints<double> damping;                                    // [N m s/rad]  D of (9); not in `robot`
   Joints<double> damping_error;                              // standard errors
   Joints<bool> has_damping{false, false};
 };
 
-// Several logs of one experiment count as one (repeated.h). What no estimate tells stays as in `base`, known exactly.
-// Lengths and masses always do: they are weighed and measured. Covariances are propagated linearly, with exact
-// derivatives.
+// Combines the estimates. Several logs of one experiment count as one (repeated.h). Parameters without an estimate stay
+// as in `base` and count as exactly known; lengths and masses always do, since they are measured directly. Covariances
+// are propagated to first order with exact derivatives.
 Identified combine(const Parameters& base, const std::vector<Estimate>& estimates);
 
 }  // namespace fjr

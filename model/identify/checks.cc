@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDoubtful = 0.2;                     // relative standard error
 constexpr double kMostTurned = 4 * std::numbers::pi;  // [rad]  by a link
-constexpr double kMostOutliers = 0.02;                // of the samples: more are no outliers
+constexpr double kMostOutliers = 0.02;                // fraction of the samples that may be outliers
 constexpr double kDegrees = 180 / std::numbers::pi;
 
 bool near(double ratio, double factor) { return ratio > factor / 2 && ratio < factor * 2; }

@@ -1,4 +1,4 @@
-// What logs from outside get wrong, found out and said.
+// Detects and reports typical errors in logs from outside.
 #pragma once
 
 #include <string>
@@ -9,23 +9,24 @@
 
 namespace fjr {
 
-// Throws InputError when `found` cannot be true given what is known so far (`expected`, same unit): the wrong sign, or
-// more than `factor` off, with the unit that would explain it. what: "the stiffness of joint 1 [N m/rad]".
+// Throws InputError if `found` is implausible compared to the value known so far (`expected`, same unit): it has the
+// wrong sign, or differs by more than `factor`. The message names a unit that would explain it. what: "the stiffness of
+// joint 1 [N m/rad]".
 void require_plausible(const Log& log, const std::string& what, double found, double expected, double factor = 10);
 
-// Throws InputError when the log's metadata say another experiment or joint (0 or 1); absent metadata are believed.
+// Throws InputError if the log's metadata name another experiment or joint (0 or 1). Missing metadata are accepted.
 void require_experiment(const Log& log, const std::string& experiment, int joint);
 
-// Throws InputError for positions that must be degrees: often beyond two revolutions in a link's column.
+// Throws InputError if positions must be in degrees, because a link's column often exceeds two revolutions.
 void require_radians(const Log& log, int joint);
 
-// The usual one. [s]
+// Returns the median sample interval [s].
 double sample_interval(const Log& log);
 
-// Says how many samples are missing.
+// Adds a warning with the number of missing samples, if there are any.
 void warn_of_gaps(const Log& log, std::vector<std::string>& warnings);
 void warn_of_outliers(std::size_t rejected, const std::string& what, std::vector<std::string>& warnings);
-// Says which parameters the log hardly determines.
+// Adds a warning naming the parameters that the log hardly determines, if there are any.
 void warn_of_doubt(Estimate& estimate);
 
 }  // namespace fjr

@@ -7,9 +7,10 @@
 namespace fjr {
 namespace {
 
-constexpr double kSmallest = 0.06;  // of the largest crest: smaller ones are not used
+constexpr double kSmallest = 0.06;  // fraction of the largest crest; smaller crests are not used
 
-// Top of the parabola through the samples near the highest one: counts make several samples the highest.
+// Returns the top of the parabola through the samples near the highest one. With quantisation, several samples may be
+// equally high.
 Crest refine(const Curve& curve, std::size_t highest, std::size_t half_width) {
   const std::size_t from = highest > half_width ? highest - half_width : 0;
   const std::size_t to = std::min(highest + half_width + 1, curve.q.size());

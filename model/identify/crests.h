@@ -1,4 +1,4 @@
-// The wave crests of a free decay and what (10)-(14) make of them.
+// Finds the wave crests of a free decay, and evaluates them by (10)-(14).
 #pragma once
 
 #include <cstddef>
@@ -17,13 +17,13 @@ struct Crest {
   double time, height;  // above the mean position
 };
 
-// The highest point of every range above a quarter of the last crest.
+// Returns the highest point of every range of samples above a quarter of the previous crest.
 std::vector<Crest> crests(const Curve& curve);
 
-// The line (12) through the logarithms of the crests; its slope is all damping, hysteresis included.
+// Fits the line (12) through the logarithms of the crests. Its slope contains all damping, including hysteresis.
 Fit decrement_line(const std::vector<Crest>& all);
 
-// (12) and (14) from the crests: slope of their logarithm and time between them.
+// The result of (12) and (14): from the slope of the logarithm of the crests and the time between them.
 struct Decrement {
   double k, d;  // [1/s^2], [1/s]
 };

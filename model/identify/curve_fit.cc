@@ -1,4 +1,4 @@
-// The one place that knows Ceres.
+// Only this file uses Ceres.
 #include <ceres/ceres.h>
 
 #include <cmath>
@@ -65,7 +65,7 @@ Eigen::MatrixXd dense(const ceres::CRSMatrix& sparse) {
   return matrix;
 }
 
-// Worse than any other fit.
+// Returns a fit that compares as worse than any other.
 Fit failed(Eigen::Index size, const Eigen::VectorXd& value) {
   Fit fit;
   fit.value = value;
@@ -117,7 +117,8 @@ Fit curve_fit(const SlopedResiduals& residuals, Eigen::Index size, const Eigen::
   ceres::Solver::Options options = quiet_options();
   options.max_num_iterations = 200;
   options.function_tolerance = 1e-6;
-  // Parameters of one arm go along with each other, and Marquardt's damping makes the steps along them small.
+  // The parameters of an arm are strongly correlated, and Levenberg-Marquardt damping would make the steps along the
+  // correlated directions small. Therefore dogleg is used.
   options.trust_region_strategy_type = ceres::DOGLEG;
   options.dogleg_type = ceres::SUBSPACE_DOGLEG;
   ceres::Solver::Summary summary;

@@ -1,4 +1,4 @@
-// What a procedure found out, with its doubt.
+// The result of an identification procedure, with its uncertainty.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ struct Estimate {
 
   std::vector<std::string> names, units;
   Eigen::VectorXd value;
-  Eigen::MatrixXd covariance;  // zero rows for what was not identified but assumed, see `warnings`
+  Eigen::MatrixXd covariance;  // rows of assumed values, which were not identified, are zero; see `warnings`
   std::vector<std::string> assumed;
 
   std::size_t points = 0;   // used by the final fit

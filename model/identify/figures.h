@@ -1,4 +1,4 @@
-// Charts that several procedures draw alike.
+// Charts that several procedures have in common.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ inline constexpr const char* kMeasuredColour = "#d62728";
 inline constexpr const char* kFittedColour = "#2ca02c";
 inline constexpr const char* kResidualColour = "#1f77b4";
 
-// Measured less fitted over x. title: of the chart with the fit.
+// Returns a chart of measured minus fitted values over x. title: that of the chart with the fit.
 inline Chart residual_chart(const std::string& title, const std::string& x_label, const std::string& y_label,
                             std::vector<double> x, std::vector<double> residuals) {
   return {"Residuals of " + title,

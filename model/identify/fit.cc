@@ -87,7 +87,8 @@ std::vector<bool> inliers(std::span<const double> values, double floor) {
 }
 
 Average robust_mean(std::span<const double> values) {
-  // A value that an encoder repeats has no spread; one that jumps by a count must not be taken for an outlier then.
+  // Readings of an encoder may repeat and have no spread. Then one that differs by a count must not count as an
+  // outlier.
   double mean_deviation = 0;
   const double centre = median({values.begin(), values.end()});
   for (const double v : values) mean_deviation += std::abs(v - centre) / static_cast<double>(values.size());

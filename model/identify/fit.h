@@ -1,4 +1,4 @@
-// Least squares, linear and not, with uncertainty.
+// Linear and nonlinear least squares with uncertainties.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,7 +17,7 @@ struct Fit {
   Eigen::VectorXd residuals;
   Eigen::MatrixXd jacobian;
   double residual_rms = 0;
-  bool determined = true;  // false: the data leave some direction free, and the covariance means nothing
+  bool determined = true;  // false: the data do not determine some direction, and the covariance is meaningless
 };
 
 // argmin |A x - b|^2 by rank-revealing QR of the column-scaled A (m x n), never by normal equations.
@@ -28,21 +28,22 @@ Fit linear_fit(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 using Residuals = std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& r)>;
 Fit curve_fit(const Residuals& residuals, Eigen::Index size, const Eigen::VectorXd& start);
 
-// The same with slopes of one's own: `residuals` fills r and, where asked for it, their Jacobian; false where there are
-// none. It ends when a step no longer changes |r|^2 by 1e-6 of it: what has slopes of its own is dear.
+// Least squares with a user-supplied Jacobian: `residuals` fills r and, if not null, their Jacobian; it returns false
+// if they cannot be evaluated. The iteration ends when a step changes |r|^2 by less than a fraction of 1e-6, since such
+// residuals are expensive.
 using SlopedResiduals = std::function<bool(const Eigen::VectorXd& x, Eigen::VectorXd& r, Eigen::MatrixXd* jacobian)>;
 Fit curve_fit(const SlopedResiduals& residuals, Eigen::Index size, const Eigen::VectorXd& start);
 
 // Fills covariance, residual_rms and determined from Jacobian and residuals at the minimum.
 void add_uncertainty(Fit& fit);
 
-// For residuals in the order of time: neighbours that err alike, as they do where the model is not quite the truth, say
-// less than independent ones. Standard errors grow to those of the sandwich estimator with blocks of neighbours as
-// clusters (Liang & Zeger, Biometrika 73, 1986), and never shrink.
+// Accounts for the correlation of residuals that are ordered in time, which arises from model errors. The standard
+// errors are increased to those of the sandwich estimator with blocks of neighbours as clusters (Liang & Zeger,
+// Biometrika 73, 1986), but never reduced.
 void allow_for_correlation(Fit& fit);
 
-// Which of `values` are no outliers: within 6 robust standard deviations (1.4826 MAD) of the median. `floor`:
-// deviations up to this are never outliers.
+// Marks the values that are not outliers: those within 6 robust standard deviations (1.4826 MAD) of the median.
+// `floor`: deviations up to this never count as outliers.
 std::vector<bool> inliers(std::span<const double> values, double floor);
 
 double median(std::vector<double> values);

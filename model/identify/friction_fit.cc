@@ -11,9 +11,9 @@ namespace fjr {
 namespace {
 
 constexpr std::size_t kFinished = 4;  // starts
-constexpr double kExact = 0.1;        // a reduced chi^2 below this: the points have no noise of their own to tell
+constexpr double kExact = 0.1;        // reduced chi^2 below which the points have no noise of their own
 
-// tau of the law, without dividing by f.
+// Returns tau of the law, in a form without division by f.
 double torque(const Eigen::VectorXd& p, double v) {
   const double s = v / std::exp(p[kLogEta]), first = std::tanh(s);
   return p[kB] * v + p[kF] * first - p[kG] * std::tanh(s - shape(p) * first);
@@ -59,7 +59,7 @@ struct Start {
   Eigen::VectorXd p;
 };
 
-// Of the whole grid, best first.
+// Returns the starts of the whole grid, the best first.
 std::vector<Start> all_starts(const std::vector<FrictionPoint>& points, const std::vector<double>& sigma) {
   const auto [slowest, fastest] = range_of(points);
   std::vector<Start> starts;
@@ -76,7 +76,7 @@ std::vector<Start> all_starts(const std::vector<FrictionPoint>& points, const st
   return starts;
 }
 
-// Neighbours on the grid end in the same minimum.
+// Returns whether two starts are neighbours on the grid, which would lead to the same minimum.
 bool are_neighbours(const Eigen::VectorXd& a, const Eigen::VectorXd& b) {
   return std::abs(a[kLogEta] - b[kLogEta]) < 0.3 && a[kAsinhH] * b[kAsinhH] > 0 &&
          std::abs(a[kAsinhH] - b[kAsinhH]) < 0.5;

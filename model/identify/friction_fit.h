@@ -1,9 +1,10 @@
-// The friction law (24) through average torques at constant speeds.
+// Fits the friction law (24) to average torques at constant speeds.
 //
 //   tau(v) = B v + f tanh(v/eta) - g tanh(v/eta - h tanh(v/eta)),   g = f omega
 //
-// For given (eta, h) it is linear in (B, f, g): a grid over those two with linear fits finds every sensible start, and
-// the best few are finished by nonlinear least squares. eta > 0, for (-f, -eta, omega, h) is the same law.
+// For given (eta, h) it is linear in (B, f, g). Therefore a grid over these two with linear fits gives all sensible
+// starts, and the best few are refined by nonlinear least squares. eta > 0 can be required, because (-f, -eta, omega,
+// h) gives the same law.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,16 +21,17 @@ struct FrictionPoint {
   double sigma_v, sigma_tau;  // standard errors of these averages
 };
 
-// Of the fitted parameters, in which the fit is well scaled.
+// Indices of the fitted parameters, which are chosen for good scaling.
 enum FrictionIndex { kB, kF, kLogEta, kG, kAsinhH, kFrictionParameters };
 
-inline constexpr double kLargestShape = 1e5;  // |h| beyond which nobody could measure
+inline constexpr double kLargestShape = 1e5;  // larger |h| cannot be measured
 
-// h; where the points do not determine it, the search would run away.
+// Returns h, limited to kLargestShape. Otherwise the search would diverge if the points do not determine it.
 double shape(const Eigen::VectorXd& p);
 FrictionLaw law_of(const Eigen::VectorXd& p);
 
-// Standard deviation of each point around the law: the torque's own, and the speed's by the law's slope (none: 0).
+// Returns the standard deviation of each point around the law: that of the torque, combined with that of the speed
+// times the slope of the law (0 without a law).
 std::vector<double> deviations(const std::vector<FrictionPoint>& points, const FrictionLaw* law);
 
 // Nonlinear least squares from `p`, with h free or kept; residuals in standard deviations sigma.
@@ -39,11 +41,12 @@ Fit finish(const std::vector<FrictionPoint>& points, const std::vector<double>& 
 // Throws InputError naming the log when no law with positive f and B fits.
 Fit best_of_many_starts(const Log& log, const std::vector<FrictionPoint>& points, const std::vector<double>& sigma);
 
-// Residuals are in standard errors of the points, which the samples themselves tell: that the points happen to lie
-// closer to the law than these allow makes it no more certain; that they lie farther off does make it less so.
+// Keeps the uncertainty at least as large as the standard errors of the points, which are estimated from the samples.
+// If the points happen to lie closer to the law, the result is not more certain; if they lie farther off, it is less
+// certain.
 void never_below_the_points(Fit& fit);
 
-// Covariance of (B, f, eta, omega, h) from that of the fitted parameters.
+// Returns the covariance of (B, f, eta, omega, h), from that of the fitted parameters.
 Eigen::MatrixXd in_law_parameters(const Fit& fit);
 
 }  // namespace fjr

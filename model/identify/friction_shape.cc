@@ -8,7 +8,7 @@
 namespace fjr {
 namespace {
 
-constexpr double kResolved = 0.2;       // of the width of the kink: a speed known to this resolves it
+constexpr double kResolved = 0.2;       // fraction of the kink's width to which speeds must be known to resolve it
 constexpr double kChiSquare95 = 3.841;  // one degree of freedom
 constexpr double kWidestKnown = 0.3;    // relative standard error of h - 1 up to which linear theory is believed
 constexpr double kSharpExcluded = 25;   // by five standard deviations
@@ -20,7 +20,7 @@ double chi_square_at(const std::vector<FrictionPoint>& points, const std::vector
   return finish(points, sigma, p, true).residuals.squaredNorm();
 }
 
-// The least sharp |h| on the fitted side that the points still allow (95 %, profile of chi^2).
+// Returns the smallest |h| on the fitted side that the points still allow (95 %, profile of chi^2).
 double bound_on_shape(const std::vector<FrictionPoint>& points, const std::vector<double>& sigma, const Fit& fit) {
   const double best = fit.residuals.squaredNorm();
   const double noise = best / std::max(static_cast<double>(points.size()) - 4, 1.0);
@@ -35,8 +35,8 @@ double bound_on_shape(const std::vector<FrictionPoint>& points, const std::vecto
   return std::sinh(inside);
 }
 
-// Whether the speeds in the kink at rest are known well enough to tell how narrow it is; of the blunt ones, that begin
-// at higher speeds, all are.
+// Returns whether the speeds within the kink at rest are known accurately enough to determine its width. Blunt kinks
+// are at higher speeds, where they always are.
 bool speeds_resolve_kink(const std::vector<FrictionPoint>& points, const FrictionLaw& law) {
   const double width = law.width / std::abs(1 - law.second_shape);
   double error = HUGE_VAL;

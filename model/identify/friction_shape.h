@@ -1,4 +1,4 @@
-// What the points say about h of (24), the sharpness of its second kink.
+// Decides what the points determine about h of (24), the sharpness of its second kink.
 #pragma once
 
 #include <vector>
@@ -8,15 +8,16 @@
 
 namespace fjr {
 
-// A sharp kink at rest is the same with (g, h) and (-g, 2 - h), but h > 0 adds a kink at the speed h eta. Where that is
-// beyond every speed, h < 0 is meant.
+// A sharp kink at rest is the same for (g, h) and (-g, 2 - h), but h > 0 has a further kink at the speed h eta. If that
+// is beyond all measured speeds, the equivalent parameters with h < 0 are returned.
 Eigen::VectorXd without_unseen_kink(const std::vector<FrictionPoint>& points, Eigen::VectorXd p);
 
-// Only if a perfectly sharp kink is excluded by much: chance makes it look blunt in a few logs of a hundred.
+// Returns true only if a perfectly sharp kink is clearly excluded, because by chance it looks blunt in a few of a
+// hundred logs.
 bool shape_is_known(const std::vector<FrictionPoint>& points, const std::vector<double>& sigma, const Fit& fit);
 
-// When no speed falls into the kink: h stays what robot.yaml says if the points allow that, or becomes the bound.
-// Gives the fit of the others and h; says so in `e`.
+// Used if no speed lies within the kink: h stays as in robot.yaml if the points allow it, or else becomes the bound.
+// Returns the fit of the other parameters with h, and adds a warning to `e`.
 Fit assume_shape(const std::vector<FrictionPoint>& points, const std::vector<double>& sigma, const Fit& free,
                  double known, double& h, Estimate& e);
 

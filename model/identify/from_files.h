@@ -1,4 +1,4 @@
-// Whole identifications: from the files of logs to robot.yaml.
+// Complete identifications, from log files to robot.yaml.
 #pragma once
 
 #include <filesystem>
@@ -24,22 +24,24 @@ struct Identification {
 struct LogFiles {
   std::vector<std::string> files;
   int joint = 0;                                 // 1 or 2; 0: as the logs say
-  std::map<std::string, std::string> renamed{};  // columns of ours -> those of the files, where they differ
+  std::map<std::string, std::string> renamed{};  // our column names -> those of the files, if they differ
 };
 
-// One procedure on logs of its experiment. Throws InputError as the procedures do.
+// Applies one procedure to logs of its experiment. Throws InputError as the procedures do.
 Identification identify_logs(const std::string& procedure, const LogFiles& logs, const Parameters& known);
 
-// All of them, in order, on <experiment>_<joint>.csv in a folder: what comes later may need what came before.
+// Applies all procedures to <experiment>_<joint>.csv in a folder, in this order because later ones may need earlier
+// results.
 Identification identify_folder(const std::string& folder, const std::map<std::string, std::string>& renamed,
                                const Parameters& known);
 
-// Throws InputError where two logs are kContradictoryApart or more apart: one of them is wrong, and nobody knows which:
-// a column doubled, another unit, the wrong file. source: what to name.
+// Throws InputError if two logs differ by kContradictoryApart or more. Then one of them is wrong, but it is unknown
+// which one (for example by a wrong column, unit or file). source: name for the message.
 void refuse_contradictions(const Identification& identification, const std::string& source);
 
-// Writes a complete robot.yaml (robot_file.h). What is unphysical is refused (InputError), and the file that may be
-// there already stays. base: what is known so far, `known` of it. Returns what was written, read again.
+// Writes a complete robot.yaml (robot_file.h). Throws InputError for unphysical results; an existing file then stays.
+// base: the robot file known so far, and `known` its parameters. Returns the parameters as read back from the written
+// file.
 Parameters write_robot(const std::filesystem::path& file, const std::filesystem::path& base, const Parameters& known,
                        const Identification& identification, bool use_damping);
 

@@ -8,7 +8,8 @@
 
 namespace fjr {
 
-// At rest the motor's torque is the spring's and the spring's is gravity's: no stiffness and no hysteresis enters.
+// At rest the motor torque equals the spring torque, which equals the gravity torque. So neither stiffness nor
+// hysteresis affects the result.
 Estimate identify_gravity(const Log& log, int joint, const Parameters& robot) {
   require_radians(log, joint);
   Estimate e;
@@ -22,7 +23,7 @@ Estimate identify_gravity(const Log& log, int joint, const Parameters& robot) {
   const Joints<double>& g = robot.link.gravity_torque;
   require_plausible(log, fmt::format("the gravity torque of joint {} [N m]", joint + 1), e.value[0],
                     joint == 0 ? g[0] + g[1] : g[1]);
-  // theta plays no part in the slope, and would be used wrong later if it were.
+  // theta does not enter the slope, so an error in it would be noticed only later, where it is used. Check it here.
   require_plausible(log, fmt::format("the stiffness of joint {} [N m/rad]", joint + 1),
                     branch_slope(log, points, {[](const Landing& l) { return l.theta - l.q; }, ""}),
                     robot.spring.stiffness[static_cast<std::size_t>(joint)]);

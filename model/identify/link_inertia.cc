@@ -1,5 +1,5 @@
-// IV-C: crests give K/I and D/I by (10)-(14); from there the whole curve is fitted. The paper's own way ends at the
-// crests; a spring with hysteresis, though, is stiffer the less it swings, and that would end up in I.
+// IV-C: the crests give K/I and D/I by (10)-(14), which are the start for a fit of the whole curve. The paper stops at
+// the crests. But a spring with hysteresis is stiffer at smaller amplitudes, which would falsify I.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ Curve centred(const Log& log, int joint) {
   return curve;
 }
 
-// Samples that jump out of their neighbourhood, here by half the swing, would be taken for crests.
+// Removes samples that differ from their neighbours by half the amplitude, which would be mistaken for crests.
 Curve without_spikes(const Curve& curve) {
   std::vector<double> smooth = curve.q;
   double amplitude = 0;
@@ -77,8 +77,8 @@ std::vector<double> fitted_curve(const Curve& curve, const Fit& fit) {
   return q;
 }
 
-// The paper's logarithmic decrement: ln q_peak over time with its line (12), and the damping of the fitted curve, which
-// is what remains without hysteresis.
+// Draws the paper's logarithmic decrement: ln q_peak over time with its line (12), and the damping of the fitted curve,
+// from which hysteresis is excluded.
 Chart decrement_chart(const std::string& title, const std::vector<Crest>& tops, const Fit& fit) {
   const Eigen::VectorXd line = decrement_line(tops).value;
   const double viscous = -0.5 * fit.value[kD], middle = 0.5 * (tops.front().time + tops.back().time);

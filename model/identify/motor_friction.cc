@@ -18,13 +18,14 @@ namespace fjr {
 namespace {
 
 constexpr std::size_t kFewestSpeedRows = 8, kFewestSpeeds = 8;
-constexpr double kShortest = 0.2;  // [s]  of a constant speed that nobody commands
-constexpr double kStanding = 1;    // standard errors of a speed that nobody commands: below that the motor may stand
-constexpr double kExactly = 1e-6;  // of a commanded speed: errors of rounding in the log
-constexpr double kObeyed = 2;      // mean square of deviations from the commands, in standard errors
-constexpr double kSkipped = 0.2;   // of each constant speed, for its transient
+constexpr double kShortest = 0.2;  // [s] shortest range of constant speed, if there are no commanded speeds
+constexpr double kStanding = 1;    // standard errors below which a speed may be standstill, likewise
+constexpr double kExactly = 1e-6;  // relative rounding error of a commanded speed in the log
+constexpr double kObeyed = 2;      // mean square of deviations from the commands, in standard errors, that is accepted
+constexpr double kSkipped = 0.2;   // fraction of each range that is skipped because of the transient
 
-// Where dtheta<joint>_plan, the commanded speed, is constant; where nobody commands, where speed and torque are.
+// Returns the ranges in which the commanded speed dtheta<joint>_plan is constant or, without commands, those in which
+// the measured speed and torque are.
 std::vector<RowRange> constant_speeds(const Log& log, int joint, const Parameters& robot) {
   const std::string planned = joint_column("dtheta", joint, "_plan");
   if (log.has(planned)) return commanded_ranges(log.column(planned));
@@ -33,9 +34,9 @@ std::vector<RowRange> constant_speeds(const Log& log, int joint, const Parameter
                        std::max(rows, kFewestSpeedRows));
 }
 
-// A drive whose measured speeds differ from the commanded ones by no more than their errors does what it is told: then
-// the commanded ones are better known, to what all together could show. A kink narrower than the error of a single
-// speed would look blunt otherwise.
+// If the measured speeds differ from the commanded ones only by their errors, the drive follows its commands. Then the
+// commanded speeds are used, with the smaller error that all points together imply. Otherwise a kink narrower than the
+// error of a single measured speed would look blunt.
 void trust_commands(const std::vector<double>& commands, std::vector<FrictionPoint>& points) {
   double square = 0, error = 0;
   const auto count = static_cast<double>(points.size());
@@ -96,7 +97,7 @@ void check_signs(const Log& log, const std::vector<FrictionPoint>& points, int j
   }
 }
 
-// tau of the law over its speeds: evenly spaced on a logarithmic scale, for the kinks are at the slow end.
+// Returns tau of the law over the speed, with logarithmic spacing because the kinks are at low speeds.
 Series law_curve(const FrictionLaw& law, double slowest, double fastest) {
   constexpr int kPoints = 400;
   Series curve{"fit (24)", kFittedColour, Style::kLine, {}, {}};
@@ -108,7 +109,7 @@ Series law_curve(const FrictionLaw& law, double slowest, double fastest) {
   return curve;
 }
 
-// Fig. 10 as the paper has it; and over |dtheta| on a logarithmic scale, where the kinks can be seen.
+// Returns Fig. 10 of the paper, and a chart over |dtheta| on a logarithmic scale, in which the kinks are visible.
 std::vector<Chart> charts_of(int joint, const std::vector<FrictionPoint>& points, const FrictionLaw& law) {
   const std::string title = fmt::format("Fig. 10: friction of motor {}", joint + 1);
   const std::string speed = "|dtheta| [rad/s]";
@@ -140,7 +141,7 @@ std::vector<Chart> charts_of(int joint, const std::vector<FrictionPoint>& points
           residual};
 }
 
-// In N m, unlike the residuals of the fit.
+// Adds the goodness of fit in N m, unlike the residuals of the fit.
 void add_goodness(const std::vector<FrictionPoint>& points, const FrictionLaw& law, Estimate& e) {
   double square = 0, total = 0;
   for (const FrictionPoint& point : points) {

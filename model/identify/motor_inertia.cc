@@ -2,8 +2,9 @@
 //
 //   dtheta(t) = u/B (1 - exp(-(t - t0) B/J)),   of initial slope u/J;
 //
-// all responses are fitted together, each with its own t0: what is lost before the compensation gets hold is no
-// inertia. Where only counts tell how fast the motor turns, theta is fitted by the integral of this: no differences.
+// all responses are fitted together, each with its own t0, so that a delay before the compensation takes effect does
+// not count as inertia. If the velocity is known only from encoder counts, theta is fitted by the integral of this
+// response instead of differentiating it.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -26,7 +27,7 @@ struct Response {
   std::vector<double> time, y;  // since u was switched on; dtheta [rad/s], or theta [rad] from there
 };
 
-// What the responses are of.
+// The quantity that was measured.
 enum class Measured { kVelocity, kPosition };
 
 constexpr std::size_t kFewestResponseRows = 20, kFewestResponses = 2;
@@ -57,14 +58,14 @@ std::vector<Response> responses(const Log& log, int joint, const Parameters& rob
   return all;
 }
 
-// Of dtheta, or of theta from where it stood at t = 0.
+// Returns the response of dtheta, or of theta relative to its value at t = 0.
 double model(Measured measured, double u, double inertia, double viscous, double t) {
   if (t <= 0) return 0;
   const double constant = inertia / viscous, risen = -std::expm1(-t / constant);
   return u / viscous * (measured == Measured::kVelocity ? risen : t - constant * risen);
 }
 
-// Parameters: J, B; then of each response t0, and of positions where it began.
+// The parameters are J and B, then t0 of each response and, for positions, its initial value.
 class Residual {
  public:
   Residual(Measured measured, const std::vector<Response>& all) : measured_(measured), all_(all) {}
@@ -96,7 +97,7 @@ class Residual {
   const std::vector<Response>& all_;
 };
 
-// Final speed u/B, and the time constant J/B at which 1 - 1/e of it is reached.
+// Estimates the final speed u/B and the time constant J/B, after which 1 - 1/e of it is reached.
 Eigen::Vector2d from_velocity(const Response& r) {
   const double last = robust_mean(std::span(r.y).last(r.y.size() / 10 + 1)).mean;
   std::size_t row = 0;
@@ -104,7 +105,7 @@ Eigen::Vector2d from_velocity(const Response& r) {
   return {r.u / last * r.time[row], r.u / last};
 }
 
-// Final speed u/B, and the time constant J/B by which theta lags behind it.
+// Estimates the final speed u/B and the time constant J/B, by which theta lags behind a motion at that speed.
 Eigen::Vector2d from_position(const Response& r) {
   const std::size_t n = r.y.size(), late = n - n / 10 - 2;
   const double duration = r.time.back(), last = (r.y.back() - r.y[late]) / (duration - r.time[late]);
@@ -146,7 +147,7 @@ std::vector<Response> without_outliers(const std::vector<Response>& all, const F
   return kept;
 }
 
-// One of the paper's two figures: the responses to the torques of one sign.
+// Draws one of the paper's two figures: the responses to the torques of one sign.
 Chart response_chart(const std::string& title, const std::string& y_label, const std::vector<Response>& all,
                      const Fit& fit, double sign) {
   constexpr const char* kColours[] = {"#1f77b4", "#ff7f0e", "#9467bd", "#8c564b", "#17becf", "#bcbd22"};

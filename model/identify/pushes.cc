@@ -16,11 +16,11 @@ namespace fjr {
 namespace {
 
 constexpr std::size_t kFewestPushRows = 20;
-constexpr double kShortestPush = 0.1;  // [s]  of a push that nobody commands
-constexpr double kConsistentPush = 3;  // times or part of u: friction may have changed
-constexpr double kPushed = 0.1;        // of the largest torque: pushes that nobody commands are beyond that
+constexpr double kShortestPush = 0.1;  // [s]  shortest push, if there are no commanded ones
+constexpr double kConsistentPush = 3;  // accepted ratio to u, or its inverse, since friction may have changed
+constexpr double kPushed = 0.1;        // fraction of the largest torque that a push exceeds, if none are commanded
 
-// tau - tau_fm_nonlinear(dtheta): u of (26), by the friction known so far.
+// Returns tau - tau_fm_nonlinear(dtheta), which is u of (26), with the friction known so far.
 std::vector<double> compensated_torque(const Log& log, int joint, const Parameters& robot, std::size_t window) {
   const FrictionLaw law = FrictionLaw::of(robot, joint);
   const std::vector<double> v = velocity(log, joint, robot, window).values;

@@ -1,4 +1,4 @@
-// When and by which torque u of (26) a motor was pushed.
+// Finds when a motor was pushed, and by which constant torque u of (26).
 #pragma once
 
 #include <vector>
@@ -14,11 +14,12 @@ struct Push {
   RowRange rows;
 };
 
-// By u<joint>_plan; where nobody commands, where tau - tau_fm_nonlinear(dtheta), with the friction known so far, is
-// steady and not small.
+// Returns the pushes according to u<joint>_plan. Without that column, they are the ranges in which tau -
+// tau_fm_nonlinear(dtheta), with the friction known so far, is steady and not small.
 std::vector<Push> pushes(const Log& log, int joint, const Parameters& robot);
 
-// The torque itself plays no part where u is told; InputError for that of another joint, sign or unit, found by (26).
+// If u is logged, the torque is not used for the estimate. It is still checked by (26): throws InputError if it must be
+// of another joint, sign or unit.
 void require_consistent_torque(const Log& log, int joint, const Parameters& robot, const std::vector<Push>& found);
 
 }  // namespace fjr

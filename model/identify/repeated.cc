@@ -21,7 +21,7 @@ Places determined_by(const Estimate& e) {
   return places;
 }
 
-// Of a positive definite matrix whose rows have different units.
+// Returns the inverse of a positive definite matrix whose rows have different units, scaled accordingly.
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& matrix) {
   const Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt().cwiseInverse();
   const Eigen::MatrixXd scaled = scale.asDiagonal() * matrix * scale.asDiagonal();
@@ -46,7 +46,7 @@ void require_another_log(const Estimate& e, const Repeated& others) {
   }
 }
 
-// Weights of one log, zero for what it does not determine.
+// Returns the information matrix of one log, with zero rows for parameters that it does not determine.
 Eigen::MatrixXd information_of(const Estimate& e) {
   Eigen::MatrixXd information = Eigen::MatrixXd::Zero(e.value.size(), e.value.size());
   const Places own = determined_by(e);
@@ -54,7 +54,7 @@ Eigen::MatrixXd information_of(const Estimate& e) {
   return information;
 }
 
-// A parameter that no log determines.
+// Returns the value of a parameter that no log determines.
 double assumed_value(const std::vector<const Estimate*>& logs, Eigen::Index place) {
   double value = 0;
   for (const Estimate* e : logs) {

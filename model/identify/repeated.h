@@ -1,4 +1,4 @@
-// One experiment, performed several times.
+// Combines several logs of the same experiment.
 #pragma once
 
 #include <vector>
@@ -7,17 +7,17 @@
 
 namespace fjr {
 
-// What all logs of one experiment on one joint say together.
+// The combined result of all logs of one experiment on one joint.
 struct Repeated {
-  Estimate estimate;                  // its log: the names of all
-  std::vector<const Estimate*> logs;  // what is combined; outlive this
+  Estimate estimate;                  // its `log` contains the names of all logs
+  std::vector<const Estimate*> logs;  // the combined estimates, which must outlive this object
 };
 
-// The estimates by experiment and joint, in the order of each one's first log. Several logs are combined by weighted
-// least squares, each with the inverse of its covariance as weight; where they differ by more than their covariances
-// allow, chi^2 per degree of freedom enlarges the covariance (Birge, Phys. Rev. 40, 1932). What only some logs
-// determine is taken from these; of what is assumed in all, the largest magnitude, which every log's bound allows.
-// Throws InputError for a log that is there twice, or tells no standard error.
+// Groups the estimates by experiment and joint, in the order of each group's first log. Several logs are combined by
+// least squares with the inverses of their covariances as weights. If they differ by more than their covariances allow,
+// the covariance is multiplied by chi^2 per degree of freedom (Birge, Phys. Rev. 40, 1932). Parameters that only some
+// logs determine are taken from these. If all logs assume a parameter, the value of the largest magnitude is used,
+// which is compatible with the bounds of all logs. Throws InputError if a log occurs twice or has no standard errors.
 std::vector<Repeated> combine_repeated(const std::vector<Estimate>& estimates);
 
 }  // namespace fjr

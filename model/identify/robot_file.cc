@@ -57,7 +57,7 @@ Joints<std::optional<double>> errors_in(const YamlNode& entry) {
   return errors;
 }
 
-// What the logs tell of one entry, over what the base file says.
+// Writes the entries of the base file, replaced by the identified values.
 class Writer {
  public:
   Writer(const Identified& identified, const std::filesystem::path& base, bool use_damping)
@@ -191,7 +191,7 @@ class Writer {
         blocks;
   }
 
-  // What has to do with each other, directly or through others, in the order of the names.
+  // Returns the blocks of parameters that are correlated directly or through others, in the order of the names.
   std::vector<std::vector<Eigen::Index>> correlated_blocks() const {
     const Eigen::Index size = identified_.covariance.rows();
     std::vector<std::vector<Eigen::Index>> blocks;

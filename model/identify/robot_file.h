@@ -1,4 +1,4 @@
-// robot.yaml from what was identified.
+// Writes a robot.yaml with identified parameters.
 #pragma once
 
 #include <filesystem>
@@ -8,13 +8,13 @@
 
 namespace fjr {
 
-// A complete robot.yaml: identified values with standard errors, covariance, and the logs they come from with their
-// hashes; everything else as it stands in the file `base`. The identified link damping is written as the model's only
-// if `use_damping`; otherwise it is told in its source.
+// Returns a complete robot.yaml: the identified values with standard errors, covariance, and the logs with their
+// hashes; everything else as in the file `base`. The identified link damping is used for the model only if
+// `use_damping`; otherwise it is mentioned in the entry's source.
 std::string format_robot(const Identified& identified, const std::filesystem::path& base, bool use_damping);
 
-// Puts such a text in place of `file` once it has been read back, and returns what was read. Text that is refused is
-// left beside it as FILE.refused, and the file as it was. Throws InputError.
+// Replaces `file` by such a text after reading it back successfully, and returns the parameters read. Throws InputError
+// if the text is refused; it is then left beside the file as FILE.refused, and the file stays unchanged.
 Parameters write_robot_file(const std::filesystem::path& file, const std::string& text);
 
 }  // namespace fjr

@@ -9,9 +9,9 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kRangeBlocks = 4;  // of the shortest range
-constexpr double kChanged = 5;           // standard deviations between the means of blocks
-constexpr double kStill = 1e-6;          // of a signal's range: what a signal without noise may change
+constexpr std::size_t kRangeBlocks = 4;  // number of blocks in the shortest range
+constexpr double kChanged = 5;           // standard deviations between the means of blocks that count as a change
+constexpr double kStill = 1e-6;          // fraction of its range by which a signal without noise may change
 
 double mean(std::span<const double> values) {
   double sum = 0;
@@ -19,7 +19,7 @@ double mean(std::span<const double> values) {
   return sum / static_cast<double>(values.size());
 }
 
-// Between the means of two blocks more than this is a change.
+// Returns the difference between the means of two blocks beyond which the signal has changed.
 double allowed_change(const Signal& signal, std::size_t block) {
   const std::vector<double>& values = signal.values;
   std::vector<double> differences;

@@ -1,4 +1,4 @@
-// Ranges of rows of a log over which the motor did one thing.
+// Finds ranges of rows in a log in which a motor was in one steady condition.
 #pragma once
 
 #include <cstddef>
@@ -12,16 +12,16 @@ struct RowRange {
   std::size_t rows() const { return to - from; }
 };
 
-// Where a commanded value stays the same and is not zero.
+// Returns the ranges in which a commanded value is constant and not zero.
 std::vector<RowRange> commanded_ranges(const std::vector<double>& planned);
 
 struct Signal {
   std::vector<double> values;
-  double resolution;  // changes below this say nothing
+  double resolution;  // smaller changes are ignored
 };
 
-// Without a command: where none of the measured signals (equally long) changes by more than its own noise, which is
-// known from the differences of neighbours, or its resolution, for at least `shortest` rows.
+// For logs without commands: returns the ranges of at least `shortest` rows in which no measured signal (all equally
+// long) changes by more than its noise, which is estimated from differences of neighbours, or its resolution.
 std::vector<RowRange> steady_ranges(const std::vector<Signal>& signals, std::size_t shortest);
 
 }  // namespace fjr

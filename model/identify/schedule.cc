@@ -20,14 +20,14 @@ constexpr double kMostly = 0.8;                  // of the steps have to be regu
 constexpr double kAnotherUnit = 10;              // times the stated period
 constexpr std::size_t kFewest = 8;               // steps
 
-// Without single samples that stick out.
+// Removes single outliers.
 std::vector<double> median_of_three(const std::vector<double>& values) {
   std::vector<double> smooth = values;
   for (std::size_t i = 1; i + 1 < values.size(); ++i) smooth[i] = median({values[i - 1], values[i], values[i + 1]});
   return smooth;
 }
 
-// Times of the rows before each change of `theta` that belongs to a move.
+// Returns the times of the rows before each change of `theta` that belongs to a move.
 std::vector<double> changes(const std::vector<double>& time, const std::vector<double>& theta) {
   std::vector<double> sizes;
   for (std::size_t i = 1; i < theta.size(); ++i) sizes.push_back(std::abs(theta[i] - theta[i - 1]));
@@ -42,7 +42,7 @@ std::vector<double> changes(const std::vector<double>& time, const std::vector<d
   return times;
 }
 
-// The first change of every move: those after a pause.
+// Returns the first change of every move, that is, each change after a pause.
 std::vector<double> starts(const std::vector<double>& changes) {
   std::vector<double> gaps;
   for (std::size_t i = 1; i < changes.size(); ++i) gaps.push_back(changes[i] - changes[i - 1]);
@@ -68,7 +68,7 @@ std::optional<Rhythm> rhythm(const std::vector<double>& starts) {
       std::count_if(periods.begin(), periods.end(), [&](double p) { return std::abs(p - usual) < kRegular * usual; }));
   if (regular < kMostly * static_cast<double>(periods.size())) return std::nullopt;
   const double span = starts.back() - starts.front(), period = span / std::round(span / usual);
-  double late = 0;  // counts and samples show some moves later than others: the first, by as much as this
+  double late = 0;  // delay with which counts and samples may show the first move, compared to the others
   for (const double start : starts) {
     const double since = start - starts.front();
     late = std::max(late, period * std::round(since / period) - since);

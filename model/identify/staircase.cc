@@ -16,10 +16,10 @@
 namespace fjr {
 namespace {
 
-// A reversal is taken as forgotten after this fraction of the largest deflection.
+// A reversal no longer affects the hysteresis after this fraction of the largest deflection.
 constexpr double kForgotten = 0.15;
 constexpr std::size_t kFewestLandings = 8;  // settled landings on a branch
-// The paper's, in the order of the staircase.
+// The branches as in the paper, in the order of the staircase.
 constexpr std::array<std::pair<const char*, const char*>, 4> kBranches = {{{"0 to maximum", "#e377c2"},
                                                                            {"maximum to 0", "#2ca02c"},
                                                                            {"0 to minimum", "#d62728"},
@@ -30,7 +30,7 @@ std::span<const double> part(const std::vector<double>& values, std::size_t from
   return std::span(values).subspan(from, to - from);
 }
 
-// Directions and distance from the last reversal follow from the averages themselves.
+// Sets the direction of each landing, and whether it is settled, from the averages themselves.
 void classify(std::vector<Landing>& all) {
   double reach = 0;
   for (const Landing& l : all) reach = std::max(reach, std::abs(l.theta));
@@ -94,7 +94,7 @@ std::vector<Landing> without_outliers(const std::vector<Landing>& points, const 
   return kept;
 }
 
-// Sum of squares about the mean. [(N m)^2]
+// Returns the sum of squares about the mean [(N m)^2].
 double scatter(const std::vector<Landing>& points) {
   double mean = 0, square = 0;
   for (const Landing& l : points) mean += l.tau / static_cast<double>(points.size());
@@ -102,7 +102,7 @@ double scatter(const std::vector<Landing>& points) {
   return square;
 }
 
-// Half a step: theta closer to zero than this is zero. [rad]
+// Returns half a step [rad]; theta within this of zero counts as zero.
 double zero_band(const std::vector<Landing>& points) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < points.size(); ++i) steps.push_back(std::abs(points[i].theta - points[i - 1].theta));
@@ -162,7 +162,7 @@ Chart branch_chart(const std::string& title, const std::vector<Landing>& points,
   Chart chart{title, x.label, "tau [N m]", {}};
   for (const auto& [name, colour] : kBranches) chart.series.push_back({name, colour, Style::kDots, {}, {}});
   for (const Landing& l : points) {
-    // At zero a branch ends: the middle of the first step away from it decides.
+    // A branch ends at zero. The middle of the first step away from it decides to which branch a landing belongs.
     const bool positive = l.rising ? l.theta > zero_band(points) : l.theta >= -zero_band(points);
     Series& series = chart.series[positive ? (l.rising ? 0 : 1) : (l.rising ? 3 : 2)];
     series.x.push_back(x.of(l));

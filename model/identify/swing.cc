@@ -7,7 +7,7 @@ namespace fjr {
 namespace {
 
 constexpr double kLongestStep = 1e-3;  // [s]  of the simulated swing; the error per step is below 1e-9 of the swing
-constexpr double kUnexplained = 2;     // times the encoder's own error: hysteresis is looked for above it
+constexpr double kUnexplained = 2;     // ratio of residual to encoder error above which hysteresis is fitted
 
 struct Swing {
   double q, dq, z;
@@ -34,7 +34,7 @@ Swing runge_kutta_4(const Eigen::VectorXd& p, const Swing& s, double h) {
       h / 6);
 }
 
-// The curve begins at a crest reached from below: there the hysteresis is saturated, z = 1.
+// The curve begins at a crest reached from below, where the hysteresis is saturated (z = 1).
 void simulate(const Eigen::VectorXd& p, const Curve& curve, Eigen::VectorXd& q) {
   Swing s{p[kQ], p[kDq], 1};
   q[0] = s.q;

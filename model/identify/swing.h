@@ -1,4 +1,4 @@
-// A link that swings freely on its spring, the motor held:
+// Fits the free oscillation of a link on its spring with the motor held:
 //
 //   ddq + d dq + k (q - offset) + c z = 0,   dz/dt = (1 - z sgn dq)^n dq / width
 //
@@ -14,18 +14,19 @@
 
 namespace fjr {
 
-// Of the fitted parameters; the last three only with hysteresis, the last only where n = 1 does not explain the curve.
+// Indices of the fitted parameters. The last three are used only with hysteresis, the last only if n = 1 does not
+// explain the curve.
 enum SwingIndex { kQ, kDq, kOffset, kK, kD, kC, kWidth, kExponent };
 inline constexpr Eigen::Index kPlain = kC, kWithHysteresis = kWidth + 1, kWithExponent = kExponent + 1;
 
-// From a start of kPlain or more parameters, which stay as many. The curve begins at a crest.
+// Fits as many parameters as `start` has, at least kPlain. The curve must begin at a crest.
 Fit fit_swing(const Curve& curve, const Eigen::VectorXd& start);
 
-// From a fit without: with hysteresis where the plain oscillator leaves more than `resolution` [rad] explains, and only
-// if that explains more.
+// Returns a fit with hysteresis if the residuals of the plain oscillator exceed `resolution` [rad] and hysteresis
+// reduces them; otherwise returns the plain fit.
 Fit best_fit(const Curve& curve, const Fit& plain, double resolution);
 
-// Whether the fit leaves more than the resolution explains.
+// Returns whether the residuals are larger than the resolution explains.
 bool is_unexplained(const Fit& fit, double resolution);
 
 }  // namespace fjr

@@ -30,7 +30,7 @@ Fit line(std::span<const double> x, std::span<const double> y) {
   return linear_fit(a, b);
 }
 
-// Errors of counts are as independent as there are counts passed, or of a finer angle as there are rows.
+// The number of independent quantisation errors is the number of counts passed or, for a finer angle, that of rows.
 Speed slope_of(std::span<const double> time, std::span<const double> theta, double count) {
   const Fit fit = line(time, theta);
   const double duration = time.back() - time.front(), turned = std::abs(fit.value[1]) * duration;

@@ -1,6 +1,6 @@
-// The experiments of section IV of the paper, performed on the virtual rig. A new one is a function in a file of its
-// own, a member of Experiments that says how it is performed, and its line in visit_experiments; the commands and
-// rig.yaml go by that list.
+// Simulates the experiments of section IV of the paper on the virtual rig. A new one is a function in a file of its own,
+// a member of Experiments with its settings, and its line in visit_experiments; the commands and rig.yaml go by that
+// list.
 #pragma once
 
 #include <functional>
@@ -12,8 +12,8 @@
 
 namespace fjr {
 
-// Asked now and then with the fraction done, unless the experiment is over soon; false abandons it
-// (std::runtime_error).
+// Called now and then with the fraction that is done, unless the experiment is over soon. If it returns false, the
+// experiment is aborted by std::runtime_error.
 using RigProgress = std::function<bool(double fraction)>;
 
 // Staircase 0 -> +n -> 0 -> -n -> 0 steps of one motor, 50 Hz: within `move` to the next step, then at rest.
@@ -22,9 +22,9 @@ struct Staircase {
   double step;              // [rad]
   double period = 10;       // [s]
   double move = 0.1;        // [s]
-  double average = 2;       // [s]  at the end of each period, for whoever reads the log
+  double average = 2;       // [s]  at the end of each period; written to the log for its evaluation
   double sample_rate = 50;  // [Hz]
-  bool gravity = true;      // where both links are fixed their clamps carry it
+  bool gravity = true;      // has no effect if both links are fixed, because their clamps carry it
 
   bool operator==(const Staircase&) const = default;
   static Staircase of_stiffness(int joint) { return {joint == 0 ? 82 : 48, 4.7124e-3}; }
@@ -56,7 +56,8 @@ struct ConstantSpeeds {
   double sample_rate = 1000;
 
   bool operator==(const ConstantSpeeds&) const = default;
-  // The speeds a rig can hold; `slow` adds those in which the kinks of (24) lie and which only an ideal drive holds.
+  // Returns the speeds that a real rig can hold. `slow` adds those at which the kinks of (24) are, which only an ideal
+  // drive can hold.
   static ConstantSpeeds of(int joint, bool slow);
 };
 Record perform_motor_friction(const Rig& rig, int joint, const ConstantSpeeds& speeds,
@@ -78,7 +79,7 @@ struct ConstantTorques {
 Record perform_motor_inertia(const Rig& rig, int joint, const ConstantTorques& torques,
                              const RigProgress& progress = {});
 
-// How each experiment is performed, for both joints.
+// The settings of all experiments for both joints.
 struct Experiments {
   Joints<Staircase> stiffness{Staircase::of_stiffness(0), Staircase::of_stiffness(1)};
   Joints<Staircase> gravity{Staircase::of_gravity(0), Staircase::of_gravity(1)};
@@ -100,7 +101,7 @@ struct ExperimentInfo {
   bool clamped_links = false;  // both, whose clamps carry gravity: rig.yaml says nothing of that
 };
 
-// Calls visit(ExperimentInfo, how it is performed, the function that performs it), in the order of section IV.
+// Calls visit(ExperimentInfo, settings, the function that performs it) for each, in the order of section IV.
 template <class E, class Visit>
 void visit_experiments(E& experiments, Visit&& visit) {
   visit(ExperimentInfo{.name = "stiffness", .clamped_links = true}, experiments.stiffness, perform_stiffness);
@@ -110,10 +111,10 @@ void visit_experiments(E& experiments, Visit&& visit) {
   visit(ExperimentInfo{.name = "motor_inertia"}, experiments.motor_inertia, perform_motor_inertia);
 }
 
-// "stiffness", ...: of all of them.
+// The names of all experiments: "stiffness", ...
 std::vector<std::string> experiment_names();
 
-// The experiment of that name.
+// Performs the experiment with this name.
 Record perform(const std::string& name, const Rig& rig, int joint, const Experiments& experiments,
                const RigProgress& progress = {});
 

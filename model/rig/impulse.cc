@@ -18,7 +18,8 @@ Record perform_link_inertia(const Rig& rig, int joint, const Impulse& impulse, c
   const auto j = static_cast<std::size_t>(joint);
   const MassMatrix<double> m = mass_matrix(rig.truth, 0.0);
   const double inertia = joint == 0 ? m.m11 : m.m22;
-  // A momentum P makes a swing of P / sqrt(K I); half a sine of height h holds 2 h kLength / pi.
+  // A momentum P causes an oscillation of amplitude P / sqrt(K I); half a sine of height h has the momentum 2 h kLength
+  // / pi.
   const double momentum = impulse.amplitude * std::sqrt(rig.truth.spring.stiffness[j] * inertia);
   const double height = momentum * std::numbers::pi / (2 * kLength);
   Mounting mounting;

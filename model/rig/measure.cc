@@ -7,7 +7,8 @@
 namespace fjr {
 namespace {
 
-// Streams of random numbers, so that one instrument's noise does not depend on another's.
+// The number of streams of random numbers; each instrument has its own, so that its noise does not depend on the
+// others.
 constexpr std::uint64_t kStreams = 16;
 Normal stream(const Rig& rig, std::uint64_t number) { return Normal(rig.seed * kStreams + number); }
 

@@ -1,4 +1,4 @@
-// What truly happened in an experiment, before any instrument looked at it.
+// The true motion in an experiment, before it is measured by instruments.
 #pragma once
 
 #include <map>
@@ -16,7 +16,7 @@ struct Record {
   std::vector<double> time;  // [s]
   std::vector<State<double>> states;
   std::vector<Joints<double>> torques;         // tau_m [N m]
-  std::vector<Joints<double>> drive_velocity;  // as the drive measured it; empty: it played no part in the motion
+  std::vector<Joints<double>> drive_velocity;  // as measured by the drive; empty if it did not affect the motion
   bool log_velocity = false;                   // write the drive's velocity to the log
   std::map<std::string, std::vector<double>> planned;  // further columns, by name
 
@@ -27,8 +27,8 @@ struct Record {
   }
 };
 
-// The log that the instruments of `rig` make of it. Encoders count from where they happen to stand: the place of zero
-// within its count is drawn from the seed, like the noise.
+// Returns the log as measured by the instruments of `rig`. The position of zero within an encoder count is random,
+// drawn from the seed like the noise.
 Log measure(const Record& record, const Rig& rig);
 
 }  // namespace fjr

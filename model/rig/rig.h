@@ -1,4 +1,4 @@
-// The virtual rig: the true arm and the instruments it is watched with.
+// The virtual rig: the true arm and its measuring instruments.
 #pragma once
 
 #include <cstdint>
@@ -18,11 +18,11 @@ struct Hysteresis {
   bool operator==(const Hysteresis&) const = default;
 };
 
-// Assumptions, apart from the encoders.
+// Properties of the instruments. They are assumptions, except for the encoders.
 struct Instruments {
   Joints<double> torque_noise{0.05, 0.02};      // [N m]    standard deviation of one sample
   Joints<double> velocity_noise{0.005, 0.005};  // [rad/s]  of the drive's own velocity
-  bool encoders = true;                         // false: positions are read exactly, not in counts
+  bool encoders = true;                         // false: positions are measured without quantisation
 
   bool operator==(const Instruments&) const = default;
 };
@@ -33,14 +33,15 @@ struct Rig {
   Instruments instruments;
   std::uint64_t seed = 1;
 
-  // The paper's arm with its link damping: 0.2516 N m s/rad follows from (11) and (13); 0.01 is an assumption.
+  // Returns the rig of the paper's arm with link damping: 0.2516 N m s/rad follows from (11) and (13); 0.01 is an
+  // assumption.
   static Rig of(const Parameters& robot) {
     Rig rig{robot, {}, {}, 1};
     rig.truth.link.damping = {0.2516, 0.01};
     return rig;
   }
 
-  // Without noise, quantisation and hysteresis.
+  // Returns a rig without noise, quantisation and hysteresis.
   static Rig ideal(const Parameters& robot) {
     Rig rig = of(robot);
     rig.hysteresis.height = {0, 0};

@@ -1,4 +1,4 @@
-// rig.yaml: a virtual rig and how it performs its experiments.
+// Reads rig.yaml: a virtual rig and the settings of its experiments.
 #pragma once
 
 #include <filesystem>
@@ -13,8 +13,8 @@ struct RigSetup {
   Experiments experiments;
 };
 
-// `setup` with what the file says; every entry may be left out. Throws InputError for unknown keys and for values that
-// make no experiment. config/rig.yaml has every key.
+// Overwrites entries of `setup` by those in the file; all are optional. Throws InputError for unknown keys and for
+// values with which no experiment is possible. config/rig.yaml contains every key.
 void read_rig(const std::filesystem::path& file, RigSetup& setup);
 
 }  // namespace fjr

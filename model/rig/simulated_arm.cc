@@ -58,7 +58,7 @@ struct SimulatedArm::Memory {
   bool removed(std::size_t j) const { return mounting.links[j] == LinkMount::kRemoved; }
   bool clamped(std::size_t j) const { return mounting.links[j] != LinkMount::kFree; }
 
-  // Motors that are told where to be are there, whatever stands in the integrated vector.
+  // Replaces the states of motors with a prescribed motion, which are not integrated.
   RigState with_prescribed_motors(double t, RigState s) const {
     for (std::size_t j = 0; j < kJoints; ++j) {
       if (!mounting.drives[j].motion) continue;
@@ -69,14 +69,14 @@ struct SimulatedArm::Memory {
     return s;
   }
 
-  // tau_c of (1) with the hysteresis of the rig.
+  // Returns tau_c of (1) including the hysteresis of the rig.
   Joints<double> spring(const RigState& s) const {
     Joints<double> tau = spring_torque(rig.truth, s.arm.q, s.arm.theta);
     for (std::size_t j = 0; j < kJoints; ++j) tau[j] = removed(j) ? 0 : tau[j] + rig.hysteresis.height[j] * s.z[j];
     return tau;
   }
 
-  // Link side of (1) with the torque `tau` acting; a clamp gives whatever torque it takes.
+  // Solves the link side of (1) for the acceleration under the torque `tau`. A clamp gives any torque that is needed.
   Joints<double> link_acceleration_under(const State<double>& x, const Joints<double>& tau) const {
     if (!clamped(0) && !clamped(1)) return link_acceleration(rig.truth, x.q, x.dq, tau);
     const MassMatrix<double> m = mass_matrix(rig.truth, x.q[1]);

@@ -1,4 +1,5 @@
-// The arm on its rig, integrated by CVODE: links free, clamped or taken off, motors driven in one of their modes.
+// Simulates the arm on its rig by CVODE. Links may be free, clamped or removed; motors are driven in one of their
+// modes.
 #pragma once
 
 #include <functional>
@@ -16,8 +17,9 @@ struct MotorMotion {
   double theta, dtheta, ddtheta;  // [rad], [rad/s], [rad/s^2]
 };
 
-// One motor's drive. Its inner loops are taken as perfect: in interpolated position and in velocity mode the motor does
-// exactly what it is told (`motion`), in torque mode the torque is exactly the commanded one (`torque`). One is set.
+// The drive of one motor, with ideal inner loops. In interpolated position mode and velocity mode the motor follows the
+// commanded motion exactly (`motion`); in torque mode the torque equals the commanded one (`torque`). Exactly one of
+// them is set.
 struct MotorDrive {
   std::function<MotorMotion(double time)> motion;
   std::function<double(double time, double dtheta)> torque;  // tau_m [N m]
@@ -31,11 +33,11 @@ struct Mounting {
   Joints<LinkMount> links{LinkMount::kFree, LinkMount::kFree};
   bool gravity = true;  // false: the arm lies parallel to the ground
   Joints<MotorDrive> drives{MotorDrive::still(), MotorDrive::still()};
-  std::function<Joints<double>(double time)> push;  // [N m] on the links; none: nothing pushes
+  std::function<Joints<double>(double time)> push;  // [N m] external torque on the links; may be empty
 };
 
-// Adams-Moulton with fixed-point iteration: the springs are not stiff, and BDF would damp the very oscillations whose
-// decay is to be identified. Starts at rest at q = theta = 0 with a fresh spring.
+// Integrates by Adams-Moulton with fixed-point iteration. The problem is not stiff, and BDF would add numerical damping
+// to the oscillations whose decay is identified. It starts at rest at q = theta = 0 without hysteresis torque.
 class SimulatedArm {
  public:
   SimulatedArm(const Rig& rig, Mounting mounting);
@@ -43,8 +45,8 @@ class SimulatedArm {
   SimulatedArm(const SimulatedArm&) = delete;
   SimulatedArm& operator=(const SimulatedArm&) = delete;
 
-  // Integrates to `time`. Corners of the drives are announced, one after the other, and each is followed by restart():
-  // error control should not have to discover them.
+  // advance() integrates to `time`. Corners in the commands of the drives must be announced one after the other, and
+  // each must be followed by restart(), so that error control need not detect them.
   void announce_corner(double time);
   void advance(double time);
   void restart();

@@ -10,13 +10,14 @@
 namespace fjr {
 namespace {
 
-// Level after `moves` steps of 0 -> +n -> 0 -> -n -> 0, in steps.
+// Returns the level, in steps, after `moves` moves of 0 -> +n -> 0 -> -n -> 0.
 int level(int moves, int n) {
   if (moves <= n) return moves;
   return moves <= 3 * n ? 2 * n - moves : moves - 4 * n;
 }
 
-// From 0 to 1 without jerk at the ends: s^3 (10 - 15 s + 6 s^2), with its derivatives.
+// Returns s^3 (10 - 15 s + 6 s^2), which goes from 0 to 1 with zero velocity and acceleration at the ends, with
+// derivatives.
 MotorMotion smooth_step(double s) {
   return {s * s * s * (10 + s * (-15 + 6 * s)), 30 * s * s * (1 - s) * (1 - s), 60 * s * (1 - s) * (1 - 2 * s)};
 }
@@ -32,8 +33,8 @@ MotorMotion motion(const Staircase& stairs, double time) {
           rise * unit.ddtheta / (stairs.move * stairs.move)};
 }
 
-// Nothing is skipped: a motor and links at rest cost the integrator one long step, and only what swings takes short
-// ones.
+// The rest periods are integrated as well. They cost little, because the integrator takes short steps only while
+// something oscillates.
 Record climb(const Rig& rig, int joint, const Staircase& stairs, Mounting mounting, const RigProgress& progress) {
   mounting.drives[static_cast<std::size_t>(joint)] = {[stairs](double t) { return motion(stairs, t); }, {}};
   SimulatedArm arm(rig, std::move(mounting));

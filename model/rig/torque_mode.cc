@@ -10,8 +10,8 @@
 namespace fjr {
 namespace {
 
-// The drive's compensation (26): u + tau_fm_nonlinear(v), v being the velocity the drive believes in. Its noise is new
-// every millisecond; in between its loop is fast.
+// The friction compensation of the drive (26): u + tau_fm_nonlinear(v), where v is the velocity measured by the drive.
+// Its noise changes every millisecond; otherwise the loop is ideal.
 struct Compensation {
   FrictionLaw law;
   double u = 0;        // [N m]

@@ -15,7 +15,7 @@ void add_linear(std::vector<double>& speeds, double from, double to, int count) 
   for (int i = 0; i < count; ++i) speeds.push_back(from + (to - from) * i / (count - 1.0));
 }
 
-// One speed: a ramp from standstill, the speed itself, and at once to a standstill again (not logged).
+// A run at one speed: a ramp from standstill, constant speed, and an immediate stop (not logged).
 class Run {
  public:
   Run(const Rig& rig, int joint, const ConstantSpeeds& plan, Record& record)

@@ -19,7 +19,8 @@ namespace fjr {
 
 // The lock on a chunk, held by the process that plans it. If a job is restarted while its first process still runs on a
 // machine that was given up, the second process waits. All locks are in one file, DIR/chunks/locks, with one byte per
-// chunk. They are POSIX record locks, which work on network file systems and end with their process.
+// chunk. They are byte-range locks of fcntl(), which network file systems support, too, and which end with their
+// process.
 class ChunkLock {
  public:
   // Returns nothing if another process holds the lock.

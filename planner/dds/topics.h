@@ -88,7 +88,7 @@ struct TopicOf<fjr_msg_PlannerStatus> {
 
 // A restarted executor gets the latest trajectory, and of two owners the one with the higher ownership strength counts.
 // The history is deep enough that trajectories published in quick succession do not overwrite each other, because each
-// must get a result. 64 of them take up to 190 MB, and at least 6 s to be planned.
+// must get a result. 64 of them take up to 190 MB, and about 6 s to be planned.
 template <>
 struct TopicOf<fjr_msg_Trajectory> {
   static constexpr const char* kName = "fjr/trajectory";

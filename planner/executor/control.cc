@@ -15,7 +15,7 @@
 namespace fjr {
 namespace {
 
-constexpr double kEncodersAgree = 0.1;  // [rad] allowed |theta - q - K^-1 G(q)| at rest; a wrong sign exceeds it
+constexpr double kEncodersAgree = 0.1;  // [rad] allowed |theta - q - K^-1 G(q)| at rest: for hysteresis and payload
 constexpr double kRunAway = 0.2;        // [rad] motor error during a stop, beyond which feedback is switched off
 constexpr double kRounding = 1e-9;      // [s]
 
@@ -228,8 +228,8 @@ bool Control::stops_run_out() const {
   return motion_->stops->usable() < std::min(index_of_next_stop() + 2, motion_->stops->size());
 }
 
-// Stops at the next instant for which there is a usable stop motion. Without one, the arm continues to the end of the
-// plan, which is then the fastest way to rest.
+// Stops from the next stop instant of the plan on. If there is no usable stop motion for it, the arm continues to the
+// end of the plan, which is then the fastest way to rest.
 void Control::stop_because(const Outcome& outcome) {
   mode_ = ExecutorMode::kStopping;
   motion_->outcome = outcome;

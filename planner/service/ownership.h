@@ -24,7 +24,7 @@ class Ownership {
   // believed are ignored.
   void heard(const std::string& instance, const std::string& robot_id, std::uint64_t epoch);
   void lost(const std::string& instance);
-  void heard_executor(std::uint64_t epoch);  // the largest epoch that the executor of this robot has accepted
+  void heard_executor(std::uint64_t epoch);  // the largest epoch that the executor of this robot has run
   bool believes(std::uint64_t epoch) const;  // epoch.h; by the executor's last word, 0 before the first
 
   // Takes or gives up the ownership if necessary. Returns whether epoch() has changed.

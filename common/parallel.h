@@ -22,15 +22,15 @@ class Threads {
   explicit Threads(int most) : idle_(most - 1) {}
 
   // Calls task(i) for every i below `count`, in no particular order, on the caller's thread (which runs the first) and
-  // on as many others as are available. If none is, the caller checks again before each task. While the caller waits for
-  // the others to end, one more thread may work in its place. Returns the CPU time [s] that the others used. Throws the
-  // exception of the task with the lowest index: at once if only the caller works, otherwise when all have ended.
+  // on as many others as are available. If none is, the caller checks again before each task. While the caller waits
+  // for the others to end, one more thread may work in its place. Returns the CPU time [s] that the others used. Throws
+  // the exception of the task with the lowest index: at once if only the caller works, otherwise when all have ended.
   double for_each(std::size_t count, const std::function<void(std::size_t)>& task);
 
   // Calls work(both) on the caller's thread. As soon as another thread is available and a core of the machine is idle,
   // that thread runs the second piece of each call of `both` until work() returns, and stays awake in between, so that
-  // pieces may be as short as some microseconds. Until then, and if it is late, the caller runs both pieces. Returns the
-  // CPU time [s] that the other thread used. Throws the exceptions of work().
+  // pieces may be as short as some microseconds. Until then, and if it is late, the caller runs both pieces. Returns
+  // the CPU time [s] that the other thread used. Throws the exceptions of work().
   double in_pairs(const std::function<void(const DoBoth& both)>& work);
 
  private:

@@ -14,6 +14,7 @@
 
 #include "planner/store/database.h"
 #include "tests/support/cli.h"
+#include "tests/support/temporary_folder.h"
 
 namespace fjr {
 namespace {
@@ -111,6 +112,7 @@ TEST_F(PackedBatch, AChunkThatIsStartedTwiceIsPlannedOnce) {
 }
 
 TEST_F(PackedBatch, WhatAKillOrASignalLeavesIsPlannedOnceMoreAndNothingElse) {
+  const TemporaryFolder temporary(path("tmp"));
   write_grid(5);
   ASSERT_EQ(prepare({"g.yaml"}).exit_code, 0);
   const std::vector<std::string> words = {"batch", "run", "out", "1", "--jobs", "1", "-q"};
@@ -118,6 +120,7 @@ TEST_F(PackedBatch, WhatAKillOrASignalLeavesIsPlannedOnceMoreAndNothingElse) {
   ASSERT_TRUE(has_answers(1));
   kill(killed, SIGKILL);
   EXPECT_EQ(finish(killed).exit_code, -1);
+  EXPECT_FALSE(fs::is_empty(path("tmp")));
   const int before = status()["planned"];
   const pid_t preempted = start(words);
   ASSERT_TRUE(has_answers(before + 1));
@@ -128,6 +131,7 @@ TEST_F(PackedBatch, WhatAKillOrASignalLeavesIsPlannedOnceMoreAndNothingElse) {
   EXPECT_EQ(finish(start(words)).exit_code, 0);
   EXPECT_EQ(status()["planned"], 5);
   EXPECT_EQ(status()["runs"], 3);
+  EXPECT_TRUE(fs::is_empty(path("tmp"))) << "what the killed one had there was removed by the next";
 }
 
 TEST_F(PackedBatch, ACrashedPlanIsFailedUntilItIsPlannedAgain) {

@@ -1,6 +1,6 @@
-// Simulates the experiments of section IV of the paper on the virtual rig. A new one is a function in a file of its own,
-// a member of Experiments with its settings, and its line in visit_experiments; the commands and rig.yaml go by that
-// list.
+// Simulates the experiments of section IV of the paper on the virtual rig. A new one is a function in a file of its
+// own, a member of Experiments with its settings, and its line in visit_experiments; the commands and rig.yaml go by
+// that list.
 #pragma once
 
 #include <functional>

@@ -82,6 +82,25 @@ function(rule what allowed forbidden)
   set(broken "${broken}" PARENT_SCOPE)
 endfunction()
 
+# bars(what files forbidden): none of the files matching `files` includes a header matching `forbidden`, although the
+# layers would let it.
+function(bars what files forbidden)
+  foreach(source ${sources})
+    if(NOT source MATCHES "${files}")
+      continue()
+    endif()
+    file(STRINGS ${SOURCE}/${source} lines REGEX "^[ \t]*#[ \t]*include[ \t]*[<\"](${forbidden})")
+    foreach(line ${lines})
+      string(APPEND broken "  ${source}: ${line}: ${what}\n")
+    endforeach()
+  endforeach()
+  set(broken "${broken}" PARENT_SCOPE)
+endfunction()
+
+bars("optimisers and schemes know no arm" "^planner/(nlp|collocation)/" "model/|planner/problem/")
+bars("a certificate is independent of what it judges" "^planner/certificate/"
+  "planner/(nlp|collocation|ocp|search|request)/")
+
 rule("only planner/nlp/ipopt* knows Ipopt" "^planner/nlp/ipopt" "Ip[A-Z][A-Za-z]*\\.hpp|coin(-or)?/")
 rule("only planner/certificate and model/rig know SUNDIALS" "^(planner/certificate|model/rig|common/sundials_handles)"
   "sundials/|arkode/|cvodes?/|nvector/|sunmatrix/|sunlinsol/|sunnonlinsol/")

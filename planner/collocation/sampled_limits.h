@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "planner/collocation/transcription.h"
-#include "planner/nlp/ipopt.h"
+#include "planner/nlp/solve.h"
 
 namespace fjr {
 

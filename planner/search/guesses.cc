@@ -66,6 +66,80 @@ std::vector<double> leg_times(const Problem& problem) {
   return times;
 }
 
+// [s] The shortest time over `distance` from velocity `from` to velocity `to` with accelerations of at most `most`:
+// first one way at the most, then the other way (a double integrator).
+double bang_bang_time(double distance, double from, double to, double most) {
+  const double mean_square = (from * from + to * to) / 2;
+  const double faster = std::sqrt(std::max(0.0, most * distance + mean_square));
+  if (faster >= std::max(from, to) && most * distance + mean_square >= 0) return (2 * faster - from - to) / most;
+  const double slower = -std::sqrt(std::max(0.0, mean_square - most * distance));
+  return (from + to - 2 * slower) / most;
+}
+
+// Velocities at start, via points and goal, and the times [s] between them that they suit.
+struct Passing {
+  std::vector<Joints<double>> velocities;  // [rad/s]
+  std::vector<double> times;
+};
+
+// Both depend on each other: where a velocity is left open it is that of the neighbouring segments, whose times follow
+// from it.
+Passing passing_of(const Problem& problem) {
+  constexpr int kRounds = 10;
+  const std::vector<Joints<double>> points = points_of(problem);
+  const std::size_t last = points.size() - 1;
+  const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
+  const Joints<double> inertia{stretched.m11, stretched.m22};
+  Passing passing{std::vector<Joints<double>>(points.size(), {0, 0}), leg_times(problem)};
+  const auto slope = [&](std::size_t leg, std::size_t j) {
+    return (points[leg + 1][j] - points[leg][j]) / passing.times[leg];
+  };
+  const auto set_velocities = [&] {
+    passing.velocities.front() = problem.start.dq;
+    for (std::size_t i = 1; i < last; ++i) {
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        const double before = slope(i - 1, j), after = slope(i, j);
+        passing.velocities[i][j] = before * after > 0 ? (before + after) / 2 : 0;
+      }
+      if (problem.via[i - 1].dq) passing.velocities[i] = *problem.via[i - 1].dq;
+    }
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      passing.velocities[last][j] = problem.goal.dq_free ? slope(last - 1, j) : problem.goal.dq[j];
+    }
+  };
+  for (int round = 0; round < kRounds; ++round) {
+    set_velocities();
+    for (std::size_t leg = 0; leg < last; ++leg) {
+      double time = 0.02;
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        const double acceleration = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
+        const double distance = points[leg + 1][j] - points[leg][j];
+        time = std::max(
+            {time, std::abs(distance) / problem.limits.motor_velocity[j],
+             bang_bang_time(distance, passing.velocities[leg][j], passing.velocities[leg + 1][j], acceleration)});
+      }
+      if (std::isfinite(problem.limits.tip_speed)) {
+        time = std::max(time, tip_way(problem, points[leg], points[leg + 1]) / problem.limits.tip_speed);
+      }
+      passing.times[leg] = time;
+    }
+  }
+  set_velocities();
+  return passing;
+}
+
+// The quintic polynomial of the time from (a, va) to (b, vb) in `time` without acceleration at both ends, as
+// derivatives by the time at its fraction c.
+void set_quintic(double a, double va, double b, double vb, double time, double c, std::size_t j, LinkMotion& to) {
+  const double d = b - a, v0 = va * time, v1 = vb * time;
+  const double k3 = 10 * d - 6 * v0 - 4 * v1, k4 = -15 * d + 8 * v0 + 7 * v1, k5 = 6 * d - 3 * v0 - 3 * v1;
+  to.q[j] = a + c * (v0 + c * c * (k3 + c * (k4 + c * k5)));
+  to.dq[j] = (v0 + c * c * (3 * k3 + c * (4 * k4 + c * 5 * k5))) / time;
+  to.ddq[j] = c * (6 * k3 + c * (12 * k4 + c * 20 * k5)) / (time * time);
+  to.dddq[j] = (6 * k3 + c * (24 * k4 + c * 60 * k5)) / std::pow(time, 3);
+  to.ddddq[j] = (24 * k4 + c * 120 * k5) / std::pow(time, 4);
+}
+
 std::vector<double> durations_of(const Problem& problem, double duration) {
   return apportioned(problem, duration, leg_times(problem));
 }
@@ -206,6 +280,24 @@ Guess straight_guess(const Problem& problem, double duration) {
 
 Guess minimum_jerk_guess(const Problem& problem, double duration) {
   return along_flat_motion("minimum jerk", problem, duration, [](std::size_t, double) { return LinkMotion{}; });
+}
+
+Guess passing_guess(const Problem& problem, double duration) {
+  const Passing passing = passing_of(problem);
+  const std::vector<double> durations = apportioned(problem, duration, passing.times);
+  const auto points = waypoints(problem, durations);
+  const auto flat = [points, duration, velocities = passing.velocities, robot = problem.robot](double s) {
+    const std::size_t leg = leg_of(points, s);
+    const double fraction = points[leg + 1].fraction - points[leg].fraction;
+    LinkMotion m;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      set_quintic(points[leg].q[j], velocities[leg][j], points[leg + 1].q[j], velocities[leg + 1][j],
+                  fraction * duration, (s - points[leg].fraction) / fraction, j, m);
+    }
+    return from_link_motion(robot, m);
+  };
+  return {"passing", durations, [flat](double s) { return flat(s).state; },
+          [flat](double s) { return flat(s).compensated_torque; }};
 }
 
 Guess path_guess(const Problem& problem, double duration, const std::vector<Path>& paths) {
@@ -370,16 +462,25 @@ Guess guess_from(Motion motion, const std::vector<double>& durations, double dur
   return {"previous", stretched, state, torque};
 }
 
-double usual_duration(const Problem& problem) {
-  const std::vector<double> legs = leg_times(problem);
+namespace {
+
+// Springs and friction roughly double it; the regularising objectives want still longer motions.
+double with_springs(const Problem& problem, const std::vector<double>& legs) {
   const double time = std::max(0.1, std::accumulate(legs.begin(), legs.end(), 0.0));
-  // Springs and friction roughly double it; the regularising objectives want still longer motions.
   const bool hurried = starts_worth_trying(problem.weights) == 1;
   return time * (hurried ? 1.3 : 2.0);
 }
 
+}  // namespace
+
+double usual_duration(const Problem& problem) { return with_springs(problem, leg_times(problem)); }
+
 double duration_guess(const Problem& problem) {
   return std::clamp(usual_duration(problem), problem.duration.min, problem.duration.max);
+}
+
+double passing_duration_guess(const Problem& problem) {
+  return std::clamp(with_springs(problem, passing_of(problem).times), problem.duration.min, problem.duration.max);
 }
 
 }  // namespace fjr

@@ -8,11 +8,12 @@
 namespace fjr {
 namespace {
 
-constexpr double kSwingingTime = 2;  // [s] least duration in which a motion has time to spare
-// [s^4/rad^2], of an objective that was divided by its size. Energy in 3 to 8 s comes to 0.1 % more with it, a peak
-// torque in 5 s to less than with ten times as much, from which it did not come down.
+constexpr double kSwingingTime = 2;  // [s] motions that last at least this long have time to oscillate
+// [s^4/rad^2] weight in an objective that is divided by its size. Minimum-energy motions of 3 to 8 s need 0.1 % more
+// energy with it. With ten times as much, the peak torque of a motion of 5 s was higher, and did not come down when the
+// weight was reduced.
 constexpr double kWeight = 1e-4;
-constexpr double kLess = 0.3;  // times the last weight, as often as below: then it costs less than 0.02 %
+constexpr double kLess = 0.3;  // factor on the weight in each step; after kSteps of them it costs less than 0.02 %
 constexpr int kSteps = 5;
 
 bool leaves_torques_free(const Weights& weights) {
@@ -28,10 +29,10 @@ std::shared_ptr<const Problem> with_weights(Problem problem, double link_acceler
 
 }  // namespace
 
-// The acceleration stills the springs: a motion of 30 s takes 0.2 % longer for it. The jerk stills the motors too,
-// whose trembling the executor's feedback cannot follow where they turn back slowly; it costs another 0.05 %. Of ten
-// motions of 6 to 75 s that a tip speed or motor velocities slow down, the first of these certified eight, the second
-// another.
+// The penalty on acceleration damps the springs; it makes a motion of 30 s 0.2 % longer. The penalty on jerk also damps
+// the motors, because the executor's feedback cannot follow their oscillation where they reverse slowly; it costs
+// another 0.05 %. Of ten motions of 6 to 75 s that are limited by the tip speed or motor velocities, the first variant
+// certified eight and the second one another.
 std::vector<std::shared_ptr<const Problem>> fastest_with_acceleration_penalties(const Problem& problem) {
   constexpr double kAcceleration = 0.01, kJerk = 1e-5;  // [s^4/rad^2], [s^6/rad^2]
   return {with_weights(problem, kAcceleration, kJerk), with_weights(problem, kAcceleration, kJerk / 10),

@@ -1,6 +1,6 @@
-// Where there is time to spare, objectives that are not strictly convex in the torques do not penalise oscillations of
-// springs and motors, and their optima may oscillate faster than any mesh or rows resolve. Small penalties on the
-// links' acceleration and jerk remove that. Plans are compared by the objective that was asked for alone.
+// Penalties against oscillation. Objectives that are not strictly convex in the torques do not penalise oscillations of
+// springs and motors. If there is time to spare, their optima may oscillate faster than any mesh or rows resolve. Small
+// penalties on the links' acceleration and jerk remove that. Plans are still compared by the requested objective alone.
 #pragma once
 
 #include <memory>
@@ -11,16 +11,17 @@
 
 namespace fjr {
 
-// The problem of a fastest motion of many seconds, at a speed limit all the way, with both penalties, in the
-// order in which they are tried until one is certified.
+// Returns a minimum-time problem, whose motion takes many seconds at a speed limit, with penalties on acceleration and
+// jerk (the last variant: on acceleration only), in the order in which they are tried until one is certified.
 std::vector<std::shared_ptr<const Problem>> fastest_with_acceleration_penalties(const Problem& problem);
 
-// The problem of another objective with a weight on the acceleration of the links; null where it has one, or needs
-// none: because its objective is curved in the torques, is time or a reward, or because there is no time to swing.
+// Returns the problem of another objective with a weight on the acceleration of the links. Returns null if it has such
+// a weight or needs none, because its objective is strictly convex in the torques, is time or a reward, or because
+// there is no time to oscillate.
 std::shared_ptr<const Problem> with_acceleration_penalty(const Problem& problem);
 
-// Where the best motion was found with that weight: solves again with less and less of it, as long as certified and
-// better motions come of it.
+// If the best motion was found with that weight, solves again with smaller and smaller weights, as long as this gives
+// certified and better motions.
 void fade_acceleration_penalty(Findings& found, Session& session);
 
 }  // namespace fjr

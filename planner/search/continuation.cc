@@ -24,24 +24,26 @@ namespace fjr {
 namespace {
 
 constexpr double kCostTolerance = 3e-5;  // fraction of the objective by which an interval may misjudge it
-constexpr double kStepTolerance = 1e-5;  // [rad] of the meshes on the way
-// A warm start is as close to its bounds as the solution before it was: a larger barrier has to push it off first, a
-// smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of the time
-// in a minimum-time problem (the barrier times the number of bounds).
+constexpr double kStepTolerance = 1e-5;  // [rad] mesh tolerance during the homotopy
+// A warm start begins as close to its bounds as the last solution is. A larger barrier first has to push it away from
+// them; a smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of
+// the time in a minimum-time problem (the barrier times the number of bounds).
 constexpr double kWarmBarrier = 1e-7;
 constexpr int kStepIterations = 80;       // of homotopy steps that converge at all, nine of ten take less than 60
 constexpr int kRewardedIterations = 300;  // of those with a reward, which converge more slowly (bench/README.md)
 constexpr int kPricedIterations = 250;    // of warm starts to another price: switching times and active limits change
 constexpr int kRestIterations = 50;       // with rests scaled, 45
-constexpr double kRestWidth = 0.003;   // [rad/s] up to which they are: in wider laws a motor that moves seems to rest
+constexpr double kRestWidth =
+    0.003;  // [rad/s] widths up to which rests are scaled; in wider laws a moving motor seems to rest
 constexpr int kMovingIterations = 60;  // nine of ten take less than 45
-// [rad/s] of the step after which nodes are moved for the first time: from then on it is settled when each motor rests.
-// Where nodes stay until the law is exact, motions compare by chance, and their objectives are up to 1.5 % higher.
+// [rad/s] width of the step after which nodes are moved for the first time, because from then on it is settled when
+// each motor rests. If nodes move only with the exact law, the comparison of motions depends on chance, and their
+// objectives are up to 1.5 % higher.
 constexpr double kMovedWidth = 0.01;
 constexpr int kMovingRounds = 2;               // a refined mesh wants its nodes elsewhere, but no longer by much
 constexpr int kMoreIterations = 200;           // in all, while the objective still falls: up to 4 % less effort
 constexpr double kWorthwhileDecrease = 0.005;  // fraction of the objective by which it has fallen then
-constexpr int kIterationFactorWhenAhead = 3;   // the iterations of a start
+constexpr int kIterationFactorWhenAhead = 3;   // times the iterations of a start that is ahead of all known minima
 constexpr double kSmallViolation = 1e-2;       // violation of constraints up to which an objective says something
 constexpr int kHalvings = 2;                   // of a homotopy step that did not converge
 constexpr double kSharpWidth = 1e-4;           // [rad/s] as good as the exact law, where a step is halved
@@ -59,11 +61,11 @@ constexpr double kLaterPartOfMargin = 0.2;
 constexpr double kIneffectiveMarginGrowth = 8;  // of a margin that changed nothing: its bound was not active
 constexpr double kSharpForPeaks = 1e-3;         // [rad/s] widths of friction laws up to which peaks are kept by margins
 constexpr int kCreepRounds = 3;
-constexpr double kLargestRegularisation = 0.05;  // fraction of the objective: what it costs is of second order in that
-constexpr double kRegularisationDecrease = 0.5;  // of that, where it has to be reduced
+constexpr double kLargestRegularisation = 0.05;  // fraction of the objective; its cost is of second order in that
+constexpr double kRegularisationDecrease = 0.5;  // fraction of this to which it is reduced
 constexpr int kRegularisationRounds = 4;
 
-// The error above which intervals make four fifths of the sum of all errors, be they few or many.
+// Returns the error above which intervals make up four fifths of the sum of all errors.
 double bulk_of(std::vector<double> errors) {
   constexpr double kOthers = 0.2;  // fraction of the sum that the others make
   const double sum = std::accumulate(errors.begin(), errors.end(), 0.0);
@@ -76,8 +78,8 @@ double bulk_of(std::vector<double> errors) {
   return kNoLimit;
 }
 
-// On coarse meshes. Of 318 starts that came to that much more than an earlier one, none became the best motion of its
-// request; of 510 at 1.1 two did.
+// Returns whether an objective on a coarse mesh is so far above the least known one that it is not worth following. Of
+// 318 starts beyond this factor none became the best motion of its request; of 510 beyond a factor of 1.1 two did.
 bool is_hopeless(const std::vector<double>& known, double objective) {
   constexpr double kTimesTheLeast = 1.2;
   const auto least = std::min_element(known.begin(), known.end());
@@ -104,11 +106,12 @@ double squared_torque(const Motion& motion) {
   return sum;
 }
 
-// Short enough for the first solution to have the right shape: the springs swing at up to 50 rad/s.
+// Returns the number of intervals of the first mesh. They must be short enough for the first solution to have the right
+// shape: the springs oscillate at up to 50 rad/s.
 int coarse_intervals(const Problem& problem, double duration) {
   constexpr double kCoarseStep = 0.02;      // [s]
-  constexpr double kTunnelStep = 0.0075;    // [s] longer intervals jump over obstacles; a wall has no other side,
-  constexpr double kTunnelIntervals = 160;  // and so many do for a motion through all of the arm's reach
+  constexpr double kTunnelStep = 0.0075;    // [s] longer intervals jump over obstacles (though not over walls)
+  constexpr double kTunnelIntervals = 160;  // enough for a motion through all of the arm's reach
   double intervals = duration / kCoarseStep;
   if (!problem.task.obstacles.discs.empty()) {
     intervals = std::max(intervals, std::min(duration / kTunnelStep, kTunnelIntervals));
@@ -165,7 +168,7 @@ bool Continuation::attempt(const std::string& what, const CollocationSetup& setu
                       [&](const SolveOptions& with) { return collocate(*problem_, setup, *guess, with); });
 }
 
-// What failed from the present solution fails again and is not tried again.
+// An attempt that failed from the present solution would fail again, so it is not repeated.
 bool Continuation::attempt_once(const std::string& what, Attempt attempt, const SolveOptions& o,
                                 const std::function<Collocated(const SolveOptions&)>& solve) {
   if (session_->interrupted()) {
@@ -200,8 +203,8 @@ bool Continuation::attempt_once(const std::string& what, Attempt attempt, const 
   return true;
 }
 
-// Where a task has rows, feasibility often has to be restored on the way, which our own method does not do; with
-// rewards it takes twice as long.
+// Finds the first solution. Tasks with path constraints are solved by Ipopt, because they often need feasibility
+// restoration, which our own method lacks; so are rewards, for which our own method takes twice as long.
 bool Continuation::cold(const Guess& guess, int most_iterations) {
   const std::string what = fmt::format("{}, {}", label_, guess.name);
   SolveOptions o = options(what);
@@ -247,8 +250,8 @@ bool Continuation::attempt_step(const std::string& what, const CollocationSetup&
   return status_ == SolveStatus::kIterationLimit && came_down() && within(kMoreIterations);
 }
 
-// Moves the nodes at which the Hamiltonian jumps to where the optimum wants them. False when there was nothing to move,
-// or no solution; the last solution stays.
+// Moves the nodes at which the Hamiltonian jumps to their optimal times. Returns false if there was nothing to move or
+// no solution was found; then the last solution stays.
 bool Continuation::move_nodes() {
   if (!has_rests()) return false;
   const NodeTimes times = node_times(*problem_, solution_);
@@ -267,7 +270,8 @@ bool Continuation::move_nodes() {
   return smooth && status_ == SolveStatus::kIterationLimit && came_down() && within(kMoreIterations);
 }
 
-// The finer mesh that moved nodes ask for may want some of them elsewhere again. False when no usable solution is left.
+// Moves nodes and tightens, more than once if the refined mesh needs some nodes elsewhere again. Returns false if no
+// usable solution is left.
 bool Continuation::tighten_on_moved_nodes() {
   move_nodes();
   for (int round = 0; status_ != SolveStatus::kStopped && tighten(); ++round) {
@@ -276,14 +280,14 @@ bool Continuation::tighten_on_moved_nodes() {
   return false;
 }
 
-// A step that is too large is taken in two.
+// Takes a homotopy step, in two halves if it fails.
 bool Continuation::reach_step(const Smoothing& step, int halvings) {
   const std::string what = fmt::format("{}, friction width {:.2g} rad/s", label_, step.friction_width);
   CollocationSetup setup = refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kStepTolerance);
   const Smoothing from = setup.smoothing;
   setup.smoothing = step;
   if (attempt_step(what, setup)) return true;
-  // With effort the steps are close already, and the last good one will do.
+  // If the objective depends on friction, the steps are small already, and the last good solution will do.
   if (status_ == SolveStatus::kStopped || sees_friction(problem_->weights)) return false;
   if (halvings == 0) return attempt_anew(what, setup);
   const double sharpest = std::max(step.friction_width, kSharpWidth);
@@ -295,16 +299,17 @@ bool Continuation::reach_step(const Smoothing& step, int halvings) {
 void Continuation::compare_step() {
   Homotopy& h = *homotopy_;
   const double objective = published_objective(*problem_, solution_);
-  // Without effort the law only moves the torque limit, and the sharpest solution is the one that keeps it.
+  // If the objective does not depend on friction, the law only shifts the torque limit, so the sharpest solution is
+  // kept.
   if (!(objective < h.least) && sees_friction(problem_->weights)) return;
   h.least = objective;
   h.best = solution_;
   h.best_at = solutions_;
 }
 
-// Each step's solution starts the next, on a mesh refined by what it showed. The one that would be published for the
-// least, with the exact law, is kept: a sharper law usually helps, but now and then a step slips into a worse minimum
-// or fails.
+// Each step's solution starts the next one, on a mesh refined by its errors. The solution with the least published
+// objective (with the exact law) is kept: a sharper law usually helps, but sometimes a step ends in a worse minimum or
+// fails.
 bool Continuation::take_step() {
   const std::vector<Smoothing>& steps = strategy.steps;
   if (!homotopy_) {
@@ -345,8 +350,8 @@ bool Continuation::keep_best_step() {
   return status_ != SolveStatus::kStopped && fade_regularisation();
 }
 
-// Where the objective comes to much less than its weights let expect, the regularisation by effort that chooses among
-// torques would outweigh it: that is reduced until it is small beside the objective.
+// Reduces the regularisation by effort, which selects among torques, until it is small beside the objective. It would
+// outweigh an objective that is much smaller than its weights suggest. Returns false if stopped.
 bool Continuation::fade_regularisation() {
   if (settles_torque(problem_->weights) || !strategy.fades) return true;
   for (int round = 0; round < kRegularisationRounds; ++round) {
@@ -362,8 +367,9 @@ bool Continuation::fade_regularisation() {
   return true;
 }
 
-// A start at its limit of iterations goes on where its objective is already below all known minima and it nearly keeps
-// its constraints: four of 490 starts of 41 motions, one of which had come to less than half of all others.
+// Returns whether a start that reached its iteration limit goes on: its objective is below all known minima and its
+// constraints nearly hold. That were four of 490 starts of 41 motions, one of which ended at less than half of all
+// others.
 bool Continuation::is_ahead_of(const std::vector<double>& known) const {
   const auto least = std::min_element(known.begin(), known.end());
   return status_ == SolveStatus::kIterationLimit && least != known.end() && violation_ < kSmallViolation &&
@@ -378,8 +384,9 @@ StartOutcome Continuation::begin(const Guess& guess, int most_iterations, const 
   }
   if (!solved) return StartOutcome::kNoSolution;
   if (any_same(known, solution_.report.objective)) return StartOutcome::kKnown;
-  // Without effort the next steps refine anyway, and the multipliers change little before: a tenth fewer iterations.
-  // With effort, what is a motor's rest has to be resolved while the law is smooth: objectives 0.5 % higher without.
+  // If the objective does not depend on friction, the next steps refine the mesh anyway, and the multipliers change
+  // little before: not refining here saves a tenth of the iterations. Otherwise the rests of motors have to be resolved
+  // while the law is smooth; without that, objectives are 0.5 % higher.
   if (!sees_friction(problem_->weights) || is_hopeless(known, solution_.report.objective)) return StartOutcome::kNew;
   const CollocationSetup setup =
       refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kStepTolerance);
@@ -395,9 +402,9 @@ StartOutcome Continuation::begin(const Guess& guess, int most_iterations, const 
   return status_ == SolveStatus::kStopped ? StartOutcome::kNoSolution : StartOutcome::kNew;
 }
 
-// The setup with those intervals split whose error [rad] exceeds the tolerance, that exceed a limit by much, or that
-// misjudge the objective. Where a motor reverses at its torque limit u has to jump by the step of its friction: nodes
-// are placed on both sides of that, while halving takes three rounds more to come as near.
+// Returns the setup with those intervals split whose error [rad] exceeds the tolerance, that exceed a limit by much, or
+// whose cost is inaccurate. If a motor reverses at its torque limit, u has to jump by the step of its friction. Nodes
+// are placed on both sides of the jump, because halving would take three more rounds to come as near.
 CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const {
   const double worth_splitting = 1.5 * tolerance,
                worth_quartering = std::pow(2, settings().scheme.order + 2) * tolerance;
@@ -440,7 +447,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
     pieces[k] = static_cast<int>(cuts[k].size()) + 1;
   }
   setup.mesh = split(setup.mesh, cuts);
-  for (std::size_t k = 0; k < setup.margins.size(); ++k) {  // finer intervals may do without
+  for (std::size_t k = 0; k < setup.margins.size(); ++k) {  // split intervals may not need them
     if (pieces[k] > 1) std::fill(setup.margins[k].begin(), setup.margins[k].end(), 0.0);
   }
   setup.margins = inherited(setup.margins, pieces);
@@ -450,7 +457,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
 
 double Continuation::mesh_tolerance() const { return strategy.mesh * settings().mesh_tolerance; }
 
-// As many as are wanted; where that is more than there may be, the worst intervals only.
+// Returns into how many pieces each interval is split. If that gives too many intervals, only the worst are split.
 std::vector<int> Continuation::affordable_pieces(const std::vector<double>& errors, double tolerance) const {
   constexpr double kLessExact = 1.5;
   const auto count = [](const std::vector<int>& pieces) {
@@ -464,8 +471,9 @@ std::vector<int> Continuation::affordable_pieces(const std::vector<double>& erro
   return pieces;
 }
 
-// A reward is maximised, and its Hessian is not positive definite where the solution is: there our own method takes 1.6
-// times Ipopt's iterations (bench/README.md), and some of its solutions miss the certificate.
+// Returns the options of a warm start. Rewards are solved by Ipopt: a reward is maximised, so its Hessian is not
+// positive definite at the solution. There our own method takes 1.6 times Ipopt's iterations (bench/README.md), and
+// some of its solutions miss the certificate.
 SolveOptions Continuation::warm(const std::string& what) {
   SolveOptions o = options(what);
   o.warm_start = true;
@@ -487,7 +495,8 @@ bool Continuation::attempt_or_forget(const std::string& what, const CollocationS
   return status_ != SolveStatus::kStopped && strategy.begins_afresh && attempt_anew(what, setup);
 }
 
-// Forgetting the multipliers and most of the closeness to bounds takes longer, and fails more rarely.
+// Solves from the present motion without its multipliers and further from the bounds. This takes longer than a warm
+// start, and fails more rarely.
 bool Continuation::attempt_anew(const std::string& what, const CollocationSetup& setup) {
   const Guess guess = guess_from(solution_.motion, solution_.durations, solution_.motion.duration());
   const std::size_t solves = stages_.size();
@@ -514,7 +523,7 @@ SolveOptions Continuation::loosely(const std::string& what) {
 
 bool Continuation::solved_loosely() const { return solution_.report.tolerance > SolveOptions{}.tolerance; }
 
-// Where that fails the last solution stays.
+// Solves with the usual tolerances after a loose solve. If that fails, the last solution stays.
 void Continuation::solve_to_the_end() {
   const std::string what = fmt::format("{}, to the end", label_);
   if (solved_loosely()) attempt(what, CollocationSetup(solution_.setup), nullptr, warm(what));
@@ -615,7 +624,7 @@ bool Continuation::adopt(const Collocated& other, double duration) {
 bool Continuation::resume(const Collocated& neighbour) {
   if (static_cast<std::size_t>(neighbour.setup.mesh.segments()) != segment_count(*problem_)) return false;
   solution_ = neighbour;
-  // What was fitted to the other problem and may not suit this one.
+  // Settings that were fitted to the other problem may not suit this one.
   CollocationSetup& setup = solution_.setup;
   setup.creep.clear();
   const Smoothing& exact = strategy.steps.back();
@@ -626,13 +635,13 @@ bool Continuation::resume(const Collocated& neighbour) {
     setup.margins.clear();
   }
   const std::string what = label_ + ", moved";
-  // What does not come from there soon is planned from scratch in less time than a second attempt takes on average.
+  // If this does not converge soon, planning from scratch takes less time on average than a second attempt.
   SolveOptions o = warm(what);
   o.max_iterations = problem_->price ? kPricedIterations : kStepIterations;
   return attempt(what, CollocationSetup(solution_.setup), nullptr, o) && tighten_on_moved_nodes();
 }
 
-// Where margins cannot be had, the certificate decides about what there is.
+// If no solution with margins is found, the certificate decides about the last one.
 bool Continuation::settle() { return keep_best_step() && tighten_on_moved_nodes(); }
 
 bool Continuation::refine() {

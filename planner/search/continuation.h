@@ -1,5 +1,6 @@
-// From a guess to a converged solution: friction made exact step by step, the mesh refined where it errs, margins
-// widened until the limits hold between the collocation points.
+// Continuation from a guess to a converged solution: the friction law is made exact step by step (homotopy), the mesh
+// is refined where its error is too large, and margins are widened until the limits hold between the collocation
+// points.
 #pragma once
 
 #include <functional>
@@ -17,17 +18,18 @@
 
 namespace fjr {
 
-// Whether one of these minima is this one, by their objectives on the same mesh.
+// Returns whether an objective equals one of these minima to within 2e-5, so that both are the same minimum. All
+// objectives must be of the same mesh.
 bool any_same(const std::vector<double>& minima, double objective);
 
-// What a start came to.
+// Result of a start.
 enum class StartOutcome {
   kNoSolution,
-  kKnown,  // a minimum that was met before
+  kKnown,  // a minimum that was found before
   kNew,
 };
 
-// What became of a change to a problem that was to be solved again.
+// Result of changing the problem and solving it again.
 enum class ChangeOutcome {
   kNotNeeded,  // there was nothing to change
   kSolved,     // the solution is that of the changed problem
@@ -36,51 +38,51 @@ enum class ChangeOutcome {
 
 class Continuation {
  public:
-  // label: of this start, for progress and stages. The session outlives it.
+  // label: names the start in progress reports and stages. The session must outlive this object.
   Continuation(std::shared_ptr<const Problem> problem, Session& session, std::string label);
 
-  // Solves with the smoothest friction law, on a coarse mesh from the guess and then on a refined one: what the starts
-  // are compared by. status() says how it ended. `known`: objectives on first meshes; a minimum among them is not
-  // refined again, nor what comes to much more than the least.
+  // Solves with the smoothest friction law on a coarse mesh and, if the objective depends on friction, again on a
+  // refined mesh. Starts are compared by the result. known: objectives of other starts on their first meshes; a minimum
+  // among them is not refined again, nor one that costs much more than the least. status() tells how the solve ended.
   StartOutcome begin(const Guess& guess, int most_iterations, const std::vector<double>& known = {});
 
-  // From the refined solution of a neighbouring problem - other start, other goal - to this one's, on its mesh. False
-  // when there is no solution that way.
+  // Solves this problem from the refined solution of a neighbouring one (another start or goal), beginning on its mesh.
+  // Returns false if that gives no solution.
   bool resume(const Collocated& neighbour);
 
-  // From a solution of the same request with another objective, stretched to `duration` [s], on its mesh and with its
-  // friction law. False when there is no solution that way.
+  // Solves this problem from a solution of the same request with another objective, stretched to `duration` [s], on its
+  // mesh and with its friction law. Returns false if that gives no solution.
   bool adopt(const Collocated& other, double duration);
 
-  // From there one step of the homotopy nearer to the exact friction law, not yet minding the mesh. Returns whether
-  // further steps can follow it; after the last one, or one that failed, the best solution so far is the result.
+  // Takes one homotopy step towards the exact friction law, with a loose mesh tolerance. Returns false if no step was
+  // left or the step failed; the best solution so far is then the result.
   bool take_step();
 
-  // From the best solution of the steps so far to the exact problem, on a mesh and with margins that suit it. False
-  // when no usable solution is left.
+  // Adapts mesh and margins to the best solution of the steps so far, until every limit holds between the collocation
+  // points. Returns false if no usable solution is left.
   bool settle();
 
-  // All steps that can be taken, to the exact friction law; and from there to the exact problem. False when it was
-  // stopped, or no usable solution is left.
+  // follow_homotopy() takes all steps to the exact friction law; refine() takes them and then settles. They return
+  // false if the search was stopped or no usable solution is left.
   bool follow_homotopy();
   bool refine();
 
-  // Splits the intervals of solution() whose given errors [rad] exceed the mesh tolerance or make most of their sum, or
-  // whose limits are exceeded by much, and solves again.
+  // Splits the intervals of solution() whose errors [rad] exceed the mesh tolerance or make up most of their sum, and
+  // those that exceed limits by much, and solves again. Throws std::logic_error unless there is one error per interval.
   ChangeOutcome split_intervals(const std::vector<double>& errors);
 
   // Solves again with finer intervals and margins until the mesh is good enough and every limit holds between the
   // collocation points too. False when no usable solution is left.
   bool tighten();
 
-  // The same where a certificate found limits of the published rows exceeded: interpolation between rows can do what
-  // the collocation polynomial does not. (What exceeds them in a rollout only is not exact enough.)
+  // Widens margins where the published rows exceed limits, and solves again: interpolation between rows may exceed what
+  // the collocation polynomial keeps. (A limit exceeded only in the rollout needs more accuracy, not a margin.)
   ChangeOutcome keep_margins(const std::vector<LimitCheck>& checks);
 
-  // Solves again with motors kept from resting where they cannot (creep.h).
+  // Solves again with motors kept moving where their rest would be unstable (creep.h).
   ChangeOutcome creep();
 
-  // From here on it is counted and stopped by this session, which outlives it.
+  // Continues in another session, which counts the work and can stop it. The session must outlive this object.
   void go_on_in(Session& session) { session_ = &session; }
 
   const std::shared_ptr<const Problem>& problem() const { return problem_; }
@@ -92,18 +94,19 @@ class Continuation {
   // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.
   const std::string& obstacle() const { return obstacle_; }
   const std::vector<SolverStage>& stages() const { return stages_; }
-  int solutions() const { return solutions_; }  // that were found so far, each in place of the one before
+  int solutions() const { return solutions_; }  // number of solutions so far; each replaced the one before
 
-  int start = 1;                     // how many starts had been tried with this one
-  double mesh_factor = 1;            // on the number of intervals of the first mesh
-  double regularisation_factor = 1;  // on that of the first solution, by effort: with more it is easier to solve
-  double width_factor = 1;  // on the width of the first solution's friction law: less of it is nearer to the exact law
-  bool by_own_method = false;     // the first solution too, where that suits it, and not by Ipopt
-  double patience = 1;            // on the iterations of warm starts and of homotopy steps
+  int start = 1;           // number of starts tried so far, this one included
+  double mesh_factor = 1;  // on the number of intervals of the first mesh
+  double regularisation_factor =
+      1;                       // factor on the regularisation of the first solution, which makes it easier to find
+  double width_factor = 1;     // factor on the width of the first solution's friction law; smaller is nearer to exact
+  bool by_own_method = false;  // finds the first solution by our interior-point method instead of Ipopt, if that suits
+  double patience = 1;         // factor on the iterations of warm starts and homotopy steps
   ContinuationStrategy strategy;  // the usual one, unless another is set before it begins
 
  private:
-  // What an attempt from the present solution depends on beside that.
+  // What the result of an attempt depends on, besides the present solution. A failed attempt is not repeated.
   struct Attempt {
     CollocationSetup setup;
     enum How { kFromGuess, kWarm, kMovingNodes } how = kFromGuess;
@@ -114,12 +117,12 @@ class Continuation {
     bool same_as(const Attempt& other) const;
   };
 
-  // How far the homotopy was followed.
+  // State of the homotopy.
   struct Homotopy {
-    std::size_t next;  // step
+    std::size_t next;  // index of the next step
     Collocated best;   // solution so far
-    int best_at;       // solutions_ then
-    double least;      // objective, of the best, as it would be published
+    int best_at;       // value of solutions_ when it was found
+    double least;      // its objective as it would be published
   };
 
   bool cold(const Guess& guess, int most_iterations);
@@ -142,7 +145,7 @@ class Continuation {
   bool attempt_once(const std::string& what, Attempt attempt, const SolveOptions& options,
                     const std::function<Collocated(const SolveOptions&)>& solve);
   bool has_rests() const;
-  void keep_lowest_peak(std::optional<Collocated> best);  // best: nothing where no round kept all limits
+  void keep_lowest_peak(std::optional<Collocated> best);  // best: empty if no round kept all limits
   const ContinuationSettings& settings() const { return session_->options().settings; }
   SolveOptions options(const std::string& what);
   SolveOptions warm(const std::string& what);
@@ -155,9 +158,9 @@ class Continuation {
   std::string label_;
   Collocated solution_;
   SolveStatus status_ = SolveStatus::kFailed;
-  double violation_ = 0;  // that the last attempt left of its constraints
+  double violation_ = 0;  // of the constraints at the end of the last attempt
   std::string obstacle_;
-  std::vector<Attempt> failed_;  // from the present solution
+  std::vector<Attempt> failed_;  // attempts that failed from the present solution
   std::vector<SolverStage> stages_;
   std::optional<Homotopy> homotopy_;  // while it is followed
   int solutions_ = 0;

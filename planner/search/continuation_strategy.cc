@@ -4,10 +4,11 @@
 
 namespace fjr {
 
-// From smooth to exact, each solution starting the next. Effort lives in the friction's step, where a motor parks:
-// steps of about three keep every warm start within tens of iterations. Without effort the law only moves a torque
-// limit, and large steps do; there the regularisation by effort is what makes the first problems easy: with 0.1 of it
-// the time is up to 2 % longer; with 0.01, which remains, by 0.03 to 0.1 %, and half the iterations are enough.
+// The steps lead from a smooth to the exact friction law, each solution starting the next. Optima of objectives that
+// depend on friction have motors resting within the step of the law; steps of about a factor of three keep every warm
+// start within tens of iterations. For other objectives the law only shifts the torque limit, and large steps do. There
+// the regularisation by effort makes the first problems easy: with 0.1 of it the time is up to 2 % longer; with 0.01,
+// which remains, by 0.03 to 0.1 %, and half the iterations are enough.
 ContinuationStrategy usual_strategy(const Problem& problem) {
   ContinuationStrategy usual;
   if (sees_friction(problem.weights)) {
@@ -18,12 +19,12 @@ ContinuationStrategy usual_strategy(const Problem& problem) {
   return usual;
 }
 
-// The duration is nearly the same for many motions, so that the regularisation by effort is fifty times the usual one
-// and is kept. The friction of the first solution has a width of 0.001 rad/s already, and the steps to the exact law
-// are shorter than usual: of longer ones the first two could not be taken. A margin of half a per cent of the torque
-// leads to another motion and takes 66 to 183 iterations a round, so that intervals are split instead. Gravity
-// amplifies the errors of intervals, which are therefore split at once as finely as the certificate would ask for. With
-// both a lift with 5.5 N m takes 5 s of work from the exact law to the certificate, in five rounds.
+// Many motions have nearly the same duration, so the regularisation by effort is fifty times the usual one and is kept.
+// The first solution already has a friction width of 0.001 rad/s, and the steps to the exact law are shorter than
+// usual, because the first two of longer ones failed. A margin of half a per cent of the torque leads to another motion
+// and takes 66 to 183 iterations a round, so intervals are split instead. Gravity amplifies the errors of intervals, so
+// these are split at once as finely as the certificate would ask for. With both, a swing-up with 5.5 N m takes 5 s of
+// work from the exact law to the certificate, in five rounds.
 ContinuationStrategy swinging_strategy() {
   ContinuationStrategy swinging;
   swinging.steps = {{0.1, 0.5}, {0.00056, 0.5}, {0.00032, 0.5}, {0, 0.5}};

@@ -1,4 +1,4 @@
-// How a continuation goes about one kind of motion, from its first solution to the certificate.
+// Settings of a continuation for one kind of motion.
 #pragma once
 
 #include <vector>
@@ -8,22 +8,23 @@
 
 namespace fjr {
 
-// Fraction of a limit beyond which a margin would usually cost more than intervals.
+// Excess over a limit, as a fraction of it, beyond which intervals are split, because a margin would usually cost more.
 inline constexpr double kExcessWorthSplitting = 0.02;
 
 struct ContinuationStrategy {
   std::vector<Smoothing> steps;  // of the homotopy, from the first solution's friction law to the exact one
-  bool loose_steps = false;      // steps that others follow are solved loosely
+  bool loose_steps = false;      // homotopy steps are solved with loose tolerances
   bool fades = true;             // a regularisation that outweighs the objective is reduced at the end
-  bool begins_afresh = true;     // where a warm start fails on a finer mesh, the multipliers are forgotten
-  double mesh = 1;               // tolerance of the mesh, times the usual one
+  bool begins_afresh = true;     // a failed warm start on a finer mesh is repeated without multipliers
+  double mesh = 1;               // factor on the mesh tolerance
   double worth_splitting = kExcessWorthSplitting;  // on the mesh that is to be certified
 };
 
-// The usual one.
+// Returns the strategy of all motions but those that swing up; its homotopy steps depend on the objective.
 ContinuationStrategy usual_strategy(const Problem& problem);
 
-// Of a motion that swings with hardly any torque to spare, whose time changes little near the optimum.
+// Returns the strategy of minimum-time swing-ups with hardly any torque to spare, whose time changes little near the
+// optimum.
 ContinuationStrategy swinging_strategy();
 
 }  // namespace fjr

@@ -10,7 +10,8 @@ namespace {
 
 constexpr int kProbes = 8;              // per interval
 constexpr double kShortestRest = 0.04;  // [s] shorter ones are over before the deviation has grown to a count
-constexpr double kFaster = 2.0;  // than the band's edge, where the law's slope is zero: here it is clearly positive
+constexpr double kFaster =
+    2.0;  // times the velocity at the band's edge, where the law's slope is zero: here it is clearly positive
 
 bool rests(const Motion& motion, std::size_t interval, std::size_t joint, double band) {
   const auto& i = motion.intervals[interval];
@@ -29,7 +30,7 @@ std::vector<Joints<double>> creep_through_rests(const Problem& problem, const Mo
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double band = FrictionLaw::of(problem.robot, static_cast<int>(j)).unstable_band();
     if (band == 0 || !std::isfinite(band)) continue;
-    // The first and the last interval are what the motor has to leave the start and to come to rest at the goal.
+    // In the first and the last interval the motor has to leave the start and to come to rest at the goal.
     for (std::size_t first = 1; first + 1 < count; ++first) {
       std::size_t end = first;
       while (end + 1 < count && rests(motion, end, j, band)) ++end;

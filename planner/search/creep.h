@@ -8,11 +8,11 @@
 
 namespace fjr {
 
-// Where a motor whose friction falls with speed at rest (FrictionLaw::unstable_band) would rest, the certificate's
-// closed loop, which has no dither, does not hold it there to a count: it wanders off and back for ever. Moving a
-// little faster than the band it is stable, and a few milliradians further at the end of a long wait. Returns the
-// velocity [rad/s] that each motor is to keep at least, with its sign, per interval; 0 where nothing is asked. Start
-// and goal are left alone.
+// A motor whose friction falls with speed near standstill (FrictionLaw::unstable_band) cannot rest there: the
+// certificate's closed loop, which has no dither, does not hold it to a count, and it keeps drifting off and back. A
+// little faster than the band it is stable, and ends a long wait only a few milliradians further. Returns the least
+// velocity [rad/s] of each motor in each interval, with its sign; 0 where none is asked for. The first and the last
+// interval are left free for leaving the start and stopping at the goal.
 std::vector<Joints<double>> creep_through_rests(const Problem& problem, const Motion& motion);
 
 }  // namespace fjr

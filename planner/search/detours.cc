@@ -17,10 +17,10 @@
 namespace fjr {
 namespace {
 
-constexpr double kComfort = 0.02;   // [m] of clearance below which a cell is dearer
-constexpr double kDearer = 2;       // by this factor where there is none
+constexpr double kComfort = 0.02;   // [m] clearance below which a cell costs more
+constexpr double kDearer = 2;       // factor on the cost of a cell without clearance
 constexpr double kDiscouraged = 6;  // factor on cells near a path that was found before
-constexpr double kNear = 0.5;       // [rad] what near means there, grown with every trial
+constexpr double kNear = 0.5;       // [rad] distance that counts as near; grows with every trial
 constexpr int kTrials = 3;          // to find one more path
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -28,7 +28,7 @@ struct Cell {
   int i, j;
 };
 
-// Of the tip's line or arc: cells of a coarse grid lie within it.
+// Returns whether the row is of a line or arc of the tip that is wide enough to contain cells of a coarse grid.
 bool is_wide(const TaskRow& row) { return row.kind != TaskRow::Kind::kAngles && row.scale >= kWideTipPath; }
 
 class Grid {
@@ -61,7 +61,8 @@ class Grid {
             middle_[1] - limit_[1] + 2 * limit_[1] * j / (size_[1] - 1)};
   }
 
-  // The nearest cell; with `only_free` among the free ones round it, for what is given lies between cells.
+  // Returns the nearest cell; with `only_free` the nearest free one within two cells, if there is any, because a
+  // permitted posture may have a forbidden cell next to it.
   std::size_t cell_of(const Joints<double>& q, bool only_free) const {
     const Cell at{nearest(q[0], 0), nearest(q[1], 1)};
     std::size_t best = index(at);
@@ -128,7 +129,8 @@ class Grid {
   std::vector<double> clearance_, cost_;
 };
 
-// Dijkstra's algorithm; better(a, b): a is the better value to have come with. extend(value, from, to, time).
+// Dijkstra's algorithm. better(a, b): whether value a of a path is better than b. extend(value, from, to, time): value
+// of the path after one more step. Returns the cells of the best path; empty if there is none.
 template <class Better, class Extend>
 std::vector<std::size_t> search(const Grid& grid, std::size_t from, std::size_t to, double first, double worst,
                                 const Better& better, const Extend& extend) {
@@ -183,7 +185,7 @@ Path path_of(const Grid& grid, const std::vector<std::size_t>& cells, const Join
   return path;
 }
 
-// Twice the angle that the closed polygon turns round a point, over 2 pi: its winding number.
+// Returns the winding number of a closed polygon about a point.
 int winding(const Path& polygon, const Joints<double>& point) {
   int turns = 0;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -195,7 +197,7 @@ int winding(const Path& polygon, const Joints<double>& point) {
   return turns;
 }
 
-// One can be pulled into the other unless the loop they form goes round something forbidden.
+// Returns whether two paths are of one homotopy class: the loop that they form must not enclose a forbidden cell.
 bool same_path(const Grid& grid, const Path& a, const Path& b) {
   Path loop = a;
   loop.insert(loop.end(), b.rbegin(), b.rend());
@@ -244,7 +246,8 @@ Detours find_detours(const Problem& problem, std::size_t segment, const Joints<d
 
 namespace {
 
-// A point of the tip's line or arc that no posture within the joints' limits reaches, as a sentence.
+// Returns a sentence on a point of the tip's line or arc that no posture within the joints' limits reaches; empty if
+// there is none.
 std::string beyond_reach(const Problem& problem) {
   constexpr int kPieces = 400;
   const Task& task = problem.task;

@@ -19,40 +19,43 @@ namespace fjr {
 namespace {
 
 constexpr int kUsualIterations = 300;            // iterations of one attempt
-constexpr int kSwingIterations = 1200;           // what has to swing up first took up to 630
-constexpr int kTighteningSwingIterations = 600;  // of a step towards tighter limits that comes to swing once more
-constexpr int kLastSwingIterations = 900;        // of one that nothing else follows
+constexpr int kSwingIterations = 1200;           // motions that have to swing up took up to 630
+constexpr int kTighteningSwingIterations = 600;  // of a step to tighter limits after which the motion swings once more
+constexpr int kLastSwingIterations = 900;        // of the last attempt
 constexpr double kMoreEffort = 10;               // times the usual regularisation
 constexpr std::size_t kPatientStarts = 2;
 constexpr double kCoarser = 0.5, kFiner = 2;    // times the usual number of intervals
 constexpr double kRelaxed[] = {0.5, 3};         // fractions by which limits are relaxed at first
 constexpr double kEasilyCarried = 1.05;         // times what carrying the arm takes
 constexpr double kWindingUp[] = {0.4, 0.2, 0};  // fractions of the way that links go the other way first
-constexpr double kLongestInterval = 0.03;  // [s] in the mean of a mesh that is still fine enough for a longer motion
-constexpr double kFirstStep = 0.05;        // of the factor of the limits
-constexpr double kLongerStep = 1.25;       // times the last one, after one that could be taken
-constexpr double kGrowth = 0.06;           // fraction by which the motion may take longer after a step, by the last one
-constexpr double kShortestStep = 2e-4;     // of those that could not be taken
-// Where more work is allowed than usual, motions that swing get as much more patience, up to this: with little torque
-// to spare warm starts take up to 690 iterations.
+constexpr double kLongestInterval =
+    0.03;  // [s] mean interval up to which a mesh is fine enough to be reused for a longer motion
+constexpr double kFirstStep = 0.05;   // of the factor on the limits, relative
+constexpr double kLongerStep = 1.25;  // times the last step, after a success
+constexpr double kGrowth =
+    0.06;  // fraction by which a step may make the motion longer, extrapolated from the last step
+constexpr double kShortestStep = 2e-4;  // below this, failed steps are not halved again
+// If more work is allowed than usual, the iteration limits of swinging motions grow in proportion, up to this factor:
+// with little torque to spare, warm starts take up to 690 iterations.
 constexpr double kMostPatience = 5;
-// Fractions of the usual width of friction. A motor that creeps has less friction under a smoothed law, so that a lift
-// found with the usual width may be infeasible with the exact law. With the sharper one, limits are tightened in more
+// Factors on the usual friction width. A slowly moving motor has less friction under a smoothed law, so a swing-up
+// found with the usual width may be infeasible with the exact law. With the sharpest law, limits are tightened in more
 // and longer steps.
 constexpr double kSharpWidthFactor = 0.1, kSharpestWidthFactor = 0.01;
 
-// Where carrying the arm takes more than so many times the torque of joint 1, limits that are tightened step by step
-// come near it in ever shorter steps: with 5.6 of 6.7 N m (1.196 times) in 2,300 iterations, with 5.5 in none.
+// If carrying the arm takes more than this many times the torque of joint 1, tightening the limits step by step takes
+// ever shorter steps: with 5.6 of 6.7 N m (1.196 times) it took 2,300 iterations, with 5.5 it never arrived.
 constexpr double kMuchTooHeavy = 1.205;
-constexpr double kLiftPeriods[] = {2.3, 3.4, 4.5};  // of small swings, that the motion may take
-constexpr double kHopelessTorqueSlack = 0.03;       // fraction of the torque: twice what more time gains
-constexpr double kSwingPeriods = 1.5;               // of them, until link 1 is past where gravity takes most
-constexpr double kFoldedMeshFactor = 0.6;           // times the usual number of intervals
-constexpr int kLiftIterations = 650;                // those that lead somewhere took up to 590
-constexpr int kShortenings = 2;             // of the time in which the arm is lifted, where the fastest is far off
+constexpr double kLiftPeriods[] = {2.3, 3.4, 4.5};  // durations that are tried, in periods of small oscillations
+constexpr double kHopelessTorqueSlack =
+    0.03;  // fraction of the torque beyond which more time is not tried: twice what it gains
+constexpr double kSwingPeriods = 1.5;       // in these periods, until link 1 is past where gravity takes most
+constexpr double kFoldedMeshFactor = 0.6;   // times the usual number of intervals
+constexpr int kLiftIterations = 650;        // those that lead somewhere took up to 590
+constexpr int kShortenings = 2;             // rounds that shorten the swing-up, if the fastest motion is far off
 constexpr int kShorteningIterations = 500;  // those that lead somewhere took 290 to 410
 constexpr double kSwingPatience = 2;        // times the usual iterations of warm starts
-// Fraction of the torque that is told to be missing where no plan comes of a lift.
+// Fraction of the torque that is reported as missing if a swing-up is found but no plan comes of it.
 constexpr double kReportedTorqueDeficit = 0.01;
 constexpr double kNegligibleTorqueSlack = 1e-3;  // fraction of the torque: as good as none
 
@@ -78,7 +81,7 @@ std::optional<Continuation> attempt_patiently(const SharedProblem& problem, Sess
   return try_to_begin(std::move(c), session, guess, kSwingIterations);
 }
 
-// From a smoothed solution, or from another problem's, on a new mesh.
+// Solves on a new mesh from a smoothed solution, or from another problem's.
 std::optional<Continuation> sharpened(const SharedProblem& problem, Session& session, const std::string& label,
                                       const Collocated& from, double width_factor, double mesh_factor = 1) {
   Continuation c(problem, session, label);
@@ -89,7 +92,8 @@ std::optional<Continuation> sharpened(const SharedProblem& problem, Session& ses
                       kTighteningSwingIterations);
 }
 
-// From a solution of a neighbouring problem: on its mesh where that will do, or else from the start again.
+// Solves from the solution of a neighbouring problem: on its mesh if that is fine enough, and otherwise, or if that
+// fails, on a new one.
 std::optional<Continuation> follow(const SharedProblem& problem, Session& session, const std::string& label,
                                    const Collocated& from, double width_factor) {
   const double duration = from.motion.duration();
@@ -101,17 +105,17 @@ std::optional<Continuation> follow(const SharedProblem& problem, Session& sessio
   return sharpened(problem, session, label, from, width_factor);
 }
 
-// The problem with limits that are easier to keep, by more with a larger factor.
+// Returns the problem with relaxed limits; a larger factor relaxes more.
 using Eased = std::function<Problem(double factor)>;
 
-// A motion that keeps the limits relaxed by that factor; with a factor of 1 it keeps the problem's.
+// A motion within the limits relaxed by that factor; 1 means the problem's own limits.
 struct Reached {
   Continuation motion;
   double factor;
 };
 
-// Step by step towards the problem's own limits, each solution starting the next, as far as that goes. width_factor: of
-// solutions on new meshes.
+// Tightens the limits step by step towards the problem's own, each solution starting the next, as far as possible.
+// Stops at motions longer than `longest` [s]. width_factor: for solutions on new meshes.
 Reached tighten(const SharedProblem& problem, Session& session, const Eased& eased, Reached from, double longest,
                 double width_factor) {
   double step = kFirstStep;
@@ -183,7 +187,7 @@ SwungUp swing_up_with(const SharedProblem& problem, double longest, Session& ses
     if (!carried) continue;
     Reached reached = tighten(problem, session, eased, {std::move(*carried), easily}, longest, width_factor);
     if (reached.factor > 1) return {std::nullopt, eased(reached.factor).limits};
-    // On the coarse mesh a motion may be lifted by what the mesh does not see.
+    // On the coarse mesh a motion may get up only because of the mesh's errors.
     if (auto finer =
             sharpened(problem, session, "swung up, finer mesh", reached.motion.solution(), width_factor, kFiner)) {
       return {std::move(*finer), std::nullopt};
@@ -193,7 +197,7 @@ SwungUp swing_up_with(const SharedProblem& problem, double longest, Session& ses
   return {};
 }
 
-// The small swing of the arm as if it were rigid and stretched. [s]
+// Returns the period [s] of small oscillations of the hanging arm, taken as rigid and stretched.
 double period_of(const Problem& problem) {
   const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
   const double inertia = stretched.m11 + problem.robot.motor.inertia[0];
@@ -201,8 +205,8 @@ double period_of(const Problem& problem) {
   return 2 * std::numbers::pi * std::sqrt(inertia / gravity);
 }
 
-// Whether link 1 lacks torque and nothing else, much of it, and the motion is one from rest to rest without more to it:
-// the guess is made for that.
+// Returns whether the folding guess suits the problem: joint 1 alone lacks torque, and much of it, and the motion is
+// the fastest one from rest to rest, without via points or task.
 bool folding_helps(const Problem& problem) {
   const Factors factors = factors_to_carry(problem);
   const auto lacking = std::count_if(factors.begin(), factors.end(), [](double factor) { return factor > 1; });
@@ -218,7 +222,8 @@ Relaxable torque_of_joint_1(const Problem& problem) {
   throw std::logic_error("torque cannot be relaxed");
 }
 
-// The least torque of joint 1 with which the arm gets up in so much time [s], and a smoothed motion that does.
+// Finds the least torque of joint 1 that gets the arm up in `duration` [s], and a motion with smoothed friction that
+// needs no more.
 std::optional<Continuation> least_torque(const Problem& problem, const Relaxable& torque, double duration,
                                          const std::function<Guess(const Problem&)>& guess, double width_factor,
                                          int most_iterations, Session& session) {
@@ -231,7 +236,7 @@ std::optional<Continuation> least_torque(const Problem& problem, const Relaxable
   return try_to_begin(std::move(lifted), session, guess(*shared), most_iterations);
 }
 
-// The same from a guess that folds: with a sharp friction law, or where that leads nowhere with a smoother one.
+// Does the same from a folding guess: with a sharp friction law and, if that fails, with a smoother one.
 std::optional<Continuation> lifted_folded(const Problem& problem, const Relaxable& torque, double duration,
                                           double swing, Session& session) {
   const auto folding = [&](const Problem& timed) { return folding_guess(timed, duration, swing); };
@@ -245,7 +250,7 @@ std::optional<Continuation> lifted_folded(const Problem& problem, const Relaxabl
 
 bool is_lifted(const Continuation& lifted) { return lifted.solution().slack <= kNegligibleTorqueSlack; }
 
-// Lifted in less time, each motion starting the next: half-way to what is too short [s], a few times.
+// Shortens a swing-up in a few rounds, each starting the next: half-way to a duration that is too short [s].
 Continuation lifted_sooner(const Problem& problem, const Relaxable& torque, Continuation lifted, double too_short,
                            Session& session) {
   for (int round = 0; round < kShortenings && !session.interrupted(); ++round) {
@@ -275,20 +280,20 @@ std::optional<Continuation> fastest_from(const SharedProblem& problem, const Con
 
 struct Folded {
   SwungUp swung;
-  bool torque_is_enough = false;  // for a smoothed motion in some time, whatever came of it
+  bool torque_is_enough = false;  // a swing-up with smoothed friction exists for one of the durations
 };
 
-// Where tightening limits takes ever shorter steps: the least torque with which the arm gets up in a given time, which
-// is one problem; where that is no more than there is, the fastest motion from there. What is nearer to the fastest
-// takes longer to find and starts it better.
+// Handles arms for which tightening the limits takes ever shorter steps. Finds the least torque that gets the arm up in
+// a given time, which is one problem. If that is no more than the limit, the fastest motion is searched from there.
+// Shorter swing-ups take longer to find, but are better starts for it.
 Folded swing_up_folded(const SharedProblem& problem, double longest, Session& session) {
   const Relaxable torque = torque_of_joint_1(*problem);
   const double period = period_of(*problem), swing = kSwingPeriods * period;
   double least = kNoLimit;  // slack
   double too_short = swing;
-  // The duration is bounded by `longest`, and not by the larger bound of the search for a fastest motion: with a bound
-  // far away a lift with 5.5 N m converged to a motion that is 1.5 % longer, in which motor 1 slips back within the
-  // step of its friction. Every round then asked for margins of a third of the torque, each time elsewhere.
+  // The duration is bounded by `longest`, and not by the larger bound of the search for a fastest motion. With a bound
+  // far away, a swing-up with 5.5 N m converged to a motion that is 1.5 % longer, in which motor 1 slips back within
+  // the step of its friction. Every round then asked for margins of a third of the torque, each time elsewhere.
   Problem in_time = *problem;
   in_time.duration.max = longest;
   const auto bounded = std::make_shared<const Problem>(std::move(in_time));

@@ -1,7 +1,7 @@
-// What is tried, in this order, when no start leads anywhere.
+// Fallbacks if no start leads to a solution, in the order in which they are tried.
 //
-// Before it come more starts, displaced at random, and the fastest motion stretched to the time there is (motions.cc);
-// within a continuation a warm start that failed is tried again with an adaptive barrier (continuation.cc).
+// Before them the search tries more starts, displaced at random, and the fastest motion stretched to the time there is
+// (motions.cc). Within a continuation, a failed warm start is repeated with an adaptive barrier (continuation.cc).
 #pragma once
 
 #include <memory>
@@ -11,24 +11,23 @@
 
 namespace fjr {
 
-// Whether the arm could be moved slowly along the straight way, without swinging.
+// Returns whether the limits allow moving the arm slowly along the straight path, without swinging.
 bool can_be_carried(const Problem& problem);
 
-// Where it cannot, it has to be swung up. With limits that carry it a motion is soon found; those are tightened step by
-// step, each solution starting the next, and the motion comes to swing by itself, the more the tighter they are.
-// Where much torque is missing, the least torque for a motion that folds link 2 on the way is asked for instead.
-// Motions of more than `longest` [s] are not followed. With more than the usual patience, what only a smoothed friction
-// law lifts is searched again with a sharper one.
+// Searches a motion that swings the arm up, if it cannot be carried. Limits are relaxed until they carry the arm, which
+// soon gives a motion. They are then tightened step by step, each solution starting the next, and the tighter they are,
+// the more the motion swings. If much torque is missing, the search first looks for the least torque of a motion that
+// folds link 2 on the way. Motions of more than `longest` [s] are not followed. With more than the usual patience, a
+// motion that does not converge with the exact friction law is searched again from a sharper one.
 struct SwungUp {
-  std::optional<Continuation> motion;  // as good as Continuation::begin() leaves it
-  std::optional<Limits> reached;       // the tightest limits with which there was one, or is likely to be
+  std::optional<Continuation> motion;  // on its first mesh, as after Continuation::begin()
+  std::optional<Limits> reached;       // tightest limits for which a motion was found or is likely
 };
 SwungUp swing_up(const std::shared_ptr<const Problem>& problem, double longest, Session& session);
 
-// The first starts again with patience and more effort, a coarser mesh, a finer one, and then relaxation: with
-// its limits relaxed the problem is solved, and they are tightened again step by step, each solution starting the next.
-// What was tried is counted in Session::fallbacks(). The result is as good as Continuation::begin() leaves it; none
-// when nothing led anywhere.
+// Tries the first starts again with more iterations and more regularisation, a coarser mesh, a finer one, and at last
+// relaxed limits, which are tightened step by step, each solution starting the next. Session::fallbacks() counts what
+// was tried. Returns a motion as after Continuation::begin(), or nothing if all failed.
 std::optional<Continuation> fall_back(const std::shared_ptr<const Problem>& problem, Session& session);
 
 }  // namespace fjr

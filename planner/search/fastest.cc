@@ -10,8 +10,8 @@
 namespace fjr {
 namespace {
 
-// The first that takes no more than `allowed` [s], or else the shortest; certified where it takes longer and can be
-// published, for how long it takes is then told.
+// Returns the first fastest motion that takes no more than `allowed` [s], or else the shortest one. A motion that takes
+// longer is certified if possible, because its duration is reported to the user.
 std::optional<Fastest> find_fastest(const std::shared_ptr<const Problem>& alternative, double allowed, Findings& found,
                                     Session& session) {
   const auto fastest = std::make_shared<const Problem>(fastest_of(*alternative));

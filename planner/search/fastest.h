@@ -1,26 +1,27 @@
-// The fastest motion of a request with another objective: a start for it, stretched to the time it has; or the reason
-// why it has none.
+// The fastest motion of a request with another objective. Stretched to the allowed time it is a start for the request;
+// if it takes too long, the request has no solution.
 #pragma once
 
 #include "planner/search/findings.h"
 
 namespace fjr {
 
-// The same request for the fastest motion, whatever time it takes, via points passed at any time.
+// Returns the request with time as its objective and a free duration; via points may be passed at any time.
 Problem fastest_of(Problem problem);
 
-// The fastest motion through via point i, to end there: the times of those before it kept, whatever comes after.
+// Returns the minimum-time problem that ends at via point i. Times of earlier via points are kept; what comes after is
+// dropped.
 Problem fastest_to_via(Problem problem, std::size_t i);
 
-// The fastest motion of an alternative, with the exact friction law, for a smoothed motion may take some per cent
-// longer. Where it takes no longer than allowed, it is the start of the alternative; where nothing comes of that, its
-// own mesh is.
+// Finds the fastest motion of an alternative, with the exact friction law, because a smoothed motion may take some per
+// cent longer. If it takes no longer than allowed, the alternative is solved from it; if that fails, on its mesh.
 void try_from_fastest(const std::shared_ptr<const Problem>& alternative, Findings& found, Session& session);
 
-// There is a fastest motion, and hardly more time than it takes.
+// Returns whether the fastest motion is known and the allowed duration is hardly longer.
 bool has_little_spare_time(const Findings& found);
 
-// With hardly any time to spare only the fastest motion's own mesh and the exact law have a motion.
+// Solves the alternative on the fastest motion's own mesh with the exact friction law. With hardly any time to spare,
+// no other mesh and no smoothed law has a solution.
 void adopt_fastest(Findings& found, Session& session);
 
 }  // namespace fjr

@@ -5,11 +5,11 @@
 namespace fjr {
 namespace {
 
-// The objective is divided by its size, for the optimiser's tolerances and regularisation are meant for objectives of
-// order 1 to 100 while weights may be of any size.
+// Returns the problems to optimise. Their objective is divided by its size, because the optimiser's tolerances and
+// regularisation are meant for objectives of order 1 to 100, while weights may be of any size.
 //
-// The fastest motion is looked for whatever it takes, and what it takes is then compared with what is allowed: right
-// above the minimum a smoothed problem, whose minimum is some per cent longer, has no motion at all.
+// A fastest motion may take any time, and its duration is compared with the allowed one afterwards. With a bound just
+// above the minimum, a problem with smoothed friction, whose minimum is some per cent longer, would have no solution.
 std::vector<std::shared_ptr<const Problem>> alternatives_of(const Problem& asked, double scale) {
   Problem scaled = asked;
   if (only_time(asked.weights)) scaled.duration.max = kLongestDuration;

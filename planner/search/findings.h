@@ -1,4 +1,4 @@
-// What the search has found for one request, as far as it has come.
+// Intermediate results of the search for one request.
 #pragma once
 
 #include <memory>
@@ -38,7 +38,7 @@ struct Findings {
   const Problem& asked;  // outlives this
   double scale;          // of the objective: what is optimised is divided by it, see size_of(Weights)
   std::vector<std::shared_ptr<const Problem>>
-      alternatives;  // what is optimised: one problem for each goal that will do
+      alternatives;  // problems that are optimised: one for each goal that is allowed
 
   int starts = 0;                          // that were solved
   int starts_planned = 0;                  // that are solved in any case
@@ -46,27 +46,27 @@ struct Findings {
   int patience = 400;                      // iterations a start may take
   std::vector<CoarseMotion> candidates;    // in the order in which they were found
   std::vector<Continuation> waiting;       // to be refined while the next starts are tried
-  std::vector<double> minima;              // objectives of the distinct ones, as optimised, on their first meshes
-  StepObjectives reached;                  // on the way from there to exact friction
-  std::optional<Publication> best;         // certified; or the last one that is not, where none is
-  std::optional<Fastest> fastest;          // once it was looked for, the shortest that there is
+  std::vector<double> minima;              // scaled objectives of the distinct minima on their first meshes
+  StepObjectives reached;                  // objectives after the homotopy steps
+  std::optional<Publication> best;         // the best certified one, or the last one if none is certified
+  std::optional<Fastest> fastest;          // the shortest motion found, if it was looked for
   std::optional<Limits> carried_with;      // limits with which the arm was found to swing up
-  bool swing_was_cut = false;              // more work might have found it with tighter ones
-  std::optional<OutOfReach> out_of_reach;  // clearly, so that no more was tried
-  bool a_start_was_infeasible = false;     // and not only difficult
+  bool swing_was_cut = false;              // more work might have found motions with tighter limits
+  std::optional<OutOfReach> out_of_reach;  // clearly infeasible, so that no more was tried
+  bool a_start_was_infeasible = false;     // the optimiser found a start infeasible, not only slow to converge
   std::string obstacle;                    // what a start without solution failed at, a clause
   std::string failure;                     // why a solution could not be published
 
   bool certified() const { return best && best->certificate.certified; }
 
-  // Even the fastest motion takes longer than was asked for.
+  // Returns whether even the fastest motion takes longer than is allowed.
   bool too_short() const { return fastest && fastest->duration() > asked.duration.max; }
 
-  // Stores what was published as the best, if it is better than that; what takes longer than was asked for, as the
-  // fastest motion. True when it is a certified plan.
+  // Keeps a published motion as the best if it is better than the present one. A motion longer than is allowed is kept
+  // as the fastest motion instead. Returns whether it is certified and not too long.
   bool keep(const Continuation& c, PublishResult published);
 
-  // A motion that is as fast as can be.
+  // Keeps a fastest motion if it is shorter than the one known.
   void note_fastest(const Continuation& c, bool certified);
 };
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kLeastPatience = 100;  // iterations of a start
 
-// Whether the candidate that was found last is worth refining, beside those before it.
+// Returns whether the candidate that was found last is worth refining, compared with those before it.
 bool last_promises(const Findings& found) {
   std::vector<CoarseSolution> best_first;
   for (const CoarseMotion& c : found.candidates) best_first.push_back(c.coarse);
@@ -29,15 +29,15 @@ bool last_promises(const Findings& found) {
   return true;
 }
 
-// Motions of many seconds are refined to thousands of intervals. How long the fastest takes is known to a per cent
-// before; where it may not take nearly as long, that is enough to say so.
+// Returns whether a fastest motion takes so much longer than allowed that it need not be refined. Motions of many
+// seconds are refined to thousands of intervals, and their duration is known to a per cent before.
 bool far_too_long(const Continuation& c, const Problem& asked) {
   constexpr double kFar = 1.15;  // times the longest duration
   const double duration = c.duration();
   return only_time(asked.weights) && duration > kLongMotion && duration > kFar * asked.duration.max;
 }
 
-// The motion, solved again with a penalty on accelerations; itself where that leads nowhere.
+// Solves a motion again with a penalty on accelerations. Returns the motion itself if that fails.
 Continuation with_penalty(const Continuation& c, const std::shared_ptr<const Problem>& penalised, int patience,
                           Session& session) {
   Continuation solved(penalised, session, c.label() + ", calm");
@@ -62,7 +62,8 @@ std::shared_ptr<const Problem> ending_at(const Problem& problem, const Joints<do
   return std::make_shared<const Problem>(std::move(given));
 }
 
-// The start's guess; where that has a first end, the motion that it comes to with this end, if there is one.
+// Returns the start's guess. If that has a first end for a free joint (Guess::first_end), returns the motion solved
+// with this end fixed, if there is one.
 Guess with_first_end(const Start& start, int patience, Session& session) {
   if (!start.guess.first_end) return start.guess;
   Continuation c(ending_at(*start.alternative, *start.guess.first_end), session, start.label + ", end given");
@@ -71,8 +72,8 @@ Guess with_first_end(const Start& start, int patience, Session& session) {
   return guess_from(c.solution().motion, c.solution().durations, c.duration());
 }
 
-// Publishes motions that were refined, the best first: those that would be no better than what is certified need not
-// be. By what was asked for: some of them may have been solved with another objective.
+// Publishes refined motions, the best first, until one would be no better than the certified plan. They are compared by
+// the requested objective, because some may have been solved with another one.
 void publish_best(std::vector<Continuation> motions, Findings& found, Session& session) {
   const Timed timed(session, "finish");
   std::vector<std::pair<double, Continuation*>> best_first;
@@ -88,8 +89,8 @@ void publish_best(std::vector<Continuation> motions, Findings& found, Session& s
   }
 }
 
-// Fastest motions of many seconds, whose springs have time to swing: with penalties on accelerations, the largest
-// first, until one is certified.
+// Refines a fastest motion of many seconds, whose springs have time to oscillate, with penalties on accelerations: the
+// largest first, until one is certified.
 void refine_with_penalties(const Continuation& coarse, Findings& found, Session& session) {
   const Timed timed(session, "finish");
   for (const auto& penalised : fastest_with_acceleration_penalties(*coarse.problem())) {
@@ -101,8 +102,7 @@ void refine_with_penalties(const Continuation& coarse, Findings& found, Session&
   }
 }
 
-// Refines motions that were found beside each other. While nothing is certified, those that were dropped on the way are
-// refined too.
+// Refines motions in a race. While nothing is certified, those that were dropped in the race are refined too.
 void refine_all(std::vector<Continuation> coarse, Findings& found, Session& session) {
   if (coarse.empty()) return;  // entering the phase of refining would release its share of the work for nothing
   session.enter(Phase::kRefining);
@@ -129,8 +129,8 @@ void refine_all(std::vector<Continuation> coarse, Findings& found, Session& sess
   }
 }
 
-// Notes a motion that was found on a coarse mesh. True when it promises enough to be refined: while nothing is
-// certified, everything does.
+// Notes a motion that was found on a coarse mesh. Returns whether it is worth refining: while nothing is certified,
+// every motion is, unless it is far too long.
 bool note(const Continuation& c, Findings& found, Session& session) {
   const Collocated& coarse = c.solution();
   found.candidates.push_back({c.problem(), {coarse.report.objective, c.start}, coarse.motion, coarse.durations});
@@ -153,8 +153,8 @@ TriedStart note_outcome(Begun& begun, const Guess& guess, Findings& found) {
   const double objective = first.objective;
   if (any_same(found.minima, objective)) begun.outcome = StartOutcome::kKnown;
   if (begun.outcome == StartOutcome::kKnown) return {.led_somewhere = true};
-  // What is much harder than what was found already is given up early; counted in iterations, so that it is the same
-  // every time. What began at a motion with its end given does not tell how hard others are.
+  // Later starts that take many more iterations than this one are given up early. The limit counts iterations and not
+  // time, so that results are reproducible. A start whose end was fixed at first does not tell how hard others are.
   if (!guess.first_end) found.patience = std::min(found.patience, std::max(kLeastPatience, 2 * first.iterations));
   found.minima.push_back(objective);
   return {.led_somewhere = true};

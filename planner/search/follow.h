@@ -1,4 +1,4 @@
-// From what a start came to on a coarse mesh, to the end.
+// Follows coarse solutions of starts to certified plans.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace fjr {
 
-// [s] Coarse meshes of longer motions do not resolve how the springs swing.
+// [s] Coarse meshes of longer motions do not resolve the oscillation of the springs.
 inline constexpr double kLongMotion = 8;
 
 // Which solutions are refined to the end.
@@ -18,13 +18,14 @@ struct Refining {
   int most;
 };
 
-// Where the objective depends on friction, objectives with smoothed friction do not tell the final order: of seven
-// motions the fourth came to 3 % less effort than the first, so several are refined. Every start beyond the usual
-// number adds one to them: whatever would be refined without it is refined with it too.
+// Returns how many solutions are refined. If the objective depends on friction, objectives with smoothed friction do
+// not tell the final order: of seven motions the fourth came to 3 % less effort than the first, so several are refined.
+// Every start beyond the usual number adds one, so that more starts never displace a motion that would be refined
+// without them.
 Refining refining(const Weights& weights, int starts);
 
-// Notes a motion that was found on a coarse mesh, and refines and publishes it if it promises something: the best
-// certified one is the plan. While nothing is certified, everything is worth it.
+// Notes a motion that was found on a coarse mesh. Refines and publishes it if it may become the best plan; while
+// nothing is certified, every motion is refined.
 void follow(Continuation c, Findings& found, Session& session);
 
 struct Start {
@@ -39,14 +40,14 @@ struct TriedStart {
   bool out_of_patience = false;  // it ended at its limit of iterations
 };
 
-// Solves alternatives from these guesses on coarse meshes, and follows what they come to. Each knows what was found
-// before, and none what the others come to: so they may be tried at the same time, and how many are makes no
-// difference.
+// Solves alternatives from these guesses on coarse meshes, and follows the solutions. Each start uses what was found
+// before, but not the results of the others. So they may run in parallel, and the number of threads makes no difference
+// to the results.
 std::vector<TriedStart> try_starts(const std::vector<Start>& starts, Findings& found, Session& session);
 
-// The same where more starts follow. What is worth refining waits, and is refined while the next starts are tried: they
-// do not depend on it. Fewer and fewer motions are left in a race, so that refining alone makes little use of many
-// cores. The caller ends with refine_waiting(). try_starts() refines what was waiting first.
+// Does the same if more starts follow. Motions worth refining wait, and are refined while the next starts, which do not
+// depend on them, are solved. (Fewer and fewer motions are left in a race, so refining alone would use few cores.) The
+// caller must end with refine_waiting(). try_starts() refines waiting motions first.
 std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Findings& found, Session& session);
 void refine_waiting(Findings& found, Session& session);
 

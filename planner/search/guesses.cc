@@ -21,7 +21,7 @@ struct Waypoint {
   Joints<double> q;
 };
 
-// What the tip goes when both joints turn evenly. [m]
+// Length [m] of the tip's path if both joints turn evenly.
 double tip_way(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
   constexpr int kPieces = 32;
   double path = 0;
@@ -36,7 +36,7 @@ double tip_way(const Problem& problem, const Joints<double>& from, const Joints<
   return path;
 }
 
-// How long one leg takes by itself [s]: what the limits of torque and speed allow a rigid arm, roughly.
+// Rough duration [s] of one leg from rest to rest: that of a rigid arm within the limits of torque and speed.
 double leg_time(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
   double time = 0.02;
   const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
@@ -166,7 +166,7 @@ Joints<double> between(const Joints<double>& a, const Joints<double>& b, double 
   return {a[0] + fraction * (b[0] - a[0]), a[1] + fraction * (b[1] - a[1])};
 }
 
-// Points at equal distances along a way, its ends included.
+// Returns `count` points at equal distances along a path, its ends included.
 Path resampled(const Path& path, std::size_t count) {
   std::vector<double> length{0};
   for (std::size_t k = 1; k < path.size(); ++k) {
@@ -191,7 +191,7 @@ Path averaged(const Path& path) {
   return result;
 }
 
-// A smooth random detour of about the given size [rad] over s = 0 ... 1, of nothing at both ends.
+// Returns a smooth random detour of about the given size [rad] over s = 0 ... 1, zero at both ends.
 std::function<Joints<double>(double)> detour_of(double size, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   // The engine's bits are the same everywhere; std's distributions are not.
@@ -222,7 +222,7 @@ void add_minimum_jerk(const Joints<double>& d, double c, LinkMotion& to) {
   }
 }
 
-// There and back with continuous accelerations: 64 d c^3 (1 - c)^3, which is d in the middle, and its derivatives by c.
+// A displacement to d at c = 1/2 and back with continuous accelerations, 64 d c^3 (1 - c)^3, and its derivatives by c.
 LinkMotion there_and_back(const Joints<double>& d, double c) {
   LinkMotion m;
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -236,8 +236,8 @@ LinkMotion there_and_back(const Joints<double>& d, double c) {
   return m;
 }
 
-// Minimum-jerk legs with what detour(leg, c) adds to each, whose derivatives are by the fraction c of the leg too;
-// everything else by flatness.
+// Returns a guess of minimum-jerk legs plus detour(leg, c), whose derivatives are with respect to the fraction c of the
+// leg. Springs, motors and torques follow from flatness.
 template <class Detour>
 Guess along_flat_motion(const std::string& name, const Problem& problem, double duration, const Detour& detour) {
   const std::vector<double> durations = durations_of(problem, duration);
@@ -360,7 +360,7 @@ Guess winding_up_guess(Guess guess, const Joints<double>& back) {
 
 Guess folding_guess(const Problem& problem, double duration, double swing) {
   constexpr double kBackUntil = 0.4;             // fraction of the swing
-  constexpr Joints<double> kBack{-0.5, -0.45};   // of link 1's way, and of link 2's room
+  constexpr Joints<double> kBack{-0.5, -0.45};   // fractions of link 1's distance and of link 2's range
   constexpr Joints<double> kFolded{0.85, 0.98};  // likewise
   const Joints<double> from = problem.start.q, to = problem.goal.q;
   const double way = to[0] - from[0];

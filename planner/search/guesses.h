@@ -27,7 +27,7 @@ Guess passing_guess(const Problem& problem, double duration);
 // Link angles one after the other [rad], with straight lines between.
 using Path = std::vector<Joints<double>>;
 
-// Along one path per segment, corners rounded, theta in static equilibrium, at rest, zero torque.
+// Follows one path per segment, with corners rounded; theta in static equilibrium, at rest, zero torque.
 Guess path_guess(const Problem& problem, double duration, const std::vector<Path>& paths);
 
 // The paths of the segments on which the tip keeps to the task's line or arc, where it has one.
@@ -39,32 +39,33 @@ Guess displaced_guess(const Problem& problem, double duration, double size, std:
 // Another guess, displaced by such a detour; its springs stay as deflected as they were.
 Guess displaced_guess(Guess guess, double size, std::uint64_t seed);
 
-// The guess with its links going this far [rad] the other way first, as whoever takes a swing does.
+// Returns the guess with its links first moving back by this much [rad], in order to swing up from there.
 Guess winding_up_guess(Guess guess, const Joints<double>& back);
 
-// Link 1 goes back first and then, with link 2 folded the same way, past where gravity takes most; then link 2 unfolds.
-// That is how an arm gets up with less torque than it takes to be held: folded it weighs less, and link 2 pulls link 1
-// along while it folds and unfolds. At rest throughout. swing: [s] from the start to where it is folded.
+// A guess for swinging up. Link 1 first goes back, and then past the angle where gravity takes most, with link 2 folded
+// the same way; then link 2 unfolds. Thus an arm gets up with less torque than it takes to be held: gravity takes less
+// torque of a folded arm, and link 2 pulls link 1 along while it folds and unfolds. Velocities are zero throughout.
+// swing: [s] from the start to where the arm is folded.
 Guess folding_guess(const Problem& problem, double duration, double swing);
 
-// By way of hanging straight down, swinging: to hold an arm up takes torque all the time, to let it swing down and up
-// again takes little. In the leg that lasts longest, everything by flatness; none where nothing pulls the arm down, or
-// where that is hardly a detour.
+// Swings through hanging straight down in the leg that lasts longest, because holding an arm up takes torque all the
+// time, and swinging down and up again takes little. States and torques follow from flatness. Returns nothing if
+// gravity takes no torque, or if hanging is hardly a detour.
 std::optional<Guess> hanging_guess(const Problem& problem, double duration);
 
-// In every leg one joint begins to move first and the other one ends last: friction holds the load of a motor that
-// rests, so least effort has minima that differ by which motor rests when. first_joint: 0 or 1. At rest throughout,
-// zero torque.
+// In every leg first_joint (0 or 1) begins to move first and the other joint ends last. Friction holds the load of a
+// resting motor, so that least-effort minima differ by which motor rests when. At rest throughout, zero torque.
 Guess staggered_guess(const Problem& problem, double duration, std::size_t first_joint);
 
-// The guess in what remains of its time when it waits for these fractions of it first, and at last.
+// Returns the guess with waits at its beginning and end, as fractions of the duration. The motion itself is compressed
+// into the time between them.
 Guess waiting_guess(Guess guess, double first, double last);
 
-// A motion that was solved before, with segments of these durations, stretched to `duration`.
+// Returns a solved motion, with segments of these durations [s], stretched to `duration` [s].
 Guess guess_from(Motion motion, const std::vector<double>& durations, double duration);
 
-// [s] What a rigid arm takes within the limits of torque and velocity, roughly, times 1.3 for the fastest motion and 2
-// for others: their springs and friction.
+// Returns roughly how long [s] a motion takes: what a rigid arm takes within the limits of torque and velocities, times
+// 1.3 for the fastest motion and 2 for others, because of springs and friction.
 double usual_duration(const Problem& problem);
 
 // A duration to start from: the usual one, clamped to the problem's bounds. [s]

@@ -26,14 +26,17 @@ constexpr double kNearBy = 0.3;  // [rad] that the best motion so far is displac
 // Starts at a time, once one has found a motion. More of them use more cores, but cannot use each other's results. The
 // number is fixed, so that the plan does not depend on the number of cores.
 constexpr std::size_t kWave = 4;
-constexpr int kGivenUp = 2;                 // failures of an alternative's first starts, while another led somewhere
-constexpr std::size_t kBeforeSwinging = 1;  // starts that led nowhere before it is asked whether it has to swing, or
-                                            // is out of reach
-constexpr std::size_t kBeforeHurrying = 2;  // and before the fastest motion is looked for, whatever a sketch says
-constexpr std::size_t kBeforeSketchingTheFastest = 1;  // where there is not clearly little time: then none
-constexpr double kLittleTime = 0.7;                    // fraction of the usual duration
+constexpr int kGivenUp = 2;  // failed starts after which an alternative is given up, if another one led somewhere
+constexpr std::size_t kBeforeSwinging =
+    1;  // failed starts before it is checked whether the arm has to swing up, or the request is out of reach
+constexpr std::size_t kBeforeHurrying =
+    2;  // failed starts before the fastest motion is looked for, whatever a sketch says
+constexpr std::size_t kBeforeSketchingTheFastest =
+    1;                               // failed starts before that sketch; none if there is clearly little time
+constexpr double kLittleTime = 0.7;  // fraction of the usual duration
 
-// Minima lie side by side: from a place near the best motion so far others are met, and in half the iterations.
+// Returns a guess near the best motion so far. Minima lie side by side: from there others are found, in half the
+// iterations.
 std::optional<Guess> beside_the_best(const Alternative& alternative, std::uint64_t seed, const Findings& found) {
   const CoarseMotion* best = nullptr;
   for (const CoarseMotion& c : found.candidates) {
@@ -44,7 +47,7 @@ std::optional<Guess> beside_the_best(const Alternative& alternative, std::uint64
   return displaced_guess(guess_from(best->motion, best->durations, best->motion.duration()), kNearBy, seed);
 }
 
-// Start i, by its guess or beside the best motion so far.
+// Returns the guess of start i. Every second of the random ones is replaced by one near the best motion so far.
 Guess guess_of_start(const Alternative& alternative, const Starts& starts, std::size_t i, const Findings& found) {
   if (i >= starts.guided && (i - starts.guided) % 2 == 1) {
     if (auto near = beside_the_best(alternative, found.asked.seed * 1000 + i, found)) return std::move(*near);
@@ -91,22 +94,22 @@ bool have_little_time(const std::vector<Alternative>& open) {
   });
 }
 
-// An alternative, and how it went.
+// An alternative and the results of its starts.
 struct Turn {
   Alternative alternative;
   Starts starts;
-  int failed = 0;  // of the first starts
+  int failed = 0;  // starts without solution
   bool led_somewhere = false;
 };
 
 // Starts that are tried at the same time.
 struct Wave {
-  std::vector<Turn*> turns;  // whose start each is
+  std::vector<Turn*> turns;  // the turn to which each start belongs
   std::vector<Start> starts;
 };
 
-// Tries them. Where one ends at its limit of iterations, its turn goes on from there with a penalty on accelerations,
-// if that helps.
+// Solves the starts of a wave. If one ends at its iteration limit, its turn goes on with a penalty on accelerations,
+// where that applies (with_acceleration_penalty()).
 void try_wave(Wave& wave, Findings& found, Session& session) {
   const std::vector<TriedStart> tried = try_starts_of_many(wave.starts, found, session);
   for (std::size_t i = 0; i < tried.size(); ++i) {
@@ -128,8 +131,8 @@ void try_wave(Wave& wave, Findings& found, Session& session) {
   wave = {};
 }
 
-// The alternatives take turns: what one of them came to tells how long the others are worth trying. asked: as many
-// starts, whatever they come to; 0: as many as are worth trying.
+// Solves the starts of the alternatives in turn, because the results of one tell how long the others are worth trying.
+// asked: number of starts, whatever their results; 0: as many as are worth trying.
 void take_turns(const std::vector<Alternative>& open, int asked, Findings& found, Session& session) {
   const int count = starts_to_try(found.asked, asked);
   std::vector<Turn> turns;

@@ -64,8 +64,8 @@ bool asks_for_more_speed_than_motors_have(const Problem& problem) {
 }
 
 bool seems_too_short(const Problem& problem, Session& session) {
-  constexpr int kIterations = 150;      // of a sketch that converges, 40 to 100
-  constexpr double kOfASketch = 1.045;  // times what it comes to in the end, about
+  constexpr int kIterations = 150;      // a sketch that converges takes 40 to 100
+  constexpr double kOfASketch = 1.045;  // ratio of its duration to the final one, about
   if (!can_be_carried(problem)) return false;
   const Problem fastest = fastest_of(problem);
   Search search(session, kNoLimit);

@@ -18,9 +18,9 @@
 namespace fjr {
 namespace {
 
-constexpr int kRounds = 6;              // of refining one solution for the sake of its certificate
+constexpr int kRounds = 6;              // rounds of refining one solution until it is certified
 constexpr double kSameDuration = 1e-9;  // fraction by which a duration may differ from its bound, for rounding
-constexpr double kFinerRows = 0.25;     // of what linear interpolation between rows may miss, each time
+constexpr double kFinerRows = 0.25;     // factor on the allowed interpolation error, each round
 
 Publication with_certificate(const Continuation& c, const Problem& asked, Trajectory trajectory, Session& session) {
   const Collocated& solution = c.solution();
@@ -35,8 +35,8 @@ Publication with_certificate(const Continuation& c, const Problem& asked, Trajec
   return p;
 }
 
-// Local errors of the published rows against the exact model; where the rollout has no answer, the mesh's own
-// estimate. [rad] per interval
+// Returns the error [rad] of each interval: the local error of the published rows against the exact model, but no less
+// than the mesh's own estimate, which is also used where the rollout gives none.
 std::vector<double> rollout_errors(const Parameters& robot, const Collocated& solution, const Trajectory& trajectory) {
   std::vector<double> errors = interval_errors(robot, solution.motion);
   const auto local = local_errors(robot, trajectory, solution.setup.mesh.node_times(solution.durations));
@@ -81,17 +81,17 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
     if (published.certified()) break;
     const Publication& refused = *published.last;
     const int solutions = c.solutions();
-    // A limit that only the rows exceed wants a margin; a rest where the arm cannot rest, motion; the rest, accuracy,
-    // of the solution and of the rows.
+    // A limit that the rows exceed needs a margin, and an unstable rest needs a slow motion instead. Everything else
+    // needs a more accurate solution and finer rows.
     const bool other_motion =
         c.keep_margins(refused.certificate.limits) == ChangeOutcome::kSolved || c.creep() == ChangeOutcome::kSolved;
     if (session.interrupted()) break;
-    if (!other_motion) {  // the errors are of the intervals of this one
+    if (!other_motion) {  // the errors belong to the intervals of this solution
       c.split_intervals(rollout_errors(asked.robot, refused.solution, refused.trajectory));
       row_error *= kFinerRows;
     }
     c.tighten();
-    // Neither another motion nor finer rows of this one: the next verdict would be the same.
+    // Without another solution or more rows the next verdict would be the same.
     if (c.solutions() == solutions && refused.trajectory.samples.size() == rows) break;
     rows = refused.trajectory.samples.size();
   }

@@ -1,4 +1,4 @@
-// From a solution to rows that are certified.
+// Publishes solutions as rows with a certificate.
 #pragma once
 
 #include <cstddef>
@@ -19,29 +19,30 @@ namespace fjr {
 
 // A solution as it is published.
 struct Publication {
-  std::shared_ptr<const Problem> problem;  // that was solved; what was asked for may have another goal, or objective
+  std::shared_ptr<const Problem> problem;  // the one that was solved; the request may have another goal or objective
   Collocated solution;
   Trajectory trajectory;
   Certificate certificate{};
-  std::map<std::string, double> terms{};  // of the objective, of the rows; unweighted, weighted or not
-  double objective = 0;                   // that was asked for, of the rows
-  bool too_long = false;                  // it takes longer than was asked for
+  std::map<std::string, double>
+      terms{};            // terms of the objective, of the rows, without their weights (also those of weight zero)
+  double objective = 0;   // the requested one, of the rows
+  bool too_long = false;  // it takes longer than was asked for
 };
 
 struct PublishResult {
-  std::optional<Publication> last;  // certified or not; none where rows could not be made
-  std::string failure;              // why the last attempt gave no rows; empty where it did
+  std::optional<Publication> last;  // certified or not; none if there are too many rows
+  std::string failure;              // why there are no rows; empty if there are
 
   bool certified() const { return last && last->certificate.certified; }
 };
 
-// Rows of a motion (ocp/sampling.h), farther apart than is usual where there would be more than `most` of them, unless
-// their distance was asked for. A motion that is published again with finer rows has those where its torque asks for
-// them, and so needs fewer elsewhere.
+// Samples a motion into rows (ocp/sampling.h). If there would be more than `most` of them, the sample period is
+// increased up to the longest one that is allowed. row_error: [rad/s] allowed error of linear interpolation between
+// rows; smaller values add rows where the torque changes fast.
 Trajectory rows_of(Problem asked, const Motion& motion, double row_error, std::size_t most = kMaxRows);
 
-// Publishes what a continuation came to. Where it is not certified, the solution is refined for what is missing, and
-// published again, as long as that changes anything. asked: with the limits and the duration that were asked for.
+// Publishes the solution of a continuation. If it is not certified, it is refined according to the certificate and
+// published again, as long as that changes anything. asked: the request, with its own limits and duration.
 PublishResult publish(Continuation& c, const Problem& asked, Session& session);
 
 // Moments [s] at which the segments of these durations [s] end.

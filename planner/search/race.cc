@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kSame = 1e-4;  // relative difference of objectives below which minima are not told apart
 
-// Relative distance from the best that the steps from this width [rad/s] on may make up. With these, 33 motions from 12
-// starts each came within 0.02 % of what wider ones had come to (bench/README.md).
+// Relative distance from the best objective that the steps after this width [rad/s] may make up. With these distances,
+// 33 motions from 12 starts each came within 0.02 % of the results with larger ones (bench/README.md).
 double gap_after(double width, bool sees_friction) {
   if (!sees_friction) return 0.02;
   if (width > 0.03) return kNoLimit;
@@ -22,7 +22,7 @@ double gap_after(double width, bool sees_friction) {
 struct Runner {
   Continuation motion;
   bool counts = true;   // its work was allowed
-  bool goes_on = true;  // took the last step
+  bool goes_on = true;  // its last step succeeded
   bool dropped = false;
 
   double objective() const { return motion.solution().report.objective; }
@@ -42,7 +42,7 @@ void drop_losers(std::vector<Runner>& runners, StepObjectives& reached) {
   }
 }
 
-// One step, or what follows the last, of all that are `which`; side by side.
+// Calls `step` for all runners for which `which` holds, in parallel.
 template <class Which, class Step>
 void all_do(std::vector<Runner>& runners, Session& session, const Which& which, const Step& step) {
   std::vector<Runner*> at_work;

@@ -10,21 +10,21 @@
 
 namespace fjr {
 
-// What steps came to, of all motions so far: objectives as they were optimised, by the width of the friction law
-// [rad/s].
+// Scaled objectives of all motions so far after each homotopy step, by the width of its friction law [rad/s].
 using StepObjectives = std::map<double, std::vector<double>>;
 
 struct Raced {
-  std::vector<Continuation> arrived;  // as far as their homotopy goes; settled, and usable
+  std::vector<Continuation> arrived;  // motions that finished their homotopy, settled and usable
   std::vector<Continuation> dropped;  // the best first
 };
 
-// Whether a motion whose objective was `objective` after a step is worth following, beside what others, found before,
-// came to after that step: not when one of them is the same minimum, or better by more than the steps that are left
-// have been seen to make up.
+// Returns whether a motion with this objective after a step to this width [rad/s] is worth following, given the
+// objectives of motions found before it. It is not if one of them is the same minimum, or better by more than the steps
+// that are left have been seen to make up.
 bool worth_following(double objective, double width, const std::vector<double>& others, bool sees_friction);
 
-// In the order in which they were found. `reached` is what earlier races came to; what this one comes to is added.
+// Runs the race. motions: in the order in which they were found. reached: results of earlier races, to which those of
+// this race are added.
 Raced race(std::vector<Continuation> motions, StepObjectives& reached, Session& session);
 
 }  // namespace fjr

@@ -1,4 +1,4 @@
-// Where a mesh is too coarse, and the finer one.
+// Estimates the errors of a mesh and splits its intervals.
 #pragma once
 
 #include <optional>
@@ -13,22 +13,23 @@
 
 namespace fjr {
 
-// Error of each interval [rad]: the compensated dynamics are integrated from the interval's own start under its own u
-// by Runge-Kutta of order 4 in eight substeps, and compared with the polynomial's end: for lobatto4, of order 6, that
-// is an upper bound. A velocity difference counts by what it makes of the position in kErrorTime.
+// Returns the error of each interval [rad]. The compensated dynamics are integrated from the interval's own start under
+// its own u by Runge-Kutta of order 4 in eight substeps, and compared with the polynomial's end; for lobatto4, of order
+// 6, that is an upper bound. A velocity error counts as the position error that it causes within kErrorTime.
 std::vector<double> interval_errors(const Parameters& robot, const Motion& motion);
 inline constexpr double kErrorTime = 0.03;  // [s] about one radian of the fastest spring oscillation
 
-// Size of a state difference as above. [rad]
+// Returns the size of a state difference, measured likewise. [rad]
 double error_size(const State<double>& difference);
 
-// Error of the scheme's quadrature of the objective's running cost on each interval, tau_m = u + nonlinear friction of
-// the law given: where a motor creeps through the friction law, the torque bends between the collocation points.
+// Returns the error of the scheme's quadrature of the running cost on each interval, with tau_m = u + nonlinear
+// friction of the given law. It is large where a motor moves slowly within the step of the law, because the torque then
+// bends between the collocation points.
 std::vector<double> cost_errors(const Problem& problem, const Joints<FrictionLaw>& friction, const Scheme& scheme,
                                 const Motion& motion);
 
-// Into how many pieces (1, 2 or 4) each interval is to be split: those whose error exceeds `tolerance`, in four where
-// two would not do for a method of `order`; no piece becomes shorter than `shortest` [s].
+// Returns into how many pieces (1, 2 or 4) each interval is to be split. Intervals whose error exceeds `tolerance` are
+// split, into four if two are not enough with a method of `order`. No piece becomes shorter than `shortest` [s].
 std::vector<int> pieces_wanted(const Motion& motion, const std::vector<double>& errors, double tolerance, int order,
                                double shortest);
 
@@ -44,11 +45,11 @@ Cuts equal_cuts(const std::vector<int>& pieces);
 std::optional<double> reversal_in(const Motion& motion, std::size_t k, std::size_t joint);
 
 // Adds a cut on both sides of `fraction`, a twentieth of the interval apart but no less than `shortest` (a fraction,
-// too), in place of any between; none where that would be (nearly) an end of the interval, or the interval is hardly
-// longer.
+// too), and removes cuts between them. A cut is left out if it would be (nearly) an end of the interval, and both are
+// if the interval is hardly longer than `shortest`.
 void cut_around(std::vector<double>& cuts, double fraction, double shortest);
 
-// What was known per interval of the mesh that was split, per interval of the finer one.
+// Returns values per interval of a mesh as values per interval of the finer one that it was split into.
 template <class T>
 std::vector<T> inherited(const std::vector<T>& of_parents, const std::vector<int>& pieces) {
   std::vector<T> result;

@@ -15,22 +15,23 @@ namespace fjr {
 namespace {
 
 constexpr int kFittingRounds = 5;            // two or three are enough where margins move as little as they usually do
-constexpr double kWider = 1.05;              // of a margin, for the motion that it leads to has others
-constexpr std::size_t kReservePieces = 200;  // of the motion, in which a margin stays the same
+constexpr double kWider = 1.05;              // factor on margins, because the motion they lead to has others
+constexpr std::size_t kReservePieces = 200;  // pieces of the motion in which margins are constant
 constexpr double kPatience = 4;              // times the usual iterations, of which one solve took 199
 
 TaskOfMotion task_of(const Publication& p) {
   return TaskOfMotion::of(p.problem->robot, p.problem->task, segment_ends(p.solution.durations));
 }
 
-// When a motion is at a place, counted in segments. [s]
+// Returns the time [s] at a place of the motion; places count segments, with fractions.
 double time_at(const std::vector<double>& ends, double place) {
   const auto segment = std::min(static_cast<std::size_t>(place), ends.size() - 1);
   const double begin = segment == 0 ? 0 : ends[segment - 1];
   return begin + (place - static_cast<double>(segment)) * (ends[segment] - begin);
 }
 
-// The widest of a tube from one time to another, and beside: switches move with the next motion.
+// Returns the largest half width of a tube between two times and one sample beyond them, because switching times move
+// with the next motion.
 double widest_between(const std::vector<double>& tube, const std::vector<double>& times, double from, double to) {
   const auto index = [&](double time) { return std::lower_bound(times.begin(), times.end(), time) - times.begin(); };
   const auto last = static_cast<std::ptrdiff_t>(tube.size()) - 1;
@@ -38,13 +39,14 @@ double widest_between(const std::vector<double>& tube, const std::vector<double>
   return *std::max_element(tube.begin() + begin, tube.begin() + end + 1);
 }
 
-// What a margin takes from the limit that plans have, which may be less than the one that holds with feedback.
+// Returns what a margin takes from the limit of plans. That limit may be less than the one that holds with feedback;
+// the difference covers part of the margin.
 double taken(const Problem& asked, std::size_t limit, const Robustness::Margin& m, double margin) {
   const double left_for_feedback = m.limit - kLimitNames[limit].in(asked.limits);
   return std::max(0.0, margin - left_for_feedback);
 }
 
-// The reserve so far, widened to the tubes of this motion.
+// Returns the reserve so far, widened to the tubes of this motion.
 Reserve widened(const Reserve& before, const Problem& asked, const Publication& p, const Robustness& r) {
   const std::vector<double> ends = segment_ends(p.solution.durations);
   const auto segments = static_cast<double>(ends.size());
@@ -76,7 +78,7 @@ Reserve widened(const Reserve& before, const Problem& asked, const Publication& 
   return reserve;
 }
 
-// Where the next motion cannot be reached from the last one at once.
+// Returns the mean of two reserves, for when the wanted one cannot be reached in one step.
 Reserve halfway(const Reserve& kept, Reserve wanted) {
   for (std::size_t k = 0; k < wanted.margins.size(); ++k) {
     for (std::size_t i = 0; i < wanted.margins[k].size(); ++i) {
@@ -87,7 +89,8 @@ Reserve halfway(const Reserve& kept, Reserve wanted) {
   return wanted;
 }
 
-// A certified motion that keeps the problem's reserve, from one that keeps less. Null when none was found.
+// Returns a certified motion that keeps the problem's reserve, found from one that keeps less; nothing if none is
+// found.
 std::optional<Publication> with_reserve(const std::shared_ptr<const Problem>& problem, const Collocated& from,
                                         const Problem& asked, Session& session) {
   const auto certified = [&](Continuation& c) -> std::optional<Publication> {
@@ -100,17 +103,17 @@ std::optional<Publication> with_reserve(const std::shared_ptr<const Problem>& pr
   if (moved.resume(from)) {
     if (auto published = certified(moved)) return published;
   }
-  // Where a path or a limit is active nearly all the way, margins change which constraints are active, and a warm start
-  // with the old multipliers fails: it is solved from the motion alone.
+  // Where a path or a limit is active nearly all the time, margins change the active set, and a warm start with the old
+  // multipliers fails. Then the problem is solved from the motion alone.
   Continuation afresh(problem, session, label + ", afresh");
   afresh.patience = kPatience;
   if (session.interrupted() || !afresh.adopt(from, from.motion.duration()) || !afresh.refine()) return std::nullopt;
   return certified(afresh);
 }
 
-// The robot with one parameter known twice as well, by a measurement that has nothing to do with those before: what is
-// correlated with it is known better, too. Errors that are independent stay so to the last digit, so that the same arms
-// are drawn, but for that parameter.
+// Returns the robot with one parameter known twice as well, as by an independent measurement: what is correlated with
+// it is known better, too. Independent errors keep the same numbers to the last digit, so that the same arms are drawn
+// but for that parameter.
 Parameters known_twice_as_well(const Parameters& robot, const std::string& parameter) {
   constexpr double kLeft = 0.25;  // of its variance
   Uncertainty u = uncertainty_of(robot);
@@ -120,13 +123,13 @@ Parameters known_twice_as_well(const Parameters& robot, const std::string& param
   u.covariance -= (1 - kLeft) / variance * column * column.transpose();
   u.covariance(i, i) = kLeft * variance;
   Parameters known = robot;
-  known.payload.mass_error = known.payload.inertia_error = 0;  // the covariance says it
+  known.payload.mass_error = known.payload.inertia_error = 0;  // already in the covariance
   u.payload = known.payload;
   known.uncertainty = std::make_shared<const Uncertainty>(std::move(u));
   return known;
 }
 
-// From a certified motion to one with margins, as far as that comes: its certificate tells.
+// Replaces a certified motion by one with margins, as far as possible. Its certificate says whether they are enough.
 void add_margins(Publication& best, const Problem& asked, Session& session) {
   const double without = best.objective;
   Reserve reserve;

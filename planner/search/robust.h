@@ -1,4 +1,4 @@
-// A certified motion made to keep its limits on the arms that an identification leaves possible, too.
+// Plans motions that keep their limits also on the arms that an identification leaves possible.
 #pragma once
 
 #include <optional>
@@ -8,14 +8,15 @@
 
 namespace fjr {
 
-// Where that is asked for: margins for those arms, found on the motion there is (certificate/robust), are kept free of
-// its limits, which gives another motion with other margins, until they fit the motion that they came from. The plan's
-// certificate tells what came of it; a motion that lacks a margin at last is not certified. Returns the motion that
-// there was; none where nothing is asked for.
+// Adds margins for those arms to the certified motion, if that is asked for. The margins are computed for the present
+// motion (certificate/robust) and subtracted from its limits. That gives another motion with other margins, so this is
+// repeated until margins and motion fit. If a margin is still missing at the end, the motion is not certified, and its
+// certificate says so. Returns the motion without margins; nothing if none were asked for or nothing is certified.
 std::optional<Publication> make_robust(const Problem& asked, Findings& found, Session& session);
 
-// How much less the objective of the robust motion `best` would be if that parameter had half its standard error:
-// margins are added again to the motion `without` them. None where they cannot be had, or there is no time left.
+// Returns by how much the objective of the robust motion `best` would be lower if the parameter had half its standard
+// error. To find out, margins are added again to the motion `without` them. Returns nothing if that fails or no time is
+// left.
 std::optional<double> saved_by_half_the_error(const std::string& parameter, const Problem& asked,
                                               const Publication& without, const Publication& best, Session& session);
 

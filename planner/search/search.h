@@ -1,5 +1,5 @@
-// The solves that a question or an explanation may spend: each from its guesses, all of them within a budget that is
-// counted in the optimiser's work and not in time, so that the same request is told the same every time.
+// Solves for explanations and for the question whether a request is out of reach. They share a budget, which is counted
+// in the optimiser's work and not in time, so that the same request always gets the same answer.
 #pragma once
 
 #include <optional>
@@ -26,28 +26,28 @@ class Search {
   // What is left of the budget [s].
   double left() const { return budget_ - (session_.account().work - work_before_); }
 
-  // Nothing more will be solved: interrupted, or the budget is spent.
+  // Returns whether nothing more will be solved: interrupted, or the budget is spent.
   bool over() const { return session_.interrupted() || left() <= 0; }
 
-  // The first solution from one of these guesses, with the exact friction law.
+  // Returns the first solution from one of these guesses, with the exact friction law; nothing if all fail.
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
                                     int most_iterations = kMostIterations);
 
-  // The same on a mesh and with margins that keep every limit between the collocation points too.
+  // Does the same on a mesh and with margins that keep every limit between the collocation points too.
   std::optional<Continuation> plan(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses);
 
-  // The same only as exact as finding it takes: on a coarse mesh, with friction smoothed.
+  // Does the same on a coarse mesh with smoothed friction only, as Continuation::begin() does.
   std::optional<Continuation> sketch(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
                                      int most_iterations = kMostIterations);
 
-  // The least objective of what all of these guesses lead to, as exact as that.
+  // Returns the sketch with the least objective from all of these guesses.
   std::optional<Continuation> least_sketch(const Problem& problem, const std::string& what,
                                            const std::vector<Guess>& guesses);
 
-  // What the last solve() came to with friction smoothed, where it did not get to the exact law; none otherwise.
+  // Returns the sketch of the last solve() that did not reach the exact law; nothing if there is none.
   std::optional<Continuation> last_sketch() const { return last_sketch_; }
 
-  // Where there is nothing better to start from.
+  // Returns the usual guesses, for when there is nothing better to start from.
   std::vector<Guess> guesses(const Problem& problem) const;
 
  private:
@@ -61,7 +61,7 @@ class Search {
   std::optional<Continuation> last_sketch_;
 };
 
-// A solution as the start of a neighbouring problem.
+// Returns a solution as a guess for a neighbouring problem.
 Guess guess_of(const Continuation& solution);
 
 }  // namespace fjr

@@ -10,7 +10,7 @@
 namespace fjr {
 namespace {
 
-// Of the work that a request may take, what may be done by the end of a phase.
+// Returns the fraction of a request's work that may be done by the end of a phase.
 double allowed_by_the_end_of(Phase phase) {
   switch (phase) {
     case Phase::kFinding:
@@ -53,7 +53,7 @@ bool Session::interrupted(double work) {
   return stopped() || spent;
 }
 
-// False when no more was allowed by then: only the time that it took counts.
+// Adds the account of a branch. Returns false if no more work was allowed by then; only its time is added then.
 bool Session::join(const Session& branch) {
   if (work_ >= allowed_) {
     account_.add_time_of(branch.account_);
@@ -77,7 +77,7 @@ std::vector<bool> Session::join_all(const std::vector<std::unique_ptr<Session>>&
   return counts;
 }
 
-// Each branch measures its own time, and books it under the part that this session is timing now.
+// Each branch measures its own time, and adds it to the part that this session is timing now.
 std::function<void(std::size_t)> Session::in_branches(const std::vector<std::unique_ptr<Session>>& branches,
                                                       const std::function<void(std::size_t, Session&)>& task) const {
   if (innermost_ == nullptr) return [&](std::size_t i) { task(i, *branches[i]); };

@@ -1,5 +1,5 @@
-// What all solves of one request share: what they may take, who stops them, who is told, and the account of what was
-// done. It is passed by reference to whatever solves.
+// What all solves of one request share: the limits on their work and time, cancellation, progress reports, and the
+// account of what was done.
 #pragma once
 
 #include <atomic>
@@ -21,12 +21,12 @@ namespace fjr {
 
 struct SessionOptions {
   ContinuationSettings settings{};
-  double deadline = 0;              // [s] of wall time; 0: none
-  double most_work = kNoLimit;      // [s] of work (SolveReport::work) in all phases together
-  double patience = 1;              // times the usual work that most_work allows
-  int jobs = 1;                     // threads at most
-  double objective_scale = 1;       // what an optimised objective has to be multiplied by to be what was asked for
-  std::function<bool()> cancelled;  // polled between iterations; may be empty
+  double deadline = 0;                               // [s] of wall time; 0: none
+  double most_work = kNoLimit;                       // [s] of work (SolveReport::work) in all phases together
+  double patience = 1;                               // most_work as a multiple of the usual one
+  int jobs = 1;                                      // threads at most
+  double objective_scale = 1;                        // factor from an optimised objective to the requested one
+  std::function<bool()> cancelled;                   // polled between iterations; may be empty
   std::function<void(const Progress&)> on_progress;  // may be empty
 };
 
@@ -38,30 +38,31 @@ class Session {
 
   const SessionOptions& options() const { return options_; }
 
-  // Whether what is being done is to end: asked before every solve and in every iteration, and told the work [s] since
-  // it was asked last.
+  // Returns whether to stop: because everything is stopped, or the work of the phase is used up. This is called before
+  // every solve and in every iteration, with the work [s] since the last call.
   bool interrupted(double work = 0);
 
-  // Nothing more is to be done at all: cancelled, or the deadline passed.
+  // Whether everything is to stop: cancelled, or the deadline passed.
   bool stopped() const { return shared_->stopped; }
   bool deadline_passed() const { return shared_->deadline_passed; }
 
-  // From here, work may come to what this phase and those before it are allowed together. Nothing is at first.
+  // Enters a phase: from now on, work may add up to what this phase and those before it may use together. Before the
+  // first call no work is allowed.
   void enter(Phase phase);
 
-  // How far the search has come with its starts.
+  // Sets the number of finished and of planned starts, for progress reports.
   void tell_starts(int done, int planned);
 
-  // Of the solve at work: its own iterations, and its objective as it is optimised.
+  // Reports progress of the present solve. progress: its own iterations and scaled objective; the rest is filled in.
   void tell(Progress progress) const;
 
-  // A solve has ended.
+  // Adds a finished solve to the account.
   void add(SolverStage stage);
 
   // Does `count` independent pieces of work, as many at a time as threads are idle. Each has a session of its own,
   // which is stopped with this one and may do half of the work that this one still may; a single piece has this
   // session. Their work is counted in the order of their indices, until what is allowed is used up. Returns for each
-  // piece whether it counts: what those beyond that came to is to be ignored, so that the outcome is the same for any
+  // piece whether it counts. Results of those that do not have to be ignored, so that the outcome is the same for any
   // number of threads.
   std::vector<bool> do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task);
 
@@ -71,7 +72,7 @@ class Session {
 
   // Does pieces of work that need no session, on the same threads.
   void for_each(std::size_t count, const std::function<void(std::size_t)>& task);
-  // The same for those who are given a way to do it; the session outlives it.
+  // Returns for_each() as a function to pass on. The session must outlive it.
   ForEach side_by_side() {
     return [this](std::size_t count, const auto& task) { for_each(count, task); };
   }
@@ -92,7 +93,7 @@ class Session {
   friend class Timed;
   using Clock = std::chrono::steady_clock;
 
-  // What a session has in common with its branches.
+  // State that a session shares with its branches, the sessions of parallel work.
   struct Shared {
     explicit Shared(int jobs) : threads(jobs) {}
 
@@ -117,8 +118,8 @@ class Session {
   Account account_;
   std::shared_ptr<Shared> shared_;
   double work_ = 0, allowed_ = 0;  // [s] done, with that of the solve at work; allowed in the present phase
-  double work_before_ = 0;         // [s] of work_, what was done before this branch began, or is left to others
-  int iterations_before_ = 0;      // this branch began
+  double work_before_ = 0;         // [s] value of work_ when this branch began, with the work that is left to others
+  int iterations_before_ = 0;      // done before this branch began
   Phase phase_ = Phase::kFinding;  // the latest that was entered
   class Timed* innermost_ = nullptr;
 };

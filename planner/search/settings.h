@@ -1,4 +1,4 @@
-// What an expert may change about the solves.
+// Settings of the continuation that an expert may change.
 #pragma once
 
 #include <cstddef>
@@ -13,8 +13,7 @@ struct ContinuationSettings {
   double mesh_tolerance = 3e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
   double shortest_interval = 2.5e-4;  // [s] refinement stops there: a switch inside costs less than the tolerance
   int warm_iterations = 150;
-  // Beyond that a mesh is not refined, beyond fewer where a task adds rows: memory grows with it, by 70 kB an interval
-  // without a task.
+  // Most intervals of a mesh; fewer if a task adds rows. Memory grows with them, by 70 kB an interval without a task.
   std::size_t most_intervals = 2500;
   std::string linear_solver = "stage";
 };

@@ -10,17 +10,17 @@
 namespace fjr {
 namespace {
 
-constexpr double kSmallest = 0.1;              // [m, rad, ...] size of what is given as nothing, or nearly
+constexpr double kSmallest = 0.1;              // [m, rad, ...] least size, for values that are given as zero or nearly
 constexpr double kTimeRegularisation = 0.003;  // of time [1/s]: enough for the motion not to dawdle
 constexpr double kHurry = 0.1;                 // of time [1/s]
-constexpr double kDifference = 1e-6;           // what a region's bounds are differentiated by
+constexpr double kDifference = 1e-6;           // step by which a region's bounds are differentiated
 constexpr double kMostSlack = 6;               // times more: beyond that nobody would build it; half of it is the start
 
 bool is_obstacle(const Relaxable& what) { return what.constraint == &kInfo<Disc>; }
 bool is_velocity(const Relaxable& what) { return what.kind == RelaxableKind::kVelocity; }
 
-// Squared distance that the links keep from an obstacle's centre is relaxed, down to the link's own radius at a slack
-// of one: the rows are linear in it.
+// Returns the distance [m] from an obstacle's centre that a link still keeps at a slack of one: its own radius. The
+// squared distance is relaxed, because the rows are linear in it.
 double least_apart(const Problem& problem, const TaskRow& row) {
   return problem.robot.link.radius[static_cast<std::size_t>(row.link - 1)];
 }

@@ -1,6 +1,6 @@
-// Problems whose optimum is the least change that makes a request possible: what may change is relaxed by a slack
-// (Slack in problem/problem.h), and the slack is minimised. One such problem answers what a search over values of the
-// limit would take a dozen for, most of them without a solution.
+// Problems whose optimum is the least change that makes a request feasible. The request is relaxed by a slack (Slack in
+// problem/problem.h), which is minimised. One such problem replaces a search over a dozen values of a limit, most of
+// which have no solution.
 #pragma once
 
 #include "planner/problem/problem.h"
@@ -8,22 +8,22 @@
 
 namespace fjr {
 
-// By how much a slack of one relaxes it, in its unit.
+// Returns how much a slack of one relaxes it, in its unit.
 double size_of(const Relaxable& what);
 
-// The problem with the least change of that one thing as its objective, beside a regularisation by time.
+// Returns the problem whose objective is the least change of that one thing, with time as regularisation.
 Problem with_slack(const Problem& problem, const Relaxable& what);
 
-// The same with everything but velocities relaxed at once, each in proportion to its size. [fractions of it]
+// Does the same with everything but velocities relaxed at once; the slack is a fraction of the size of each.
 Problem with_slack_everywhere(const Problem& problem);
 
-// Fraction by which limits are relaxed for the duration that such a problem starts from.
+// Fraction by which limits are relaxed to get the duration of the guesses for such a problem.
 inline constexpr double kLoose = 3;
 
-// The same with a larger weight of time, so that the first solution has a bounded duration.
+// Returns the problem with a larger weight of time, so that the first solution has a bounded duration.
 Problem with_larger_time_weight(Problem with_slack);
 
-// Its value when it is relaxed by that slack of with_slack(problem, what), counted as Relaxable::from is.
+// Returns the value that a slack of with_slack(problem, what) means, counted as Relaxable::from is.
 double value_with(const Problem& problem, const Relaxable& what, double slack);
 
 }  // namespace fjr

@@ -19,8 +19,8 @@ constexpr double kFarAway = 0.8;     // [rad] that straight guesses are displace
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 constexpr int kFirst = 4;  // starts that a neighbouring problem is worth
 
-// One path per segment: round what is in the way, on both sides where that can be; along the tip's line or arc, and
-// where that is wide through its region too. None when nothing asks for it.
+// Returns sets of one path per segment: round obstacles, on both sides if possible; along the tip's line or arc, and if
+// that is wide through its region too. Returns none if nothing asks for it.
 std::vector<std::vector<Path>> task_paths(const Problem& problem) {
   constexpr std::size_t kMostPaths = 3;
   const Task& task = problem.task;
@@ -48,8 +48,8 @@ std::vector<std::vector<Path>> task_paths(const Problem& problem) {
   return all;
 }
 
-// [rad] The end that takes the least torque to be held, as fractions of the torque limits: the free joint is varied,
-// the other one is kept. Of a hanging and an upright arm, which take the same, the nearer one.
+// Returns the end [rad] that takes the least torque to hold, as a fraction of the torque limits. Free joints are varied
+// and the others kept. Among ends that take the same, such as hanging and upright, the nearer one is chosen.
 Joints<double> easiest_end(const Problem& problem) {
   constexpr int kAngles = 200;
   constexpr double kByDistance = 1e-3;  // [1/rad] beside squares of torques, as fractions of their limits
@@ -73,7 +73,7 @@ Joints<double> easiest_end(const Problem& problem) {
   return easiest;
 }
 
-// [rad] Where a joint that may end anywhere might: where it is easy to hold, half way there, and beyond the last via
+// Returns ends [rad] to try for free joints: the one that is easiest to hold, half way there, and beyond the last via
 // point.
 std::vector<Joints<double>> other_ends(const Problem& problem) {
   const Joints<double> expected = problem.goal.q, easiest = easiest_end(problem);
@@ -90,7 +90,7 @@ std::vector<Joints<double>> other_ends(const Problem& problem) {
   return ends;
 }
 
-// Whether the motion may end there, with the task and at rest.
+// Returns whether the motion may end there: the task is kept, and the torque limits hold it if it is to rest.
 bool may_end_at(const Problem& problem, const Joints<double>& q) {
   const auto posture = Posture<double>::of(problem.robot, q);
   const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, problem.via.size());
@@ -105,9 +105,10 @@ bool may_end_at(const Problem& problem, const Joints<double>& q) {
   return true;
 }
 
-// Minima differ by where a joint ends that may end anywhere: of 99 motions with one, seven came to 2 % to four times
-// more from guesses that end by the start. If the end is free from the beginning, the optimiser moves it back to the
-// start before the guess has become a motion of the arm. So the first solve keeps the end.
+// Returns guesses with other ends of free joints, because minima differ by these: of 99 motions with a free end, seven
+// came to 2 % to four times more from guesses that end by the start. If the end is free from the beginning, the
+// optimiser moves it back to the start before the guess has become a motion of the arm. So the first solve keeps the
+// end.
 std::vector<Guess> guesses_of_other_ends(const Problem& problem) {
   if (!problem.goal.any_free() || only_time(problem.weights)) return {};
   constexpr double kAnother = 0.1;  // [rad] of ends that are not the same
@@ -157,13 +158,13 @@ Starts starts_of(const Problem& problem, int count) {
   }
   starts.always = std::max(starts.guesses.size(), static_cast<std::size_t>(count));
   if (passes_vias_moving(problem)) starts.guesses.push_back(passing_guess(problem, passing_duration_guess(problem)));
-  // By minimum jerk the fastest motion takes nearly half the iterations (68 in place of 118 in the median of 26
-  // motions), and no worse a minimum; for effort the plain guess is often better.
+  // From minimum jerk the fastest motion takes nearly half the iterations (68 in place of 118 in the median of 26
+  // motions), and finds no worse minima; for effort the plain guess is often better.
   const bool fast = only_time(problem.weights);
   starts.guesses.push_back(fast ? minimum_jerk_guess(problem, duration) : straight_guess(problem, duration));
   starts.guesses.push_back(fast ? straight_guess(problem, duration) : minimum_jerk_guess(problem, duration));
   starts.by_ipopt = sees_friction(problem.weights) ? starts.guesses.size() : kAll;
-  if (sees_friction(problem.weights)) {  // with time to spare a motor rests, and when it does makes minima of their own
+  if (sees_friction(problem.weights)) {  // with time to spare a motor rests, and minima differ by when it does
     starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), kWaiting, 0));
     starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), 0, kWaiting));
   }
@@ -174,7 +175,7 @@ Starts starts_of(const Problem& problem, int count) {
   }
   for (Guess& guess : guesses_of_other_ends(problem)) {
     starts.guesses.push_back(std::move(guess));
-    if (count > 1) ++starts.always;  // one start is what was asked for
+    if (count > 1) ++starts.always;  // if one start was asked for, only one is tried
     ++starts.enough;
   }
   starts.guided = starts.guesses.size();

@@ -1,4 +1,4 @@
-// Where the optimiser starts from, one after another.
+// Guesses that the optimiser starts from, in the order in which they are tried.
 #pragma once
 
 #include <cstddef>
@@ -21,13 +21,13 @@ struct Starts {
   std::size_t enough = 0;  // after so many that led nowhere no others are tried
 };
 
-// How many a request is to have: as many as are asked for, or (0) as its `search` and its objective say.
+// Returns how many starts a request has: as many as are asked for, or (0) as its `search` and its objective say.
 int starts_to_try(const Problem& problem, int asked);
 
-// At least `count` of them.
+// Returns at least `count` starts.
 Starts starts_of(const Problem& problem, int count);
 
-// The first of them, for whoever solves a neighbouring problem.
+// Returns the first guesses, for solving a neighbouring problem.
 std::vector<Guess> first_guesses(const Problem& problem);
 
 }  // namespace fjr

@@ -16,10 +16,10 @@ namespace fjr {
 namespace {
 
 constexpr double kWorthwhile = 1e-3;  // fraction of the objective, that a round gains
-constexpr int kStalled = 3;           // rounds one after the other that gain less, or nothing
-// Of the quadratic, in units of the price: what moving every state all the way by the root mean square of its own
-// motion adds. A round that keeps a fraction kTrusted of what it predicted makes the next one less stiff; one that does
-// not keep kDistrusted, stiffer.
+constexpr int kStalled = 3;           // consecutive rounds that gain less, or nothing, until the search ends
+// Weight of the quadratic term, in units of the price: what it adds if every state is off all the time by the root mean
+// square of its own motion. A round that gains more than a fraction kTrusted of what it predicted reduces the next
+// one's weight; one that gains less than kDistrusted increases it.
 constexpr double kFirstStiffness = 1, kLeastStiffness = 1e-3, kMostStiffness = 1e3, kSofter = 3, kStiffer = 4,
                  kTrusted = 0.75, kDistrusted = 0.25;
 
@@ -40,7 +40,8 @@ std::array<double, kStates> variances(const Motion& motion) {
   return squares;
 }
 
-// weight: of the tracking error, in the objective as it is optimised.
+// Returns the price of the tracking error linearised about a motion. weight: of the tracking error in the scaled
+// objective.
 MotionPrice price_near(const Publication& p, const TrackingGradient& gradient, double weight, double stiffness) {
   MotionPrice price{p.solution.motion, p.solution.durations, gradient.pieces, {}};
   for (MotionPrice::Piece& piece : price.pieces) {
@@ -54,7 +55,7 @@ MotionPrice price_near(const Publication& p, const TrackingGradient& gradient, d
   return price;
 }
 
-// What the price comes to on a motion, as the optimiser has it.
+// Returns the price on a motion, as the optimiser evaluates it.
 double value_on(const MotionPrice& price, const Motion& motion, const std::vector<double>& durations) {
   const std::vector<double> ends = segment_ends(price.durations), new_ends = segment_ends(durations);
   double sum = 0;
@@ -82,19 +83,19 @@ void restate(const Problem& asked, Publication& p) {
   p.objective = weighted_sum(asked.weights, p.terms);
 }
 
-// By the terms that are optimised at once.
+// Returns the objective without the tracking error, that is the terms that are optimised directly.
 double without_price(const Problem& asked, const Publication& p) {
   return p.objective - asked.weights.tracking * p.terms.at(TrackingError::info.name);
 }
 
-// What a round promises of the objective that was asked for, at the motion that it came to.
+// Returns by how much the requested objective should be lower at the new motion, if the linearised price were exact.
 double predicted_gain(const MotionPrice& price, const Problem& asked, const Publication& from, const Publication& to,
                       double scale) {
   const auto priced = [&](const Publication& p) { return value_on(price, p.solution.motion, p.solution.durations); };
   return without_price(asked, from) - without_price(asked, to) + scale * (priced(from) - priced(to));
 }
 
-// The motion that the price leads to, certified or not.
+// Returns the optimal motion with this price, certified or not.
 std::optional<Publication> next_motion(const MotionPrice& price, const Publication& from, const Problem& asked,
                                        Session& session) {
   Problem priced = *from.problem;

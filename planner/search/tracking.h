@@ -1,18 +1,20 @@
-// A certified motion traded for one that errors of the arm's parameters disturb less.
+// Improves a certified motion so that errors of the arm's parameters disturb it less.
 #pragma once
 
 #include "planner/search/findings.h"
 
 namespace fjr {
 
-// The problem that is searched first: without the terms of the closed loop, which see the whole motion at once.
+// Returns the problem that is searched first: without the terms of the closed loop, which depend on the whole motion at
+// once.
 Problem without_closed_loop(const Problem& asked);
 
-// Where the objective prices the expected tracking error: from the best motion of the other terms to one at which the
-// whole objective is no longer lowered by more than a thousandth. In every round the price is linearised about the
-// motion there is (certificate/robust/tracking_error.h) and held near it by a quadratic, whose weight follows how well
-// the last prediction held (Levenberg and Marquardt); a round's motion is taken where it is certified and lowers the
-// objective that was asked for, and otherwise the one before stays. What found.best says is by that objective.
+// If the objective contains the expected tracking error, improves the best motion of the other terms until a round
+// lowers the whole objective by less than a thousandth. In every round the tracking error is linearised about the
+// present motion (certificate/robust/tracking_error.h), and a quadratic term keeps the next one near it, with a weight
+// that depends on how well the last prediction held (Levenberg and Marquardt). The result of a round is kept if it is
+// certified and lowers the requested objective; otherwise the motion before stays. found.best is stated by the
+// requested objective.
 void lower_tracking_error(const Problem& asked, Findings& found, Session& session);
 
 }  // namespace fjr

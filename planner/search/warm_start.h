@@ -1,4 +1,4 @@
-// From the solution of a neighbouring request to a plan for this one.
+// Plans a request from the solution of a neighbouring one.
 #pragma once
 
 #include <string>
@@ -7,7 +7,8 @@
 
 namespace fjr {
 
-// Empty when that led to a certified plan, which `found` then has; otherwise why it did not, a clause.
+// Returns an empty string if that gives a certified plan, which is then in `found`; otherwise a clause that says why
+// not.
 std::string start_warm(const Collocated& neighbour, Findings& found, Session& session);
 
 }  // namespace fjr

@@ -14,9 +14,9 @@ struct CoarseSolution {
   int start;  // how many starts had been tried when it was found
 };
 
-// For each of these solutions, the best first: whether it is refined. It is if it would be after any number of starts,
-// `start` or more of them: one of the `most(starts)` best by then, and within this fraction of the best by then. What
-// is refined with fewer starts is therefore refined with more, and more starts never come to a worse plan. The coarse
+// Returns for each solution, the best first, whether it is refined. It is if it would be after some number of starts,
+// `start` or more: if it is then among the `most(starts)` best, and within this fraction of the best one. What is
+// refined with fewer starts is therefore refined with more, so that more starts never give a worse plan. The coarse
 // objectives by themselves do not tell which solution is best: 0.1 % apart, they came to 1 % more and less.
 inline std::vector<bool> worth_refining(const std::vector<CoarseSolution>& best_first, double within,
                                         const std::function<int(int starts)>& most) {

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kMost = 6;    // of limits that are looked at
 constexpr double kInTheWay = 0.05;  // fraction of the slack by which what is in the way exceeds its limit
-// Times a motion with everything relaxed: there is time to carry the arm then. With just the torque that carrying
-// takes, lifts to 2.2, 2.6 and 3 rad take 1.06 times as long.
+// If this many times the duration of a motion with everything relaxed is allowed, there is time to carry the arm. With
+// just the torque that carrying takes, swing-ups to 2.2, 2.6 and 3 rad take 1.06 times as long.
 constexpr double kMuchLonger = 3;
 
 void keep_heaviest(std::vector<Candidate>& candidates) {
@@ -38,8 +38,8 @@ Candidate worst_excess_of(const Problem& problem, const Relaxable& what, const C
   return worst;
 }
 
-// By how much the limit is below what carrying the arm slowly takes, as a fraction of the limit: of limits that are
-// exceeded alike, what cannot be carried is in the way, and not what swinging takes.
+// Returns by how much the limit is below what carrying the arm slowly takes, as a fraction of the limit. Of limits that
+// are exceeded alike, those too small for carrying are in the way, and not those that swinging exceeds.
 double short_of_carrying(const Problem& problem, const Relaxable& what) {
   if (what.joint == 0 || what.quantity == nullptr) return 0;
   const Limits needed = carrying(problem).needed;

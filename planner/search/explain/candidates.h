@@ -1,4 +1,4 @@
-// What may be in the way of a request, by what motions say that come near to it.
+// Finds out which limits may make a request infeasible, from motions that come near to it.
 #pragma once
 
 #include <optional>
@@ -16,14 +16,15 @@ struct Candidate {
   double weight = 0;           // how much it is in the way, compared to others
 };
 
-// What the fastest motion is limited by, by the multipliers; what helps most first.
+// Returns the limits that the fastest motion depends on, by their multipliers; those with the largest effect come
+// first.
 std::vector<Candidate> active_in(const Continuation& fastest);
 
-// Velocities that are asked for; then what a motion exceeds that was found with everything relaxed (null: there is
-// none), what it exceeds most first.
+// Returns the velocities that are asked for, and then the limits that a motion exceeds which was found with everything
+// relaxed; those exceeded most come first. everything: that motion; null: there is none.
 std::vector<Candidate> candidates(const Problem& problem, const Continuation* everything);
 
-// When the motion exceeds the limit most [s]; none where it does not.
+// Returns when the motion exceeds the limit most [s]; nothing if it does not.
 std::optional<double> worst_moment(const Problem& problem, const Relaxable& what, const Collocated& solution);
 
 }  // namespace fjr

@@ -18,21 +18,21 @@
 namespace fjr {
 namespace {
 
-// Fractions of a change that are added to it: right at the edge there is one motion, and no plan.
+// Fractions of a change that are added to it: with the least change alone there is just one motion, and no plan.
 constexpr double kRelaxationMargin = 0.01;
-constexpr double kRoughMargin = 0.1;               // where friction stayed smooth
-constexpr double kCombinedRelaxationMargin = 0.1;  // of two changes that together only just do
+constexpr double kRoughMargin = 0.1;               // if friction is still smoothed
+constexpr double kCombinedRelaxationMargin = 0.1;  // of two changes that together are only just enough
 constexpr double kGridMargin = 1.1;                // times the clearance that a grid found missing
 constexpr double kDurationMargin = 2e-4;           // fraction of a shortest duration
 constexpr std::size_t kRowsBetweenRegularOnes = 1000;
-// Times the least change, one after another until planning finds it enough.
+// Factors on the least change, tried in this order until planning succeeds.
 constexpr double kRetryFactors[] = {1, 1.03, 1.1, 1.25, 1.5, 2};
 constexpr double kTrialFractions[] = {0.02, 0.05, 0.1};  // of what is changed
-constexpr double kSlackWorthExactFriction = 0.05;        // of a sketch, that a more exact one may do without
+constexpr double kSlackWorthExactFriction = 0.05;  // slack of a sketch below which a more exact solution may need none
 constexpr double kNegligibleSlack = 2e-3;          // below it the request is possible, as far as a sketch can tell
 constexpr double kSlackBeyondSingleLimits = 0.25;  // fraction of all limits at once
 constexpr std::size_t kCandidatesAtATime = 2;      // that are tried beside each other
-constexpr double kDurationFactor = 2;  // times the duration of a hurried motion that the least change may take
+constexpr double kDurationFactor = 2;  // times the duration of a hurried motion, for the motion with the least change
 
 class Explanation {
  public:
@@ -59,17 +59,18 @@ class Explanation {
  private:
   double shortest() const { return known_.fastest->solution().motion.duration(); }
 
-  // What is told of a shortest duration: rounded up, and with a little to spare, so that a request for it can be met.
+  // Returns the shortest duration as it is reported: rounded up and with a little to spare, so that a request for it
+  // has a plan.
   static double rounded_up(double duration) { return std::ceil(1e4 * (1 + kDurationMargin) * duration) / 1e4; }
 
-  // What came of relaxing one thing.
+  // Result of relaxing one thing.
   struct Relaxed {
     std::optional<Relaxation> enough;
     std::optional<Guess> start;  // of a motion for the request itself, without relaxing anything
   };
 
-  // Relaxes each of these alone, from these guesses, and keeps what is enough. True when something is. Two at a time:
-  // each may take half of what is left, so that together they take no more than there is.
+  // Relaxes each of these alone, from these guesses, and keeps the changes that are enough. Returns whether any is. Two
+  // at a time are relaxed, each with half of the work that is left, so that together they take no more than there is.
   bool relax_each(const std::vector<Candidate>& candidates, const std::vector<Guess>& guesses) {
     bool any = false;
     for (std::size_t first = 0; first < candidates.size() && !search_.over() && !start_; first += kCandidatesAtATime) {
@@ -85,19 +86,19 @@ class Explanation {
     return any;
   }
 
-  // True when it is enough.
+  // Keeps a result. Returns whether the change is enough.
   bool keep(const Relaxed& relaxed) {
     if (relaxed.start && !start_) start_ = relaxed.start;
     if (relaxed.enough) result_.relaxations.push_back(*relaxed.enough);
     return relaxed.enough.has_value();
   }
 
-  // The least change of this one thing that makes the problem possible, from these guesses.
+  // Finds the least change of one thing that makes the problem feasible, from these guesses.
   Relaxed relax(const Candidate& candidate, const std::vector<Guess>& guesses, Search& search) const {
     const Problem with_slack_of_it = with_slack(problem_, candidate.what);
-    // Where the fastest is known only about, planning would take as long as was saved by not refining it.
+    // If the fastest motion was not refined, planning here would take the time that was saved by that.
     const bool too_long_to_plan = known_.fastest != nullptr && !known_.certified;
-    // How fast a motion can be is hardly a matter of friction, and what is told is planned with the exact law anyway.
+    // Friction hardly changes how fast a motion can be, and the reported velocity is planned with the exact law anyway.
     const bool sketched = too_long_to_plan || candidate.what.kind == RelaxableKind::kVelocity;
     const std::string name = name_of(candidate.what.name, candidate.what.joint);
     auto solution = least(with_slack_of_it, name, guesses, sketched, search);
@@ -114,7 +115,7 @@ class Explanation {
       if (known_.start_failed) return {eased(what, guess_of(*solution), search), {}};
       return {{}, guess_of(*solution)};
     }
-    const bool planned_soon = sketched && !too_long_to_plan;  // and with more of it until it is enough
+    const bool planned_soon = sketched && !too_long_to_plan;  // verified() increases it until it is enough
     const double slack = (1 + (rough && !planned_soon ? kRoughMargin : kRelaxationMargin)) * solution->solution().slack;
     if (slack > with_slack_of_it.slack->most) return {};
     Relaxation named = relaxation_of(what, value_with(problem_, what, slack));
@@ -126,8 +127,9 @@ class Explanation {
     return {named, {}};
   }
 
-  // A slack is minimised with rows that hold at the collocation points of a coarse mesh, and between them a motion cuts
-  // corners. So the motion is planned with the change as it is told, and where that is not enough with more of it.
+  // Plans with the change as it is reported, and with larger ones until one is enough. This is necessary because a
+  // slack is minimised with rows that hold at the collocation points of a coarse mesh, and between them the motion cuts
+  // corners. If none is enough, the change is reported as rough.
   Relaxation verified(const Relaxable& what, Relaxation named, const Guess& near, Search& search) const {
     const double amount = std::abs(named.to - what.from);
     for (const double more : kRetryFactors) {
@@ -141,7 +143,7 @@ class Explanation {
     return named;
   }
 
-  // Where hardly any change is needed and still nothing was found: how much makes it easy enough.
+  // Returns a change with which planning succeeds, if hardly any is needed and still no plan was found.
   std::optional<Relaxation> eased(const Relaxable& what, const Guess& near, Search& search) const {
     for (const double fraction : kTrialFractions) {
       const double amount = fraction * size_of(what);
@@ -156,8 +158,9 @@ class Explanation {
     return std::nullopt;
   }
 
-  // Whether a motion within the limits takes no longer than it may, found as it would be when asked for or near the one
-  // that told the change; near that one first where it is all but a solution.
+  // Returns whether the changed problem has a motion that takes no longer than it may. It is looked for from the usual
+  // guesses and from `near`, the motion that told the change; near_first: from that one first, because it nearly is a
+  // solution.
   static bool is_enough(const Problem& easier, const std::string& what, const Guess& near, bool near_first,
                         Search& search) {
     Problem quick = fastest_of(easier);
@@ -171,7 +174,7 @@ class Explanation {
     return found && (any_timed(easier) || (1 + kDurationMargin) * found->duration() <= easier.duration.max);
   }
 
-  // Without a slack it is a motion for the request itself.
+  // Returns whether the solution has no slack and thus is a start for the request itself.
   bool is_possible(const Continuation& solution) {
     if (solution.solution().slack >= kNegligibleSlack || known_.start_failed) return false;
     start_ = guess_of(solution);
@@ -184,8 +187,8 @@ class Explanation {
     return true;
   }
 
-  // Where the duration is free: first with a large weight of time, and then with as much more time as the mesh is fine
-  // enough for, since it takes time to gain speed.
+  // Minimises the slack. If the duration is free, a first solution has a large weight of time; then up to twice its
+  // duration is allowed, for which the mesh is fine enough, because it takes time to gain speed.
   std::optional<Continuation> least(Problem relaxed, const std::string& what, std::vector<Guess> guesses, bool roughly,
                                     Search& search) const {
     Duration& duration = relaxed.duration;
@@ -213,9 +216,10 @@ class Explanation {
     }
   }
 
-  // A problem with a slack can pass through obstacles between the collocation points, so the width of a way is taken
-  // from the grid. More than is missing is needed between two obstacles, because half of what one gives up is lost to
-  // the other one, and where the optimiser finds no motion along a way that is barely open.
+  // Widens one constraint until there is a path and a motion. The width is taken from the grid, because a problem with
+  // a slack can pass through obstacles between the collocation points. More than what is missing [m] is needed between
+  // two obstacles, because half of what one gives up is lost to the other one, and where the optimiser finds no motion
+  // along a path that is barely open.
   void widen(const Relaxable& what, double missing) {
     if (missing == 0) return;
     for (const double more : {1.0, 1.5, 2.0}) {
@@ -279,7 +283,7 @@ class Explanation {
     std::erase_if(single, [&](const Candidate& c) { return c.what.allowed < slack * size_of(c.what); });
   }
 
-  // What no single limit does may take both joints' of one quantity, or else all of them.
+  // If no single limit is enough, relaxes one quantity of both joints together, or else all limits.
   void relax_together(const std::vector<Candidate>& single, const std::vector<Guess>& guesses) {
     for (const Candidate& joint1 : single) {
       for (const Candidate& joint2 : single) {
@@ -291,8 +295,9 @@ class Explanation {
     relax_each({{all_limits(problem_), {}, 0}}, guesses);
   }
 
-  // The shortest motion passes its via points when it likes: what it takes at the times that were asked for, or which
-  // of those would have to change as well. True where two times are told that would do together.
+  // Reports how long the shortest motion takes if the via points are passed at the requested times, or which of these
+  // would have to change as well; the shortest motion itself ignores them. Returns whether two times that are enough
+  // together are reported.
   bool explain_times_as_well() {
     Problem timed = fastest_of(problem_);
     timed.via = problem_.via;
@@ -344,8 +349,8 @@ class Explanation {
     }
   }
 
-  // Where the fastest motion takes longer than is allowed too, whatever the times of the via points: how long it takes,
-  // and what would do together. True then.
+  // If the fastest motion takes longer than is allowed even without the times of via points, reports how long it takes
+  // and two times that are enough together. Returns whether that is so.
   bool explain_duration_besides(std::size_t via, double time) {
     const Problem hurry = fastest_of(problem_);
     const auto sketched = search_.sketch(hurry, "duration", search_.guesses(hurry));
@@ -360,8 +365,8 @@ class Explanation {
     return true;
   }
 
-  // Where neither a via point's time, to be passed from `time` on, nor the duration can be kept: what would do
-  // together, with a little room in both, planned as it is told. False where none was found.
+  // Reports a via point's time, from `time` [s] on, and a duration that are enough together if neither can be kept.
+  // Both have a little to spare and are verified by planning. Returns false if none are found.
   bool tell_both(std::size_t via, double time, const Continuation& fastest) {
     Problem moved = problem_;
     const double asked = *problem_.via[via].time;
@@ -386,7 +391,8 @@ class Explanation {
     result_.time = asked;
   }
 
-  // Times are found with friction smoothed: what is told is planned, and where it is not enough, with more of it.
+  // Reports a later or earlier time of a via point. It was found with smoothed friction, so it is planned as reported
+  // and moved further until that succeeds.
   void move_via(std::size_t i, double time) {
     const double asked = *problem_.via[i].time;
     const std::string name = fmt::format("via[{}].time", i);
@@ -433,7 +439,7 @@ class Explanation {
     name_what_is_in_the_way(near);
   }
 
-  // Where the search came to a motion with one limit relaxed, that is what it takes, about.
+  // If the search found a motion with one limit relaxed, reports that limit as about what it takes.
   bool tell_reached() {
     if (!known_.reached) return false;
     for (const Relaxable& what : relaxables(problem_)) {
@@ -448,7 +454,8 @@ class Explanation {
     return !result_.relaxations.empty();
   }
 
-  // Where velocities are known to be out of reach, limits that let the arm move so fast are far beyond the robot's.
+  // If velocities are known to be out of reach, relaxes only these, because limits that let the arm move so fast are
+  // far beyond the robot's.
   bool tell_velocities() {
     if (known_.out_of_reach != OutOfReach::kVelocity) return false;
     if (!relax_each(candidates(problem_, nullptr), search_.guesses(problem_))) return false;
@@ -499,7 +506,7 @@ class Explanation {
 
   // ---- statics ----
 
-  // Where carrying the arm slowly takes more than the limit that is in the way.
+  // Adds what holding the arm takes, if that is more than the limit that is in the way.
   void add_statics() {
     if (result_.joint == 0 || result_.quantity == nullptr) return;
     const auto j = static_cast<std::size_t>(result_.joint - 1);
@@ -510,7 +517,8 @@ class Explanation {
                                     needs.posture[j][0], needs.posture[j][1], needed, result_.quantity->unit);
   }
 
-  // Where not even a motion with everything relaxed is found: what cannot be carried slowly.
+  // If not even a motion with everything relaxed was found, names a limit that is too small for carrying the arm
+  // slowly.
   void explain_by_statics() {
     const Limits needed = carrying(problem_).needed;
     for (const int joint : {1, 2}) {
@@ -546,7 +554,7 @@ class Explanation {
   Session& session_;
   Search search_;
   Infeasibility result_;
-  bool anything_tried_ = false;  // of what might have been relaxed
+  bool anything_tried_ = false;  // whether relaxing anything was tried
   std::optional<Guess> start_;   // of a motion for the request, which turned out to be possible
 };
 

@@ -11,23 +11,23 @@
 
 namespace fjr {
 
-// Why a request has no plan: it cannot have one; or it can, and from this motion it should be found; or it is not
-// known.
+// Why a request has no plan. Either it is infeasible, or it is feasible and `start` should lead to a plan, or the
+// reason is not known (neither is set).
 struct WhyNot {
   std::optional<Infeasibility> infeasibility;
   std::optional<Guess> start;
 };
 
-// What the search came to before it was asked why.
+// Results of the search before the explanation.
 struct Known {
-  const Continuation* fastest = nullptr;  // the solution of fastest_of(problem); null if there is none
-  bool certified = false;                 // its rows are exact enough; else its duration is told as about what it takes
-  std::optional<Limits> reached;          // with which a motion was found on the way, on a coarse mesh
+  const Continuation* fastest = nullptr;   // the solution of fastest_of(problem); null if there is none
+  bool certified = false;                  // its rows are exact enough; else its duration is reported with "about"
+  std::optional<Limits> reached;           // relaxed limits for which a motion was found on a coarse mesh
   std::optional<OutOfReach> out_of_reach;  // clearly
-  bool start_failed = false;  // explain() has returned a start, from which planning failed: it is to tell a relaxation
+  bool start_failed = false;  // planning failed from a start that explain() returned: a relaxation is wanted
 };
 
-// problem: what no motion was found for.
+// Explains why no motion was found for the problem.
 WhyNot explain(const Problem& problem, const Known& known, Session& session);
 
 }  // namespace fjr

@@ -1,4 +1,4 @@
-// What is told of a request that cannot be had: what is in the way, when, and what would have to change.
+// What is reported of an infeasible request: what is in the way, when, and what would have to change.
 #pragma once
 
 #include <optional>
@@ -18,7 +18,7 @@ struct Relaxation {
   std::string name;  // as in problem/relaxable.h; or duration; or via[0].time
   int joint = 0;     // 1 or 2; 0: neither
   std::string unit;
-  double from = 0, to = 0;  // as asked for; the least change that was found to do, to within 4 %, as it is told
+  double from = 0, to = 0;  // the requested value; the least change found to be enough, to within 4 %, as reported
   bool rough = false;  // not verified by planning, or found with friction smoothed only: `to` is about what it takes
   bool within_robot = true;                    // false: beyond what robot.yaml allows a request to ask for
   std::optional<double> time;                  // [s] when it is in the way most
@@ -26,16 +26,17 @@ struct Relaxation {
   const ConstraintInfo* constraint = nullptr;  // of the task
 };
 
-// to: in the unit of `what`; of a velocity the fraction of what was asked for.
+// to: in the unit of `what`; for a velocity, as a fraction of the requested one.
 Relaxation relaxation_of(const Relaxable& what, double to);
 
-// Of a time that was asked for, which may be longer or later: the duration, or a via point's. [s]
+// Makes the relaxation of a requested time [s]: of the duration or of a via point.
 Relaxation relaxation_of_time(RelaxableKind kind, const std::string& name, double from, double to);
 
-// What it is called in a sentence: "torque of joint 1", "obstacles[0]".
+// Returns its name in a sentence: "torque of joint 1", "obstacles[0]".
 std::string name_of(const std::string& name, int joint);
 
-// `to` in the four digits in which it is told, rounded so that the change from `from` is never less than it was.
+// Returns `to` in the four digits in which it is reported, rounded so that the change from `from` never becomes
+// smaller.
 double told(double from, double to);
 
 // "torque of joint 1 alone would have to be 5.1 N m (now 5)"

@@ -47,7 +47,7 @@ NearestTime nearest_time(const Problem& problem, std::size_t i, std::optional<do
     if (next) possible = std::move(next);
   }
   if (wrong != asked || search.over()) return {right, {}};
-  // However near, every time would do: so may the one that was asked for, from where these have led to.
+  // Every time that was tried is feasible, so the requested one may be too, from the last motion.
   moved.via[i].time = asked;
   if (const auto kept = search.sketch(moved, name_of(i), {guess_of(*possible)})) return {right, guess_of(*kept)};
   return {right, {}};

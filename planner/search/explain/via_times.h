@@ -8,17 +8,17 @@
 
 namespace fjr {
 
-// When via point i can be passed at the earliest [s], the times of those before it kept and whatever comes after; none
-// where no motion there is found.
+// Returns the earliest time [s] at which via point i can be passed. The times of those before it are kept, and what
+// comes after is ignored. Returns nothing if no motion there is found.
 std::optional<double> earliest_at(const Problem& problem, std::size_t i, Search& search);
 
 struct NearestTime {
   std::optional<double> time;     // [s] none: no other time of this via point helps
-  std::optional<Guess> as_asked;  // of a motion that passes it when it is to be passed, which was found from there
+  std::optional<Guess> as_asked;  // a motion at the requested time after all, found from those at other times
 };
 
-// The time of via point i alone, moved as little as leaves the rest of the request possible; `least`: known to be the
-// least, if it is enough.
+// Finds the least change of the time of via point i alone that makes the rest of the request feasible. least: the
+// earliest possible time, which is the result if it is enough.
 NearestTime nearest_time(const Problem& problem, std::size_t i, std::optional<double> least, Search& search);
 
 }  // namespace fjr

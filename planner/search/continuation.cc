@@ -34,7 +34,7 @@ constexpr int kRewardedIterations = 300;  // of those with a reward, which conve
 constexpr int kPricedIterations = 250;    // of warm starts to another price: switching times and active limits change
 constexpr int kRestIterations = 50;       // with rests scaled, 45
 constexpr double kRestWidth =
-    0.003;  // [rad/s] widths up to which rests are scaled; in wider laws a moving motor seems to rest
+    0.003;  // [rad/s] up to which rests are scaled: in wider laws a moving motor seems to rest
 constexpr int kMovingIterations = 60;  // nine of ten take less than 45
 // [rad/s] width of the step after which nodes are moved for the first time, because from then on it is settled when
 // each motor rests. If nodes move only with the exact law, the comparison of motions depends on chance, and their

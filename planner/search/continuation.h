@@ -98,8 +98,8 @@ class Continuation {
 
   int start = 1;           // number of starts tried so far, this one included
   double mesh_factor = 1;  // on the number of intervals of the first mesh
-  double regularisation_factor =
-      1;                       // factor on the regularisation of the first solution, which makes it easier to find
+  // Factor on the regularisation of the first solution; with more of it that is easier to find.
+  double regularisation_factor = 1;
   double width_factor = 1;     // factor on the width of the first solution's friction law; smaller is nearer to exact
   bool by_own_method = false;  // finds the first solution by our interior-point method instead of Ipopt, if that suits
   double patience = 1;         // factor on the iterations of warm starts and homotopy steps

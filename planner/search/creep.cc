@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kProbes = 8;              // per interval
 constexpr double kShortestRest = 0.04;  // [s] shorter ones are over before the deviation has grown to a count
-constexpr double kFaster =
-    2.0;  // times the velocity at the band's edge, where the law's slope is zero: here it is clearly positive
+// Times the velocity at the band's edge, where the law's slope is zero: here it is clearly positive.
+constexpr double kFaster = 2.0;
 
 bool rests(const Motion& motion, std::size_t interval, std::size_t joint, double band) {
   const auto& i = motion.intervals[interval];

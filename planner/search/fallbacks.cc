@@ -28,12 +28,10 @@ constexpr double kCoarser = 0.5, kFiner = 2;    // times the usual number of int
 constexpr double kRelaxed[] = {0.5, 3};         // fractions by which limits are relaxed at first
 constexpr double kEasilyCarried = 1.05;         // times what carrying the arm takes
 constexpr double kWindingUp[] = {0.4, 0.2, 0};  // fractions of the way that links go the other way first
-constexpr double kLongestInterval =
-    0.03;  // [s] mean interval up to which a mesh is fine enough to be reused for a longer motion
-constexpr double kFirstStep = 0.05;   // of the factor on the limits, relative
-constexpr double kLongerStep = 1.25;  // times the last step, after a success
-constexpr double kGrowth =
-    0.06;  // fraction by which a step may make the motion longer, extrapolated from the last step
+constexpr double kLongestInterval = 0.03;       // [s] mean interval up to which a mesh is reused for a longer motion
+constexpr double kFirstStep = 0.05;             // of the factor on the limits, relative
+constexpr double kLongerStep = 1.25;            // times the last step, after a success
+constexpr double kGrowth = 0.06;        // fraction by which a step may make the motion longer, going by the last one
 constexpr double kShortestStep = 2e-4;  // below this, failed steps are not halved again
 // If more work is allowed than usual, the iteration limits of swinging motions grow in proportion, up to this factor:
 // with little torque to spare, warm starts take up to 690 iterations.
@@ -47,8 +45,8 @@ constexpr double kSharpWidthFactor = 0.1, kSharpestWidthFactor = 0.01;
 // ever shorter steps: with 5.6 of 6.7 N m (1.196 times) it took 2,300 iterations, with 5.5 it never arrived.
 constexpr double kMuchTooHeavy = 1.205;
 constexpr double kLiftPeriods[] = {2.3, 3.4, 4.5};  // durations that are tried, in periods of small oscillations
-constexpr double kHopelessTorqueSlack =
-    0.03;  // fraction of the torque beyond which more time is not tried: twice what it gains
+// Missing fraction of the torque beyond which more time is not tried: twice what it gains.
+constexpr double kHopelessTorqueSlack = 0.03;
 constexpr double kSwingPeriods = 1.5;       // in these periods, until link 1 is past where gravity takes most
 constexpr double kFoldedMeshFactor = 0.6;   // times the usual number of intervals
 constexpr int kLiftIterations = 650;        // those that lead somewhere took up to 590

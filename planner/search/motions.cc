@@ -27,12 +27,11 @@ constexpr double kNearBy = 0.3;  // [rad] that the best motion so far is displac
 // number is fixed, so that the plan does not depend on the number of cores.
 constexpr std::size_t kWave = 4;
 constexpr int kGivenUp = 2;  // failed starts after which an alternative is given up, if another one led somewhere
-constexpr std::size_t kBeforeSwinging =
-    1;  // failed starts before it is checked whether the arm has to swing up, or the request is out of reach
-constexpr std::size_t kBeforeHurrying =
-    2;  // failed starts before the fastest motion is looked for, whatever a sketch says
-constexpr std::size_t kBeforeSketchingTheFastest =
-    1;                               // failed starts before that sketch; none if there is clearly little time
+constexpr std::size_t kBeforeSwinging = 1;  // failed starts before swing-ups are tried and reachability is checked
+constexpr std::size_t kBeforeHurrying = 2;  // failed starts before the fastest motion is looked for in any case
+// Failed starts before a sketch tells whether the fastest motion is looked for earlier; none if there is clearly little
+// time.
+constexpr std::size_t kBeforeSketchingTheFastest = 1;
 constexpr double kLittleTime = 0.7;  // fraction of the usual duration
 
 // Returns a guess near the best motion so far. Minima lie side by side: from there others are found, in half the

@@ -136,8 +136,9 @@ std::optional<double> reversal_in(const Motion& motion, std::size_t k, std::size
 }
 
 void cut_around(std::vector<double>& cuts, double fraction, double shortest) {
-  constexpr double kApart =
-      0.05;  // the reversal moves with the next solution; if cuts are closer, it has to be cut around again
+  // Fraction of the interval. The reversal moves with the next solution; if cuts are closer, it has to be cut around
+  // again.
+  constexpr double kApart = 0.05;
   if (shortest > 0.7) return;
   const double half = 0.5 * std::max(kApart, shortest), from = fraction - half, to = fraction + half;
   const double near = 0.4 * shortest;

@@ -13,7 +13,7 @@ constexpr double kLongestRest = 0.1;     // [s]
 constexpr double kLargestGrowth = 3;     // [-] exponent
 constexpr double kGrowthSpacing = 0.01;  // [s] the growth rate follows q, which takes 0.1 s and more to change
 
-// Uninterrupted stays of the joint's motor within +-band for more than kLongestRest.
+// Returns the uninterrupted stays of the joint's motor within +-band [rad/s] for more than kLongestRest.
 std::vector<Stretch> long_rests(const Trajectory& trajectory, int joint, double band) {
   Interpolator plan(trajectory);
   const auto rests = [&](double time) {
@@ -47,7 +47,8 @@ struct Symmetric {  // 2x2
   double smallest_eigenvalue() const { return 0.5 * (a11 + a22) - std::hypot(0.5 * (a11 - a22), a12); }
 };
 
-// M s^2 + D s + dG/dq + K (J s^2 + B s) (J s^2 + B s + K)^-1: the spring in series with the motor that gives way.
+// Returns M s^2 + D s + dG/dq + K (J s^2 + B s) (J s^2 + B s + K)^-1. Its last term is the spring in series with the
+// motor, which gives way.
 Symmetric dynamic_stiffness(const Parameters& p, const Joints<double>& q, double s) {
   const MassMatrix<double> m = mass_matrix(p, q[1]);
   const Joints<double> gravity = gravity_coefficients(p);

@@ -1,4 +1,4 @@
-// Where the arm itself amplifies errors, so that no open-loop run across it can be exact.
+// Finds where the arm itself amplifies errors, so that no open-loop run across these stretches can be exact.
 #pragma once
 
 #include <vector>
@@ -8,17 +8,18 @@
 
 namespace fjr {
 
-// Rate at which the arm, in equilibrium at q with its motors free to turn against viscous friction, leaves q under
-// gravity: the largest real root s of det(M s^2 + D s + dG/dq + K (J s^2 + B s) (J s^2 + B s + K)^-1). 0 where gravity
-// holds it. [1/s]
+// Returns the rate [1/s] at which the arm, in equilibrium at q with its motors free to turn against viscous friction,
+// leaves q under gravity: the largest real root s of det(M s^2 + D s + dG/dq + K (J s^2 + B s) (J s^2 + B s + K)^-1).
+// Returns 0 if gravity holds the arm there.
 double gravity_growth_rate(const Parameters& p, const Joints<double>& q);
 
-// Every stretch of the plan across which an open-loop run need not be exact, in the order of their ends. Two reasons:
-// - a motor whose friction law falls with speed at rest (joint 2's) stays in its unstable band for more than 0.1 s:
-// from
-//   the beginning to the end of each such stay;
-// - gravity amplifies near the upright: the instant (from = to) at which the integral of gravity_growth_rate since the
-//   start, or since the last such instant, exceeds 3. An error made before has then grown e^3 = 20-fold.
+// Returns the stretches of the plan across which an open-loop run need not be exact, in the order of their ends. There
+// are two reasons:
+// - The motor stays for more than 0.1 s in the unstable band of a friction law that falls with speed at rest (joint
+// 2's). The stretch lasts from the beginning to the end of the stay.
+// - Gravity amplifies errors near the upright. The stretch is the instant (from = to) at which the integral of
+// gravity_growth_rate since the start, or since the last such instant, exceeds 3: an error made before has then grown
+// e^3 = 20-fold.
 std::vector<Stretch> stretches_of_amplification(const Parameters& p, const Trajectory& trajectory);
 
 }  // namespace fjr

@@ -25,7 +25,7 @@ namespace {
 
 double larger(const Joints<double>& p) { return std::max(p[0], p[1]); }
 
-// Collects what stands against a trajectory.
+// Collects the reasons for not certifying a trajectory.
 class Verdict {
  public:
   Verdict(const Parameters& robot, Certificate& certificate) : robot_(robot), certificate_(certificate) {}
@@ -65,7 +65,7 @@ class Verdict {
   void judge_perturbed(const Perturbed& perturbed) {
     if (!perturbed.completed) return refuse("closed loop from half a count off the start: the integration broke down");
     const Joints<double> off{start_offset(robot_, 0), start_offset(robot_, 1)};
-    const double allowed = 2 * larger(off);  // a whole count of the encoder by which it began farthest off
+    const double allowed = 2 * larger(off);  // one count of the coarser encoder
     const auto judge = [&](const Joints<double>& link, const std::string& when) {
       if (larger(link) <= allowed) return;
       refuse(
@@ -95,7 +95,7 @@ class Verdict {
   Certificate& certificate_;
 };
 
-// Roll out and fill what is measured on the way; nothing is judged here.
+// These functions roll out and store what is measured; they judge nothing.
 Comparison measure_open_loop(const Parameters& robot, Rollout& rollout, const Trajectory& trajectory, Certificate& c) {
   c.open_loop.stretches = stretches_of_amplification(robot, trajectory);
   const Comparison open =
@@ -129,7 +129,7 @@ class Rollouts {
         ends_at_rest_(is_at_rest(robot, trajectory.samples.back())),
         perturbed_(robot, trajectory) {}
 
-  // Longer ones, and those that others wait for, come first.
+  // The longest parts, and those that others depend on, come first.
   void roll_out(std::size_t part) {
     if (part == 0) return roll_out_closed_loop();
     if (part == 1) return roll_out_open_loop();
@@ -141,7 +141,7 @@ class Rollouts {
   }
 
   const Comparison& closed() const { return closed_; }
-  Perturbed perturbed() const { return perturbed_.worst(); }  // where no loop has failed
+  Perturbed perturbed() const { return perturbed_.worst(); }  // valid if neither loop has failed
 
  private:
   void roll_out_open_loop() {
@@ -163,7 +163,7 @@ class Rollouts {
     certificate_.residual.link_vibration = deviation_at_rest(robot_, trajectory_.samples.back(), closed_.final);
   }
 
-  // A verdict that is known needs no perturbed starts any more.
+  // Once the trajectory cannot be certified, perturbed starts are not rolled out.
   void stop_where_failed(const RolloutErrors& errors) {
     if (!errors.completed || errors.max_link() > certificate_.tolerance) failed_ = true;
   }
@@ -178,7 +178,7 @@ class Rollouts {
   std::atomic<bool> failed_ = false;
 };
 
-// What needs no rollout.
+// Makes the checks that need no rollout.
 Certificate judge_rows(const Parameters& robot, const Limits& limits, const Trajectory& trajectory) {
   Certificate c;
   c.tolerance = exactness_tolerance(robot);

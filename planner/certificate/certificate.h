@@ -1,4 +1,4 @@
-// The proof that travels with a trajectory: rollouts of its published rows on the exact model.
+// The certificate that is published with a trajectory: results of rollouts of its rows on the exact model.
 #pragma once
 
 #include <optional>
@@ -12,7 +12,8 @@
 
 namespace fjr {
 
-// One count of the link encoder, 2 pi / 65536 = 9.59e-5 rad, when counts = 65536. [rad]
+// Returns one count of the link encoder [rad], the finer one if the joints differ: 2 pi / 65536 = 9.59e-5 rad for 65536
+// counts.
 double exactness_tolerance(const Parameters& p);
 
 struct RolloutErrors {          // rollout minus plan, largest magnitude over time and joints
@@ -28,24 +29,25 @@ struct RolloutErrors {          // rollout minus plan, largest magnitude over ti
   double max_final_link() const;
 };
 
-// Of the plan, where the arm itself amplifies errors so much that no open-loop run across it can be exact.
+// A stretch of the plan where the arm itself amplifies errors so much that no open-loop run across it can be exact.
 struct Stretch {
   double from = 0, to = 0;  // [s] equal: an instant
-  int joint = 0;            // whose motor rests; 0: gravity amplifies
+  int joint = 0;            // 1 or 2: its motor rests in its unstable band; 0: gravity amplifies
   std::string why;          // one sentence, with times
 };
 
-// From the start to the end. Within a stretch the motor that rests there has its feedback, and it alone; at the end of
-// a stretch the run begins again in the plan's own state. Link errors count at all times.
+// The open-loop rollout from the start to the end. Within a stretch the resting motor alone has its feedback; at the
+// end of a stretch the run begins again in the plan's own state. Link errors count at all times.
 struct OpenLoop : RolloutErrors {
   std::vector<Stretch> stretches;  // none: one run from the start to the end
 
   std::string why_not_in_one_run() const;  // the reasons of all stretches; empty when there are none
 };
 
-// The closed loop from where the link encoders still read the start: half a count off it (perturbed.h).
+// The closed-loop rollout from perturbed starts, half a count off, at which the link encoders still read the start
+// (perturbed.h).
 struct Perturbed {
-  bool evaluated = false;  // only for what is exact from the start itself
+  bool evaluated = false;  // only if nothing else has failed
   bool completed = false;
   Joints<double> link{};        // [rad] rollout minus plan, largest magnitude per joint
   double time_of_max_link = 0;  // [s]
@@ -59,7 +61,8 @@ struct ClosedLoop : RolloutErrors {
   Perturbed perturbed;
 };
 
-// One limit against what the published rows with their interpolation, and the closed-loop rollout, reach.
+// One limit compared with the largest values of the published rows with their interpolation, and of the closed-loop
+// rollout.
 struct LimitCheck {
   std::string name;    // torque, motor_velocity, link_position, spring_deflection, torque_rate, tip_speed
   int joint = 0;       // 1 or 2; 0 for tip_speed
@@ -73,17 +76,18 @@ struct LimitCheck {
   double margin() const { return limit - reached; }
 };
 
-// One constraint of the request's task against the published rows with their interpolation.
+// One constraint of the request's task, compared with the published rows and their interpolation.
 struct TaskCheck {
   std::string name;      // obstacles[0], tip_box, tip_line, tip_arc, path
   int link = 0;          // 1 or 2 for obstacles; 0: neither
   std::string unit;      // m or rad
-  double clearance = 0;  // least distance from what it forbids; negative: broken
+  double clearance = 0;  // least distance from the forbidden region; negative: violated
   double time = 0;       // [s] where
   bool passed = false;
 };
 
-// After the end, from where the rollouts from the exact start ended, with torque G(q_goal), over a fixed window.
+// Motion after the end, held by the torque G(q_goal) for a fixed window. It begins where the rollouts from the exact
+// start ended.
 struct Residual {
   bool evaluated = false;            // only for a trajectory that ends at rest
   double window = 0;                 // [s]
@@ -101,26 +105,26 @@ struct Tracking {
   bool saturated = false;            // the drive's peak torque was reached
 };
 
-// One limit against bounds that hold for certain at all times.
+// One limit compared with bounds that are proved to hold at all times.
 struct LimitBound {
   std::string name;                 // as in LimitCheck
   int joint = 0;                    // 1 or 2; 0 for tip_speed
   double allowed = 0;               // the limit, with what rounding may take
-  double published = 0;             // no magnitude of the published rows with their interpolation is larger
-  std::optional<double> rollout{};  // nor of the exact motion in closed loop; none: a property of the plan
+  double published = 0;             // bound on the magnitudes of the published rows with their interpolation
+  std::optional<double> rollout{};  // bound on the exact motion in closed loop; none: only the plan has this limit
 };
 
-// One constraint of the task against bounds that hold for certain at all times.
+// One constraint of the task compared with bounds that are proved to hold at all times.
 struct TaskBound {
   std::string name;      // as in TaskCheck
   int link = 0;          // 1 or 2; 0: neither
   std::string unit;      // m or rad
-  double published = 0;  // they leave at least so much free, with their interpolation; negative: miss it by up to that
+  double published = 0;  // least clearance of the rows with their interpolation; negative: may violate it by that
   double time = 0;       // [s] where that may be
-  double rollout = 0;    // the exact motion in closed loop likewise, until closed_loop.until
+  double rollout = 0;    // the same of the exact motion in closed loop, until closed_loop.until
 };
 
-// What is certain of the exact motion, and not only as exact as an integrator (proof/prove.h).
+// Bounds of the exact motion that are proved, and not only computed to an integrator's accuracy (proof/prove.h).
 struct Proof {
   struct Loop {
     bool proven = false;               // to the end, and within what is allowed
@@ -142,49 +146,50 @@ struct Proof {
   std::vector<TaskBound> task;
 };
 
-// What the uncertainty of the arm's parameters makes of a motion in the executor's closed loop (robust/robustness.h).
+// Effect of the uncertainty of the arm's parameters on a motion in the executor's closed loop (robust/robustness.h).
 struct Robustness {
-  // Of a limit or a row of the task, where least is left.
+  // The margin of a limit or a row of the task, at the time when least of it is left.
   struct Margin {
     std::string name;  // as in LimitCheck and TaskCheck
-    int joint = 0;     // 1 or 2, of a row of the task the link; 0: neither
+    int joint = 0;     // 1 or 2; the link for a row of the task; 0: neither
     std::string unit;
-    double limit = 0;   // that holds where feedback is included; infinite for a row of the task
+    double limit = 0;   // the one that holds with feedback; infinite for a row of the task
     double factor = 0;  // half width of the tube in standard deviations
     double needed = 0;  // at `time`
-    double there = 0;   // of the plan: limit - |value|, the clearance, or the tolerance less the distance from a line
+    double there = 0;   // in the plan: limit - |value|, the clearance, or the tolerance less the distance from a line
     double time = 0;    // [s]
-    std::string parameter;  // knowing it exactly would take most of the margin's square; empty where counts do
-    double fraction = 0;    // of that square, at least for the parameter
+    std::string parameter;  // the one whose exact value would reduce the margin's square most; empty if encoder counts
+                            // matter more
+    double fraction = 0;    // fraction of that square by which it would be reduced
     bool passed = false;
     std::size_t index = 0;       // in kLimitNames, or after those the row of the task
     std::vector<double> tube{};  // half width at Robustness::times, in `unit`
-    // By how much it would be less there if each of Robustness::names had half its error.
+    // By how much the half width would be smaller at these times if each of Robustness::names had half its error.
     std::vector<std::vector<double>> halved{};
   };
-  // What no uncertainty of the model's parameters says anything of.
+  // Effects that the uncertainty of the parameters does not cover.
   static constexpr const char* kNotCovered = "link damping that is not modelled, hysteresis, temperature";
 
   bool evaluated = false;
-  bool kept = false;                           // every margin is there
-  std::string reason;                          // why not; empty when kept
-  double confidence = 0;                       // at least this fraction of the arms stays in all tubes at all times
-  double certainty = 0;                        // with which that was found by draws
-  std::size_t arms = 0;                        // that were drawn
+  bool kept = false;      // every margin is there
+  std::string reason;     // why not; empty when kept
+  double confidence = 0;  // at least this fraction of the possible arms stays in all tubes at all times
+  double certainty = 0;   // confidence level of that statement, which is found by drawing arms
+  std::size_t arms = 0;   // that were drawn
   std::size_t parameters = 0, directions = 0;  // uncertain ones, and the rank of their covariance
-  double first_order = 0;                      // factor that linear theory alone would take
-  double ellipsoid = 0;                        // and an ellipsoid that holds that fraction of the parameters
-  Joints<double> link{};                       // [rad] within which the links stay of the plan
+  double first_order = 0;                      // factor of the tubes by linear theory alone
+  double ellipsoid = 0;                        // factor of an ellipsoid that contains that fraction of the parameters
+  Joints<double> link{};                       // [rad] the links stay that close to the plan
   std::vector<Margin> limits, task;
   std::vector<double> times;              // [s] of the tubes
   Joints<std::vector<double>> link_tube;  // [rad]
-  // Each parameter, and the fraction of the margins' squares that knowing it exactly would take away in the mean over
-  // limits, weighted by how much of what there is they take; falling.
+  // Each parameter, and the fraction of the margins' squares that knowing it exactly would take away, largest first. It
+  // is the mean over limits, weighted by the fraction of the available margin that each of them needs.
   std::vector<std::pair<std::string, double>> costs;
   std::vector<std::string> names;  // of the parameters
 
-  // Of a plan that was made to keep it, in units of the objective: what the margins cost, and what knowing each
-  // parameter twice as well would give back, to first order by the shadow prices; falling.
+  // For a plan made with these margins, in units of the objective: what the margins cost, and what knowing each
+  // parameter twice as well would give back, to first order by the shadow prices, largest first.
   std::optional<double> price;
   std::vector<std::pair<std::string, double>> savings;
 };
@@ -196,14 +201,14 @@ struct Certificate {
   OpenLoop open_loop;
   ClosedLoop closed_loop;
   std::vector<LimitCheck> limits;
-  std::vector<TaskCheck> task;  // of the request; empty where there is none, and for a trajectory without request
+  std::vector<TaskCheck> task;  // empty if the request has none, and for a trajectory without request
   Residual residual;
   Tracking tracking;
-  Proof proof;            // where it was asked for
-  Robustness robustness;  // likewise
+  Proof proof;            // if it was requested
+  Robustness robustness;  // if it was requested
 };
 
-// The verdict on one trajectory on one robot, with residual and tracking; `limits` are the robot's or tighter. A
+// Certifies a trajectory for a robot, with residual motion and tracking. limits: the robot's or tighter ones. A
 // trajectory that ends with dq = dtheta = 0 in equilibrium is taken to end at rest.
 Certificate certify(const Parameters& robot, const Limits& limits, const Trajectory& trajectory);
 

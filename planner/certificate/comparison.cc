@@ -36,7 +36,8 @@ class Recorder {
     raise_peaks(x, {}, [](const QuantityInfo& quantity) { return !quantity.sees_torque; });
   }
 
-  // Feedback has peaks much shorter than the instants are apart, where a motor passes through its friction step.
+  // Called at every step, because feedback has peaks much shorter than the distance of the instants where a motor
+  // passes through its friction step.
   void torque_at(double time, const State<double>& x) { record_torque(time, plan_.at(time), x); }
 
  private:

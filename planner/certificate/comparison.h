@@ -1,4 +1,4 @@
-// A rollout held against the plan at every row and at instants between the rows.
+// Compares a rollout with the plan at every row and at instants between the rows.
 #pragma once
 
 #include <string>
@@ -20,30 +20,31 @@ struct Comparison {
   State<double> final{};              // where it ended
 };
 
-// All rows after the first, and instants between them at most 0.25 ms apart. [s]
+// Returns the times [s] of all rows after the first, and instants between them at most 0.25 ms apart.
 std::vector<double> comparison_instants(const Trajectory& trajectory);
 
-// Corners of the torque below this are left to error control. Stopping at more of them costs nothing; leaving more (20)
-// moved motors by up to 7e-7 rad. [N m/s]
+// Changes of the torque's slope [N m/s] up to which error control alone handles a corner. Stopping at more of them
+// costs nothing; leaving more (20) moved motors by up to 7e-7 rad.
 inline constexpr double kCorner = 0.1;
 
-// A part of a rollout, from the end of the one before.
+// A part of a rollout, which begins at the end of the one before.
 struct Piece {
   double to;  // [s]
   Drive drive;
   bool afresh;  // begins in the plan's own state, not in the one reached
 };
 
-// The trajectory in open loop, but for the `stretches`: there, the motor that rests has its feedback and dither; at
-// their ends the run begins afresh.
+// Returns the pieces of an open-loop rollout. Within `stretches` the resting motor has its feedback and dither; at
+// their ends the run begins again in the plan's own state.
 std::vector<Piece> open_loop_pieces(const Parameters& robot, const Trajectory& trajectory,
                                     const std::vector<Stretch>& stretches);
 
-// Rolls the trajectory out, from its first row and in these pieces, of which the last ends where the trajectory does.
+// Rolls the trajectory out from its first row in these pieces, of which the last ends with the trajectory. corner:
+// stops at larger changes of the torque's slope [N m/s].
 Comparison compare(Rollout& rollout, const Parameters& robot, const Trajectory& trajectory,
                    const std::vector<Piece>& pieces, const std::vector<double>& instants, double corner = kCorner);
 
-// In one piece.
+// Does the same in one piece.
 Comparison compare(Rollout& rollout, const Parameters& robot, const Trajectory& trajectory, const Drive& drive,
                    const std::vector<double>& instants, double corner = kCorner);
 

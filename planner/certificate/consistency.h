@@ -1,4 +1,4 @@
-// Whether the rows of a trajectory can be a trajectory at all, before any physics.
+// Checks whether the rows are a possible trajectory at all, before any physics.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace fjr {
 
-// Why the rows cannot be rolled out: too few or too many, not finite, time not increasing, or
-// longer than is rolled out, 164 s. Empty when they can.
+// Returns why the rows cannot be rolled out: too few or too many, not finite, time not increasing, or longer than the
+// longest rollout, 164 s. Returns an empty string if they can.
 std::string malformed(const Trajectory& trajectory);
 
-// One sentence when a velocity column does not belong to its position column, else empty. In every interval the mean of
-// the two end velocities may differ from the mean velocity (x1 - x0)/h by h |a1 - a0| / 8, the most that a corner of
-// the velocity can cause (a: accelerations of the model at the rows), and beyond that by what does not matter:
+// Returns a sentence if a velocity column does not belong to its position column, else an empty string. In every
+// interval the mean of the two end velocities may differ from the mean velocity (x1 - x0)/h by h |a1 - a0| / 8, the
+// most that a corner of the velocity can cause (a: accelerations of the model at the rows), plus a tolerance:
 // - links: one encoder count within 10 ms,
 // - motors: the velocity error that makes a tenth of the feedback torque which a certificate allows.
 std::string inconsistent_velocity(const Parameters& p, const Trajectory& trajectory);

@@ -1,4 +1,4 @@
-// The limits, held against the published rows with their interpolation and against the closed-loop rollout.
+// Compares the limits with the published rows and their interpolation, and with the closed-loop rollout.
 #pragma once
 
 #include <cstddef>
@@ -10,17 +10,17 @@
 
 namespace fjr {
 
-// One check per finite limit and joint. What is a polynomial between rows (QuantityInfo::degree) is searched for its
-// extremes exactly, anything else is sampled every 0.25 ms. du/dt is the difference quotient
-// of u = tau_m - tau_fm_nonlinear(dtheta) over each_pair_for_torque_rates(): at a torque jump tau_m steps
-// with the friction and u does not.
+// Returns one check per finite limit and joint. If a quantity is a polynomial between rows (QuantityInfo::degree), its
+// extremes are found exactly; otherwise it is sampled every 0.25 ms. du/dt is the difference quotient of u = tau_m -
+// tau_fm_nonlinear(dtheta) over each_pair_for_torque_rates(): at a torque jump tau_m steps with the friction and u does
+// not.
 std::vector<LimitCheck> check_limits(const Parameters& p, const Limits& limits, const Trajectory& trajectory,
                                      const Comparison& rollout);
 
-// Rates of the torque are difference quotients of two rows. Calls visit(earlier, later) with the indices of all that
-// are at least kTorqueRateSpan and less than twice that apart, and of each row with the last one before it that is
-// farther away; of rows that take less time in all, with the first and the last. (The mean over more time is no larger
-// than the largest of these.)
+// Visits the pairs of rows whose difference quotients are the rates of the torque. Calls visit(earlier, later) with the
+// indices of all pairs that are at least kTorqueRateSpan and less than twice that apart, and of each row with the last
+// one before it that is farther away. If all rows together take less time, the pair is the first and the last. (The
+// mean over more time is no larger than the largest of these.)
 template <class Visit>
 void each_pair_for_torque_rates(const std::vector<Sample>& rows, const Visit& visit) {
   std::size_t far = 0, near = 0;  // the first rows that are less than twice the span, and less than the span, away
@@ -33,13 +33,15 @@ void each_pair_for_torque_rates(const std::vector<Sample>& rows, const Visit& vi
   if (near == 0) visit(std::size_t{0}, rows.size() - 1);
 }
 
-// What the rollout may reach: more than the limit only by what the exactness explains.
+// Returns what the rollout may reach: the limit plus what the exactness tolerance explains; no limit on what is a
+// property of the plan alone.
 Limits rollout_allowance(const Parameters& p, const Limits& limits);
 
-// ", both counted from 0.1" where the limit and what is reached of it are not counted from zero; else empty.
+// Returns ", both counted from 0.1" if the limit and the reached value are not counted from zero; else an empty string.
 std::string counted_from(const LimitCheck& check, const Limits& limits);
 
-// One sentence for a check that did not pass. limits: that it was judged by; without them all is counted from zero.
+// Returns a sentence for a check that did not pass. limits: those it was judged by; without them values count from
+// zero.
 std::string violation(const LimitCheck& check, const Limits& limits = {});
 
 }  // namespace fjr

@@ -1,4 +1,4 @@
-// What every interval of a mesh adds to the error by itself.
+// Local error of every interval of a mesh.
 #include <algorithm>
 
 #include "planner/certificate/certificate.h"

@@ -14,8 +14,8 @@
 namespace fjr {
 namespace {
 
-// In start_offset(): the four corners of a count, and next to the start, where motor 2 leaves its rest most slowly and
-// then wanders furthest.
+// Offsets in units of start_offset(): the four corners of a count, and one close to the start, from where motor 2
+// leaves its rest most slowly and then wanders furthest.
 constexpr std::array<Joints<double>, PerturbedRollouts::kStarts> kShifts{
     {{1, 1}, {1, -1}, {-1, 1}, {-1, -1}, {1e-3, 1e-3}}};
 
@@ -27,7 +27,7 @@ State<double> shifted(const Parameters& p, State<double> x, const Joints<double>
   return x;
 }
 
-// Largest errors so far, and this.
+// Raises the largest errors so far.
 void keep(Joints<double>& largest, const Joints<double>& errors) {
   for (std::size_t j = 0; j < kJoints; ++j) largest[j] = std::max(largest[j], errors[j]);
 }

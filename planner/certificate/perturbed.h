@@ -1,4 +1,4 @@
-// The closed loop from elsewhere than exactly the start.
+// Closed-loop rollouts from perturbed starts.
 #pragma once
 
 #include <array>
@@ -9,13 +9,14 @@
 
 namespace fjr {
 
-// Half a count of the link encoder: that far the arm may be off the start while the encoder reads the start. [rad]
+// Returns half a count of the link encoder [rad]: the arm may be that far off the start while the encoder reads the
+// start.
 double start_offset(const Parameters& p, std::size_t joint);
 
-// The trajectory rolled out in closed loop from five starts with the whole arm, links and motors, off its first row: by
-// start_offset() in either joint, all four combinations of signs, and by a thousandth of that in both. Where the plan
-// rests on the way, the executor holds the arm from where it came to, with its ticks and the counts of the encoders, as
-// it does after an end at rest, from where each of them ended.
+// Rolls the trajectory out in closed loop from five starts with the whole arm, links and motors, off its first row: by
+// start_offset() in either joint, all four combinations of signs, and by a thousandth of that in both. If the plan
+// rests on the way, the executor holds the arm from each state reached at the beginning of the rest, with its ticks and
+// the counts of the encoders, as it does after an end at rest.
 class PerturbedRollouts {
  public:
   static constexpr std::size_t kStarts = 5;
@@ -30,7 +31,7 @@ class PerturbedRollouts {
   Perturbed worst() const;
 
  private:
-  // Where the plan stays at one place, for long enough that the executor's dither begins.
+  // A stretch in which the plan stays at one place, long enough for the executor's dither to begin.
   struct Rest {
     Sample row;             // the first of it
     double to;              // [s]
@@ -45,7 +46,7 @@ class PerturbedRollouts {
   std::array<Perturbed, kStarts> from_;
 };
 
-// All of them, one after another.
+// Rolls out all of them, one after another.
 Perturbed roll_out_perturbed(const Parameters& p, const Trajectory& trajectory);
 
 }  // namespace fjr

@@ -33,7 +33,8 @@ bool is_goal(const State<double>& x, const Goal& goal) {
          !(goal.dtheta && differ(x.dtheta, *goal.dtheta));
 }
 
-// One check for all rows of a constraint that are of one link, and which one each row belongs to.
+// Checks of a task: one for all rows of a constraint that belong to one link. of_row: the check that each row belongs
+// to.
 struct TaskChecks {
   std::vector<TaskCheck> checks;
   std::vector<std::size_t> of_row;
@@ -50,14 +51,14 @@ struct TaskChecks {
   }
 };
 
-// At the start and the instants that rollouts are compared at, at most 0.25 ms apart: between them an acceleration of
-// 1000 m/s^2 makes 8e-6 m, which is what the base margin leaves.
+// Checks the task at the start and at the instants at which rollouts are compared, at most 0.25 ms apart. Between them
+// an acceleration of 1000 m/s^2 makes 8e-6 m, which is what the base margin leaves.
 std::vector<TaskCheck> check_task(const Parameters& robot, const Task& task, const std::vector<double>& ends,
                                   const Trajectory& trajectory) {
   if (count_of_rows(task) == 0 || ends.empty()) return {};
   std::vector<std::vector<TaskRow>> rows;
   for (std::size_t s = 0; s < ends.size(); ++s) rows.push_back(task_rows(robot, task, s));
-  TaskChecks found(rows.front());  // the same in each segment but for their numbers
+  TaskChecks found(rows.front());  // rows of other segments differ only in their numbers
   Interpolator plan(trajectory);
   std::size_t segment = 0;
   std::vector<double> instants = comparison_instants(trajectory);

@@ -18,13 +18,13 @@ constexpr double kEquilibrium = 1e-5;  // [rad], [rad/s]
 // A hundredth of a count of the link encoder, and of the 1e-3 rad/s with which motor 2 wanders.
 constexpr Accuracy kAccuracyAtRest{1e-4, 1e-6, 1e-5, 1e-5};
 
-// Held by ticks: steps of a tick, in which the friction of the dither varies by a swing of 2e-3 rad/s. How far a motor
-// wanders within a count depends on roundings: of 17 plans, runs that were 1e5 times as accurate differed by up to
-// 1.2e-5 rad, and runs with a method of order 3, which takes 5 evaluations of the model in place of 8 a tick, by up to
-// 1.3e-4 rad, more than a count.
+// Accuracy while the executor holds the arm: steps of a tick, in which the friction of the dither varies by a swing of
+// 2e-3 rad/s. How far a motor wanders within a count depends on rounding: of 17 plans, runs that were 1e5 times as
+// accurate differed by up to 1.2e-5 rad, and runs with a method of order 3, which takes 5 evaluations of the model in
+// place of 8 a tick, by up to 1.3e-4 rad, more than a count.
 constexpr Accuracy kAccuracyOfTicks{1e-3, 1e-5, 1e-3, 1e-3};
 
-// Of the links; a rest at `goal` has its q.
+// Returns the links' distance from a rest at `goal`, which has its q.
 Joints<double> deviation(const State<double>& x, const Sample& goal) {
   return {std::abs(x.q[0] - goal.state.q[0]), std::abs(x.q[1] - goal.state.q[1])};
 }

@@ -13,7 +13,7 @@
 namespace fjr {
 namespace {
 
-// From one start on. A rollout that needs more has broken down: 20 s of hard work take 400 thousand.
+// Steps since the last start. A rollout that needs more has broken down: 20 s of hard work take 400 thousand.
 constexpr long kMaxSteps = 5'000'000;
 // ARKODE refuses to start towards a time that is nearer than rounding; times that should be equal often are. [s]
 constexpr double kNegligible = 1e-10;
@@ -24,7 +24,7 @@ constexpr double kStiff = 5000;
 constexpr int kStepsOfAPassage = 10;
 constexpr int kReversalRoots = kJoints;
 
-// What is watched inside of steps: the robot's limits, but for the torque, which is given.
+// Whether a limit is watched inside of steps: the robot's limits are, except for the torque, which is given.
 constexpr bool is_watched(const LimitName& limit) { return limit.quantity->of_robot && !limit.quantity->sees_torque; }
 constexpr int kWatched = static_cast<int>(std::count_if(kLimitNames.begin(), kLimitNames.end(), is_watched));
 constexpr std::array<LimitName, kWatched> kWatchedLimits = [] {
@@ -275,7 +275,8 @@ bool Rollout::Memory::in_stiff_band() const {
   return std::abs(state.dtheta[0]) < stiff_band[0] || std::abs(state.dtheta[1]) < stiff_band[1];
 }
 
-// Single steps know nothing of those before: changing the method costs little.
+// Chooses the explicit or the implicit method for the next step. One-step methods keep no history, so changing costs
+// little.
 void Rollout::Memory::choose_method(double end) {
   steps_in_band = in_stiff_band() ? steps_in_band + 1 : 0;
   void* wanted = steps_in_band > kStepsOfAPassage ? stiff.get() : explicit_rk.get();
@@ -311,7 +312,7 @@ void Rollout::Memory::observe_until(double until, std::span<const double>& insta
   }
 }
 
-// Lets a negligible time pass in which nothing happens.
+// Skips a negligible time, in which the state does not change.
 void Rollout::Memory::jump_to(double end, std::span<const double>& instants, const Observer& observe) {
   time = end;
   restart();

@@ -1,7 +1,7 @@
-// Integration of the exact model by SUNDIALS' ARKODE: Dormand-Prince of order 5, and where a motor stays in the steep
-// part of its friction a diagonally implicit method of order 3 with the exact Jacobian. The torque has a corner at
-// nearly every row: methods of single steps lose nothing there, while a multistep method starts afresh (CVODE's BDF
-// took four times as long for the same accuracy).
+// Integration of the exact model by SUNDIALS' ARKODE: Dormand-Prince of order 5 and, where a motor stays in the steep
+// part of its friction, a diagonally implicit method of order 3 with the exact Jacobian. The torque has a corner at
+// nearly every row. One-step methods lose nothing there, while a multistep method has to restart (CVODE's BDF took four
+// times as long for the same accuracy).
 #pragma once
 
 #include <functional>
@@ -17,9 +17,9 @@
 
 namespace fjr {
 
-// What drives the motors: tau_m(t, x) = tau(t) + Kp (theta(t) - theta) + Kd (dtheta(t) - dtheta), where tau(t),
-// theta(t) and dtheta(t) are a trajectory's, or one sample held for ever. Open loop: both gains zero. Where the plan
-// rests the executor's dither is added in closed loop.
+// Input of the motors: tau_m(t, x) = tau(t) + Kp (theta(t) - theta) + Kd (dtheta(t) - dtheta), where tau(t), theta(t)
+// and dtheta(t) are a trajectory's, or one sample held for ever. In open loop both gains are zero. In closed loop the
+// executor's dither is added where the plan rests.
 struct Drive {
   const Trajectory* plan = nullptr;  // outlives the rollout; none: `held`
   Sample held{};
@@ -67,7 +67,8 @@ inline constexpr double kLongestStep = 1e-3;  // [s]
 // One integrator, restarted as often as wanted. Not copyable, not movable: ARKODE keeps pointers into it.
 class Rollout {
  public:
-  // Crossings of the finite ones of `limits` are recorded as events and, if there are any, reversals of the motors.
+  // Finite limits are watched: crossing one is recorded as an event, and so are reversals of the motors if any limit is
+  // finite.
   Rollout(const Parameters& robot, const Limits& limits, const Accuracy& accuracy);
   ~Rollout();
   Rollout(const Rollout&) = delete;
@@ -75,26 +76,26 @@ class Rollout {
 
   // Sets the state at `time`; the drive's plan must outlive the rollout.
   void start(double time, const State<double>& state, const Drive& drive);
-  // As start(), with the state reached so far.
+  // Changes the drive and continues from the state reached so far.
   void redirect(const Drive& drive);
-  // From now on another held torque, in the middle of things. With Drive::holding() only.
+  // Changes the held torque without a restart. Only with Drive::holding().
   void hold(const Joints<double>& torque);
-  // From now on these torques act on the links beside springs and gravity. [N m]
+  // Sets torques that act on the links from now on, beside springs and gravity. [N m]
   void push_links(const Joints<double>& torque);
 
   using Observer = std::function<void(double time, const State<double>& state)>;
 
-  // Integrates to `end` and calls observe at every one of `instants` (increasing, in (now, end]). At each of `stops`
-  // (increasing) the method ends a step exactly: where the torque has corners that error control should not have to
-  // discover. False when the integration broke down: failure() says how, and nothing more can be
-  // run before the next start().
+  // Integrates to `end` [s] and calls observe at every one of `instants` (increasing, in (now, end]). At each of
+  // `stops` (increasing) the method ends a step exactly: these are corners of the torque that error control should not
+  // have to discover. Returns false if the integration broke down; failure() then says why, and start() has to be
+  // called before the next run.
   bool run(double end, std::span<const double> instants, std::span<const double> stops, const Observer& observe);
 
-  // From now on observe is also called at the end of every step that run() takes: where something is quick, steps are
-  // short. Empty: no longer.
+  // Calls observe from now on also at the end of every step that run() takes, which are short where something changes
+  // fast. An empty function ends this.
   void watch_steps(Observer observe);
 
-  // Steps longer than this are not taken. [s]
+  // Limits the length of steps. [s]
   void limit_step(double longest);
 
   double time() const;
@@ -108,13 +109,13 @@ class Rollout {
   std::unique_ptr<Memory> memory_;
 };
 
-// Where a rollout of this torque has to stop: both rows of every jump, and rows where its slope changes by more than
-// `slope_change` [N m/s].
+// Returns the times [s] at which a rollout of this torque has to stop: both rows of every jump, and rows at which its
+// slope changes by more than `slope_change` [N m/s].
 std::vector<double> torque_corners(const Trajectory& trajectory, double slope_change);
 
-// Longest step for rolling this trajectory out: none over a whole row interval, so that no row goes unseen, and none
-// over 1 ms, a third of the time in which the instability grows that a rollout has to show (motor 2 at rest, 365/s).
-// [s]
+// Returns the longest step [s] for rolling this trajectory out: no more than a whole row interval, so that every row is
+// seen, and no more than 1 ms, a third of the time in which the instability grows that a rollout has to show (motor 2
+// at rest, 365/s).
 double longest_step(const Trajectory& trajectory);
 
 }  // namespace fjr

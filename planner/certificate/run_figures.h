@@ -1,4 +1,4 @@
-// What a simulated run amounts to.
+// Key figures of a simulated run.
 #pragma once
 
 #include "planner/certificate/simulation.h"
@@ -16,7 +16,8 @@ struct RunFigures {
   double settling_time = 0;
 };
 
-// Of the run of `trajectory` on `arm`. settled: [rad] how near to the goal a link has come to rest.
+// Returns the figures of a run of `trajectory` on `arm`. settled: [rad] distance from the goal at which a link counts
+// as settled.
 RunFigures figures_of(const Parameters& arm, const Trajectory& trajectory, const Simulation& run, double settled);
 
 }  // namespace fjr

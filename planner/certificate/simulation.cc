@@ -13,7 +13,8 @@ namespace {
 
 constexpr double kStill = 1e-5;  // [rad/s] as of a rest
 
-// In rows learnt for an arm that is not quite the one planned for, whose motors stand elsewhere for the same q.
+// Returns whether a learnt row is a rest. Learnt rows belong to an arm that is not quite the one planned for, whose
+// motors stand elsewhere for the same q.
 bool stands_as_learnt(const Trajectory& trajectory, const Sample& row) {
   const auto status = trajectory.metadata.find("status");
   bool still = status != trajectory.metadata.end() && status->second == kLearntStatus;
@@ -23,7 +24,7 @@ bool stands_as_learnt(const Trajectory& trajectory, const Sample& row) {
   return still;
 }
 
-// What the executor holds after the end: the motors where the row has them, with the torque of the springs.
+// Returns what the executor holds after the end: the motors where the row has them, with the torque of the springs.
 Sample standing(const Parameters& planned_for, const Sample& row) {
   return {row.time, {row.state.q, {}, row.state.theta, {}}, spring_torque(planned_for, row.state.q, row.state.theta)};
 }

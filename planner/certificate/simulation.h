@@ -1,4 +1,4 @@
-// A trajectory on an arm that need not be the one it was planned for.
+// Simulates a trajectory on an arm that may differ from the one it was planned for.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ namespace fjr {
 
 enum class ControlMode {
   kOpenLoop,    // the planned torque alone
-  kClosedLoop,  // with motor-side feedback on the exact state, as the certificate has it
+  kClosedLoop,  // with motor-side feedback on the exact state, as in the certificate
   kExecutor,    // with the executor's law: encoder counts, torque held for 1 ms ticks, the drives' peak torque
 };
 
@@ -21,21 +21,20 @@ struct Simulation {
   std::string failure;  // why the integration broke down; empty when completed
 };
 
-// Rolls the trajectory out, with the accuracy of a certificate or, tick by tick, of a prediction. `planned_for` has the
-// gains, encoders and drives, `arm` is the one that moves. The samples are what the certificate looks at, at most 0.25
-// ms apart, or of kExecutor the ends of its ticks.
-// hold: [s] for so long the arm is then held in the rest at the last row's q, by the executor's law (hold_at_rest) and
-// with a sample at the end of each of its ticks; of learnt rows with the motors at the last row's theta. 0 in open
-// loop.
+// Rolls the trajectory out, with the accuracy of a certificate or (kExecutor) tick by tick with that of a prediction.
+// planned_for: has the gains, encoders and drives; arm: the one that moves. The samples are at the instants of the
+// certificate, at most 0.25 ms apart, or for kExecutor at the ends of its ticks.
+// hold: [s] for which the executor's law then holds the arm in the rest at the last row's q (hold_at_rest), with a
+// sample at the end of each tick; for learnt rows the motors are held at the last row's theta. 0 in open loop.
 Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
                     ControlMode control, double hold = 0);
 
-// Where a trajectory begins on that arm: in its first row's state, or where that is rest for the one that it was
-// planned for, in the rest of the other. Of learnt rows the motors' place is kept, and the links hang from it.
+// Returns the state in which a trajectory begins on that arm: its first row's or, if that is a rest of the arm it was
+// planned for, the rest of the other arm. For learnt rows the motors keep their position, and the links hang from it.
 State<double> start_on(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory);
 
-// That row of the trajectory is rest for the arm that it was planned for, or, in learnt rows, for the arm that they
-// were learnt on: there is no velocity in it.
+// Returns whether that row is a rest of the arm that the trajectory was planned for or, for learnt rows, of the arm
+// that they were learnt on: then it has no velocity.
 bool stands(const Parameters& planned_for, const Trajectory& trajectory, const Sample& row);
 
 }  // namespace fjr

@@ -1,4 +1,4 @@
-// What a request asks of a motion beside the limits, laid along it.
+// The task of a request, arranged along a motion.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ struct TaskOfMotion {
   }
 
   bool empty() const { return rows.empty() || rows.front().empty(); }
-  // The segment that a time is in; an end belongs to the segment that it ends. [s]
+  // Returns the segment at a time [s]; an end belongs to the segment that it ends.
   std::size_t segment_at(double time) const {
     const auto end = std::lower_bound(ends.begin(), ends.end(), time);
     return std::min(static_cast<std::size_t>(end - ends.begin()), ends.empty() ? 0 : ends.size() - 1);

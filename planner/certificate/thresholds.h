@@ -1,4 +1,4 @@
-// The numbers a certificate is judged by, beside exactness_tolerance().
+// The tolerances of a certificate, beside exactness_tolerance().
 #pragma once
 
 #include "model/parameters.h"
@@ -10,11 +10,11 @@ namespace fjr {
 inline constexpr double kFeedbackFraction = 0.01;
 // Published samples and what is between them: rounding only.
 inline constexpr double kPublishedFraction = 1e-6;
-// [s] Over less time a rate of the torque is not judged: half a tick of the executor, which commands means of the
-// torque over whole ticks. Rows are published closer to each other where the torque has a corner. Where the torque goes
-// to and fro within that time, half of the change at least is seen, over twice the time at most.
+// [s] least time over which rates of the torque are judged: half a tick of the executor, which commands means of the
+// torque over whole ticks. Rows are closer to each other where the torque has a corner. If the torque goes to and fro
+// within that time, at least half of the change is seen, over at most twice the time.
 inline constexpr double kTorqueRateSpan = 0.5e-3;
-// The rollout's velocities: what exactness explains.
+// Fraction by which the rollout's velocities may exceed their limits, as the exactness tolerance explains.
 inline constexpr double kRolloutVelocityFraction = 1e-3;
 
 inline Joints<double> feedback_limit(const Parameters& p) {  // [N m]
@@ -27,7 +27,7 @@ inline double link_velocity_tolerance(const Parameters& p) { return exactness_to
 // Two counts within 10 ms: an error of one count at 200 rad/s, three times the arm's highest natural frequency. [rad/s]
 inline double rollout_velocity_tolerance(const Parameters& p) { return exactness_tolerance(p) / 0.005; }
 
-// What makes a tenth of the feedback allowed, through the velocity gain. [rad/s]
+// Velocity error that makes a tenth of the allowed feedback through the velocity gain. [rad/s]
 inline Joints<double> motor_velocity_tolerance(const Parameters& p) {
   const Joints<double> feedback = feedback_limit(p);
   Joints<double> tolerance;

@@ -19,7 +19,7 @@ struct SimulatedTick {
 // Ticks until the trajectory ends; the last may be shorter.
 long tick_count(const Trajectory& trajectory);
 
-// From `start`, until the trajectory ends. False: the integration broke down.
+// Rolls the ticks out from `start` until the trajectory ends. Returns false if the integration broke down.
 bool roll_out_ticks(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
                     const State<double>& start, const std::function<void(const SimulatedTick&)>& observe);
 

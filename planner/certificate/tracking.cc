@@ -12,7 +12,7 @@ namespace {
 
 void keep_largest(double& largest, double value) { largest = std::max(largest, std::abs(value)); }
 
-// Errors are what the link encoders see of them.
+// Runs the executor's ticks. Errors are measured by the link encoders.
 Tracking run_ticks(const Parameters& p, const Trajectory& trajectory) {
   Tracking t;
   Interpolator plan(trajectory);

@@ -1,4 +1,4 @@
-// What the executor's control law can be expected to do on the hardware.
+// Predicts what the executor's control law does on the hardware.
 #pragma once
 
 #include "planner/certificate/certificate.h"
@@ -6,9 +6,9 @@
 
 namespace fjr {
 
-// What starting elsewhere than at the first row, within rest_error() and anywhere in the counts of the motors, may add
-// to a link's error: in 16 runs of eight plans from where the executor had brought the arm to rest it was at most 1.9
-// counts of the link encoder.
+// Counts of the link encoder that are added to a link's error, because runs start elsewhere than at the first row,
+// within rest_error() and anywhere in the counts of the motors. In 16 runs of eight plans from where the executor had
+// brought the arm to rest it was at most 1.9 counts.
 inline constexpr int kRestCounts = 3;
 
 // Runs the trajectory on the simulated arm under the TickController, torque held over every tick, from its first row;

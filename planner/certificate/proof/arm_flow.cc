@@ -16,11 +16,12 @@ using enclosure::Balls;
 using enclosure::Polynomial;
 using enclosure::Recording;
 
-// Of orders from 8 to 16 with remainders from 1e-16 to 1e-11 the quickest, or nearly, wherever it was tried. The
-// derivatives of the flow only move what is narrow: all orders took half as long again.
+// Of orders from 8 to 16 with remainders from 1e-16 to 1e-11 these were the quickest, or nearly, in all trials.
+// slope_order is lower because the derivatives of the flow only map narrow sets: with all orders the same, it took half
+// as long again.
 constexpr enclosure::FlowOptions kOptions{.order = kArmOrder, .slope_order = 6, .remainder = 1e-12, .shortest = 1e-12};
 
-// Units in which the arm's vibrations are about circles: 10 to 70 rad/s. [rad], [rad/s]
+// Units in which the orbits of the arm's vibrations, of 10 to 70 rad/s, are about circles. [rad], [rad/s]
 constexpr std::array<double, kStates> kScale{1, 1, 16, 32, 1, 1, 16, 32};
 
 // dx/dt of the exact model (dynamics()) under tau_m = signal - Kp theta - Kd dtheta.
@@ -55,7 +56,7 @@ std::vector<Polynomial> signals(const RowPolynomials& plan, const Drive& drive, 
   return u;
 }
 
-// Where the drive's polynomials change: rows, and ticks with dither.
+// Returns the times at which the drive's polynomials change: rows, and ticks with dither.
 std::vector<double> breakpoints(const Trajectory& trajectory, const Drive& drive, double from, double to) {
   std::set<double> times{from, to};
   const auto inside = [&](double time) { return from < time && time < to; };
@@ -68,7 +69,7 @@ std::vector<double> breakpoints(const Trajectory& trajectory, const Drive& drive
   return {times.begin(), times.end()};
 }
 
-// The rows that `time` is between, beginning there.
+// Returns the polynomials between the two rows around `time`, as functions of the time since then.
 RowPolynomials plan_from(const Trajectory& trajectory, double time) {
   const std::vector<Sample>& rows = trajectory.samples;
   const auto after = std::upper_bound(rows.begin() + 1, rows.end() - 1, time,
@@ -98,8 +99,8 @@ class ArmFlow {
   void start(const enclosure::Set<kStates>& set) { flow_.start(set); }
   const enclosure::Set<kStates>& set() const { return flow_.set(); }
 
-  // As Flow::run(): a motor that stays in steep friction all of the time is held, for its series would take forty steps
-  // and more for a millisecond.
+  // Does the same as Flow::run(). A motor that stays in steep friction all the time is treated as held, because its
+  // series would take forty steps and more for a millisecond.
   template <class Observe>
   bool run(const std::vector<Polynomial>& signals, const Ball& duration, const Observe& observe) {
     for (auto& held : held_) {

@@ -1,4 +1,4 @@
-// The exact arm under a trajectory, piece by piece of a rollout, enclosed.
+// Encloses the motion of the exact arm under a trajectory, piece by piece of a rollout.
 #pragma once
 
 #include <functional>
@@ -21,9 +21,9 @@ struct ArmStep {
   const enclosure::Step<kStates>& solution;  // likewise
 };
 
-// What became of it.
+// Result of follow().
 struct Followed {
-  bool completed = false;  // to the end; else the observer had seen enough, or no enclosure was found
+  bool completed = false;  // the end was reached; else the observer returned false, or no enclosure was found
   double until = 0;        // [s]
   double width = 0;        // [rad] of the links, largest radius
   long steps = 0;

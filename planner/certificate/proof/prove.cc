@@ -23,7 +23,7 @@ namespace {
 using enclosure::Ball;
 using enclosure::Polynomial;
 
-constexpr int kBetweenQuestions = 100;  // steps after which it is asked whether a proof is to stop, some milliseconds
+constexpr int kBetweenQuestions = 100;  // steps between calls of stopped(), some milliseconds
 constexpr std::size_t kRowOrder = 6;    // more than any polynomial quantity has between rows
 
 Polynomial difference(const Polynomial& a, const Polynomial& b) {
@@ -32,7 +32,7 @@ Polynomial difference(const Polynomial& a, const Polynomial& b) {
   return d;
 }
 
-// Limits are square roots of what some quantities are.
+// Some quantities are computed as squares, whose limits have to be squared.
 Reach reach_of(const QuantityInfo& quantity, double allowed) {
   return Reach(quantity.squared ? enclosure::square(Ball(allowed)).lower() : allowed);
 }
@@ -44,7 +44,8 @@ std::string whose(const LimitName& name) {
   return name.joint > 0 ? fmt::format("{} of joint {}", name.quantity->name, name.joint) : name.quantity->name;
 }
 
-// By how much a row of the task may be missed by what is off its motion by `link` in each joint. [m or rad]
+// Returns by how much [m or rad] a row of the task may be missed by a motion whose joints are off by up to `link`
+// [rad].
 double moved_by(const Parameters& robot, const TaskRow& row, double link) {
   const double near = robot.link.length[0], far = near + robot.link.length[1];
   switch (row.kind) {
@@ -61,7 +62,7 @@ double moved_by(const Parameters& robot, const TaskRow& row, double link) {
   return link * (far + robot.link.length[1]);
 }
 
-// The first thing that could not be proved, where more than one were tried.
+// The earliest failure among several attempts to prove something.
 struct Gap {
   double time = HUGE_VAL;
   std::string reason;
@@ -180,7 +181,7 @@ class LoopProver {
     }
     return true;
   }
-  // Steps do not reach from one segment into another.
+  // Each step lies within one segment.
   bool keeps_task(const ArmStep& step) {
     AlongLinks links;
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -210,7 +211,7 @@ class LoopProver {
   Gap gap_;
 };
 
-// The published rows with their interpolation.
+// Proves the limits and the task of the published rows with their interpolation.
 class RowsProver {
  public:
   RowsProver(const Parameters& robot, const Claims& claims)
@@ -244,7 +245,7 @@ class RowsProver {
       if (!limits_[limit].include(values[i], rows.duration, from.time)) note(limit);
     }
   }
-  // Each part of the interval in the segment that it is in.
+  // Includes each part of the interval in the segment that it belongs to.
   void include_task(const Sample& from, const Sample& to) {
     const RowPolynomials rows = RowPolynomials::between(from, to);
     for (double begin = from.time; begin < to.time;) {
@@ -260,7 +261,7 @@ class RowsProver {
       begin = end;
     }
   }
-  // The difference quotients that limits.cc takes.
+  // Includes the same difference quotients as limits.cc.
   void torque_rates(const Trajectory& trajectory) {
     if (!is_limited(LimitedTorqueRate::info, claims_.published)) return;
     const std::vector<Sample>& rows = trajectory.samples;
@@ -299,7 +300,7 @@ std::vector<TaskBound> task_bounds(const TaskReaches& published, const TaskReach
   return bounds;
 }
 
-// Until the end, broken where segments of the motion end.
+// Returns the pieces of a closed-loop rollout: to the end, divided where segments of the motion end.
 std::vector<Piece> closed_loop_pieces(const Parameters& robot, const Trajectory& trajectory, const TaskOfMotion& task) {
   const Drive drive = Drive::closed_loop(trajectory, robot);
   std::vector<Piece> pieces;

@@ -1,4 +1,4 @@
-// Bounds of the exact motion that hold with mathematical certainty: the certificate's rollouts, proved.
+// Proves bounds of the exact motion: the rollouts of a certificate with mathematical certainty.
 #pragma once
 
 #include <functional>
@@ -11,17 +11,17 @@
 
 namespace fjr {
 
-// What has to be proved to hold at all times.
+// Bounds that have to be proved to hold at all times.
 struct Claims {
   double link;                // [rad]   |q - plan|, in open and in closed loop
   double link_velocity;       // [rad/s] |dq - plan|, in closed loop
   Joints<double> feedback{};  // [N m]   in closed loop
-  Limits published, rollout;  // of the rows with their interpolation; of the closed loop
-  TaskOfMotion task{};        // what both keep
-  double task_fraction = 0;   // of a row's scale, by which the rows may miss it; the closed loop by what `link` makes
-                              // of the distance besides
+  Limits published, rollout;  // limits of the rows with their interpolation, and of the closed loop
+  TaskOfMotion task{};        // task that both have to keep
+  double task_fraction = 0;   // fraction of a row's scale by which the rows may miss it; the closed loop may also miss
+                              // it by what `link` changes of the distance
 
-  // Those of a certificate.
+  // Returns the claims of a certificate.
   static Claims of(const Parameters& robot, const Limits& limits, const TaskOfMotion& task = {});
 };
 
@@ -34,7 +34,7 @@ Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims&
 Proof prove(const Parameters& robot, const Limits& limits, const TaskOfMotion& task, const Trajectory& trajectory,
             const ForEach& for_each = one_after_another, const std::function<bool()>& stopped = not_stopped);
 
-// Asks a certificate for that too: what is certified and not proven is certified no longer, and says why.
+// Demands a proof of a certificate: what is certified but not proven is no longer certified, and a failure says why.
 void demand_proof(const Parameters& robot, const Limits& limits, const TaskOfMotion& task, const Trajectory& trajectory,
                   Certificate& certificate, const ForEach& for_each = one_after_another,
                   const std::function<bool()>& stopped = not_stopped);

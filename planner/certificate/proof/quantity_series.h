@@ -18,14 +18,14 @@ struct AlongState {
 
 class QuantitySeries {
  public:
-  // Of the quantities that `which` chooses by their QuantityInfo and that `limits` limits. order: of their polynomials,
-  // the last coefficient of which holds the remainder.
+  // Records those quantities that `which` chooses by their QuantityInfo and that `limits` limits. order: of their
+  // polynomials, whose last coefficient holds the remainder.
   template <class Which>
   QuantitySeries(const Parameters& robot, const Limits& limits, std::size_t order, const Which& which);
 
   // Index in kLimitNames of each.
   const std::vector<std::size_t>& limits() const { return limits_; }
-  // Their values() along that, squared for those that are.
+  // Returns their values along the motion; squared ones as their squares.
   const std::vector<enclosure::Polynomial>& along(const AlongState& motion);
 
  private:

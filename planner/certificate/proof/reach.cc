@@ -10,8 +10,8 @@ using enclosure::Ball;
 using enclosure::Polynomial;
 using enclosure::rounded_up;
 
-constexpr double kResolution = 1e-6;  // of the size: to which the largest is found
-constexpr double kNegligible = 1e-8;  // of the size: last coefficients that come to less widen the first
+constexpr double kResolution = 1e-6;  // resolution of the largest value, as a fraction of the size
+constexpr double kNegligible = 1e-8;  // fraction of the size: smaller last terms are added to the width of the first
 constexpr int kMostHalvings = 40;
 
 // sum_(k >= first) |c_k| t^k
@@ -22,7 +22,7 @@ double size(const Polynomial& c, std::size_t first, double t) {
   return sum;
 }
 
-// Not less than value + spread, spread >= 0.
+// Returns an upper bound of value + spread, spread >= 0.
 double above(double value, double spread) { return Ball(value, spread).upper(); }
 
 }  // namespace
@@ -55,7 +55,8 @@ bool Reach::include(const Polynomial& c, const Ball& length, double time) {
   return refine(shorter, t, time, 0);
 }
 
-// By halves, and in the middle of each: |c(m + s)| <= |c(m)| + sum |c^(k)(m) / k!| (length / 2)^k.
+// Divides the time into halves and bounds c from the middle of each: |c(m + s)| <= |c(m)| + sum |c^(k)(m) / k!| (length
+// / 2)^k.
 bool Reach::refine(const Polynomial& c, double length, double time, int depth) {
   if (is_below(c, length)) return true;
   const double half = rounded_up(length / 2);
@@ -64,7 +65,7 @@ bool Reach::refine(const Polynomial& c, double length, double time, int depth) {
   const double upper = above(most(middle[0]), spread), lower = least(middle[0]);
   if (upper <= bound_) return true;
   found_ = std::max(found_, lower);
-  // Halving makes the spread smaller, and what is uncertain stays.
+  // Halving reduces the spread, but not the uncertainty of the coefficients.
   const bool sharp = spread <= middle[0].rad || (upper <= allowed_ && upper <= found_ + kResolution * size_);
   if (sharp || lower > allowed_ || depth >= kMostHalvings || !std::isfinite(upper)) return take(upper, time + half);
   const auto first = [&] { return refine(c, half, time, depth + 1); };

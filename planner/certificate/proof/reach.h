@@ -1,4 +1,4 @@
-// The largest magnitude, or the largest value, of something over time, bounded from above at all times.
+// Rigorous upper bound on the largest magnitude, or the largest value, of a quantity over time.
 #pragma once
 
 #include "common/enclosure/flow.h"
@@ -7,19 +7,19 @@ namespace fjr {
 
 class Reach {
  public:
-  // Of magnitudes. allowed: what they are to stay within.
+  // Bounds magnitudes. allowed: what they have to stay within.
   explicit Reach(double allowed) : allowed_(allowed), size_(allowed) {}
-  // Of values with their signs. size: what the resolution is a fraction of, > 0.
+  // Bounds values with their signs. size: scale of the resolution, > 0.
   static Reach of_values(double allowed, double size);
 
-  // Includes the polynomial c over [0, length], which begins at `time` [s]. False when it may leave what is allowed;
-  // then bound() and time() say how far and where.
+  // Includes the polynomial c over [0, length], which begins at `time` [s]. Returns false if it may leave what is
+  // allowed; bound() and time() then say how far and when.
   bool include(const enclosure::Polynomial& c, const enclosure::Ball& length, double time);
 
-  // Whether c changes nothing of bound(), as far as that shows at once.
+  // Returns whether a quick estimate shows that c does not change bound().
   bool is_below(const enclosure::Polynomial& c, double length) const;
 
-  double bound() const { return bound_; }  // none so far was larger
+  double bound() const { return bound_; }  // no value so far was larger
   double time() const { return time_; }    // [s] where it may be that large
   double allowed() const { return allowed_; }
 
@@ -30,7 +30,7 @@ class Reach {
   double least(const enclosure::Ball& b) const { return is_signed_ ? b.lower() : b.mignitude(); }
 
   double allowed_, size_, bound_ = 0, time_ = 0;
-  double found_ = 0;  // some were at least that large
+  double found_ = 0;  // lower bound of the largest value
   bool is_signed_ = false;
 };
 

@@ -1,4 +1,4 @@
-// What is published between two rows, as polynomials with rigorous coefficients.
+// The interpolation between two published rows, as polynomials with rigorous coefficients.
 #pragma once
 
 #include "common/enclosure/flow.h"
@@ -6,15 +6,15 @@
 
 namespace fjr {
 
-// Of the time since the first of the two rows: positions cubic, velocities their derivatives, torques linear, the same
-// functions that Interpolator evaluates in floating point.
+// Polynomials of the time since the first of the two rows: positions are cubic, velocities their derivatives, torques
+// linear, the same functions that Interpolator evaluates in floating point.
 struct RowPolynomials {
   enclosure::Ball duration;
   State<enclosure::Polynomial> state;
   Joints<enclosure::Polynomial> torque;
 
   static RowPolynomials between(const Sample& from, const Sample& to);
-  // Of the time since `by` later; the duration stays.
+  // Returns the polynomials of the time since `by` later; the duration stays.
   RowPolynomials shifted(const enclosure::Ball& by) const;
 };
 

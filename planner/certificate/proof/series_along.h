@@ -1,4 +1,4 @@
-// A recorded function of what moves, as polynomials over time with rigorous coefficients.
+// A recorded function along a motion, as polynomials over time with rigorous coefficients.
 #pragma once
 
 #include <vector>
@@ -13,10 +13,10 @@ class SeriesAlong {
   // function: complete; it outlives this. order: of the polynomials, the last coefficient of which holds the remainder.
   SeriesAlong(const enclosure::Recording& function, std::size_t order);
 
-  // An input over a time: `near` of the time since its beginning, the last coefficients of which may hold a remainder;
-  // `over`: its Taylor coefficients at any instant of that time.
+  // Sets an input over a time interval. near: polynomial of the time since its beginning, whose last coefficients may
+  // hold a remainder; over: Taylor coefficients at any instant of the interval.
   void set(std::size_t input, const enclosure::Polynomial& near, const enclosure::Polynomial& over);
-  // The function's outputs, when all inputs are set.
+  // Returns the function's outputs; all inputs have to be set.
   const std::vector<enclosure::Polynomial>& values();
 
  private:

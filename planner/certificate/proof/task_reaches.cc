@@ -15,12 +15,12 @@ using enclosure::Polynomial;
 using enclosure::rounded_up;
 
 constexpr int kMostLinkHalvings = 40;
-constexpr double kResolvedEnd = 1e-3;  // of what a square may miss: what the distance from a link's end adds at most
+constexpr double kResolvedEnd = 1e-3;  // fraction of what a square may miss that the distance from a link's end may add
 
 Active dot(const Point<Active>& a, const Point<Active>& b) { return a.x * b.x + a.y * b.y; }
 Point<Active> minus(const Point<Active>& a, const Point<Active>& b) { return {a.x - b.x, a.y - b.y}; }
 
-// Over [0, length].
+// Encloses the values of c over [0, length].
 Ball over(const Polynomial& c, double length) {
   const double half = rounded_up(length / 2);
   const Polynomial middle = enclosure::shifted(c, half);
@@ -29,7 +29,7 @@ Ball over(const Polynomial& c, double length) {
   return {middle[0].mid, rounded_up(middle[0].rad + spread)};
 }
 
-// A square root from below and from above.
+// Lower and upper bounds of a square root.
 double root_below(double square) { return square <= 0 ? 0 : std::sqrt(square) * (1 - 4 * enclosure::kUnit); }
 double root_above(double square) { return square <= 0 ? 0 : rounded_up(std::sqrt(square)); }
 
@@ -147,8 +147,8 @@ bool TaskReaches::include(Side& side, const std::vector<Polynomial>& values, con
   return include(side, {output(0), output(1), output(2), output(3)}, length.upper(), time, 0);
 }
 
-// A point is as far from a link as from the line through it, or from one of its ends if it lies beyond that. Never
-// nearer than the line: where the time is too short to tell, that is what is taken.
+// A point is as far from a link as from the line through it, or from one of its ends if it lies beyond that end. It is
+// never nearer than the line, so the line's distance is used if the interval is too short to decide.
 bool TaskReaches::include(Side& side, const FromLink& from, double length, double time, int depth) {
   Reach& reach = side.shortfall;
   const Ball along = over(from.along, length);

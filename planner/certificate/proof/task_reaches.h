@@ -1,4 +1,4 @@
-// What a motion leaves free of the task's constraints, bounded from below at all times.
+// Rigorous lower bounds on the clearance of a motion from the task's constraints at all times.
 #pragma once
 
 #include <functional>
@@ -27,8 +27,8 @@ class TaskReaches {
   TaskReaches(const TaskReaches&) = delete;
   TaskReaches& operator=(const TaskReaches&) = delete;
 
-  // Includes [0, length] of a motion, which begins at `time` [s] and is in one segment. False when a row may be missed
-  // by more than it may be; then gap() says which.
+  // Includes [0, length] of a motion, which begins at `time` [s] and lies in one segment. Returns false if a row may be
+  // missed by more than is allowed; gap() then says which.
   bool include(const AlongLinks& motion, const enclosure::Ball& length, double time, std::size_t segment);
 
   struct Gap {
@@ -37,7 +37,7 @@ class TaskReaches {
   };
   const Gap& gap() const { return gap_; }
 
-  // What the rows of one name and link leave free at least; negative: how far they may be missed. [m or rad]
+  // Least clearance of the rows of one name and link; negative: how far they may be missed. [m or rad]
   struct Clearance {
     std::string name;
     int link;  // 1 or 2; 0: neither
@@ -48,7 +48,7 @@ class TaskReaches {
   std::vector<Clearance> clearances() const;
 
  private:
-  // One bound of a row: `shortfall` is by how much its value, or for distances their square, is beyond it.
+  // One bound of a row. shortfall: by how much its value, or for distances its square, is beyond the bound.
   struct Side {
     enum class Of { kValue, kSquare, kSquareToLink };
     TaskRow row;
@@ -61,7 +61,7 @@ class TaskReaches {
     Reach shortfall;
 
     static Side make(const TaskRow& row, Of of, bool is_lower, std::size_t output, double length, double may_miss);
-    // Of a value, or of its square.
+    // Returns by how much a value, or its square, is beyond the bound.
     enclosure::Polynomial beyond(enclosure::Polynomial value) const;
     double clearance() const;
   };

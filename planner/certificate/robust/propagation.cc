@@ -14,9 +14,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kSteep = 0.1;        // of a motor's velocity, that friction takes in a tick
-constexpr int kSteepPieces = 16;      // of such a tick
-constexpr double kDifference = 0.01;  // of a standard error, by which parameters are moved to differentiate by them
+constexpr double kSteep = 0.1;        // fraction of a motor's velocity that friction may take in a tick
+constexpr int kSteepPieces = 16;      // into which such a tick is divided
+constexpr double kDifference = 0.01;  // fraction of a standard error: step of differentiation by parameters
 
 std::vector<Neighbours> neighbours_of(const Parameters& robot, const Uncertainty& uncertainty) {
   std::vector<Neighbours> all;
@@ -30,8 +30,8 @@ std::vector<Neighbours> neighbours_of(const Parameters& robot, const Uncertainty
   return all;
 }
 
-// Mean slope of the friction of a motor that goes from one velocity to another at a steady acceleration, and swings
-// about them by `swing`, as the executor's dither has it. [N m s/rad]
+// Returns the mean slope [N m s/rad] of the friction of a motor that goes from one velocity to another at a steady
+// acceleration, and oscillates about them by `swing` because of the executor's dither.
 double mean_slope(const FrictionLaw& law, double from, double to, double swing) {
   constexpr int kPhases = 16;
   if (swing == 0) return law.mean_slope(from, to);
@@ -93,7 +93,7 @@ double Propagation::deviation(Eigen::Index row) const {
   return std::sqrt(std::max(0.0, (state_.row(row) * uncertainty_.covariance * state_.row(row).transpose())(0)));
 }
 
-// The executor's law on deviations: a motor or a link that is ahead of the plan is an error to be taken back.
+// Applies the executor's law to deviations: the feedback acts against a motor or a link that is ahead of the plan.
 void Propagation::feed_back(PropagatedTick* record) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const auto row = static_cast<Eigen::Index>(j);
@@ -135,8 +135,8 @@ double Propagation::mean_rate(std::size_t j, const Sample& begin, const Sample& 
   return mean_rate(j, begin.state.dtheta[j], end.state.dtheta[j], swing_[j]);
 }
 
-// Whether a motor passes through, or stays in, velocities at which friction is so steep that it does not stay the same
-// for a tick.
+// Returns whether a motor passes through, or stays in, velocities at which friction is so steep that it changes within
+// a tick.
 bool Propagation::is_steep(const Sample& begin, const Sample& end) const {
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (std::abs(mean_rate(j, begin, end)) * kTick > kSteep) return true;

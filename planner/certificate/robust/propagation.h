@@ -1,4 +1,4 @@
-// How deviations by uncertain parameters are propagated along a motion in the executor's closed loop, tick by tick.
+// Propagates deviations caused by uncertain parameters along a motion in the executor's closed loop, tick by tick.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,7 +13,7 @@
 
 namespace fjr {
 
-// A robot with one parameter a little larger and a little smaller.
+// Two robots with one parameter a little larger and a little smaller, for differences.
 struct Neighbours {
   Parameters more, less;
   double apart;
@@ -27,10 +27,10 @@ struct Neighbours {
 
 Eigen::VectorXd vector_of(const State<double>& x);
 
-// What one step came to, for whoever goes back along it.
+// Record of one step, for the backward recursion (tracking_error.cc).
 struct PropagatedPiece {
   double begin, end;              // [s]
-  Eigen::MatrixXd before, after;  // of the state, kStates x n
+  Eigen::MatrixXd before, after;  // sensitivities of the state, kStates x n
   Transition transition;
   Joints<double> swing;  // [rad/s] of the dither
 };
@@ -46,7 +46,7 @@ class Propagation {
   // The arguments have to outlive the object and its copies.
   Propagation(const Parameters& robot, const Trajectory& trajectory, const Uncertainty& uncertainty);
 
-  // From one end of a tick to the other [s], with the torque held. record: what it came to, where that is wanted.
+  // Propagates from one end of a tick to the other [s], with the torque held. record: filled in if it is not null.
   void pass(double from, double to, PropagatedTick* record = nullptr);
 
   const Eigen::MatrixXd& state() const { return state_; }
@@ -57,7 +57,8 @@ class Propagation {
   const EquivalentGain& link_gain(std::size_t j) const { return links_[j]; }
   Sample planned(double time) { return plan_.at(time); }
 
-  // Mean slope of the friction of motor j, by its inertia, between two velocities [rad/s], swung about. [1/s]
+  // Returns the mean slope of the friction of motor j, divided by its inertia, between two velocities [rad/s], with the
+  // dither's swing about them. [1/s]
   double mean_rate(std::size_t j, double from, double to, double swing) const;
 
  private:

@@ -21,21 +21,23 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of N draws two may lie outside: one would do with a quarter less of them, and lose more of what is promised.
+// Number of the N drawn arms that may lie outside. With one, a quarter fewer draws would do, but the tubes would be
+// more conservative.
 constexpr std::size_t kOutside = 2;
-// Arms that tell how wide the tubes of the channels are to be beside each other: kicks of encoder counts have longer
-// tails than what parameters make.
+// Arms that are drawn to find how wide the tubes of the channels should be relative to each other: deviations by
+// encoder counts have longer tails than those by parameters.
 constexpr Eigen::Index kScouts = 100;
-// What counts make on one motion, in largest deviations, is taken for so many standard deviations.
+// The largest deviation that encoder counts cause on one motion is taken for this many standard deviations.
 constexpr double kPeakOfCounts = 3;
-// Of its largest standard deviation, what a channel has at least at any time: kicks of counts come at any. Of 0, 0.2,
-// 0.4 and 0.8 those between gave the narrowest tubes, with a covariance, with ten and with fifty times its errors.
+// Least standard deviation of a channel at any time, as a fraction of its largest one, because deviations by counts may
+// come at any time. Of 0, 0.2, 0.4 and 0.8 those between gave the narrowest tubes, with a covariance, with ten and with
+// fifty times its errors.
 constexpr double kFlattest = 0.3;
-constexpr std::size_t kMostPoints = 200;  // of the tubes that are told
-constexpr int kLooks = 4;                 // a tick, at what is left of limits
-constexpr double kSlowTip = 0.05;         // [m/s] below which the deviation of the tip's speed is that at this speed
+constexpr std::size_t kMostPoints = 200;  // of the reported tubes
+constexpr int kLooks = 4;                 // instants per tick at which the distance from limits is evaluated
+constexpr double kSlowTip = 0.05;         // [m/s] at lower tip speeds, the slope of the speed is taken at this speed
 
-// What has a tube: a limit, a row of the task, or the position of a link.
+// A quantity that has a tube: a limit, a row of the task, or the position of a link.
 struct Channel {
   std::string name, unit;
   int joint = 0;
@@ -69,9 +71,9 @@ class Channels {
   const std::vector<Channel>& all() const { return all_; }
   Eigen::Index count() const { return static_cast<Eigen::Index>(all_.size()); }
 
-  // Signed values of limited quantities, but for those whose square is computed, and positions of links; of the task's
-  // rows how far they are from what they forbid, and of those along a line what is left of its tolerance: an arm that
-  // is ahead of the plan at a corner is near the next line.
+  // Returns the values of all channels: limited quantities with their sign (except those whose square is computed) and
+  // positions of links. For rows of the task it is the distance from the forbidden region. For rows along a line it is
+  // what is left of the tolerance, because an arm that is ahead of the plan at a corner is near the next line.
   VectorXd values(const Parameters& arm, const Sample& at) const {
     VectorXd values(count());
     std::array<double, kLimits> limited{};
@@ -101,7 +103,7 @@ class Channels {
     return values;
   }
 
-  // What is left at these values; infinite for links.
+  // Returns what is left to the limit at this value; infinite for links.
   double left(Eigen::Index c, double value) const {
     const Channel& channel = all_[static_cast<std::size_t>(c)];
     return channel.kind == Channel::Kind::kTask ? value : channel.limit - std::abs(value);
@@ -123,7 +125,7 @@ class Channels {
   std::vector<Channel> all_;
 };
 
-// The plan at the ends of the ticks, with the torque that is commanded in the tick before.
+// Returns the plan at the ends of the ticks, with the torque that is commanded in the tick before.
 std::vector<Sample> plan_at_ticks(const Trajectory& trajectory) {
   std::vector<Sample> samples;
   Interpolator plan(trajectory);
@@ -137,7 +139,8 @@ std::vector<Sample> plan_at_ticks(const Trajectory& trajectory) {
   return samples;
 }
 
-// Deviations of all channels of one arm, tick by tick. False: it left what can be rolled out, or its drives saturated.
+// Rolls out one arm and calls observe(tick, values of all channels) after every tick. Returns false if the arm left
+// what can be rolled out, or its drives saturated.
 template <class Observe>
 bool follow_arm(const Parameters& robot, const Parameters& arm, const Trajectory& trajectory, const Channels& channels,
                 const Observe& observe) {
@@ -151,7 +154,7 @@ bool follow_arm(const Parameters& robot, const Parameters& arm, const Trajectory
   return completed && !saturated;
 }
 
-// The motion of the robot itself, in numbers.
+// The expected motion of the robot itself and the standard deviations about it.
 class ExpectedMotion {
  public:
   ExpectedMotion(const Parameters& robot, const Trajectory& trajectory, const Channels& channels,
@@ -176,8 +179,8 @@ class ExpectedMotion {
 
   Eigen::Index ticks() const { return static_cast<Eigen::Index>(plan_.size()); }
   double time(Eigen::Index k) const { return plan_[static_cast<std::size_t>(k)].time; }
-  // Of each channel, at the end of each tick: its value by the plan; its standard deviation, with the floor that counts
-  // make; what is left in the tick.
+  // Matrices of channels x ticks, at the end of each tick: the planned value; the standard deviation with the least one
+  // of the channel; what is left to the limit during the tick.
   const MatrixXd& planned() const { return planned_; }
   const MatrixXd& shape() const { return shape_; }
   const MatrixXd& left() const { return left_; }
@@ -187,7 +190,7 @@ class ExpectedMotion {
   }
   double deviation(Eigen::Index c, Eigen::Index k) const { return deviation_(c, k); }
 
-  // d channel/dp, along with the state and the torque that the parameters move.
+  // Returns the derivatives of all channels by the parameters, which also move the state and the torque.
   MatrixXd gradient(Eigen::Index k) const {
     const auto at = static_cast<std::size_t>(k);
     const auto count = static_cast<Eigen::Index>(uncertainty_.names.size());
@@ -220,7 +223,7 @@ class ExpectedMotion {
     return channels_.values(arm, sample);
   }
 
-  // What the robot itself makes of the counts of its encoders and the ticks.
+  // Adds the deviations that encoder counts and ticks cause for the robot itself.
   void add_counts() {
     VectorXd largest = VectorXd::Zero(channels_.count());
     follow_arm(robot_, robot_, trajectory_, channels_, [&](std::size_t tick, const VectorXd& values) {
@@ -257,7 +260,7 @@ class ExpectedMotion {
   VectorXd counts_, floor_;
 };
 
-// Arms, as columns of independent normal numbers.
+// Draws arms, as columns of independent normal numbers.
 MatrixXd draw(Eigen::Index directions, Eigen::Index arms, std::uint64_t seed) {
   Normal normal(seed);
   MatrixXd drawn(directions, arms);
@@ -267,15 +270,15 @@ MatrixXd draw(Eigen::Index directions, Eigen::Index arms, std::uint64_t seed) {
   return drawn;
 }
 
-// The largest but `outside`.
+// Returns the largest value after leaving out the `outside` largest ones.
 double upper(std::vector<double> values, std::size_t outside) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(outside), values.end(),
                    std::greater<>());
   return values[outside];
 }
 
-// Of each arm (column) and channel the largest deviation at any tick, in standard deviations there; infinite where an
-// arm cannot be followed.
+// Returns the largest deviation of each channel (row) and arm (column) at any tick, in standard deviations there;
+// infinite if an arm cannot be followed.
 MatrixXd largest_deviations(const Parameters& robot, const Trajectory& trajectory, const Channels& channels,
                             const ExpectedMotion& motion, const Uncertainty& uncertainty, const MatrixXd& errors,
                             const ForEach& for_each) {
@@ -293,7 +296,7 @@ MatrixXd largest_deviations(const Parameters& robot, const Trajectory& trajector
   return found;
 }
 
-// Of each channel, over the arms that could be followed; at least a standard deviation.
+// Returns the largest deviation of each channel over the arms that could be followed; at least one standard deviation.
 VectorXd widest_finite(const MatrixXd& deviations) {
   VectorXd widest = VectorXd::Ones(deviations.rows());
   for (const auto& arm : deviations.colwise()) {
@@ -302,7 +305,7 @@ VectorXd widest_finite(const MatrixXd& deviations) {
   return widest;
 }
 
-// The same by first order and without counts, at some of the ticks.
+// Returns the largest deviation of each arm over all channels to first order, without counts, at some of the ticks.
 std::vector<double> first_order_scores(const Channels& channels, const ExpectedMotion& motion, const MatrixXd& errors) {
   const Eigen::Index step = std::max<Eigen::Index>(1, motion.ticks() / static_cast<Eigen::Index>(kMostPoints));
   VectorXd largest = VectorXd::Zero(errors.cols());
@@ -330,15 +333,15 @@ std::vector<double> thinned(const MatrixXd& of, Eigen::Index row, Eigen::Index s
   return points;
 }
 
-// What knowing each parameter exactly would take from the variance of a deviation of these slopes: with errors e and a
-// deviation s^T e, cov(s^T e, e_i)^2 / var e_i.
+// Returns the part of the variance of a deviation with these slopes that each parameter explains, and that knowing it
+// exactly would take away: with errors e and a deviation s^T e, cov(s^T e, e_i)^2 / var e_i.
 VectorXd explained(const Uncertainty& uncertainty, const VectorXd& slopes) {
   return (uncertainty.covariance * slopes).array().square() / uncertainty.covariance.diagonal().array();
 }
 
 class Judge {
  public:
-  // factors: of each channel, by which its standard deviation becomes its tube.
+  // factors: factor of each channel from its standard deviation to its tube.
   Judge(const Channels& channels, const ExpectedMotion& motion, const Uncertainty& uncertainty, const VectorXd& factors,
         Robustness& result)
       : channels_(channels),
@@ -374,8 +377,8 @@ class Judge {
   }
 
  private:
-  // How much narrower a channel's tube would be, at the times that are told, if one parameter after the other had half
-  // its error: three quarters of the variance that it explains less.
+  // Returns how much narrower a channel's tube would be, at the reported times, if one parameter after the other had
+  // half its error, which takes away three quarters of the variance that it explains.
   std::vector<std::vector<double>> halved(Eigen::Index c) const {
     constexpr double kOfHalf = 0.75;
     const auto count = static_cast<Eigen::Index>(uncertainty_.names.size());
@@ -420,7 +423,7 @@ class Judge {
     if (parts[largest] > motion_.floor()[c] * motion_.floor()[c]) {
       m.parameter = uncertainty_.names[static_cast<std::size_t>(largest)];
     }
-    // A margin of which there is plenty costs nothing.
+    // A margin that is small compared with what is available costs nothing.
     const double weight = std::isfinite(m.needed) ? m.needed / std::max(m.needed, m.there) : 0;
     costs_ += weight * weight / all * parts;
     weights_ += weight * weight;
@@ -461,15 +464,16 @@ class Judge {
   const Uncertainty& uncertainty_;
   const VectorXd& factors_;
   Robustness& result_;
-  std::vector<std::pair<Eigen::Index, MatrixXd>> told_;  // ticks at which tubes are told, and the slopes there
+  std::vector<std::pair<Eigen::Index, MatrixXd>> told_;  // ticks at which tubes are reported, and the slopes there
   VectorXd costs_;
   double weights_ = 0;
 };
 
 }  // namespace
 
-// The least N for which N draws of which kOutside or fewer lie outside are improbable where the fraction inside is
-// less: sum over k <= kOutside of (N over k) (1-c)^k c^(N-k) <= 1 - kCertainty (Wilks, Ann. Math. Stat. 12, 1941).
+// Returns the least N such that it is improbable that of N draws kOutside or fewer lie outside if the fraction inside
+// is less than `confidence`: sum over k <= kOutside of (N over k) (1-c)^k c^(N-k) <= 1 - kCertainty (Wilks, Ann. Math.
+// Stat. 12, 1941).
 Draws draws_for(double confidence) {
   for (std::size_t arms = kOutside + 1;; ++arms) {
     double improbable = 0, term = std::pow(confidence, static_cast<double>(arms));

@@ -1,5 +1,4 @@
-// What the uncertainty of the arm's parameters makes of a motion: the margin that every limit needs, and whether it is
-// there.
+// Computes the margin that every limit needs because the arm's parameters are uncertain, and whether the motion has it.
 #pragma once
 
 #include <cstdint>
@@ -11,31 +10,32 @@
 
 namespace fjr {
 
-inline constexpr double kCertainty = 0.95;  // with which the fraction of arms is found by draws
+inline constexpr double kCertainty = 0.95;  // confidence level of the fraction of arms that is found by draws
 
-// How many arms have to be drawn, and how many of them may leave their tubes, to be certain of a fraction.
+// Number of arms to draw, and how many of them may leave their tubes, for a certain fraction of all arms.
 struct Draws {
   std::size_t arms, outside;
 };
 Draws draws_for(double confidence);
 
-// Of the arms that the robot's uncertainty leaves possible, at least the fraction `confidence` keeps all limits and the
-// task, and stays within the tubes told, from the first row to the last. Limits: finite ones, with the feedback that
-// the executor adds (QuantityInfo::with_feedback). Tubes are a factor times the standard deviation of each deviation
-// from the plan over time, by first-order sensitivities, and what encoder counts make; the factor is found by rolling
-// out arms drawn from the covariance with the executor's own law (docs/theory.md). seed: of the draws.
-// for_each: some hundred rollouts. Throws InputError where nothing is uncertain.
+// Finds tubes such that at least the fraction `confidence` of the possible arms stays within them from the first row to
+// the last, and judges whether limits and task are kept within the tubes. Limits: finite ones, with the feedback that
+// the executor adds (QuantityInfo::with_feedback). A tube is a factor times the standard deviation over time of a
+// deviation from the plan, by first-order sensitivities, and the effect of encoder counts. The factor is found by
+// rolling out arms drawn from the covariance with the executor's own law (docs/theory.md). seed: of the draws.
+// for_each: some hundred rollouts. Throws InputError if nothing is uncertain.
 Robustness robustness(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
                       const Trajectory& trajectory, double confidence, const ForEach& for_each = one_after_another,
                       std::uint64_t seed = 1);
 
-// Asks a certificate for that too: what is certified and lacks a margin is certified no longer, and says why.
+// Demands robustness of a certificate: if a margin is missing, the trajectory is no longer certified, and a failure
+// says why.
 void demand_robustness(const Parameters& robot, const Limits& limits, const TaskOfMotion& task,
                        const Trajectory& trajectory, double confidence, Certificate& certificate,
                        const ForEach& for_each = one_after_another);
 
-// One arm, rolled out with the executor's law: whether it keeps all limits and the task with feedback at the ends of
-// all ticks, and how far its links are off the plan. For trials of what is promised.
+// Result of one arm rolled out with the executor's law: whether it keeps all limits and the task with feedback at the
+// ends of all ticks, and how far its links are off the plan. Used to test what robustness() promises.
 struct Trial {
   bool kept = false;
   Joints<double> link{};  // [rad] largest

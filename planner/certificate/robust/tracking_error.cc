@@ -30,7 +30,7 @@ void each_tick(const Trajectory& trajectory, Visit&& visit) {
   }
 }
 
-// One of the things that a motion consists of at an instant: a state, or a compensated torque.
+// Number of inputs that describe a motion at an instant: states and compensated torques.
 constexpr std::size_t kInputs = kStates + kJoints;
 
 class Backwards {
@@ -45,12 +45,12 @@ class Backwards {
     }
   }
 
-  // Over one tick to its begin; the gradient's pieces come in the order in which it goes.
+  // Goes back over one tick to its beginning and appends its pieces of the gradient.
   void pass(const PropagatedTick& tick, std::vector<MotionPrice::Piece>& pieces) {
     const double begin = tick.pieces.front().begin, end = tick.pieces.back().end;
     const MatrixXd& after = tick.pieces.back().after;
     state_.topRows<kJoints>() += 2 * (end - begin) * after.topRows<kJoints>() * covariance_;
-    double filters = 0;  // L^T of what the filters' states change by
+    double filters = 0;  // L^T times the change of the filters' states
     for (std::size_t j = 0; j < kJoints; ++j) {
       filters += error_[j].dot(tick.error[j] - tick.error_before[j]) +
                  velocity_[j].dot(tick.velocity[j] - tick.velocity_before[j]);
@@ -91,7 +91,7 @@ class Backwards {
     }
   }
 
-  // Of y = g(d) s with d^2 = s C s^T, and `by_y` dP/dy.
+  // Adds the derivative of y = g(d) s with d^2 = s C s^T. by_y: dP/dy.
   void through_gain(const RowVectorXd& s, const RowVectorXd& by_y, const EquivalentGain& gain, double deviation,
                     Eigen::Index row) {
     state_.row(row) += gain.at(deviation) * by_y;
@@ -99,7 +99,7 @@ class Backwards {
     if (slope != 0) state_.row(row) += slope * by_y.dot(s) / deviation * (s * covariance_);
   }
 
-  // A sample whose state or torque `input` is `value`; the compensated torque stays.
+  // Returns a sample whose state or torque `input` is `value`; the compensated torque stays.
   Sample with(Sample sample, std::size_t input, double value) const {
     if (input >= kStates) {
       sample.torque[input - kStates] = value;
@@ -113,7 +113,7 @@ class Backwards {
     return sample;
   }
 
-  // sum_i L_i^T (df/dx S_i + df/dp_i), but for the friction in df/dx, which is the mean over a piece.
+  // Returns sum_i L_i^T (df/dx S_i + df/dp_i), without the friction in df/dx, which is the mean over a piece.
   double weighted_rate(const Sample& at, const MatrixXd& weight, const MatrixXd& state) const {
     StateMatrix a = state_jacobian(robot_, at.state, at.torque);
     for (std::size_t j = 0; j < kJoints; ++j) {
@@ -166,7 +166,7 @@ class Backwards {
   double friction_reach_;  // [rad/s]
   Joints<FrictionLaw> law_{};
   MatrixXd state_;                        // dP/dS
-  Joints<RowVectorXd> error_, velocity_;  // dP by what the filters keep of the last tick
+  Joints<RowVectorXd> error_, velocity_;  // dP by the states of the filters
 };
 
 }  // namespace
@@ -183,7 +183,8 @@ double expected_tracking_error(const Parameters& robot, const Trajectory& trajec
 
 TrackingGradient tracking_gradient(const Parameters& robot, const Trajectory& trajectory,
                                    const Uncertainty& uncertainty, double friction_reach) {
-  // What the way back needs of a tick takes up to 60 kB: it is propagated again, block by block, from where each began.
+  // The records of a tick for the backward recursion take up to 60 kB. So ticks are propagated again block by block,
+  // from a copy at the beginning of each block.
   constexpr std::size_t kBlock = 250;
   struct Tick {
     double begin, end;  // [s]

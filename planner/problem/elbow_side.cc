@@ -16,10 +16,10 @@
 namespace fjr {
 namespace {
 
-constexpr double kWider = 1.2;  // times the tolerance: safely more than rows leave beyond it at ends and corners
+constexpr double kWider = 1.2;          // times the tolerance: more than the rows allow at ends and corners
 constexpr double kSameDistance = 1e-9;  // [m]
 
-// Distances from the base that the tip may have. [m]
+// Range of distances [m] of the tip from the base.
 struct Band {
   const char* region;
   double nearest, furthest;
@@ -35,7 +35,7 @@ Band of_box(const TipBox& box) {
           std::hypot(x, y)};
 }
 
-// Of the points of a line or an arc, with the tolerance round them.
+// Returns the range of the points of a line or an arc, with the tolerance round them.
 Band of_points(const char* region, const std::vector<Coordinates>& points, double tolerance) {
   Band band{region, kNoLimit, 0};
   for (std::size_t i = 0; i < points.size(); ++i) {
@@ -58,7 +58,7 @@ std::optional<Band> band_of(const Task& task) {
   return std::nullopt;
 }
 
-const char* side(double q2) { return std::sin(q2) < 0 ? "left" : "right"; }  // as inverse_kinematics() has it
+const char* side(double q2) { return std::sin(q2) < 0 ? "left" : "right"; }  // same convention as inverse_kinematics()
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// A price on a motion as a whole, as the optimiser is given it near a motion that is known.
+// A functional of a whole motion, approximated near a known motion for the optimiser.
 #pragma once
 
 #include <array>
@@ -9,10 +9,11 @@
 
 namespace fjr {
 
-// Of a functional P of a motion, to first order near one, and a quadratic that keeps the next motion there:
+// First-order approximation of a functional P near a motion, plus a quadratic term that keeps the next motion close to
+// it:
 //   int  density + by_state (x - x_near) + by_torque (u - u_near) + 1/2 sum curvature (x - x_near)^2  dt.
-// Two motions are compared at equal fractions of their segments. Where the other one spends more time there, the
-// density, which is P's Hamiltonian, is what a second of it costs.
+// Two motions are compared at equal fractions of their segments. If the other one spends more time there, each
+// additional second costs the density, which is P's Hamiltonian.
 struct MotionPrice {
   struct Piece {
     double begin, end;                     // [s]

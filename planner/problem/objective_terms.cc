@@ -22,7 +22,8 @@ double TorqueRate::published(const Published& p) {
   double sum = 0;
   for (std::size_t k = 0; k < motion.intervals.size(); ++k) {
     const auto& interval = motion.intervals[k];
-    constexpr int kPieces = 8;  // chords of an eighth: u is linear, or bends with a collocation polynomial
+    // Chords of an eighth of an interval are enough, because u is linear or follows a collocation polynomial.
+    constexpr int kPieces = 8;
     for (int i = 0; i < kPieces; ++i) {
       const double h = interval.duration / kPieces, from = interval.start + i * h;
       const Joints<double> a = motion.torque_in(k, from), b = motion.torque_in(k, from + h);
@@ -43,7 +44,7 @@ double PeakTorque::published(const Published& p) {
   for (const Sample& row : p.rows.samples) {
     for (std::size_t j = 0; j < kJoints; ++j) peak[j] = std::max(peak[j], std::abs(row.torque[j]));
   }
-  // Where the motion ends at rest the motors go on holding the arm there.
+  // If the motion ends at rest, the motors go on holding the arm there.
   const State<double>& last = p.rows.samples.back().state;
   const bool rests = sum_of_squares(last.dq) + sum_of_squares(last.dtheta) < kStill * kStill;
   const Joints<double> held = gravity_torque(p.robot, last.q);

@@ -1,9 +1,9 @@
-// The terms of the objective: the place for a new one. A term is a weight in Weights, a struct with its formula, and
-// its name in Terms; reading, hashing, optimising, reporting, and refusing what the wire has no place for go by that
-// list.
+// The terms of the objective, and the place to add a new one. A term is a weight in Weights, a struct with its formula,
+// and its name in Terms. Reading, hashing, optimising and reporting use that list, and so does the refusal of terms
+// that a wire type has no member for.
 //
-// A term is the integral of running(), or the value of at_node() at one node; formulas are templated on the scalar, for
-// exact derivatives. What an integral comes to in published rows follows; others say it themselves, by published().
+// A term is the integral of running(), or the value of at_node() at one node. Formulas are templated on the scalar, for
+// exact derivatives. The value of an integral in published rows follows from running(); other terms define published().
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace fjr {
 
 struct Motion;  // planner/trajectory/motion.h
 
-// The objective is the sum of weights times terms; what is a reward counts negatively.
+// The objective is the sum of weights times terms; rewards count negatively.
 struct Weights {
   double time = 0;
   double effort = 0;
@@ -32,46 +32,46 @@ struct Weights {
   double tracking = 0;
 };
 
-// What there is to know of a term beside its formula.
+// Properties of a term, beside its formula.
 struct TermInfo {
   const char* name;
   const char* unit;
   const char* meaning;  // for the list of keys; integrals are summed over the joints
   double Weights::*weight;
-  double size = 1;                 // of what it adds up to in a second, roughly: what makes weights comparable
-  int starts = 1;                  // that it is worth trying: more where there are more minima
-  bool sees_friction = false;      // through tau_m all the way: the friction law is sharpened in small steps
+  double size = 1;                 // typical value over a second, which makes weights comparable
+  int starts = 1;                  // number of starts worth trying: more if there are more minima
+  bool sees_friction = false;      // depends on tau_m along the motion, so the friction law is sharpened in small steps
   bool settles_torque = false;     // strictly convex in tau_m or du/dt: the optimal torque needs no regularisation
   bool sees_acceleration = false;  // running() uses ddq
   bool reward = false;
-  // The first terms are hashed, and told in plan.json, even with a weight of zero. Later ones are not: each of them
-  // would change the hashes of all earlier requests.
+  // Set for the first terms only, which are hashed and reported in plan.json even with a weight of zero. Others are
+  // not, because each new one would change the hashes of all earlier requests.
   bool of_first_version = false;
-  // Of the uncertain arm in the executor's loop, and not of an instant: found last, from the motion that the other
-  // terms give (planner/search/tracking.h), and told where it counts.
+  // Set if the term is about the uncertain arm in the executor's loop and not a function of an instant. It is optimised
+  // last, from the motion that the other terms give (planner/search/tracking.h), and reported only if it has a weight.
   bool of_closed_loop = false;
 };
 
-// One instant of a motion: what running() sees.
+// One instant of a motion, the argument of running().
 template <class T>
 struct Instant {
   const Parameters& robot;
   const State<T>& x;
   const Joints<T>& ddq;     // [rad/s^2]
   const Joints<T>& torque;  // tau_m [N m]
-  double kink = 0;          // [W] width over which the corner of max(0, .) is rounded; 0: not at all
+  double kink = 0;          // [W] width over which the corner of max(0, .) is smoothed; 0: not at all
 };
 
-// One node of a motion: what at_node() sees.
+// One node of a motion, the argument of at_node().
 template <class T>
 struct AtNode {
   const Parameters& robot;
   const State<T>& x;
-  const Joints<T>& peak;  // bounds on |tau_m| all the way [N m]
+  const Joints<T>& peak;  // bounds on |tau_m| along the motion [N m]
 };
 enum class Node { kRelease, kGoal };
 
-// A motion as it leaves the program: what published() sees.
+// A motion as it is published, the argument of published().
 struct Published {
   const Motion& motion;
   const Trajectory& rows;
@@ -84,7 +84,7 @@ T sum_of_squares(const Joints<T>& v) {
   return v[0] * v[0] + v[1] * v[1];
 }
 
-// max(0, v), its corner rounded over about `width`.
+// Returns max(0, v) with its corner smoothed over about `width`.
 template <class T>
 T positive_part(const T& v, double width) {
   using std::sqrt;
@@ -116,8 +116,8 @@ struct Effort {
   }
 };
 
-// int (du/dt)^2 of the friction-compensated torque, whose rate is then the control (Features::rate in arm_ocp.h). Of
-// the motion instead of the rows, and infinite where u jumps.
+// int (du/dt)^2 of the friction-compensated torque, whose rate is then the control (Features::rate in arm_ocp.h). It is
+// evaluated on the motion instead of the rows, and is infinite where u jumps.
 struct TorqueRate {
   static constexpr TermInfo info{
       .name = "torque_rate",
@@ -179,7 +179,7 @@ struct Energy {
   }
 };
 
-// int of what heats the windings: robot.yaml's copper_loss times tau_m^2.
+// Heat in the windings: int of robot.yaml's copper_loss times tau_m^2.
 struct Copper {
   static constexpr TermInfo info{
       .name = "copper",
@@ -197,8 +197,8 @@ struct Copper {
   }
 };
 
-// max |tau_m|, summed over the joints, with what holding a goal at rest takes afterwards. A bound on it is then a state
-// of its own (Features::peak in arm_ocp.h).
+// max |tau_m|, summed over the joints, including what holding a goal at rest takes afterwards. The bound on it is an
+// additional state of the problem (Features::peak in arm_ocp.h).
 struct PeakTorque {
   static constexpr TermInfo info{.name = "peak_torque",
                                  .unit = "N m",
@@ -215,7 +215,7 @@ struct PeakTorque {
   static double published(const Published& p);
 };
 
-// The tip's speed where something is let go (Problem::release): what a throw wants.
+// Speed of the tip at the release (Problem::release), to be maximised for throws.
 struct TipSpeed {
   static constexpr TermInfo info{.name = "tip_speed",
                                  .unit = "m/s",
@@ -225,7 +225,8 @@ struct TipSpeed {
                                  .reward = true,
                                  .of_first_version = true};
   static constexpr Node node = Node::kRelease;
-  static constexpr double kRounding = 0.1;  // [m/s] of the speed's corner at rest; still monotone in the speed
+  static constexpr double kRounding =
+      0.1;  // [m/s] smoothing of the corner at rest; the term stays monotone in the speed
   template <class T>
   static T at_node(const AtNode<T>& at) {
     using std::sqrt;
@@ -262,13 +263,13 @@ using Terms =
 
 // ---- what follows from the list ----
 
-// With the sign with which the term counts.
+// Returns a term's weight with its sign: negative for rewards.
 inline double signed_weight(const Weights& weights, const TermInfo& term) {
   const double weight = weights.*term.weight;
   return term.reward ? -weight : weight;
 }
 
-// The weighted sum of running().
+// Returns the weighted sum of running().
 template <class T>
 T running_cost(const Weights& weights, const Instant<T>& at) {
   T cost(0.0);
@@ -281,7 +282,7 @@ T running_cost(const Weights& weights, const Instant<T>& at) {
   return cost;
 }
 
-// The weighted sum of at_node() of the terms that belong to `node`.
+// Returns the weighted sum of at_node() of the terms that belong to `node`.
 template <class T>
 T node_cost(const Weights& weights, Node node, const AtNode<T>& at) {
   T cost(0.0);
@@ -294,19 +295,19 @@ T node_cost(const Weights& weights, Node node, const AtNode<T>& at) {
   return cost;
 }
 
-// Whether any term that counts depends on friction, is curved in the torque so that it determines it, is of another
-// kind than time (then not only_time), depends on the links' accelerations, or is a reward, which is maximised:
+// Each returns whether a term with a weight: depends on friction; is strictly convex in the torque and so determines
+// it; depends on the links' accelerations; is a reward, which is maximised. only_time(): no term but time has a weight.
 bool sees_friction(const Weights& weights);
 bool settles_torque(const Weights& weights);
 bool only_time(const Weights& weights);
 bool sees_acceleration(const Weights& weights);
 bool has_reward(const Weights& weights);
-// The weights of what is optimised at once: without those of the closed loop.
+// Returns the weights without those of the closed loop, which are not optimised together with the others.
 Weights without_closed_loop(Weights weights);
-// How many starts are worth trying: the most that a weighted term which depends on friction asks for; where there is
-// none, the fewest above one that a weighted term asks for, or one.
+// Returns how many starts are worth trying: the most that any weighted term which depends on friction asks for; if
+// there is none, the fewest above one that a weighted term asks for, or one.
 int starts_worth_trying(const Weights& weights);
-// The largest weight, each by the size of its term.
+// Returns the largest product of a weight and the size of its term.
 double size_of(const Weights& weights);
 
 }  // namespace fjr

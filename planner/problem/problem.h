@@ -1,4 +1,4 @@
-// One validated request: everything resolved to numbers, nothing left to look up.
+// One validated request in which everything is resolved to numbers.
 #pragma once
 
 #include <algorithm>
@@ -22,13 +22,13 @@ struct MotionPrice;  // planner/problem/motion_price.h
 
 struct Goal {
   Joints<double> q{};                    // [rad]
-  Joints<bool> free{};                   // joints that may end anywhere; their q is where a guess would put them
+  Joints<bool> free{};                   // joints that may end anywhere; their q is only for guesses
   Joints<double> dq{};                   // [rad/s]
   bool dq_free = false;                  // dq and the motors may be anything
   std::optional<Joints<double>> theta;   // [rad]; none: free
   std::optional<Joints<double>> dtheta;  // [rad/s]; none: free
   bool at_rest = true;                   // dq = dtheta = 0 and theta in equilibrium (given, unless a joint is free)
-  bool of_tip_velocity = false;          // dq is what moves the tip as goal.tip_velocity asks for
+  bool of_tip_velocity = false;          // dq follows from goal.tip_velocity
 
   bool any_free() const { return free[0] || free[1]; }
 };
@@ -40,34 +40,35 @@ struct Via {
   double tolerance = 0;              // [rad] of each angle
 };
 
-inline constexpr double kShortestDuration = 0.02, kLongestDuration = 120;  // [s] that may be asked for
-inline constexpr double kLongestByDefault = 20;  // [s] that a free duration may come to where nothing else is said
+inline constexpr double kShortestDuration = 0.02, kLongestDuration = 120;  // [s] bounds of what a request may ask for
+inline constexpr double kLongestByDefault = 20;  // [s] longest free duration if the request gives no bound
 
 struct Duration {
   double min = 0, max = 0;  // [s]; equal when fixed
   bool fixed() const { return min == max; }
 };
 
-// Nothing that a request asks for, but what tells how far one is from possible (planner/search/explain): each limit
-// is relaxed by the slack times its direction, and the slack is what is minimised, beside the weighted terms.
+// A relaxation of the request, used to tell how far it is from feasible (planner/search/explain); not part of a
+// request. Each limit is relaxed by the slack times its direction, and the slack is minimised beside the weighted
+// terms.
 struct Slack {
-  std::vector<double> direction;        // of the limits by their index, then of the task's rows; each in its own unit
-  std::optional<std::size_t> velocity;  // the velocity asked for is lowered by the slack, a fraction of it, at the
-                                        // via point of this index; via.size(): at the goal
+  std::vector<double> direction;        // per limit, by index, then per row of the task; each in its own unit
+  std::optional<std::size_t> velocity;  // the requested velocity at this via point (via.size(): at the goal) is lowered
+                                        // by the slack, as a fraction
   double most = 1;                      // the largest slack
 };
 
-// How many minima are looked for: one, as many as the objective is worth, four times as many.
+// How many minima are looked for: one; as many as the objective makes worthwhile; four times as many.
 enum class Thoroughness { kQuick, kDefault, kThorough };
 
-inline constexpr double kLeastConfidence = 0.5, kMostConfidence = 0.999;  // that a request may ask for
+inline constexpr double kLeastConfidence = 0.5, kMostConfidence = 0.999;  // bounds of Problem::robust
 
-// What is kept free of each limit along the motion for what is uncertain of the arm.
+// Margins that the motion keeps to each limit because the arm's parameters are uncertain.
 struct Reserve {
   std::vector<double> places;                // increasing: where each piece ends, counted in segments of the motion
-  std::vector<std::vector<double>> margins;  // of each piece: the limits by their index, then the task's rows
+  std::vector<std::vector<double>> margins;  // per piece: one per limit, by index, then one per row of the task
 
-  // The largest of index i between two places; 0 where nothing is kept.
+  // Returns the largest margin of index i between two places; 0 if there is none.
   double largest(std::size_t i, double from, double to) const {
     double most = 0;
     const auto first = std::upper_bound(places.begin(), places.end(), from);
@@ -88,19 +89,19 @@ struct Problem {
   State<double> start{};
   bool start_at_rest = true;
   Goal goal;
-  std::vector<Goal> other_goals;  // as good as `goal`: the other elbow of a tip position
+  std::vector<Goal> other_goals;  // alternatives to `goal`, such as the other elbow for a tip position
   Duration duration;
   Weights weights;
   std::vector<Via> via;                // in this order; the motion has a segment before each and one after the last
-  std::optional<std::size_t> release;  // the via point at which what is thrown is let go; none: the goal
+  std::optional<std::size_t> release;  // the via point at which a thrown object is released; none: the goal
   Task task;
   std::optional<Slack> slack;
-  std::optional<double> robust;  // the fraction of the possible arms that is to keep everything; none: only the robot
-  Reserve reserve;               // for them; nothing that a request says
-  std::shared_ptr<const MotionPrice> price;  // beside the weighted terms; nothing that a request says
+  std::optional<double> robust;  // fraction of the possible arms that has to keep everything; none: only the robot
+  Reserve reserve;               // margins for these arms; computed, not part of a request
+  std::shared_ptr<const MotionPrice> price;  // added to the weighted terms; computed, not part of a request
   bool proven = false;  // certified only if the certificate is proven too (certificate/proof/prove.h)
   double sample_period = kDefaultSamplePeriod;  // [s] between rows
-  // [s] where that would take too many rows: more than sample_period only where the request leaves that open.
+  // [s] used if there would be too many rows; larger than sample_period only if the request does not fix that.
   double longest_sample_period = kLongestSamplePeriod;
   std::uint64_t seed = 1;
   Thoroughness search = Thoroughness::kDefault;
@@ -109,15 +110,15 @@ struct Problem {
   std::string request_hash;             // SHA-256 over the resolved values, not over the file's bytes
 };
 
-// What holding the goal takes of each motor once the arm is there, |G(q)| [N m]; 0 where the goal moves or leaves a
-// joint free.
+// Returns the torque |G(q)| [N m] that holds the arm at the goal, per motor; 0 if the goal moves or leaves a joint
+// free.
 inline Joints<double> held_at_goal(const Problem& problem) {
   if (!problem.goal.at_rest || problem.goal.any_free()) return {0, 0};
   const Joints<double> gravity = gravity_torque(problem.robot, problem.goal.q);
   return {std::abs(gravity[0]), std::abs(gravity[1])};
 }
 
-// Whether a via point has a time to be passed at.
+// Returns whether any via point has a prescribed time.
 inline bool any_timed(const Problem& problem) {
   return std::any_of(problem.via.begin(), problem.via.end(), [](const Via& via) { return via.time.has_value(); });
 }

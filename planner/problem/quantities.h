@@ -1,8 +1,6 @@
-// What is limited along a motion: the place for a new limit. A limit is a member of Limits, a struct with its formula,
-// and its name in Quantities; reading, writing, hashing, bounding, relaxing, margins, the certificate, shadow prices,
-// plan.json and the report go by that list.
-//
-// Formulas are templated on the scalar, for exact derivatives.
+// The quantities that are limited along a motion, and the place to add a new limit. A limit is a member of Limits, a
+// struct with its formula, and its name in Quantities. Reading, writing, hashing, bounding, relaxing, margins, the
+// certificate, shadow prices, plan.json and the report use that list.
 #pragma once
 
 #include <algorithm>
@@ -21,8 +19,8 @@ namespace fjr {
 
 inline constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 
-// Limits of one plan: robot.yaml's, tightened by the request. Magnitudes; also whatever else there is one number of for
-// each limit.
+// Limits of one plan: those of robot.yaml, tightened by the request. All are magnitudes. The struct also holds other
+// numbers of which there is one per limit, such as the largest values that were reached.
 struct Limits {
   Joints<double> torque{kNoLimit, kNoLimit};             // [N m]    |tau_m|
   Joints<double> motor_velocity{kNoLimit, kNoLimit};     // [rad/s]  |dtheta|
@@ -31,75 +29,76 @@ struct Limits {
   Joints<double> torque_rate{kNoLimit, kNoLimit};        // [N m/s]  |du/dt| of the friction-compensated torque
   double tip_speed = kNoLimit;                           // [m/s]
   Joints<double> motor_power{kNoLimit, kNoLimit};        // [W]      |tau_m dtheta|
-  Joints<double> link_middle{};  // [rad] of robot.yaml: what link_position is counted from, and no limit itself
+  Joints<double> link_middle{};  // [rad] centre of link_position's range, from robot.yaml; not a limit itself
 
-  // The range of q of a joint. [rad]
+  // Lower and upper bound of q of a joint. [rad]
   double lowest(std::size_t j) const { return link_middle[j] - link_position[j]; }
   double highest(std::size_t j) const { return link_middle[j] + link_position[j]; }
 
-  static Limits of(const Parameters& p);     // robot.yaml's; infinite where only requests limit
+  static Limits of(const Parameters& p);     // those of robot.yaml; infinite for quantities that only requests limit
   static Limits all(double value) noexcept;  // each of them the same number, whatever its unit
 
   bool operator==(const Limits&) const = default;
 };
 
-// How a quantity is made to stay within its limit in the optimisation.
+// How the optimisation keeps a quantity within its limit.
 enum class BoundOn {
   kState,    // bounds on a state
-  kControl,  // bounds on the control, du/dt, which is only there where something asks for it
+  kControl,  // bounds on the control du/dt, which exists only if the request needs it
   kRow,      // a path constraint
 };
 
-// How soon a motion can leave a limit that its start, a via point or its goal lies on: no margin is kept until then.
+// How soon a motion can leave a limit that its start, a via point or its goal lies on; no margin acts until then.
 enum class Leaving {
   kThere,   // the limit only counts at that state itself
   kAtOnce,  // the control changes it directly
   kSlowly,  // through the springs: as the fourth power of time
 };
 
-// What the closed-loop rollout may reach beyond the limit, where the plan keeps it.
+// How far the closed-loop rollout may exceed a limit that the plan keeps.
 enum class InRollout {
-  kOfPlan,    // anything: it is a property of the plan, and feedback is judged by itself
+  kOfPlan,    // any amount: the limit is on the plan, and feedback is judged separately
   kVelocity,  // a fraction of the limit
   kPosition,  // a count of the link encoder
 };
 
-// What there is to know of a limited quantity beside its formula.
+// Properties of a limited quantity, beside its formula.
 struct QuantityInfo {
   const char* name;
   const char* unit;
   const char* meaning;                          // for the list of keys
   Joints<double> Limits::*per_joint = nullptr;  // either this
   double Limits::*of_tip = nullptr;             // or this
-  // The limit in robot.yaml that a request may tighten; none: only requests limit it.
+  // The limit in robot.yaml, which a request may tighten; null: only requests limit it.
   Joints<double> Parameters::Limits::*of_robot = nullptr;
-  Joints<double> Limits::*middle = nullptr;  // what value() is counted from; none: zero
-  // What holds of it in place of the limit where feedback is included; none: the limit itself.
+  Joints<double> Limits::*middle = nullptr;  // centre from which value() is measured; null: zero
+  // The limit that holds when feedback is included; null: the same.
   Joints<double> Parameters::Drive::*with_feedback = nullptr;
   BoundOn bound = BoundOn::kRow;
-  int state = 0;             // with BoundOn::kState: the first joint's
-  bool sees_torque = false;  // tau_m, and not the state alone
-  bool squared = false;      // value() is the square of what is limited, which has a corner at zero
-  // Between published rows, where torques are linear, velocities quadratic and positions cubic: the degree of value(),
-  // whose extremes are then found exactly; 0: no polynomial, or a higher one, which is sampled every 0.25 ms.
+  int state = 0;             // with BoundOn::kState: index of the first joint's state
+  bool sees_torque = false;  // depends on tau_m
+  bool squared = false;      // value() is the square of the limited quantity, because that has a corner at zero
+  // Degree of value() as a polynomial between published rows, where torques are linear, velocities quadratic and
+  // positions cubic. Its extremes are then found exactly. 0: no polynomial, or of a higher degree; it is sampled every
+  // 0.25 ms.
   int degree = 0;
   Leaving leaving = Leaving::kThere;
   InRollout in_rollout = InRollout::kOfPlan;
-  bool place = false;  // where the arm may be, and not what it can do
-  // The hash of a request counts these even where they are not limited, and the older types of request have a place
-  // for them: not for later ones.
+  bool place = false;  // limits where the arm may be, not what it can do
+  // Set for the first quantities only. The hash of a request includes them even if they are not limited, and older
+  // request types have members for them.
   bool of_first_version = false;
 
   constexpr std::size_t count() const { return of_tip ? 1 : kJoints; }
-  // Its number in `limits`, of joint index j; the tip's for any j.
+  // Returns its limit for joint index j; the tip's for any j.
   double& in(Limits& limits, std::size_t j) const { return of_tip ? limits.*of_tip : (limits.*per_joint)[j]; }
   double in(const Limits& limits, std::size_t j) const { return of_tip ? limits.*of_tip : (limits.*per_joint)[j]; }
   double counted_from(const Limits& limits, std::size_t j) const { return middle ? (limits.*middle)[j] : 0; }
-  // Of what value() gives.
+  // Returns the magnitude of the limited quantity for a result of value().
   double magnitude(double value) const { return squared ? std::sqrt(std::max(0.0, value)) : std::abs(value); }
 };
 
-// One instant of a motion, as value() sees it.
+// One instant of a motion, the argument of value().
 template <class T>
 struct Moment {
   const Parameters& robot;
@@ -178,7 +177,8 @@ struct SpringDeflection {
   }
 };
 
-// Of the rows, the difference quotient of u over at least half a sample period (planner/certificate/limits.cc).
+// For published rows it is the difference quotient of u over at least half a sample period
+// (planner/certificate/limits.cc).
 struct LimitedTorqueRate {
   static constexpr QuantityInfo info{.name = "torque_rate",
                                      .unit = "N m/s",
@@ -245,12 +245,12 @@ using Quantities =
 
 // ---- what follows from the list ----
 
-// Whether they are of one quantity, which its name tells: with sanitizers addresses are no constants.
+// Returns whether both are the same quantity, by name: with sanitizers, addresses are not constant expressions.
 constexpr bool same_quantity(const QuantityInfo& a, const QuantityInfo& b) {
   return std::string_view(a.name) == b.name;
 }
 
-// All numbers of Limits have an index, in the order of the list and then of the joints.
+// Number of limits. Their indices follow the order of the list and then of the joints.
 inline constexpr std::size_t kLimits = Quantities::kLimits;
 
 struct LimitName {
@@ -278,7 +278,7 @@ inline Limits Limits::all(double value) noexcept {
   return limits;
 }
 
-// The index of a quantity's first limit. The quantity is of the list.
+// Returns the index of the first limit of a quantity of the list.
 constexpr std::size_t first_limit_of(const QuantityInfo& quantity) {
   std::size_t first = 0;
   for (const QuantityInfo& other : Quantities::infos) {
@@ -288,10 +288,10 @@ constexpr std::size_t first_limit_of(const QuantityInfo& quantity) {
   throw std::logic_error("a quantity that is not of the list");
 }
 
-// "torque" -> "N m"; "" where there is none of that name.
+// Returns the unit of a limit: "torque" -> "N m"; "" if there is no limit of that name.
 std::string_view unit_of_limit(std::string_view name);
 
-// Raises to the magnitudes at this instant those that the predicate on QuantityInfo chooses.
+// Raises those numbers that `which` chooses by QuantityInfo to the magnitudes at this instant, if these are larger.
 template <class Which>
 void raise(Limits& largest, const Moment<double>& at, const Which& which) {
   Quantities::visit([&](auto quantity) {
@@ -304,7 +304,7 @@ void raise(Limits& largest, const Moment<double>& at, const Which& which) {
   });
 }
 
-// Whether something limits it, for any joint.
+// Returns whether the quantity has a finite limit for any joint.
 inline bool is_limited(const QuantityInfo& info, const Limits& limits) {
   for (std::size_t j = 0; j < info.count(); ++j) {
     if (info.in(limits, j) < kNoLimit) return true;

@@ -11,8 +11,8 @@
 namespace fjr {
 namespace {
 
-constexpr double kMostTimes = 20;  // of a limit: beyond that nobody would build it
-constexpr double kBoxSize = 0.1;   // [m] what fractions of a box's growth are taken of
+constexpr double kMostTimes = 20;  // times a limit: nobody would build a robot beyond that
+constexpr double kBoxSize = 0.1;   // [m] size to which fractions of a box's growth refer
 
 void add_limits(std::vector<Relaxable>& all, const Problem& problem) {
   const Limits robots = Limits::of(problem.robot);
@@ -35,7 +35,7 @@ void add_limits(std::vector<Relaxable>& all, const Problem& problem) {
   }
 }
 
-// As it was, but for its number.
+// Sets the relaxed number of one task constraint; its other numbers are restored from `as_it_was`.
 template <class Constraint>
 void relax(Problem& problem, std::size_t number, const Constraint& as_it_was, double value) {
   std::size_t next = 0;

@@ -1,4 +1,4 @@
-// The line or the arc that a task keeps the tip to, as points.
+// Points of the line or the arc that a task keeps the tip to.
 #pragma once
 
 #include <vector>
@@ -7,11 +7,12 @@
 
 namespace fjr {
 
-// Where the tip is at a fraction of the way between two of its positions, which need not lie on the path exactly. [m]
+// Returns the tip's position [m] at a fraction of the path between two of its positions, which need not lie on the path
+// exactly.
 Coordinates along(const TipLine& line, const Coordinates& from, const Coordinates& to, double fraction);
 Coordinates along(const TipArc& arc, const Coordinates& from, const Coordinates& to, double fraction);
 
-// From one end to the other, close enough together for no point between to be missed by more than 0.1 mm.
+// Returns points from one end to the other, so close that the lines between them are within 0.1 mm of the path.
 std::vector<Coordinates> points_along(const TipLine& line);
 std::vector<Coordinates> points_along(const TipArc& arc);
 

@@ -1,14 +1,14 @@
-// What the kinds of task constraint have in common.
+// Interface that all kinds of task constraint share.
 //
-// A kind is a struct of numbers in shapes.h, and in a file of its own what it means:
+// A kind is a struct of numbers in shapes.h. A file of its own defines:
 //   template <> inline constexpr ConstraintInfo kInfo<Kind>{...};
-//   add_rows(kind, TaskRows& to)       what it asks of every point of the motion
-//   check(kind, place)                 refuses what makes no sense: place.at(key or index), place.fail(sentence)
-//   relaxed_by(kind), relax(kind, to)  the number that is relaxed when the request cannot be met
-//   draw(kind, in)                     what it looks like, of the shapes of results/report/scene.cc
-//   count_of_rows(kind)                where there are not two
+//   add_rows(kind, TaskRows& to)       its rows at every point of the motion
+//   check(kind, place)                 refuses bad values: place.at(key or index), place.fail(sentence)
+//   relaxed_by(kind), relax(kind, to)  the number that is relaxed if the request is infeasible
+//   draw(kind, in)                     its picture, in the shapes of results/report/scene.cc
+//   count_of_rows(kind)                only if there are not two
 //   visit(kind, v)                     its keys, unless it is written otherwise
-//   template <> inline constexpr Key kRequestKey<Kind>{...};  of an obstacle: the list in requests
+//   template <> inline constexpr Key kRequestKey<Kind>{...};  for obstacles: the list in requests
 #pragma once
 
 #include <fmt/format.h>
@@ -28,10 +28,10 @@
 namespace fjr {
 
 struct ConstraintInfo {
-  const char* name;          // of its rows; numbered where there may be several
-  bool keeps_clear = false;  // of something in the way, and not to something to follow
-  double sign = 1;           // of the change that relaxes
-  double most = 1;           // [m] or [rad] of change that means anything; 0: as much as there is
+  const char* name;          // name of its rows; numbered if there may be several
+  bool keeps_clear = false;  // an obstacle, rather than a path or a region
+  double sign = 1;           // sign of a change that relaxes it
+  double most = 1;           // [m] or [rad] largest change that makes sense; 0: the number itself
   const char* unit = "m";
   const char* relaxed = nullptr;  // message of a relaxation, {} the value; null: "would have to be {}"
 };
@@ -63,8 +63,8 @@ inline constexpr double kLargestCoordinate = 10;  // [m] well beyond the reach o
 inline constexpr double kLeastTolerance = 1e-4,
                         kMostTolerance = 1;  // [m] or [rad]; the rollout is exact to about 6e-5 m
 inline constexpr double kShortest = 1e-3;    // [m] or [rad] of lines, arcs and radii
-// A band of the full width that reaches this fraction of it beyond its ends stays within the full width of its
-// segment's ends too, corners included.
+// Fractions of the tolerance across the line and beyond its ends. A band of these sizes stays within the tolerance of
+// the segment's ends too, corners included.
 inline constexpr double kAcross = 0.99, kBeyond = 0.14;
 
 // Coordinates, or the angles of the joints.
@@ -92,7 +92,7 @@ void check_tolerance(const Place& place, double tolerance, std::string_view unit
   check_between(place.at("tolerance"), tolerance, kLeastTolerance, kMostTolerance, unit);
 }
 
-// Across and along the line from one point to another, within the tolerance.
+// Adds rows across and along the line from one point to another, within the tolerance.
 inline void add_band(TaskRows& to, TaskRow::Kind kind, const Two& from, const Two& end, double tolerance) {
   const Two way = difference(end, from);
   const double far = length(way);

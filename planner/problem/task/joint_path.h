@@ -20,7 +20,7 @@ void check(const JointPath& path, const Place& place) {
 inline double relaxed_by(const JointPath& path) { return path.tolerance; }
 inline void relax(JointPath& path, double wider) { path.tolerance = wider; }
 
-// The tip's way along straight lines in joint space, which is curved.
+// Returns the tip's path along straight lines in joint space, which is curved.
 inline std::vector<Coordinates> tip_curve(const Parameters& robot, const std::vector<Joints<double>>& corners) {
   constexpr int kPieces = 20;  // of each line
   std::vector<Coordinates> points;

@@ -1,4 +1,4 @@
-// A row of a task constraint: lower <= value(q) <= upper, of the links' positions alone.
+// A row of a task constraint: lower <= value(q) <= upper. It depends on the links' positions alone.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,7 @@
 
 namespace fjr {
 
-// Where the arm is, for rows to look at.
+// Positions of the arm, the argument of rows.
 template <class T>
 struct Posture {
   Joints<T> q;
@@ -38,12 +38,12 @@ struct TaskRow {
   std::array<double, 2> vector;  // of coordinates, or of the joints' angles
   double number;
   double lower, upper;
-  double scale;      // size of the constraint, as a limit's size is: what fractions of it are taken of  [m or rad]
-  std::string name;  // in plan.json: obstacles[0], walls[0], tip_box, tip_line, tip_arc, path
-  int link;          // 1 or 2 for obstacles and walls; 0: neither
-  const ConstraintInfo* info;  // what kind of constraint it is of, and
-  std::size_t constraint;      // its number among the task's, in the order of each_constraint()
-  bool along = false;          // of a line (task::add_band), and the row before it is across the same line
+  double scale;                // size of the constraint, to which fractions refer  [m or rad]
+  std::string name;            // in plan.json: obstacles[0], walls[0], tip_box, tip_line, tip_arc, path
+  int link;                    // 1 or 2 for obstacles and walls; 0: neither
+  const ConstraintInfo* info;  // the kind of its constraint
+  std::size_t constraint;      // number of its constraint in the task, in the order of each_constraint()
+  bool along = false;          // along a line (task::add_band); the row before it is across the same line
 
   template <class T>
   T value(const Parameters& robot, const Posture<T>& at) const;
@@ -51,9 +51,9 @@ struct TaskRow {
   const char* unit() const { return kind == Kind::kAngles ? "rad" : "m"; }
   bool is_distance() const { return kind == Kind::kTip || kind == Kind::kElbow || kind == Kind::kAngles; }
 
-  // How far it is from its bounds: negative where it is broken. [m or rad]
+  // Returns the distance of a value from the bounds; negative if it violates them. [m or rad]
   double clearance(double value) const { return std::min(value - lower, upper - value); }
-  // The same in true distance, which differs from value() well away from a circle. [m or rad]
+  // Returns the same as a true distance, which differs from value() well away from a circle. [m or rad]
   double distance(double value) const;
 };
 
@@ -75,13 +75,13 @@ double value_of(const T& x) {
   }
 }
 
-// Squared distance of the point p from the segment of the given length from `begin` to `end`. [m^2]
+// Returns the squared distance [m^2] of the point p from the segment of the given length from `begin` to `end`.
 template <class T>
 T squared_distance(const Coordinates& p, const Point<T>& begin, const Point<T>& end, double length) {
   const T to_x = p[0] - begin.x, to_y = p[1] - begin.y;
   const T along_x = (end.x - begin.x) * (1 / length), along_y = (end.y - begin.y) * (1 / length);
   const double along = value_of(to_x) * value_of(along_x) + value_of(to_y) * value_of(along_y);
-  // A pattern has no value to choose by; what is beside the segment depends on everything.
+  // A sparsity pattern has no value to choose by; the formula beside the segment depends on everything.
   const bool structure_only = requires(T t) { t.depends_on(0); };
   if (!structure_only && along < 0) return to_x * to_x + to_y * to_y;
   if (!structure_only && along > length) {

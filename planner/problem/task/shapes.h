@@ -1,5 +1,5 @@
-// What a request may ask of where the arm is: the kinds of task constraint, as plain numbers. What each kind means is
-// in a file of its own beside this one, and task.h has the list of them.
+// The kinds of task constraint as plain numbers. Each kind is defined in a file of its own in this folder, and task.h
+// lists them.
 #pragma once
 
 #include <optional>
@@ -10,7 +10,7 @@
 
 namespace fjr {
 
-// Both links keep clear of it; `margin` is kept over their whole length, beside their radius. [m]
+// Both links keep clear of a disc, by `margin` in addition to their radius, over their whole length. [m]
 struct Disc {
   Coordinates center{};
   double radius = 0, margin = 0;
@@ -23,7 +23,7 @@ struct Wall {
   double margin = 0;
 };
 
-// The tip stays inside. [m]
+// The tip stays inside a box. [m]
 struct TipBox {
   Coordinates lower{}, upper{};
 };
@@ -51,13 +51,13 @@ struct JointPath {
   double tolerance = 0;
 };
 
-// What both links keep clear of.
+// Everything that both links keep clear of.
 struct Obstacles {
   std::vector<Disc> discs;
   std::vector<Wall> walls;
 };
 
-// All that is asked of one motion.
+// All task constraints of one motion.
 struct Task {
   Obstacles obstacles;
   std::optional<TipBox> box;

@@ -12,12 +12,12 @@ namespace {
 using namespace task;
 using Kind = TaskRow::Kind;
 
-constexpr double kMostTurn = 3.0;      // [rad] of an arc: half a turn has no short way
-constexpr double kMostLongTurn = 5.5;  // [rad] the long way: a gap has to be left
-constexpr double kGapTolerances = 4;   // that the gap left by a long arc is wide at least
+constexpr double kMostTurn = 3.0;      // [rad] largest angle the short way: half a turn has no short way
+constexpr double kMostLongTurn = 5.5;  // [rad] largest angle the long way: a gap has to be left
+constexpr double kGapTolerances = 4;   // least width of the gap left by a long arc
 
-// Beyond half a turn both lines across would cut the arc itself. What it leaves of the circle, less than half a turn,
-// is then barred by a disc about its middle that reaches nearly to both ends.
+// For an arc of more than half a turn, lines across its ends would cut the arc itself. The gap that it leaves of the
+// circle, less than half a turn, is barred by a disc about its middle that reaches nearly to both ends.
 void add_gap(TaskRows& rows, const TipArc& arc, double radius) {
   const Coordinates chord{(arc.from[0] + arc.to[0]) / 2 - arc.center[0], (arc.from[1] + arc.to[1]) / 2 - arc.center[1]};
   const Coordinates middle{arc.center[0] + chord[0] * radius / length(chord),
@@ -27,7 +27,7 @@ void add_gap(TaskRows& rows, const TipArc& arc, double radius) {
   rows.add(Kind::kTipRadius, middle, apart, 0, kNone, arc.tolerance);
 }
 
-// Near the circle, after the line across it at one end and before the one at the other.
+// Adds the rows of an arc: near the circle, after the line across it at one end and before the line at the other.
 void add_arc(TaskRows& rows, const TipArc& arc) {
   const Coordinates first = difference(arc.from, arc.center), last = difference(arc.to, arc.center);
   const double radius = length(first), band = kAcross * arc.tolerance, beyond = kBeyond * arc.tolerance;
@@ -52,7 +52,7 @@ double turn_between(const TipArc& arc, const Coordinates& from, const Coordinate
   const auto shortest = [](double angle) { return std::remainder(angle, 2 * std::numbers::pi); };
   const double turn = shortest(angle_of(arc, to) - angle_of(arc, from));
   if (arc.way == ArcWay::kShort) return turn;
-  // Against the short way, by up to 0.9 whole turns; what is left is for points that lie a little before the other.
+  // Counts against the short way up to 0.9 whole turns; the rest is for points that lie a little before the other one.
   const double onward =
       -std::copysign(0.9 * std::numbers::pi, shortest(angle_of(arc, arc.to) - angle_of(arc, arc.from)));
   return std::remainder(turn - onward, 2 * std::numbers::pi) + onward;

@@ -11,11 +11,11 @@ inline constexpr ConstraintInfo kInfo<TipArc>{.name = "tip_arc"};
 void add_rows(const TipArc& arc, TaskRows& to);
 inline std::size_t count_of_rows(const TipArc& arc) { return arc.way == ArcWay::kLong ? 2 : 3; }
 
-// Of a point as seen from the centre. [rad]
+// Returns the angle [rad] of a point as seen from the centre.
 double angle_of(const TipArc& arc, const Coordinates& point);
-// The angle that it turns by, counterclockwise positive. [rad]
+// Returns the angle [rad] that the arc turns by, counterclockwise positive.
 double turn_of(const TipArc& arc);
-// The angle from one point to another as seen from the centre, the way round that the arc goes. [rad]
+// Returns the angle [rad] from one point to another as seen from the centre, in the direction of the arc.
 double turn_between(const TipArc& arc, const Coordinates& from, const Coordinates& to);
 
 inline double relaxed_by(const TipArc& arc) { return arc.tolerance; }
@@ -41,8 +41,8 @@ void visit(R& r, Visit&& v) {
 
 namespace task {
 
-// What is wrong with how far it turns, and of which key; empty where nothing is. Half a turn has no short way, and a
-// long way needs a gap that is left out.
+// Fault of the arc's angle and the key it belongs to; empty if there is none. Half a turn has no short way, and a long
+// way needs a gap that is left out.
 struct FaultOfTurn {
   const char* key = "";
   std::string sentence;

@@ -225,8 +225,8 @@ struct TipSpeed {
                                  .reward = true,
                                  .of_first_version = true};
   static constexpr Node node = Node::kRelease;
-  static constexpr double kRounding =
-      0.1;  // [m/s] smoothing of the corner at rest; the term stays monotone in the speed
+  // [m/s] Smoothing of the speed's corner at rest. The term stays monotone in the speed.
+  static constexpr double kRounding = 0.1;
   template <class T>
   static T at_node(const AtNode<T>& at) {
     using std::sqrt;

@@ -1,4 +1,4 @@
-// Request -> a document of one line.
+// Writes a Request as a document of one line.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -98,7 +98,7 @@ std::string text_of(const std::vector<T>& list) {
   return "[" + items + "]";
 }
 
-// What was not said.
+// Whether a value was stated in the request.
 template <class T>
 bool is_said(const std::optional<T>& value) {
   return value.has_value();

@@ -14,7 +14,7 @@ namespace {
 
 using Lines = std::vector<KeyLine>;
 
-// What stands below a key, by the type of its value; nothing below most of them.
+// Lists the keys below a key, by the type of its value; most have none.
 template <class T>
 struct Below {
   static void list(const std::string& name, Lines& lines) {
@@ -69,7 +69,7 @@ struct Below<RequestedObjective> {
   }
 };
 
-// Vertical bars end a cell.
+// Escapes vertical bars, which end a cell of the table.
 std::string cell(std::string_view text) {
   std::string escaped;
   for (const char c : text) escaped += c == '|' ? std::string("\\|") : std::string(1, c);
@@ -85,12 +85,12 @@ std::vector<KeyLine> all_keys() {
 }
 
 std::string unit_of_key(const std::string& path) {
-  std::string key;  // with [] for what is counted: via[].q
+  std::string key;  // with [] in place of indices: via[].q
   for (std::size_t i = 0; i < path.size(); ++i) {
     key += path[i];
     if (path[i] == '[') i = std::min(path.find(']', i), path.size()) - 1;
   }
-  for (;; key.resize(key.size() - 2)) {  // a number's place within what has the unit
+  for (;; key.resize(key.size() - 2)) {  // the unit may belong to a list that contains the number
     for (const KeyLine& line : all_keys()) {
       if (line.name == key) return line.unit == "1" ? "" : line.unit;
     }

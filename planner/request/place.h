@@ -14,7 +14,7 @@
 
 namespace fjr {
 
-// "via[2]" of "request.yaml".
+// A place in a request, such as "via[2]" of "request.yaml".
 struct Place {
   const Request& request;
   std::string field;
@@ -23,7 +23,8 @@ struct Place {
     return {request, field.empty() ? std::string(key) : fmt::format("{}.{}", field, key)};
   }
   Place at(std::size_t index) const { return {request, fmt::format("{}[{}]", field, index)}; }
-  // The first of `keys` that was given, otherwise this: what to name when something derived from it is wrong.
+  // Returns the first of `keys` that was given, otherwise this place: it is named if something derived from it is
+  // wrong.
   Place first_of(std::initializer_list<std::pair<std::string_view, bool>> keys) const {
     for (const auto& [key, given] : keys) {
       if (given) return at(key);
@@ -33,7 +34,8 @@ struct Place {
   [[noreturn]] void fail(const std::string& problem) const { throw InputError(request.source, field, problem); }
 };
 
-// An angle of a link that is refused may have been meant in degrees.
+// Refuses an angle outside [lower, upper] [rad]. The message mentions degrees if the value may have been meant in
+// degrees.
 inline void check_angle(const Place& place, double angle, double lower, double upper) {
   if (angle >= lower && angle <= upper) return;
   place.fail(fmt::format("{} rad is outside [{}, {}]{}", angle, lower, upper, degrees_suspected(angle, lower, upper)));

@@ -1,4 +1,4 @@
-// A document -> Request.
+// Reads a document as a Request.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace fjr {
 namespace {
 
-// Each form of value is read by one of these; unit: of its numbers.
+// Overloads for each form of value; unit: of its numbers.
 template <class T>
 void read(const YamlNode& node, const char* unit, std::optional<T>& value);
 template <class T>
@@ -45,7 +45,7 @@ void read(const YamlNode& node, const char*, Choice& value) {
   value = kWords<Choice>[node.one_of(words)].second;
 }
 
-// Where the word free was looked for before.
+// Reads a number where the word `free` was possible too.
 double number_beside_free(const YamlNode& node, const char* unit) {
   const bool is_word = node.is_scalar() && std::isalpha(static_cast<unsigned char>(node.text()[0])) != 0;
   if (is_word && !node.is_nan_or_infinite()) {
@@ -85,7 +85,8 @@ void read(const YamlNode& node, const char* unit, TipBox& box) {
 
 void read(const YamlNode& node, const char*, Payload& payload) { payload = read_payload(node); }
 
-// Infinity, as YAML, C++ and JSON write it, is no limit but the robot's: [10, .inf] is one of joint 1 alone.
+// Reads a limit. Infinity, as YAML, C++ and JSON write it, means no limit but the robot's: [10, .inf] limits joint 1
+// alone.
 double read_limit(const YamlNode& node, const char* unit) {
   for (const char* infinity : {".inf", "inf", "Infinity"}) {
     if (node.says(infinity)) return kNoLimit;
@@ -199,7 +200,7 @@ void read(const YamlNode& node, const char*, RequestedGoal& goal) {
   goal = goal_of(keys);
 }
 
-// A path beside via points; `via: []` says nothing.
+// Refuses a path beside via points; `via: []` counts as none.
 void refuse_another(const YamlNode& node, const RequestedWay& way) {
   const auto* via = std::get_if<std::vector<RequestedVia>>(&way);
   if (via == nullptr || !via->empty()) node.fail(kPathAndVia);
@@ -213,13 +214,13 @@ void read(const YamlNode& node, const char* unit, OneOf<Kind, Variant>& member) 
   member.all = std::move(kind);
 }
 
-// Nothing in it says as little as leaving it out.
+// Reads the start. An empty one counts as left out.
 void read(const YamlNode& node, const char*, std::optional<RequestedStart>& start) {
   if (node.is_null()) return;
   read_keys(node, start.emplace());
   if (node.find("q")) return;
   if (node.keys().empty()) return start.reset();
-  (void)node.at("q");  // which tells that it is missing
+  (void)node.at("q");  // throws if it is missing
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
-// What a user may ask for: one struct for request files, for the documents on DDS and for programs that build a
-// request. A new key is a member, its line in visit() (request_keys.h), and what it comes to in resolve.cc.
+// A request as a user states it: one struct for request files, for documents on DDS and for programs that build
+// requests. A new key needs a member, its line in visit() (request_keys.h), and its meaning in resolve.cc.
 //
-// Members are what was said, not yet what it means: nothing here knows the robot. Each can be set by itself: where
-// there is a choice of one kind of thing, it is a variant, so that nothing of another kind can be left beside it. What
-// makes no sense for its value, or for this robot, is refused by resolve().
+// Members hold what was stated, not yet resolved: nothing here depends on the robot. Each can be set by itself. Choices
+// between kinds are variants, so that values of another kind cannot be left beside the chosen one. resolve() refuses
+// values that make no sense, by themselves or for the robot.
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@ struct RequestedStart {
 // Link angles, each of which may be free (none). [rad]
 using AnglesOrFree = std::array<std::optional<double>, kJoints>;
 
-// How the arm comes to a goal that its angles say.
+// How the arm arrives at a goal that is given by angles.
 struct AtRest {};
 struct AnyVelocity {};  // of links and motors
 struct Moving {
@@ -53,12 +53,12 @@ struct TipGoal {
 
 using RequestedGoal = std::variant<JointGoal, TipGoal>;
 
-// As the motion takes, between bounds where they are given. [s]
+// As long as the motion takes, within the bounds that are given. [s]
 struct FreeDuration {
   std::optional<double> min{}, max{};
 };
 
-using RequestedDuration = std::variant<FreeDuration, double>;  // the latter fixed [s]
+using RequestedDuration = std::variant<FreeDuration, double>;  // double: fixed [s]
 
 enum class Preset { kFastest, kGentle, kEfficient };
 
@@ -68,7 +68,7 @@ struct RequestedVia {
   std::optional<double> time{};        // [s] only with a fixed duration
   Joints<double> q{};                  // [rad]
   std::optional<Joints<double>> dq{};  // [rad/s]; none: free
-  bool release = false;                // what is thrown is let go here
+  bool release = false;                // a thrown object is released here
 };
 
 // Straight lines in the joint angles, from the start to the goal.
@@ -77,7 +77,7 @@ struct RequestedPath {
   double tolerance = 0;                // [rad] of each angle
 };
 
-// What is on the way: points that are passed, in this order, or a path that is kept to.
+// Intermediate points in their order, or a path that is followed.
 using RequestedWay = std::variant<std::vector<RequestedVia>, RequestedPath>;
 
 using RequestedTip = std::variant<TipBox, TipLine, TipArc>;
@@ -108,37 +108,37 @@ struct Request {
 
 // ---- reading, writing, resolving ----
 
-// Reads strictly what a document says (config/requests/annotated.yaml has every key). Throws InputError naming source,
-// field, value and what is allowed, for what is malformed; whether it makes sense is resolve()'s to say.
+// Reads a document strictly (config/requests/annotated.yaml has every key). Throws InputError with source, field, value
+// and what is allowed if the document is malformed; resolve() checks whether it makes sense.
 Request read_request(const std::string& yaml, const std::string& source);
 
-// A request as a document of one line that read_request() reads back to the same bits.
+// Returns a request as a document of one line, which read_request() reads back to the same bits.
 std::string format_request(const Request& request);
 
-// Resolves a request to numbers: presets, defaults, moving starts by flatness, limits tightened. Throws InputError for
-// what contradicts itself or the robot (outside limits, static torque too large, free duration without a time weight,
+// Resolves a request to numbers: presets, defaults, moving starts by flatness, limits tightened. Throws InputError if
+// it contradicts itself or the robot (outside limits, static torque too large, free duration without a time weight,
 // ...). Nothing is optimised here.
 Problem resolve(const Request& request, const Parameters& robot);
 
-// Reads and resolves. folder: what a relative `robot` is relative to. default_robot: used when the request names none;
-// empty: the shipped one, looked for only then.
+// Reads and resolves a request. folder: base of a relative `robot`. default_robot: used if the request names none;
+// empty: the shipped one, which is looked for only then.
 Problem load_request(const std::filesystem::path& file, const std::filesystem::path& default_robot = {});
 Problem parse_request(const std::string& yaml, const std::string& source, const std::filesystem::path& folder,
                       const std::filesystem::path& default_robot = {});
 
-// The file of the robot that a request is for, with folder and default_robot as above. Throws InputError where the one
-// that it names is no file.
+// Returns the robot file of a request, with folder and default_robot as above. Throws InputError if the named one is no
+// file.
 std::filesystem::path robot_file_of(const Request& request, const std::filesystem::path& folder,
                                     const std::filesystem::path& default_robot = {});
 
-// What counts where a request names no objective.
+// Returns the objective of requests that name none.
 Preset default_preset(const Duration& duration);
 
-// The same for a robot that is known already, from a request that names none.
+// Do the same for a robot that is known already, for a request that names none.
 Problem parse_request(const std::string& yaml, const std::string& source, const Parameters& robot);
 Problem resolve_for(const Request& request, const Parameters& robot);
 
-// SHA-256 over the resolved values, not over the file's bytes.
+// Returns the SHA-256 of the resolved values, not of the file's bytes.
 std::string request_hash(const Problem& problem);
 
 }  // namespace fjr

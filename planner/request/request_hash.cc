@@ -67,7 +67,7 @@ void add_states(HashLines& lines, const Problem& problem) {
   }
 }
 
-// The rows say all there is to say about a task.
+// Adds the rows of the task, which determine it completely.
 void add_task(HashLines& lines, const Problem& problem) {
   for (std::size_t s = 0; s <= problem.via.size(); ++s) {
     const std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, s);
@@ -108,7 +108,7 @@ std::string request_hash(const Problem& problem) {
   if (problem.method != kDefaultMethod) lines.add_text("method", problem.method);
   if (problem.search != Thoroughness::kDefault) lines.add_text("search", word_of(problem.search));
   if (problem.robust) lines.add("robust.confidence", *problem.robust);
-  // What is uncertain decides the plan, and is no part of the robot's hash.
+  // The uncertainty influences these plans, but is not part of the robot's hash.
   if (problem.robust || problem.weights.tracking > 0) {
     const Uncertainty uncertainty = uncertainty_of(problem.robot);
     for (std::size_t i = 0; i < uncertainty.names.size(); ++i) {

@@ -17,7 +17,7 @@
 
 namespace fjr {
 
-// ---- as it is written: a key for each of what excludes each other ----
+// ---- requests as they are written: mutually exclusive choices have a key each ----
 
 using VelocityOrFree = std::variant<Joints<double>, AnyVelocity>;
 
@@ -31,17 +31,17 @@ struct GoalByKey {
 };
 GoalByKey by_key(const RequestedGoal& goal);
 
-// What does not go together, by the first key that is one too many or missing.
+// A fault in the combination of keys, named by the first key that is superfluous or missing.
 struct KeyFault {
   std::string_view key;
   std::string sentence;
 };
 std::optional<KeyFault> fault_of(const GoalByKey& goal);
 
-// The goal that the keys say. Where they are at fault, what fault_of() names is left out.
+// Returns the goal that the keys describe. If their combination is at fault, the key named by fault_of() is ignored.
 RequestedGoal goal_of(const GoalByKey& goal);
 
-// One of the kinds that a variant may hold, for the key that says it.
+// One alternative of a variant, for the key that selects it.
 template <class Kind, class Variant>
 struct OneOf {
   Variant& all;  // const or not
@@ -51,7 +51,7 @@ struct OneOf {
 
 inline constexpr const char* kPathAndVia = "goes through its points already; give either path or via";
 
-// As it is written: a key for each kind, of which one is given.
+// As written in a request: a key for each kind, of which one is given.
 struct TipByKind {
   std::optional<TipBox> box;
   std::optional<TipLine> line;
@@ -170,15 +170,15 @@ void visit(R& r, Visit&& v) {
 
 // ---- writing ----
 
-// The keys of which something is said, in the order of visit(): those that format_request() writes.
+// Returns the keys that have a value, in the order of visit(): those that format_request() writes.
 std::vector<std::string> said_keys(const Request& request);
 
 // ---- reading ----
 
-// As read_request() of a text.
+// Does the same as read_request() of a text.
 Request read_request(const YamlNode& root);
 
-// The task of a resolved request, as plan.json has it (resolved_request.task).
+// Reads the task of a resolved request from plan.json (resolved_request.task).
 Task read_task(const YamlNode& node);
 
 }  // namespace fjr

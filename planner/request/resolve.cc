@@ -1,4 +1,4 @@
-// Request -> Problem: what was said becomes numbers, and what contradicts itself or the robot is refused.
+// Resolves a Request to a Problem: values become numbers, and what contradicts itself or the robot is refused.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -29,10 +29,10 @@ constexpr double kLargestWeight = 1e9;
 constexpr const char* kNothingUncertain =
     "the robot has neither covariance nor standard errors, and the payload none: nothing is uncertain";
 constexpr double kSameAngle = 1e-9;  // [rad] below this two given angles mean the same; 1e-5 of an encoder count
-constexpr double kNoMotion = 1e-6;   // [rad] as near as two angles of one tip position are computed
+constexpr double kNoMotion = 1e-6;   // [rad] accuracy of the angles computed for a tip position
 constexpr double kLargestLinkVelocity = 100;  // [rad/s] several times what motors and springs together can reach
 
-// A state of the request together with which of its parts were given.
+// A state in the request, and which of its parts were given.
 struct StatePlace {
   Place place;
   bool q = false, dq = false, theta = false, dtheta = false;
@@ -62,7 +62,7 @@ Limits resolve_limits(const Request& request, const Parameters& robot) {
   return limits;
 }
 
-// A payload that came from DDS, where there is no document in which it was found to be within its bounds.
+// Checks a payload that came as numbers over DDS and was not checked while a document was read.
 void check_payload(const Request& request) {
   const Place place{request, "payload"};
   kPayloadMassBound.check(place.at("mass"), request.payload->mass);
@@ -213,7 +213,7 @@ void check_tip_speed(const StatePlace& state, const Problem& problem, const Join
       .fail(fmt::format("moves the tip at {:.6g} m/s, above the limit of {} m/s", speed, problem.limits.tip_speed));
 }
 
-// For messages about what a payload has its share in.
+// Returns a note on the payload, for messages about quantities that it contributes to.
 std::string with_load(const Problem& problem) {
   const double mass = problem.robot.payload.mass;
   return mass > 0 ? fmt::format(" with the payload of {} kg", mass) : "";
@@ -241,7 +241,7 @@ void check_motor_velocity(const StatePlace& state, const Problem& problem, const
   }
 }
 
-// Resting at q needs G(q) from the motors, without end.
+// Refuses a rest at q that the motors cannot hold: it takes G(q) permanently.
 void check_holding(const StatePlace& state, const Problem& problem, const Joints<double>& q) {
   const Joints<double> gravity = gravity_torque(problem.robot, q);
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -253,7 +253,7 @@ void check_holding(const StatePlace& state, const Problem& problem, const Joints
   }
 }
 
-// With a free joint some of its angles has to do.
+// Does the same for a goal with a free joint: one of that joint's angles has to be possible.
 void check_holding_somewhere(const Place& place, const Problem& problem, const Goal& goal) {
   constexpr int kAngles = 2000;
   const std::size_t free = goal.free[0] ? 0 : 1, given = 1 - free;
@@ -281,7 +281,7 @@ void resolve_start(const Request& request, Problem& problem) {
   const Joints<double> q = checked_angles(place, start.q, problem.limits);
   const Joints<double> dq = checked_velocity(place, start.dq.value_or(Joints<double>{}));
   const State<double> rest = rest_at(problem.robot, q);
-  // At rest flatness gives the same but for rounding, and rest should be rest exactly.
+  // At rest flatness gives the same except for rounding, but velocities should be exactly zero.
   problem.start = is_zero(dq) ? rest : from_link_motion(problem.robot, {.q = q, .dq = dq}).state;
   if (start.theta) problem.start.theta = *start.theta;
   if (start.dtheta) problem.start.dtheta = *start.dtheta;
@@ -293,7 +293,7 @@ void resolve_start(const Request& request, Problem& problem) {
   if (problem.start_at_rest) check_holding(state, problem, q);
 }
 
-// Whether the goal is one at rest, and the motors with it then.
+// Decides whether the goal is at rest, and sets the motors accordingly.
 void settle_goal(const Problem& problem, Goal& goal) {
   if (goal.dq_free) {
     goal.at_rest = false;
@@ -317,7 +317,7 @@ void check_goal(const StatePlace& state, const Problem& problem, const Goal& goa
   goal.any_free() ? check_holding_somewhere(state.place, problem, goal) : check_holding(state, problem, goal.q);
 }
 
-// A free joint keeps the start's angle in a guess.
+// Resolves the angles of the goal. The guess of a free joint is its angle at the start.
 void resolve_goal_angles(const Place& place, const AnglesOrFree& asked, const Problem& problem, Goal& goal) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     goal.free[j] = !asked[j];
@@ -327,7 +327,7 @@ void resolve_goal_angles(const Place& place, const AnglesOrFree& asked, const Pr
   if (goal.free[0] && goal.free[1]) place.at("q").fail("one joint may be free, not both");
 }
 
-// What nothing is said of is free.
+// Resolves the velocities of the goal. What is not given is free.
 void resolve_goal_velocity(const Place& place, const Moving& asked, Goal& goal) {
   const Place motors = place.first_of({{"theta", asked.theta.has_value()}, {"dtheta", asked.dtheta.has_value()}});
   if (goal.any_free() && motors.field != place.field) motors.fail("has no meaning beside a free joint");
@@ -348,7 +348,7 @@ void resolve_joint_goal(const Request& request, const JointGoal& asked, Problem&
              problem, goal);
 }
 
-// The goal at q; none, and `why`, when the arm cannot be there.
+// Returns the goal at q, or nothing and the reason in `why` if the arm cannot be there.
 std::optional<Goal> tip_goal(const Request& request, const TipGoal& asked, const Problem& problem,
                              const Joints<double>& q, std::optional<InputError>& why) {
   const Place place{request, "goal"};
@@ -379,7 +379,7 @@ std::optional<Goal> tip_goal(const Request& request, const TipGoal& asked, const
 void check_reach(const Place& place, const Parameters& robot, const Joints<double>& tip) {
   const Joints<double> within = reach(robot);
   const double away = std::hypot(tip[0], tip[1]);
-  if (away >= within[0] - kSameAngle && away <= within[1] + kSameAngle) return;  // as near in metres
+  if (away >= within[0] - kSameAngle && away <= within[1] + kSameAngle) return;  // the tolerance is used in metres here
   place.fail(fmt::format("[{}, {}] m is {:.6g} m from the base; the arm reaches from {:.6g} to {:.6g} m", tip[0],
                          tip[1], away, within[0], within[1]));
 }
@@ -410,7 +410,7 @@ void resolve_tip_goal(const Request& request, const TipGoal& asked, Problem& pro
 
 void check_via_time(const Place& place, double time, double after, const Duration& duration) {
   if (!duration.fixed()) place.fail("needs a fixed duration; without one a via point is passed at any time");
-  const double spacing = kViaSpacing * (1 - 1e-9);  // so that 0.301 counts as 0.001 after 0.3
+  const double spacing = kViaSpacing * (1 - 1e-9);  // with rounding, 0.301 has to count as 0.001 after 0.3
   if (time - after < spacing || duration.max - time < spacing) {
     place.fail(fmt::format("{} s must lie between {} s and {} s, at least {} s from both", time, after, duration.max,
                            kViaSpacing));
@@ -430,7 +430,8 @@ Via resolve_via(const Place& place, const RequestedVia& asked, const Problem& pr
   return via;
 }
 
-// A link goes no further than its motor at full speed, and the spring from one end of its range to the other.
+// Refuses via times that are too early: a link moves no further than its motor at full speed, plus the spring from one
+// end of its range to the other.
 void check_via_times(const Place& vias, const Problem& problem) {
   double time = 0;
   Joints<double> q = problem.start.q;
@@ -462,7 +463,7 @@ void resolve_vias(const Request& request, const std::vector<RequestedVia>& asked
   check_via_times(place, problem);
 }
 
-// Those before a given time were checked with it.
+// Checks the time after the last via point with a given time; those before it were checked already.
 void check_time_left(const Request& request, const Problem& problem) {
   double last = 0;
   std::size_t after = 0;
@@ -477,8 +478,8 @@ void check_time_left(const Request& request, const Problem& problem) {
                   problem.duration.max, kViaSpacing));
 }
 
-// What is thrown is let go where a via point says so; otherwise at the goal if the arm moves there, and at the last via
-// point if it does not.
+// Decides where a thrown object is released: at the via point that says so; otherwise at the goal if the arm moves
+// there, and at the last via point if it does not.
 void resolve_release(const Request& request, Problem& problem) {
   if (const auto* vias = std::get_if<std::vector<RequestedVia>>(&request.way)) {
     if (problem.goal.at_rest && !vias->empty()) problem.release = vias->size() - 1;
@@ -496,7 +497,7 @@ void resolve_release(const Request& request, Problem& problem) {
   }
 }
 
-// With a least duration, staying where one is can be meant; otherwise it takes no time at all.
+// Refuses a motion that stays where it is, unless a duration is given, because otherwise it takes no time at all.
 void refuse_empty_motion(const Request& request, const Problem& problem) {
   const bool takes_time = problem.duration.fixed() || problem.duration.min > kShortestDuration;
   if (takes_time || !problem.start_at_rest || !problem.goal.at_rest || !problem.via.empty()) return;
@@ -519,7 +520,7 @@ double resolve_confidence(const Request& request, const Parameters& robot) {
   return confidence;
 }
 
-// Members that a program set hold what a document may say, too: finite numbers above all.
+// Checks members that a program may have set as strictly as those of a document, such as for finite numbers.
 void check_as_document(const Request& request) {
   (void)read_request(YamlNode::parse(format_request(request), request.source));
 }

@@ -17,10 +17,10 @@ namespace {
 using task::distance, task::kShortest;
 
 constexpr std::size_t kMostCorners = 32;  // as many as via points
-constexpr double kCornerFraction = 0.1;   // of the tolerance, in which a corner is passed
+constexpr double kCornerFraction = 0.1;   // fraction of the tolerance within which corners are passed
 constexpr double kOnBound = 1e-6;         // fraction of a constraint's scale: as good as kept
 
-// The keys are those of the request, where the regions of the tip stand together.
+// Returns the place of a constraint in the request, where the regions of the tip are below `tip`.
 Place place_of(const Request& request, const char* key) {
   const std::string_view name = key;
   return name == "box" || name == "line" || name == "arc" ? Place{request, "tip"}.at(name) : Place{request, key};
@@ -82,7 +82,7 @@ void resolve_path(const Request& request, const RequestedPath& asked, Problem& p
   problem.task.path = path;
 }
 
-// What is wrong at q, empty if nothing is.
+// Returns what is wrong with the arm at q; empty if nothing is.
 std::string broken(const Problem& problem, std::size_t segment, const Joints<double>& q) {
   const auto posture = Posture<double>::of(problem.robot, q);
   for (const TaskRow& row : task_rows(problem.robot, problem.task, segment)) {
@@ -100,7 +100,8 @@ std::string broken(const Problem& problem, std::size_t segment, const Joints<dou
   return "";
 }
 
-// What a motion from q with velocity dq leaves at once, because q lies on its bound; empty if nothing.
+// Returns the region that a motion from q with velocity dq leaves at once, because q lies on its bound; empty if there
+// is none.
 std::string leaves(const Problem& problem, std::size_t segment, const Joints<double>& q, const Joints<double>& dq) {
   constexpr double kMoment = 1e-6;  // [s]
   const auto moved = [&](double time) { return Joints<double>{q[0] + time * dq[0], q[1] + time * dq[1]}; };
@@ -123,7 +124,7 @@ std::string leaves(const Problem& problem, std::size_t segment, const Joints<dou
   return "";
 }
 
-// A joint that may end anywhere is guessed where it was last, or as near to that as the task allows.
+// The guess of a joint that may end anywhere is its last given angle, or the nearest one that the task allows.
 void place_free_joint(Problem& problem) {
   constexpr int kAngles = 400;
   const std::size_t last = problem.via.size();
@@ -168,7 +169,8 @@ void check_task(const Request& request, Problem& problem) {
   }
   if (problem.goal.any_free()) return place_free_joint(problem);
   const std::size_t last = problem.via.size();
-  const auto wrong_with = [&](const Goal& goal) {  // before the goal the motion comes from where it goes to after it
+  // Before the goal the motion is where the reversed velocity leads to from it.
+  const auto wrong_with = [&](const Goal& goal) {
     const std::string there = broken(problem, last, goal.q);
     return there.empty() ? leaves(problem, last, goal.q, {-goal.dq[0], -goal.dq[1]}) : there;
   };

@@ -6,12 +6,12 @@
 
 namespace fjr {
 
-// Resolves `obstacles`, `tip` and `path`. A path also becomes via points at its corners, which leaves no room for
-// others. Throws InputError for what makes no sense.
+// Resolves `obstacles`, `tip` and `path`. A path also becomes via points at its corners, so that a request with a path
+// can have no others. Throws InputError for values that make no sense.
 void resolve_task(const Request& request, Problem& problem);
 
-// Throws InputError where start, goal or a via point breaks the task: a contradiction that needs no optimiser to find.
-// Goals that do are taken out as long as another remains.
+// Throws InputError if start, goal or a via point violates the task, which shows without optimisation. Alternative
+// goals that violate it are removed as long as another one remains.
 void check_task(const Request& request, Problem& problem);
 
 }  // namespace fjr

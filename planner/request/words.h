@@ -1,4 +1,4 @@
-// Choices of a request and the words for them.
+// The words for choices in a request.
 #pragma once
 
 #include <array>
@@ -36,7 +36,7 @@ std::string_view word_of(Choice choice) {
   return {};
 }
 
-// A part of a request with keys of its own. Not std::visit, which a variant would find.
+// A part of a request with keys of its own. fjr:: is explicit because a variant would find std::visit.
 template <class R>
 concept Keyed = requires(R& r) {
   fjr::visit(r, [](const Key&, auto&) {});

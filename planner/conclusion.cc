@@ -9,7 +9,7 @@
 namespace fjr {
 namespace {
 
-// How far the search came, for whoever wants to go on.
+// Returns how far the search came, for users who want to continue it.
 std::string how_far(const Findings& found, const Session& session) {
   if (!session.account().cut_by_work) return "";
   return fmt::format(
@@ -18,7 +18,7 @@ std::string how_far(const Findings& found, const Session& session) {
       session.options().most_work, found.starts, found.minima.size());
 }
 
-// What the other schemes need finer meshes for, or have no polynomial for, the usual one may find.
+// Suggests the default scheme: it may find motions for which others need finer meshes or have no suitable polynomial.
 std::string other_method(const Findings& found) {
   if (found.asked.method == kDefaultMethod) return "";
   return fmt::format("; method: {}, the default, may lead to a plan", kDefaultMethod);
@@ -29,8 +29,8 @@ void withdraw_rows(Plan& plan) {
   plan.certificate.reset();
 }
 
-// Whether the rows keep every limit, and the task, as they are planned: then it is exactness that they lack, and not
-// a motion.
+// Returns whether the planned rows keep every limit and the task: then a motion exists, and only its accuracy is
+// insufficient.
 bool keeps_what_was_asked(const Certificate& certificate) {
   const auto kept = [](const LimitCheck& limit) { return limit.passed || limit.reached <= limit.limit; };
   const auto passed = [](const TaskCheck& constraint) { return constraint.passed; };
@@ -38,7 +38,7 @@ bool keeps_what_was_asked(const Certificate& certificate) {
          std::all_of(certificate.task.begin(), certificate.task.end(), passed);
 }
 
-// What may help a motion that is not exact enough.
+// Returns what may help a motion that is not accurate enough.
 std::string advice(const std::vector<Relaxation>& relaxations) {
   if (relaxations.empty()) return "";
   const Relaxation& r = relaxations.front();
@@ -46,27 +46,28 @@ std::string advice(const std::vector<Relaxation>& relaxations) {
                      r.from);
 }
 
-// Rows that may have been exact enough were more than there may be.
+// Returns the reason if rows could not be published because there were too many.
 std::string too_many_rows(const Findings& found) { return found.failure.empty() ? "" : "; " + found.failure; }
 
 constexpr const char* kOnCoarseMeshOnly = "the optimiser converged on a coarse mesh, but not on a finer one";
 
-// Motions within the limits were found on coarse meshes, and no change was found to be needed: more likely the motions
-// could not be refined than that there are none.
+// Returns whether motions within the limits were found on coarse meshes and no change was found to be needed. Then it
+// is more likely that motions could not be refined than that there are none.
 bool only_refining_failed(const Findings& found, const Infeasibility& infeasibility) {
   const bool any = !found.minima.empty() || !found.candidates.empty();
   return any && infeasibility.relaxations.empty() && !found.too_short();
 }
 
-// Nothing certified was found, and nobody stopped the search.
+// Sets status and reason of a search that found nothing certified and was not stopped.
 void tell_failure(const Findings& found, Plan& plan) {
   const bool nothing_converged = found.candidates.empty();
   const auto is_rough = [](const std::vector<Relaxation>& all) { return !all.empty() && all.front().rough; };
   if (plan.infeasibility && plan.certificate && keeps_what_was_asked(*plan.certificate)) {
-    plan.reason += advice(plan.infeasibility->relaxations);  // what was asked is possible, and only not exact enough
+    plan.reason +=
+        advice(plan.infeasibility->relaxations);  // the request is feasible, only the accuracy is insufficient
     plan.infeasibility.reset();
   } else if (plan.infeasibility && plan.certificate && is_rough(plan.infeasibility->relaxations)) {
-    plan.reason += "; " + plan.infeasibility->sentence;  // only smoothed motions tell what would have to change
+    plan.reason += "; " + plan.infeasibility->sentence;  // the change is known from motions with smoothed friction only
   } else if (plan.infeasibility && only_refining_failed(found, *plan.infeasibility)) {
     plan.infeasibility.reset();
     if (plan.certificate) return;  // uncertified, with its first failure
@@ -75,7 +76,7 @@ void tell_failure(const Findings& found, Plan& plan) {
   } else if (plan.infeasibility) {
     plan.status = PlanStatus::kInfeasible;
     plan.reason = plan.infeasibility->sentence;
-    withdraw_rows(plan);  // what converged on a coarse mesh only
+    withdraw_rows(plan);  // that motion converged on a coarse mesh only
   } else if (plan.certificate) {
     return;  // uncertified, with its first failure
   } else if (found.a_start_was_infeasible && nothing_converged && !found.fastest) {
@@ -93,7 +94,7 @@ void tell_failure(const Findings& found, Plan& plan) {
 
 void conclude(const Findings& found, Session& session, Plan& plan) {
   const bool certified = plan.status == PlanStatus::kCertified;
-  if (certified && session.deadline_passed()) {  // what was certified in time is the plan
+  if (certified && session.deadline_passed()) {  // the plan was certified in time
     plan.cut_by_deadline = true;
   } else if (session.stopped() && !(session.deadline_passed() && plan.infeasibility)) {
     plan.infeasibility.reset();

@@ -1,4 +1,4 @@
-// What a search comes to: the status of its plan, and the reason where that is not certified.
+// Draws the conclusion of a search: the status of its plan, and the reason if that is not certified.
 #pragma once
 
 #include "planner/plan.h"
@@ -7,7 +7,7 @@
 
 namespace fjr {
 
-// plan: with the motion that was published, and why there is none, as far as that is known.
+// Sets status and reason. plan: has the published motion, and as far as known why there is none.
 void conclude(const Findings& found, Session& session, Plan& plan);
 
 }  // namespace fjr

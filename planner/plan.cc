@@ -59,7 +59,8 @@ Known known_of(const Findings& found) {
   return known;
 }
 
-// Why there is no plan; where that leads to a motion after all, from there.
+// Finds out why there is no plan. If the explanation finds a start for the request instead, planning goes on from
+// there.
 std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
   session.enter(Phase::kExplaining);
   Problem asked = *(found.fastest ? found.fastest->alternative : found.alternatives.front());
@@ -75,7 +76,7 @@ std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
   return explain(*problem, known, session).infeasibility;
 }
 
-// A certified plan, where the search comes to one; otherwise why there is none, as far as that can be told.
+// Searches for a certified plan; otherwise returns why there is none, if that can be found out.
 std::optional<Infeasibility> search(int starts, Findings& found, Session& session) {
   const auto over = [&] { return found.certified() || session.stopped(); };
   find_motions(starts, found, session);
@@ -97,7 +98,8 @@ void withdraw(Plan& plan) {
   plan.solution.reset();
 }
 
-// A certified plan that cannot be proven is none. A deadline is for the search: the proof comes after it.
+// Demands a proof of a certified plan. Without it the plan is not certified. The deadline applies to the search only;
+// the proof comes after it.
 void demand_proof(const Problem& problem, Session& session, Plan& plan) {
   const Timed timed(session, "proof");
   const TaskOfMotion asked = TaskOfMotion::of(problem.robot, problem.task, plan.segment_ends());
@@ -115,8 +117,8 @@ void demand_proof(const Problem& problem, Session& session, Plan& plan) {
   plan.solution.reset();
 }
 
-// Of the parameter that costs most to first order, the saving by planning again: shadow prices hold for margins that
-// change by little, and these change by up to half.
+// Replaces the saving of the parameter that costs most to first order by that of planning again, because shadow prices
+// hold for small changes of margins, and these change by up to half.
 void plan_largest_saving(const Problem& problem, const Publication& without, const Publication& best, Session& session,
                          Robustness& robustness) {
   auto& [parameter, saving] = robustness.savings.front();

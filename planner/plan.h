@@ -1,4 +1,4 @@
-// One request, in order: problem -> collocation -> certificate.
+// Plans one request: problem -> collocation -> certificate.
 #pragma once
 
 #include <functional>
@@ -29,8 +29,8 @@ enum class PlanStatus {
   kCancelled,     // stopped by the caller
 };
 
-const char* name(PlanStatus status);                           // as in plan.json: "certified", "bad_input", ...
-std::optional<PlanStatus> plan_status(std::string_view name);  // of that name; none: no such name
+const char* name(PlanStatus status);                           // the name in plan.json: "certified", "bad_input", ...
+std::optional<PlanStatus> plan_status(std::string_view name);  // the status of that name; none: no such name
 int exit_code(PlanStatus status);                              // as in the README
 
 struct Collocated;  // planner/ocp/collocate.h: a solution, with what a neighbouring problem needs to start from
@@ -38,8 +38,8 @@ struct Collocated;  // planner/ocp/collocate.h: a solution, with what a neighbou
 // Solution of a neighbouring request (Plan::solution).
 struct WarmStart {
   std::shared_ptr<const Collocated> solution;
-  std::string name;                 // of the plan it is from
-  std::optional<double> away = {};  // [rad] the largest difference of an angle of start or goal, where it is known
+  std::string name;                 // name of the plan it comes from
+  std::optional<double> away = {};  // [rad] largest difference of an angle of start or goal, if known
 };
 
 struct PlanOptions {
@@ -47,12 +47,12 @@ struct PlanOptions {
   std::string linear_solver = "stage";
   int starts = 0;  // 0: as the request's `search` and its objective say
   int jobs = 1;    // threads; 0: as many as there are cores. The plan does not depend on it.
-  // What a request may take where no deadline says more, in the optimiser's work (SolveReport::work) and not in time,
-  // so that the same request comes to the same plan on a busy machine too; more starts may take more in proportion. [s]
+  // [s] limit on the optimiser's work (SolveReport::work) if there is no deadline. It is not a time, so that the same
+  // request gives the same plan on a busy machine too. More starts may take more in proportion.
   double most_work = 60;
-  // Tried first, and instead of everything else if it leads to a certified plan.
+  // If given, it is tried first; if it leads to a certified plan, nothing else is tried.
   std::optional<WarmStart> warm;
-  bool proven = false;  // as if the request asked for it: Problem::proven
+  bool proven = false;  // demands a proof as Problem::proven does
   std::function<void(const Progress&)> on_progress;
   std::function<bool()> cancelled;  // polled between iterations
 };
@@ -60,11 +60,11 @@ struct PlanOptions {
 struct Plan {
   PlanStatus status = PlanStatus::kNotConverged;
   std::string reason;                          // one sentence when not certified
-  std::optional<Infeasibility> infeasibility;  // what the reason is made of, where it is known
+  std::optional<Infeasibility> infeasibility;  // details of the reason, if they are known
   double duration = 0;                         // [s]
   std::vector<double> via_times;               // [s] when the via points, or the corners of a path, are passed
   double objective = 0;                        // of the published rows
-  std::map<std::string, double> terms;         // unweighted, weighted or not
+  std::map<std::string, double> terms;  // terms of the objective without their weights, also those with weight zero
   int intervals = 0;
   std::string method;
   double error_estimate = 0;            // [rad] largest local error of an interval
@@ -73,17 +73,17 @@ struct Plan {
   int iterations = 0;                   // over all stages and starts
   SolveCost cost;                       // likewise
   std::vector<SolverStage> stages;
-  bool warm = false;         // it came from PlanOptions::warm, without any start
-  std::string warm_refusal;  // why PlanOptions::warm led to no plan, a clause; empty where it did or none was given
-  std::string warm_name;     // WarmStart::name, whether it led to a plan or not
+  bool warm = false;         // it was found from PlanOptions::warm, without other starts
+  std::string warm_refusal;  // clause that says why PlanOptions::warm gave no plan; empty if it did or was not given
+  std::string warm_name;     // WarmStart::name, also if it gave no plan
   std::optional<double> warm_away;  // WarmStart::away
-  int starts = 0;                   // that were solved
-  int starts_planned = 0;           // that the search would have solved in any case
-  int refined = 0;                  // minima that were followed to the exact problem
+  int starts = 0;                   // number of starts that were solved
+  int starts_planned = 0;           // number of starts that the search would have solved in any case
+  int refined = 0;                  // number of minima that were followed to the exact problem
   bool cut_by_deadline = false;     // certified, but the deadline ended the search: more time may find a better motion
-  std::vector<double> minima;  // objectives of the distinct minima that starts converged to, on their first meshes, as
-                               // far as friction is smoothed there; best first
-  bool cut_by_work = false;    // the search ended where a request may take no more: with a deadline it may
+  std::vector<double> minima;  // objectives of the distinct minima of all starts, best first, on their first meshes and
+                               // with smoothed friction
+  bool cut_by_work = false;    // the search ended at the limit on its work; with a deadline there is none
   Fallbacks fallbacks;
   double back_off = 0;  // fraction of each limit kept free
   std::optional<Trajectory> trajectory;
@@ -92,7 +92,7 @@ struct Plan {
   std::optional<Analysis> analysis;            // of that solution
   std::map<std::string, double> timing;        // [s] by part, and "total"; CPU time: of `cost`, and "cpu" of all
 
-  // When the motion's segments end. [s]
+  // Returns the times [s] at which the motion's segments end.
   std::vector<double> segment_ends() const {
     std::vector<double> ends = via_times;
     ends.push_back(duration);
@@ -100,11 +100,11 @@ struct Plan {
   }
 };
 
-// Plans a motion and certifies it. A hard problem is no error: what became of it is in `status` and `reason`. The plan
-// is a function of the problem and the options, the same to the last bit for any number of jobs, but where a deadline
-// or `cancelled` ends the search. problem: as resolve() (planner/request/request.h) makes it; one that is filled in
-// otherwise needs robot, limits, start, goal, duration and weights, and a request_hash for plan.json. Throws
-// std::runtime_error where the linear solver cannot be loaded. Several threads may plan at a time with the linear
+// Plans a motion and certifies it. A problem without solution is not an error; `status` and `reason` describe the
+// outcome. The plan is a function of the problem and the options, the same to the last bit for any number of jobs,
+// unless a deadline or `cancelled` ends the search. problem: as resolve() (planner/request/request.h) makes it; one
+// that is filled in otherwise needs robot, limits, start, goal, duration and weights, and a request_hash for plan.json.
+// Throws std::runtime_error if the linear solver cannot be loaded. Several threads may plan at a time with the linear
 // solver "stage", and one with any other.
 Plan plan(const Problem& problem, const PlanOptions& options);
 

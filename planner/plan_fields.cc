@@ -11,7 +11,7 @@
 namespace fjr {
 namespace {
 
-// Of what is told at these times, over those at which a limit is active. [s]
+// Returns the mean of values given at these times [s] over those times at which a limit is active.
 double mean_while_active(const ShadowPrice& limit, const std::vector<double>& times,
                          const std::vector<double>& values) {
   double sum = 0;
@@ -59,7 +59,7 @@ void tell_savings(const Analysis& analysis, Robustness& robustness) {
         const ShadowPrice& limit = analysis.sensitivity.limits[l];
         if (counted[l] || limit.index != m.index || limit.price == 0) continue;
         if (std::isfinite(m.limit) && m.limit > limit.limit)
-          continue;  // held where feedback is included: costs nothing
+          continue;  // kept by the limit with feedback, so it costs nothing
         counted[l] = true;
         for (std::size_t i = 0; i < gains.size(); ++i) {
           gains[i] += limit.price * mean_while_active(limit, robustness.times, m.halved[i]);

@@ -1,4 +1,4 @@
-// What of a search a plan tells: the motion that was published, and the account of how it was found.
+// Copies the results of a search into a plan: the motion that was published, and the account of how it was found.
 #pragma once
 
 #include "planner/plan.h"
@@ -7,11 +7,11 @@
 
 namespace fjr {
 
-// What was published best, certified or not; nothing where nothing was.
+// Copies the best published motion, certified or not, if there is one.
 void tell_motion(const Findings& found, Plan& plan);
 
-// What knowing each parameter twice as well would give back of what margins cost: smaller margins, in the mean over the
-// time in which a limit is active, times what a unit more of it is worth.
+// Sets what knowing each parameter twice as well would give back of the cost of margins: the reduction of margins,
+// averaged over the time in which a limit is active, times the limit's shadow price.
 void tell_savings(const Analysis& analysis, Robustness& robustness);
 
 void tell_account(const Findings& found, const Account& account, Plan& plan);

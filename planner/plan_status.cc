@@ -1,4 +1,4 @@
-// Names and exit codes of outcomes: what plan.json, the command line and the service agree on.
+// Names and exit codes of outcomes, which plan.json, the command line and the service share.
 #include <algorithm>
 #include <array>
 #include <stdexcept>

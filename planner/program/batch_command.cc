@@ -37,7 +37,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kMaxComplaints = 10;  // shown; all of them are in the summary
+constexpr std::size_t kMaxComplaints = 10;  // number shown; all of them are in the summary
 
 struct BatchArguments {
   std::vector<std::string> requests;
@@ -65,13 +65,13 @@ void complain(const std::vector<std::string>& complaints) {
   say("fjr: {} more bad requests are in the summary\n", complaints.size() - kMaxComplaints);
 }
 
-// The folder, with the request of a point of a grid.
+// Makes the folder of an item, and writes the request if it is a point of a grid.
 void begin(const Batch& batch, const BatchItem& item) {
   prepare_folder(batch.folder(item));
   if (item.yaml) write_file(item.request, *item.yaml);
 }
 
-// Results of an earlier request are left as they are.
+// Makes the row of a refused request. Results of an earlier request are left as they are.
 Row refuse(const Batch& batch, const BatchItem& item, const InputError& error) {
   const fs::path folder = batch.folder(item);
   const Json plan = bad_input_json(item.name, error.what(), error.field());
@@ -86,7 +86,7 @@ Row refuse(const Batch& batch, const BatchItem& item, const InputError& error) {
   return make_row(item, plan);
 }
 
-// To what was finished without one. A folder of which none can be made costs itself alone.
+// Adds a report to a plan that was finished without one. If that fails, only this report is missing.
 void complete_report(const Batch& batch, const BatchItem& item, const Json& plan) {
   const bool wanted = batch.options.settings.report && plan["status"] != name(PlanStatus::kBadInput);
   if (!wanted || has_report(batch.folder(item))) return;
@@ -97,7 +97,8 @@ void complete_report(const Batch& batch, const BatchItem& item, const Json& plan
   }
 }
 
-// Nothing where it is to be planned: what cannot be read as a plan is no result.
+// Returns the row of an item that an earlier run finished; nothing if it has to be planned. Files that cannot be read
+// as a plan do not count as a result.
 std::optional<Row> row_of_earlier(const Batch& batch, const BatchItem& item, const Problem& problem) {
   const PlanSettings& settings = batch.options.settings;
   const FolderLock lock(batch.folder(item));
@@ -112,7 +113,7 @@ std::optional<Row> row_of_earlier(const Batch& batch, const BatchItem& item, con
   }
 }
 
-// Rows of what an earlier run has finished and of bad requests; returns which items are left to be planned.
+// Makes the rows of items that an earlier run has finished and of bad requests. Returns which items have to be planned.
 std::vector<std::size_t> sort_out(Batch& batch) {
   std::vector<std::size_t> open;
   std::vector<std::string> complaints;

@@ -37,11 +37,11 @@ void add_identify(CLI::App& app, int& exit_code);
 void add_robot(CLI::App& app, int& exit_code);
 void add_completion(CLI::App& app, int& exit_code);
 
-// Those of the executable that this is linked into, in the order of --help: all of them for the complete one
-// (commands.cc), those for planning for the one that users call (planning_commands.cc).
+// Returns the subcommands of this executable, in the order of --help: all of them for the complete one (commands.cc),
+// those for planning for the one that users call (planning_commands.cc).
 std::span<const AddCommand> commands();
 
-// The executable that has the other commands; empty in that one itself.
+// Returns the executable that has the other commands; empty in that one itself.
 std::filesystem::path complete_program();
 
 }  // namespace fjr

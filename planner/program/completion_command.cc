@@ -11,7 +11,7 @@
 namespace fjr {
 namespace {
 
-// What may be typed behind one command.
+// Everything that may be typed after one command.
 struct CompletedCommand {
   std::string path;                  // "fjr batch run"
   std::vector<std::string> names;    // subcommands, and choices of positionals
@@ -28,7 +28,7 @@ struct Completions {
   std::vector<CompletedValue> values;      // of options that have one
 };
 
-// "{a,b}" within the type that --help shows (one_of()).
+// Returns the choices "{a,b}" within the type that --help shows (one_of()).
 std::vector<std::string> choices_of(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const std::size_t begin = type.find('{'), end = type.find('}');
@@ -79,7 +79,7 @@ _fjr() {{
 complete -o default -F _fjr fjr
 )";
 
-// A pattern of `case`.
+// Returns a pattern of the shell's `case`.
 std::string any_of(const std::vector<std::string>& texts) { return fmt::format("\"{}\"", fmt::join(texts, "\" | \"")); }
 
 std::string bash(const Completions& all) {

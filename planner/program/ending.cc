@@ -10,10 +10,10 @@
 namespace fjr {
 namespace {
 
-sem_t g_signalled;  // what a signal handler may post to
+sem_t g_signalled;  // a semaphore, because a signal handler may post to it
 volatile sig_atomic_t g_any = 0;
 
-// SIGHUP comes right after SIGTERM where systemd ends a session, and is no second request then.
+// Handles the signals. When systemd ends a session, SIGHUP follows SIGTERM and is no second request.
 extern "C" void note_ending(int signal) {
   if (signal == SIGHUP && g_any != 0) return;
   g_any = 1;
@@ -50,7 +50,7 @@ bool ending_signalled(std::chrono::nanoseconds within) {
   until.tv_sec += nanoseconds / kSecond;
   until.tv_nsec = nanoseconds % kSecond;
   return ::sem_clockwait(&g_signalled, CLOCK_MONOTONIC, &until) ==
-         0;  // otherwise the time is over, or it was interrupted
+         0;  // nonzero: the time is over, or the call was interrupted
 }
 
 }  // namespace fjr

@@ -1,4 +1,4 @@
-// Ctrl-C and its like (ending_signals.h) as the end of a program that otherwise runs forever.
+// Ends programs that otherwise run forever on Ctrl-C and similar signals (ending_signals.h).
 #pragma once
 
 #include <chrono>
@@ -6,15 +6,15 @@
 
 namespace fjr {
 
-// From now on these signals only tell ending_signalled(). In this thread and all it starts they are blocked.
-// Threads that a library has started before, as a threaded BLAS does when it is loaded, take them too: there they are
-// caught.
+// Makes these signals only set what ending_signalled() returns. In this thread and all it starts they are blocked.
+// Threads that a library has started before, such as those of a threaded BLAS, may receive them too; there a handler
+// catches them.
 void catch_ending_signals();
 
-// Whether one of them has come, or comes within the time. The calling thread takes them from now on.
+// Returns whether one of the signals has come, or comes within the time. The calling thread receives them from now on.
 bool ending_signalled(std::chrono::nanoseconds within = {});
 
-// Calls what.stop() at the first of them. To be declared after `what`.
+// Calls what.stop() at the first of the signals. Has to be declared after `what`.
 template <class Stoppable>
 std::jthread stop_at_end(Stoppable& what) {
   return std::jthread([&what](const std::stop_token& over) {

@@ -7,7 +7,8 @@
 
 namespace fjr {
 
-// Ctrl-C, SIGTERM, and SIGHUP, which comes when the terminal is closed; not under nohup, which has that one ignored.
+// Returns the signals: Ctrl-C, SIGTERM, and SIGHUP, which comes when the terminal is closed. Under nohup SIGHUP is left
+// out because it is ignored there.
 inline std::vector<int> ending_signals() {
   std::vector<int> signals{SIGINT, SIGTERM};
   struct sigaction now = {};

@@ -21,7 +21,7 @@
 namespace fjr {
 namespace {
 
-struct ExecutorArguments {  // what the command line says goes before the configuration
+struct ExecutorArguments {  // the command line takes precedence over the configuration
   std::string config, robot, true_robot, robot_id, state, logs;
   NetworkArguments network;
   std::vector<double> start;

@@ -50,7 +50,7 @@ void override_with(Joints<double>& pair, const std::string& option, const std::v
   }
 }
 
-// The most particular has the last word: options, then rig.yaml, then --ideal.
+// The more specific source takes precedence: options, then rig.yaml, then --ideal.
 RigSetup setup_of(const ExperimentArguments& options) {
   const Parameters robot = load_bare_parameters(options.robot.empty() ? default_robot_file() : fs::path(options.robot));
   RigSetup setup{options.ideal ? Rig::ideal(robot) : Rig::of(robot),
@@ -78,7 +78,8 @@ void perform_one(const RigSetup& setup, const std::string& name, int joint, cons
   say_in(stdout, "{}: {} rows, {:.6g} s\n", file.string(), log.rows(), record.time.back());
 }
 
-// A real rig's logs have the names of the virtual one's, and cannot be had again. Only the virtual one has a seed.
+// Returns whether a log is of the virtual rig, which alone has a seed. A real rig's logs have the same names and must
+// not be overwritten, because they cannot be recorded again.
 bool is_of_the_virtual_rig(const fs::path& file) {
   std::ifstream log(file);
   if (!log) throw InputError("--out", "", fmt::format("{} is there, and cannot be read", file.string()));

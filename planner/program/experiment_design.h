@@ -1,4 +1,4 @@
-// fjr experiment design: motions of the arm's own that tell its parameters.
+// fjr experiment design: motions of the arm from which its parameters can be identified.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@ namespace fjr {
 
 struct ExperimentDesignArguments {
   std::string robot;          // empty: the robot.yaml shipped with fjr
-  std::string out;            // folder, which is not there yet or empty
+  std::string out;            // folder, which must not exist or be empty
   std::vector<double> start;  // [rad] empty: straight down
   double duration = 20;       // [s]
   int candidates = 16;
@@ -19,7 +19,8 @@ struct ExperimentDesignArguments {
   bool json = false;
 };
 
-// Writes a request for each motion, 01.yaml and so on, and then design.json, which says what they will tell.
+// Writes a request for each motion, 01.yaml and so on, and then design.json with the accuracy that they will give.
+// Returns the exit code.
 int experiment_design(const ExperimentDesignArguments& arguments);
 
 }  // namespace fjr

@@ -40,7 +40,7 @@ using Member = std::string_view ExportFormat::*;
 
 const auto kEvery = [](const ExportFormat&) { return true; };
 
-// "csv", "mat", ...: that of all formats which are chosen.
+// Returns this member of all chosen formats: "csv", "mat", ...
 template <class Chosen>
 std::vector<std::string> list_of(Member member, const Chosen& chosen) {
   std::vector<std::string> list;
@@ -55,14 +55,14 @@ std::string joined(Member member, const Chosen& chosen) {
   return fmt::format("{}", fmt::join(list_of(member, chosen), ", "));
 }
 
-// "csv: columns with units, nothing else; mat: MATLAB; ..."
+// Returns the meanings of all formats: "csv: columns with units, nothing else; mat: MATLAB; ..."
 std::string meanings() {
   std::vector<std::string> all;
   for (const ExportFormat& format : export_formats()) all.push_back(fmt::format("{}: {}", format.name, format.meaning));
   return fmt::format("{}", fmt::join(all, "; "));
 }
 
-// The one of that name, which --format is checked to be.
+// Returns the format of that name, which --format has been checked for.
 const ExportFormat& format_named(std::string_view name) {
   const auto all = export_formats();
   return *std::find_if(all.begin(), all.end(), [&](const ExportFormat& format) { return format.name == name; });

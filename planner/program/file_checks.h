@@ -1,4 +1,4 @@
-// What files an option of the command line may name: found out before anything is computed for them.
+// Checks of files that options of the command line name, made before anything is computed for them.
 #pragma once
 
 #include <fmt/format.h>
@@ -12,8 +12,8 @@
 
 namespace fjr {
 
-// A file that can be made or replaced is in a folder that is there and may be written to, and no device, nor one of
-// those that make a folder a plan. Empty: nothing is wrong.
+// Returns why a file cannot be made or replaced; empty if it can. Its folder has to exist and be writable, and it must
+// not be a device or one of the files that make a folder a plan.
 inline std::string fault_of_file_to_write(const std::string& name) {
   const std::filesystem::path file = name, folder = file.has_parent_path() ? file.parent_path() : ".";
   std::error_code ignored;

@@ -68,7 +68,7 @@ std::string text_of(const Estimate& e) {
   return text;
 }
 
-// What several logs of one experiment come to together, which is what robot.yaml has.
+// Returns the combined result of several logs of one experiment, which robot.yaml contains.
 std::string combined_text(const std::vector<Repeated>& all) {
   std::string text;
   for (const Repeated& r : all) {
@@ -120,13 +120,13 @@ void tell_doubts(const std::vector<Agreement>& all, const std::vector<Change>& c
   }
 }
 
-// Of a whole identification the report stands beside robot.yaml; otherwise it is written where asked.
+// Returns the report's file. For a whole identification it is beside robot.yaml, unless another file is requested.
 fs::path report_file(const IdentifyArguments& options) {
   if (!options.report.empty() || options.name != "all" || options.out.empty()) return options.report;
   return fs::path(options.out).replace_extension(".html");
 }
 
-// Executed motions tell of both joints, and of the whole arm at once.
+// Executed motions identify both joints and the whole arm at once, so options for single joints are refused.
 int run_executed(const IdentifyArguments& options) {
   const auto refuse = [](bool given, const char* option, const char* why) {
     if (given) throw InputError(option, "", fmt::format("is not for `identify executed`: {}", why));
@@ -163,7 +163,7 @@ int run(const IdentifyArguments& options) {
   if (!report.empty()) write_file(report, format_identification_report(found.estimates, found.changes));
   if (!options.accept_inconsistent) refuse_contradictions(found, options.logs.front());
   if (!options.out.empty()) tell_doubts(write_robot(options.out, base, robot, found, options.link_damping));
-  if (options.json) {  // last, for with what is refused the only JSON is the reason
+  if (options.json) {  // last, because if something is refused, the reason has to be the only JSON
     fmt::print("{}", json_text(json));
   } else {
     fmt::print("{}{}{}\n", options.out, options.out.empty() ? "" : " ", report.string());

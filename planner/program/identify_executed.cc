@@ -21,9 +21,9 @@ namespace {
 
 using ExecutedJson = nlohmann::ordered_json;
 
-constexpr double kDoubtfulMove = 3;  // standard errors of robot.yaml, by which a parameter moved
-// What readings are off the fitted arm, in what counts make: beyond, more than counts is in them. Counts alone make
-// 0.98 to 1.02 of some thousand readings.
+constexpr double kDoubtfulMove = 3;  // standard errors of robot.yaml: a parameter that moves further is doubtful
+// Deviation of readings from the fitted arm, relative to the effect of encoder counts, above which there are other
+// errors. Counts alone make 0.98 to 1.02 with some thousand readings.
 constexpr double kUnmodelled = 1.2;
 
 std::vector<ExecutedMotion> motions_in(const ExecutedArguments& options) {

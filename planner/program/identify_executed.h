@@ -18,7 +18,7 @@ struct ExecutedArguments {
   bool json = false;
 };
 
-// Exit code.
+// Returns the exit code.
 int identify_executed(const ExecutedArguments& options);
 
 }  // namespace fjr

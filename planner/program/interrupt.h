@@ -1,9 +1,9 @@
-// Ctrl-C and its like (ending_signals.h) as a question a plan can ask.
+// Lets a plan ask whether Ctrl-C or a similar signal (ending_signals.h) has come.
 #pragma once
 
 namespace fjr {
 
-// From now on the first of these signals only sets the flag; one that comes again ends the program as usual.
+// Makes the first of these signals only set the flag; the second one ends the program as usual.
 void catch_interrupts();
 bool interrupted();
 

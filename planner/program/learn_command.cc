@@ -1,4 +1,4 @@
-// fjr learn: a motion corrected by what its last run was off its plan.
+// fjr learn: corrects a motion by the deviation of its last run from the plan.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -125,7 +125,8 @@ std::string text_for_people(const LearnArguments& options, const Parameters& rob
   return text;
 }
 
-// The plan with other rows. What the optimiser left for warm starts is the plan's still; a report is not.
+// Writes the plan with other rows. The optimiser's solution for warm starts is still that of the plan and is copied; a
+// report is not.
 void write_repetition(const fs::path& from, const fs::path& to, const LearntJson& plan, Trajectory rows) {
   prepare_folder(to);
   NewResults results(to);

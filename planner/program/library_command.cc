@@ -202,7 +202,7 @@ int tell_status(const LibraryArguments& options) {
 
 // ---- check ----
 
-// A request beside a plan of the library, planned from there and from scratch.
+// A request near a plan of the library, planned from that plan and from scratch.
 struct LibraryCheck {
   std::string name;  // of the plan
   bool used = false;
@@ -214,7 +214,7 @@ struct LibraryCheck {
   double excess() const { return (objective - cold_objective) / std::max(std::abs(cold_objective), 1e-300); }
 };
 
-// The goal moved by `away` in a random direction. None: outside what is allowed.
+// Returns the problem with the goal moved by `away` [rad] in the direction `angle`; nothing if that is not allowed.
 std::optional<Problem> moved(const LibraryEntry& entry, double away, double angle, const LibraryArguments& options) {
   Request request = read_request(YamlNode::parse(entry.request, entry.name));
   request.goal = JointGoal{{entry.goal[0] + away * std::cos(angle), entry.goal[1] + away * std::sin(angle)}, AtRest{}};

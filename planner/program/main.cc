@@ -30,24 +30,25 @@ constexpr const char* kFooter =
     "Exit codes: 0 certified, 2 bad input, 3 infeasible or not converged, 4 certificate failed,\n"
     "            5 deadline or cancelled, 1 anything else; of several plans the largest.";
 
-// A function of a library that may be there; what it returns is of no interest.
+// Calls a function of a library if it is loaded, and ignores what it returns.
 template <class Function, class... Arguments>
 void call_if_loaded(const char* name, Arguments... arguments) {
   void* const function = dlsym(RTLD_DEFAULT, name);
   if (function != nullptr) (void)reinterpret_cast<Function*>(function)(arguments...);
 }
 
-// Plans are reproducible to the last bit, and not slowed down by idle BLAS threads, only with one thread. The BLAS is
-// whatever the system has linked Ipopt to; a threaded OpenBLAS has read its environment before main() starts, so it is
-// asked through its own functions, which other libraries do not have. It has also started a thread for every core by
-// then, each of which keeps its core busy for a tenth of a second before it sleeps: they are ended, as OpenBLAS itself
-// does before each fork().
+// Limits the BLAS to one thread, because only then are plans reproducible to the last bit and not slowed down by idle
+// BLAS threads. The BLAS is whatever the system has linked Ipopt to. A threaded OpenBLAS has read its environment
+// before main() starts, so it is set through its own functions, which other libraries do not have. By then it has also
+// started a thread for every core, each of which keeps its core busy for a tenth of a second before it sleeps: they are
+// ended, as OpenBLAS itself does before each fork().
 void hold_blas_to_one_thread() {
   call_if_loaded<void(int)>("openblas_set_num_threads", 1);
   call_if_loaded<int()>("blas_thread_shutdown_");
 }
 
-// What is opened later must not become stdin, stdout or stderr: of those that are closed, reading and writing fails.
+// Opens the standard streams that are closed, such that reading and writing fails, because otherwise a file that is
+// opened later would become stdin, stdout or stderr.
 void keep_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     const bool writes = stream != STDIN_FILENO;
@@ -55,8 +56,8 @@ void keep_standard_streams() {
   }
 }
 
-// The subcommands that are not for planning, and --help, are the complete executable's: it takes this one's place.
-// Where it is missing, --help is about those that there are.
+// Replaces this process by the complete executable for --help and for subcommands that are not for planning. If that is
+// missing, --help lists the commands of this one.
 void hand_over(CLI::App& app, const std::vector<std::string>& words, char** argv) {
   const std::string first = words.empty() ? "" : words.front();
   const auto has_name = [&first](const CLI::App* command) { return command->check_name(first); };
@@ -104,8 +105,8 @@ bool asks_for_json(const std::vector<std::string>& words) {
                      [](const std::string& word) { return word == "--json" || word == "--json=true"; });
 }
 
-// Where the command line asks for JSON, what is wrong is told so as well: commands print theirs when all is done. What
-// cannot be written is lost: there is nowhere left to say so.
+// Reports an error, in JSON too if the command line asks for JSON; commands print theirs only at the end. If it cannot
+// be written, it is lost.
 int complain(const std::vector<std::string>& words, const std::string& problem, const std::string& field,
              int exit_code) {
   fjr::say("fjr: {}\n", problem);

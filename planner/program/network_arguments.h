@@ -8,7 +8,7 @@
 
 namespace fjr {
 
-struct NetworkArguments {  // what the command line says goes before the configuration
+struct NetworkArguments {  // the command line takes precedence over the configuration
   std::optional<unsigned> domain;
   bool insecure_network = false;
 
@@ -22,7 +22,7 @@ inline void add_domain_option(CLI::App& command, NetworkArguments& to) {
   command.add_option("--domain", to.domain, "DDS domain")->check(CLI::Range(0, 230));
 }
 
-// For programs that move or stop an arm, or have it moved or stopped.
+// Adds the options of programs that move or stop an arm, or have it moved or stopped.
 inline void add_network_options(CLI::App& command, NetworkArguments& to) {
   add_domain_option(command, to);
   command.add_flag("--insecure-network", to.insecure_network,

@@ -1,4 +1,4 @@
-// What numbers an option of the command line takes. CLI11's own checks let a number pass that is none (nan).
+// Checks of numbers on the command line. CLI11's own checks accept nan.
 #pragma once
 
 #include <fmt/format.h>
@@ -9,7 +9,8 @@
 
 namespace fjr {
 
-// holds: of the number that was given; what: "from 0 to 10", for messages; named: the check in --help.
+// Makes a check of a number. holds: condition on the number; what: "from 0 to 10", for messages; named: the check in
+// --help.
 template <class Holds>
 CLI::Validator number_that(Holds holds, const std::string& what, const std::string& named) {
   const auto fault = [holds, what](const std::string& text) {

@@ -34,8 +34,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-// A chunk should take minutes: less is lost among the costs of a cluster's jobs, more when one is lost. The chunks of a
-// large batch are larger, for an array of Slurm's ends at 1000 unless it is configured otherwise.
+// Sizes of chunks. A chunk should take minutes: the overhead of a cluster's jobs outweighs smaller ones, and more work
+// is lost with larger ones. Large batches have larger chunks, because an array of Slurm ends at 1000 unless configured
+// otherwise.
 constexpr std::size_t kChunkSize = 250, kMaxChunks = 1000;
 constexpr std::chrono::seconds kBetweenTries{1};  // while another process has the chunk
 
@@ -67,7 +68,7 @@ int prepare(const PackedArguments& options) {
 
 // ---- run ----
 
-// None: interrupted.
+// Waits for the lock of a chunk. Returns nothing if interrupted.
 std::optional<ChunkLock> wait_for(const Manifest& manifest, std::size_t chunk, ProgressLine& line) {
   for (;;) {
     if (auto lock = ChunkLock::take(manifest, chunk)) return lock;
@@ -137,7 +138,7 @@ class ChunkRun {
     return words;
   }
 
-  // What was cancelled is left open.
+  // Stores the result of an item, unless it was cancelled; then it stays open.
   void end(const ManifestItem& item, const PlanEnding& ending, bool interrupted) {
     const Row row = row_at_end(item.item, ending, interrupted);
     if (row["status"] != name(PlanStatus::kCancelled)) {
@@ -206,7 +207,8 @@ int gather_and_tell(const Manifest& manifest, bool json) {
   return progress.statuses.exit_code();
 }
 
-// Of some chunks: whether every request has an answer, for whoever starts what has failed again.
+// Runs chunks. For some chunks the exit code tells whether every request has an answer, so that failed ones can be
+// restarted.
 int run(const PackedArguments& options) {
   const Manifest manifest(options.folder);
   const std::vector<std::size_t> chunks = chunks_to_run(manifest, options.chunks);

@@ -47,7 +47,7 @@ namespace fs = std::filesystem;
 struct PlanArguments {
   std::vector<std::string> requests;
   std::string out;
-  std::string robot;  // for requests that name none; empty: the shipped one
+  std::string robot;  // robot file for requests that name none; empty: the shipped one
   bool json = false;
   bool explain_only = false;
   Talk talk = Talk::kUsual;
@@ -97,7 +97,7 @@ std::vector<PlanJob> jobs_of(const PlanArguments& options) {
   return jobs;
 }
 
-// A request as it was read, before what it says becomes numbers.
+// A request as it was read, before it is resolved to numbers.
 struct NamedRequest {
   YamlNode document;
   Request request;
@@ -137,7 +137,7 @@ std::optional<WarmStart> warm_start(const Problem& problem, const PlanArguments&
   try {
     const auto neighbour = library.nearest(problem);
     return neighbour ? std::optional(warm_start_from(*neighbour)) : std::nullopt;
-  } catch (const InputError& damaged) {  // an entry is: the request can be planned without it
+  } catch (const InputError& damaged) {  // an entry of the library is damaged: the request is planned without it
     complain(fmt::format("{}: planned from scratch, for the nearest plan cannot be read: {}", options.settings.library,
                          damaged.what()));
     return std::nullopt;
@@ -159,7 +159,7 @@ bool has_earlier_results(const PlanJob& job) {
   return worth_of(job.folder) != Worth::kNothing;
 }
 
-// A request that was refused has nothing that earlier results would have to make room for.
+// A refused request does not replace earlier results.
 PlanOutcome refuse(const PlanJob& job, nlohmann::ordered_json json) {
   PlanOutcome outcome{PlanStatus::kBadInput, std::move(json), ""};
   if (has_earlier_results(job)) return outcome;
@@ -204,7 +204,7 @@ PlanOutcome store(const PlanJob& job, const PlanArguments& options, Plan& result
   return outcome;
 }
 
-// A contradiction found only while planning is told on stderr like the others.
+// Plans a job. A contradiction that is found only while planning is reported on stderr like the others.
 PlanOutcome make_plan(const PlanJob& job, const PlanArguments& options) {
   Plan result;
   if (interrupted()) {
@@ -230,14 +230,14 @@ void print_json(std::vector<PlanOutcome>& outcomes) {
   fmt::print("{}", json_text(outcomes.size() == 1 ? all.front() : all));
 }
 
-// Ends with the parent, however that ends; true when it is gone already.
+// Makes this process end with its parent, in whatever way that ends. Returns true if the parent is gone already.
 bool orphaned(pid_t parent) {
   if (parent == 0) return false;
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   return ::getppid() != parent;
 }
 
-// What is refused is told as it would be before planning.
+// Explains how requests are understood, without planning. Refusals are reported as before planning.
 int explain(const PlanArguments& options) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const std::string& named : options.requests) {

@@ -89,7 +89,7 @@ PoolEnd PlanPool::plan(const std::vector<std::size_t>& items, ProgressLine& line
 }
 
 Row row_at_end(const BatchItem& item, const PlanEnding& ending, bool interrupted) {
-  // Of a process that could not plan there is JSON, too, but it is of no request: that may be different the next time.
+  // A process that could not plan also writes JSON, but not about a request; it may succeed the next time.
   const auto plan = json_from_text<nlohmann::ordered_json>(ending.plan_json);
   if (plan.is_object() && plan.contains("request")) return make_row(item, plan);
   if (interrupted) return make_row(item, name(PlanStatus::kCancelled), "interrupted");

@@ -1,4 +1,4 @@
-// Many requests planned side by side, each by a process of its own.
+// Plans many requests in parallel, each in a process of its own.
 #pragma once
 
 #include <cstddef>
@@ -20,17 +20,17 @@ struct PoolEnd {
 
 struct PlanPool {
   std::size_t jobs = 1;  // processes at a time
-  // Makes a request ready; returns the words behind `fjr plan`. What it throws ends the request in these words.
+  // Prepares a request and returns the arguments of `fjr plan`. If it throws, the request ends with that message.
   std::function<std::vector<std::string>(std::size_t item)> begin;
-  // interrupted: it was told to end.
+  // Called when a request has ended. interrupted: its process was told to end.
   std::function<void(std::size_t item, const PlanEnding& ending, bool interrupted)> end;
 
-  // In this order, after catch_ending_signals(). At the first of those signals nothing more is started and what is
-  // under way is cancelled; at the next it is killed.
+  // Plans the items in this order; catch_ending_signals() has to be called before. At the first of these signals
+  // nothing more is started and running plans are cancelled; at the next one they are killed.
   PoolEnd plan(const std::vector<std::size_t>& items, ProgressLine& line) const;
 };
 
-// The row of a request by what its process said: its folder may hold earlier results.
+// Returns the row of a request from what its process reported, and not from its folder, which may hold earlier results.
 Row row_at_end(const BatchItem& item, const PlanEnding& ending, bool interrupted);
 
 }  // namespace fjr

@@ -31,7 +31,7 @@ std::string everything_in(int file) {
   }
 }
 
-// What it wrote to stderr, without "fjr: " and the line's end.
+// Returns the first line that it wrote to stderr, without "fjr: " and the line's end.
 std::string first_line(int complaints) {
   std::string line = everything_in(complaints);
   line.resize(std::min(line.size(), line.find('\n')));

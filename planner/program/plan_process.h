@@ -1,4 +1,4 @@
-// `fjr plan` of one request as a process of its own: Ipopt's MUMPS is not for two threads, and a crash costs one
+// Runs `fjr plan` of one request as a process of its own: Ipopt's MUMPS is not thread-safe, and a crash costs only one
 // request.
 #pragma once
 
@@ -12,13 +12,14 @@
 namespace fjr {
 
 struct PlanEnding {
-  std::string words;      // how it ended, for where it has no plan.json to show
+  std::string words;      // how it ended, if it has no plan.json
   std::string plan_json;  // what it wrote to stdout
 };
 
 class PlanProcess {
  public:
-  // The words after `fjr plan`. It ends with this object, and with this process, however that ends.
+  // Starts the process. arguments: those after `fjr plan`. It ends with this object and with the calling process, in
+  // whatever way that ends.
   explicit PlanProcess(std::vector<std::string> arguments);
   std::optional<PlanEnding> ending();  // none while it runs
 

@@ -1,4 +1,4 @@
-// How requests are planned, from the command line: the options that `fjr plan` and `fjr batch` share.
+// Options of the command line for planning, which `fjr plan` and `fjr batch` share.
 #pragma once
 
 #include <string>
@@ -20,9 +20,9 @@ struct PlanSettings {
 };
 
 void add_options(CLI::App& command, PlanSettings& settings);        // all but --report
-void add_report_option(CLI::App& command, PlanSettings& settings);  // of commands that make folders of results
+void add_report_option(CLI::App& command, PlanSettings& settings);  // for commands that make folders of results
 
-// The options again as words of a command line.
+// Returns the options as words of a command line.
 std::vector<std::string> to_arguments(const PlanSettings& settings);
 
 }  // namespace fjr

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPause{100};  // on a terminal
 constexpr std::chrono::seconds kSilence{10};      // elsewhere
-constexpr double kTelling = 1;                    // [s] after which the rate of work tells something
+constexpr double kTelling = 1;                    // [s] after which the rate of work is meaningful
 constexpr const char* kWipe = "\r\033[K";
 
 std::size_t terminal_width() {
@@ -24,8 +24,8 @@ std::size_t terminal_width() {
   return known ? size.ws_col : 80;
 }
 
-// What is known of the time to come: the starts that are left take about as long as those before them, and the whole
-// search ends with the work that it may do, or at its deadline. How long refining takes nobody knows before.
+// Returns what is known about the remaining time. The remaining starts take about as long as those before them, and the
+// whole search ends with the work it may do, or at its deadline. How long refining takes is not known before.
 std::string time_left(const Progress& p, double elapsed) {
   std::string text;
   if (elapsed < kTelling) return text;

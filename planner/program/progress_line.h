@@ -1,5 +1,5 @@
-// What something that takes its time is doing, on stderr: on a terminal one line that is rewritten, elsewhere a line
-// every ten seconds.
+// Shows the progress of long computations on stderr: on a terminal one line that is rewritten, elsewhere a line every
+// ten seconds.
 #pragma once
 
 #include <chrono>
@@ -18,20 +18,20 @@ namespace fjr {
 enum class Talk {
   kNothing,  // -q
   kUsual,
-  kMore,  // -v: a line of its own for whatever begins, too
+  kMore,  // -v: also prints a line when something begins
 };
 
-// The options -q and -v.
+// Adds the options -q and -v.
 void add_talk(CLI::App& command, Talk& talk);
 
-// "85 s", "12 min", "3.4 h".
+// Returns a time in words: "85 s", "12 min", "3.4 h".
 std::string time_in_words(double seconds);
 
 class ProgressLine {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Where lines go, and by which clock.
+  // The file that lines are written to, and the clock.
   struct Output {
     std::FILE* file;
     bool terminal;

@@ -1,4 +1,4 @@
-// fjr report: an HTML page about a plan that lies in a folder, or about two.
+// fjr report: writes an HTML page about a plan in a folder, or about two plans.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>

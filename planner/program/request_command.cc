@@ -46,7 +46,7 @@ struct RequestArguments {
   ClientOptions client;
 };
 
-// The service plans for one robot; a request that names another must not be planned for it silently.
+// Returns the hash of the robot that a request names, because a service for another robot must refuse the request.
 std::string hash_of_named_robot(const Order& order, const fs::path& folder) {
   const auto robot = YamlNode::parse(order.document, order.name).find("robot");
   return robot ? robot_hash(load_parameters(folder / robot->text())) : "";
@@ -61,7 +61,7 @@ Order order_of(const RequestArguments& options) {
   return order;
 }
 
-// What was planned before is executed as it is, or corrected by its last run.
+// Loads an order for an earlier plan, which is executed as it is or corrected by its last run.
 Order load_earlier(const RequestArguments& options) {
   if (!options.execute && !options.repeat) {
     throw InputError(options.request, "",
@@ -96,7 +96,7 @@ Order load_order(const RequestArguments& options) {
   return order;
 }
 
-// The request may be all right where it was refused for what may be different a moment later.
+// Returns the exit code of a reply. Some refusals are temporary and say nothing against the request.
 int exit_code_of(const Reply& reply) {
   switch (reply.why.reason) {
     case Reason::kQueueFull:
@@ -112,7 +112,7 @@ std::string reason_of(const Reply& reply) {
   return reply.why.field.empty() ? reply.why.sentence : reply.why.field + ": " + reply.why.sentence;
 }
 
-// What became of the motion on the arm, beside plan.json.
+// Returns the result of the execution on the arm, which is added to plan.json.
 nlohmann::ordered_json json_of(const ExecutionResult& r) {
   const bool done = r.code == ResultCode::kSuccessful;
   nlohmann::ordered_json json{{"result", name(r.code)},
@@ -170,7 +170,8 @@ std::string store(const RequestArguments& options, const Order& order, const Rep
   return about_previous(folder, status, kept);
 }
 
-// What was learnt for it; of a motion as it was planned only where it was to be a repetition.
+// Returns what was learnt for a repetition. wanted: a repetition was requested, so a motion as it was planned is
+// reported too.
 std::string about_repetition(const Reply& reply, bool wanted) {
   if (reply.plan_json.empty()) return "";
   const auto plan = json_from_text<nlohmann::json>(reply.plan_json);  // whoever answered

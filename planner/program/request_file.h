@@ -1,4 +1,4 @@
-// Requests as a command line names them: files, or `-` for standard input.
+// Reads requests that the command line names: files, or `-` for standard input.
 #pragma once
 
 #include <filesystem>
@@ -14,10 +14,10 @@ struct RequestFile {
   std::filesystem::path folder;  // what a relative `robot` is relative to
 };
 
-// How a request is called in messages, without reading it.
+// Returns the name of a request in messages, without reading it.
 std::filesystem::path source_of(const std::string& named);
 
-// Throws InputError for what cannot be read.
+// Throws InputError if it cannot be read.
 RequestFile read_request_file(const std::string& named);
 
 }  // namespace fjr

@@ -9,12 +9,12 @@
 
 namespace fjr {
 
-// Makes the folder, and finds out before anything is planned whether results can be stored there. InputError: they
-// cannot. Results of an earlier run stay until there are others.
+// Makes the folder and checks, before anything is planned, whether results can be stored there. Throws InputError if
+// not. Results of an earlier run stay until there are new ones.
 void prepare_folder(const std::filesystem::path& folder);
 
-// One sentence on where the results are that those with `status` have replaced; empty where there are none. kept: as
-// NewResults::publish() says.
+// Returns a sentence on where the results are that those with `status` have replaced; empty if there are none. kept: as
+// NewResults::publish() returns it.
 std::string about_previous(const std::filesystem::path& folder, PlanStatus status, bool kept);
 
 bool has_report(const std::filesystem::path& folder);

@@ -1,4 +1,4 @@
-// fjr robot: a robot.yaml for another arm, and whether there can be such an arm.
+// fjr robot: writes a robot.yaml for another arm, or checks whether such an arm is possible.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -85,14 +85,14 @@ int check(const std::string& file, bool json) {
 
 // ---- new ----
 
-// Pairs need no brackets.
+// Returns an answer as a YAML value; pairs need no brackets.
 std::string as_value(const std::string& answer) {
   const bool list = answer.find(',') != std::string::npos;
   const bool bare = answer.find_first_of("[{\"") == std::string::npos;
   return list && bare ? "[" + answer + "]" : answer;
 }
 
-// What is wrong with an answer; empty if nothing is.
+// Returns what is wrong with an answer; empty if nothing is.
 std::string fault_of(const Key& key, const std::string& answer) {
   try {
     check_answer(key, YamlNode::parse(fmt::format("{}: {}\n", key.name, answer), "answer").at(key.name));
@@ -102,7 +102,7 @@ std::string fault_of(const Key& key, const std::string& answer) {
   }
 }
 
-// The answer to one question, asked until it can be read; empty for what counts otherwise.
+// Asks a question until the answer can be read. Returns the answer; empty for the default.
 std::string ask(const Key& key) {
   const std::string unit = *key.unit == '\0' ? "" : fmt::format(" [{}]", key.unit);
   for (;;) {

@@ -26,7 +26,7 @@ struct Ros2ActionArguments {
   NetworkArguments network;
 };
 
-// What it needs is in the service's configuration already.
+// The action server is configured by the configuration of the service.
 ActionServerConfig configured(const Ros2ActionArguments& options) {
   const ServiceConfig service = options.config.empty() ? default_service_config() : load_service_config(options.config);
   const std::vector<ServiceConfig> arms = one_per_robot(service);

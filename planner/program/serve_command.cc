@@ -42,7 +42,7 @@ int run(const ServiceConfig& config) {
 int serve(const ServeArguments& options) {
   catch_ending_signals();  // before any other thread is started
   ::signal(SIGPIPE, SIG_IGN);
-  ::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of whoever writes it
+  ::signal(SIGXFSZ, SIG_IGN);  // writing to a file that may not grow then returns an error
   const auto log = log_to_stderr();
   ServiceConfig config = options.config.empty() ? default_service_config() : load_service_config(options.config);
   options.network.apply_to(config.network);
@@ -54,8 +54,8 @@ int serve(const ServeArguments& options) {
   return run<WorkerHost>(config);
 }
 
-// Results have stdout for themselves; whatever a library prints goes to stderr. Without the service there is nothing to
-// solve for.
+// Runs a solving process. Results are written to stdout alone; whatever a library prints goes to stderr. The process
+// ends with the service, because then there is nothing to solve.
 int work(const WorkerSettings& settings) {
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   const int results = ::dup(STDOUT_FILENO);

@@ -10,7 +10,7 @@
 
 namespace fjr {
 
-// To be called before DDS is used; what it returns is to live as long as DDS is.
+// Has to be called before DDS is used. The returned object has to live as long as DDS is used.
 [[nodiscard]] inline std::unique_ptr<dds::LogSink> log_to_stderr() {
   spdlog::set_default_logger(spdlog::stderr_color_mt("fjr"));
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e %l %v");

@@ -1,4 +1,4 @@
-// fjr simulate: any trajectory file on the simulated arm.
+// fjr simulate: runs any trajectory file on the simulated arm.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -136,7 +136,7 @@ std::string simulation_text(const SimulateArguments& options, const SimulatedRun
   return text;
 }
 
-// What the arm did, a row every millisecond or so, under the header of a trajectory file.
+// Writes the motion of the arm, a row about every millisecond, under the header of a trajectory file.
 void write_run(const SimulatedRun& run, const std::string& file) {
   Trajectory written;
   for (const Sample& sample : run.simulation.samples) {
@@ -148,7 +148,7 @@ void write_run(const SimulatedRun& run, const std::string& file) {
   write_csv(written, file);
 }
 
-// What the executor would have logged: at every tick what encoders read, and the torque that it then held.
+// Writes what the executor would have logged at every tick: encoder readings, and the torque that it then held.
 void write_log(const SimulatedRun& run, const std::string& file) {
   Log log;
   const bool completed = run.simulation.completed;

@@ -123,7 +123,7 @@ nlohmann::ordered_json show(const Overview& found, bool json) {
   return all;
 }
 
-// Who was heard before and is heard no more.
+// Services and executors that were heard before and have become silent.
 class Missing {
  public:
   using Clock = std::chrono::steady_clock;
@@ -144,7 +144,8 @@ class Missing {
   std::map<std::string, Clock::time_point> heard_;
 };
 
-// On a terminal each look takes the place of the one before; elsewhere they follow each other, with --json one a line.
+// Shows the present state. On a terminal it replaces the one before; elsewhere they follow each other, with --json one
+// per line.
 void show_again(const Overview& found, Missing& missing, bool json) {
   const auto silent = missing.after(found);
   if (json) {
@@ -164,7 +165,7 @@ void show_again(const Overview& found, Missing& missing, bool json) {
   std::fflush(stdout);
 }
 
-// Until Ctrl-C.
+// Shows the state again and again until Ctrl-C.
 int watch(const StatusArguments& options) {
   catch_interrupts();
   Lookout lookout({.domain = options.domain});

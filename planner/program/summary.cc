@@ -14,9 +14,10 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kTightest = 3;     // limits shown
-constexpr double kOnePercent = 0.01;     // of a limit: its shadow price is of first order
-constexpr double kPriceTelling = 0.005;  // of the objective, by the limit itself times its shadow price
+constexpr std::size_t kTightest = 3;  // limits shown
+constexpr double kOnePercent = 0.01;  // change of a limit, small enough for its first-order shadow price
+constexpr double kPriceTelling =
+    0.005;  // fraction of the objective: limits with a smaller product with their shadow price are left out
 
 std::string line(std::string_view label, const std::string& text) { return fmt::format("  {:<11} {}\n", label, text); }
 
@@ -48,7 +49,7 @@ std::string proof(const Proof& proof, double tolerance) {
   const std::string loops = fmt::format("{}; {}", proven_loop("open loop", proof.open_loop, tolerance),
                                         proven_loop("closed loop", proof.closed_loop, tolerance));
   std::string text = proof.proven ? line("proven", "at all times: " + loops) : line("not proven", loops);
-  if (!proof.proven) return text;  // of the task only what was looked at until then is known
+  if (!proof.proven) return text;  // the task was checked only until the proof stopped
   for (const TaskBound& bound : proof.task) {
     text += line("", fmt::format("{}{} keeps a clearance of at least {:.3g} {}, the exact motion {:.3g}", bound.name,
                                  bound.link == 0 ? "" : fmt::format(" link {}", bound.link), bound.published,
@@ -66,7 +67,7 @@ std::string margin(const Robustness::Margin& m) {
                      m.time, costs);
 }
 
-// What holds of most of the arms that the identification leaves possible.
+// Returns what holds for most of the arms that the identification leaves possible.
 std::string robustness(const Robustness& r, double tolerance) {
   std::string text = line(
       r.kept ? "robust" : "not robust",
@@ -103,7 +104,7 @@ std::string tightest_limits(const Certificate& certificate, const Limits& limits
   return text;
 }
 
-// Those that count, with their weights, or all others.
+// Returns the terms with a weight, or all others.
 std::string terms(const Problem& problem, const Plan& plan, bool that_count) {
   std::string text;
   for (const TermInfo& term : Terms::infos) {
@@ -128,7 +129,7 @@ std::string gain(const Problem& problem, const Plan& plan, double objective) {
   return fmt::format("{:.3g} ({})", objective, percent(objective / std::abs(plan.objective)));
 }
 
-// What margins for other arms cost, and what knowing the dearest parameter better would give back of it.
+// Returns what margins for other arms cost, and how much of it knowing the costliest parameter better would give back.
 std::string what_robustness_costs(const Problem& problem, const Plan& plan) {
   const Robustness& r = plan.certificate->robustness;
   if (!r.price || r.savings.empty()) return "";
@@ -141,7 +142,7 @@ std::string what_robustness_costs(const Problem& problem, const Plan& plan) {
   return line("margins", text);
 }
 
-// The limits that cost most, and the duration where it is given: to first order, from the multipliers.
+// Returns the limits that cost most, and the duration if it is prescribed: to first order, from the multipliers.
 std::string what_limits(const Problem& problem, const Plan& plan) {
   const Sensitivity& sensitivity = plan.analysis->sensitivity;
   std::vector<ShadowPrice> limits;
@@ -167,7 +168,7 @@ std::string what_limits(const Problem& problem, const Plan& plan) {
   return text;
 }
 
-// What keeps the plan from being the optimum of the problem that was asked, as far as that shows.
+// Returns how far the plan is from the optimum of the requested problem, as far as the optimality conditions show.
 std::string optimality(const Plan& plan) {
   const Optimality& o = plan.analysis->optimality;
   const auto& h = o.hamiltonian;
@@ -187,14 +188,14 @@ std::string optimality(const Plan& plan) {
   return text;
 }
 
-// As the starts met them, before the best were refined.
+// Returns the minima that the starts found, before the best were refined.
 std::string minima(const Plan& plan) {
   const double best = plan.minima.front(), spread = plan.minima.back() - best;
   return fmt::format("{} met, from {:.6g} to {:.6g} ({} apart) on their first meshes", plan.minima.size(), best,
                      plan.minima.back(), percent(spread / std::max(std::abs(best), 1e-300)));
 }
 
-// What the plan began with.
+// Returns the earlier plan that this one was started from.
 std::string earlier(const Plan& plan) {
   return plan.warm_away ? fmt::format("the library's {} ({:.2g} rad away)", plan.warm_name, *plan.warm_away)
                         : std::string("the earlier plan");
@@ -209,7 +210,7 @@ std::string effort(const Plan& plan) {
                      plan.warm ? "from " + earlier(plan) : count(plan.starts, "start"), mesh, time);
 }
 
-// What became of the plan to begin with, and of the time allowed.
+// Returns whether the earlier plan was of use, and whether the allowed time was used up.
 std::string search(const Plan& plan) {
   std::string text;
   if (!plan.warm_refusal.empty()) {

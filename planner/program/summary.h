@@ -8,10 +8,11 @@
 
 namespace fjr {
 
-// Exactness, feedback, tightest limits and what failed; every line indented and ended. limits: that it was judged by.
+// Returns exactness, feedback, tightest limits and failures of a certificate; every line is indented and ended. limits:
+// those it was judged by.
 std::string summary(const Certificate& certificate, const Limits& limits);
 
-// Outcome, duration, objective, certificate and effort of one plan.
+// Returns outcome, duration, objective, certificate and effort of one plan.
 std::string summary(const Problem& problem, const Plan& plan);
 
 }  // namespace fjr

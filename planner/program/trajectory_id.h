@@ -1,4 +1,4 @@
-// What `fjr request` keeps in its results' folder beside the plan.
+// The file that `fjr request` keeps in its results' folder beside the plan.
 #pragma once
 
 #include <filesystem>
@@ -7,8 +7,8 @@
 
 namespace fjr {
 
-// The id under which the service planned it, by which it is executed later: file trajectory.id.
+// The file trajectory.id holds the id under which the service planned the trajectory; it is needed to execute it later.
 void write_trajectory_id(const RequestId& id, const std::filesystem::path& folder);
-RequestId read_trajectory_id(const std::filesystem::path& folder);  // InputError: there is none
+RequestId read_trajectory_id(const std::filesystem::path& folder);  // throws InputError if there is none
 
 }  // namespace fjr

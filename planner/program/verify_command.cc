@@ -39,7 +39,7 @@ std::optional<Payload> payload_given(const VerifyArguments& options) {
   return Payload{options.payload[0], options.payload.size() > 1 ? options.payload[1] : 0};
 }
 
-// What an executor asks for first: that the arm rests at either end.
+// Describes whether the arm rests at one end of the trajectory, which an executor requires at both.
 std::string motion_of(const char* verb, const Parameters& robot, const Sample& row) {
   if (is_at_rest(robot, row)) return fmt::format("{} at rest", verb);
   const State<double>& x = row.state;

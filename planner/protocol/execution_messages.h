@@ -1,4 +1,4 @@
-// What the service, the executor and clients say about executing a trajectory, apart from how it travels.
+// Messages between the service, the executor and clients about executing a trajectory, independent of the transport.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace fjr {
 
 struct Log;
 
-// As in ros2_control's joint_trajectory_controller; 0: the executor's default.
+// Tolerances as in ros2_control's joint_trajectory_controller; 0 means the executor's default.
 struct Tolerances {
   Joints<double> path{};              // [rad] of the links, at any instant
   Joints<double> goal{};              // [rad] of the links, at the end
@@ -21,9 +21,9 @@ struct Tolerances {
   Joints<double> stopped_velocity{};  // [rad/s]
 };
 
-// Who vouches for it; planner/protocol/signature.h.
+// Signature of a trajectory's publisher (planner/protocol/signature.h).
 struct Signature {
-  std::string value;   // empty: nobody
+  std::string value;   // empty: not signed
   std::string signer;  // certificate, DER
 };
 
@@ -39,7 +39,7 @@ struct TrajectoryOrder {
   Tolerances tolerances;
   std::vector<Sample> rows;
   std::vector<StopMotion> stops;  // one per kStopSpacing; empty: the executor finds them itself
-  bool learnt = false;            // rows corrected by what earlier runs were off the plan: on a topic of its own
+  bool learnt = false;  // rows were corrected by the deviations of earlier runs; published on a topic of its own
   Signature signature;
 };
 
@@ -65,17 +65,17 @@ struct ExecutorState {
   Joints<double> torque{}, feedback{};       // [N m] commanded, and the part of it that is feedback
 };
 
-enum class ResultCode : std::int32_t {  // FollowJointTrajectory's, and one more
+enum class ResultCode : std::int32_t {  // those of FollowJointTrajectory, and one more
   kSuccessful = 0,
   kInvalidGoal = -1,
   kInvalidJoints = -2,
   kOldHeaderTimestamp = -3,
   kPathToleranceViolated = -4,
   kGoalToleranceViolated = -5,
-  kRepetitionRefused = -6,  // learnt rows are not what this executor runs, wherever the arm is
+  kRepetitionRefused = -6,  // this executor does not run these learnt rows, wherever the arm is
 };
 
-bool has_moved(ResultCode code);      // the arm, rather than refused
+bool has_moved(ResultCode code);      // whether the arm has moved, or else the motion was refused
 const char* name(ResultCode code);    // "SUCCESSFUL", ...
 const char* name(ExecutorMode mode);  // "resting", ...
 
@@ -104,7 +104,7 @@ struct ExecutedRow {
   Joints<double> planned_q{}, planned_theta{};  // [rad]
 };
 
-// What was logged of a trajectory that has moved the arm, tick by tick.
+// The log of a trajectory that has moved the arm, tick by tick.
 struct ExecutedRun {
   std::string robot_id, robot_hash;
   RequestId trajectory_id;
@@ -114,28 +114,29 @@ struct ExecutedRun {
   std::vector<ExecutedRow> rows;
 };
 
-// Whether the arm is still the one of the executor's robot.yaml, by what was executed since the executor was started.
+// Result of monitoring, over all motions since the executor's start, whether the arm still matches the executor's
+// robot.yaml.
 struct ArmDrift {
   std::string robot_id, robot_hash;
-  std::uint64_t motions = 0;            // that were looked at
-  bool drifts = false;                  // `evidence` is above `alarm`
-  double evidence = 0, alarm = 0;       // without a drift there are at least `alarm` motions in the mean before that
-  std::string parameter, unit;          // that explains best what evidence there is, as in "spring.stiffness[0]"
-  double share = 0;                     // of the evidence that is for it, from 0 to 1
-  double known = 0;                     // its value in robot.yaml
-  double change = 0, change_error = 0;  // by how much it is off that, and the standard error of this
-  RequestId since;                      // trajectory that was the first with it
-  std::uint64_t motions_since = 0;      // that one and those after it
+  std::uint64_t motions = 0;  // number of motions that were examined
+  bool drifts = false;        // `evidence` is above `alarm`
+  double evidence = 0,
+         alarm = 0;             // without a drift it takes at least `alarm` motions in the mean until evidence > alarm
+  std::string parameter, unit;  // that explains the evidence best, as in "spring.stiffness[0]"
+  double share = 0;             // fraction of the evidence that this parameter explains, from 0 to 1
+  double known = 0;             // its value in robot.yaml
+  double change = 0, change_error = 0;  // estimated deviation from that value, and its standard error
+  RequestId since;                      // first trajectory with the drift
+  std::uint64_t motions_since = 0;      // number of motions from that one on
 };
 
-// As a log: columns of what was measured, commanded and planned, and how many ticks were missed.
+// Returns the rows as a log with columns of measured, commanded and planned values, and the number of missed ticks.
 Log log_of(const std::vector<ExecutedRow>& ticks, std::uint32_t missed_ticks);
 
-// Whether the second says what the first, if there was one, did not: a drift, another cause of it, or that there is
-// none any more.
+// Returns whether `now` is news compared with `before`: a drift, another cause of it, or its end.
 bool news(const std::optional<ArmDrift>& before, const ArmDrift& now);
 
-// One sentence for people: what drifts, by how much, since when; or that nothing does.
+// Returns a sentence for people: what drifts, by how much, since when; or that nothing does.
 std::string sentence_of(const ArmDrift& drift);
 
 }  // namespace fjr

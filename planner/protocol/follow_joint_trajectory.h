@@ -1,4 +1,4 @@
-// ROS 2's action FollowJointTrajectory, apart from how it travels. docs/ros2.md says what becomes of it.
+// ROS 2's action FollowJointTrajectory, independent of the transport. docs/ros2.md describes how it is carried out.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@ namespace fjr {
 
 using GoalId = std::array<std::uint8_t, 16>;
 
-// Of lists that others send so much is kept; what is longer is refused for its length.
+// Numbers of elements that are kept of received lists. Longer lists are refused.
 inline constexpr std::size_t kMostTrajectoryPoints = 4096;
 inline constexpr std::size_t kMostListed = 16;
 
-// A list whose size is told also where not all of it is kept.
+// A list that keeps its original size if it was cut.
 template <class T>
 struct CutList {
   std::vector<T> values;
@@ -25,12 +25,12 @@ struct CutList {
 
 struct FollowPoint {
   CutList<double> positions, velocities, accelerations, effort;  // [rad], [rad/s], [rad/s^2], [N m]
-  double time_from_start = 0;                                    // [s]; not a number: it is no duration
+  double time_from_start = 0;                                    // [s]; NaN if it is no valid duration
 };
 
 struct FollowTolerance {
   std::string joint;
-  double position = 0, velocity = 0, acceleration = 0;  // 0: none is asked for
+  double position = 0, velocity = 0, acceleration = 0;  // 0: no tolerance is requested
 };
 
 struct FollowGoal {
@@ -57,7 +57,7 @@ struct FollowResult {
   std::string sentence;
 };
 
-// In the order of the goal's joint names.
+// Feedback; joints are in the order of the goal's joint names.
 struct FollowFeedback {
   std::vector<std::string> joint_names;
   double time = 0;                              // [s] within the motion

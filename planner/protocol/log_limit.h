@@ -1,4 +1,4 @@
-// Keeps a flood of requests from becoming a flood of log lines.
+// Limits the log lines per second, so that a flood of requests does not flood the log.
 #pragma once
 
 #include <spdlog/spdlog.h>
@@ -9,7 +9,8 @@ namespace fjr {
 
 class LogLimit {
  public:
-  // True for the first few of a second; how many were left out is logged with the first of the next.
+  // Returns true for the first few calls in a second. The number of lines left out is logged with the first of the next
+  // second.
   bool allows() {
     const auto now = std::chrono::steady_clock::now();
     if (now - began_ > std::chrono::seconds(1)) {

@@ -1,4 +1,4 @@
-// What clients and the service say to each other, apart from how it travels.
+// Messages between clients and the service, independent of the transport.
 #pragma once
 
 #include <array>
@@ -17,11 +17,11 @@
 
 namespace fjr {
 
-// Whoever takes part in DDS as one participant, as DDS names it: one client, whatever ids it uses. All zero: unknown.
+// A DDS participant by its DDS name: one client, whatever ids it uses. All zero: unknown.
 using Origin = std::array<std::uint8_t, 16>;
 
-inline constexpr std::size_t kLongestPlanJson = 262144;  // [bytes] that a reply has room for
-inline constexpr double kLongestMotion = 20;             // [s] that an executor runs
+inline constexpr std::size_t kLongestPlanJson = 262144;  // [bytes] in a reply
+inline constexpr double kLongestMotion = 20;             // [s] of motions that an executor runs
 
 struct RequestId {
   std::array<std::uint8_t, 16> client{};
@@ -34,10 +34,10 @@ std::string client_name(const RequestId& id);  // 32 hexadecimal digits: also th
 std::string text(const RequestId& id);         // "0123456789ab-7", short, for logs
 RequestId new_client();                        // random, number 0
 
-std::string to_text(const RequestId& id);  // in full: the client's 32 digits, a minus, the number
+std::string to_text(const RequestId& id);  // the full id: the client's 32 digits, a minus, the number
 std::optional<RequestId> request_id_from(std::string_view text);
 
-enum class ReplyState : std::uint8_t {  // ACCEPTED, then one of the others; or REJECTED at once
+enum class ReplyState : std::uint8_t {  // ACCEPTED is followed by one of the others; REJECTED comes at once
   kAccepted = 1,
   kRejected,
   kSolved,
@@ -77,32 +77,32 @@ struct Refusal {
 enum class Action : std::uint8_t {
   kPlan = 0,
   kPlanAndExecute,
-  kExecute,  // what was planned before
-  kRepeat,   // what was planned before, corrected by what its last run was off the plan
+  kExecute,  // a motion planned before
+  kRepeat,   // a motion planned before, corrected by the deviation of its last run
 };
 
-// Both are about what was planned before, and have no document.
+// Returns whether an action is about a motion planned before; such orders have no document.
 inline bool of_earlier_plan(Action action) { return action == Action::kExecute || action == Action::kRepeat; }
 
-// One request on its way. Its motion is written as a request file is; read, it is a Request.
+// One request as it is sent. Its motion is text as in a request file; once read, it is a Request.
 struct Order {
   RequestId id;
   std::string name;
   Action action = Action::kPlan;
-  RequestId trajectory_id;        // with of_earlier_plan(): of the planned motion, or of any run of it
-  int priority = 0;               // larger goes first
-  double budget = 0;              // [s]; 0: the service's default
-  double start_within = 0;        // [s] after its client was last alive it may still make the arm start; 0: the default
-  std::string robot_id;           // empty: whichever is served
-  std::string robot_hash;         // empty: any
-  std::string document;           // of the motion; empty where it came as numbers
-  std::optional<Request> motion;  // come as numbers, or once the document was read
-  Origin origin{};                // set by the receiving side
-  bool needs_executor = false;    // set by the receiving side: it cannot be judged before the executor is known
-  std::optional<Refusal> refusal;  // set by the receiving side for what cannot be meant
+  RequestId trajectory_id;  // with of_earlier_plan(): id of the planned motion, or of any run of it
+  int priority = 0;         // larger goes first
+  double budget = 0;        // [s]; 0: the service's default
+  double start_within = 0;  // [s] after its client's last sign of life until which the arm may start; 0: the default
+  std::string robot_id;     // empty: any served robot
+  std::string robot_hash;   // empty: any
+  std::string document;     // text of the motion; empty if it came as numbers
+  std::optional<Request> motion;   // set if it came as numbers, or once the document was read
+  Origin origin{};                 // set by the receiving side
+  bool needs_executor = false;     // set by the receiving side: cannot be checked before the executor is known
+  std::optional<Refusal> refusal;  // set by the receiving side if the request is malformed
 };
 
-// Of a certified trajectory's links [rad]: what the certificate allows, and what it predicts for the executor.
+// Link errors of a certified trajectory [rad]: allowed by the certificate, and predicted for the executor.
 struct LinkErrors {
   Joints<double> certified{}, predicted{};
 };
@@ -116,16 +116,16 @@ struct Reply {
   std::string plan_json;                 // empty when nothing was planned
   LinkErrors errors;                     // of the rows
   std::vector<Sample> rows;              // of a certified trajectory, otherwise empty
-  std::vector<StopMotion> stops;         // of one that is executed; known to the service that planned it only
-  bool rest_to_rest = false;             // known to services only, as the errors are
+  std::vector<StopMotion> stops;         // for a trajectory that is executed; known only to the service that planned it
+  bool rest_to_rest = false;             // known to services only, like the errors
   Origin origin{};                       // of the request; known to the service that answers only
-  RequestId motion;                      // that was planned, of which this is a run; known to services only
-  bool learnt = false;                   // rows that runs of it have corrected; known to services only
+  RequestId motion;                      // the planned motion of which this is a run; known to services only
+  bool learnt = false;                   // rows were corrected by runs of the motion; known to services only
 
   bool final() const { return state != ReplyState::kAccepted; }
 };
 
-std::size_t size_of(const Order& order);  // [bytes] it takes
+std::size_t size_of(const Order& order);  // [bytes] of memory
 std::size_t size_of(const Reply& reply);
 
 using SharedReply = std::shared_ptr<const Reply>;  // sent, and kept for repetitions
@@ -139,7 +139,7 @@ struct ProgressReport {
 
 struct ServiceStatus {
   std::string instance, robot_id, robot_hash, version;
-  std::uint64_t epoch = 0;  // of its trajectories; 0: another instance answers for the robot
+  std::uint64_t epoch = 0;  // of its trajectories; 0: another instance owns the robot
   double uptime = 0;        // [s]
   std::uint32_t queued = 0, queue_capacity = 0, workers = 0, solving = 0, workers_lost = 0;
   std::uint64_t received = 0, duplicates = 0;
@@ -148,7 +148,7 @@ struct ServiceStatus {
   std::uint64_t memory = 0;                                  // [bytes] resident, workers included
 };
 
-// How the service tells a plan's outcome, and back.
+// Converts a plan's status to the state and reason of a reply, and back.
 ReplyState state_of(PlanStatus status);
 Reason reason_of(PlanStatus status);
 PlanStatus status_of(const Reply& reply);

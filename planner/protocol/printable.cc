@@ -13,7 +13,7 @@ struct Character {
   std::size_t bytes;
 };
 
-// The character that `text` begins with; nothing: it is no UTF-8 (also not where it is too long, or a surrogate).
+// Returns the character that `text` begins with; nothing if that is no UTF-8 (too long forms and surrogates are none).
 std::optional<Character> first_of(std::string_view text) {
   const auto byte = [&](std::size_t i) { return static_cast<std::uint8_t>(text[i]); };
   if (byte(0) < 0x80) return Character{byte(0), 1};
@@ -32,7 +32,8 @@ std::optional<Character> first_of(std::string_view text) {
 
 bool control(std::uint32_t code) { return code < 0x20 || (code >= 0x7f && code < 0xa0); }
 
-// Line and paragraph separators, and marks that change the direction of what follows or are not seen at all.
+// Returns whether a character is a line or paragraph separator, or a mark that changes the direction of writing or is
+// invisible.
 bool disguising(std::uint32_t code) {
   return (code >= 0x200b && code <= 0x200f) || (code >= 0x2028 && code <= 0x202e) ||
          (code >= 0x2060 && code <= 0x206f) || code == 0x061c || code == 0xfeff;

@@ -23,7 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// What is written below as it lies in memory is little-endian, and rows and stops are doubles without gaps.
+// The code below copies memory: this requires little-endian numbers, and rows and stops that are doubles without
+// padding.
 static_assert(std::endian::native == std::endian::little);
 static_assert(sizeof(Sample) == 11 * sizeof(double) && std::is_trivially_copyable_v<Sample>);
 static_assert(sizeof(StopMotion) == 14 * sizeof(double) && std::is_trivially_copyable_v<StopMotion>);
@@ -89,7 +90,7 @@ std::string name_in(X509* certificate, int which) {
   return length > 0 ? std::string(text.data(), static_cast<std::size_t>(length)) : std::string();
 }
 
-// Empty, or why the authority does not vouch for it.
+// Returns why the authority does not know the certificate; empty if it does.
 std::string why_unknown(X509_STORE* authority, X509* certificate) {
   const std::unique_ptr<X509_STORE_CTX, decltype(&X509_STORE_CTX_free)> context(X509_STORE_CTX_new(),
                                                                                 X509_STORE_CTX_free);
@@ -107,7 +108,7 @@ bool fits(X509* certificate, std::string_view message, const std::string& value)
          EVP_DigestVerify(digest.get(), bytes_of(value), value.size(), bytes_of(message), message.size()) == 1;
 }
 
-// Empty, or why nothing can be signed that an executor would run; one sentence.
+// Returns a sentence why an executor would not accept signatures with this certificate; empty if it would.
 std::string fault_of_certificate(X509* certificate, std::size_t size, std::string_view role) {
   if (const std::string own = name_in(certificate, NID_organizationalUnitName); own != role) {
     return fmt::format("its role (OU) is {}; trajectories are signed as {}", shown(own), shown(role));

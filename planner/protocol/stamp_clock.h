@@ -1,4 +1,4 @@
-// Stamps that steps of the wall clock do not reach: read from it once, and continued by the steady clock.
+// A clock for stamps that never steps: it reads the wall clock once, and continues by the steady clock.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// What a robot's owner and the workers of other machines say to each other.
+// Messages between a robot's owner and workers on other machines.
 #pragma once
 
 #include <array>
@@ -15,7 +15,7 @@ using WorkerId = std::array<std::uint8_t, 16>;  // random, of a worker's process
 
 inline constexpr std::size_t kMaxSlots = 64;
 inline constexpr std::size_t kMaxHeld =
-    2 * kMaxSlots;  // leases: as many as are solved may wait for their results to be taken
+    2 * kMaxSlots;  // leases: per slot one that is solved, and one whose result waits to be taken
 
 struct LeaseId {
   std::array<std::uint8_t, 16> owner{};  // random, of the owner's process
@@ -39,7 +39,7 @@ struct WorkerOffer {
 
 enum class LeaseKind : std::uint8_t {
   kGranted = 1,
-  kOver,     // nobody waits for it any more
+  kOver,     // the result is not needed any more
   kRefused,  // no leases for this worker
 };
 
@@ -49,36 +49,36 @@ enum class RefusedFor : std::uint8_t {
   kVersion,  // of the program
 };
 
-// From the owner to one worker.
+// Message from the owner to one worker.
 struct LeaseWord {
   LeaseId lease;
   LeaseKind kind = LeaseKind::kOver;
   std::string instance;  // of the owner
   RefusedFor refused = RefusedFor::kNothing;
-  std::string sentence;      // why it is refused
+  std::string sentence;      // reason of a refusal
   RequestId id;              // of the request
   std::string name;          // of the request
   bool executes = false;     // stop motions are to be found as well
-  std::string document;      // a request with everything that is needed; or:
-  std::vector<Sample> rows;  // of a certified trajectory, of which the stop motions alone are to be found
+  std::string document;      // a complete request; or:
+  std::vector<Sample> rows;  // rows of a certified trajectory, for which only stop motions are to be found
 };
 
 enum class WorkOutcome : std::uint8_t {
   kDone = 1,
   kLost,      // the solving process ended unexpectedly
-  kReturned,  // not begun, or not to be finished
+  kReturned,  // not begun, or will not be finished
 };
 
 struct WorkResult {
   LeaseId lease;
   WorkerId worker{};
-  WorkOutcome outcome = WorkOutcome::kReturned;  // only what is done has what follows
+  WorkOutcome outcome = WorkOutcome::kReturned;  // the members below are set only with kDone
   ReplyState state = ReplyState::kFailed;
   Refusal why;
   LinkErrors errors;  // of the rows
   std::string plan_json;
   std::vector<Sample> rows;       // of a certified trajectory
-  std::vector<StopMotion> stops;  // of one that is to be executed
+  std::vector<StopMotion> stops;  // for one that is to be executed
 };
 
 }  // namespace fjr

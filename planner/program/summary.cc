@@ -16,8 +16,8 @@ namespace {
 
 constexpr std::size_t kTightest = 3;  // limits shown
 constexpr double kOnePercent = 0.01;  // change of a limit, small enough for its first-order shadow price
-constexpr double kPriceTelling =
-    0.005;  // fraction of the objective: limits with a smaller product with their shadow price are left out
+// Fraction of the objective. Limits whose product with their shadow price is smaller are left out.
+constexpr double kPriceTelling = 0.005;
 
 std::string line(std::string_view label, const std::string& text) { return fmt::format("  {:<11} {}\n", label, text); }
 

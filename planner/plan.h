@@ -47,8 +47,8 @@ struct PlanOptions {
   std::string linear_solver = "stage";
   int starts = 0;  // 0: as the request's `search` and its objective say
   int jobs = 1;    // threads; 0: as many as there are cores. The plan does not depend on it.
-  // [s] limit on the optimiser's work (SolveReport::work) if there is no deadline. It is not a time, so that the same
-  // request gives the same plan on a busy machine too. More starts may take more in proportion.
+  // [s] limit on the optimiser's work (SolveReport::work); a longer deadline raises it. It is not a time, so that the
+  // same request gives the same plan on a busy machine too. More starts may take more in proportion.
   double most_work = 60;
   // If given, it is tried first; if it leads to a certified plan, nothing else is tried.
   std::optional<WarmStart> warm;
@@ -83,7 +83,7 @@ struct Plan {
   bool cut_by_deadline = false;     // certified, but the deadline ended the search: more time may find a better motion
   std::vector<double> minima;  // objectives of the distinct minima of all starts, best first, on their first meshes and
                                // with smoothed friction
-  bool cut_by_work = false;    // the search ended at the limit on its work; with a deadline there is none
+  bool cut_by_work = false;    // the search ended at the limit on its work; a longer deadline raises it
   Fallbacks fallbacks;
   double back_off = 0;  // fraction of each limit kept free
   std::optional<Trajectory> trajectory;

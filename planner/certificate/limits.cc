@@ -62,7 +62,7 @@ class PublishedExtremes {
   const Extreme& operator[](std::size_t limit) const { return extremes_[limit]; }
 
  private:
-  // Of the quantities that `which` chooses and that are limited.
+  // Returns the values of those limited quantities that `which` chooses.
   template <class Which>
   PerIndex values_at(const Sample& sample, const Which& which) const {
     PerIndex values{};

@@ -24,7 +24,7 @@ class PerturbedRollouts {
   // Both must outlive it.
   PerturbedRollouts(const Parameters& p, const Trajectory& trajectory);
 
-  // From one of the starts, below kStarts. Different starts may be rolled out on different threads.
+  // Rolls out from one of the starts; start < kStarts. Different starts may be rolled out on different threads.
   void roll_out(std::size_t start);
 
   // The largest errors of all. Call when all have been rolled out.

@@ -78,7 +78,8 @@ class Rollout {
   void start(double time, const State<double>& state, const Drive& drive);
   // Changes the drive and continues from the state reached so far.
   void redirect(const Drive& drive);
-  // Changes the held torque without a restart. Only with Drive::holding().
+  // Changes the held torque in the middle of a rollout, which continues with its present step size. Only with
+  // Drive::holding().
   void hold(const Joints<double>& torque);
   // Sets torques that act on the links from now on, beside springs and gravity. [N m]
   void push_links(const Joints<double>& torque);

@@ -35,7 +35,7 @@ struct LearnArguments {
   bool json = false;
 };
 
-// What a folder says of the motion that was executed.
+// The executed motion as its folder describes it.
 struct ExecutedPlan {
   PlanRecord record;
   Limits limits;

@@ -71,7 +71,7 @@ ProgressLine::~ProgressLine() {
 
 double ProgressLine::elapsed() const { return std::chrono::duration<double>(output_.now() - began_).count(); }
 
-// Whether a line is to be printed now.
+// Returns whether a line is to be printed now.
 bool ProgressLine::due() {
   if (talk_ == Talk::kNothing) return false;
   const auto now = output_.now();

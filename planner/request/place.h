@@ -1,4 +1,4 @@
-// Where in a request something stands, for messages.
+// Places in a request, for messages.
 #pragma once
 
 #include <fmt/format.h>

@@ -223,7 +223,8 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   return attempt(what, setup, &guess, o);
 }
 
-// Whether the last attempt, although it found no solution, lowered the objective by a fraction worth going on for.
+// Returns whether the last attempt, although it found no solution, lowered the objective by a fraction worth continuing
+// for.
 bool Continuation::came_down() const {
   const double before = solution_.report.objective;
   return sees_friction(problem_->weights) && stages_.back().objective < before - kWorthwhileDecrease * std::abs(before);
@@ -529,8 +530,8 @@ void Continuation::solve_to_the_end() {
   if (solved_loosely()) attempt(what, CollocationSetup(solution_.setup), nullptr, warm(what));
 }
 
-// Where a motor reverses, a peak that is lowered in one interval can come up in the next. Of the rounds that keep the
-// limits, the one with the least peak in its rows is the best, and it need not be the last.
+// Keeps the solution with the least peak torque in its rows of all rounds that keep the limits; it need not be the last
+// one. Where a motor reverses, a peak that is lowered in one interval can come up in the next.
 void Continuation::keep_lowest_peak(std::optional<Collocated> best) {
   if (!best || published_objective(*problem_, *best) >= published_objective(*problem_, solution_)) return;
   solution_ = *std::move(best);
@@ -538,7 +539,7 @@ void Continuation::keep_lowest_peak(std::optional<Collocated> best) {
 }
 
 bool Continuation::tighten() {
-  // In wider laws the friction differs from the exact one where a motor is not yet reversing.
+  // With wider laws the friction differs from the exact one even where a motor is not yet reversing.
   bool minds_peak = problem_->weights.peak_torque > 0 && solution_.setup.smoothing.friction_width <= kSharpForPeaks;
   std::optional<Collocated> lowest;
   for (int round = 0; round < kTighteningRounds && failures_to_tighten_ < kFailuresToTighten; ++round) {

@@ -47,7 +47,7 @@ Continuation with_penalty(const Continuation& c, const std::shared_ptr<const Pro
   return solved.begin(guess, patience) == StartOutcome::kNew ? solved : c;
 }
 
-// What a start came to on a coarse mesh.
+// Result of a start on a coarse mesh.
 struct Begun {
   Continuation motion;
   StartOutcome outcome;

@@ -33,15 +33,16 @@ std::vector<double> cost_errors(const Problem& problem, const Joints<FrictionLaw
 std::vector<int> pieces_wanted(const Motion& motion, const std::vector<double>& errors, double tolerance, int order,
                                double shortest);
 
-// Interval k in pieces[k] equal pieces.
+// Returns the mesh with interval k split into pieces[k] equal pieces.
 Mesh split(const Mesh& mesh, const std::vector<int>& pieces);
 
-// Interval k cut at cuts[k], in fractions of it, increasing in (0, 1).
+// Cuts of interval k as fractions of it, increasing in (0, 1).
 using Cuts = std::vector<std::vector<double>>;
 Mesh split(const Mesh& mesh, const Cuts& cuts);
 Cuts equal_cuts(const std::vector<int>& pieces);
 
-// Where in interval k motor `joint` reverses, as a fraction of it: the friction torque steps there. None: it does not.
+// Returns where motor `joint` reverses in interval k, as a fraction of the interval; the friction torque steps there.
+// Returns nothing if it does not reverse.
 std::optional<double> reversal_in(const Motion& motion, std::size_t k, std::size_t joint);
 
 // Adds a cut on both sides of `fraction`, a twentieth of the interval apart but no less than `shortest` (a fraction,

@@ -23,7 +23,7 @@ class Search {
   explicit Search(Session& session, double budget = kBudget)
       : session_(session), budget_(budget), work_before_(session.account().work) {}
 
-  // What is left of the budget [s].
+  // Returns what is left of the budget [s of work].
   double left() const { return budget_ - (session_.account().work - work_before_); }
 
   // Returns whether nothing more will be solved: interrupted, or the budget is spent.

@@ -42,7 +42,7 @@ class Session {
   // every solve and in every iteration, with the work [s] since the last call.
   bool interrupted(double work = 0);
 
-  // Whether everything is to stop: cancelled, or the deadline passed.
+  // Returns whether everything is to stop: cancelled, or the deadline passed.
   bool stopped() const { return shared_->stopped; }
   bool deadline_passed() const { return shared_->deadline_passed; }
 

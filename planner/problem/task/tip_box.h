@@ -27,7 +27,7 @@ void check(const TipBox& box, const Place& place) {
   }
 }
 
-// What it grows by on every side. [m]
+// Returns the growth of a box on every side, from which relaxing counts. [m]
 inline double relaxed_by(const TipBox&) { return 0; }
 inline void relax(TipBox& box, double by) {
   for (std::size_t i = 0; i < 2; ++i) {

@@ -20,7 +20,7 @@ bool can_be_carried(const Problem& problem);
 // folds link 2 on the way. Motions of more than `longest` [s] are not followed. With more than the usual patience, a
 // motion that does not converge with the exact friction law is searched again from a sharper one.
 struct SwungUp {
-  std::optional<Continuation> motion;  // on its first mesh, as after Continuation::begin()
+  std::optional<Continuation> motion;  // at least as far as after Continuation::begin()
   std::optional<Limits> reached;       // tightest limits for which a motion was found or is likely
 };
 SwungUp swing_up(const std::shared_ptr<const Problem>& problem, double longest, Session& session);

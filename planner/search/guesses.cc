@@ -464,23 +464,27 @@ Guess guess_from(Motion motion, const std::vector<double>& durations, double dur
 
 namespace {
 
-// Springs and friction roughly double it; the regularising objectives want still longer motions.
-double with_springs(const Problem& problem, const std::vector<double>& legs) {
-  const double time = std::max(0.1, std::accumulate(legs.begin(), legs.end(), 0.0));
-  const bool hurried = starts_worth_trying(problem.weights) == 1;
-  return time * (hurried ? 1.3 : 2.0);
-}
+constexpr double kShortest = 0.1;      // [s] of a guess
+constexpr double kWithSprings = 1.3;   // times what a rigid arm takes: springs and friction
+constexpr double kWithoutHurry = 2.0;  // likewise, for the objectives that want longer motions
+
+double sum_of(const std::vector<double>& times) { return std::accumulate(times.begin(), times.end(), 0.0); }
 
 }  // namespace
 
-double usual_duration(const Problem& problem) { return with_springs(problem, leg_times(problem)); }
+double usual_duration(const Problem& problem) {
+  const bool hurried = starts_worth_trying(problem.weights) == 1;
+  return std::max(kShortest, sum_of(leg_times(problem))) * (hurried ? kWithSprings : kWithoutHurry);
+}
 
 double duration_guess(const Problem& problem) {
   return std::clamp(usual_duration(problem), problem.duration.min, problem.duration.max);
 }
 
 double passing_duration_guess(const Problem& problem) {
-  return std::clamp(with_springs(problem, passing_of(problem).times), problem.duration.min, problem.duration.max);
+  // Velocities that are given leave no choice: in twice the time an arm that passes points with them has to go round.
+  const double duration = std::max(kShortest, sum_of(passing_of(problem).times) * kWithSprings);
+  return std::clamp(duration, problem.duration.min, problem.duration.max);
 }
 
 }  // namespace fjr

@@ -363,6 +363,36 @@ TEST(StaggeredGuess, MovesOneJointAfterTheOther) {
   EXPECT_THAT(guess.state(1).q, ElementsAre(DoubleNear(0.6, 1e-12), DoubleNear(-0.4, 1e-12)));
 }
 
+// Exactly through points and velocities that are given, and between them as the torque says.
+TEST(PassingGuess, KeepsPointsAndVelocitiesAndMovesByItsTorque) {
+  constexpr double kDuration = 0.6;
+  const Problem problem = request(
+      "start: {q: [0.5, -0.7], dq: [1.1, 2.3]}\nvia: [{q: [0.6, -0.4], dq: [0.9, 1.5]}, {q: [0.7, 0.1]}]\n"
+      "goal: {q: [0.8, 0.9]}\n");
+  const Guess guess = passing_guess(problem, kDuration);
+  ASSERT_EQ(guess.durations.size(), 3U);
+  const double first = guess.durations[0] / kDuration, second = first + guess.durations[1] / kDuration;
+  const auto near = [](const Joints<double>& v) { return ElementsAre(DoubleNear(v[0], 1e-9), DoubleNear(v[1], 1e-9)); };
+  EXPECT_THAT(guess.state(0).q, near({0.5, -0.7}));
+  EXPECT_THAT(guess.state(0).dq, near({1.1, 2.3}));
+  EXPECT_THAT(guess.state(first).q, near({0.6, -0.4}));
+  EXPECT_THAT(guess.state(first).dq, near({0.9, 1.5}));
+  EXPECT_THAT(guess.state(second).q, near({0.7, 0.1}));
+  EXPECT_GT(guess.state(second).dq[1], 0.5) << "it stops at a point that it might pass";
+  EXPECT_THAT(guess.state(1).q, near({0.8, 0.9}));
+  EXPECT_THAT(guess.state(1).dq, near({0, 0}));
+  for (const double s : {0.3 * first, 0.5 * (first + second), 0.4 + 0.6 * second}) {
+    constexpr double kStep = 1e-5;
+    const auto moves = compensated_dynamics(problem.robot, guess.state(s), guess.torque(s));
+    const State<double> before = guess.state(s - kStep), after = guess.state(s + kStep);
+    for (std::size_t i = 0; i < kStates; ++i) {
+      const double difference = (after[i] - before[i]) / (2 * kStep * kDuration);
+      // Measured: central differences err by up to 8e-7 of their size.
+      EXPECT_NEAR(moves[i], difference, 1e-5 * (1 + std::abs(difference))) << s << " " << i;
+    }
+  }
+}
+
 // ---- races ----
 
 TEST(WorthFollowing, IsWhatIsNeitherKnownNorTooFarBehind) {
@@ -463,6 +493,18 @@ TEST(Calm, IsTakenBack) {
   EXPECT_TRUE(found.certified());
   EXPECT_LT(found.best->objective, before);
   EXPECT_LT(found.best->problem->weights.link_acceleration, penalised->weights.link_acceleration);
+}
+
+// ---- arms that move already ----
+
+// A motion of 0.2889 s passes both points. Guesses that stop at them come to 0.4202 s, turning back, and to
+// "infeasible".
+TEST(Starts, OfAMovingArmPassViaPoints) {
+  const Plan plan = fjr::plan(request("start: {q: [0.536, -0.694], dq: [1.09, 2.33]}\ngoal: {q: [0.791, 0.939]}\n"
+                                      "via: [{q: [0.5935, -0.4495]}, {q: [0.7326, 0.1236]}]\nduration: {max: 0.4}\n"),
+                              {});
+  ASSERT_EQ(plan.status, PlanStatus::kCertified) << plan.reason;
+  EXPECT_LE(plan.duration, 0.2889 * (1 + 1e-3));  // what meshes and margins may cost
 }
 
 // ---- ends that are free ----

@@ -24,6 +24,7 @@ constexpr double kRoughMargin = 0.1;               // if friction is still smoot
 constexpr double kCombinedRelaxationMargin = 0.1;  // of two changes that together are only just enough
 constexpr double kGridMargin = 1.1;                // times the clearance that a grid found missing
 constexpr double kDurationMargin = 2e-4;           // fraction of a shortest duration
+constexpr double kSpareTime = 0.01;                // likewise, beyond it, for objectives other than time
 constexpr std::size_t kRowsBetweenRegularOnes = 1000;
 // Factors on the least change, tried in this order until planning succeeds.
 constexpr double kRetryFactors[] = {1, 1.03, 1.1, 1.25, 1.5, 2};
@@ -159,8 +160,8 @@ class Explanation {
   }
 
   // Returns whether the changed problem has a motion that takes no longer than it may. It is looked for from the usual
-  // guesses and from `near`, the motion that told the change; near_first: from that one first, because it nearly is a
-  // solution.
+  // guesses and from `near`, the motion from which the change was found; near_first: from that one first, because it
+  // nearly is a solution.
   static bool is_enough(const Problem& easier, const std::string& what, const Guess& near, bool near_first,
                         Search& search) {
     Problem quick = fastest_of(easier);
@@ -254,7 +255,10 @@ class Explanation {
     result_.limit = "duration";
     result_.time = allowed;
     if (!any_timed(problem_)) {
-      result_.relaxations.push_back(relaxation_of_time(RelaxableKind::kDuration, "duration", allowed, needed));
+      // With hardly more time than the fastest motion takes, other objectives are seldom found.
+      const double spare = only_time(problem_.weights) ? 1 : 1 + kSpareTime;
+      const double enough = rounded_up(spare * needed);
+      result_.relaxations.push_back(relaxation_of_time(RelaxableKind::kDuration, "duration", allowed, enough));
       result_.relaxations.back().rough = !known_.certified;
     } else if (explain_times_as_well()) {
       return;  // limits that keep both times as they are would have to be far larger, and take long to find

@@ -102,7 +102,7 @@ double Threads::for_each(std::size_t count, const std::function<void(std::size_t
   if (others == 0) return 0;
   std::vector<std::exception_ptr> thrown(count);
   std::vector<double> seconds(others, 0.0);
-  std::atomic<std::size_t> next = first + 1;
+  std::atomic<std::size_t> next = first + 1, working = others + 1;  // the caller included
   const auto try_task = [&](std::size_t i) {
     try {
       task(i);
@@ -113,6 +113,10 @@ double Threads::for_each(std::size_t count, const std::function<void(std::size_t
   const auto work = [&] {
     for (std::size_t i = next++; i < count; i = next++) try_task(i);
   };
+  // The last to end keeps its place, which is the caller's from then on.
+  const auto leave = [&] {
+    if (--working > 0) ++idle_;
+  };
   {
     std::vector<std::jthread> pool;
     pool.reserve(others);
@@ -122,19 +126,19 @@ double Threads::for_each(std::size_t count, const std::function<void(std::size_t
           const double began = cpu_time();
           work();
           seconds[w] = cpu_since(began);
-          ++idle_;
+          leave();
         });
       }
     } catch (const std::system_error&) {  // the system allows no more threads: there are fewer from now on
+      working -= others - pool.size();
     }
     // The caller works as well, because Linux starts all new threads on other cores and would leave the caller's core
     // idle for milliseconds. It runs the first task, which may have parallel pieces of its own for threads that are
     // idle by then.
     try_task(first);
     work();
-    ++idle_;
+    leave();
   }
-  --idle_;
   for (const std::exception_ptr& exception : thrown) {
     if (exception) std::rethrow_exception(exception);
   }

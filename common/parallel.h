@@ -38,9 +38,7 @@ class Threads {
 
   std::size_t take(std::size_t most);
 
-  // Number of threads that may be started. It is negative while a caller that has waited goes on before the thread in
-  // its place has ended.
-  std::atomic<int> idle_;
+  std::atomic<int> idle_;  // number of threads that may be started
 };
 
 // Calls task(i) likewise with `threads` threads of its own, including the caller's.

@@ -37,20 +37,22 @@ Descriptor take_lock(const fs::path& folder) {
   return file;
 }
 
-// The lock's file goes last: what a kill interrupts is removed by the next process.
-void remove_folder(const fs::path& folder) {
+// The file of the lock goes last, so that the next process removes what a kill leaves of this. It is closed before: NFS
+// keeps a file that is open under another name, and with it the folder.
+void remove_folder(const fs::path& folder, Descriptor& lock) {
   std::error_code error;
   for (const char* part : {"requests", "results"}) fs::remove_all(folder / part, error);
+  lock.reset();
   fs::remove_all(folder, error);
 }
 
 void remove_if_left_behind(const fs::path& folder) {
   struct stat about = {};
   if (::lstat(folder.c_str(), &about) != 0 || !S_ISDIR(about.st_mode) || about.st_uid != ::geteuid()) return;
-  const Descriptor file(::open(lock_file(folder).c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
+  Descriptor file(::open(lock_file(folder).c_str(), O_RDWR | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC));
   if (file.number() < 0 || ::flock(file.number(), LOCK_EX | LOCK_NB) != 0) return;
   // It has no name any more where another process has removed the folder since it was opened.
-  if (::fstat(file.number(), &about) == 0 && about.st_nlink > 0) remove_folder(folder);
+  if (::fstat(file.number(), &about) == 0 && about.st_nlink > 0) remove_folder(folder, file);
 }
 
 void remove_what_was_left_behind(const fs::path& parent) {
@@ -74,7 +76,7 @@ Scratch::Scratch() {
   for (const char* part : {"requests", "results"}) fs::create_directory(folder_ / part);
 }
 
-Scratch::~Scratch() { remove_folder(folder_); }
+Scratch::~Scratch() { remove_folder(folder_, lock_); }
 
 void Scratch::clear(const std::string& name) const {
   std::error_code error;

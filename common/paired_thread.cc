@@ -29,7 +29,7 @@ cpu_set_t allowed_cores() {
 }
 
 // Linux starts a thread on the core of its creator and may let it wait there for milliseconds. Therefore the new thread
-// is pinned to another core first, and may use all cores again once it runs there (begin()).
+// is kept off that core at first, and may use all cores again after its first piece of work (run()).
 PairedThread::PairedThread() : thread_([this] { run(); }) {
   cpu_set_t others = cores_;
   CPU_CLR(static_cast<std::size_t>(sched_getcpu()), &others);

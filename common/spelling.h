@@ -12,7 +12,8 @@ namespace fjr {
 // one place).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-// Returns the nearest word of `known`, if it differs by at most a third of its letters; otherwise "".
+// Returns the nearest word of `known`, if it differs by one letter or by at most a third of the letters of the shorter
+// of both; otherwise "".
 std::string_view nearest_word(std::string_view word, const std::vector<std::string_view>& known);
 
 // Returns "; did you mean goal?" to be appended to a message, or "" if no word is near.

@@ -115,7 +115,7 @@ void read(const YamlNode& node, const char* unit, std::optional<T>& value) {
   }
 }
 
-// Returns whether a value may be zero; all others must be positive.
+// Returns whether a value may be zero; all others must be positive, except for a center_of_mass of 0 (check_sign()).
 bool may_be_zero(std::string_view key) { return key == "gravity_torque" || key == "damping"; }
 
 void check_sign(const Key& key, const YamlNode& node, const Joints<double>& values) {

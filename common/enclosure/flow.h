@@ -234,10 +234,10 @@ class Flow {
     }
   }
 
-  // Growth factors of the step length. A failed attempt costs as much as a step, so the length grows slowly where
-  // attempts fail, as in steep friction.
+  // Factors of the step length; kForgotten is that of wider_, per step. A failed attempt costs as much as a step, so
+  // the length grows slowly where attempts fail, as in steep friction.
   static constexpr double kShorter = 0.8, kLonger = 1.5, kRegained = 1.05, kForgotten = 0.999;
-  static constexpr double kSlack = 4;    // factor by which a remainder may exceed its prediction
+  static constexpr double kSlack = 4;    // factor by which a remainder may exceed allowed()
   static constexpr double kWider = 4.4;  // kSlack and rounding: such a box is accepted at once or not at all
   static constexpr int kAttempts = 3;
 

@@ -74,7 +74,7 @@ class HeldFlow {
   }
   // Returns the time [s] from the beginning of the last run at which it was stopped.
   double reached() const { return reached_; }
-  // Returns the number of steps of the motion without the component, plus one for every duration that was held.
+  // Returns the number of steps so far, which are those of x*; holding the component takes none of its own.
   long steps() const { return flow_.steps(); }
 
  private:

@@ -150,7 +150,7 @@ class Set {
 
   const std::array<double, N>& center() const { return center_; }
 
-  // Returns the smallest box around the set.
+  // Returns the smallest box around the set, up to rounding outwards.
   Balls<N> hull() const {
     const std::array<double, N> old = extents(exactly(edges_), old_), young = extents(exactly(basis_), young_);
     Balls<N> box;

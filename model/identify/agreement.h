@@ -14,8 +14,8 @@ struct Identified;  // model/identify/arm.h
 // Differences of two experiments in standard errors of the difference. Beyond the first a warning is given; beyond the
 // second one of them must be wrong.
 inline constexpr double kDoubtfulApart = 3, kContradictoryApart = 10;
-// Ratio to the known value that counts as a large change. It detects a column that is wrong by a factor of 1.5, in
-// spite of the noise of the log.
+// Ratio to the known value, or its inverse, that counts as a large change, unless the change is within kDoubtfulApart
+// standard errors. It detects a column that is wrong by a factor of 1.5, in spite of the noise of the log.
 inline constexpr double kLargeChange = 1.45;
 
 // A parameter that was estimated from two logs on the same joint. They may be of the same experiment or of different
@@ -33,7 +33,7 @@ struct Agreement {
 // Compares every pair of estimates of the same parameter by several procedures or logs.
 std::vector<Agreement> agreements(const std::vector<Estimate>& estimates);
 
-// A parameter whose identified value differs from the known one.
+// A parameter with its identified and its known value, which may be equal.
 struct Change {
   std::string name;  // "motor.inertia[0]"
   double known = 0, found = 0, error = 0;

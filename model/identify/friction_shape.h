@@ -9,7 +9,7 @@
 namespace fjr {
 
 // A sharp kink at rest is the same for (g, h) and (-g, 2 - h), but h > 0 has a further kink at the speed h eta. If that
-// is beyond all measured speeds, the equivalent parameters with h < 0 are returned.
+// is at least twice the highest measured speed, the equivalent parameters with 2 - h <= 0 are returned.
 Eigen::VectorXd without_unseen_kink(const std::vector<FrictionPoint>& points, Eigen::VectorXd p);
 
 // Returns true only if a perfectly sharp kink is clearly excluded, because by chance it looks blunt in a few of a

@@ -22,8 +22,8 @@ inline constexpr Eigen::Index kPlain = kC, kWithHysteresis = kWidth + 1, kWithEx
 // Fits as many parameters as `start` has, at least kPlain. The curve must begin at a crest.
 Fit fit_swing(const Curve& curve, const Eigen::VectorXd& start);
 
-// Returns a fit with hysteresis if the residuals of the plain oscillator exceed `resolution` [rad] and hysteresis
-// reduces them; otherwise returns the plain fit.
+// Returns the plain fit if `resolution` [rad] explains its residuals (is_unexplained()). Otherwise returns a fit with
+// hysteresis, or with exponent if even that leaves more, but only if it explains more than the simpler one.
 Fit best_fit(const Curve& curve, const Fit& plain, double resolution);
 
 // Returns whether the residuals are larger than the resolution explains.

@@ -18,8 +18,8 @@ EarlierFiles files_in(const std::filesystem::path& folder);
 
 // Returns the plan.json of an earlier answer if it is a final answer of this version to the same problem, and its files
 // are complete. An answer because of a deadline or a cancellation is not final. want_uncertified: the file of an
-// uncertified trajectory must exist as well. want_proven: a certificate without a proof is not final (as if the problem
-// asked for a proof); if false, a failure of a requested proof is not final.
+// uncertified trajectory must exist as well. want_proven: a certificate without a proof is not final, as if the problem
+// asked for a proof. If neither asks for one, an uncertified plan for which a proof was requested is not final.
 std::optional<nlohmann::ordered_json> finished_earlier(const Problem& problem, const EarlierFiles& files,
                                                        bool want_uncertified, bool want_proven = false);
 

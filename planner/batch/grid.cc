@@ -164,7 +164,7 @@ void check_overlap(const std::vector<Axis>& axes) {
 
 // ---- values ----
 
-// Returns whether every file system accepts the text in a file name.
+// Replaces characters that not every file system accepts in a file name by '-'.
 std::string for_file_name(std::string text) {
   std::replace_if(
       text.begin(), text.end(),

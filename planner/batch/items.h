@@ -34,7 +34,7 @@ std::string text_of(const BatchItem& item);
 // and not for every item.
 void check_default_robot(const std::vector<BatchItem>& items);
 
-// One of several parts of a batch of equal size. Every item is in exactly one part.
+// One of several parts of a batch, whose sizes differ by at most one item. Every item is in exactly one part.
 struct Shard {
   std::size_t index = 1, count = 1;  // 1 <= index <= count
 };

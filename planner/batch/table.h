@@ -20,8 +20,8 @@ Row make_row(const BatchItem& item, const std::string& status, const std::string
 // The columns of a table of rows: values within `axes` and `terms` are columns of their own, "axes.goal.q[0]".
 class Columns {
  public:
-  // The columns are in the order of the rows. A column that only later rows have is inserted beside its neighbours
-  // there.
+  // The columns are in the order that they have in a row. A column that only later rows have is inserted beside its
+  // neighbours there.
   void add(const Row& row);
   const std::vector<std::string>& names() const { return names_; }
   // Returns the row's values in these columns; null if it has none.

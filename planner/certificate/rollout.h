@@ -67,8 +67,8 @@ inline constexpr double kLongestStep = 1e-3;  // [s]
 // One integrator, restarted as often as wanted. Not copyable, not movable: ARKODE keeps pointers into it.
 class Rollout {
  public:
-  // Finite limits are watched: crossing one is recorded as an event, and so are reversals of the motors if any limit is
-  // finite.
+  // Finite limits of the robot are watched, except for torques: crossing one is recorded as an event, and so are
+  // reversals of the motors if any is watched.
   Rollout(const Parameters& robot, const Limits& limits, const Accuracy& accuracy);
   ~Rollout();
   Rollout(const Rollout&) = delete;

@@ -35,7 +35,7 @@ struct ClientOptions {
   Network network;
   double find = 3;        // [s] to find a service or an executor, since any participant was last discovered
   double ask_again = 2;   // [s] of silence after which the same request is sent again
-  double execution = 15;  // [s] after the end of the trajectory for the executor to report
+  double execution = 15;  // [s] beyond the trajectory's duration, from the reply on, for the result
   double silence = 10;    // [s] of silence after which no answer is expected any more
   std::function<void(const ProgressReport&)> on_progress;
   std::function<void(const ExecutionProgress&)> on_execution;

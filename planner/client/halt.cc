@@ -83,7 +83,8 @@ class Halt {
            std::all_of(states_.begin(), states_.end(), [](const auto& word) { return word.second.complied; });
   }
 
-  // Returns the number of participants that read commands or write states and whose robot is still unknown.
+  // Returns the number of participants whose robot is still unknown and that write states or, for kMeeting after they
+  // were discovered, read commands.
   std::size_t silent() {
     const auto& peers = port_.discovery().peers();
     return static_cast<std::size_t>(std::count_if(peers.begin(), peers.end(), [this](const auto& entry) {

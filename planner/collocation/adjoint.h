@@ -62,7 +62,8 @@ std::vector<double> hamiltonians(const Transcription<Ocp>& t, const Iterate& sol
 }
 
 // Returns the Hamiltonian per interval without those jumps at nodes that arise because limits are imposed at points
-// that move with the nodes (sampled_limits.h). At an optimum the result is constant over the motion.
+// that move with the nodes (sampled_limits.h). The result is determined up to a constant. At an optimum it is constant
+// between via points.
 template <class Ocp>
 std::vector<double> conserved(const Transcription<Ocp>& t, const Iterate& solution,
                               const std::vector<double>& hamiltonian) {

@@ -53,8 +53,8 @@ std::vector<TrajectoryOrder> ExecutorPort::take_trajectories() {
   return orders;
 }
 
-// Returns whether the participant of this writer also has a writer of the second topic. Then its trajectories are read
-// from that one, which contains all of them.
+// Returns whether the participant of this writer also has a writer of fjr/trajectory_2. Then its trajectories are read
+// from there, where all of them are.
 bool ExecutorPort::also_writes_2(dds_instance_handle_t publication) const {
   const auto participant = trajectories_.participant_of(publication);
   if (!participant) return false;

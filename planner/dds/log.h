@@ -11,9 +11,9 @@
 
 namespace fjr::dds {
 
-// While it exists, lines of DDS go to the program's log. Their rate is limited, because other participants could cause
-// one with every message. Malformed packets are counted and reported once a second. It must be created before DDS is
-// used.
+// While it exists, lines of DDS go to the program's log. Their number per second is limited (log_limit.h), because
+// other participants could cause one with every message. Malformed packets are counted and reported once a second. It
+// must be created before DDS is used.
 class LogSink {
  public:
   LogSink();

@@ -166,7 +166,8 @@ std::vector<ExecutedRun> ServicePort::take_runs() {
 
 void ServicePort::send(const ServiceStatus& status) { (void)status_.write(encode(status)); }
 
-// Executors discover the writers in this order, and read the second topic only from participants without the first.
+// Executors discover the writers in this order, and read fjr/trajectory only from participants that do not write
+// fjr/trajectory_2.
 void ServicePort::own(std::uint64_t epoch) {
   disown();
   trajectories_2_.emplace(participant_, participant_.handle(), of_owner(epoch));

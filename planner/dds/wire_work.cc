@@ -48,7 +48,8 @@ HeldLease decode(const fjr_msg_HeldLease& message) {
           {text_of(message.stage), static_cast<int>(message.iteration), message.objective, message.violation}};
 }
 
-// Returns whether a result is consistent: its state is final, and it has a trajectory if and only if it is solved.
+// Returns whether a result is consistent: outcome, state and reason are known ones, the state is final, the rows are
+// finite, and there are rows if and only if it is solved.
 bool makes_sense(const WorkResult& result) {
   const bool known = result.outcome >= WorkOutcome::kDone && result.outcome <= WorkOutcome::kReturned &&
                      result.state >= ReplyState::kRejected && result.state <= ReplyState::kExpired &&

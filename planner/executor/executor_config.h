@@ -32,8 +32,8 @@ ExecutorConfig default_executor_config();
 // Throws InputError naming file, field, value and what is allowed.
 ExecutorConfig load_executor_config(const std::filesystem::path& file);
 
-// Returns the default folder for persistent state: $STATE_DIRECTORY, $XDG_STATE_HOME/fjr or ~/.local/state/fjr. Throws
-// InputError if none of these environment variables is set.
+// Returns the default folder for persistent state: $STATE_DIRECTORY, $XDG_STATE_HOME/fjr or $HOME/.local/state/fjr.
+// Throws InputError if none of these environment variables is set.
 std::filesystem::path default_state_folder();
 
 }  // namespace fjr

@@ -123,8 +123,9 @@ void DriftTest::add(const Look& look) {
   expected_ = expected(all_matrix_, all_score_);
 }
 
-// Returns the likelihood ratio of a change of parameter i: z = known xi + delta e_i since the change, against z = known
-// xi, with xi and delta integrated out. s and b are the information and the score of delta after xi is eliminated.
+// Returns the logarithm of the likelihood ratio of a change of a parameter i, z = known xi + delta e_i since the
+// change, against z = known xi, with xi and delta integrated out; and the mean and standard deviation of delta. s is
+// the information of delta after xi is eliminated, with that of its prior, and b the score.
 DriftTest::Likelihood DriftTest::likelihood(const Change& change, Index candidate, double size) const {
   const auto column = change.matrix.col(candidate);
   const double s = std::max(0.0, column[candidate] - column.dot(expected_.covariance * column)) + 1 / (size * size);

@@ -15,7 +15,7 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kFewestRows = 30;  // rows of a piece, that is 120 readings for its 8 unknowns and the parameters
+constexpr std::size_t kFewestRows = 30;  // rows of a piece: 120 readings for its 8 unknowns, and some to spare
 constexpr std::size_t kFirstRows = 20;   // rows used to guess the initial state of a piece
 constexpr int kParkedTicks = 3;          // in a row, so that a motor that only reverses does not count as parked
 

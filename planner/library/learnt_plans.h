@@ -14,8 +14,9 @@
 
 namespace fjr {
 
-// In memory only minimum-time plans are kept. These practically have a single minimum, while with effort in the
-// objective the minimum of a neighbour may be far from the best one. A library may contain other plans as well.
+// In memory only minimum-time plans from rest to rest without via points and task are kept. These practically have a
+// single minimum, while with effort in the objective the minimum of a neighbour may be far from the best one. A library
+// may contain other plans as well.
 //
 // If the library fails, for instance on a full disk, that is reported on stderr once per reason, and planning goes on.
 class LearntPlans {

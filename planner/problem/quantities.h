@@ -1,6 +1,8 @@
 // The quantities that are limited along a motion, and the place to add a new limit. A limit is a member of Limits, a
 // struct with its formula, and its name in Quantities. Reading, writing, hashing, bounding, relaxing, margins, the
 // certificate, shadow prices, plan.json and the report use that list.
+//
+// Formulas are templated on the scalar, for exact derivatives.
 #pragma once
 
 #include <algorithm>

@@ -9,7 +9,7 @@ namespace fjr {
 
 struct ExperimentDesignArguments {
   std::string robot;          // empty: the robot.yaml shipped with fjr
-  std::string out;            // folder, which must not exist or be empty
+  std::string out;            // folder, which must be empty if it exists
   std::vector<double> start;  // [rad] empty: straight down
   double duration = 20;       // [s]
   int candidates = 16;

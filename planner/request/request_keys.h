@@ -38,7 +38,8 @@ struct KeyFault {
 };
 std::optional<KeyFault> fault_of(const GoalByKey& goal);
 
-// Returns the goal that the keys describe. If their combination is at fault, the key named by fault_of() is ignored.
+// Returns the goal that the keys describe. Keys that do not go with others are ignored; without q and tip, both angles
+// are free.
 RequestedGoal goal_of(const GoalByKey& goal);
 
 // One alternative of a variant, for the key that selects it.

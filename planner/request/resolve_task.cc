@@ -124,7 +124,8 @@ std::string leaves(const Problem& problem, std::size_t segment, const Joints<dou
   return "";
 }
 
-// The guess of a joint that may end anywhere is its last given angle, or the nearest one that the task allows.
+// If the task forbids the guess of a joint that may end anywhere, which is its angle at the start, takes the angle that
+// the task allows nearest to the joint's last given one.
 void place_free_joint(Problem& problem) {
   constexpr int kAngles = 400;
   const std::size_t last = problem.via.size();

@@ -117,7 +117,7 @@ bool needs_nothing(const std::string& part, const std::vector<KeyLine>& lines) {
   });
 }
 
-// Returns whether a key applies only to another kind of goal, such as a goal of the tip.
+// Returns whether a key applies only to goals of the tip, and the request has none of these.
 bool is_for_another_goal(const std::string& key, const YamlNode& root) {
   const std::optional<YamlNode> goal = root.find("goal");
   return (key == "goal.elbow" || key == "goal.tip_velocity") && !(goal && goal->is_map() && goal->find("tip"));

@@ -14,7 +14,7 @@ namespace fjr {
 struct PlannedMotion {
   Task task;
   std::vector<double> ends;               // [s] of the motion's segments
-  Limits limits = Limits::all(kNoLimit);  // only those that are tighter than the planned robot's
+  Limits limits = Limits::all(kNoLimit);  // only those that are tighter than those of its robot
   std::optional<State<double>> start{};   // empty if not given
   std::vector<Goal> goals{};              // alternatives; empty if not given
   Duration duration{0, kNoLimit};         // [s]

@@ -231,7 +231,8 @@ bool NewResults::publish() {
   return kept;
 }
 
-// Copies the replaced results, or those kept in `previous` before, into the new folder.
+// Links or copies the replaced results, or those kept in `previous` before, into `previous` of the new folder. Returns
+// whether they are the replaced ones.
 bool NewResults::keep_previous() const {
   const Worth replaced = worth_of(folder_), before = worth_of(folder_ / kPrevious);
   const bool lost = replaced == Worth::kPlan || (replaced == Worth::kAnswer && worth_of(stage_) < Worth::kPlan);

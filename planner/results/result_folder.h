@@ -17,15 +17,15 @@ inline constexpr std::array<const char*, 7> kResultFiles = {
     "plan.json"};
 inline constexpr const char* kPrevious = "previous";  // the folder within it for results that were replaced
 
-// How valuable results are; more valuable ones are kept when they are replaced.
+// How valuable results are, by which NewResults::publish() decides whether to keep replaced ones.
 enum class Worth {
   kNothing,  // there are none, or the request was refused, cancelled or out of time
   kAnswer,   // planned to the end, without a certified trajectory
   kPlan      // certified
 };
 
-// Decides by the status in plan.json. A trajectory.csv without plan.json, or a plan.json without a status (which is not
-// from fjr), is kept like a certified plan.
+// Decides by the status in plan.json. A folder with a trajectory.csv, whatever the status, or with a plan.json without
+// a status (which is not from fjr) counts as one with a certified plan.
 Worth worth_of(const std::filesystem::path& folder);
 
 bool has_certified_plan(const std::filesystem::path& folder);  // by the status in plan.json
@@ -55,10 +55,10 @@ class NewResults {
 
   // Replaces the old results atomically by exchanging the two folders. If that is not possible (another file system or
   // owner, subfolders, the working directory), a persistent mark is set first, and after an interruption the next
-  // process that reads or writes the folder completes the replacement. Certified results that are replaced, and any
-  // answer that is replaced by a less valuable one, are moved to `previous`, unless more valuable ones are there
-  // already. Returns whether that was done. The files are on the disk when it returns. Throws std::runtime_error on
-  // failure; the old results are then unchanged.
+  // process that reads or writes the folder completes the replacement. Certified results that are replaced, and an
+  // answer that is replaced by anything but a plan, are in `previous` afterwards, unless more valuable ones are there
+  // already or the new results are the same. Returns whether they were put there. The files are on the disk when it
+  // returns. Throws std::runtime_error on failure; the old results are then unchanged.
   bool publish();
 
  private:

@@ -14,8 +14,8 @@
 namespace fjr {
 
 struct Verification {
-  Parameters robot;  // robot and limits of the verdict: the given ones, which the file can only make stricter
-  Limits limits;
+  Parameters robot;  // of the verdict: the given one, with the plan's payload if nothing else says one
+  Limits limits;     // of the verdict: the robot's, which plan.json and the file's header can only make stricter
   PlannedWith header;
   std::vector<std::string> contradictions;  // between the file and what was given, one sentence each
   Certificate certificate;

@@ -11,8 +11,9 @@
 
 namespace fjr {
 
-// Returns a minimum-time problem, whose motion takes many seconds at a speed limit, with penalties on acceleration and
-// jerk (the last variant: on acceleration only), in the order in which they are tried until one is certified.
+// Returns variants of a minimum-time problem whose motion takes many seconds at a speed limit, in the order in which
+// they are tried until one is certified: with penalties on acceleration and jerk, with less on jerk, and on
+// acceleration only.
 std::vector<std::shared_ptr<const Problem>> fastest_with_acceleration_penalties(const Problem& problem);
 
 // Returns the problem of another objective with a weight on the acceleration of the links. Returns null if it has such

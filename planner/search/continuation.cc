@@ -369,8 +369,8 @@ bool Continuation::fade_regularisation() {
 }
 
 // Returns whether a start that reached its iteration limit goes on: its objective is below all known minima and its
-// constraints nearly hold. That were four of 490 starts of 41 motions, one of which ended at less than half of all
-// others.
+// constraints nearly hold. This was so for four of 490 starts of 41 motions, one of which ended at less than half of
+// all others.
 bool Continuation::is_ahead_of(const std::vector<double>& known) const {
   const auto least = std::min_element(known.begin(), known.end());
   return status_ == SolveStatus::kIterationLimit && least != known.end() && violation_ < kSmallViolation &&

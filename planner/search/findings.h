@@ -66,7 +66,7 @@ struct Findings {
   // as the fastest motion instead. Returns whether it is certified and not too long.
   bool keep(const Continuation& c, PublishResult published);
 
-  // Keeps a fastest motion if it is shorter than the one known.
+  // Keeps a fastest motion if it is shorter than the one known, or a later state of that one.
   void note_fastest(const Continuation& c, bool certified);
 };
 

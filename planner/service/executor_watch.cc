@@ -37,8 +37,8 @@ const char* doing(ExecutorMode mode) {
 bool at_rest(ExecutorMode mode) { return mode == ExecutorMode::kResting || mode == ExecutorMode::kHolding; }
 
 // Returns the link positions from which a motion should start: the held reference instead of the encoder readings,
-// because otherwise a sequence of motions would drift by a count each time. The readings are used only if the arm is
-// far off.
+// because otherwise a sequence of motions would drift by a count each time. The reading of a joint is used only if it
+// is more than kSameAsHeld off.
 Joints<double> held_position(const ExecutorState& state) {
   Joints<double> q = state.planned_q;
   for (std::size_t j = 0; j < kJoints; ++j) {

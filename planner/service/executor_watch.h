@@ -28,8 +28,8 @@ class ExecutorWatch {
   bool met() const { return met_; }                        // whether an executor was ever heard
   std::optional<ExecutorState> latest() const;             // if it is recent
   std::uint64_t source() const;                            // publisher of the latest state; 0: none
-  std::optional<std::uint64_t> epoch() const;              // the smaller one if two executors claim the robot
-  bool runs_or_ran(const RequestId& trajectory_id) const;  // whether it is the last one that the executor ran
+  std::optional<std::uint64_t> epoch() const;              // the smaller if two claim the robot: nothing moves then
+  bool runs_or_ran(const RequestId& trajectory_id) const;  // whether the executor runs it, or ran it last
 
   // Returns the time stamp [ns] for publishing now. It follows the executor's clock, because the wall clocks of the two
   // machines may differ and may be stepped; without an executor it is the service's own clock.

@@ -1,6 +1,6 @@
 // Requests that have arrived and were not processed yet. They are taken from the participants in turn, so that one who
 // sends many does not make others wait. The size in bytes is bounded; when full, the latest request of the participant
-// with the most bytes is dropped, and its client sends it again.
+// with the most requests is dropped, and its client sends it again.
 #pragma once
 
 #include <algorithm>

@@ -51,7 +51,7 @@ class Service {
     SharedReply reply;
   };
 
-  // Incoming requests and cancellations (service_incoming.cc).
+  // Incoming requests and cancellations (mostly in service_incoming.cc).
   void take_in();
   bool fill_inbox(Clock::duration most);
   void receive(Order order);
@@ -93,7 +93,7 @@ class Service {
   std::vector<const Order*> orders_in_hand() const;
   void meet_clients();
 
-  // Solving and deadlines (service_work.cc).
+  // Solving and deadlines (service_work.cc, service.cc), and the end (service_end.cc).
   void work();
   void expire();
   void give_work();
@@ -108,7 +108,7 @@ class Service {
   void refuse_at_end(const Backlog::Entry& last);
   void hand_over();
 
-  // Other instances and the executor (service_others.cc).
+  // Other instances and the executor (service_others.cc; results and runs: service_repetitions.cc).
   // Returns whether this instance knows the others: it has listened long enough, and was not suspended for so long that
   // they may consider it gone.
   bool settled() const;

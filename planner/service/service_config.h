@@ -25,7 +25,7 @@ struct ServiceConfig {
   std::vector<ServedRobot> robots;  // instead of these two: several robots in one process
   std::size_t workers = 1;          // solving processes; 0: only workers on other machines solve
   std::size_t jobs = 1;             // threads per solving process
-  std::size_t queue = 64;           // waiting requests allowed per client
+  std::size_t queue = 64;           // waiting requests allowed per participant
   std::size_t warm_plans = 32;      // minimum-time plans that each worker keeps to start neighbouring ones from
   std::filesystem::path library;    // folder of a plan library to start from and to learn into; empty: none
   std::filesystem::path remember;   // folder of the replies that are remembered over a restart; empty: none are

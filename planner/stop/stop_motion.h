@@ -19,17 +19,17 @@ inline constexpr double kStopSpacing = 0.02;  // [s] between the instants of a p
 
 // Returns the limits of a stop. They are wider than those of a plan, because a stop may begin where the plan is at its
 // limits, and its torque must be continuous there. The torque limit is raised by half of what the drive has beyond the
-// planning limit (the other half is left to feedback), the motor velocity limit by 5 %, and the deflection limit by 1
-// %, up to which the identified stiffness is valid. Position limits stay, because there may be a wall.
+// planning limit (the other half is left to feedback), that of motor velocities by 5 %, and that of deflections by 1 %,
+// up to which the identified stiffness is valid. Position limits stay, because there may be a wall.
 Limits stop_limits(const Parameters& robot);
 
 inline constexpr double kShortestStop = 0.05, kLongestStop = 1.5;  // [s]
 
 // Returns the shortest stop within the limits that was found, or nothing. Because the arm is differentially flat in q,
 // any q(t) that begins with the plan's q and four derivatives and ends with four zero derivatives is a motion from the
-// plan's state to rest. The search uses a polynomial of degree 9 per joint with free end position and, if needed for
-// fast plans, adds bumps that vanish with four derivatives at both ends. shortest, longest [s]: range of durations;
-// none is below kShortestStop.
+// plan's state to rest. The search uses a polynomial of degree 9 per joint with free end position, and bumps that
+// vanish with four derivatives at both ends: 3 of them or, for fast plans for which these are not enough, 5. shortest,
+// longest [s]: range of durations; none is below kShortestStop.
 std::optional<StopMotion> find_stop(const Parameters& robot, const Sample& from, double shortest, double longest);
 
 // Returns how far [rad] the links may deviate from a stop and oscillate after it: two counts of the link encoder.
@@ -45,7 +45,7 @@ struct NoStop : std::runtime_error {
 };
 
 // Returns the samples of a stop, beginning with the plan's sample `from`: one every millisecond, and more where the
-// torque changes fast. Throws NoStop if a sample is not within stop_limits().
+// torque changes fast. Throws NoStop if one of those every millisecond is not within stop_limits(), or not a number.
 Trajectory stop_rows(const Parameters& robot, const Sample& from, const StopMotion& stop);
 
 // Returns a stop, checked by a rollout, for every kStopSpacing from the beginning of the plan. Calls `between` after

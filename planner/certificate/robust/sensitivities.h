@@ -11,9 +11,9 @@
 namespace fjr {
 
 // Fraction of an encoder's error that the feedback sees, averaged over arms whose errors have a standard deviation: E[x
-// f(x)] / E[x^2] for normal x, where f(x) is what the executor measures (motor_feedback.h), counts and dead zones
-// included, with the plan anywhere within a count. It is the gain of the linear element with the least mean square
-// error: Gelb & Vander Velde, Multiple-Input Describing Functions and Nonlinear System Design (1968), ch. 7.
+// f(x)] / E[x^2] for normal x, where f(x) is the error that the executor's feedback uses (motor_feedback.h), counts and
+// dead zones included, with the plan anywhere within a count. It is the gain of the linear element with the least mean
+// square error: Gelb & Vander Velde, Multiple-Input Describing Functions and Nonlinear System Design (1968), ch. 7.
 class EquivalentGain {
  public:
   enum class Encoder { kMotor, kLink };

@@ -93,12 +93,13 @@ class ChainLdlt {
     // Columns are the indices that are not equality rows, in this order: those passed on by the children, those of this
     // block alone, those that are coupled to the next front, and the border.
     std::vector<int> columns;
-    int summed = 0, later = 0, width = 0;  // `summed` columns are fully summed here, `later` go to the next front
-    std::vector<int> rows;                 // equality rows
-    int rows_elsewhere = 0;                // number of equality rows not yet eliminated by its branch after this front
+    // The first `summed` columns are fully summed here, the next `later` go to the next front. width: of all, padded.
+    int summed = 0, later = 0, width = 0;
+    std::vector<int> rows;   // equality rows
+    int rows_elsewhere = 0;  // number of equality rows of all other fronts but those before it in its branch
     std::vector<Entry> diagonal, symmetric, coupling, row_diagonal;  // of two columns, of a row and a column, of a row
     int first_leaf = 0, last_leaf = 0;                               // in leaves_
-    // Set by the current factorisation: Index in the whole matrix of each column and row of the front, including rows
+    // Set by the current factorisation. Index in the whole matrix of each column and row of the front, including rows
     // that are treated as columns, pivots delayed by the children, and neighbours of leaves that were eliminated alone.
     std::vector<int> column_index, row_index;
     Tableau tableau;

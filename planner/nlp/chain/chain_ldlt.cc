@@ -19,6 +19,17 @@ constexpr double kLargestCondensed = 1e4;
 
 std::size_t index(int i) { return static_cast<std::size_t>(i); }
 
+// A dense matrix of which both triangles are stored.
+struct SymmetricMatrix {
+  double* data;
+  int width;
+
+  void add(int i, int j, double value) const {
+    data[i * width + j] += value;
+    if (i != j) data[j * width + i] += value;
+  }
+};
+
 }  // namespace
 
 // Computes the pivots of the leaves and returns the number of their negative eigenvalues.
@@ -48,112 +59,115 @@ int ChainLdlt::prepare_leaves(std::span<const double> values) {
   return negative;
 }
 
-// Assembles a front: the entries of its block plus the Schur complements of its child fronts.
-void ChainLdlt::assemble(Front& front, std::span<const double> values, Branch& work) const {
+// Determines which indices the columns and rows of a front are: those of the pattern, and what the present numbers add.
+// Returns the first column of the neighbours of leaves that are eliminated alone.
+int ChainLdlt::lay_out(Front& front, std::span<const double> values, Branch& work) const {
   front.column_index = front.columns;
   front.row_index.clear();
-  const auto new_column = [&front](int i) {
-    front.column_index.push_back(i);
-    return static_cast<int>(front.column_index.size()) - 1;
-  };
-  const auto new_row = [&front](int i) {
-    front.row_index.push_back(i);
-    return static_cast<int>(front.row_index.size()) - 1;
-  };
-
   // A row with an entry on the diagonal is treated as a column, ~column in row_place.
   work.row_diagonal.assign(front.rows.size(), 0);
   for (const Entry& e : front.row_diagonal) work.row_diagonal[index(e.at / front.width)] += values[index(e.value)];
   work.row_place.clear();
   for (std::size_t r = 0; r < front.rows.size(); ++r) {
-    work.row_place.push_back(work.row_diagonal[r] == 0 ? new_row(front.rows[r]) : ~new_column(front.rows[r]));
+    work.row_place.push_back(work.row_diagonal[r] == 0 ? front.new_row(front.rows[r])
+                                                       : ~front.new_column(front.rows[r]));
   }
-  // Place the delayed pivots of the child fronts. Delayed rows that have no entries among themselves stay rows, all
-  // others become columns.
-  for (std::size_t c = 0; c < front.children.size(); ++c) {
-    const Front& previous = fronts_[index(front.children[c].front)];
-    const DenseLdlt& rest = previous.rest;
-    const int columns = static_cast<int>(previous.column_index.size());
-    std::vector<int>& rest_place = work.rest_place[c];
-    rest_place.clear();
-    const auto is_row = [&](int p) {
-      if (rest.index()[index(p)] < columns || rest.row(p)[p] != 0) return false;
-      for (int q = rest.pivots(); q < p; ++q) {
-        if (rest_place[index(q - rest.pivots())] < 0 && rest.row(p)[q] != 0) return false;
-      }
-      return true;
-    };
-    for (int p = rest.pivots(); p < rest.order(); ++p) {
-      const int local = rest.index()[index(p)];
-      if (p < previous.rest_summed) {
-        const int global =
-            local < columns ? previous.column_index[index(local)] : previous.row_index[index(local - columns)];
-        rest_place.push_back(is_row(p) ? ~new_row(global) : new_column(global));  // here a row is ~row
-      } else if (local < previous.summed + previous.later) {
-        rest_place.push_back(local - previous.summed + front.children[c].first_column);
-      } else {
-        rest_place.push_back(local - previous.summed - previous.later + front.summed + front.later);
-      }
-    }
-  }
+  for (std::size_t c = 0; c < front.children.size(); ++c) place_rest(front.children[c], front, work.rest_place[c]);
   const int first_leaf_column = static_cast<int>(front.column_index.size());
   for (int l = front.first_leaf; l < front.last_leaf; ++l) {
-    if (!leaves_[index(l)].paired) new_column(leaves_[index(l)].neighbour);
+    if (!leaves_[index(l)].paired) front.new_column(leaves_[index(l)].neighbour);
   }
-
   const int columns = static_cast<int>(front.column_index.size());
   front.tableau.reset(static_cast<int>(front.row_index.size()), columns);
-  const int width = front.tableau.width();
   work.symmetric.resize_to_zero(columns, columns);
-  double* s = work.symmetric.data();
-  const auto add = [s, width](int i, int j, double value) {
-    s[i * width + j] += value;
-    if (i != j) s[j * width + i] += value;
+  return first_leaf_column;
+}
+
+// Places what a child front has not eliminated: ~row for a row of this front, otherwise a column. Delayed rows that
+// have no entries among themselves stay rows, all other delayed pivots become columns.
+void ChainLdlt::place_rest(const Child& child, Front& front, std::vector<int>& rest_place) const {
+  const Front& previous = fronts_[index(child.front)];
+  const DenseLdlt& rest = previous.rest;
+  const int columns = static_cast<int>(previous.column_index.size());
+  rest_place.clear();
+  const auto is_row = [&](int p) {
+    if (rest.index()[index(p)] < columns || rest.row(p)[p] != 0) return false;
+    for (int q = rest.pivots(); q < p; ++q) {
+      if (rest_place[index(q - rest.pivots())] < 0 && rest.row(p)[q] != 0) return false;
+    }
+    return true;
   };
-  const bool all_rows =
-      std::all_of(work.row_diagonal.begin(), work.row_diagonal.end(), [](double d) { return d == 0; });
-  if (width == front.width && all_rows) {  // nothing was delayed, so the positions from analyse() are valid
-    double* t = front.tableau.data();
-    for (const Entry& e : front.diagonal) s[e.at] += values[index(e.value)];
-    for (const Entry& e : front.symmetric) {
-      s[e.at] += values[index(e.value)];
-      s[e.mirrored] += values[index(e.value)];
-    }
-    for (const Entry& e : front.coupling) t[e.at] += values[index(e.value)];
-  } else {
-    const auto row = [&front](const Entry& e) { return e.at / front.width; };
-    const auto column = [&front](const Entry& e) { return e.at % front.width; };
-    for (const Entry& e : front.diagonal) add(row(e), column(e), values[index(e.value)]);
-    for (const Entry& e : front.symmetric) add(row(e), column(e), values[index(e.value)]);
-    for (const Entry& e : front.coupling) {
-      const int place = work.row_place[index(row(e))];
-      if (place >= 0) {
-        front.tableau.row(place)[column(e)] += values[index(e.value)];
-      } else {
-        add(~place, column(e), values[index(e.value)]);
-      }
-    }
-    for (std::size_t r = 0; r < front.rows.size(); ++r) {
-      if (work.row_place[r] < 0) add(~work.row_place[r], ~work.row_place[r], work.row_diagonal[r]);
+  for (int p = rest.pivots(); p < rest.order(); ++p) {
+    const int local = rest.index()[index(p)];
+    if (p < previous.rest_summed) {
+      const int global =
+          local < columns ? previous.column_index[index(local)] : previous.row_index[index(local - columns)];
+      rest_place.push_back(is_row(p) ? ~front.new_row(global) : front.new_column(global));
+    } else if (local < previous.summed + previous.later) {
+      rest_place.push_back(local - previous.summed + child.first_column);
+    } else {
+      rest_place.push_back(local - previous.summed - previous.later + front.summed + front.later);
     }
   }
+}
+
+// Adds the entries of the front's block.
+void ChainLdlt::add_entries(Front& front, std::span<const double> values, Branch& work) {
+  const SymmetricMatrix s{work.symmetric.data(), front.tableau.width()};
+  const bool all_rows =
+      std::all_of(work.row_diagonal.begin(), work.row_diagonal.end(), [](double d) { return d == 0; });
+  if (s.width == front.width && all_rows) {  // nothing was delayed, so the positions from analyse() are valid
+    double* t = front.tableau.data();
+    for (const Entry& e : front.diagonal) s.data[e.at] += values[index(e.value)];
+    for (const Entry& e : front.symmetric) {
+      s.data[e.at] += values[index(e.value)];
+      s.data[e.mirrored] += values[index(e.value)];
+    }
+    for (const Entry& e : front.coupling) t[e.at] += values[index(e.value)];
+    return;
+  }
+  const auto row = [&front](const Entry& e) { return e.at / front.width; };
+  const auto column = [&front](const Entry& e) { return e.at % front.width; };
+  for (const Entry& e : front.diagonal) s.add(row(e), column(e), values[index(e.value)]);
+  for (const Entry& e : front.symmetric) s.add(row(e), column(e), values[index(e.value)]);
+  for (const Entry& e : front.coupling) {
+    const int place = work.row_place[index(row(e))];
+    if (place >= 0) {
+      front.tableau.row(place)[column(e)] += values[index(e.value)];
+    } else {
+      s.add(~place, column(e), values[index(e.value)]);
+    }
+  }
+  for (std::size_t r = 0; r < front.rows.size(); ++r) {
+    if (work.row_place[r] < 0) s.add(~work.row_place[r], ~work.row_place[r], work.row_diagonal[r]);
+  }
+}
+
+// Adds the Schur complements of the leaves of the front's block.
+void ChainLdlt::add_leaves(const Front& front, int first_leaf_column, Branch& work) const {
+  const SymmetricMatrix s{work.symmetric.data(), front.tableau.width()};
   int leaf_column = first_leaf_column;
   for (int l = front.first_leaf; l < front.last_leaf; ++l) {
     const Leaf& leaf = leaves_[index(l)];
     if (leaf.paired) {
       for (int e = leaf.others; e < leaf.end; ++e) {
         const double factor = -leaf.inverse_pp * leaf_values_[index(e)];
-        double* row = s + leaf_entries_[index(e)].column * width;
+        double* row = s.data + leaf_entries_[index(e)].column * s.width;
         for (int f = leaf.others; f < leaf.end; ++f)
           row[leaf_entries_[index(f)].column] += factor * leaf_values_[index(f)];
       }
     } else {
-      add(leaf_column, leaf_column, leaf.a_pp - leaf.a_lp * leaf.a_lp / leaf.a_ll);
+      s.add(leaf_column, leaf_column, leaf.a_pp - leaf.a_lp * leaf.a_lp / leaf.a_ll);
       for (int e = leaf.others; e < leaf.end; ++e)
-        add(leaf_column, leaf_entries_[index(e)].column, leaf_values_[index(e)]);
+        s.add(leaf_column, leaf_entries_[index(e)].column, leaf_values_[index(e)]);
       ++leaf_column;
     }
   }
+}
+
+// Adds the Schur complements of the child fronts.
+void ChainLdlt::add_rests(Front& front, Branch& work) const {
+  const SymmetricMatrix s{work.symmetric.data(), front.tableau.width()};
   for (std::size_t c = 0; c < front.children.size(); ++c) {
     const DenseLdlt& rest = fronts_[index(front.children[c].front)].rest;
     const std::vector<int>& rest_place = work.rest_place[c];
@@ -162,13 +176,21 @@ void ChainLdlt::assemble(Front& front, std::span<const double> values, Branch& w
       for (int p = q; p < rest.order(); ++p) {
         const int i = rest_place[index(p - rest.pivots())];
         if (i >= 0 && j >= 0) {
-          add(i, j, rest.row(q)[p]);
+          s.add(i, j, rest.row(q)[p]);
         } else if (i >= 0 || j >= 0) {
           front.tableau.row(~std::min(i, j))[std::max(i, j)] += rest.row(q)[p];
         }
       }
     }
   }
+}
+
+// Assembles a front: the entries of its block plus the Schur complements of its leaves and of its child fronts.
+void ChainLdlt::assemble(Front& front, std::span<const double> values, Branch& work) const {
+  const int first_leaf_column = lay_out(front, values, work);
+  add_entries(front, values, work);
+  add_leaves(front, first_leaf_column, work);
+  add_rests(front, work);
 }
 
 // Eliminates the equality rows together with their basic variables, and sets up the dense matrix of what is left

@@ -107,6 +107,15 @@ class ChainLdlt {
     Rows curvature;               // per such row: the row of H that belongs to the basic variable
     DenseLdlt rest;  // its index(): the number of a column that is not basic, or columns + r for tableau row r
     int rest_summed = 0;
+
+    int new_column(int i) {
+      column_index.push_back(i);
+      return static_cast<int>(column_index.size()) - 1;
+    }
+    int new_row(int i) {
+      row_index.push_back(i);
+      return static_cast<int>(row_index.size()) - 1;
+    }
   };
 
   // A branch is a sequence of fronts that one thread eliminates.
@@ -127,11 +136,24 @@ class ChainLdlt {
     mutable std::vector<double> rest_values;
   };
 
+  struct Pattern;
+
+  std::vector<int> find_leaves(const Pattern& of);
+  void set_fronts(const Pattern& of, const std::vector<int>& leaf_role);
   void set_branches(const std::vector<std::vector<int>>& shared, const std::vector<std::vector<int>>& own);
+  static std::vector<int> owners(const Pattern& of, const std::vector<int>& leaf_role);
+  static void set_entries(const Pattern& of, std::span<const int> entries, const std::vector<int>& place, Front& front);
+  void set_leaf_entries(const Pattern& of, std::span<const int> entries, const std::vector<int>& place, Leaf& leaf);
+
   int prepare_leaves(std::span<const double> values);
   Outcome eliminate(Branch& branch, std::span<const double> values, double threshold, int most_negative,
                     const std::atomic<bool>& of_no_use);
   void assemble(Front& front, std::span<const double> values, Branch& work) const;
+  int lay_out(Front& front, std::span<const double> values, Branch& work) const;
+  void place_rest(const Child& child, Front& front, std::vector<int>& rest_place) const;
+  static void add_entries(Front& front, std::span<const double> values, Branch& work);
+  void add_leaves(const Front& front, int first_leaf_column, Branch& work) const;
+  void add_rests(Front& front, Branch& work) const;
   static bool reduce(Front& front, bool last, Branch& work);
   static void count_work(const Front& front, Branch& work);
   static double& column_value(const Front& front, std::span<double> b, int j);

@@ -7,7 +7,6 @@
 #include <chrono>
 #include <exception>
 #include <fstream>
-#include <memory>
 #include <numeric>
 #include <optional>
 #include <string>

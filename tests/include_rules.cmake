@@ -68,32 +68,28 @@ foreach(source ${sources})
   endforeach()
 endforeach()
 
-# rule(what allowed forbidden): outside the files matching `allowed` nobody includes headers matching `forbidden`.
-function(rule what allowed forbidden)
-  foreach(source ${sources})
-    if(source MATCHES "${allowed}")
-      continue()
-    endif()
+# Appends to `broken` what these files include of headers that match `forbidden`.
+macro(refuse what files forbidden)
+  foreach(source ${files})
     file(STRINGS ${SOURCE}/${source} lines REGEX "^[ \t]*#[ \t]*include[ \t]*[<\"](${forbidden})")
     foreach(line ${lines})
       string(APPEND broken "  ${source}: ${line}: ${what}\n")
     endforeach()
   endforeach()
+endmacro()
+
+# rule(what allowed forbidden): outside the files matching `allowed` nobody includes headers matching `forbidden`.
+function(rule what allowed forbidden)
+  list(FILTER sources EXCLUDE REGEX "${allowed}")
+  refuse("${what}" "${sources}" "${forbidden}")
   set(broken "${broken}" PARENT_SCOPE)
 endfunction()
 
-# bars(what files forbidden): none of the files matching `files` includes a header matching `forbidden`, although the
+# bars(what barred forbidden): none of the files matching `barred` includes a header matching `forbidden`, although the
 # layers would let it.
-function(bars what files forbidden)
-  foreach(source ${sources})
-    if(NOT source MATCHES "${files}")
-      continue()
-    endif()
-    file(STRINGS ${SOURCE}/${source} lines REGEX "^[ \t]*#[ \t]*include[ \t]*[<\"](${forbidden})")
-    foreach(line ${lines})
-      string(APPEND broken "  ${source}: ${line}: ${what}\n")
-    endforeach()
-  endforeach()
+function(bars what barred forbidden)
+  list(FILTER sources INCLUDE REGEX "${barred}")
+  refuse("${what}" "${sources}" "${forbidden}")
   set(broken "${broken}" PARENT_SCOPE)
 endfunction()
 

@@ -28,7 +28,8 @@ const std::vector<Procedure>& procedures();
 const Procedure* find_procedure(std::string_view name);  // null if there is none of that name
 
 // joint: 0 or 1. `robot`: parameters known so far, used for the encoder resolution and to detect wrong signs and units.
-// All procedures throw InputError if the log cannot be from the stated experiment.
+// All procedures throw InputError if the log cannot be from their experiment; what the log itself says of that, and of
+// the joint, is checked by identify().
 
 // IV-A: estimates K, the slope of the spring torque against theta - q, with the branches of the hysteresis separated.
 Estimate identify_stiffness(const Log& log, int joint, const Parameters& robot);

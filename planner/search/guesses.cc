@@ -15,6 +15,12 @@
 namespace fjr {
 namespace {
 
+constexpr double kShortest = 0.1;      // [s] of a guess
+constexpr double kWithSprings = 1.3;   // times what a rigid arm takes: springs and friction
+constexpr double kWithoutHurry = 2.0;  // likewise, for the objectives that want longer motions
+
+double sum_of(const std::vector<double>& times) { return std::accumulate(times.begin(), times.end(), 0.0); }
+
 // The points the motion passes, with their fractions of the duration.
 struct Waypoint {
   double fraction;
@@ -36,18 +42,33 @@ double tip_way(const Problem& problem, const Joints<double>& from, const Joints<
   return path;
 }
 
-// Rough duration [s] of one leg from rest to rest: that of a rigid arm within the limits of torque and speed.
-double leg_time(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
-  double time = 0.02;
+// Accelerations [rad/s^2] that the limits of torque allow each joint of a rigid, stretched arm, without gravity.
+Joints<double> rigid_acceleration(const Problem& problem) {
   const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
   const Joints<double> inertia{stretched.m11, stretched.m22};
+  Joints<double> acceleration;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    const double distance = std::abs(to[j] - from[j]);
-    const double acceleration = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
-    time = std::max({time, 2 * std::sqrt(distance / acceleration), distance / problem.limits.motor_velocity[j]});
+    acceleration[j] = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
   }
-  if (std::isfinite(problem.limits.tip_speed)) {
-    time = std::max(time, tip_way(problem, from, to) / problem.limits.tip_speed);
+  return acceleration;
+}
+
+// [s] The least that the limits of speed allow, and what a leg is given at least.
+double time_at_full_speed(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
+  double time = 0.02;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    time = std::max(time, std::abs(to[j] - from[j]) / problem.limits.motor_velocity[j]);
+  }
+  if (!std::isfinite(problem.limits.tip_speed)) return time;
+  return std::max(time, tip_way(problem, from, to) / problem.limits.tip_speed);
+}
+
+// Rough duration [s] of one leg from rest to rest: that of a rigid arm within the limits of torque and speed.
+double leg_time(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
+  const Joints<double> acceleration = rigid_acceleration(problem);
+  double time = time_at_full_speed(problem, from, to);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    time = std::max(time, 2 * std::sqrt(std::abs(to[j] - from[j]) / acceleration[j]));
   }
   return time;
 }
@@ -66,66 +87,60 @@ std::vector<double> leg_times(const Problem& problem) {
   return times;
 }
 
-// [s] The shortest time over `distance` from velocity `from` to velocity `to` with accelerations of at most `most`:
-// first one way at the most, then the other way (a double integrator).
+// [s] The shortest time over `distance` [rad] from velocity `from` to velocity `to` [rad/s] of a double integrator with
+// accelerations of at most `most` [rad/s^2]: all of it one way, up to a peak of the velocity, and then the other way.
 double bang_bang_time(double distance, double from, double to, double most) {
-  const double mean_square = (from * from + to * to) / 2;
-  const double faster = std::sqrt(std::max(0.0, most * distance + mean_square));
-  if (faster >= std::max(from, to) && most * distance + mean_square >= 0) return (2 * faster - from - to) / most;
-  const double slower = -std::sqrt(std::max(0.0, mean_square - most * distance));
-  return (from + to - 2 * slower) / most;
-}
-
-// Velocities at start, via points and goal, and the times [s] between them that they suit.
-struct Passing {
-  std::vector<Joints<double>> velocities;  // [rad/s]
-  std::vector<double> times;
-};
-
-// Both depend on each other: where a velocity is left open it is that of the neighbouring segments, whose times follow
-// from it.
-Passing passing_of(const Problem& problem) {
-  constexpr int kRounds = 10;
-  const std::vector<Joints<double>> points = points_of(problem);
-  const std::size_t last = points.size() - 1;
-  const MassMatrix<double> stretched = mass_matrix(problem.robot, 0.0);
-  const Joints<double> inertia{stretched.m11, stretched.m22};
-  Passing passing{std::vector<Joints<double>>(points.size(), {0, 0}), leg_times(problem)};
-  const auto slope = [&](std::size_t leg, std::size_t j) {
-    return (points[leg + 1][j] - points[leg][j]) / passing.times[leg];
-  };
-  const auto set_velocities = [&] {
-    passing.velocities.front() = problem.start.dq;
-    for (std::size_t i = 1; i < last; ++i) {
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        const double before = slope(i - 1, j), after = slope(i, j);
-        passing.velocities[i][j] = before * after > 0 ? (before + after) / 2 : 0;
-      }
-      if (problem.via[i - 1].dq) passing.velocities[i] = *problem.via[i - 1].dq;
-    }
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      passing.velocities[last][j] = problem.goal.dq_free ? slope(last - 1, j) : problem.goal.dq[j];
-    }
-  };
-  for (int round = 0; round < kRounds; ++round) {
-    set_velocities();
-    for (std::size_t leg = 0; leg < last; ++leg) {
-      double time = 0.02;
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        const double acceleration = problem.limits.torque[j] / (inertia[j] + problem.robot.motor.inertia[j]);
-        const double distance = points[leg + 1][j] - points[leg][j];
-        time = std::max(
-            {time, std::abs(distance) / problem.limits.motor_velocity[j],
-             bang_bang_time(distance, passing.velocities[leg][j], passing.velocities[leg + 1][j], acceleration)});
-      }
-      if (std::isfinite(problem.limits.tip_speed)) {
-        time = std::max(time, tip_way(problem, points[leg], points[leg + 1]) / problem.limits.tip_speed);
-      }
-      passing.times[leg] = time;
+  constexpr double kRounding = 1e-9;  // [s]
+  double shortest = kNoLimit;
+  for (const double first : {most, -most}) {
+    const double square = std::max(0.0, first * distance + (from * from + to * to) / 2);
+    for (const double peak : {std::sqrt(square), -std::sqrt(square)}) {
+      const double until_peak = (peak - from) / first, after_it = (peak - to) / first;
+      if (until_peak >= -kRounding && after_it >= -kRounding) shortest = std::min(shortest, until_peak + after_it);
     }
   }
-  set_velocities();
-  return passing;
+  return shortest;
+}
+
+// Velocities [rad/s] at start, via points and goal: those that are given, and else the mean ones of both neighbouring
+// legs, which take these times [s]; zero where a joint turns back.
+std::vector<Joints<double>> passing_velocities(const Problem& problem, const std::vector<Joints<double>>& points,
+                                               const std::vector<double>& times) {
+  const auto mean = [&](std::size_t leg, std::size_t j) { return (points[leg + 1][j] - points[leg][j]) / times[leg]; };
+  const std::size_t last = points.size() - 1;
+  std::vector<Joints<double>> velocities{problem.start.dq};
+  for (std::size_t i = 1; i < last; ++i) {
+    Joints<double> open{};
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double before = mean(i - 1, j), after = mean(i, j);
+      open[j] = before * after > 0 ? (before + after) / 2 : 0;
+    }
+    velocities.push_back(problem.via[i - 1].dq.value_or(open));
+  }
+  velocities.push_back(problem.goal.dq_free ? Joints<double>{mean(last - 1, 0), mean(last - 1, 1)} : problem.goal.dq);
+  return velocities;
+}
+
+// Times [s] that a rigid arm takes from point to point with passing_velocities(). Each depends on the other; they
+// settle within a few rounds.
+std::vector<double> passing_times(const Problem& problem) {
+  constexpr int kRounds = 10;
+  const std::vector<Joints<double>> points = points_of(problem);
+  const Joints<double> acceleration = rigid_acceleration(problem);
+  std::vector<double> times = leg_times(problem);
+  for (int round = 0; round < kRounds; ++round) {
+    const std::vector<Joints<double>> velocities = passing_velocities(problem, points, times);
+    for (std::size_t leg = 0; leg + 1 < points.size(); ++leg) {
+      const Joints<double>&from = velocities[leg], &to = velocities[leg + 1];
+      double time = time_at_full_speed(problem, points[leg], points[leg + 1]);
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        const double distance = points[leg + 1][j] - points[leg][j];
+        time = std::max(time, bang_bang_time(distance, from[j], to[j], acceleration[j]));
+      }
+      times[leg] = time;
+    }
+  }
+  return times;
 }
 
 // The quintic polynomial of the time from (a, va) to (b, vb) in `time` without acceleration at both ends, as
@@ -282,11 +297,15 @@ Guess minimum_jerk_guess(const Problem& problem, double duration) {
   return along_flat_motion("minimum jerk", problem, duration, [](std::size_t, double) { return LinkMotion{}; });
 }
 
-Guess passing_guess(const Problem& problem, double duration) {
-  const Passing passing = passing_of(problem);
-  const std::vector<double> durations = apportioned(problem, duration, passing.times);
+Guess passing_guess(const Problem& problem) {
+  const std::vector<double> times = passing_times(problem);
+  // Velocities that are given leave no choice: in twice the time an arm that passes points with them has to go round.
+  const double usual = std::max(kShortest, sum_of(times) * kWithSprings);
+  const double duration = std::clamp(usual, problem.duration.min, problem.duration.max);
+  const std::vector<double> durations = apportioned(problem, duration, times);
   const auto points = waypoints(problem, durations);
-  const auto flat = [points, duration, velocities = passing.velocities, robot = problem.robot](double s) {
+  const std::vector<Joints<double>> velocities = passing_velocities(problem, points_of(problem), durations);
+  const auto flat = [points, duration, velocities, robot = problem.robot](double s) {
     const std::size_t leg = leg_of(points, s);
     const double fraction = points[leg + 1].fraction - points[leg].fraction;
     LinkMotion m;
@@ -462,16 +481,6 @@ Guess guess_from(Motion motion, const std::vector<double>& durations, double dur
   return {"previous", stretched, state, torque};
 }
 
-namespace {
-
-constexpr double kShortest = 0.1;      // [s] of a guess
-constexpr double kWithSprings = 1.3;   // times what a rigid arm takes: springs and friction
-constexpr double kWithoutHurry = 2.0;  // likewise, for the objectives that want longer motions
-
-double sum_of(const std::vector<double>& times) { return std::accumulate(times.begin(), times.end(), 0.0); }
-
-}  // namespace
-
 double usual_duration(const Problem& problem) {
   const bool hurried = starts_worth_trying(problem.weights) == 1;
   return std::max(kShortest, sum_of(leg_times(problem))) * (hurried ? kWithSprings : kWithoutHurry);
@@ -479,12 +488,6 @@ double usual_duration(const Problem& problem) {
 
 double duration_guess(const Problem& problem) {
   return std::clamp(usual_duration(problem), problem.duration.min, problem.duration.max);
-}
-
-double passing_duration_guess(const Problem& problem) {
-  // Velocities that are given leave no choice: in twice the time an arm that passes points with them has to go round.
-  const double duration = std::max(kShortest, sum_of(passing_of(problem).times) * kWithSprings);
-  return std::clamp(duration, problem.duration.min, problem.duration.max);
 }
 
 }  // namespace fjr

@@ -20,9 +20,9 @@ Guess minimum_jerk_guess(const Problem& problem, double duration);
 
 // Passes start, via points and goal without stopping at them, by q in quintic polynomials of the time and everything
 // else by flatness. Velocities that the problem leaves open are the mean ones of both neighbouring segments, or zero
-// where a joint turns back. duration: [s] of the whole; its segments share it by the time that a rigid arm takes
-// between these velocities, roughly.
-Guess passing_guess(const Problem& problem, double duration);
+// where a joint turns back. It lasts 1.3 times as long as a rigid arm takes between these velocities, roughly, within
+// the problem's bounds.
+Guess passing_guess(const Problem& problem);
 
 // Link angles one after the other [rad], with straight lines between.
 using Path = std::vector<Joints<double>>;
@@ -70,8 +70,5 @@ double usual_duration(const Problem& problem);
 
 // A duration to start from: the usual one, clamped to the problem's bounds. [s]
 double duration_guess(const Problem& problem);
-
-// The duration of a passing guess, likewise: what a rigid arm takes that need not stop at via points. [s]
-double passing_duration_guess(const Problem& problem);
 
 }  // namespace fjr

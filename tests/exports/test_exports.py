@@ -222,6 +222,26 @@ def test_the_scene_is_as_foxglove_has_it(plan, tmp_path):
         assert not validator.is_valid(wrong)
 
 
+def test_the_scene_has_what_tip_and_joints_keep_to(tmp_path):
+    still = {}
+    for name, task in (
+        ("box", "tip: {box: [[-0.1, -0.7], [0.5, -0.3]]}"),
+        ("line", "tip: {line: {from: [0.05, -0.64], to: [0.2, -0.6], tolerance: 0.05}}"),
+        ("path", "path: {points: [[0.2, 0.05]], tolerance: 0.05}"),
+    ):
+        request = tmp_path / f"{name}.yaml"
+        request.write_text("start: {q: [0.08, 0]}\ngoal: {q: [0.3, 0.02]}\n" + task + "\n")
+        fjr("plan", request, "--out", tmp_path / name, "--quiet")
+        _, scene = messages(export(tmp_path / name, tmp_path, "mcap"))["/fjr/scene"]
+        still |= {entity["id"]: entity["lines"][0] for entity in scene[0][1]["entities"]}
+    corners = [(point["x"], point["y"]) for point in still["tip box"]["points"]]
+    assert corners == [(-0.1, -0.7), (0.5, -0.7), (0.5, -0.3), (-0.1, -0.3), (-0.1, -0.7)]
+    assert still["tip line"]["thickness"] == pytest.approx(0.1)
+    # A straight line of the joints is a curve of the tip, at the arm's length from the base where q2 is zero.
+    first = still["path"]["points"][0]
+    assert (first["x"] ** 2 + first["y"] ** 2) ** 0.5 == pytest.approx(0.65)
+
+
 def test_mcap(plan, table, log, tmp_path):
     topics = messages(export(plan, tmp_path, "mcap", "--log", log))
     assert set(topics) == {"/fjr/trajectory", "/fjr/tip", "/fjr/limits", "/fjr/scene", "/fjr/executed"}

@@ -159,6 +159,9 @@ TEST(Explain, ADurationThatIsTooShort) {
   EXPECT_EQ(why.limit, "duration");
   ASSERT_TRUE(why.shortest_duration);
   EXPECT_NEAR(*why.shortest_duration, 0.4297, 0.005 * 0.4297);  // the converged reference
+  const Relaxation* longer = find(why, "duration", 0);
+  ASSERT_NE(longer, nullptr);
+  EXPECT_EQ(longer->to, *why.shortest_duration);
   expect_least(problem, why, "torque", 1);
 }
 
@@ -170,6 +173,9 @@ TEST(Explain, AMotorThatIsTooSlow) {
   ASSERT_TRUE(why.shortest_duration);
   const double turn = (*problem.goal.theta)[0];
   EXPECT_GT(*why.shortest_duration, turn / 0.8);
+  const Relaxation* longer = find(why, "duration", 0);
+  ASSERT_NE(longer, nullptr);
+  EXPECT_NEAR(longer->to, 1.01 * *why.shortest_duration, 1e-3);  // to spare, for the objective is not time
   const Relaxation* by = find(why, "motor_velocity", 1);
   ASSERT_NE(by, nullptr) << why.sentence;
   EXPECT_GT(by->to, turn / 1.0);

@@ -256,8 +256,7 @@ class Explanation {
     result_.time = allowed;
     if (!any_timed(problem_)) {
       // With hardly more time than the fastest motion takes, other objectives are seldom found.
-      const double spare = only_time(problem_.weights) ? 1 : 1 + kSpareTime;
-      const double enough = rounded_up(spare * needed);
+      const double enough = only_time(problem_.weights) ? needed : rounded_up((1 + kSpareTime) * needed);
       result_.relaxations.push_back(relaxation_of_time(RelaxableKind::kDuration, "duration", allowed, enough));
       result_.relaxations.back().rough = !known_.certified;
     } else if (explain_times_as_well()) {

@@ -33,5 +33,6 @@ set(FJR_PUBLIC_HEADERS
   planner/results/report/plan_record.h
   planner/search/account.h
   planner/search/explain/relaxation.h
+  planner/search/settings.h
   planner/stop/stop.h
   planner/trajectory/trajectory.h)

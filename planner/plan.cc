@@ -26,7 +26,9 @@ namespace {
 
 double most_work(const Problem& problem, const PlanOptions& options) {
   const double usual = starts_worth_trying(problem.weights);
-  return std::max(options.most_work * std::max(1.0, starts_to_try(problem, options.starts) / usual), options.deadline);
+  return std::max(
+      options.most_work * std::max(1.0, starts_to_try(problem, options.starts, options.search.starts) / usual),
+      options.deadline);
 }
 
 // Only the chain factorisation is known to be safe in several threads: MUMPS is not, HSL's may not be.
@@ -38,8 +40,9 @@ int threads_for(const PlanOptions& options) {
 
 SessionOptions session_options(const Problem& problem, const PlanOptions& options) {
   SessionOptions o;
-  o.settings.linear_solver = options.linear_solver;
-  o.settings.scheme = find_scheme(problem.method);
+  o.search = options.search;
+  o.scheme = find_scheme(problem.method);
+  o.linear_solver = options.linear_solver;
   o.deadline = options.deadline;
   o.jobs = threads_for(options);
   o.most_work = most_work(problem, options);
@@ -133,7 +136,7 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   const double began_cpu = cpu_time();
   const Problem searched = without_closed_loop(problem);
   Session session(session_options(searched, options));
-  Findings found(searched);
+  Findings found(searched, options.search.follow);
   Plan plan;
 
   session.enter(Phase::kFinding);

@@ -15,6 +15,7 @@
 #include "planner/problem/problem.h"
 #include "planner/search/account.h"
 #include "planner/search/explain/relaxation.h"
+#include "planner/search/settings.h"
 #include "planner/trajectory/trajectory.h"
 
 namespace fjr {
@@ -52,7 +53,8 @@ struct PlanOptions {
   double most_work = 60;
   // If given, it is tried first; if it leads to a certified plan, nothing else is tried.
   std::optional<WarmStart> warm;
-  bool proven = false;  // demands a proof as Problem::proven does
+  bool proven = false;      // demands a proof as Problem::proven does
+  SearchSettings search{};  // for experts: constants that tune the search
   std::function<void(const Progress&)> on_progress;
   std::function<bool()> cancelled;  // polled between iterations
 };

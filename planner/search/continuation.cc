@@ -23,67 +23,22 @@
 namespace fjr {
 namespace {
 
-constexpr double kCostTolerance = 3e-5;  // fraction of the objective by which an interval may misjudge it
-constexpr double kStepTolerance = 1e-5;  // [rad] mesh tolerance during the homotopy
-// A warm start begins as close to its bounds as the last solution is. A larger barrier first has to push it away from
-// them; a smaller one makes it crawl along them. 1e-7 took the fewest iterations of 1e-5 ... 1e-9, and costs 0.05 % of
-// the time in a minimum-time problem (the barrier times the number of bounds).
-constexpr double kWarmBarrier = 1e-7;
-constexpr int kStepIterations = 80;       // of homotopy steps that converge at all, nine of ten take less than 60
-constexpr int kRewardedIterations = 300;  // of those with a reward, which converge more slowly (bench/README.md)
-constexpr int kPricedIterations = 250;    // of warm starts to another price: switching times and active limits change
-constexpr int kRestIterations = 50;       // with rests scaled, 45
-constexpr double kRestWidth =
-    0.003;  // [rad/s] up to which rests are scaled: in wider laws a moving motor seems to rest
-constexpr int kMovingIterations = 60;  // nine of ten take less than 45
-// [rad/s] width of the step after which nodes are moved for the first time, because from then on it is settled when
-// each motor rests. If nodes move only with the exact law, the comparison of motions depends on chance, and their
-// objectives are up to 1.5 % higher.
-constexpr double kMovedWidth = 0.01;
-constexpr int kMovingRounds = 2;               // a refined mesh wants its nodes elsewhere, but no longer by much
-constexpr int kMoreIterations = 200;           // in all, while the objective still falls: up to 4 % less effort
-constexpr double kWorthwhileDecrease = 0.005;  // fraction of the objective by which it has fallen then
-constexpr int kIterationFactorWhenAhead = 3;   // times the iterations of a start that is ahead of all known minima
-constexpr double kSmallViolation = 1e-2;       // violation of constraints up to which an objective says something
-constexpr int kHalvings = 2;                   // of a homotopy step that did not converge
-constexpr double kSharpWidth = 1e-4;           // [rad/s] as good as the exact law, where a step is halved
-constexpr double kSameMinimum = 2e-5;  // relative difference of objectives on one mesh below which minima are one
-constexpr int kTighteningRounds = 8;
-// Tolerances of a tightening round that another one follows, where the objective does not depend on friction: the last
-// iterations of a round hardly change the errors by which mesh and margins are judged. Solved to the end, ten fastest
-// motions took 1.13 times as many iterations times intervals (a reach 1.4 times).
-constexpr double kRoundTolerance = 1e-4, kRoundViolation = 1e-7;
-constexpr int kFailuresToTighten = 3;  // then it is given up: further attempts fail alike, with 300 iterations each
-// The first rounds keep the whole base margin. Later ones keep a fifth of it: by then the motion is inside the limits,
-// and keeping more takes rounds in which nothing changes.
-constexpr int kRoundsOfWholeMargin = 2;
-constexpr double kLaterPartOfMargin = 0.2;
-constexpr double kIneffectiveMarginGrowth = 8;  // of a margin that changed nothing: its bound was not active
-constexpr double kSharpForPeaks = 1e-3;         // [rad/s] widths of friction laws up to which peaks are kept by margins
-constexpr int kCreepRounds = 3;
-constexpr double kLargestRegularisation = 0.05;  // fraction of the objective; its cost is of second order in that
-constexpr double kRegularisationDecrease = 0.5;  // fraction of this to which it is reduced
-constexpr int kRegularisationRounds = 4;
-
-// Returns the error above which intervals make up four fifths of the sum of all errors.
-double bulk_of(std::vector<double> errors) {
-  constexpr double kOthers = 0.2;  // fraction of the sum that the others make
+// Returns the error above which intervals make up the sum of all errors but for a fraction `others_of_sum`.
+double bulk_of(std::vector<double> errors, double others_of_sum) {
   const double sum = std::accumulate(errors.begin(), errors.end(), 0.0);
   std::sort(errors.begin(), errors.end());
   double others = 0;
   for (const double error : errors) {
     others += error;
-    if (others > kOthers * sum) return error * (1 - 1e-9);
+    if (others > others_of_sum * sum) return error * (1 - 1e-9);
   }
   return kNoLimit;
 }
 
-// Returns whether an objective on a coarse mesh is so far above the least known one that it is not worth following. Of
-// 318 starts beyond this factor none became the best motion of its request; of 510 beyond a factor of 1.1 two did.
-bool is_hopeless(const std::vector<double>& known, double objective) {
-  constexpr double kTimesTheLeast = 1.2;
+// Returns whether an objective on a coarse mesh is more than `times_the_least` known one, if that is positive.
+bool is_hopeless(const std::vector<double>& known, double objective, double times_the_least) {
   const auto least = std::min_element(known.begin(), known.end());
-  return least != known.end() && *least > 0 && objective > kTimesTheLeast * *least;
+  return least != known.end() && *least > 0 && objective > times_the_least * *least;
 }
 
 bool exceeds(const std::vector<PerLimit>& excesses) {
@@ -106,24 +61,21 @@ double squared_torque(const Motion& motion) {
   return sum;
 }
 
-// Returns the number of intervals of the first mesh. They must be short enough for the first solution to have the right
-// shape: the springs oscillate at up to 50 rad/s.
-int coarse_intervals(const Problem& problem, double duration) {
-  constexpr double kCoarseStep = 0.02;      // [s]
-  constexpr double kTunnelStep = 0.0075;    // [s] longer intervals jump over obstacles (though not over walls)
-  constexpr double kTunnelIntervals = 160;  // enough for a motion through all of the arm's reach
-  double intervals = duration / kCoarseStep;
+// Returns the number of intervals of the first mesh.
+int coarse_intervals(const Problem& problem, double duration, const FirstSolveSettings& s) {
+  double intervals = duration / s.interval;
   if (!problem.task.obstacles.discs.empty()) {
-    intervals = std::max(intervals, std::min(duration / kTunnelStep, kTunnelIntervals));
+    intervals = std::max(intervals, std::min(duration / s.interval_among_obstacles, s.most_among_obstacles));
   }
-  return std::clamp(static_cast<int>(std::ceil(intervals)), 25, 400) + 2 * static_cast<int>(problem.via.size());
+  return std::clamp(static_cast<int>(std::ceil(intervals)), s.fewest_intervals, s.most_intervals) +
+         s.intervals_per_via * static_cast<int>(problem.via.size());
 }
 
 }  // namespace
 
-bool any_same(const std::vector<double>& minima, double objective) {
+bool any_same(const std::vector<double>& minima, double objective, double difference) {
   return std::any_of(minima.begin(), minima.end(), [=](double other) {
-    return std::abs(objective - other) <= kSameMinimum * std::max(std::abs(objective), std::abs(other));
+    return std::abs(objective - other) <= difference * std::max(std::abs(objective), std::abs(other));
   });
 }
 
@@ -132,8 +84,8 @@ Continuation::Continuation(std::shared_ptr<const Problem> problem, Session& sess
 
 SolveOptions Continuation::options(const std::string& what) {
   SolveOptions o;
-  o.linear_solver = settings().linear_solver;
-  o.max_iterations = static_cast<int>(std::lround(patience * settings().warm_iterations));
+  o.linear_solver = session_->options().linear_solver;
+  o.max_iterations = static_cast<int>(std::lround(patience * settings().warm.iterations));
   o.monitor = [this, what, told = 0.0](const IterationInfo& info) mutable {
     session_->tell({what, info.iteration, info.objective, info.violation});
     const double more = info.work - std::exchange(told, info.work);
@@ -212,11 +164,11 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
   const bool suits_own = count_of_rows(problem_->task) == 0 && !has_reward(problem_->weights);
   const bool own = suits_own && (by_own_method || only_time(problem_->weights));
   o.optimiser = own ? Optimiser::kOwn : Optimiser::kIpopt;
-  const int usual = coarse_intervals(*problem_, guess.duration());
+  const int usual = coarse_intervals(*problem_, guess.duration(), settings().first);
   Smoothing smoothest = strategy.steps.front();
   smoothest.regularisation *= regularisation_factor;
   smoothest.friction_width *= width_factor;
-  const CollocationSetup setup{settings().scheme,
+  const CollocationSetup setup{session_->options().scheme,
                                uniform_mesh(guess.durations, static_cast<int>(std::lround(mesh_factor * usual))),
                                smoothest,
                                {}};
@@ -227,7 +179,8 @@ bool Continuation::cold(const Guess& guess, int most_iterations) {
 // for.
 bool Continuation::came_down() const {
   const double before = solution_.report.objective;
-  return sees_friction(problem_->weights) && stages_.back().objective < before - kWorthwhileDecrease * std::abs(before);
+  return sees_friction(problem_->weights) &&
+         stages_.back().objective < before - settings().warm.worthwhile_decrease * std::abs(before);
 }
 
 // Whether friction is in the objective, so that a motor may rest and carry a load at no cost.
@@ -235,7 +188,7 @@ bool Continuation::has_rests() const { return sees_friction(problem_->weights) &
 
 bool Continuation::attempt_step(const std::string& what, const CollocationSetup& setup) {
   const double width = setup.smoothing.friction_width;
-  const bool scaled = has_rests() && width <= kRestWidth;
+  const bool scaled = has_rests() && width <= settings().homotopy.rest_width;
   const Collocated from = scaled ? with_rests_scaled(*problem_, solution_, width) : solution_;
   SolveOptions o = strategy.loose_steps ? loosely(what) : warm(what);
   const auto within = [&](double iterations) {
@@ -247,8 +200,11 @@ bool Continuation::attempt_step(const std::string& what, const CollocationSetup&
     return solved;
   };
   const bool rewarded = has_reward(problem_->weights);
-  if (within(scaled ? kRestIterations : rewarded ? kRewardedIterations : kStepIterations)) return true;
-  return status_ == SolveStatus::kIterationLimit && came_down() && within(kMoreIterations);
+  if (within(scaled     ? settings().homotopy.iterations_with_rests
+             : rewarded ? settings().homotopy.iterations_with_reward
+                        : settings().homotopy.iterations))
+    return true;
+  return status_ == SolveStatus::kIterationLimit && came_down() && within(settings().warm.more_iterations);
 }
 
 // Moves the nodes at which the Hamiltonian jumps to their optimal times. Returns false if there was nothing to move or
@@ -265,10 +221,10 @@ bool Continuation::move_nodes() {
         what, {solution_.setup, Attempt::kMovingNodes, o.max_iterations, o.initial_barrier}, o,
         [&](const SolveOptions& with) { return fjr::move_nodes(*problem_, solution_, times.jumps, with); });
   };
-  if (within(kMovingIterations)) return true;
+  if (within(settings().nodes.iterations)) return true;
   // With a sharper law, attempts whose objective still falls at the limit of iterations seldom converge later.
-  const bool smooth = solution_.setup.smoothing.friction_width >= kMovedWidth;
-  return smooth && status_ == SolveStatus::kIterationLimit && came_down() && within(kMoreIterations);
+  const bool smooth = solution_.setup.smoothing.friction_width >= settings().nodes.first_width;
+  return smooth && status_ == SolveStatus::kIterationLimit && came_down() && within(settings().warm.more_iterations);
 }
 
 // Moves nodes and tightens, more than once if the refined mesh needs some nodes elsewhere again. Returns false if no
@@ -276,7 +232,7 @@ bool Continuation::move_nodes() {
 bool Continuation::tighten_on_moved_nodes() {
   move_nodes();
   for (int round = 0; status_ != SolveStatus::kStopped && tighten(); ++round) {
-    if (round + 1 >= kMovingRounds || !move_nodes()) return status_ != SolveStatus::kStopped;
+    if (round + 1 >= settings().nodes.rounds || !move_nodes()) return status_ != SolveStatus::kStopped;
   }
   return false;
 }
@@ -284,14 +240,15 @@ bool Continuation::tighten_on_moved_nodes() {
 // Takes a homotopy step, in two halves if it fails.
 bool Continuation::reach_step(const Smoothing& step, int halvings) {
   const std::string what = fmt::format("{}, friction width {:.2g} rad/s", label_, step.friction_width);
-  CollocationSetup setup = refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kStepTolerance);
+  CollocationSetup setup =
+      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), settings().homotopy.mesh_tolerance);
   const Smoothing from = setup.smoothing;
   setup.smoothing = step;
   if (attempt_step(what, setup)) return true;
   // If the objective depends on friction, the steps are small already, and the last good solution will do.
   if (status_ == SolveStatus::kStopped || sees_friction(problem_->weights)) return false;
   if (halvings == 0) return attempt_anew(what, setup);
-  const double sharpest = std::max(step.friction_width, kSharpWidth);
+  const double sharpest = std::max(step.friction_width, settings().homotopy.sharp_width);
   const Smoothing between{std::sqrt(from.friction_width * sharpest),
                           std::sqrt(from.regularisation * step.regularisation)};
   return reach_step(between, halvings - 1) && reach_step(step, halvings - 1);
@@ -323,17 +280,17 @@ bool Continuation::take_step() {
   const Smoothing& step = steps[homotopy_->next++];
   // A step often fails because the mesh holds the switching times where they are: then nodes are moved first.
   const auto reach = [&] {
-    if (reach_step(step, kHalvings)) return true;
+    if (reach_step(step, settings().homotopy.halvings)) return true;
     if (status_ == SolveStatus::kStopped || !move_nodes()) return false;
     compare_step();
-    return reach_step(step, kHalvings);
+    return reach_step(step, settings().homotopy.halvings);
   };
   if (!reach()) {
     homotopy_->next = steps.size();
     return false;
   }
   compare_step();
-  if (step.friction_width == kMovedWidth && move_nodes()) compare_step();
+  if (step.friction_width == settings().nodes.first_width && move_nodes()) compare_step();
   return true;
 }
 
@@ -355,42 +312,44 @@ bool Continuation::keep_best_step() {
 // outweigh an objective that is much smaller than its weights suggest. Returns false if stopped.
 bool Continuation::fade_regularisation() {
   if (settles_torque(problem_->weights) || !strategy.fades) return true;
-  for (int round = 0; round < kRegularisationRounds; ++round) {
+  for (int round = 0; round < settings().regularisation.rounds; ++round) {
     Smoothing step = solution_.setup.smoothing;
     const double weight = make_arm_ocp<Features{}>(*problem_, step.regularisation).regularisation;
     const double regularisation = weight * squared_torque(solution_.motion);
     const double objective = std::abs(solution_.report.objective - regularisation);
-    if (!(regularisation > kLargestRegularisation * objective)) return true;
+    if (!(regularisation > settings().regularisation.largest * objective)) return true;
     step.regularisation *=
-        std::max(kRegularisationDecrease * kLargestRegularisation * objective / regularisation, 1e-3);
-    if (!reach_step(step, kHalvings)) return status_ != SolveStatus::kStopped;
+        std::max(settings().regularisation.decrease * settings().regularisation.largest * objective / regularisation,
+                 settings().regularisation.largest_change);
+    if (!reach_step(step, settings().homotopy.halvings)) return status_ != SolveStatus::kStopped;
   }
   return true;
 }
 
 // Returns whether a start that reached its iteration limit goes on: its objective is below all known minima and its
-// constraints nearly hold. This was so for four of 490 starts of 41 motions, one of which ended at less than half of
-// all others.
+// constraints nearly hold.
 bool Continuation::is_ahead_of(const std::vector<double>& known) const {
   const auto least = std::min_element(known.begin(), known.end());
-  return status_ == SolveStatus::kIterationLimit && least != known.end() && violation_ < kSmallViolation &&
-         stages_.back().objective < *least - kSameMinimum * std::abs(*least);
+  return status_ == SolveStatus::kIterationLimit && least != known.end() &&
+         violation_ < settings().first.small_violation &&
+         stages_.back().objective < *least - settings().first.same_minimum * std::abs(*least);
 }
 
 StartOutcome Continuation::begin(const Guess& guess, int most_iterations, const std::vector<double>& known) {
   bool solved = cold(guess, most_iterations);
   if (!solved && is_ahead_of(known)) {
     stages_.clear();  // the first stage is what the start comes to
-    solved = cold(guess, kIterationFactorWhenAhead * most_iterations);
+    solved = cold(guess, settings().first.iteration_factor_when_ahead * most_iterations);
   }
   if (!solved) return StartOutcome::kNoSolution;
-  if (any_same(known, solution_.report.objective)) return StartOutcome::kKnown;
+  if (any_same(known, solution_.report.objective, settings().first.same_minimum)) return StartOutcome::kKnown;
   // If the objective does not depend on friction, the next steps refine the mesh anyway, and the multipliers change
   // little before: not refining here saves a tenth of the iterations. Otherwise the rests of motors have to be resolved
   // while the law is smooth; without that, objectives are 0.5 % higher.
-  if (!sees_friction(problem_->weights) || is_hopeless(known, solution_.report.objective)) return StartOutcome::kNew;
+  if (!sees_friction(problem_->weights) || is_hopeless(known, solution_.report.objective, settings().first.hopeless))
+    return StartOutcome::kNew;
   const CollocationSetup setup =
-      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), kStepTolerance);
+      refined(solution_.setup, interval_errors(problem_->robot, solution_.motion), settings().homotopy.mesh_tolerance);
   const std::string what = fmt::format("{}, {} intervals", label_, setup.mesh.size());
   if (setup.mesh.size() != solution_.setup.mesh.size()) {
     // A second attempt, without the multipliers, takes as long as the first and hardly ever leads to the best motion.
@@ -407,10 +366,11 @@ StartOutcome Continuation::begin(const Guess& guess, int most_iterations, const 
 // whose cost is inaccurate. If a motor reverses at its torque limit, u has to jump by the step of its friction. Nodes
 // are placed on both sides of the jump, because halving would take three more rounds to come as near.
 CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<double> errors, double tolerance) const {
-  const double worth_splitting = 1.5 * tolerance,
-               worth_quartering = std::pow(2, settings().scheme.order + 2) * tolerance;
+  const double worth_splitting = settings().mesh.error_when_splitting * tolerance,
+               worth_quartering = std::pow(2, session_->options().scheme.order + 2) * tolerance;
   const bool on_the_way = tolerance > mesh_tolerance();
-  const double worth = on_the_way ? kExcessWorthSplitting : strategy.worth_splitting;
+  const double worth = on_the_way ? settings().mesh.excess_worth_splitting
+                                  : strategy.worth_splitting.value_or(settings().mesh.excess_worth_splitting);
   const std::vector<PerLimit> excess =
       excesses(*problem_, solution_.setup.mesh, solution_.motion, kKeep, solution_.slack);
   const PerLimit scales = limit_scales(*problem_);
@@ -421,21 +381,21 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
       const double fraction = (excess[k][i] + margin) / scales[i];  // zero without a limit
       if (fraction <= worth) continue;
       const bool of_torque = i < kLimits && kLimitNames[i].is_of(Torque::info);
-      if (of_torque && fraction > kExcessWorthSplitting) {
+      if (of_torque && fraction > settings().mesh.excess_worth_splitting) {
         if (const auto reversal = reversal_in(solution_.motion, k, kLimitNames[i].j())) {
           steps[k].push_back(*reversal);
           continue;
         }
       }
       errors[k] = std::max(errors[k], worth_splitting);
-      if (fraction > 4 * worth) errors[k] = std::max(errors[k], worth_quartering);
+      if (fraction > settings().mesh.excess_worth_quartering * worth) errors[k] = std::max(errors[k], worth_quartering);
     }
   }
   if (sees_friction(problem_->weights)) {
     Joints<FrictionLaw> law{FrictionLaw::of(problem_->robot, 0), FrictionLaw::of(problem_->robot, 1)};
     for (FrictionLaw& l : law) l = l.smoothed(setup.smoothing.friction_width);
-    const std::vector<double> cost = cost_errors(*problem_, law, settings().scheme, solution_.motion);
-    const double allowed = kCostTolerance * std::abs(solution_.report.objective);
+    const std::vector<double> cost = cost_errors(*problem_, law, session_->options().scheme, solution_.motion);
+    const double allowed = settings().mesh.cost_tolerance * std::abs(solution_.report.objective);
     for (std::size_t k = 0; k < errors.size(); ++k) {
       if (cost[k] > allowed) errors[k] = std::max(errors[k], worth_splitting);
     }
@@ -443,7 +403,7 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   std::vector<int> pieces = affordable_pieces(errors, tolerance);
   Cuts cuts = equal_cuts(pieces);
   for (std::size_t k = 0; k < cuts.size(); ++k) {
-    const double shortest = settings().shortest_interval / solution_.motion.intervals[k].duration;
+    const double shortest = settings().mesh.shortest_interval / solution_.motion.intervals[k].duration;
     for (const double step : steps[k]) cut_around(cuts[k], step, shortest);
     pieces[k] = static_cast<int>(cuts[k].size()) + 1;
   }
@@ -456,18 +416,18 @@ CollocationSetup Continuation::refined(CollocationSetup setup, std::vector<doubl
   return setup;
 }
 
-double Continuation::mesh_tolerance() const { return strategy.mesh * settings().mesh_tolerance; }
+double Continuation::mesh_tolerance() const { return strategy.mesh * settings().mesh.tolerance; }
 
 // Returns into how many pieces each interval is split. If that gives too many intervals, only the worst are split.
 std::vector<int> Continuation::affordable_pieces(const std::vector<double>& errors, double tolerance) const {
-  constexpr double kLessExact = 1.5;
   const auto count = [](const std::vector<int>& pieces) {
     return static_cast<std::size_t>(std::accumulate(pieces.begin(), pieces.end(), 0));
   };
   std::vector<int> pieces;
   do {
-    pieces = pieces_wanted(solution_.motion, errors, tolerance, settings().scheme.order, settings().shortest_interval);
-    tolerance *= kLessExact;
+    pieces = pieces_wanted(solution_.motion, errors, tolerance, session_->options().scheme.order,
+                           settings().mesh.shortest_interval);
+    tolerance *= settings().mesh.looser;
   } while (count(pieces) > std::max(most_intervals(), errors.size()));
   return pieces;
 }
@@ -480,15 +440,16 @@ SolveOptions Continuation::warm(const std::string& what) {
   o.warm_start = true;
   o.optimiser = has_reward(problem_->weights) ? Optimiser::kIpopt : Optimiser::kOwn;
   o.barrier_strategy = BarrierStrategy::kMonotone;
-  o.initial_barrier = o.final_barrier = kWarmBarrier;
+  o.initial_barrier = o.final_barrier = settings().warm.barrier;
   return o;
 }
 
 // The more rows an interval has, the more memory it takes.
 std::size_t Continuation::most_intervals() const {
-  constexpr double kRowsAnyway = 20;
   const double rows = static_cast<double>(count_of_rows(problem_->task));
-  return static_cast<std::size_t>(static_cast<double>(settings().most_intervals) * kRowsAnyway / (kRowsAnyway + rows));
+  const double without_task = settings().mesh.rows_without_task;
+  return static_cast<std::size_t>(static_cast<double>(settings().mesh.most_intervals) * without_task /
+                                  (without_task + rows));
 }
 
 bool Continuation::attempt_or_forget(const std::string& what, const CollocationSetup& setup, const SolveOptions& o) {
@@ -508,7 +469,8 @@ bool Continuation::attempt_anew(const std::string& what, const CollocationSetup&
 
 ChangeOutcome Continuation::split_intervals(const std::vector<double>& errors) {
   if (errors.size() != solution_.setup.mesh.size()) throw std::logic_error("errors of another mesh");
-  const CollocationSetup setup = refined(solution_.setup, errors, std::min(mesh_tolerance(), bulk_of(errors)));
+  const CollocationSetup setup =
+      refined(solution_.setup, errors, std::min(mesh_tolerance(), bulk_of(errors, settings().mesh.others_of_sum)));
   if (setup.mesh.size() == solution_.setup.mesh.size()) return ChangeOutcome::kNotNeeded;
   const std::string what = fmt::format("{}, {} intervals", label_, setup.mesh.size());
   return attempt_or_forget(what, setup, warm(what)) ? ChangeOutcome::kSolved : ChangeOutcome::kFailed;
@@ -517,8 +479,8 @@ ChangeOutcome Continuation::split_intervals(const std::vector<double>& errors) {
 SolveOptions Continuation::loosely(const std::string& what) {
   SolveOptions o = warm(what);
   if (sees_friction(problem_->weights)) return o;
-  o.tolerance = kRoundTolerance;
-  o.constraint_tolerance = kRoundViolation;
+  o.tolerance = settings().tightening.round_tolerance;
+  o.constraint_tolerance = settings().tightening.round_violation;
   return o;
 }
 
@@ -540,12 +502,16 @@ void Continuation::keep_lowest_peak(std::optional<Collocated> best) {
 
 bool Continuation::tighten() {
   // With wider laws the friction differs from the exact one even where a motor is not yet reversing.
-  bool minds_peak = problem_->weights.peak_torque > 0 && solution_.setup.smoothing.friction_width <= kSharpForPeaks;
+  bool minds_peak = problem_->weights.peak_torque > 0 &&
+                    solution_.setup.smoothing.friction_width <= settings().tightening.sharp_for_peaks;
   std::optional<Collocated> lowest;
-  for (int round = 0; round < kTighteningRounds && failures_to_tighten_ < kFailuresToTighten; ++round) {
+  for (int round = 0; round < settings().tightening.rounds && failures_to_tighten_ < settings().tightening.failures;
+       ++round) {
     CollocationSetup setup = solution_.setup;
-    const double keep = round < kRoundsOfWholeMargin ? kKeep : kLaterPartOfMargin;
-    const double growth = round > 0 && solution_.report.iterations == 0 ? kIneffectiveMarginGrowth : 2;
+    const double keep =
+        round < settings().tightening.rounds_of_whole_margin ? kKeep : settings().tightening.later_part_of_margin;
+    const double growth = round > 0 && solution_.report.iterations == 0 ? settings().tightening.ineffective_growth
+                                                                        : settings().tightening.growth;
     std::vector<PerLimit> excess = excesses(*problem_, setup.mesh, solution_.motion, keep, solution_.slack);
     if (minds_peak && round > 0 && !exceeds(excess) &&
         (!lowest || published_objective(*problem_, solution_) < published_objective(*problem_, *lowest))) {
@@ -595,7 +561,7 @@ ChangeOutcome Continuation::keep_margins(const std::vector<LimitCheck>& checks) 
 
 ChangeOutcome Continuation::creep() {
   ChangeOutcome done = ChangeOutcome::kNotNeeded;
-  for (int round = 0; round < kCreepRounds; ++round) {  // what is kept out of one interval may settle in the next
+  for (int round = 0; round < settings().tightening.creep_rounds; ++round) {
     CollocationSetup setup = solution_.setup;
     const std::vector<Joints<double>> wanted = creep_through_rests(*problem_, solution_.motion);
     setup.creep.resize(wanted.size(), {0, 0});
@@ -638,7 +604,7 @@ bool Continuation::resume(const Collocated& neighbour) {
   const std::string what = label_ + ", moved";
   // If this does not converge soon, planning from scratch takes less time on average than a second attempt.
   SolveOptions o = warm(what);
-  o.max_iterations = problem_->price ? kPricedIterations : kStepIterations;
+  o.max_iterations = problem_->price ? settings().warm.iterations_to_another_price : settings().homotopy.iterations;
   return attempt(what, CollocationSetup(solution_.setup), nullptr, o) && tighten_on_moved_nodes();
 }
 

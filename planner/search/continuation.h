@@ -18,9 +18,9 @@
 
 namespace fjr {
 
-// Returns whether an objective equals one of these minima to within 2e-5, so that both are the same minimum. All
-// objectives must be of the same mesh.
-bool any_same(const std::vector<double>& minima, double objective);
+// Returns whether an objective equals one of these minima to within a relative difference, so that both are the same
+// minimum. All objectives must be of the same mesh.
+bool any_same(const std::vector<double>& minima, double objective, double difference);
 
 // Result of a start.
 enum class StartOutcome {
@@ -146,7 +146,7 @@ class Continuation {
                     const std::function<Collocated(const SolveOptions&)>& solve);
   bool has_rests() const;
   void keep_lowest_peak(std::optional<Collocated> best);  // best: empty if no round kept all limits
-  const ContinuationSettings& settings() const { return session_->options().settings; }
+  const ContinuationSettings& settings() const { return session_->settings().continuation; }
   SolveOptions options(const std::string& what);
   SolveOptions warm(const std::string& what);
   SolveOptions loosely(const std::string& what);

@@ -1,6 +1,7 @@
 // Settings of a continuation for one kind of motion.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "planner/ocp/collocate.h"
@@ -8,16 +9,13 @@
 
 namespace fjr {
 
-// Excess over a limit, as a fraction of it, beyond which intervals are split, because a margin would usually cost more.
-inline constexpr double kExcessWorthSplitting = 0.02;
-
 struct ContinuationStrategy {
-  std::vector<Smoothing> steps;  // of the homotopy, from the first solution's friction law to the exact one
-  bool loose_steps = false;      // homotopy steps are solved with loose tolerances
-  bool fades = true;             // a regularisation that outweighs the objective is reduced at the end
-  bool begins_afresh = true;     // a failed warm start on a finer mesh is repeated without multipliers
-  double mesh = 1;               // factor on the mesh tolerance
-  double worth_splitting = kExcessWorthSplitting;  // on the mesh that is to be certified
+  std::vector<Smoothing> steps;           // of the homotopy, from the first solution's friction law to the exact one
+  bool loose_steps = false;               // homotopy steps are solved with loose tolerances
+  bool fades = true;                      // a regularisation that outweighs the objective is reduced at the end
+  bool begins_afresh = true;              // a failed warm start on a finer mesh is repeated without multipliers
+  double mesh = 1;                        // factor on the mesh tolerance
+  std::optional<double> worth_splitting;  // on the mesh that is to be certified, instead of excess_worth_splitting
 };
 
 // Returns the strategy of all motions but those that swing up; its homotopy steps depend on the objective.

@@ -18,48 +18,11 @@
 namespace fjr {
 namespace {
 
-constexpr int kUsualIterations = 300;            // iterations of one attempt
-constexpr int kSwingIterations = 1200;           // motions that have to swing up took up to 630
-constexpr int kTighteningSwingIterations = 600;  // of a step to tighter limits after which the motion swings once more
-constexpr int kLastSwingIterations = 900;        // of the last attempt
-constexpr double kMoreEffort = 10;               // times the usual regularisation
-constexpr std::size_t kPatientStarts = 2;
-constexpr double kCoarser = 0.5, kFiner = 2;    // times the usual number of intervals
-constexpr double kRelaxed[] = {0.5, 3};         // fractions by which limits are relaxed at first
-constexpr double kEasilyCarried = 1.05;         // times what carrying the arm takes
-constexpr double kWindingUp[] = {0.4, 0.2, 0};  // fractions of the way that links go the other way first
-constexpr double kLongestInterval = 0.03;       // [s] mean interval up to which a mesh is reused for a longer motion
-constexpr double kFirstStep = 0.05;             // of the factor on the limits, relative
-constexpr double kLongerStep = 1.25;            // times the last step, after a success
-constexpr double kGrowth = 0.06;        // fraction by which a step may make the motion longer, going by the last one
-constexpr double kShortestStep = 2e-4;  // below this, failed steps are not halved again
-// If more work is allowed than usual, the iteration limits of swinging motions grow in proportion, up to this factor:
-// with little torque to spare, warm starts take up to 690 iterations.
-constexpr double kMostPatience = 5;
-// Factors on the usual friction width. A slowly moving motor has less friction under a smoothed law, so a swing-up
-// found with the usual width may be infeasible with the exact law. With the sharpest law, limits are tightened in more
-// and longer steps.
-constexpr double kSharpWidthFactor = 0.1, kSharpestWidthFactor = 0.01;
-
-// If carrying the arm takes more than this many times the torque of joint 1, tightening the limits step by step takes
-// ever shorter steps: with 5.6 of 6.7 N m (1.196 times) it took 2,300 iterations, with 5.5 it never arrived.
-constexpr double kMuchTooHeavy = 1.205;
-constexpr double kLiftPeriods[] = {2.3, 3.4, 4.5};  // durations that are tried, in periods of small oscillations
-// Missing fraction of the torque beyond which more time is not tried: twice what it gains.
-constexpr double kHopelessTorqueSlack = 0.03;
-constexpr double kSwingPeriods = 1.5;       // in these periods, until link 1 is past where gravity takes most
-constexpr double kFoldedMeshFactor = 0.6;   // times the usual number of intervals
-constexpr int kLiftIterations = 650;        // those that lead somewhere took up to 590
-constexpr int kShortenings = 2;             // rounds that shorten the swing-up, if the fastest motion is far off
-constexpr int kShorteningIterations = 500;  // those that lead somewhere took 290 to 410
-constexpr double kSwingPatience = 2;        // times the usual iterations of warm starts
-// Fraction of the torque that is reported as missing if a swing-up is found but no plan comes of it.
-constexpr double kReportedTorqueDeficit = 0.01;
-constexpr double kNegligibleTorqueSlack = 1e-3;  // fraction of the torque: as good as none
-
 using SharedProblem = std::shared_ptr<const Problem>;
 
-double patience_in(const Session& session) { return std::clamp(session.options().patience, 1.0, kMostPatience); }
+double patience_in(const Session& session) {
+  return std::clamp(session.options().patience, 1.0, session.settings().stepwise.most_patience);
+}
 
 std::optional<Continuation> try_to_begin(Continuation c, Session& session, const Guess& guess, int patience) {
   if (session.interrupted() || c.begin(guess, patience) != StartOutcome::kNew) return std::nullopt;
@@ -70,13 +33,13 @@ std::optional<Continuation> attempt(const SharedProblem& problem, Session& sessi
                                     const Guess& guess, double mesh_factor = 1) {
   Continuation c(problem, session, label);
   c.mesh_factor = mesh_factor;
-  return try_to_begin(std::move(c), session, guess, kUsualIterations);
+  return try_to_begin(std::move(c), session, guess, session.settings().fallbacks.iterations);
 }
 
 std::optional<Continuation> attempt_patiently(const SharedProblem& problem, Session& session, const Guess& guess) {
   Continuation c(problem, session, "with patience");
-  c.regularisation_factor = kMoreEffort;
-  return try_to_begin(std::move(c), session, guess, kSwingIterations);
+  c.regularisation_factor = session.settings().fallbacks.patient_regularisation;
+  return try_to_begin(std::move(c), session, guess, session.settings().fallbacks.patient_iterations);
 }
 
 // Solves on a new mesh from a smoothed solution, or from another problem's.
@@ -87,7 +50,7 @@ std::optional<Continuation> sharpened(const SharedProblem& problem, Session& ses
   c.mesh_factor = mesh_factor;
   c.patience = patience_in(session);
   return try_to_begin(std::move(c), session, guess_from(from.motion, from.durations, from.motion.duration()),
-                      kTighteningSwingIterations);
+                      session.settings().stepwise.iterations);
 }
 
 // Solves from the solution of a neighbouring problem: on its mesh if that is fine enough, and otherwise, or if that
@@ -95,7 +58,7 @@ std::optional<Continuation> sharpened(const SharedProblem& problem, Session& ses
 std::optional<Continuation> follow(const SharedProblem& problem, Session& session, const std::string& label,
                                    const Collocated& from, double width_factor) {
   const double duration = from.motion.duration();
-  if (duration / static_cast<double>(from.setup.mesh.size()) <= kLongestInterval) {
+  if (duration / static_cast<double>(from.setup.mesh.size()) <= session.settings().stepwise.longest_interval) {
     Continuation c(problem, session, label);
     c.patience = patience_in(session);
     if (!session.interrupted() && c.adopt(from, duration)) return c;
@@ -116,8 +79,9 @@ struct Reached {
 // Stops at motions longer than `longest` [s]. width_factor: for solutions on new meshes.
 Reached tighten(const SharedProblem& problem, Session& session, const Eased& eased, Reached from, double longest,
                 double width_factor) {
-  double step = kFirstStep;
-  while (from.factor > 1 && step >= kShortestStep && !session.interrupted()) {
+  const StepwiseSettings& s = session.settings().stepwise;
+  double step = s.first_step;
+  while (from.factor > 1 && step >= s.shortest_step && !session.interrupted()) {
     const double target = std::max(1.0, from.factor / (1 + step));
     const SharedProblem tighter = target > 1 ? std::make_shared<const Problem>(eased(target)) : problem;
     const std::string label =
@@ -128,7 +92,7 @@ Reached tighten(const SharedProblem& problem, Session& session, const Eased& eas
       const double longer = std::log(next->duration() / from.motion.duration());
       const double growth = longer / std::log(from.factor / target);
       from = {std::move(*next), target};
-      step = std::min(kLongerStep * step, kGrowth / std::max(growth, 1e-9));
+      step = std::min(s.longer_step * step, s.growth / std::max(growth, 1e-9));
     } else {
       step = std::min(step, from.factor - 1) / 2;
     }
@@ -142,7 +106,8 @@ std::optional<Continuation> tighten_all(const SharedProblem& problem, Session& s
   const auto easiest = std::make_shared<const Problem>(eased(1 + fraction));
   auto easy = attempt(easiest, session, fmt::format("limits relaxed by {:.3g} %", 100 * fraction), guess);
   if (!easy) return std::nullopt;
-  Reached reached = tighten(problem, session, eased, {std::move(*easy), 1 + fraction}, kNoLimit, kSharpWidthFactor);
+  Reached reached = tighten(problem, session, eased, {std::move(*easy), 1 + fraction}, kNoLimit,
+                            session.settings().stepwise.sharp_width_factor);
   if (reached.factor > 1) return std::nullopt;
   return std::move(reached.motion);
 }
@@ -172,12 +137,12 @@ SwungUp swing_up_with(const SharedProblem& problem, double longest, Session& ses
     }
     return result;
   };
-  const double easily = kEasilyCarried * largest_of(factors);
+  const double easily = session.settings().swing_up.easily_carried * largest_of(factors);
   const auto easy = std::make_shared<const Problem>(eased(easily));
   const std::string label = "limits that carry the arm";
-  const Guess straight = first_guesses(*easy).front();
+  const Guess straight = first_guesses(*easy, session.settings().starts).front();
   const Joints<double> begin = straight.state(0).q, end = straight.state(1).q;
-  for (const double back : kWindingUp) {
+  for (const double back : session.settings().swing_up.winding_up) {
     if (session.interrupted()) break;
     const Joints<double> away{back * (end[0] - begin[0]), back * (end[1] - begin[1])};
     auto carried = attempt(easy, session, label, winding_up_guess(straight, away));
@@ -186,8 +151,8 @@ SwungUp swing_up_with(const SharedProblem& problem, double longest, Session& ses
     Reached reached = tighten(problem, session, eased, {std::move(*carried), easily}, longest, width_factor);
     if (reached.factor > 1) return {std::nullopt, eased(reached.factor).limits};
     // On the coarse mesh a motion may get up only because of the mesh's errors.
-    if (auto finer =
-            sharpened(problem, session, "swung up, finer mesh", reached.motion.solution(), width_factor, kFiner)) {
+    if (auto finer = sharpened(problem, session, "swung up, finer mesh", reached.motion.solution(), width_factor,
+                               session.settings().fallbacks.finer)) {
       return {std::move(*finer), std::nullopt};
     }
     return {std::move(reached.motion), std::nullopt};
@@ -205,12 +170,12 @@ double period_of(const Problem& problem) {
 
 // Returns whether the folding guess suits the problem: joint 1 alone lacks torque, and much of it, and the motion is
 // the fastest one from rest to rest, without via points or task.
-bool folding_helps(const Problem& problem) {
+bool folding_helps(const Problem& problem, double much_too_heavy) {
   const Factors factors = factors_to_carry(problem);
   const auto lacking = std::count_if(factors.begin(), factors.end(), [](double factor) { return factor > 1; });
   const bool plain = problem.via.empty() && problem.start_at_rest && problem.goal.at_rest &&
                      count_of_rows(problem.task) == 0 && only_time(problem.weights);
-  return plain && lacking == 1 && factors[kTorqueOfJoint1] > kMuchTooHeavy;
+  return plain && lacking == 1 && factors[kTorqueOfJoint1] > much_too_heavy;
 }
 
 Relaxable torque_of_joint_1(const Problem& problem) {
@@ -230,7 +195,7 @@ std::optional<Continuation> least_torque(const Problem& problem, const Relaxable
   const auto shared = std::make_shared<const Problem>(std::move(timed));
   Continuation lifted(shared, session, "least torque to be lifted with");
   lifted.width_factor = width_factor;
-  lifted.mesh_factor = kFoldedMeshFactor;
+  lifted.mesh_factor = session.settings().swing_up.mesh_factor;
   return try_to_begin(std::move(lifted), session, guess(*shared), most_iterations);
 }
 
@@ -238,27 +203,31 @@ std::optional<Continuation> least_torque(const Problem& problem, const Relaxable
 std::optional<Continuation> lifted_folded(const Problem& problem, const Relaxable& torque, double duration,
                                           double swing, Session& session) {
   const auto folding = [&](const Problem& timed) { return folding_guess(timed, duration, swing); };
-  for (const double width_factor : {kSharpestWidthFactor, kSharpWidthFactor}) {
-    if (auto lifted = least_torque(problem, torque, duration, folding, width_factor, kLiftIterations, session)) {
+  for (const double width_factor :
+       {session.settings().stepwise.sharpest_width_factor, session.settings().stepwise.sharp_width_factor}) {
+    if (auto lifted = least_torque(problem, torque, duration, folding, width_factor,
+                                   session.settings().swing_up.iterations, session)) {
       return lifted;
     }
   }
   return std::nullopt;
 }
 
-bool is_lifted(const Continuation& lifted) { return lifted.solution().slack <= kNegligibleTorqueSlack; }
+bool is_lifted(const Continuation& lifted, const Session& session) {
+  return lifted.solution().slack <= session.settings().swing_up.negligible_slack;
+}
 
 // Shortens a swing-up in a few rounds, each starting the next: half-way to a duration that is too short [s].
 Continuation lifted_sooner(const Problem& problem, const Relaxable& torque, Continuation lifted, double too_short,
                            Session& session) {
-  for (int round = 0; round < kShortenings && !session.interrupted(); ++round) {
+  for (int round = 0; round < session.settings().swing_up.shortenings && !session.interrupted(); ++round) {
     const double duration = (too_short + lifted.duration()) / 2;
     const auto shortened = [&](const Problem&) {
       return guess_from(lifted.solution().motion, lifted.solution().durations, duration);
     };
-    auto sooner =
-        least_torque(problem, torque, duration, shortened, kSharpestWidthFactor, kShorteningIterations, session);
-    if (sooner && is_lifted(*sooner)) {
+    auto sooner = least_torque(problem, torque, duration, shortened, session.settings().stepwise.sharpest_width_factor,
+                               session.settings().swing_up.shortening_iterations, session);
+    if (sooner && is_lifted(*sooner, session)) {
       lifted = std::move(*sooner);
     } else {
       too_short = duration;
@@ -270,9 +239,9 @@ Continuation lifted_sooner(const Problem& problem, const Relaxable& torque, Cont
 std::optional<Continuation> fastest_from(const SharedProblem& problem, const Continuation& lifted, int most_iterations,
                                          Session& session) {
   Continuation swung(problem, session, "swung up, folded");
-  swung.width_factor = kSharpestWidthFactor;
+  swung.width_factor = session.settings().stepwise.sharpest_width_factor;
   swung.strategy = swinging_strategy();
-  swung.patience = std::max(kSwingPatience, patience_in(session));
+  swung.patience = std::max(session.settings().swing_up.patience, patience_in(session));
   return try_to_begin(std::move(swung), session, guess_of(lifted), most_iterations);
 }
 
@@ -285,8 +254,9 @@ struct Folded {
 // a given time, which is one problem. If that is no more than the limit, the fastest motion is searched from there.
 // Shorter swing-ups take longer to find, but are better starts for it.
 Folded swing_up_folded(const SharedProblem& problem, double longest, Session& session) {
+  const SwingUpSettings& s = session.settings().swing_up;
   const Relaxable torque = torque_of_joint_1(*problem);
-  const double period = period_of(*problem), swing = kSwingPeriods * period;
+  const double period = period_of(*problem), swing = s.swing * period;
   double least = kNoLimit;  // slack
   double too_short = swing;
   // The duration is bounded by `longest`, and not by the larger bound of the search for a fastest motion. With a bound
@@ -295,22 +265,22 @@ Folded swing_up_folded(const SharedProblem& problem, double longest, Session& se
   Problem in_time = *problem;
   in_time.duration.max = longest;
   const auto bounded = std::make_shared<const Problem>(std::move(in_time));
-  const Limits surely = torque.relaxed(*problem, kReportedTorqueDeficit * size_of(torque)).limits;
-  for (const double periods : kLiftPeriods) {
+  const Limits surely = torque.relaxed(*problem, s.reported_deficit * size_of(torque)).limits;
+  for (const double periods : s.durations) {
     const double duration = std::max(periods * period, problem->duration.min);
     if (duration > longest || session.interrupted()) break;
     const auto lifted = lifted_folded(*problem, torque, duration, swing, session);
     if (!lifted) continue;
     least = std::min(least, lifted->solution().slack);
-    if (lifted->solution().slack > kHopelessTorqueSlack) break;
-    if (!is_lifted(*lifted)) {
+    if (lifted->solution().slack > s.hopeless_slack) break;
+    if (!is_lifted(*lifted, session)) {
       too_short = duration;
       continue;
     }
-    auto motion = fastest_from(bounded, *lifted, kTighteningSwingIterations, session);
+    auto motion = fastest_from(bounded, *lifted, session.settings().stepwise.iterations, session);
     if (!motion) {
       const Continuation sooner = lifted_sooner(*problem, torque, *lifted, too_short, session);
-      motion = fastest_from(bounded, sooner, kLastSwingIterations, session);
+      motion = fastest_from(bounded, sooner, s.last_iterations, session);
     }
     return {{std::move(motion), surely}, true};
   }
@@ -325,27 +295,28 @@ bool can_be_carried(const Problem& problem) { return largest_of(factors_to_carry
 SwungUp swing_up(const SharedProblem& problem, double longest, Session& session) {
   ++session.fallbacks().swinging;
   SwungUp folded;
-  if (folding_helps(*problem)) {
+  if (folding_helps(*problem, session.settings().swing_up.much_too_heavy)) {
     auto [motion, torque_is_enough] = swing_up_folded(problem, longest, session);
     folded = std::move(motion);
     if (folded.motion || (folded.reached && !torque_is_enough)) return folded;
   }
-  SwungUp swung = swing_up_with(problem, longest, session, kSharpWidthFactor);
+  SwungUp swung = swing_up_with(problem, longest, session, session.settings().stepwise.sharp_width_factor);
   if (!swung.motion && folded.reached) return folded;
   if (!swung.motion || session.options().patience <= 1) return swung;
   if (swung.motion->follow_homotopy() && swung.motion->has_exact_friction()) return swung;
-  SwungUp sharper = swing_up_with(problem, longest, session, kSharpestWidthFactor);
+  SwungUp sharper = swing_up_with(problem, longest, session, session.settings().stepwise.sharpest_width_factor);
   return sharper.motion ? std::move(sharper) : std::move(swung);
 }
 
 std::optional<Continuation> fall_back(const SharedProblem& problem, Session& session) {
+  const FallbackSettings& s = session.settings().fallbacks;
   Fallbacks& tried = session.fallbacks();
-  const std::vector<Guess> guesses = first_guesses(*problem);
-  for (std::size_t i = 0; i < std::min(kPatientStarts, guesses.size()) && !session.interrupted(); ++i) {
+  const std::vector<Guess> guesses = first_guesses(*problem, session.settings().starts);
+  for (std::size_t i = 0; i < std::min(s.patient_starts, guesses.size()) && !session.interrupted(); ++i) {
     ++tried.patience;
     if (auto found = attempt_patiently(problem, session, guesses[i])) return found;
   }
-  const std::pair<double, int*> meshes[] = {{kCoarser, &tried.coarser_mesh}, {kFiner, &tried.finer_mesh}};
+  const std::pair<double, int*> meshes[] = {{s.coarser, &tried.coarser_mesh}, {s.finer, &tried.finer_mesh}};
   for (const auto& [factor, count] : meshes) {
     if (session.interrupted()) return std::nullopt;
     ++*count;
@@ -353,7 +324,7 @@ std::optional<Continuation> fall_back(const SharedProblem& problem, Session& ses
       return found;
     }
   }
-  for (const double fraction : kRelaxed) {
+  for (const double fraction : s.relaxed) {
     if (session.interrupted()) return std::nullopt;
     ++tried.relaxed_limits;
     if (auto found = tighten_all(problem, session, guesses.front(), fraction)) return found;

@@ -17,7 +17,7 @@ std::optional<Fastest> find_fastest(const std::shared_ptr<const Problem>& altern
   const auto fastest = std::make_shared<const Problem>(fastest_of(*alternative));
   std::optional<Fastest> shortest;
   std::vector<double> known;  // minima
-  for (const Guess& guess : first_guesses(*fastest)) {
+  for (const Guess& guess : first_guesses(*fastest, session.settings().starts)) {
     if (session.interrupted() || (shortest && shortest->duration() <= allowed)) break;
     Continuation c(fastest, session, "fastest");
     if (c.begin(guess, found.patience, known) != StartOutcome::kNew) continue;

@@ -25,8 +25,11 @@ std::vector<std::shared_ptr<const Problem>> alternatives_of(const Problem& asked
 
 }  // namespace
 
-Findings::Findings(const Problem& request)
-    : asked(request), scale(size_of(request.weights)), alternatives(alternatives_of(request, scale)) {}
+Findings::Findings(const Problem& request, const FollowSettings& settings)
+    : asked(request),
+      scale(size_of(request.weights)),
+      alternatives(alternatives_of(request, scale)),
+      patience(settings.iterations) {}
 
 bool Findings::keep(const Continuation& c, PublishResult published) {
   if (!published.failure.empty()) failure = published.failure;

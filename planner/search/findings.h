@@ -10,6 +10,7 @@
 #include "planner/search/out_of_reach.h"
 #include "planner/search/publication.h"
 #include "planner/search/race.h"
+#include "planner/search/settings.h"
 #include "planner/search/worth_refining.h"
 #include "planner/trajectory/motion.h"
 
@@ -33,7 +34,7 @@ struct Fastest {
 };
 
 struct Findings {
-  explicit Findings(const Problem& asked);
+  explicit Findings(const Problem& asked, const FollowSettings& settings = {});
 
   const Problem& asked;  // outlives this
   double scale;          // of the objective: what is optimised is divided by it, see size_of(Weights)
@@ -43,7 +44,7 @@ struct Findings {
   int starts = 0;                          // that were solved
   int starts_planned = 0;                  // that are solved in any case
   int refined = 0;                         // candidates that were followed to the exact problem
-  int patience = 400;                      // iterations a start may take
+  int patience;                            // iterations a start may take
   std::vector<CoarseMotion> candidates;    // in the order in which they were found
   std::vector<Continuation> waiting;       // to be refined while the next starts are tried
   std::vector<double> minima;              // scaled objectives of the distinct minima on their first meshes

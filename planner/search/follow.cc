@@ -11,17 +11,15 @@
 namespace fjr {
 namespace {
 
-constexpr int kLeastPatience = 100;  // iterations of a start
-
 // Returns whether the candidate that was found last is worth refining, compared with those before it.
-bool last_promises(const Findings& found) {
+bool last_promises(const Findings& found, const FollowSettings& settings) {
   std::vector<CoarseSolution> best_first;
   for (const CoarseMotion& c : found.candidates) best_first.push_back(c.coarse);
   std::stable_sort(best_first.begin(), best_first.end(),
                    [](const CoarseSolution& a, const CoarseSolution& b) { return a.objective < b.objective; });
   const Weights& weights = found.asked.weights;
-  const std::vector<bool> worth = worth_refining(best_first, refining(weights, 0).within,
-                                                 [&](int starts) { return refining(weights, starts).most; });
+  const std::vector<bool> worth = worth_refining(best_first, refining(weights, 0, settings).within,
+                                                 [&](int starts) { return refining(weights, starts, settings).most; });
   const int last = found.candidates.back().coarse.start;
   for (std::size_t i = 0; i < worth.size(); ++i) {
     if (best_first[i].start == last) return worth[i];
@@ -31,10 +29,10 @@ bool last_promises(const Findings& found) {
 
 // Returns whether a fastest motion takes so much longer than allowed that it need not be refined. Motions of many
 // seconds are refined to thousands of intervals, and their duration is known to a per cent before.
-bool far_too_long(const Continuation& c, const Problem& asked) {
-  constexpr double kFar = 1.15;  // times the longest duration
+bool far_too_long(const Continuation& c, const Problem& asked, const FollowSettings& settings) {
   const double duration = c.duration();
-  return only_time(asked.weights) && duration > kLongMotion && duration > kFar * asked.duration.max;
+  return only_time(asked.weights) && duration > settings.long_motion &&
+         duration > settings.far_too_long * asked.duration.max;
 }
 
 // Solves a motion again with a penalty on accelerations. Returns the motion itself if that fails.
@@ -106,8 +104,8 @@ void refine_with_penalties(const Continuation& coarse, Findings& found, Session&
 void refine_all(std::vector<Continuation> coarse, Findings& found, Session& session) {
   if (coarse.empty()) return;  // entering the phase of refining would release its share of the work for nothing
   session.enter(Phase::kRefining);
-  const auto is_long_and_fastest = [](const Continuation& c) {
-    return only_time(c.problem()->weights) && c.duration() >= kLongMotion;
+  const auto is_long_and_fastest = [&](const Continuation& c) {
+    return only_time(c.problem()->weights) && c.duration() >= session.settings().follow.long_motion;
   };
   std::vector<Continuation> motions;
   for (Continuation& c : coarse) {
@@ -134,13 +132,13 @@ void refine_all(std::vector<Continuation> coarse, Findings& found, Session& sess
 bool note(const Continuation& c, Findings& found, Session& session) {
   const Collocated& coarse = c.solution();
   found.candidates.push_back({c.problem(), {coarse.report.objective, c.start}, coarse.motion, coarse.durations});
-  if ((found.certified() && !last_promises(found)) || session.interrupted()) return false;
-  if (!far_too_long(c, found.asked)) return true;
+  if ((found.certified() && !last_promises(found, session.settings().follow)) || session.interrupted()) return false;
+  if (!far_too_long(c, found.asked, session.settings().follow)) return true;
   found.note_fastest(c, false);
   return false;
 }
 
-TriedStart note_outcome(Begun& begun, const Guess& guess, Findings& found) {
+TriedStart note_outcome(Begun& begun, const Guess& guess, Findings& found, const SearchSettings& settings) {
   Continuation& c = begun.motion;
   c.start = ++found.starts;
   if (begun.outcome == StartOutcome::kNoSolution) {
@@ -151,20 +149,24 @@ TriedStart note_outcome(Begun& begun, const Guess& guess, Findings& found) {
   // Starts of one wave do not see each other's results: two of them may have found the same minimum.
   const SolverStage& first = c.stages().front();
   const double objective = first.objective;
-  if (any_same(found.minima, objective)) begun.outcome = StartOutcome::kKnown;
+  if (any_same(found.minima, objective, settings.continuation.first.same_minimum)) begun.outcome = StartOutcome::kKnown;
   if (begun.outcome == StartOutcome::kKnown) return {.led_somewhere = true};
   // Later starts that take many more iterations than this one are given up early. The limit counts iterations and not
   // time, so that results are reproducible. A start whose end was fixed at first does not tell how hard others are.
-  if (!guess.first_end) found.patience = std::min(found.patience, std::max(kLeastPatience, 2 * first.iterations));
+  if (!guess.first_end) {
+    const FollowSettings& s = settings.follow;
+    found.patience = std::min(found.patience, std::max(s.least_iterations, s.slower * first.iterations));
+  }
   found.minima.push_back(objective);
   return {.led_somewhere = true};
 }
 
 }  // namespace
 
-Refining refining(const Weights& weights, int starts) {
+Refining refining(const Weights& weights, int starts, const FollowSettings& settings) {
   const int more = std::max(0, starts - starts_worth_trying(weights));
-  return sees_friction(weights) ? Refining{0.05, 5 + more} : Refining{0.02, 3 + more};
+  if (!sees_friction(weights)) return {settings.within, settings.most + more};
+  return {settings.within_with_friction, settings.most_with_friction + more};
 }
 
 void follow(Continuation c, Findings& found, Session& session) {
@@ -188,7 +190,7 @@ std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Fin
   for (std::size_t i = 0; i < starts.size(); ++i) {
     if (!counts[i]) continue;
     begun[i]->motion.go_on_in(session);
-    tried[i] = note_outcome(*begun[i], starts[i].guess, found);
+    tried[i] = note_outcome(*begun[i], starts[i].guess, found, session.settings());
     const bool is_new = begun[i]->outcome == StartOutcome::kNew;
     if (is_new && note(begun[i]->motion, found, session)) found.waiting.push_back(std::move(begun[i]->motion));
   }

@@ -9,20 +9,15 @@
 
 namespace fjr {
 
-// [s] Coarse meshes of longer motions do not resolve the oscillation of the springs.
-inline constexpr double kLongMotion = 8;
-
 // Which solutions are refined to the end.
 struct Refining {
   double within;  // relative distance from the best coarse objective that refining may make up
   int most;
 };
 
-// Returns how many solutions are refined. If the objective depends on friction, objectives with smoothed friction do
-// not tell the final order: of seven motions the fourth came to 3 % less effort than the first, so several are refined.
-// Every start beyond the usual number adds one, so that more starts never displace a motion that would be refined
-// without them.
-Refining refining(const Weights& weights, int starts);
+// Returns how many solutions are refined. Every start beyond the usual number adds one, so that more starts never
+// displace a motion that would be refined without them.
+Refining refining(const Weights& weights, int starts, const FollowSettings& settings);
 
 // Notes a motion that was found on a coarse mesh. Refines and publishes it if it may become the best plan; while
 // nothing is certified, every motion is refined.

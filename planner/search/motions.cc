@@ -22,34 +22,24 @@ namespace {
 
 using Alternative = std::shared_ptr<const Problem>;
 
-constexpr double kNearBy = 0.3;  // [rad] that the best motion so far is displaced by: minima lie side by side
-// Starts at a time, once one has found a motion. More of them use more cores, but cannot use each other's results. The
-// number is fixed, so that the plan does not depend on the number of cores.
-constexpr std::size_t kWave = 4;
-constexpr int kGivenUp = 2;  // failed starts after which an alternative is given up, if another one led somewhere
-constexpr std::size_t kBeforeSwinging = 1;  // failed starts before swing-ups are tried and reachability is checked
-constexpr std::size_t kBeforeHurrying = 2;  // failed starts before the fastest motion is looked for in any case
-// Failed starts before a sketch tells whether the fastest motion is looked for earlier; none if there is clearly little
-// time.
-constexpr std::size_t kBeforeSketchingTheFastest = 1;
-constexpr double kLittleTime = 0.7;  // fraction of the usual duration
-
 // Returns a guess near the best motion so far. Minima lie side by side: from there others are found, in half the
 // iterations.
-std::optional<Guess> beside_the_best(const Alternative& alternative, std::uint64_t seed, const Findings& found) {
+std::optional<Guess> beside_the_best(const Alternative& alternative, double away, std::uint64_t seed,
+                                     const Findings& found) {
   const CoarseMotion* best = nullptr;
   for (const CoarseMotion& c : found.candidates) {
     if (c.problem != alternative) continue;
     if (best == nullptr || c.coarse.objective < best->coarse.objective) best = &c;
   }
   if (best == nullptr) return std::nullopt;
-  return displaced_guess(guess_from(best->motion, best->durations, best->motion.duration()), kNearBy, seed);
+  return displaced_guess(guess_from(best->motion, best->durations, best->motion.duration()), away, seed);
 }
 
 // Returns the guess of start i. Every second of the random ones is replaced by one near the best motion so far.
-Guess guess_of_start(const Alternative& alternative, const Starts& starts, std::size_t i, const Findings& found) {
+Guess guess_of_start(const Alternative& alternative, const Starts& starts, std::size_t i, double away,
+                     const Findings& found) {
   if (i >= starts.guided && (i - starts.guided) % 2 == 1) {
-    if (auto near = beside_the_best(alternative, found.asked.seed * 1000 + i, found)) return std::move(*near);
+    if (auto near = beside_the_best(alternative, away, found.asked.seed * 1000 + i, found)) return std::move(*near);
   }
   return starts.guesses[i];
 }
@@ -87,9 +77,9 @@ bool all_seem_too_short(const std::vector<Alternative>& open, Session& session) 
   });
 }
 
-bool have_little_time(const std::vector<Alternative>& open) {
-  return std::all_of(open.begin(), open.end(), [](const Alternative& alternative) {
-    return alternative->duration.max < kLittleTime * usual_duration(*alternative);
+bool have_little_time(const std::vector<Alternative>& open, double fraction) {
+  return std::all_of(open.begin(), open.end(), [=](const Alternative& alternative) {
+    return alternative->duration.max < fraction * usual_duration(*alternative);
   });
 }
 
@@ -133,11 +123,12 @@ void try_wave(Wave& wave, Findings& found, Session& session) {
 // Solves the starts of the alternatives in turn, because the results of one tell how long the others are worth trying.
 // asked: number of starts, whatever their results; 0: as many as are worth trying.
 void take_turns(const std::vector<Alternative>& open, int asked, Findings& found, Session& session) {
-  const int count = starts_to_try(found.asked, asked);
+  const StartOrderSettings& order = session.settings().order;
+  const int count = starts_to_try(found.asked, asked, session.settings().starts);
   std::vector<Turn> turns;
   std::size_t most = 0;
   for (const Alternative& alternative : open) {
-    turns.push_back({alternative, starts_of(*alternative, count)});
+    turns.push_back({alternative, starts_of(*alternative, count, session.settings().starts)});
     most = std::max(most, turns.back().starts.guesses.size());
     found.starts_planned += static_cast<int>(turns.back().starts.always);
   }
@@ -146,13 +137,13 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
   const bool much_too_fast = std::any_of(open.begin(), open.end(), [](const Alternative& alternative) {
     return asks_for_more_speed_than_motors_have(*alternative);
   });
-  const std::size_t before_asking = much_too_fast ? 0 : kBeforeSwinging;
+  const std::size_t before_asking = much_too_fast ? 0 : order.before_swinging;
   bool hurried = false;
   const auto hurry = [&] {
     if (std::exchange(hurried, true)) return;
     for (const Alternative& alternative : open) try_from_fastest(alternative, found, session);
   };
-  const std::size_t before_sketching = have_little_time(open) ? 0 : kBeforeSketchingTheFastest;
+  const std::size_t before_sketching = have_little_time(open, order.little_time) ? 0 : order.before_sketching_fastest;
   for (std::size_t i = 0; i < most; ++i) {
     if (i == before_sketching && found.candidates.empty() && all_seem_too_short(open, session)) {
       hurry();
@@ -163,22 +154,22 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
       ask_whether_out_of_reach(open, found, session);
       if (found.out_of_reach) return;
     }
-    if (i == kBeforeHurrying && found.candidates.empty()) {
+    if (i == order.before_fastest && found.candidates.empty()) {
       hurry();
       if (found.too_short()) return;
     }
     for (Turn& turn : turns) {
       if (session.interrupted()) return;
       if (i >= turn.starts.guesses.size()) continue;
-      const bool needed = i < turn.starts.always, given_up = !turn.led_somewhere && turn.failed >= kGivenUp;
+      const bool needed = i < turn.starts.always, given_up = !turn.led_somewhere && turn.failed >= order.given_up;
       if (!found.candidates.empty() && (!needed || given_up)) continue;
       if (found.candidates.empty() && asked == 0 && i >= turn.starts.enough) continue;
       if (!needed) ++session.fallbacks().displaced_start;
       const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, turn.starts.always));
       wave.turns.push_back(&turn);
-      wave.starts.push_back({turn.alternative, guess_of_start(turn.alternative, turn.starts, i, found), label,
-                             i >= turn.starts.by_ipopt});
-      if (wave.starts.size() >= (found.candidates.empty() ? 1 : kWave)) try_wave(wave, found, session);
+      wave.starts.push_back({turn.alternative, guess_of_start(turn.alternative, turn.starts, i, order.near_by, found),
+                             label, i >= turn.starts.by_ipopt});
+      if (wave.starts.size() >= (found.candidates.empty() ? 1 : order.at_a_time)) try_wave(wave, found, session);
     }
   }
   try_wave(wave, found, session);

@@ -8,15 +8,13 @@
 namespace fjr {
 namespace {
 
-constexpr double kSame = 1e-4;  // relative difference of objectives below which minima are not told apart
-
-// Relative distance from the best objective that the steps after this width [rad/s] may make up. With these distances,
-// 33 motions from 12 starts each came within 0.02 % of the results with larger ones (bench/README.md).
-double gap_after(double width, bool sees_friction) {
-  if (!sees_friction) return 0.02;
-  if (width > 0.03) return kNoLimit;
-  if (width > 0.01) return 0.02;
-  return width > 0.003 ? 0.004 : 0.003;
+// Relative distance from the best objective that the steps after this width [rad/s] may make up.
+double gap_after(double width, bool sees_friction, const RaceSettings& settings) {
+  if (!sees_friction) return settings.gap_without_friction;
+  for (const RaceSettings::Gap& gap : settings.gaps) {
+    if (width > gap.width) return gap.distance;
+  }
+  return settings.last_gap;
 }
 
 struct Runner {
@@ -31,13 +29,13 @@ struct Runner {
 
 // Each motion is compared only with those that were found before it: then additional starts never change which of the
 // earlier motions are followed.
-void drop_losers(std::vector<Runner>& runners, StepObjectives& reached) {
+void drop_losers(std::vector<Runner>& runners, StepObjectives& reached, const RaceSettings& settings) {
   for (Runner& runner : runners) {
     if (!runner.running()) continue;
     const double width = runner.motion.solution().setup.smoothing.friction_width;
     std::vector<double>& before = reached[width];
     runner.dropped =
-        !worth_following(runner.objective(), width, before, sees_friction(runner.motion.problem()->weights));
+        !worth_following(runner.objective(), width, before, sees_friction(runner.motion.problem()->weights), settings);
     before.push_back(runner.objective());
   }
 }
@@ -61,10 +59,12 @@ void all_do(std::vector<Runner>& runners, Session& session, const Which& which, 
 
 }  // namespace
 
-bool worth_following(double objective, double width, const std::vector<double>& others, bool sees_friction) {
+bool worth_following(double objective, double width, const std::vector<double>& others, bool sees_friction,
+                     const RaceSettings& settings) {
+  const double gap = gap_after(width, sees_friction, settings);
   const double scale = std::abs(objective);
   return std::none_of(others.begin(), others.end(), [&](double other) {
-    return std::abs(objective - other) <= kSame * scale || objective > other + gap_after(width, sees_friction) * scale;
+    return std::abs(objective - other) <= settings.same_minimum * scale || objective > other + gap * scale;
   });
 }
 
@@ -74,10 +74,11 @@ Raced race(std::vector<Continuation> motions, StepObjectives& reached, Session& 
   const auto running = [](const Runner& runner) { return runner.running(); };
   // Where the objective depends on friction, motions with the same objective on refined first meshes lead to the same
   // minimum: all but the first of them are dropped here.
-  if (!runners.empty() && sees_friction(runners.front().motion.problem()->weights)) drop_losers(runners, reached);
+  if (!runners.empty() && sees_friction(runners.front().motion.problem()->weights))
+    drop_losers(runners, reached, session.settings().race);
   while (std::any_of(runners.begin(), runners.end(), running)) {
     all_do(runners, session, running, [](Continuation& motion) { return motion.take_step(); });
-    drop_losers(runners, reached);
+    drop_losers(runners, reached, session.settings().race);
   }
   const auto at_the_end = [](const Runner& runner) { return runner.counts && !runner.dropped; };
   all_do(runners, session, at_the_end, [](Continuation& motion) { return motion.settle(); });

@@ -21,7 +21,8 @@ struct Raced {
 // Returns whether a motion with this objective after a step to this width [rad/s] is worth following, given the
 // objectives of motions found before it. It is not if one of them is the same minimum, or better by more than the steps
 // that are left have been seen to make up.
-bool worth_following(double objective, double width, const std::vector<double>& others, bool sees_friction);
+bool worth_following(double objective, double width, const std::vector<double>& others, bool sees_friction,
+                     const RaceSettings& settings);
 
 // Runs the race. motions: in the order in which they were found. reached: results of earlier races, to which those of
 // this race are added.

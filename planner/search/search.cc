@@ -22,7 +22,7 @@ Guess guess_of(const Continuation& solution) {
 }
 
 std::vector<Guess> Search::guesses(const Problem& problem) const {
-  std::vector<Guess> all = first_guesses(problem);
+  std::vector<Guess> all = first_guesses(problem, session_.settings().starts);
   if (all.size() > kGuesses) all.erase(all.begin() + kGuesses, all.end());
   return all;
 }

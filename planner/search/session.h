@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "common/parallel.h"
+#include "planner/collocation/scheme.h"
 #include "planner/problem/quantities.h"
 #include "planner/search/account.h"
 #include "planner/search/settings.h"
@@ -20,7 +21,9 @@
 namespace fjr {
 
 struct SessionOptions {
-  ContinuationSettings settings{};
+  SearchSettings search{};
+  Scheme scheme = hermite_simpson();
+  std::string linear_solver = "stage";
   double deadline = 0;                               // [s] of wall time; 0: none
   double most_work = kNoLimit;                       // [s] of work (SolveReport::work) in all phases together
   double patience = 1;                               // most_work as a multiple of the usual one
@@ -37,6 +40,7 @@ class Session {
   Session& operator=(const Session&) = delete;
 
   const SessionOptions& options() const { return options_; }
+  const SearchSettings& settings() const { return options_.search; }
 
   // Returns whether to stop: because everything is stopped, or the work of the phase is used up. This is called before
   // every solve and in every iteration, with the work [s] since the last call.

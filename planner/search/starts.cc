@@ -13,16 +13,11 @@
 namespace fjr {
 namespace {
 
-constexpr double kWaiting = 0.4;     // fraction of the duration that a guess waits
-constexpr std::size_t kFurther = 2;  // starts after the plain and the waiting ones, while none leads anywhere
-constexpr double kFarAway = 0.8;     // [rad] that straight guesses are displaced by
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
-constexpr int kFirst = 4;  // starts that a neighbouring problem is worth
 
 // Returns sets of one path per segment: round obstacles, on both sides if possible; along the tip's line or arc, and if
 // that is wide through its region too. Returns none if nothing asks for it.
-std::vector<std::vector<Path>> task_paths(const Problem& problem) {
-  constexpr std::size_t kMostPaths = 3;
+std::vector<std::vector<Path>> task_paths(const Problem& problem, std::size_t most_paths) {
   const Task& task = problem.task;
   const double tolerance = task.line ? task.line->tolerance : task.arc ? task.arc->tolerance : 0;
   if ((task.line || task.arc) && tolerance < kWideTipPath) return {paths_along_tip_path(problem)};
@@ -33,7 +28,7 @@ std::vector<std::vector<Path>> task_paths(const Problem& problem) {
   std::vector<std::vector<Path>> all(1);
   std::vector<std::vector<Path>> others;  // of one segment, with its index
   for (std::size_t s = 0; s + 1 < points.size(); ++s) {
-    Detours detours = find_detours(problem, s, points[s], points[s + 1], kMostPaths);
+    Detours detours = find_detours(problem, s, points[s], points[s + 1], most_paths);
     if (detours.paths.empty()) detours.paths.push_back(detours.widest);
     all.front().push_back(detours.paths.front());
     others.emplace_back(detours.paths.begin() + 1, detours.paths.end());
@@ -50,14 +45,13 @@ std::vector<std::vector<Path>> task_paths(const Problem& problem) {
 
 // Returns the end [rad] that takes the least torque to hold, as a fraction of the torque limits. Free joints are varied
 // and the others kept. Among ends that take the same, such as hanging and upright, the nearer one is chosen.
-Joints<double> easiest_end(const Problem& problem) {
+Joints<double> easiest_end(const Problem& problem, double by_distance) {
   constexpr int kAngles = 200;
-  constexpr double kByDistance = 1e-3;  // [1/rad] beside squares of torques, as fractions of their limits
   const auto held = [&](const Joints<double>& q) {
     const Joints<double> gravity = gravity_torque(problem.robot, q);
     double sum = 0;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      sum += std::pow(gravity[j] / problem.limits.torque[j], 2) + kByDistance * std::abs(q[j] - problem.goal.q[j]);
+      sum += std::pow(gravity[j] / problem.limits.torque[j], 2) + by_distance * std::abs(q[j] - problem.goal.q[j]);
     }
     return sum;
   };
@@ -75,8 +69,8 @@ Joints<double> easiest_end(const Problem& problem) {
 
 // Returns ends [rad] to try for free joints: the one that is easiest to hold, half way there, and beyond the last via
 // point.
-std::vector<Joints<double>> other_ends(const Problem& problem) {
-  const Joints<double> expected = problem.goal.q, easiest = easiest_end(problem);
+std::vector<Joints<double>> other_ends(const Problem& problem, const StartSettings& settings) {
+  const Joints<double> expected = problem.goal.q, easiest = easiest_end(problem, settings.end_by_distance);
   std::vector<Joints<double>> ends{easiest, expected};
   for (std::size_t j = 0; j < kJoints; ++j) ends[1][j] = std::midpoint(expected[j], easiest[j]);
   if (problem.via.empty()) return ends;
@@ -109,15 +103,14 @@ bool may_end_at(const Problem& problem, const Joints<double>& q) {
 // came to 2 % to four times more from guesses that end by the start. If the end is free from the beginning, the
 // optimiser moves it back to the start before the guess has become a motion of the arm. So the first solve keeps the
 // end.
-std::vector<Guess> guesses_of_other_ends(const Problem& problem) {
+std::vector<Guess> guesses_of_other_ends(const Problem& problem, const StartSettings& settings) {
   if (!problem.goal.any_free() || only_time(problem.weights)) return {};
-  constexpr double kAnother = 0.1;  // [rad] of ends that are not the same
   std::vector<Guess> guesses;
   std::vector<Joints<double>> tried{problem.goal.q};
   Problem other = problem;
-  for (const Joints<double>& end : other_ends(problem)) {
+  for (const Joints<double>& end : other_ends(problem, settings)) {
     const bool known = std::any_of(tried.begin(), tried.end(), [&](const Joints<double>& before) {
-      return std::abs(end[0] - before[0]) + std::abs(end[1] - before[1]) < kAnother;
+      return std::abs(end[0] - before[0]) + std::abs(end[1] - before[1]) < settings.another_end;
     });
     if (known || !may_end_at(problem, end)) continue;
     tried.push_back(end);
@@ -135,8 +128,7 @@ constexpr int kPlain = 3;  // the passing guess, minimum jerk and straight
 
 }  // namespace
 
-int starts_to_try(const Problem& problem, int asked) {
-  constexpr int kThorough = 4;  // times the usual
+int starts_to_try(const Problem& problem, int asked, const StartSettings& settings) {
   if (asked > 0) return asked;
   const int usual = std::max(starts_worth_trying(problem.weights), passes_vias_moving(problem) ? kPlain : 1);
   switch (problem.search) {
@@ -145,15 +137,15 @@ int starts_to_try(const Problem& problem, int asked) {
     case Thoroughness::kDefault:
       return usual;
     case Thoroughness::kThorough:
-      return kThorough * usual;
+      return settings.thorough * usual;
   }
   return usual;
 }
 
-Starts starts_of(const Problem& problem, int count) {
+Starts starts_of(const Problem& problem, int count, const StartSettings& settings) {
   const double duration = duration_guess(problem);
   Starts starts;
-  for (const std::vector<Path>& paths : task_paths(problem)) {
+  for (const std::vector<Path>& paths : task_paths(problem, settings.most_paths)) {
     starts.guesses.push_back(path_guess(problem, duration, paths));
   }
   starts.always = std::max(starts.guesses.size(), static_cast<std::size_t>(count));
@@ -165,15 +157,15 @@ Starts starts_of(const Problem& problem, int count) {
   starts.guesses.push_back(fast ? straight_guess(problem, duration) : minimum_jerk_guess(problem, duration));
   starts.by_ipopt = sees_friction(problem.weights) ? starts.guesses.size() : kAll;
   if (sees_friction(problem.weights)) {  // with time to spare a motor rests, and minima differ by when it does
-    starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), kWaiting, 0));
-    starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), 0, kWaiting));
+    starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), settings.waiting, 0));
+    starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), 0, settings.waiting));
   }
-  starts.enough = starts.guesses.size() + kFurther;
+  starts.enough = starts.guesses.size() + settings.further;
   if (sees_friction(problem.weights)) {
     if (auto hanging = hanging_guess(problem, duration)) starts.guesses.push_back(std::move(*hanging));
     for (std::size_t j = 0; j < kJoints; ++j) starts.guesses.push_back(staggered_guess(problem, duration, j));
   }
-  for (Guess& guess : guesses_of_other_ends(problem)) {
+  for (Guess& guess : guesses_of_other_ends(problem, settings)) {
     starts.guesses.push_back(std::move(guess));
     if (count > 1) ++starts.always;  // if one start was asked for, only one is tried
     ++starts.enough;
@@ -181,11 +173,13 @@ Starts starts_of(const Problem& problem, int count) {
   starts.guided = starts.guesses.size();
   const std::size_t count_of_all = std::max(starts.always, starts.enough);
   for (std::uint64_t i = 2; starts.guesses.size() < count_of_all; ++i) {
-    starts.guesses.push_back(displaced_guess(problem, duration, kFarAway, problem.seed * 1000 + i));
+    starts.guesses.push_back(displaced_guess(problem, duration, settings.far_away, problem.seed * 1000 + i));
   }
   return starts;
 }
 
-std::vector<Guess> first_guesses(const Problem& problem) { return starts_of(problem, kFirst).guesses; }
+std::vector<Guess> first_guesses(const Problem& problem, const StartSettings& settings) {
+  return starts_of(problem, settings.for_neighbour, settings).guesses;
+}
 
 }  // namespace fjr

@@ -6,6 +6,7 @@
 
 #include "planner/problem/problem.h"
 #include "planner/search/guesses.h"
+#include "planner/search/settings.h"
 
 namespace fjr {
 
@@ -22,12 +23,12 @@ struct Starts {
 };
 
 // Returns how many starts a request has: as many as are asked for, or (0) as its `search` and its objective say.
-int starts_to_try(const Problem& problem, int asked);
+int starts_to_try(const Problem& problem, int asked, const StartSettings& settings);
 
 // Returns at least `count` starts.
-Starts starts_of(const Problem& problem, int count);
+Starts starts_of(const Problem& problem, int count, const StartSettings& settings);
 
 // Returns the first guesses, for solving a neighbouring problem.
-std::vector<Guess> first_guesses(const Problem& problem);
+std::vector<Guess> first_guesses(const Problem& problem, const StartSettings& settings);
 
 }  // namespace fjr

@@ -102,7 +102,7 @@ TEST(Robustness, AMeshThatMayNotGrowAsWantedGrowsWhereItErrsMost) {
   const Parameters robot = load_parameters(FJR_SOURCE_DIR "/config/robot.yaml");
   const Problem problem = parse_request("start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n", "reach.yaml", robot);
   SessionOptions options;
-  options.settings.most_intervals = kMost;
+  options.search.continuation.mesh.most_intervals = kMost;
   Session session(options);
   session.enter(Phase::kExplaining);  // all that there is
   Continuation c(std::make_shared<const Problem>(problem), session, "");
@@ -199,7 +199,7 @@ TEST(Robustness, MemoryIsBoundedForTheFinestMesh) {
   const Problem problem = parse_request("start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n", "reach.yaml", robot);
   const auto solve = [&] {
     const Guess guess = minimum_jerk_guess(problem, duration_guess(problem));
-    const auto intervals = static_cast<int>(ContinuationSettings{}.most_intervals);
+    const auto intervals = static_cast<int>(MeshSettings{}.most_intervals);
     SolveOptions options;
     options.max_iterations = 5;
     const Collocated c =

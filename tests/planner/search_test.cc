@@ -114,7 +114,7 @@ TEST_P(StoppedOnTheWay, APublicationEndsInOrder) {
   Session session(options);
   session.enter(Phase::kFinding);
   Continuation c(std::make_shared<const Problem>(looser), session, "looser");
-  ASSERT_EQ(c.begin(first_guesses(looser).front(), 400), StartOutcome::kNew);
+  ASSERT_EQ(c.begin(first_guesses(looser, {}).front(), 400), StartOutcome::kNew);
   ASSERT_TRUE(c.follow_homotopy() && c.settle());
   intervals = c.solution().setup.mesh.size();
   motion = &c;
@@ -280,7 +280,7 @@ TEST(Search, ADurationThatIsTooShortIsNamedBesideAViaTime) {
 TEST(Search, WhatIsRefinedWithFewerStartsIsRefinedWithMore) {
   Weights weights;
   weights.effort = 1;
-  const auto most = [&](int starts) { return refining(weights, starts).most; };
+  const auto most = [&](int starts) { return refining(weights, starts, {}).most; };
   std::mt19937_64 random(1);
   for (int round = 0; round < 100; ++round) {
     std::vector<CoarseSolution> all;
@@ -308,19 +308,19 @@ TEST(Search, StartsBeyondTheUsualOnesRaiseTheCapOnRefining) {
   time.time = 1;
   for (const Weights& weights : {effort, time}) {
     const int usual = starts_worth_trying(weights);
-    EXPECT_EQ(refining(weights, 1).most, refining(weights, usual).most);
-    EXPECT_LT(refining(weights, usual).most, 8);
-    EXPECT_EQ(refining(weights, 40).most, refining(weights, usual).most + 40 - usual);
-    EXPECT_EQ(refining(weights, 40).within, refining(weights, usual).within);
+    EXPECT_EQ(refining(weights, 1, {}).most, refining(weights, usual, {}).most);
+    EXPECT_LT(refining(weights, usual, {}).most, 8);
+    EXPECT_EQ(refining(weights, 40, {}).most, refining(weights, usual, {}).most + 40 - usual);
+    EXPECT_EQ(refining(weights, 40, {}).within, refining(weights, usual, {}).within);
     // All equal: the first stay the best, so that nothing but the cap decides.
     const auto refined = [&](int starts) {
       std::vector<CoarseSolution> found;
       for (int start = 1; start <= starts; ++start) found.push_back({1, start});
-      const std::vector<bool> worth = worth_refining(found, refining(weights, starts).within,
-                                                     [&](int tried) { return refining(weights, tried).most; });
+      const std::vector<bool> worth = worth_refining(found, refining(weights, starts, {}).within,
+                                                     [&](int tried) { return refining(weights, tried, {}).most; });
       return std::count(worth.begin(), worth.end(), true);
     };
-    EXPECT_EQ(refined(40), std::min(40, refining(weights, 40).most));
+    EXPECT_EQ(refined(40), std::min(40, refining(weights, 40, {}).most));
     EXPECT_GT(refined(40), refined(usual));
   }
 }

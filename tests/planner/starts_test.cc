@@ -312,14 +312,14 @@ TEST(Jobs, DoNotChangeThePlan) {
 }
 
 TEST(Thoroughness, IsANumberOfStarts) {
-  const auto starts = [](const std::string& more) { return starts_to_try(request(kMove + more), 0); };
+  const auto starts = [](const std::string& more) { return starts_to_try(request(kMove + more), 0, {}); };
   const int usual = starts("objective: {effort: 1}\nduration: 1\n");
   EXPECT_GT(usual, 1);
   EXPECT_EQ(starts("objective: {effort: 1}\nduration: 1\nsearch: default\n"), usual);
   EXPECT_EQ(starts("objective: {effort: 1}\nduration: 1\nsearch: quick\n"), 1);
   EXPECT_EQ(starts("objective: {effort: 1}\nduration: 1\nsearch: thorough\n"), 4 * usual);
   EXPECT_EQ(starts("search: quick\n"), 1);
-  EXPECT_EQ(starts_to_try(request(kMove + "search: quick\n"), 7), 7);  // --starts says more
+  EXPECT_EQ(starts_to_try(request(kMove + "search: quick\n"), 7, {}), 7);  // --starts says more
 }
 
 // ---- guesses ----
@@ -412,14 +412,14 @@ TEST(PassingGuess, IsTheSameTheOtherWayRound) {
 // ---- races ----
 
 TEST(WorthFollowing, IsWhatIsNeitherKnownNorTooFarBehind) {
-  EXPECT_TRUE(worth_following(10.00, 0.01, {}, true));
-  EXPECT_TRUE(worth_following(10.00, 0.01, {10.03, 9.97}, true));
-  EXPECT_FALSE(worth_following(10.00, 0.01, {10.03, 10.0005}, true));  // the same minimum
-  EXPECT_FALSE(worth_following(10.00, 0.01, {9.95}, true));
-  EXPECT_TRUE(worth_following(10.00, 0.1, {9.00}, true));  // the smoothest law tells little,
-  EXPECT_TRUE(worth_following(10.00, 0.03, {9.85}, true));
-  EXPECT_FALSE(worth_following(10.00, 0.03, {9.75}, true));
-  EXPECT_FALSE(worth_following(-9.00, 0.01, {-10.00}, true));  // rewards
+  EXPECT_TRUE(worth_following(10.00, 0.01, {}, true, {}));
+  EXPECT_TRUE(worth_following(10.00, 0.01, {10.03, 9.97}, true, {}));
+  EXPECT_FALSE(worth_following(10.00, 0.01, {10.03, 10.0005}, true, {}));  // the same minimum
+  EXPECT_FALSE(worth_following(10.00, 0.01, {9.95}, true, {}));
+  EXPECT_TRUE(worth_following(10.00, 0.1, {9.00}, true, {}));  // the smoothest law tells little,
+  EXPECT_TRUE(worth_following(10.00, 0.03, {9.85}, true, {}));
+  EXPECT_FALSE(worth_following(10.00, 0.03, {9.75}, true, {}));
+  EXPECT_FALSE(worth_following(-9.00, 0.01, {-10.00}, true, {}));  // rewards
 }
 
 // Of one motion that two starts came to, only the first goes all the way; what is alone does, whatever it comes to.
@@ -431,7 +431,7 @@ TEST(Race, FollowsEachMinimumOnce) {
   std::vector<Continuation> motions;
   for (const char* label : {"first", "second"}) {
     Continuation c(found.alternatives.front(), session, label);
-    ASSERT_EQ(c.begin(first_guesses(problem).front(), 400), StartOutcome::kNew);
+    ASSERT_EQ(c.begin(first_guesses(problem, {}).front(), 400), StartOutcome::kNew);
     motions.push_back(std::move(c));
   }
   StepObjectives reached;
@@ -462,7 +462,7 @@ TEST(Start, ThatRunsOutOfIterationsSaysSo) {
   Session session{SessionOptions{}};
   session.enter(Phase::kFinding);
   Findings found(problem);
-  const Start start{found.alternatives.front(), first_guesses(problem).front(), "start"};
+  const Start start{found.alternatives.front(), first_guesses(problem, {}).front(), "start"};
   found.patience = 3;  // of 60 or more that it takes
   EXPECT_TRUE(try_starts({start}, found, session).front().out_of_patience);
   found.patience = 400;
@@ -477,7 +477,7 @@ TEST(Start, ThatRunsOutAheadOfAllOthersGoesOn) {
   Session session{SessionOptions{}};
   session.enter(Phase::kFinding);
   const auto shared = std::make_shared<const Problem>(problem);
-  const Guess guess = first_guesses(problem).front();
+  const Guess guess = first_guesses(problem, {}).front();
   const auto begun = [&](int most_iterations, const std::vector<double>& known) {
     Continuation c(shared, session, "start");
     const StartOutcome outcome = c.begin(guess, most_iterations, known);
@@ -502,7 +502,7 @@ TEST(Calm, IsTakenBack) {
   Findings found(problem);
   const auto penalised = with_acceleration_penalty(*found.alternatives.front());
   ASSERT_TRUE(penalised);
-  try_starts({{penalised, first_guesses(problem).front(), "start"}}, found, session);
+  try_starts({{penalised, first_guesses(problem, {}).front(), "start"}}, found, session);
   ASSERT_TRUE(found.certified());
   const double before = found.best->objective;
   fade_acceleration_penalty(found, session);
@@ -539,14 +539,14 @@ TEST(Starts, FreeJointsEndWhereTheyAreEasilyHeld) {
 TEST(Starts, OtherEndsComeInAdditionWhereMoreThanOneStartIsAskedFor) {
   const Problem free =
       request("start: {q: [0.58, 1.04]}\ngoal: {q: [free, 1.14]}\nduration: 1\nobjective: {effort: 1}\n");
-  EXPECT_EQ(starts_of(free, 1).always, 1U);
-  EXPECT_EQ(starts_of(free, 12).always, 14U);
+  EXPECT_EQ(starts_of(free, 1, {}).always, 1U);
+  EXPECT_EQ(starts_of(free, 12, {}).always, 14U);
 }
 
 // Where the arm starts hanging, the end that is easily held is the one that is expected anyway.
 TEST(Starts, EndsThatAreTheSameAreTriedOnce) {
   const Problem free = request("start: {q: [0, 0]}\ngoal: {q: [free, 0.05]}\nduration: 1\nobjective: {effort: 1}\n");
-  EXPECT_EQ(starts_of(free, 12).always, 12U);
+  EXPECT_EQ(starts_of(free, 12, {}).always, 12U);
 }
 
 // ---- why there is no plan ----

@@ -25,7 +25,7 @@ struct Options {
   std::string json;
 };
 
-// The friction law of a cold start: see homotopy_steps() in planner/search/continuation.cc.
+// The friction law of a cold start: see usual_strategy() in planner/search/continuation_strategy.cc.
 SolveReport solve_once(const Problem& problem, int intervals, const std::string& linear_solver, int iterations) {
   SolveOptions options;
   options.linear_solver = linear_solver;

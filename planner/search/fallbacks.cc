@@ -31,24 +31,21 @@ std::optional<Continuation> try_to_begin(Continuation c, Session& session, const
 
 std::optional<Continuation> attempt(const SharedProblem& problem, Session& session, const std::string& label,
                                     const Guess& guess, double mesh_factor = 1) {
-  Continuation c(problem, session, label);
-  c.mesh_factor = mesh_factor;
+  Continuation c(problem, session, label, {.mesh_factor = mesh_factor});
   return try_to_begin(std::move(c), session, guess, session.settings().fallbacks.iterations);
 }
 
 std::optional<Continuation> attempt_patiently(const SharedProblem& problem, Session& session, const Guess& guess) {
-  Continuation c(problem, session, "with patience");
-  c.regularisation_factor = session.settings().fallbacks.patient_regularisation;
-  return try_to_begin(std::move(c), session, guess, session.settings().fallbacks.patient_iterations);
+  const FallbackSettings& s = session.settings().fallbacks;
+  Continuation c(problem, session, "with patience", {.regularisation_factor = s.patient_regularisation});
+  return try_to_begin(std::move(c), session, guess, s.patient_iterations);
 }
 
 // Solves on a new mesh from a smoothed solution, or from another problem's.
 std::optional<Continuation> sharpened(const SharedProblem& problem, Session& session, const std::string& label,
                                       const Collocated& from, double width_factor, double mesh_factor = 1) {
-  Continuation c(problem, session, label);
-  c.width_factor = width_factor;
-  c.mesh_factor = mesh_factor;
-  c.patience = patience_in(session);
+  Continuation c(problem, session, label,
+                 {.mesh_factor = mesh_factor, .width_factor = width_factor, .patience = patience_in(session)});
   return try_to_begin(std::move(c), session, guess_from(from.motion, from.durations, from.motion.duration()),
                       session.settings().stepwise.iterations);
 }
@@ -59,8 +56,7 @@ std::optional<Continuation> follow(const SharedProblem& problem, Session& sessio
                                    const Collocated& from, double width_factor) {
   const double duration = from.motion.duration();
   if (duration / static_cast<double>(from.setup.mesh.size()) <= session.settings().stepwise.longest_interval) {
-    Continuation c(problem, session, label);
-    c.patience = patience_in(session);
+    Continuation c(problem, session, label, {.patience = patience_in(session)});
     if (!session.interrupted() && c.adopt(from, duration)) return c;
   }
   return sharpened(problem, session, label, from, width_factor);
@@ -193,9 +189,8 @@ std::optional<Continuation> least_torque(const Problem& problem, const Relaxable
   Problem timed = with_slack(problem, torque);
   timed.duration = {duration, duration};
   const auto shared = std::make_shared<const Problem>(std::move(timed));
-  Continuation lifted(shared, session, "least torque to be lifted with");
-  lifted.width_factor = width_factor;
-  lifted.mesh_factor = session.settings().swing_up.mesh_factor;
+  Continuation lifted(shared, session, "least torque to be lifted with",
+                      {.mesh_factor = session.settings().swing_up.mesh_factor, .width_factor = width_factor});
   return try_to_begin(std::move(lifted), session, guess(*shared), most_iterations);
 }
 
@@ -238,10 +233,10 @@ Continuation lifted_sooner(const Problem& problem, const Relaxable& torque, Cont
 
 std::optional<Continuation> fastest_from(const SharedProblem& problem, const Continuation& lifted, int most_iterations,
                                          Session& session) {
-  Continuation swung(problem, session, "swung up, folded");
-  swung.width_factor = session.settings().stepwise.sharpest_width_factor;
-  swung.strategy = swinging_strategy();
-  swung.patience = std::max(session.settings().swing_up.patience, patience_in(session));
+  Continuation swung(problem, session, "swung up, folded",
+                     {.width_factor = session.settings().stepwise.sharpest_width_factor,
+                      .patience = std::max(session.settings().swing_up.patience, patience_in(session)),
+                      .strategy = swinging_strategy()});
   return try_to_begin(std::move(swung), session, guess_of(lifted), most_iterations);
 }
 

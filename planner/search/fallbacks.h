@@ -1,7 +1,7 @@
 // Fallbacks if no start leads to a solution, in the order in which they are tried.
 //
 // Before them the search tries more starts, displaced at random, and the fastest motion stretched to the time there is
-// (motions.cc). Within a continuation, a failed warm start is repeated with an adaptive barrier (continuation.cc).
+// (motions.cc). Within a continuation, a failed warm start is repeated with an adaptive barrier (attempts.h).
 #pragma once
 
 #include <memory>

@@ -64,8 +64,8 @@ std::shared_ptr<const Problem> ending_at(const Problem& problem, const Joints<do
 // with this end fixed, if there is one.
 Guess with_first_end(const Start& start, int patience, Session& session) {
   if (!start.guess.first_end) return start.guess;
-  Continuation c(ending_at(*start.alternative, *start.guess.first_end), session, start.label + ", end given");
-  c.by_own_method = start.by_own_method;
+  Continuation c(ending_at(*start.alternative, *start.guess.first_end), session, start.label + ", end given",
+                 {.by_own_method = start.by_own_method});
   if (c.begin(start.guess, patience) != StartOutcome::kNew) return start.guess;
   return guess_from(c.solution().motion, c.solution().durations, c.duration());
 }
@@ -178,8 +178,7 @@ void refine_waiting(Findings& found, Session& session) { refine_all(std::exchang
 std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Findings& found, Session& session) {
   std::vector<std::optional<Begun>> begun(starts.size());
   const auto begin = [&, patience = found.patience](std::size_t i, Session& own) {
-    Continuation c(starts[i].alternative, own, starts[i].label);
-    c.by_own_method = starts[i].by_own_method;
+    Continuation c(starts[i].alternative, own, starts[i].label, {.by_own_method = starts[i].by_own_method});
     const StartOutcome outcome = c.begin(with_first_end(starts[i], patience, own), patience, found.minima);
     begun[i] = Begun{std::move(c), outcome};
   };

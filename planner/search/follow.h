@@ -27,7 +27,7 @@ struct Start {
   std::shared_ptr<const Problem> alternative;
   Guess guess;
   std::string label;
-  bool by_own_method = false;  // see Continuation
+  bool by_own_method = false;  // see ContinuationOptions
 };
 
 struct TriedStart {

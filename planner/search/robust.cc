@@ -105,8 +105,7 @@ std::optional<Publication> with_reserve(const std::shared_ptr<const Problem>& pr
   }
   // Where a path or a limit is active nearly all the time, margins change the active set, and a warm start with the old
   // multipliers fails. Then the problem is solved from the motion alone.
-  Continuation afresh(problem, session, label + ", afresh");
-  afresh.patience = kPatience;
+  Continuation afresh(problem, session, label + ", afresh", {.patience = kPatience});
   if (session.interrupted() || !afresh.adopt(from, from.motion.duration()) || !afresh.refine()) return std::nullopt;
   return certified(afresh);
 }

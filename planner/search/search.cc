@@ -47,9 +47,9 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
   last_sketch_.reset();
   for (const Guess& guess : guesses) {
     if (over()) break;
-    Continuation c(kept, session_, "why not: " + what);
     const bool coarse = exactness != Exactness::kKeepsLimits && kept->task.obstacles.discs.empty();
-    if (coarse) c.mesh_factor = std::min(1.0, kUsual / guess.duration());
+    Continuation c(kept, session_, "why not: " + what,
+                   {.mesh_factor = coarse ? std::min(1.0, kUsual / guess.duration()) : 1});
     const bool sketched = c.begin(guess, most_iterations) == StartOutcome::kNew,
                solved = sketched && refine(c, exactness);
     if (solved) return c;

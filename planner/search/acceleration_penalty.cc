@@ -51,7 +51,7 @@ void fade_acceleration_penalty(Findings& found, Session& session) {
     const double weight = best.problem->weights.link_acceleration, objective = best.objective;
     if (weight == 0) return;
     Continuation c(with_weights(*best.problem, kLess * weight), session, "less calm");
-    if (!c.resume(Collocated(best.solution))) return;
+    if (c.resume(Collocated(best.solution)) != ResumeOutcome::kSolved) return;
     found.keep(c, publish(c, found.asked, session));
     if (!(found.best->objective < objective)) return;
   }

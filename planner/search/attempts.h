@@ -24,6 +24,12 @@ enum class ChangeOutcome {
   kFailed      // no solution of it was found: the last one stays
 };
 
+// How a sequence of solves ended.
+enum class Completion {
+  kFinished,  // with the best solution that was found, even if the last attempts failed
+  kStopped    // by the session, before it was finished
+};
+
 class Attempts {
  public:
   // label: names them in progress reports and stages. patience: factor on the iterations of most warm starts. The
@@ -78,6 +84,7 @@ class Attempts {
   int solutions() const { return solutions_; }    // number of solutions so far; each replaced the one before
   SolveStatus status() const { return status_; }  // of the last attempt
   bool stopped() const { return status_ == SolveStatus::kStopped; }
+  Completion completion() const { return stopped() ? Completion::kStopped : Completion::kFinished; }
   double violation() const { return violation_; }  // of the constraints at the end of the last attempt
   // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.
   const std::string& obstacle() const { return obstacle_; }

@@ -107,9 +107,10 @@ StartOutcome Continuation::begin(const Guess& guess, int most_iterations, const 
   return attempts_.stopped() ? StartOutcome::kNoSolution : StartOutcome::kNew;
 }
 
-bool Continuation::resume(const Collocated& neighbour) {
+ResumeOutcome Continuation::resume(const Collocated& neighbour) {
   const Problem& problem = attempts_.problem();
-  if (static_cast<std::size_t>(neighbour.setup.mesh.segments()) != segment_count(problem)) return false;
+  if (static_cast<std::size_t>(neighbour.setup.mesh.segments()) != segment_count(problem))
+    return ResumeOutcome::kOtherSegments;
   Collocated adapted = neighbour;
   // Settings that were fitted to the other problem may not suit this one.
   CollocationSetup& setup = adapted.setup;
@@ -127,8 +128,11 @@ bool Continuation::resume(const Collocated& neighbour) {
   const ContinuationSettings& s = attempts_.settings();
   SolveOptions o = attempts_.warm_options(what);
   o.max_iterations = problem.price ? s.warm.iterations_to_another_price : s.homotopy.iterations;
-  return attempts_.warm(what, CollocationSetup(solution().setup), o) &&
-         tighten_on_moved_nodes(attempts_, strategy_, failures_to_tighten_);
+  if (!attempts_.warm(what, CollocationSetup(solution().setup), o)) {
+    return attempts_.stopped() ? ResumeOutcome::kStopped : ResumeOutcome::kNoSolution;
+  }
+  const Completion tightened = tighten_on_moved_nodes(attempts_, strategy_, failures_to_tighten_);
+  return tightened == Completion::kFinished ? ResumeOutcome::kSolved : ResumeOutcome::kStopped;
 }
 
 bool Continuation::adopt(const Collocated& other, double duration) {
@@ -137,33 +141,33 @@ bool Continuation::adopt(const Collocated& other, double duration) {
   return attempts_.from_guess(what, other.setup, guess, attempts_.options(what));
 }
 
-bool Continuation::take_step() {
+StepOutcome Continuation::take_step() {
   if (!homotopy_) homotopy_.emplace(attempts_, strategy_);
   return homotopy_->take_step(attempts_, strategy_);
 }
 
-bool Continuation::keep_best_step() {
+Completion Continuation::keep_best_step() {
   if (homotopy_) homotopy_->keep_best(attempts_);
   homotopy_.reset();
-  return !attempts_.stopped() && fade_regularisation(attempts_, strategy_);
+  return attempts_.stopped() ? Completion::kStopped : fade_regularisation(attempts_, strategy_);
 }
 
-bool Continuation::follow_homotopy() {
-  while (take_step()) continue;
+Completion Continuation::follow_homotopy() {
+  while (take_step() == StepOutcome::kTaken) continue;
   return keep_best_step();
 }
 
-// If no solution with margins is found, the certificate decides about the last one.
-bool Continuation::settle() {
-  return keep_best_step() && tighten_on_moved_nodes(attempts_, strategy_, failures_to_tighten_);
+Completion Continuation::settle() {
+  if (keep_best_step() == Completion::kStopped) return Completion::kStopped;
+  return tighten_on_moved_nodes(attempts_, strategy_, failures_to_tighten_);
 }
 
-bool Continuation::refine() {
-  while (take_step()) continue;
+Completion Continuation::refine() {
+  while (take_step() == StepOutcome::kTaken) continue;
   return settle();
 }
 
-bool Continuation::tighten() { return fjr::tighten(attempts_, strategy_, failures_to_tighten_); }
+Completion Continuation::tighten() { return fjr::tighten(attempts_, strategy_, failures_to_tighten_); }
 
 ChangeOutcome Continuation::split_intervals(const std::vector<double>& errors) {
   return split_by_errors(errors, attempts_, strategy_);

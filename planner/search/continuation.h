@@ -30,6 +30,14 @@ enum class StartOutcome {
   kNew,
 };
 
+// Result of solving a problem from the solution of a neighbouring one.
+enum class ResumeOutcome {
+  kOtherSegments,  // the neighbour passes another number of via points: it was not tried
+  kNoSolution,
+  kStopped,  // by the session: a solution may be there, but it is not finished
+  kSolved,
+};
+
 struct ContinuationOptions {
   double mesh_factor = 1;  // on the number of intervals of the first mesh
   // Factor on the regularisation of the first solution; with more of it that is easier to find.
@@ -52,33 +60,31 @@ class Continuation {
   StartOutcome begin(const Guess& guess, int most_iterations, const std::vector<double>& known = {});
 
   // Solves this problem from the refined solution of a neighbouring one (another start or goal), beginning on its mesh.
-  // Returns false if that gives no solution.
-  bool resume(const Collocated& neighbour);
+  ResumeOutcome resume(const Collocated& neighbour);
 
   // Solves this problem from a solution of the same request with another objective, stretched to `duration` [s], on its
-  // mesh and with its friction law. Returns false if that gives no solution.
+  // mesh and with its friction law. Returns whether that gives a solution.
   bool adopt(const Collocated& other, double duration);
 
-  // Takes one homotopy step towards the exact friction law, with a loose mesh tolerance. Returns false if no step was
-  // left or the step failed; the best solution so far is then the result.
-  bool take_step();
+  // Takes one homotopy step towards the exact friction law, with a loose mesh tolerance. Where none is left, the best
+  // solution so far is the result.
+  StepOutcome take_step();
 
   // Adapts mesh and margins to the best solution of the steps so far, until every limit holds between the collocation
-  // points. Returns false if no usable solution is left.
-  bool settle();
+  // points. (If no solution with margins is found, the certificate decides about the last one.)
+  Completion settle();
 
-  // follow_homotopy() takes all steps to the exact friction law; refine() takes them and then settles. They return
-  // false if the search was stopped or no usable solution is left.
-  bool follow_homotopy();
-  bool refine();
+  // follow_homotopy() takes all steps to the exact friction law; refine() takes them and then settles.
+  Completion follow_homotopy();
+  Completion refine();
 
   // Splits the intervals of solution() whose errors [rad] exceed the mesh tolerance or make up most of their sum, and
   // those that exceed limits by much, and solves again. Throws std::logic_error unless there is one error per interval.
   ChangeOutcome split_intervals(const std::vector<double>& errors);
 
   // Solves again with finer intervals and margins until the mesh is good enough and every limit holds between the
-  // collocation points too. False when no usable solution is left.
-  bool tighten();
+  // collocation points too.
+  Completion tighten();
 
   // Widens margins where the published rows exceed limits, and solves again: interpolation between rows may exceed what
   // the collocation polynomial keeps. (A limit exceeded only in the rollout needs more accuracy, not a margin.)
@@ -104,7 +110,7 @@ class Continuation {
   int start = 1;  // number of starts tried so far, this one included
 
  private:
-  bool keep_best_step();
+  Completion keep_best_step();
 
   ContinuationOptions options_;
   ContinuationStrategy strategy_;

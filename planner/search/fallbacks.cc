@@ -298,7 +298,8 @@ SwungUp swing_up(const SharedProblem& problem, double longest, Session& session)
   SwungUp swung = swing_up_with(problem, longest, session, session.settings().stepwise.sharp_width_factor);
   if (!swung.motion && folded.reached) return folded;
   if (!swung.motion || session.options().patience <= 1) return swung;
-  if (swung.motion->follow_homotopy() && swung.motion->has_exact_friction()) return swung;
+  const bool finished = swung.motion->follow_homotopy() == Completion::kFinished;
+  if (finished && swung.motion->has_exact_friction()) return swung;
   SwungUp sharper = swing_up_with(problem, longest, session, session.settings().stepwise.sharpest_width_factor);
   return sharper.motion ? std::move(sharper) : std::move(swung);
 }

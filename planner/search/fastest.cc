@@ -22,7 +22,7 @@ std::optional<Fastest> find_fastest(const std::shared_ptr<const Problem>& altern
     Continuation c(fastest, session, "fastest");
     if (c.begin(guess, found.patience, known) != StartOutcome::kNew) continue;
     known.push_back(c.stages().front().objective);
-    if (!c.refine()) continue;
+    if (c.refine() == Completion::kStopped) continue;
     bool certified = false;
     if (c.duration() > allowed) {
       const PublishResult published = publish(c, found.asked, session);
@@ -86,9 +86,9 @@ bool has_little_spare_time(const Findings& found) {
 void adopt_fastest(Findings& found, Session& session) {
   Fastest& fastest = *found.fastest;
   Continuation c(fastest.alternative, session, "from the fastest, exact");
-  const bool refined = fastest.motion.refine();
+  const Completion refined = fastest.motion.refine();
   const Duration& allowed = found.asked.duration;
-  if (!refined || fastest.duration() > allowed.max) return;
+  if (refined == Completion::kStopped || fastest.duration() > allowed.max) return;
   const double duration = std::clamp(fastest.duration(), allowed.min, allowed.max);
   if (c.adopt(fastest.motion.solution(), duration)) follow(std::move(c), found, session);
 }

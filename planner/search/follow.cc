@@ -94,7 +94,7 @@ void refine_with_penalties(const Continuation& coarse, Findings& found, Session&
   for (const auto& penalised : fastest_with_acceleration_penalties(*coarse.problem())) {
     if (session.interrupted()) return;
     Continuation c = with_penalty(coarse, penalised, found.patience, session);
-    if (!c.refine()) continue;
+    if (c.refine() == Completion::kStopped) continue;
     PublishResult published = publish(c, found.asked, session);
     if (found.keep(c, std::move(published))) return;
   }
@@ -123,7 +123,7 @@ void refine_all(std::vector<Continuation> coarse, Findings& found, Session& sess
   publish_best(std::move(raced.arrived), found, session);
   for (Continuation& motion : raced.dropped) {
     if (found.certified() || session.interrupted()) break;
-    if (motion.refine()) publish_best({std::move(motion)}, found, session);
+    if (motion.refine() == Completion::kFinished) publish_best({std::move(motion)}, found, session);
   }
 }
 
@@ -144,13 +144,13 @@ TriedStart note_outcome(Begun& begun, const Guess& guess, Findings& found, const
   if (begun.outcome == StartOutcome::kNoSolution) {
     if (c.status() == SolveStatus::kInfeasible) found.a_start_was_infeasible = true;
     if (!c.obstacle().empty()) found.obstacle = "; in the last attempt " + c.obstacle();
-    return {.led_somewhere = false, .out_of_patience = c.status() == SolveStatus::kIterationLimit};
+    return c.status() == SolveStatus::kIterationLimit ? TriedStart::kOutOfIterations : TriedStart::kNowhere;
   }
   // Starts of one wave do not see each other's results: two of them may have found the same minimum.
   const SolverStage& first = c.stages().front();
   const double objective = first.objective;
   if (any_same(found.minima, objective, settings.continuation.first.same_minimum)) begun.outcome = StartOutcome::kKnown;
-  if (begun.outcome == StartOutcome::kKnown) return {.led_somewhere = true};
+  if (begun.outcome == StartOutcome::kKnown) return TriedStart::kSomewhere;
   // Later starts that take many more iterations than this one are given up early. The limit counts iterations and not
   // time, so that results are reproducible. A start whose end was fixed at first does not tell how hard others are.
   if (!guess.first_end) {
@@ -158,7 +158,7 @@ TriedStart note_outcome(Begun& begun, const Guess& guess, Findings& found, const
     found.patience = std::min(found.patience, std::max(s.least_iterations, s.slower * first.iterations));
   }
   found.minima.push_back(objective);
-  return {.led_somewhere = true};
+  return TriedStart::kSomewhere;
 }
 
 }  // namespace
@@ -182,12 +182,12 @@ std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Fin
     const StartOutcome outcome = c.begin(with_first_end(starts[i], patience, own), patience, found.minima);
     begun[i] = Begun{std::move(c), outcome};
   };
-  const std::vector<bool> counts =
+  const std::vector<PieceOfWork> pieces =
       found.waiting.empty() ? session.do_all(starts.size(), begin)
                             : session.do_beside([&] { refine_waiting(found, session); }, starts.size(), begin);
-  std::vector<TriedStart> tried(starts.size());
+  std::vector<TriedStart> tried(starts.size(), TriedStart::kNowhere);
   for (std::size_t i = 0; i < starts.size(); ++i) {
-    if (!counts[i]) continue;
+    if (pieces[i] == PieceOfWork::kIgnored) continue;
     begun[i]->motion.go_on_in(session);
     tried[i] = note_outcome(*begun[i], starts[i].guess, found, session.settings());
     const bool is_new = begun[i]->outcome == StartOutcome::kNew;

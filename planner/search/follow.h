@@ -30,9 +30,11 @@ struct Start {
   bool by_own_method = false;  // see ContinuationOptions
 };
 
-struct TriedStart {
-  bool led_somewhere = false;    // to a solution, known or new
-  bool out_of_patience = false;  // it ended at its limit of iterations
+// Where a start led.
+enum class TriedStart {
+  kNowhere,          // to no solution, or its work is ignored (PieceOfWork)
+  kOutOfIterations,  // to no solution within its limit of iterations
+  kSomewhere,        // to a solution, known or new
 };
 
 // Solves alternatives from these guesses on coarse meshes, and follows the solutions. Each start uses what was found

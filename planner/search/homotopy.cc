@@ -119,38 +119,38 @@ bool Homotopy::reach(const Smoothing& step, Attempts& attempts, const Continuati
   return solve_in_halves(step, attempts, strategy);
 }
 
-bool Homotopy::take_step(Attempts& attempts, const ContinuationStrategy& strategy) {
+StepOutcome Homotopy::take_step(Attempts& attempts, const ContinuationStrategy& strategy) {
   const std::vector<Smoothing>& steps = strategy.steps;
-  if (next_ >= steps.size()) return false;
+  if (next_ >= steps.size()) return StepOutcome::kNoneLeft;
   const Smoothing& step = steps[next_++];
   if (!reach(step, attempts, strategy)) {
     next_ = steps.size();
-    return false;
+    return StepOutcome::kFailed;
   }
   compare(attempts);
   const bool nodes_are_moved = step.friction_width == attempts.settings().nodes.first_width;
   if (nodes_are_moved && move_jumps(attempts) == ChangeOutcome::kSolved) compare(attempts);
-  return true;
+  return StepOutcome::kTaken;
 }
 
 void Homotopy::keep_best(Attempts& attempts) {
   if (best_at_ != attempts.solutions()) attempts.replace(std::move(best_));
 }
 
-bool fade_regularisation(Attempts& attempts, const ContinuationStrategy& strategy) {
+Completion fade_regularisation(Attempts& attempts, const ContinuationStrategy& strategy) {
   const Problem& problem = attempts.problem();
-  if (settles_torque(problem.weights) || !strategy.fades) return true;
+  if (settles_torque(problem.weights) || !strategy.fades) return Completion::kFinished;
   for (int round = 0; round < attempts.settings().regularisation.rounds; ++round) {
     const RegularisationSettings& s = attempts.settings().regularisation;
     Smoothing step = attempts.solution().setup.smoothing;
     const double weight = make_arm_ocp<Features{}>(problem, step.regularisation).regularisation;
     const double regularisation = weight * squared_torque(attempts.solution().motion);
     const double objective = std::abs(attempts.solution().report.objective - regularisation);
-    if (!(regularisation > s.largest * objective)) return true;
+    if (!(regularisation > s.largest * objective)) break;
     step.regularisation *= std::max(s.decrease * s.largest * objective / regularisation, s.largest_change);
-    if (!solve_in_halves(step, attempts, strategy)) return !attempts.stopped();
+    if (!solve_in_halves(step, attempts, strategy)) return attempts.completion();
   }
-  return true;
+  return Completion::kFinished;
 }
 
 }  // namespace fjr

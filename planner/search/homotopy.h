@@ -8,6 +8,13 @@
 
 namespace fjr {
 
+// Result of one step.
+enum class StepOutcome {
+  kTaken,
+  kNoneLeft,  // the last one was taken, or an earlier one failed
+  kFailed     // the solutions before it stay, and no step is left
+};
+
 // Each step's solution starts the next one, on a mesh refined by its errors. The solution with the least published
 // objective (with the exact law) is kept: a sharper law usually helps, but sometimes a step ends in a worse minimum or
 // fails.
@@ -16,9 +23,8 @@ class Homotopy {
   // Begins at the present solution.
   Homotopy(const Attempts& attempts, const ContinuationStrategy& strategy);
 
-  // Takes one step, with a loose mesh tolerance. Returns false if no step was left or the step failed; none is left
-  // then.
-  bool take_step(Attempts& attempts, const ContinuationStrategy& strategy);
+  // Takes one step, with a loose mesh tolerance.
+  StepOutcome take_step(Attempts& attempts, const ContinuationStrategy& strategy);
 
   // Puts the best solution so far in the place of the last one. The homotopy must not be used any more.
   void keep_best(Attempts& attempts);
@@ -34,7 +40,7 @@ class Homotopy {
 };
 
 // Reduces the regularisation by effort, which selects among torques, until it is small beside the objective. It would
-// outweigh an objective that is much smaller than its weights suggest. Returns false if stopped.
-bool fade_regularisation(Attempts& attempts, const ContinuationStrategy& strategy);
+// outweigh an objective that is much smaller than its weights suggest.
+Completion fade_regularisation(Attempts& attempts, const ContinuationStrategy& strategy);
 
 }  // namespace fjr

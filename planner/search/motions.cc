@@ -103,18 +103,20 @@ void try_wave(Wave& wave, Findings& found, Session& session) {
   const std::vector<TriedStart> tried = try_starts_of_many(wave.starts, found, session);
   for (std::size_t i = 0; i < tried.size(); ++i) {
     Turn& turn = *wave.turns[i];
-    bool led_somewhere = tried[i].led_somewhere;
-    const Alternative penalised = tried[i].out_of_patience ? with_acceleration_penalty(*turn.alternative) : nullptr;
+    TriedStart outcome = tried[i];
+    const Alternative penalised =
+        outcome == TriedStart::kOutOfIterations ? with_acceleration_penalty(*turn.alternative) : nullptr;
     if (penalised) refine_waiting(found, session);
     if (penalised && !session.interrupted()) {
       ++session.fallbacks().calmed;
       turn.alternative = penalised;
-      led_somewhere =
-          try_starts({{penalised, wave.starts[i].guess, wave.starts[i].label + ", calm"}}, found, session)[0]
-              .led_somewhere;
+      outcome = try_starts({{penalised, wave.starts[i].guess, wave.starts[i].label + ", calm"}}, found, session)[0];
     }
-    turn.led_somewhere = turn.led_somewhere || led_somewhere;
-    if (!led_somewhere) ++turn.failed;
+    if (outcome == TriedStart::kSomewhere) {
+      turn.led_somewhere = true;
+    } else {
+      ++turn.failed;
+    }
   }
   session.tell_starts(found.starts, found.starts_planned);
   wave = {};

@@ -17,42 +17,57 @@ double gap_after(double width, bool sees_friction, const RaceSettings& settings)
   return settings.last_gap;
 }
 
+enum class Place {
+  kOnTheWay,    // it has steps left
+  kAtTheEnd,    // no step is left, or the last one failed
+  kArrived,     // settled
+  kStopped,     // by the session, before it had settled
+  kDropped,     // the same as another one, or too far behind
+  kOutOfCount,  // its last piece of work is ignored
+};
+
 struct Runner {
   Continuation motion;
-  bool counts = true;   // its work was allowed
-  bool goes_on = true;  // its last step succeeded
-  bool dropped = false;
+  Place place = Place::kOnTheWay;
 
   double objective() const { return motion.solution().report.objective; }
-  bool running() const { return counts && goes_on && !dropped; }
 };
+
+Place after_step(Continuation& motion) {
+  return motion.take_step() == StepOutcome::kTaken ? Place::kOnTheWay : Place::kAtTheEnd;
+}
+
+Place after_settling(Continuation& motion) {
+  return motion.settle() == Completion::kFinished ? Place::kArrived : Place::kStopped;
+}
 
 // Each motion is compared only with those that were found before it: then additional starts never change which of the
 // earlier motions are followed.
 void drop_losers(std::vector<Runner>& runners, StepObjectives& reached, const RaceSettings& settings) {
   for (Runner& runner : runners) {
-    if (!runner.running()) continue;
+    if (runner.place != Place::kOnTheWay) continue;
     const double width = runner.motion.solution().setup.smoothing.friction_width;
     std::vector<double>& before = reached[width];
-    runner.dropped =
-        !worth_following(runner.objective(), width, before, sees_friction(runner.motion.problem()->weights), settings);
+    const bool depends_on_friction = sees_friction(runner.motion.problem()->weights);
+    if (!worth_following(runner.objective(), width, before, depends_on_friction, settings)) {
+      runner.place = Place::kDropped;
+    }
     before.push_back(runner.objective());
   }
 }
 
-// Calls `step` for all runners for which `which` holds, in parallel.
-template <class Which, class Step>
-void all_do(std::vector<Runner>& runners, Session& session, const Which& which, const Step& step) {
+// Calls `work` for the motions of all runners at this place, in parallel. It returns where they are then.
+void all_move(Place from, Place (*work)(Continuation&), std::vector<Runner>& runners, Session& session) {
   std::vector<Runner*> at_work;
   for (Runner& runner : runners) {
-    if (which(runner)) at_work.push_back(&runner);
+    if (runner.place == from) at_work.push_back(&runner);
   }
-  const std::vector<bool> counts = session.do_all(at_work.size(), [&](std::size_t i, Session& own) {
+  const std::vector<PieceOfWork> pieces = session.do_all(at_work.size(), [&](std::size_t i, Session& own) {
     at_work[i]->motion.go_on_in(own);
-    at_work[i]->goes_on = step(at_work[i]->motion);
+    at_work[i]->place = work(at_work[i]->motion);
   });
   for (std::size_t i = 0; i < at_work.size(); ++i) {
-    at_work[i]->counts = counts[i];
+    if (pieces[i] == PieceOfWork::kIgnored) at_work[i]->place = Place::kOutOfCount;
     at_work[i]->motion.go_on_in(session);
   }
 }
@@ -71,21 +86,22 @@ bool worth_following(double objective, double width, const std::vector<double>& 
 Raced race(std::vector<Continuation> motions, StepObjectives& reached, Session& session) {
   std::vector<Runner> runners;
   for (Continuation& motion : motions) runners.push_back({std::move(motion)});
-  const auto running = [](const Runner& runner) { return runner.running(); };
   // Where the objective depends on friction, motions with the same objective on refined first meshes lead to the same
   // minimum: all but the first of them are dropped here.
-  if (!runners.empty() && sees_friction(runners.front().motion.problem()->weights))
-    drop_losers(runners, reached, session.settings().race);
-  while (std::any_of(runners.begin(), runners.end(), running)) {
-    all_do(runners, session, running, [](Continuation& motion) { return motion.take_step(); });
-    drop_losers(runners, reached, session.settings().race);
+  const RaceSettings& settings = session.settings().race;
+  if (!runners.empty() && sees_friction(runners.front().motion.problem()->weights)) {
+    drop_losers(runners, reached, settings);
   }
-  const auto at_the_end = [](const Runner& runner) { return runner.counts && !runner.dropped; };
-  all_do(runners, session, at_the_end, [](Continuation& motion) { return motion.settle(); });
+  const auto is_on_the_way = [](const Runner& runner) { return runner.place == Place::kOnTheWay; };
+  while (std::any_of(runners.begin(), runners.end(), is_on_the_way)) {
+    all_move(Place::kOnTheWay, after_step, runners, session);
+    drop_losers(runners, reached, settings);
+  }
+  all_move(Place::kAtTheEnd, after_settling, runners, session);
   Raced raced;
   for (Runner& runner : runners) {
-    if (at_the_end(runner) && runner.goes_on) raced.arrived.push_back(std::move(runner.motion));
-    if (runner.counts && runner.dropped) raced.dropped.push_back(std::move(runner.motion));
+    if (runner.place == Place::kArrived) raced.arrived.push_back(std::move(runner.motion));
+    if (runner.place == Place::kDropped) raced.dropped.push_back(std::move(runner.motion));
   }
   std::stable_sort(raced.dropped.begin(), raced.dropped.end(), [](const Continuation& a, const Continuation& b) {
     return a.solution().report.objective < b.solution().report.objective;

@@ -100,13 +100,14 @@ std::optional<Publication> with_reserve(const std::shared_ptr<const Problem>& pr
   };
   const std::string label = "with margins for other arms";
   Continuation moved(problem, session, label);
-  if (moved.resume(from)) {
+  if (moved.resume(from) == ResumeOutcome::kSolved) {
     if (auto published = certified(moved)) return published;
   }
   // Where a path or a limit is active nearly all the time, margins change the active set, and a warm start with the old
   // multipliers fails. Then the problem is solved from the motion alone.
   Continuation afresh(problem, session, label + ", afresh", {.patience = kPatience});
-  if (session.interrupted() || !afresh.adopt(from, from.motion.duration()) || !afresh.refine()) return std::nullopt;
+  if (session.interrupted() || !afresh.adopt(from, from.motion.duration())) return std::nullopt;
+  if (afresh.refine() == Completion::kStopped) return std::nullopt;
   return certified(afresh);
 }
 

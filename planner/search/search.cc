@@ -29,8 +29,8 @@ std::vector<Guess> Search::guesses(const Problem& problem) const {
 
 bool Search::refine(Continuation& c, Exactness exactness) {
   if (exactness == Exactness::kSketch) return true;
-  if (exactness == Exactness::kExactFriction) return c.follow_homotopy();
-  if (!c.refine()) return false;
+  if (exactness == Exactness::kExactFriction) return c.follow_homotopy() == Completion::kFinished;
+  if (c.refine() == Completion::kStopped) return false;
   const Collocated& found = c.solution();
   const PerLimit scales = limit_scales(*c.problem());
   for (const PerLimit& over : excesses(*c.problem(), found.setup.mesh, found.motion, 0)) {

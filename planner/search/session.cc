@@ -53,16 +53,16 @@ bool Session::interrupted(double work) {
   return stopped() || spent;
 }
 
-// Adds the account of a branch. Returns false if no more work was allowed by then; only its time is added then.
-bool Session::join(const Session& branch) {
+// Adds the account of a branch; only its time if no more work was allowed by then.
+PieceOfWork Session::join(const Session& branch) {
   if (work_ >= allowed_) {
     account_.add_time_of(branch.account_);
-    return false;
+    return PieceOfWork::kIgnored;
   }
   work_ += branch.work_ - branch.work_before_;
   account_ += branch.account_;
   enter(branch.phase_);
-  return true;
+  return PieceOfWork::kCounts;
 }
 
 std::vector<std::unique_ptr<Session>> Session::branches(std::size_t count) const {
@@ -71,10 +71,10 @@ std::vector<std::unique_ptr<Session>> Session::branches(std::size_t count) const
   return all;
 }
 
-std::vector<bool> Session::join_all(const std::vector<std::unique_ptr<Session>>& branches) {
-  std::vector<bool> counts;
-  for (const auto& branch : branches) counts.push_back(join(*branch));
-  return counts;
+std::vector<PieceOfWork> Session::join_all(const std::vector<std::unique_ptr<Session>>& branches) {
+  std::vector<PieceOfWork> pieces;
+  for (const auto& branch : branches) pieces.push_back(join(*branch));
+  return pieces;
 }
 
 // Each branch measures its own time, and adds it to the part that this session is timing now.
@@ -87,11 +87,11 @@ std::function<void(std::size_t)> Session::in_branches(const std::vector<std::uni
   };
 }
 
-std::vector<bool> Session::do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task) {
+std::vector<PieceOfWork> Session::do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task) {
   if (count == 0) return {};
   if (count == 1) {
     task(0, *this);
-    return {true};
+    return {PieceOfWork::kCounts};
   }
   const auto own = branches(count);
   const auto work = in_branches(own, task);
@@ -101,8 +101,8 @@ std::vector<bool> Session::do_all(std::size_t count, const std::function<void(st
   return join_all(own);
 }
 
-std::vector<bool> Session::do_beside(const std::function<void()>& own, std::size_t count,
-                                     const std::function<void(std::size_t, Session&)>& task) {
+std::vector<PieceOfWork> Session::do_beside(const std::function<void()>& own, std::size_t count,
+                                            const std::function<void(std::size_t, Session&)>& task) {
   const auto beside = branches(count);
   const auto work = in_branches(beside, task);
   for_each(count + 1, [&](std::size_t i) {

@@ -33,6 +33,13 @@ struct SessionOptions {
   std::function<void(const Progress&)> on_progress;  // may be empty
 };
 
+// What becomes of a piece of work that was done beside others. Results that are ignored must not be used, so that the
+// outcome is the same for any number of threads.
+enum class PieceOfWork {
+  kCounts,
+  kIgnored,  // what was allowed had been used up by those before it
+};
+
 class Session {
  public:
   explicit Session(SessionOptions options);
@@ -65,14 +72,12 @@ class Session {
 
   // Does `count` independent pieces of work, as many at a time as threads are idle. Each has a session of its own,
   // which is stopped with this one and may do half of the work that this one still may; a single piece has this
-  // session. Their work is counted in the order of their indices, until what is allowed is used up. Returns for each
-  // piece whether it counts. Results of those that do not have to be ignored, so that the outcome is the same for any
-  // number of threads.
-  std::vector<bool> do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task);
+  // session. Their work is counted in the order of their indices, until what is allowed is used up.
+  std::vector<PieceOfWork> do_all(std::size_t count, const std::function<void(std::size_t, Session&)>& task);
 
   // Does the same while this session works itself; its own work is counted first, and may take all that is left.
-  std::vector<bool> do_beside(const std::function<void()>& own, std::size_t count,
-                              const std::function<void(std::size_t, Session&)>& task);
+  std::vector<PieceOfWork> do_beside(const std::function<void()>& own, std::size_t count,
+                                     const std::function<void(std::size_t, Session&)>& task);
 
   // Does pieces of work that need no session, on the same threads.
   void for_each(std::size_t count, const std::function<void(std::size_t)>& task);
@@ -111,11 +116,11 @@ class Session {
 
   struct Branch {};
   Session(Branch, const Session& trunk);
-  bool join(const Session& branch);
+  PieceOfWork join(const Session& branch);
   std::vector<std::unique_ptr<Session>> branches(std::size_t count) const;
   std::function<void(std::size_t)> in_branches(const std::vector<std::unique_ptr<Session>>& branches,
                                                const std::function<void(std::size_t, Session&)>& task) const;
-  std::vector<bool> join_all(const std::vector<std::unique_ptr<Session>>& branches);
+  std::vector<PieceOfWork> join_all(const std::vector<std::unique_ptr<Session>>& branches);
   void find_out_whether_stopped();
 
   SessionOptions options_;

@@ -86,7 +86,7 @@ Tighter tighter_setup(const Attempts& attempts, const ContinuationStrategy& stra
 
 }  // namespace
 
-bool tighten(Attempts& attempts, const ContinuationStrategy& strategy, int& failures) {
+Completion tighten(Attempts& attempts, const ContinuationStrategy& strategy, int& failures) {
   const Problem& problem = attempts.problem();
   const TighteningSettings& s = attempts.settings().tightening;
   // With wider laws the friction differs from the exact one even where a motor is not yet reversing.
@@ -115,19 +115,20 @@ bool tighten(Attempts& attempts, const ContinuationStrategy& strategy, int& fail
     }
     minds_peak = false;  // solves once more for limits and mesh alone, without lowering the peak
   }
-  if (attempts.stopped()) return false;
+  if (attempts.stopped()) return Completion::kStopped;
   solve_to_the_end(attempts);
   std::move(lowest).keep(attempts);
-  return !attempts.stopped();
+  return attempts.completion();
 }
 
-bool tighten_on_moved_nodes(Attempts& attempts, const ContinuationStrategy& strategy, int& failures) {
+Completion tighten_on_moved_nodes(Attempts& attempts, const ContinuationStrategy& strategy, int& failures) {
   move_jumps(attempts);
-  for (int round = 0; !attempts.stopped() && tighten(attempts, strategy, failures); ++round) {
+  for (int round = 0; !attempts.stopped(); ++round) {
+    if (tighten(attempts, strategy, failures) == Completion::kStopped) break;
     const bool last = round + 1 >= attempts.settings().nodes.rounds;
-    if (last || move_jumps(attempts) != ChangeOutcome::kSolved) return !attempts.stopped();
+    if (last || move_jumps(attempts) != ChangeOutcome::kSolved) return attempts.completion();
   }
-  return false;
+  return Completion::kStopped;
 }
 
 ChangeOutcome split_by_errors(const std::vector<double>& errors, Attempts& attempts,

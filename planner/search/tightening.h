@@ -10,12 +10,11 @@
 namespace fjr {
 
 // Solves again with finer intervals and margins until the mesh is good enough and every limit holds between the
-// collocation points too. Returns false if stopped. failures: rounds that found no solution, of this and earlier calls.
-bool tighten(Attempts& attempts, const ContinuationStrategy& strategy, int& failures);
+// collocation points too. failures: number of rounds that found no solution, of this and earlier calls.
+Completion tighten(Attempts& attempts, const ContinuationStrategy& strategy, int& failures);
 
 // Moves nodes to their optimal times and tightens, more than once if the refined mesh needs some nodes elsewhere again.
-// Returns false if stopped.
-bool tighten_on_moved_nodes(Attempts& attempts, const ContinuationStrategy& strategy, int& failures);
+Completion tighten_on_moved_nodes(Attempts& attempts, const ContinuationStrategy& strategy, int& failures);
 
 // Splits the intervals whose errors [rad] exceed the mesh tolerance or make up most of their sum, and those that exceed
 // limits by much, and solves again.

@@ -101,7 +101,7 @@ std::optional<Publication> next_motion(const MotionPrice& price, const Publicati
   Problem priced = *from.problem;
   priced.price = std::make_shared<const MotionPrice>(price);
   Continuation c(std::make_shared<const Problem>(std::move(priced)), session, "with a price on its tracking error");
-  if (!c.resume(from.solution)) return std::nullopt;
+  if (c.resume(from.solution) != ResumeOutcome::kSolved) return std::nullopt;
   return publish(c, asked, session).last;
 }
 

@@ -16,7 +16,7 @@ std::string start_warm(const Collocated& neighbour, Findings& found, Session& se
   std::string refusal;
   for (const auto& alternative : found.alternatives) {
     Continuation c(alternative, session, "from an earlier plan");
-    const bool solved = c.resume(neighbour);
+    const bool solved = c.resume(neighbour) == ResumeOutcome::kSolved;
     if (solved) {
       PublishResult published = publish(c, found.asked, session);
       if (found.keep(c, std::move(published))) return "";

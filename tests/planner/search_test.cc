@@ -115,7 +115,8 @@ TEST_P(StoppedOnTheWay, APublicationEndsInOrder) {
   session.enter(Phase::kFinding);
   Continuation c(std::make_shared<const Problem>(looser), session, "looser");
   ASSERT_EQ(c.begin(first_guesses(looser, {}).front(), 400), StartOutcome::kNew);
-  ASSERT_TRUE(c.follow_homotopy() && c.settle());
+  ASSERT_EQ(c.follow_homotopy(), Completion::kFinished);
+  ASSERT_EQ(c.settle(), Completion::kFinished);
   intervals = c.solution().setup.mesh.size();
   motion = &c;
   const PublishResult published = publish(c, asked, session);

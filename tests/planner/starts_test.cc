@@ -226,6 +226,8 @@ TEST(Threads, AreIdleAgainAfterPairs) {
 
 // ---- sessions ----
 
+using enum PieceOfWork;
+
 // Of 30 that are allowed, each of four may take half; the third comes to more than all, so the fourth does not count.
 TEST(Session, CountsPiecesInTheirOrderUntilAllIsTaken) {
   for (const int jobs : {1, 3}) {
@@ -235,11 +237,11 @@ TEST(Session, CountsPiecesInTheirOrderUntilAllIsTaken) {
     Session session(options);
     session.enter(Phase::kFinding);
     std::vector<int> taken(4);
-    const std::vector<bool> counts = session.do_all(4, [&](std::size_t i, Session& own) {
+    const std::vector<PieceOfWork> pieces = session.do_all(4, [&](std::size_t i, Session& own) {
       while (!own.interrupted(1)) ++taken[i];
     });
     EXPECT_THAT(taken, ElementsAre(14, 14, 14, 14)) << jobs;  // the step to 15 is told that it is the last
-    EXPECT_THAT(counts, ElementsAre(true, true, false, false)) << jobs;
+    EXPECT_THAT(pieces, ElementsAre(kCounts, kCounts, kIgnored, kIgnored)) << jobs;
     EXPECT_TRUE(session.interrupted());
     EXPECT_TRUE(session.account().cut_by_work);
   }
@@ -254,7 +256,7 @@ TEST(Session, CountsItsOwnWorkBeforeWhatIsBesideIt) {
     Session session(options);
     session.enter(Phase::kFinding);
     std::vector<int> taken(3);
-    const std::vector<bool> counts = session.do_beside(
+    const std::vector<PieceOfWork> pieces = session.do_beside(
         [&] {
           for (int i = 0; i < 12; ++i) EXPECT_FALSE(session.interrupted(1));
         },
@@ -263,7 +265,7 @@ TEST(Session, CountsItsOwnWorkBeforeWhatIsBesideIt) {
           while (!own.interrupted(1)) ++taken[i];
         });
     EXPECT_THAT(taken, ElementsAre(14, 14, 14)) << jobs;
-    EXPECT_THAT(counts, ElementsAre(true, true, false)) << jobs;
+    EXPECT_THAT(pieces, ElementsAre(kCounts, kCounts, kIgnored)) << jobs;
     EXPECT_TRUE(session.interrupted());
   }
 }
@@ -464,11 +466,9 @@ TEST(Start, ThatRunsOutOfIterationsSaysSo) {
   Findings found(problem);
   const Start start{found.alternatives.front(), first_guesses(problem, {}).front(), "start"};
   found.patience = 3;  // of 60 or more that it takes
-  EXPECT_TRUE(try_starts({start}, found, session).front().out_of_patience);
+  EXPECT_EQ(try_starts({start}, found, session).front(), TriedStart::kOutOfIterations);
   found.patience = 400;
-  const TriedStart tried = try_starts({start}, found, session).front();
-  EXPECT_TRUE(tried.led_somewhere);
-  EXPECT_FALSE(tried.out_of_patience);
+  EXPECT_EQ(try_starts({start}, found, session).front(), TriedStart::kSomewhere);
 }
 
 // A few iterations before its end its objective is nearly what it comes to, and its constraints nearly hold.

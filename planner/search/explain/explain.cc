@@ -78,11 +78,13 @@ class Explanation {
       anything_tried_ = true;
       std::vector<Relaxed> relaxed(std::min(kCandidatesAtATime, candidates.size() - first));
       const double budget = search_.left() / static_cast<double>(relaxed.size());
-      const std::vector<bool> counts = session_.do_all(relaxed.size(), [&](std::size_t i, Session& own) {
+      const std::vector<PieceOfWork> pieces = session_.do_all(relaxed.size(), [&](std::size_t i, Session& own) {
         Search search(own, budget);
         relaxed[i] = relax(candidates[first + i], guesses, search);
       });
-      for (std::size_t i = 0; i < relaxed.size(); ++i) any = (counts[i] && keep(relaxed[i])) || any;
+      for (std::size_t i = 0; i < relaxed.size(); ++i) {
+        any = (pieces[i] == PieceOfWork::kCounts && keep(relaxed[i])) || any;
+      }
     }
     return any;
   }

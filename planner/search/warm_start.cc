@@ -16,15 +16,15 @@ std::string start_warm(const Collocated& neighbour, Findings& found, Session& se
   std::string refusal;
   for (const auto& alternative : found.alternatives) {
     Continuation c(alternative, session, "from an earlier plan");
-    const bool solved = c.resume(neighbour) == ResumeOutcome::kSolved;
-    if (solved) {
+    const ResumeOutcome outcome = c.resume(neighbour);
+    if (outcome == ResumeOutcome::kSolved) {
       PublishResult published = publish(c, found.asked, session);
       if (found.keep(c, std::move(published))) return "";
     }
     if (session.stopped()) return "it was stopped before anything came of it";
-    if (c.stages().empty()) {
+    if (outcome == ResumeOutcome::kOtherSegments) {
       refusal = "it passes another number of via points";
-    } else if (!solved) {
+    } else if (outcome != ResumeOutcome::kSolved) {
       refusal = "the optimiser did not converge from it";
     } else {
       const std::string why = found.best ? found.best->certificate.failures.front() : std::string();

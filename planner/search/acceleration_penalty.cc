@@ -50,7 +50,7 @@ void fade_acceleration_penalty(Findings& found, Session& session) {
     const Publication& best = *found.best;
     const double weight = best.problem->weights.link_acceleration, objective = best.objective;
     if (weight == 0) return;
-    Continuation c(with_weights(*best.problem, kLess * weight), session, "less calm");
+    Continuation c(with_weights(*best.problem, kLess * weight), session, "with less acceleration penalty");
     if (c.resume(Collocated(best.solution)) != ResumeOutcome::kSolved) return;
     found.keep(c, publish(c, found.asked, session));
     if (!(found.best->objective < objective)) return;

@@ -38,7 +38,7 @@ bool far_too_long(const Continuation& c, const Problem& asked, const FollowSetti
 // Solves a motion again with a penalty on accelerations. Returns the motion itself if that fails.
 Continuation with_penalty(const Continuation& c, const std::shared_ptr<const Problem>& penalised, int patience,
                           Session& session) {
-  Continuation solved(penalised, session, c.label() + ", calm");
+  Continuation solved(penalised, session, c.label() + ", with acceleration penalty");
   solved.start = c.start;
   const Collocated& hasty = c.solution();
   const Guess guess = guess_from(hasty.motion, hasty.durations, c.duration());

@@ -110,7 +110,8 @@ void try_wave(Wave& wave, Findings& found, Session& session) {
     if (penalised && !session.interrupted()) {
       ++session.fallbacks().calmed;
       turn.alternative = penalised;
-      outcome = try_starts({{penalised, wave.starts[i].guess, wave.starts[i].label + ", calm"}}, found, session)[0];
+      outcome = try_starts({{penalised, wave.starts[i].guess, wave.starts[i].label + ", with acceleration penalty"}},
+                           found, session)[0];
     }
     if (outcome == TriedStart::kSomewhere) {
       turn.led_somewhere = true;
@@ -140,15 +141,15 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
     return asks_for_more_speed_than_motors_have(*alternative);
   });
   const std::size_t before_asking = much_too_fast ? 0 : order.before_swinging;
-  bool hurried = false;
-  const auto hurry = [&] {
-    if (std::exchange(hurried, true)) return;
+  bool fastest_was_tried = false;
+  const auto try_fastest = [&] {
+    if (std::exchange(fastest_was_tried, true)) return;
     for (const Alternative& alternative : open) try_from_fastest(alternative, found, session);
   };
   const std::size_t before_sketching = have_little_time(open, order.little_time) ? 0 : order.before_sketching_fastest;
   for (std::size_t i = 0; i < most; ++i) {
     if (i == before_sketching && found.candidates.empty() && all_seem_too_short(open, session)) {
-      hurry();
+      try_fastest();
       if (found.too_short()) return;
     }
     if (i == before_asking && found.candidates.empty()) {
@@ -157,7 +158,7 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
       if (found.out_of_reach) return;
     }
     if (i == order.before_fastest && found.candidates.empty()) {
-      hurry();
+      try_fastest();
       if (found.too_short()) return;
     }
     for (Turn& turn : turns) {

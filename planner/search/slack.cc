@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kSmallest = 0.1;              // [m, rad, ...] least size, for values that are given as zero or nearly
 constexpr double kTimeRegularisation = 0.003;  // of time [1/s]: enough for the motion not to dawdle
-constexpr double kHurry = 0.1;                 // of time [1/s]
+constexpr double kLargerTimeWeight = 0.1;      // of time [1/s]
 constexpr double kDifference = 1e-6;           // step by which a region's bounds are differentiated
 // Largest slack: nobody would build a robot with larger limits. Solves start at half of it.
 constexpr double kMostSlack = 6;
@@ -97,7 +97,7 @@ Problem with_slack_everywhere(const Problem& problem) {
 }
 
 Problem with_larger_time_weight(Problem with_slack) {
-  with_slack.weights.time = kHurry;
+  with_slack.weights.time = kLargerTimeWeight;
   return with_slack;
 }
 

@@ -447,7 +447,7 @@ TEST(Race, FollowsEachMinimumOnce) {
 
 // ---- springs that have time to swing ----
 
-TEST(Calm, IsForObjectivesThatLeaveTorquesFreeAndHaveTime) {
+TEST(AccelerationPenalty, IsForObjectivesThatLeaveTorquesFreeAndHaveTime) {
   const auto is_penalised = [](const std::string& more) {
     return with_acceleration_penalty(request(kMove + more)) != nullptr;
   };
@@ -495,7 +495,7 @@ TEST(Start, ThatRunsOutAheadOfAllOthersGoesOn) {
 }
 
 // The weight that was added is no part of what was asked for: without it there is less energy.
-TEST(Calm, IsTakenBack) {
+TEST(AccelerationPenalty, IsTakenBack) {
   const Problem problem = request(kMove + "duration: 2\nobjective: {energy: 1}\n");
   Session session{SessionOptions{}};
   session.enter(Phase::kFinding);

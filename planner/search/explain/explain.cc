@@ -33,7 +33,7 @@ constexpr double kSlackWorthExactFriction = 0.05;  // slack of a sketch below wh
 constexpr double kNegligibleSlack = 2e-3;          // below it the request is possible, as far as a sketch can tell
 constexpr double kSlackBeyondSingleLimits = 0.25;  // fraction of all limits at once
 constexpr std::size_t kCandidatesAtATime = 2;      // that are tried beside each other
-constexpr double kDurationFactor = 2;  // times the duration of a hurried motion, for the motion with the least change
+constexpr double kDurationFactor = 2;              // times the duration of a solution with more weight on time
 
 class Explanation {
  public:
@@ -197,8 +197,8 @@ class Explanation {
     Duration& duration = relaxed.duration;
     const double soon = kDurationFactor * guesses.front().duration();
     if (!any_timed(problem_) && !relaxed.slack->velocity && duration.max > std::max(soon, duration.min)) {
-      const auto first =
-          search.sketch(with_larger_time_weight(relaxed), what + ", hurried", guesses, Search::kMostIterationsOfSlack);
+      const auto first = search.sketch(with_larger_time_weight(relaxed), what + ", with more weight on time", guesses,
+                                       Search::kMostIterationsOfSlack);
       if (!first) return std::nullopt;
       guesses = {guess_of(*first)};
       duration.max = std::clamp(kDurationFactor * guesses.front().duration(), duration.min, duration.max);

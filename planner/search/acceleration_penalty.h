@@ -14,12 +14,14 @@ namespace fjr {
 // Returns variants of a minimum-time problem whose motion takes many seconds at a speed limit, in the order in which
 // they are tried until one is certified: with penalties on acceleration and jerk, with less on jerk, and on
 // acceleration only.
-std::vector<std::shared_ptr<const Problem>> fastest_with_acceleration_penalties(const Problem& problem);
+std::vector<std::shared_ptr<const Problem>> fastest_with_acceleration_penalties(
+    const Problem& problem, const AccelerationPenaltySettings& settings);
 
 // Returns the problem of another objective with a weight on the acceleration of the links. Returns null if it has such
 // a weight or needs none, because its objective is strictly convex in the torques, is time or a reward, or because
 // there is no time to oscillate.
-std::shared_ptr<const Problem> with_acceleration_penalty(const Problem& problem);
+std::shared_ptr<const Problem> with_acceleration_penalty(const Problem& problem,
+                                                         const AccelerationPenaltySettings& settings);
 
 // If the best motion was found with that weight, solves again with smaller and smaller weights, as long as this gives
 // certified and better motions.

@@ -9,7 +9,8 @@
 
 namespace fjr {
 
-// The phases of a search. Each may use what earlier ones left of the work, up to a larger fraction of it (session.cc).
+// The phases of a search. Each may use what earlier ones left of the work, up to a larger fraction of it
+// (BudgetSettings).
 enum class Phase {
   kFinding,     // motions on coarse meshes
   kRefining,    // solutions that may become the best plan

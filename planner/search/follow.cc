@@ -91,7 +91,8 @@ void publish_best(std::vector<Continuation> motions, Findings& found, Session& s
 // largest first, until one is certified.
 void refine_with_penalties(const Continuation& coarse, Findings& found, Session& session) {
   const Timed timed(session, "finish");
-  for (const auto& penalised : fastest_with_acceleration_penalties(*coarse.problem())) {
+  const AccelerationPenaltySettings& settings = session.settings().acceleration_penalty;
+  for (const auto& penalised : fastest_with_acceleration_penalties(*coarse.problem(), settings)) {
     if (session.interrupted()) return;
     Continuation c = with_penalty(coarse, penalised, found.patience, session);
     if (c.refine() == Completion::kStopped) continue;

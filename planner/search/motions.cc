@@ -100,12 +100,13 @@ struct Wave {
 // Solves the starts of a wave. If one ends at its iteration limit, its turn goes on with a penalty on accelerations,
 // where that applies (with_acceleration_penalty()).
 void try_wave(Wave& wave, Findings& found, Session& session) {
+  const AccelerationPenaltySettings& settings = session.settings().acceleration_penalty;
   const std::vector<TriedStart> tried = try_starts_of_many(wave.starts, found, session);
   for (std::size_t i = 0; i < tried.size(); ++i) {
     Turn& turn = *wave.turns[i];
     TriedStart outcome = tried[i];
     const Alternative penalised =
-        outcome == TriedStart::kOutOfIterations ? with_acceleration_penalty(*turn.alternative) : nullptr;
+        outcome == TriedStart::kOutOfIterations ? with_acceleration_penalty(*turn.alternative, settings) : nullptr;
     if (penalised) refine_waiting(found, session);
     if (penalised && !session.interrupted()) {
       ++session.fallbacks().calmed;

@@ -18,9 +18,7 @@
 namespace fjr {
 namespace {
 
-constexpr int kRounds = 6;              // rounds of refining one solution until it is certified
 constexpr double kSameDuration = 1e-9;  // fraction by which a duration may differ from its bound, for rounding
-constexpr double kFinerRows = 0.25;     // factor on the allowed interpolation error, each round
 
 Publication with_certificate(const Continuation& c, const Problem& asked, Trajectory trajectory, Session& session) {
   const Collocated& solution = c.solution();
@@ -61,10 +59,11 @@ Trajectory rows_of(Problem asked, const Motion& motion, double row_error, std::s
 }
 
 PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
+  const PublicationSettings& s = session.settings().publication;
   PublishResult published;
   double row_error = kRowVelocityError;
   std::size_t rows = 0;
-  for (int round = 0; round < kRounds && !session.interrupted(); ++round) {
+  for (int round = 0; round < s.rounds && !session.interrupted(); ++round) {
     {
       const Timed timed(session, "certificate");
       Trajectory trajectory = rows_of(asked, c.solution().motion, row_error);
@@ -88,7 +87,7 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
     if (session.interrupted()) break;
     if (!other_motion) {  // the errors belong to the intervals of this solution
       c.split_intervals(rollout_errors(asked.robot, refused.solution, refused.trajectory));
-      row_error *= kFinerRows;
+      row_error *= s.finer_rows;
     }
     c.tighten();
     // Without another solution or more rows the next verdict would be the same.

@@ -11,12 +11,12 @@ namespace fjr {
 namespace {
 
 // Returns the fraction of a request's work that may be done by the end of a phase.
-double allowed_by_the_end_of(Phase phase) {
+double allowed_by_the_end_of(Phase phase, const BudgetSettings& settings) {
   switch (phase) {
     case Phase::kFinding:
-      return 0.5;
+      return settings.finding;
     case Phase::kRefining:
-      return 0.8;
+      return settings.refining;
     case Phase::kMargins:
     case Phase::kExplaining:
       return 1;
@@ -120,7 +120,7 @@ void Session::for_each(std::size_t count, const std::function<void(std::size_t)>
 
 void Session::enter(Phase phase) {
   phase_ = std::max(phase_, phase);
-  allowed_ = allowed_by_the_end_of(phase_) * options_.most_work;
+  allowed_ = allowed_by_the_end_of(phase_, settings().budget) * options_.most_work;
 }
 
 void Session::tell_starts(int done, int planned) {

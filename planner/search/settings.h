@@ -1,6 +1,7 @@
 // Constants that tune the search, one struct per algorithm: each with its unit, what it does, and the measurement
-// behind it. An expert sets them by PlanOptions::search; a plan is a function of them as of its request. (The shapes of
-// guesses, margins for other arms and explanations have theirs at the top of their files.)
+// behind it. An expert sets them by PlanOptions::search; a plan is a function of them as of its request. (What shapes
+// guesses and paths, the price of tracking errors, margins for other arms and explanations have theirs at the top of
+// their files.)
 #pragma once
 
 #include <array>
@@ -179,6 +180,35 @@ struct FollowSettings {
   double far_too_long = 1.15;
 };
 
+// Penalties on the links' acceleration and jerk, against oscillation (acceleration_penalty.h).
+struct AccelerationPenaltySettings {
+  double time_to_oscillate = 2;  // [s] motions that last at least this long have time to oscillate
+  // [s^4/rad^2] weight in an objective that is divided by its size. Minimum-energy motions of 3 to 8 s need 0.1 % more
+  // energy with it. With ten times as much, the peak torque of a motion of 5 s was higher, and did not come down when
+  // the weight was reduced.
+  double weight = 1e-4;
+  double less = 0.3;  // factor on the weight in each step of fading it; after all of them it costs less than 0.02 %
+  int steps = 5;
+  // [s^4/rad^2], [s^6/rad^2] of long minimum-time motions. The penalty on acceleration damps the springs; it makes a
+  // motion of 30 s 0.2 % longer. The penalty on jerk also damps the motors, because the executor's feedback cannot
+  // follow their oscillation where they reverse slowly; it costs another 0.05 %. Of ten motions of 6 to 75 s that are
+  // limited by the tip speed or motor velocities, the first variant (both) certified eight and the second one (less
+  // jerk) another.
+  double fastest_acceleration = 0.01, fastest_jerk = 1e-5;
+  double less_jerk = 10;  // divisor of the second variant
+};
+
+// Rounds of refining one solution until it is certified (publication.h).
+struct PublicationSettings {
+  int rounds = 6;
+  double finer_rows = 0.25;  // factor on the allowed interpolation error, each round
+};
+
+// Fractions of a request's work that may be done by the end of a phase (session.h); later ones may use it all.
+struct BudgetSettings {
+  double finding = 0.5, refining = 0.8;
+};
+
 // ---- fallbacks: what is tried where no start leads anywhere (fallbacks.h) ----
 
 struct FallbackSettings {
@@ -235,6 +265,9 @@ struct SearchSettings {
   StartSettings starts;
   StartOrderSettings order;
   FollowSettings follow;
+  AccelerationPenaltySettings acceleration_penalty;
+  PublicationSettings publication;
+  BudgetSettings budget;
   FallbackSettings fallbacks;
   StepwiseSettings stepwise;
   SwingUpSettings swing_up;

@@ -449,7 +449,7 @@ TEST(Race, FollowsEachMinimumOnce) {
 
 TEST(AccelerationPenalty, IsForObjectivesThatLeaveTorquesFreeAndHaveTime) {
   const auto is_penalised = [](const std::string& more) {
-    return with_acceleration_penalty(request(kMove + more)) != nullptr;
+    return with_acceleration_penalty(request(kMove + more), {}) != nullptr;
   };
   EXPECT_TRUE(is_penalised("duration: 5\nobjective: {energy: 1}\n"));
   EXPECT_TRUE(is_penalised("duration: 5\nobjective: {peak_torque: 1}\n"));
@@ -500,7 +500,7 @@ TEST(AccelerationPenalty, IsTakenBack) {
   Session session{SessionOptions{}};
   session.enter(Phase::kFinding);
   Findings found(problem);
-  const auto penalised = with_acceleration_penalty(*found.alternatives.front());
+  const auto penalised = with_acceleration_penalty(*found.alternatives.front(), {});
   ASSERT_TRUE(penalised);
   try_starts({{penalised, first_guesses(problem, {}).front(), "start"}}, found, session);
   ASSERT_TRUE(found.certified());

@@ -344,8 +344,8 @@ void Control::drive() {
 
 void Control::publish() {
   if (motion_ != nullptr) {
-    motion_->figures.add({sensing_.q(), sensing_.dq(), sensing_.theta(), sensing_.dtheta(), planned_.state.q,
-                          command_.torque, command_.feedback, !at_rest()});
+    const State<double> measured{sensing_.q(), sensing_.dq(), sensing_.theta(), sensing_.dtheta()};
+    motion_->figures.add(robot_, {measured, planned_.state.q, command_.torque, command_.feedback, !at_rest()});
     if (motion_->log.size() < motion_->log.capacity()) {
       motion_->log.push_back({time_, sensing_.q(), sensing_.theta(), command_.torque, planned_});
     }

@@ -9,20 +9,19 @@ namespace fjr {
 class Figures {
  public:
   struct Instant {
-    Joints<double> q, dq, theta, dtheta;  // [rad], [rad/s] measured; velocities filtered
-    Joints<double> planned_q;             // [rad]
-    Joints<double> torque, feedback;      // [N m]
-    bool moving;                          // false: after the end
+    State<double> measured;           // velocities filtered
+    Joints<double> planned_q;         // [rad]
+    Joints<double> torque, feedback;  // [N m]
+    bool moving;                      // false: after the end
   };
-  void add(const Instant& now);
+  void add(const Parameters& robot, const Instant& now);
 
   // Fills the statistics into the result that is reported.
   void fill(ExecutionResult& result, const Parameters& robot) const;
 
  private:
   Joints<double> largest_{}, squares_{}, last_{}, residual_{}, feedback_{};
-  Joints<double> torque_{}, motor_velocity_{}, deflection_{};
-  Joints<double> lowest_{kNoLimit, kNoLimit}, highest_{-kNoLimit, -kNoLimit};  // [rad] of the links
+  Limits reached_ = Limits::all(0);  // of the quantities that robot.yaml limits
   long moving_ = 0;
 };
 

@@ -4,8 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "planner/stop/stop_motion.h"
-
 namespace fjr {
 namespace {
 
@@ -63,7 +61,12 @@ MotorFeedback::Command yielding_torque(const Parameters& robot, const Joints<dou
   return c;
 }
 
-SwingStop::SwingStop(const Parameters& robot) : robot_(robot), limits_(stop_limits(robot)), table_(kInstants) {}
+SwingStop::SwingStop(const Parameters& robot)
+    : robot_(robot), limits_(in_order(stop_limits(robot))), table_(kInstants) {
+  for (std::size_t i = 0; i < kStopLimits; ++i) {
+    if (kStopLimitNames[i].quantity->of_oscillation) limits_[i] = kNoLimit;
+  }
+}
 
 bool SwingStop::find(double start, const State<double>& swinging) {
   const LinkMotion from = link_motion(robot_, swinging, spring_torque(robot_, swinging.q, swinging.theta));
@@ -76,17 +79,13 @@ bool SwingStop::find(double start, const State<double>& swinging) {
   return false;
 }
 
-// Returns the largest fraction of any limit that the stop uses. The spring deflections are not checked, because the
-// oscillation itself determines them.
+// Returns the largest fraction of any limit that the stop uses.
 double SwingStop::largest_fraction(const Joints<StopShape>& shapes, double duration) const {
   double largest = 0;
   for (int n = 0; n <= kInstants; ++n) {
     const FlatPoint p = from_link_motion(robot_, in_time({table_.at(shapes[0], n), table_.at(shapes[1], n)}, duration));
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      largest = std::max({largest, std::abs(p.torque[j]) / limits_.torque[j],
-                          std::abs(p.state.dtheta[j]) / limits_.motor_velocity[j],
-                          std::abs(p.state.q[j] - limits_.link_middle[j]) / limits_.link_position[j]});
-    }
+    const PerStopLimit values = stop_values(robot_, p.state, p.torque);
+    for (std::size_t i = 0; i < kStopLimits; ++i) largest = std::max(largest, std::abs(values[i]) / limits_[i]);
   }
   return largest;
 }

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "planner/control/motor_feedback.h"
-#include "planner/problem/problem.h"
+#include "planner/stop/stop_limits.h"
 #include "planner/stop/stop_shape.h"
 #include "planner/trajectory/trajectory.h"
 
@@ -48,7 +48,7 @@ class SwingStop {
   double largest_fraction(const Joints<StopShape>& shapes, double duration) const;
 
   Parameters robot_;
-  Limits limits_;
+  PerStopLimit limits_;
   ShapeTable table_;
   Joints<StopShape> shapes_{};
   double start_ = 0, duration_ = 0;

@@ -74,8 +74,9 @@ struct QuantityInfo {
   // The limit in robot.yaml, which a request may tighten; null: only requests limit it.
   Joints<double> Parameters::Limits::*of_robot = nullptr;
   Joints<double> Limits::*middle = nullptr;  // centre from which value() is measured; null: zero
-  // The limit that holds when feedback is included; null: the same.
+  // The limit that holds when feedback is included, and its name in robot.yaml; null: the same.
   Joints<double> Parameters::Drive::*with_feedback = nullptr;
+  const char* name_with_feedback = nullptr;
   BoundOn bound = BoundOn::kRow;
   int state = 0;             // with BoundOn::kState: index of the first joint's state
   bool sees_torque = false;  // depends on tau_m
@@ -87,6 +88,9 @@ struct QuantityInfo {
   Leaving leaving = Leaving::kThere;
   InRollout in_rollout = InRollout::kOfPlan;
   bool place = false;  // limits where the arm may be, not what it can do
+  double in_stop = 1;  // factor that widens the robot's limit for controlled stops (planner/stop/stop_limits.h)
+  // How far the links oscillate on their springs decides it, so that a stop of an oscillation cannot choose it.
+  bool of_oscillation = false;
   // Set for the first quantities only. The hash of a request includes them even if they are not limited, and older
   // request types have members for them.
   bool of_first_version = false;
@@ -96,6 +100,10 @@ struct QuantityInfo {
   double& in(Limits& limits, std::size_t j) const { return of_tip ? limits.*of_tip : (limits.*per_joint)[j]; }
   double in(const Limits& limits, std::size_t j) const { return of_tip ? limits.*of_tip : (limits.*per_joint)[j]; }
   double counted_from(const Limits& limits, std::size_t j) const { return middle ? (limits.*middle)[j] : 0; }
+  // Returns the limit that holds when feedback is included.
+  double with_feedback_in(const Parameters& robot, const Limits& limits, std::size_t j) const {
+    return with_feedback ? (robot.drive.*with_feedback)[j] : in(limits, j);
+  }
   // Returns the magnitude of the limited quantity for a result of value().
   double magnitude(double value) const { return squared ? std::sqrt(std::max(0.0, value)) : std::abs(value); }
 };
@@ -116,6 +124,7 @@ struct Torque {
                                      .per_joint = &Limits::torque,
                                      .of_robot = &Parameters::Limits::torque,
                                      .with_feedback = &Parameters::Drive::peak_torque,
+                                     .name_with_feedback = "peak_torque",
                                      .sees_torque = true,
                                      .degree = 1,
                                      .of_first_version = true};
@@ -136,6 +145,7 @@ struct MotorVelocity {
                                      .degree = 2,
                                      .leaving = Leaving::kAtOnce,
                                      .in_rollout = InRollout::kVelocity,
+                                     .in_stop = 1.05,
                                      .of_first_version = true};
   template <class T>
   static Joints<T> value(const Moment<T>& at) {
@@ -172,6 +182,8 @@ struct SpringDeflection {
                                      .of_robot = &Parameters::Limits::spring_deflection,
                                      .degree = 3,
                                      .in_rollout = InRollout::kPosition,
+                                     .in_stop = 1.01,
+                                     .of_oscillation = true,
                                      .of_first_version = true};
   template <class T>
   static Joints<T> value(const Moment<T>& at) {

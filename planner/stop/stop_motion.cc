@@ -9,6 +9,7 @@
 
 #include "planner/certificate/limits.h"
 #include "planner/control/motor_feedback.h"
+#include "planner/stop/stop_limits.h"
 #include "planner/stop/stop_shape.h"
 
 namespace fjr {
@@ -25,13 +26,17 @@ constexpr double kSameInstant = 1e-9;  // [s]
 constexpr double kRestAfter = 0.25;    // [s] a quarter of the slowest oscillation, enough to show its amplitude
 
 using Free = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kJoints * kShapes, 1>;
-using Excess = Eigen::Matrix<double, 4 * kJoints * kNodes, 1>;
+using Excess = Eigen::Matrix<double, kStopLimits * kNodes, 1>;
 
 // Searches the free parameters for which a stop of a given duration is within the limits.
 class Search {
  public:
   Search(const Parameters& robot, const Limits& limits, const LinkMotion& from, double duration, int shapes)
-      : robot_(robot), limits_(limits), shapes_(shapes_from(from, duration)), duration_(duration), count_(shapes) {
+      : robot_(robot),
+        limits_(in_order(limits)),
+        shapes_(shapes_from(from, duration)),
+        duration_(duration),
+        count_(shapes) {
     free_ = Free::Zero(kJoints * count_);
     for (int j = 0; j < kJoints; ++j) {
       const auto i = static_cast<std::size_t>(j);
@@ -85,17 +90,12 @@ class Search {
     worst_ = 0;
     for (int n = 1; n <= kNodes; ++n) {
       const FlatPoint p = from_link_motion(robot_, in_time({table.at(s[0], n), table.at(s[1], n)}, duration_));
-      for (std::size_t j = 0; j < kJoints; ++j) {
-        const std::array<double, 4> fraction{p.torque[j] / limits_.torque[j],
-                                             p.state.dtheta[j] / limits_.motor_velocity[j],
-                                             (p.state.q[j] - limits_.link_middle[j]) / limits_.link_position[j],
-                                             (p.state.theta[j] - p.state.q[j]) / limits_.spring_deflection[j]};
-        for (std::size_t k = 0; k < fraction.size(); ++k) {
-          const double size = std::abs(fraction[k]);
-          worst_ = std::max(worst_, size);
-          const auto row = static_cast<Eigen::Index>(8 * static_cast<std::size_t>(n - 1) + 4 * j + k);
-          excess[row] = std::copysign(std::max(0.0, size - kAimed), fraction[k]);
-        }
+      const PerStopLimit values = stop_values(robot_, p.state, p.torque);
+      for (std::size_t i = 0; i < kStopLimits; ++i) {
+        const double fraction = values[i] / limits_[i], size = std::abs(fraction);
+        worst_ = std::max(worst_, size);
+        const auto row = static_cast<Eigen::Index>(kStopLimits * static_cast<std::size_t>(n - 1) + i);
+        excess[row] = std::copysign(std::max(0.0, size - kAimed), fraction);
       }
     }
     return excess;
@@ -117,7 +117,7 @@ class Search {
   }
 
   const Parameters& robot_;
-  const Limits& limits_;
+  const PerStopLimit limits_;
   Joints<StopShape> shapes_;
   double duration_;
   int count_;
@@ -190,27 +190,19 @@ class Rows {
   double start_, duration_;
 };
 
-// Checks the limits at the samples, before an expensive rollout. Returns what is wrong, or an empty string.
-std::string fault_of_rows(const Limits& limits, const std::vector<Sample>& rows) {
-  struct Quantity {
-    const char* name;
-    double value, limit;
-  };
+// Checks the limits at the samples, before an expensive rollout. Returns what is wrong, if anything is.
+std::optional<std::string> fault_of_rows(const Parameters& robot, const std::vector<Sample>& rows) {
+  const PerStopLimit limits = in_order(stop_limits(robot));
   for (const Sample& row : rows) {
-    const State<double>& x = row.state;
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      for (const Quantity& quantity :
-           {Quantity{"torque", row.torque[j], limits.torque[j]},
-            Quantity{"motor_velocity", x.dtheta[j], limits.motor_velocity[j]},
-            Quantity{"link_position", x.q[j] - limits.link_middle[j], limits.link_position[j]},
-            Quantity{"spring_deflection", x.theta[j] - x.q[j], limits.spring_deflection[j]}}) {
-        if (std::abs(quantity.value) <= quantity.limit) continue;
-        return fmt::format("{} of joint {} reaches {:.6g} at {:.6f} s, the limit of a stop is {:.6g}", quantity.name,
-                           j + 1, quantity.value, row.time, quantity.limit);
-      }
+    const PerStopLimit values = stop_values(robot, row.state, row.torque);
+    for (std::size_t i = 0; i < kStopLimits; ++i) {
+      if (std::abs(values[i]) <= limits[i]) continue;
+      const LimitName& name = kStopLimitNames[i];
+      return fmt::format("{} of joint {} reaches {:.6g} at {:.6f} s, the limit of a stop is {:.6g}",
+                         name.quantity->name, name.joint, values[i], row.time, limits[i]);
     }
   }
-  return "";
+  return std::nullopt;
 }
 
 Trajectory with_rest(const Parameters& robot, const Trajectory& stop) {
@@ -239,16 +231,6 @@ bool can_be_used(const Parameters& robot, const Sample& from, const StopMotion& 
 
 double stop_exactness(const Parameters& robot) { return 2 * exactness_tolerance(robot); }
 
-Limits stop_limits(const Parameters& robot) {
-  Limits limits = Limits::of(robot);
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    limits.torque[j] = std::max(robot.limits.torque[j], 0.5 * (robot.limits.torque[j] + robot.drive.peak_torque[j]));
-    limits.motor_velocity[j] *= 1.05;
-    limits.spring_deflection[j] *= 1.01;
-  }
-  return limits;
-}
-
 std::optional<StopMotion> find_stop(const Parameters& robot, const Sample& from, double shortest, double longest) {
   const Limits limits = stop_limits(robot);
   const LinkMotion motion = motion_of(robot, from);
@@ -269,7 +251,7 @@ Trajectory stop_rows(const Parameters& robot, const Sample& from, const StopMoti
   for (std::size_t j = 0; j < kJoints; ++j) shapes[j].free = stop.free[j];
   const Rows rows(robot, shapes, from.time, stop.duration);
   const std::vector<Sample> coarse = rows.every_millisecond();
-  if (const std::string fault = fault_of_rows(stop_limits(robot), coarse); !fault.empty()) throw NoStop(fault);
+  if (const auto fault = fault_of_rows(robot, coarse)) throw NoStop(*fault);
   return rows.between(coarse);
 }
 

@@ -17,12 +17,6 @@ namespace fjr {
 
 inline constexpr double kStopSpacing = 0.02;  // [s] between the instants of a plan for which stops are computed
 
-// Returns the limits of a stop. They are wider than those of a plan, because a stop may begin where the plan is at its
-// limits, and its torque must be continuous there. The torque limit is raised by half of what the drive has beyond the
-// planning limit (the other half is left to feedback), that of motor velocities by 5 %, and that of deflections by 1 %,
-// up to which the identified stiffness is valid. Position limits stay, because there may be a wall.
-Limits stop_limits(const Parameters& robot);
-
 inline constexpr double kShortestStop = 0.05, kLongestStop = 1.5;  // [s]
 
 // Returns the shortest stop within the limits that was found, or nothing. Because the arm is differentially flat in q,

@@ -11,6 +11,7 @@
 #include "planner/control/motor_feedback.h"
 #include "planner/plan.h"
 #include "planner/request/request.h"
+#include "planner/stop/stop_limits.h"
 
 namespace fjr {
 namespace {

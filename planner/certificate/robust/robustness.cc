@@ -54,7 +54,7 @@ class Channels {
       const LimitName& name = kLimitNames[i];
       const QuantityInfo& quantity = *name.quantity;
       if (!std::isfinite(name.in(limits)) || quantity.bound == BoundOn::kControl) continue;
-      const double limit = quantity.with_feedback ? (robot.drive.*quantity.with_feedback)[name.j()] : name.in(limits);
+      const double limit = quantity.with_feedback_in(robot, limits, name.j());
       all_.push_back({quantity.name, quantity.unit, name.joint, limit, i, Channel::Kind::kLimit});
     }
     if (!task.rows.empty()) {

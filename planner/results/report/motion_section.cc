@@ -6,7 +6,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <string_view>
 
 #include "common/rounded.h"
 #include "model/kinematics.h"
@@ -28,9 +27,6 @@ constexpr Joints<const char*> kSecondColour{"#8c56b5", "#d0509a"};
 double link(const Sample& s, std::size_t j) { return s.state.q[j]; }
 double motor(const Sample& s, std::size_t j) { return s.state.theta[j]; }
 double link_velocity(const Sample& s, std::size_t j) { return s.state.dq[j]; }
-double motor_velocity(const Sample& s, std::size_t j) { return s.state.dtheta[j]; }
-double deflection(const Sample& s, std::size_t j) { return s.state.theta[j] - s.state.q[j]; }
-double torque(const Sample& s, std::size_t j) { return s.torque[j]; }
 
 // Adds the robustness tubes of the limit `name`, or of the links' positions, around the first lines of the chart.
 void add_tubes(Chart& chart, const std::optional<Tubes>& tubes, const std::string& name, int first_joint = 1) {
@@ -93,30 +89,46 @@ Chart tip_speed_chart(const Parameters& robot, const Trajectory& trajectory, con
   return chart;
 }
 
-// Returns charts of limited quantities that are in no other chart; torque rates are not drawn.
+int first_joint_of(const QuantityInfo& info) { return info.of_tip ? 0 : 1; }
+
+// Returns a chart of a limited quantity of the list. The lines of joints are called `line` and their number.
+template <class Limited>
+Chart limited_chart(const PlanRecord& record, const std::vector<ReachedLimit>& limits,
+                    const std::optional<Tubes>& tubes, const std::string& title, const std::string& line) {
+  const QuantityInfo& info = Limited::info;
+  const int first = first_joint_of(info);
+  constexpr Joints<double> kNoRate{};
+  Chart chart = time_chart(title, info.unit);
+  for (std::size_t j = 0; j < info.count(); ++j) {
+    Series series{first == 0 ? "tip" : fmt::format("{} {}", line, j + 1), kJointColour[j], Style::kLine, {}, {}};
+    for (const Sample& s : record.trajectory->samples) {
+      series.x.push_back(s.time);
+      series.y.push_back(Limited::value(Moment<double>{record.robot, s.state, s.torque, kNoRate})[j]);
+    }
+    chart.series.push_back(std::move(series));
+  }
+  add_tubes(chart, tubes, info.name, first);
+  add_limits(chart, limits, info.name, record.trajectory->end_time());
+  return chart;
+}
+
+// The quantities with charts that motion_charts() always draws.
+using AlwaysDrawn = QuantityList<Torque, MotorVelocity, LinkPosition, SpringDeflection, LimitedTipSpeed>;
+
+bool is_always_drawn(const QuantityInfo& info) {
+  return std::any_of(AlwaysDrawn::infos.begin(), AlwaysDrawn::infos.end(),
+                     [&](const QuantityInfo& drawn) { return same_quantity(drawn, info); });
+}
+
+// Returns charts of the other quantities that are limited; torque rates are not drawn.
 std::vector<Chart> further_charts(const PlanRecord& record, const std::vector<ReachedLimit>& limits,
                                   const std::optional<Tubes>& tubes) {
-  constexpr std::array<std::string_view, 5> kElsewhere{"torque", "motor_velocity", "link_position", "spring_deflection",
-                                                       "tip_speed"};
-  const Joints<double> no_rate{};
   std::vector<Chart> charts;
   Quantities::visit([&](auto quantity) {
     const QuantityInfo& info = quantity.info;
-    const int first = info.count() == kJoints ? 1 : 0;
-    const bool elsewhere = std::find(kElsewhere.begin(), kElsewhere.end(), info.name) != kElsewhere.end();
-    if (elsewhere || info.bound == BoundOn::kControl || !find_limit(limits, info.name, first)) return;
-    Chart chart = time_chart(info.name, info.unit);
-    for (std::size_t j = 0; j < info.count(); ++j) {
-      Series series{first == 0 ? "tip" : fmt::format("joint {}", j + 1), kJointColour[j], Style::kLine, {}, {}};
-      for (const Sample& s : record.trajectory->samples) {
-        series.x.push_back(s.time);
-        series.y.push_back(quantity.value(Moment<double>{record.robot, s.state, s.torque, no_rate})[j]);
-      }
-      chart.series.push_back(std::move(series));
-    }
-    add_tubes(chart, tubes, info.name, first);
-    add_limits(chart, limits, info.name, record.trajectory->end_time());
-    charts.push_back(std::move(chart));
+    if (is_always_drawn(info) || info.bound == BoundOn::kControl) return;
+    if (!find_limit(limits, info.name, first_joint_of(info))) return;
+    charts.push_back(limited_chart<decltype(quantity)>(record, limits, tubes, info.name, "joint"));
   });
   return charts;
 }
@@ -131,22 +143,14 @@ std::vector<Chart> motion_charts(const PlanRecord& record, const std::vector<Rea
   add_joints(positions, rows, "motor", motor, kMotorColour, Style::kThinLine);
   add_tubes(positions, tubes, "link");
   add_limits(positions, limits, "link_position", end, record.robot.limits.link_middle);
-  Chart springs = time_chart("Spring deflections", "rad");
-  add_joints(springs, rows, "spring", deflection, kJointColour);
-  add_tubes(springs, tubes, "spring_deflection");
-  add_limits(springs, limits, "spring_deflection", end);
-  Chart torques = time_chart("Motor torques", "N m");
-  add_joints(torques, rows, "motor", torque, kJointColour);
-  add_tubes(torques, tubes, "torque");
-  add_limits(torques, limits, "torque", end);
-  Chart motors = time_chart("Motor velocities", "rad/s");
-  add_joints(motors, rows, "motor", motor_velocity, kJointColour);
-  add_tubes(motors, tubes, "motor_velocity");
-  add_limits(motors, limits, "motor_velocity", end);
   Chart links = time_chart("Link velocities", "rad/s");
   add_joints(links, rows, "link", link_velocity, kJointColour);
-  std::vector<Chart> charts{positions, springs, torques,
-                            motors,    links,   tip_speed_chart(record.robot, trajectory, limits, tubes)};
+  std::vector<Chart> charts{positions,
+                            limited_chart<SpringDeflection>(record, limits, tubes, "Spring deflections", "spring"),
+                            limited_chart<Torque>(record, limits, tubes, "Motor torques", "motor"),
+                            limited_chart<MotorVelocity>(record, limits, tubes, "Motor velocities", "motor"),
+                            links,
+                            tip_speed_chart(record.robot, trajectory, limits, tubes)};
   for (Chart& chart : further_charts(record, limits, tubes)) charts.push_back(std::move(chart));
   return charts;
 }

@@ -144,7 +144,7 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
     plan.warm_name = options.warm->name;
     plan.warm_away = options.warm->away;
     plan.warm_refusal = start_warm(*options.warm->solution, found, session);
-    plan.warm = plan.warm_refusal.empty();
+    plan.warm = !plan.warm_refusal;
   }
   if (!plan.warm && !session.stopped()) plan.infeasibility = search(options.starts, found, session);
 

@@ -75,14 +75,14 @@ struct Plan {
   int iterations = 0;                   // over all stages and starts
   SolveCost cost;                       // likewise
   std::vector<SolverStage> stages;
-  bool warm = false;         // it was found from PlanOptions::warm, without other starts
-  std::string warm_refusal;  // clause that says why PlanOptions::warm gave no plan; empty if it did or was not given
-  std::string warm_name;     // WarmStart::name, also if it gave no plan
-  std::optional<double> warm_away;  // WarmStart::away
-  int starts = 0;                   // number of starts that were solved
-  int starts_planned = 0;           // number of starts that the search would have solved in any case
-  int refined = 0;                  // number of minima that were followed to the exact problem
-  bool cut_by_deadline = false;     // certified, but the deadline ended the search: more time may find a better motion
+  bool warm = false;                        // it was found from PlanOptions::warm, without other starts
+  std::optional<std::string> warm_refusal;  // clause that says why PlanOptions::warm gave no plan, if it was given
+  std::string warm_name;                    // WarmStart::name, also if it gave no plan
+  std::optional<double> warm_away;          // WarmStart::away
+  int starts = 0;                           // number of starts that were solved
+  int starts_planned = 0;                   // number of starts that the search would have solved in any case
+  int refined = 0;                          // number of minima that were followed to the exact problem
+  bool cut_by_deadline = false;  // certified, but the deadline ended the search: more time may find a better motion
   std::vector<double> minima;  // objectives of the distinct minima of all starts, best first, on their first meshes and
                                // with smoothed friction
   bool cut_by_work = false;    // the search ended at the limit on its work; a longer deadline raises it

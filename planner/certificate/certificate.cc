@@ -30,8 +30,8 @@ class Verdict {
  public:
   Verdict(const Parameters& robot, Certificate& certificate) : robot_(robot), certificate_(certificate) {}
 
-  void refuse(std::string reason) {
-    if (!reason.empty()) certificate_.failures.push_back(std::move(reason));
+  void refuse(std::optional<std::string> reason) {
+    if (reason) certificate_.failures.push_back(std::move(*reason));
   }
 
   void judge_exactness(const std::string& loop, const RolloutErrors& errors) {
@@ -223,8 +223,8 @@ Certificate certify(const Parameters& robot, const Limits& limits, const Traject
   Certificate c;
   c.tolerance = exactness_tolerance(robot);
   Verdict verdict(robot, c);
-  if (std::string reason = malformed(trajectory); !reason.empty()) {
-    c.open_loop.failure = c.closed_loop.failure = "not rolled out: " + reason;
+  if (auto reason = malformed(trajectory)) {
+    c.open_loop.failure = c.closed_loop.failure = "not rolled out: " + *reason;
     verdict.refuse(std::move(reason));
     return c;
   }

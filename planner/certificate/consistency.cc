@@ -32,9 +32,9 @@ struct Column {
   double allowed(double h) const { return tolerance + h * std::abs(a1 - a0) / 8; }
 };
 
-std::string disagreement(const Column& c, std::size_t joint, const Sample& a, const Sample& b) {
+std::optional<std::string> disagreement(const Column& c, std::size_t joint, const Sample& a, const Sample& b) {
   const double h = b.time - a.time;
-  if (c.disagreement(h) <= c.allowed(h)) return "";
+  if (c.disagreement(h) <= c.allowed(h)) return std::nullopt;
   return fmt::format(
       "{}{} disagrees with its position column by {:.2e} rad/s between {:.6f} s and {:.6f} s, allowed {:.2e}", c.name,
       joint + 1, c.disagreement(h), a.time, b.time, c.allowed(h));
@@ -42,7 +42,7 @@ std::string disagreement(const Column& c, std::size_t joint, const Sample& a, co
 
 }  // namespace
 
-std::string malformed(const Trajectory& trajectory) {
+std::optional<std::string> malformed(const Trajectory& trajectory) {
   const std::vector<Sample>& rows = trajectory.samples;
   if (rows.size() < 2) return "the trajectory has fewer than two rows";
   if (rows.size() > kMaxRows)
@@ -57,10 +57,10 @@ std::string malformed(const Trajectory& trajectory) {
   if (const double duration = trajectory.end_time() - trajectory.start_time(); duration > kLongestTrajectory) {
     return fmt::format("the trajectory takes {:g} s, at most {:g} s are rolled out", duration, kLongestTrajectory);
   }
-  return "";
+  return std::nullopt;
 }
 
-std::string inconsistent_velocity(const Parameters& p, const Trajectory& trajectory) {
+std::optional<std::string> inconsistent_velocity(const Parameters& p, const Trajectory& trajectory) {
   const std::vector<Sample>& rows = trajectory.samples;
   State<double> f0 = dynamics(p, rows[0].state, rows[0].torque);
   for (std::size_t k = 1; k < rows.size(); ++k) {
@@ -71,12 +71,12 @@ std::string inconsistent_velocity(const Parameters& p, const Trajectory& traject
       const Column motor{"dtheta",     x0.theta[j],  x1.theta[j],  x0.dtheta[j],
                          x1.dtheta[j], f0.dtheta[j], f1.dtheta[j], motor_velocity_tolerance(p)[j]};
       for (const Column& column : {link, motor}) {
-        if (std::string text = disagreement(column, j, rows[k - 1], rows[k]); !text.empty()) return text;
+        if (auto text = disagreement(column, j, rows[k - 1], rows[k])) return text;
       }
     }
     f0 = f1;
   }
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace fjr

@@ -1,6 +1,7 @@
 // Checks whether the rows are a possible trajectory at all, before any physics.
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "model/parameters.h"
@@ -9,14 +10,14 @@
 namespace fjr {
 
 // Returns why the rows cannot be rolled out: too few or too many, not finite, time not increasing, or longer than the
-// longest rollout, 164 s. Returns an empty string if they can.
-std::string malformed(const Trajectory& trajectory);
+// longest rollout, 164 s. Returns nothing if they can.
+std::optional<std::string> malformed(const Trajectory& trajectory);
 
-// Returns a sentence if a velocity column does not belong to its position column, else an empty string. In every
+// Returns a sentence if a velocity column does not belong to its position column, else nothing. In every
 // interval the mean of the two end velocities may differ from the mean velocity (x1 - x0)/h by h |a1 - a0| / 8, the
 // most that a corner of the velocity can cause (a: accelerations of the model at the rows), plus a tolerance:
 // - links: one encoder count within 10 ms,
 // - motors: the velocity error that makes a tenth of the feedback torque which a certificate allows.
-std::string inconsistent_velocity(const Parameters& p, const Trajectory& trajectory);
+std::optional<std::string> inconsistent_velocity(const Parameters& p, const Trajectory& trajectory);
 
 }  // namespace fjr

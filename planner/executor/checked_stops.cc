@@ -17,7 +17,7 @@ CheckedStops::CheckedStops(const Parameters& robot, Trajectory plan, std::vector
 
 void CheckedStops::check(const Parameters& robot, const Trajectory& plan, const std::vector<StopMotion>& stops,
                          const std::stop_token& unwanted) {
-  for (std::size_t i = 0; i < stops.size() && fault_.empty() && !unwanted.stop_requested(); ++i) {
+  for (std::size_t i = 0; i < stops.size() && !fault_ && !unwanted.stop_requested(); ++i) {
     try {
       rows_[i] = checked_stop(robot, plan, i, stops[i]);
       usable_.store(i + 1, std::memory_order_release);

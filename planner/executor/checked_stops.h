@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -24,7 +25,7 @@ class CheckedStops {
   const Trajectory& at(std::size_t i) const { return rows_[i]; }                  // i < usable(); empty: see StopMotion
 
   bool over() const { return over_.load(std::memory_order_acquire); }  // all are checked, or one cannot be used
-  const std::string& fault() const { return fault_; }                  // once over(): why one cannot be used, or empty
+  const std::optional<std::string>& fault() const { return fault_; }   // once over(): why one cannot be used
 
   void give_up();  // stops checking, and waits for the thread
 
@@ -35,7 +36,7 @@ class CheckedStops {
   std::vector<Trajectory> rows_;
   std::atomic<std::size_t> usable_ = 0;
   std::atomic<bool> over_ = false;
-  std::string fault_;
+  std::optional<std::string> fault_;
   std::jthread checking_;  // declared last, so that it is joined before the members it writes to are destroyed
 };
 

@@ -197,8 +197,8 @@ void Executor::note_considered(const RequestId& id) {
 bool Executor::trusts(const TrajectoryOrder& order) {
   if (!signatures_) return true;
   const auto of_this = [&](const Unsigned& other) { return other.id == order.id; };
-  const std::string fault = signatures_->fault_of(signed_bytes(order), order.signature, kPublisherRole);
-  if (fault.empty()) {
+  const auto fault = signatures_->fault_of(signed_bytes(order), order.signature, kPublisherRole);
+  if (!fault) {
     for (const Unsigned& copy : unsigned_) {
       if (of_this(copy)) spdlog::warn("left out a copy of id={}: {}", text(copy.id), copy.fault);
     }
@@ -206,9 +206,9 @@ bool Executor::trusts(const TrajectoryOrder& order) {
     return true;
   }
   if (considered(order.id)) {  // the copy that came first has got the result
-    spdlog::warn("left out a copy of id={}: {}", text(order.id), fault);
+    spdlog::warn("left out a copy of id={}: {}", text(order.id), *fault);
   } else if (std::none_of(unsigned_.begin(), unsigned_.end(), of_this)) {
-    unsigned_.push_back({order.id, fault, Clock::now() + kForACopy});
+    unsigned_.push_back({order.id, *fault, Clock::now() + kForACopy});
   }
   return false;
 }

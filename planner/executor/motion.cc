@@ -103,7 +103,7 @@ void judge(const Parameters& robot, const Trajectory& plan) {
 // does not leave the tolerance on the other side. The rest at the goal is included, because it is held as it was
 // learnt.
 void judge_learnt(const Parameters& robot, Trajectory rows, const Tolerances& tolerances) {
-  if (const std::string fault = malformed(rows); !fault.empty()) refuse_for({fault});
+  if (const auto fault = malformed(rows)) refuse_for({*fault});
   rows = with_rest_after(robot, rows.samples);
   rows.samples.push_back(rows.samples.back());
   rows.samples.back().time += kWatched;
@@ -138,7 +138,7 @@ void await_lead(const CheckedStops& stops, double lead, const std::stop_token& u
     continue_if_wanted(unwanted);
     std::this_thread::sleep_for(std::chrono::microseconds(200));
   }
-  if (stops.over() && !stops.fault().empty()) throw NoStop(stops.fault());
+  if (stops.over() && stops.fault()) throw NoStop(*stops.fault());
   continue_if_wanted(unwanted);
 }
 
@@ -182,8 +182,8 @@ ExecutionResult result_of(const CommandedMotion& motion, const Parameters& robot
   result.code = code_of(outcome.ending);
   result.sentence = reason_of(outcome);
   if (outcome.ending == Ending::kNoStop) {
-    const bool fault = motion.stops->over() && !motion.stops->fault().empty();
-    result.sentence += fault ? ": " + motion.stops->fault() : ", for the next was not checked in time";
+    const bool fault = motion.stops->over() && motion.stops->fault();
+    result.sentence += fault ? ": " + *motion.stops->fault() : ", for the next was not checked in time";
   }
   if (outcome.ending == Ending::kReached || outcome.ending == Ending::kNotBegun) {
     if (outcome.ending == Ending::kReached) motion.figures.fill(result, robot);

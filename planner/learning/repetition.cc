@@ -118,8 +118,7 @@ Rehearsal rehearse(const Parameters& robot, const Limits& limits, const TaskOfMo
 
 // Returns the reasons why these samples must not be executed; empty if there are none.
 std::vector<std::string> against(const Parameters& robot, const Repetition& repetition) {
-  const std::string malformation = malformed(repetition.rows);
-  if (!malformation.empty()) return {malformation};
+  if (const auto malformation = malformed(repetition.rows)) return {*malformation};
   std::vector<std::string> reasons = broken_in(repetition);
   const Joints<double>& expected = repetition.rehearsals.back().link_error_rms;
   for (std::size_t j = 0; j < kJoints; ++j) {

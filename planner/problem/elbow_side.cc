@@ -62,9 +62,9 @@ const char* side(double q2) { return std::sin(q2) < 0 ? "left" : "right"; }  // 
 
 }  // namespace
 
-std::string barred_elbow(const Problem& problem) {
+std::optional<std::string> barred_elbow(const Problem& problem) {
   const auto band = band_of(problem.task);
-  if (!band || problem.goal.free[1]) return "";
+  if (!band || problem.goal.free[1]) return std::nullopt;
   const std::array<double, 2> within = reach(problem.robot);
   const bool stretches = band->furthest > within[1] - kSameDistance;
   const bool folds = band->nearest < within[0] + kSameDistance;
@@ -85,7 +85,7 @@ std::string barred_elbow(const Problem& problem) {
           i + 2 == bends.size() ? "the goal" : fmt::format("via[{}]", i), side(bends[i + 1]));
     }
   }
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace fjr

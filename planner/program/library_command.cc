@@ -206,7 +206,7 @@ int tell_status(const LibraryArguments& options) {
 struct LibraryCheck {
   std::string name;  // of the plan
   bool used = false;
-  std::string refusal;
+  std::optional<std::string> refusal;
   double objective = 0, cold_objective = 0;
   int iterations = 0, cold_iterations = 0;
   double cpu = 0, cold_cpu = 0;  // [s]
@@ -282,7 +282,7 @@ Json to_json(const std::vector<LibraryCheck>& checks) {
   for (const LibraryCheck& c : checks) {
     rows.push_back({{"plan", c.name},
                     {"used", c.used},
-                    {"reason", c.refusal.empty() ? Json(nullptr) : Json(c.refusal)},
+                    {"reason", c.refusal ? Json(*c.refusal) : Json(nullptr)},
                     {"objective", c.objective},
                     {"objective_from_scratch", c.cold_objective},
                     {"iterations", c.iterations},

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -92,11 +93,11 @@ std::string as_value(const std::string& answer) {
   return list && bare ? "[" + answer + "]" : answer;
 }
 
-// Returns what is wrong with an answer; empty if nothing is.
-std::string fault_of(const Key& key, const std::string& answer) {
+// Returns what is wrong with an answer, if anything is.
+std::optional<std::string> fault_of(const Key& key, const std::string& answer) {
   try {
     check_answer(key, YamlNode::parse(fmt::format("{}: {}\n", key.name, answer), "answer").at(key.name));
-    return "";
+    return std::nullopt;
   } catch (const InputError& error) {
     return error.problem();
   }
@@ -117,9 +118,9 @@ std::string ask(const Key& key) {
       fmt::print("  is needed\n");
       continue;
     }
-    const std::string fault = fault_of(key, answer);
-    if (fault.empty()) return answer;
-    fmt::print("  {}\n", fault);
+    const std::optional<std::string> fault = fault_of(key, answer);
+    if (!fault) return answer;
+    fmt::print("  {}\n", *fault);
   }
 }
 

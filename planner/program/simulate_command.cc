@@ -60,9 +60,7 @@ Parameters robot_in(const std::string& file) {
 
 SimulatedRun simulated(const SimulateArguments& options) {
   SimulatedRun run{robot_in(options.robot), read_csv(options.trajectory), 0, {}, {}};
-  if (const std::string fault = malformed(run.trajectory); !fault.empty()) {
-    throw InputError(options.trajectory, "", fault);
-  }
+  if (const auto fault = malformed(run.trajectory)) throw InputError(options.trajectory, "", *fault);
   const PlannedWith header = planned_with(run.trajectory.metadata, options.trajectory);
   if (run.robot.payload == Payload{} && header.payload) run.robot.payload = *header.payload;
   Parameters arm = options.true_robot.empty() ? run.robot : robot_in(options.true_robot);
@@ -188,7 +186,8 @@ int run(const SimulateArguments& options) {
   if (!options.log.empty() && options.control != "executor") {
     throw InputError("--log", "", "'" + options.control + "' has no log: it is for --control executor");
   }
-  if (!options.log.empty() && fs::path(options.log).lexically_normal() == fs::path(options.out).lexically_normal()) {
+  if (!options.log.empty() &&
+      std::filesystem::path(options.log).lexically_normal() == std::filesystem::path(options.out).lexically_normal()) {
     throw InputError("--log", "", options.log + " is the file of --out, too");
   }
   const SimulatedRun run = simulated(options);

@@ -213,9 +213,9 @@ std::string effort(const Plan& plan) {
 // Returns whether the earlier plan was of use, and whether the allowed time was used up.
 std::string search(const Plan& plan) {
   std::string text;
-  if (!plan.warm_refusal.empty()) {
+  if (plan.warm_refusal) {
     text +=
-        line("warm", fmt::format("planned from scratch, for {} was of no use: {}", earlier(plan), plan.warm_refusal));
+        line("warm", fmt::format("planned from scratch, for {} was of no use: {}", earlier(plan), *plan.warm_refusal));
   }
   if (plan.cut_by_deadline) {
     text += line("search", fmt::format("cut by the deadline after {} of {} starts, with {} of {} minima refined: more "

@@ -90,12 +90,12 @@ std::string name_in(X509* certificate, int which) {
   return length > 0 ? std::string(text.data(), static_cast<std::size_t>(length)) : std::string();
 }
 
-// Returns why the authority does not know the certificate; empty if it does.
-std::string why_unknown(X509_STORE* authority, X509* certificate) {
+// Returns why the authority does not know the certificate, unless it does.
+std::optional<std::string> why_unknown(X509_STORE* authority, X509* certificate) {
   const std::unique_ptr<X509_STORE_CTX, decltype(&X509_STORE_CTX_free)> context(X509_STORE_CTX_new(),
                                                                                 X509_STORE_CTX_free);
   if (!context || X509_STORE_CTX_init(context.get(), authority, certificate, nullptr) != 1) return "out of memory";
-  if (X509_verify_cert(context.get()) == 1) return "";
+  if (X509_verify_cert(context.get()) == 1) return std::nullopt;
   return X509_verify_cert_error_string(X509_STORE_CTX_get_error(context.get()));
 }
 
@@ -108,16 +108,16 @@ bool fits(X509* certificate, std::string_view message, const std::string& value)
          EVP_DigestVerify(digest.get(), bytes_of(value), value.size(), bytes_of(message), message.size()) == 1;
 }
 
-// Returns a sentence why an executor would not accept signatures with this certificate; empty if it would.
-std::string fault_of_certificate(X509* certificate, std::size_t size, std::string_view role) {
+// Returns a sentence why an executor would not accept signatures with this certificate, unless it would.
+std::optional<std::string> fault_of_certificate(X509* certificate, std::size_t size, std::string_view role) {
   if (const std::string own = name_in(certificate, NID_organizationalUnitName); own != role) {
     return fmt::format("its role (OU) is {}; trajectories are signed as {}", shown(own), shown(role));
   }
-  if (size <= kLongestCertificate) return "";
+  if (size <= kLongestCertificate) return std::nullopt;
   return fmt::format("has {} bytes, at most {} are allowed", size, kLongestCertificate);
 }
 
-std::string fault_of_key(EVP_PKEY* key, X509* certificate) {
+std::optional<std::string> fault_of_key(EVP_PKEY* key, X509* certificate) {
   constexpr int kLeastSecurity = 112;  // RSA of 2048 bits, curves of 224
   if (key == nullptr) return "is no private key in PEM";
   if (X509_check_private_key(certificate, key) != 1) return "is not the key of cert.pem";
@@ -128,7 +128,7 @@ std::string fault_of_key(EVP_PKEY* key, X509* certificate) {
     return fmt::format("has {} bits of security, at least {} are needed", bits, kLeastSecurity);
   }
   const auto size = static_cast<std::size_t>(EVP_PKEY_size(key));
-  if (size <= kLongestSignature) return "";
+  if (size <= kLongestSignature) return std::nullopt;
   return fmt::format("makes signatures of {} bytes, at most {} are allowed", size, kLongestSignature);
 }
 
@@ -161,8 +161,8 @@ Signer::Signer(const fs::path& folder, std::string_view role) {
   const Identity certificate = certificate_in(certificate_file);
   certificate_ = der_of(certificate.get());
   key_ = {PEM_read_bio_PrivateKey(open(key_file).get(), nullptr, nullptr, nullptr), EVP_PKEY_free};
-  const auto refuse_if = [](const fs::path& file, const std::string& fault) {
-    if (!fault.empty()) throw InputError(file.string(), "", fault);
+  const auto refuse_if = [](const fs::path& file, const std::optional<std::string>& fault) {
+    if (fault) throw InputError(file.string(), "", *fault);
   };
   refuse_if(certificate_file, fault_of_certificate(certificate.get(), certificate_.size(), role));
   refuse_if(key_file, fault_of_key(key_.get(), certificate.get()));
@@ -188,14 +188,14 @@ SignatureCheck::SignatureCheck(const fs::path& folder) : authority_(X509_STORE_n
   if (!authority_ || X509_STORE_add_cert(authority_.get(), certificate.get()) != 1) throw std::bad_alloc();
 }
 
-std::string SignatureCheck::fault_of(std::string_view message, const Signature& signature,
-                                     std::string_view role) const {
+std::optional<std::string> SignatureCheck::fault_of(std::string_view message, const Signature& signature,
+                                                    std::string_view role) const {
   if (signature.value.empty()) return "not signed, as everything is that is run in a domain with DDS Security";
   const Identity signer = certificate_of(signature.signer);
   if (!signer) return "signed by nobody: the signer's certificate cannot be read";
   const std::string name = shown(name_in(signer.get(), NID_commonName));
-  if (const std::string why = why_unknown(authority_.get(), signer.get()); !why.empty()) {
-    return fmt::format("signed by {}, for whom the identity authority does not vouch: {}", name, why);
+  if (const auto why = why_unknown(authority_.get(), signer.get())) {
+    return fmt::format("signed by {}, for whom the identity authority does not vouch: {}", name, *why);
   }
   if (const std::string own = name_in(signer.get(), NID_organizationalUnitName); own != role) {
     return fmt::format("signed by {}, whose role is {} and not {}", name, shown(own), shown(role));
@@ -203,7 +203,7 @@ std::string SignatureCheck::fault_of(std::string_view message, const Signature& 
   if (!fits(signer.get(), message, signature.value)) {
     return fmt::format("altered after {} signed it, or not signed by it at all", name);
   }
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace fjr

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -43,9 +44,10 @@ class SignatureCheck {
   // Reads identity_ca.cert.pem of the credentials in `folder`. Throws InputError.
   explicit SignatureCheck(const std::filesystem::path& folder);
 
-  // Returns an empty string, or a sentence: the message is not signed, its signer is unknown to the identity authority
-  // or has another role, or the signature is not that of this message.
-  std::string fault_of(std::string_view message, const Signature& signature, std::string_view role) const;
+  // Returns a sentence if the message is not signed, its signer is unknown to the identity authority or has another
+  // role, or the signature is not that of this message.
+  std::optional<std::string> fault_of(std::string_view message, const Signature& signature,
+                                      std::string_view role) const;
 
  private:
   std::shared_ptr<x509_store_st> authority_;

@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <tuple>
 #include <vector>
 
 #include "planner/problem/task/task.h"
 #include "planner/request/place.h"
+#include "planner/request/request_keys.h"
 
 namespace fjr {
 namespace {
@@ -82,8 +85,8 @@ void resolve_path(const Request& request, const RequestedPath& asked, Problem& p
   problem.task.path = path;
 }
 
-// Returns what is wrong with the arm at q; empty if nothing is.
-std::string broken(const Problem& problem, std::size_t segment, const Joints<double>& q) {
+// Returns what is wrong with the arm at q, if anything is.
+std::optional<std::string> broken(const Problem& problem, std::size_t segment, const Joints<double>& q) {
   const auto posture = Posture<double>::of(problem.robot, q);
   for (const TaskRow& row : task_rows(problem.robot, problem.task, segment)) {
     const double clearance = row.distance(row.value(problem.robot, posture));
@@ -97,12 +100,13 @@ std::string broken(const Problem& problem, std::size_t segment, const Joints<dou
     return fmt::format("puts the tip at [{:.4g}, {:.4g}] m, {:.4g} m outside tip.{}", posture.tip.x, posture.tip.y,
                        -clearance, region);
   }
-  return "";
+  return std::nullopt;
 }
 
-// Returns the region that a motion from q with velocity dq leaves at once, because q lies on its bound; empty if there
-// is none.
-std::string leaves(const Problem& problem, std::size_t segment, const Joints<double>& q, const Joints<double>& dq) {
+// Returns the region, if there is one, that a motion from q with velocity dq leaves at once because q lies on its
+// bound.
+std::optional<std::string> leaves(const Problem& problem, std::size_t segment, const Joints<double>& q,
+                                  const Joints<double>& dq) {
   constexpr double kMoment = 1e-6;  // [s]
   const auto moved = [&](double time) { return Joints<double>{q[0] + time * dq[0], q[1] + time * dq[1]}; };
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -121,7 +125,7 @@ std::string leaves(const Problem& problem, std::size_t segment, const Joints<dou
       return fmt::format("lies on the edge of {} and moves beyond it", row.name);
     }
   }
-  return "";
+  return std::nullopt;
 }
 
 // If the task forbids the guess of a joint that may end anywhere, which is its angle at the start, takes the angle that
@@ -129,7 +133,7 @@ std::string leaves(const Problem& problem, std::size_t segment, const Joints<dou
 void place_free_joint(Problem& problem) {
   constexpr int kAngles = 400;
   const std::size_t last = problem.via.size();
-  if (broken(problem, last, problem.goal.q).empty()) return;
+  if (!broken(problem, last, problem.goal.q)) return;
   const Joints<double> before = problem.via.empty() ? problem.start.q : problem.via.back().q;
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (!problem.goal.free[j]) continue;
@@ -137,7 +141,7 @@ void place_free_joint(Problem& problem) {
     for (int i = -kAngles; i <= kAngles; ++i) {
       Joints<double> q = problem.goal.q;
       q[j] = problem.limits.link_middle[j] + problem.limits.link_position[j] * i / kAngles;
-      if (std::abs(q[j] - before[j]) >= nearest || !broken(problem, last, q).empty()) continue;
+      if (std::abs(q[j] - before[j]) >= nearest || broken(problem, last, q)) continue;
       nearest = std::abs(q[j] - before[j]);
       problem.goal.q[j] = q[j];
     }
@@ -160,26 +164,24 @@ void resolve_task(const Request& request, Problem& problem) {
 
 void check_task(const Request& request, Problem& problem) {
   const Place start{request, "start"};
-  if (std::string wrong = broken(problem, 0, problem.start.q); !wrong.empty()) start.fail(wrong);
-  if (std::string wrong = leaves(problem, 0, problem.start.q, problem.start.dq); !wrong.empty()) {
-    start.at("dq").fail(wrong);
-  }
+  if (const auto wrong = broken(problem, 0, problem.start.q)) start.fail(*wrong);
+  if (const auto wrong = leaves(problem, 0, problem.start.q, problem.start.dq)) start.at("dq").fail(*wrong);
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
-    const std::string wrong = broken(problem, i, problem.via[i].q);
-    if (!wrong.empty()) Place{request, problem.task.path ? "path.points" : "via"}.at(i).fail(wrong);
+    const auto wrong = broken(problem, i, problem.via[i].q);
+    if (wrong) Place{request, problem.task.path ? "path.points" : "via"}.at(i).fail(*wrong);
   }
   if (problem.goal.any_free()) return place_free_joint(problem);
   const std::size_t last = problem.via.size();
   // Before the goal the motion is where the reversed velocity leads to from it.
   const auto wrong_with = [&](const Goal& goal) {
-    const std::string there = broken(problem, last, goal.q);
-    return there.empty() ? leaves(problem, last, goal.q, {-goal.dq[0], -goal.dq[1]}) : there;
+    const auto there = broken(problem, last, goal.q);
+    return there ? there : leaves(problem, last, goal.q, {-goal.dq[0], -goal.dq[1]});
   };
-  const std::string wrong = wrong_with(problem.goal);
+  const std::optional<std::string> wrong = wrong_with(problem.goal);
   std::vector<Goal>& others = problem.other_goals;
-  std::erase_if(others, [&](const Goal& goal) { return !wrong_with(goal).empty(); });
-  if (wrong.empty()) return;
-  if (others.empty()) Place{request, "goal"}.fail(wrong);
+  std::erase_if(others, [&](const Goal& goal) { return wrong_with(goal).has_value(); });
+  if (!wrong) return;
+  if (others.empty()) Place{request, "goal"}.fail(*wrong);
   problem.goal = others.front();
   others.erase(others.begin());
 }

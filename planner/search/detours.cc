@@ -246,12 +246,12 @@ Detours find_detours(const Problem& problem, std::size_t segment, const Joints<d
 
 namespace {
 
-// Returns a sentence on a point of the tip's line or arc that no posture within the joints' limits reaches; empty if
-// there is none.
-std::string beyond_reach(const Problem& problem) {
+// Returns a sentence on a point of the tip's line or arc that no posture within the joints' limits reaches, if there is
+// one.
+std::optional<std::string> beyond_reach(const Problem& problem) {
   constexpr int kPieces = 400;
   const Task& task = problem.task;
-  if (!task.line && !task.arc) return "";
+  if (!task.line && !task.arc) return std::nullopt;
   const auto [l1, l2] = problem.robot.link.length;
   const double lowest = problem.limits.lowest(1), highest = problem.limits.highest(1);
   const double most = std::min(std::max(std::abs(lowest), std::abs(highest)), std::numbers::pi);
@@ -272,21 +272,21 @@ std::string beyond_reach(const Problem& problem) {
         "{:.4g} to {:.4g} m",
         task.line ? kInfo<TipLine>.name : kInfo<TipArc>.name, tip[0], tip[1], away, nearest, furthest);
   }
-  return "";
+  return std::nullopt;
 }
 
 }  // namespace
 
-NoPath no_path(const Problem& problem) {
+std::optional<NoPath> no_path(const Problem& problem) {
   const Task& task = problem.task;
   const auto number_of_curve = [&] { return task.line ? number_of(task, *task.line) : number_of(task, *task.arc); };
-  if (std::string sentence = beyond_reach(problem); !sentence.empty()) return {sentence, {number_of_curve()}, 0};
-  if (std::string sentence = barred_elbow(problem); !sentence.empty()) {
-    return {sentence, {task.box ? number_of(task, *task.box) : number_of_curve()}, 0};
+  if (const auto sentence = beyond_reach(problem)) return NoPath{*sentence, {number_of_curve()}, 0};
+  if (const auto sentence = barred_elbow(problem)) {
+    return NoPath{*sentence, {task.box ? number_of(task, *task.box) : number_of_curve()}, 0};
   }
   // Half a cell's diagonal, 0.014 rad, moves no point of the arm by more than this.
   const double doubt = kFineGrid / std::sqrt(2.0) * (problem.robot.link.length[0] + 2 * problem.robot.link.length[1]);
-  if ((!keeps_clear(problem.task) && !problem.task.box) || problem.goal.any_free()) return {};
+  if ((!keeps_clear(problem.task) && !problem.task.box) || problem.goal.any_free()) return std::nullopt;
   std::vector<Joints<double>> points{problem.start.q};
   for (const Via& via : problem.via) points.push_back(via.q);
   points.push_back(problem.goal.q);
@@ -298,12 +298,12 @@ NoPath no_path(const Problem& problem) {
     for (const std::size_t number : fine.barred_by) names.push_back(constraint_name(task, number));
     const std::string stretch = points.size() == 2 ? "from the start to the goal"
                                                    : fmt::format("on the stretch {} of {}", s + 1, points.size() - 1);
-    return {
+    return NoPath{
         fmt::format("every way {} within the joints' limits is barred by {}; {:.2g} m more clearance would open one",
                     stretch, fmt::join(names, ", "), -fine.clearance),
         fine.barred_by, -fine.clearance};
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace fjr

@@ -2,6 +2,7 @@
 // blocked. If there is no path, the reason is reported to the user.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,12 +33,13 @@ inline constexpr double kWideTipPath = 0.08;
 Detours find_detours(const Problem& problem, std::size_t segment, const Joints<double>& from, const Joints<double>& to,
                      std::size_t most, double spacing = kCoarseGrid);
 
-// Explains why there is no path within the limits of the joints.
+// Why there is no path within the limits of the joints.
 struct NoPath {
-  std::string sentence;  // names what bars it; empty when there is a path, or the grid is too coarse to tell
+  std::string sentence;                  // names what bars it
   std::vector<std::size_t> constraints;  // that bar the widest path, by their number (each_constraint())
   double missing = 0;  // [m] clearance that would open one, to within the grid; 0 where it is not known
 };
-NoPath no_path(const Problem& problem);
+// Returns nothing when there is a path, or the grid is too coarse to tell.
+std::optional<NoPath> no_path(const Problem& problem);
 
 }  // namespace fjr

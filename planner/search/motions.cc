@@ -185,7 +185,7 @@ void find_motions(int count, Findings& found, Session& session) {
   const Timed timed(session, "starts");
   std::vector<Alternative> open;
   for (const Alternative& alternative : found.alternatives) {
-    if (no_path(*alternative).sentence.empty()) open.push_back(alternative);
+    if (!no_path(*alternative)) open.push_back(alternative);
   }
   take_turns(open, count, found, session);
   refine_waiting(found, session);

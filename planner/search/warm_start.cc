@@ -8,18 +8,18 @@
 
 namespace fjr {
 
-std::string start_warm(const Collocated& neighbour, Findings& found, Session& session) {
+std::optional<std::string> start_warm(const Collocated& neighbour, Findings& found, Session& session) {
   const Timed timed(session, "warm");
   if (const std::string& method = neighbour.setup.scheme.name; method != found.asked.method) {
     return fmt::format("it was planned with method {}, and {} is asked for", method, found.asked.method);
   }
-  std::string refusal;
+  std::optional<std::string> refusal;
   for (const auto& alternative : found.alternatives) {
     Continuation c(alternative, session, "from an earlier plan");
     const ResumeOutcome outcome = c.resume(neighbour);
     if (outcome == ResumeOutcome::kSolved) {
       PublishResult published = publish(c, found.asked, session);
-      if (found.keep(c, std::move(published))) return "";
+      if (found.keep(c, std::move(published))) return std::nullopt;
     }
     if (session.stopped()) return "it was stopped before anything came of it";
     if (outcome == ResumeOutcome::kOtherSegments) {

@@ -55,7 +55,7 @@ Repetition next(const Parameters& robot, const Json& plan, const RunOfMotion& ru
 }  // namespace
 
 FoundRepetition find_repetition(const Parameters& robot, const RunOfMotion& run) {
-  if (const std::string fault = malformed({run.rows, {}}); !fault.empty()) throw std::runtime_error(fault);
+  if (const auto fault = malformed({run.rows, {}})) throw std::runtime_error(*fault);
   if (run.rows.front().time != 0) throw std::runtime_error("its rows do not begin at 0 s");
   Json plan = json_from_text<Json>(run.plan_json);
   const RepetitionHistory history{motors_began_by(plan), run.refused_fraction};

@@ -221,7 +221,7 @@ double instant_of_stop(const Trajectory& plan, std::size_t i) {
 
 bool can_be_used(const Parameters& robot, const Sample& from, const StopMotion& stop) {
   try {
-    return fault_of_stop(robot, stop_rows(robot, from, stop)).empty();
+    return !fault_of_stop(robot, stop_rows(robot, from, stop));
   } catch (const NoStop&) {
     return false;
   }
@@ -257,7 +257,7 @@ Trajectory stop_rows(const Parameters& robot, const Sample& from, const StopMoti
 
 // The rollout leaves out the dither during the rest. It would move a link by a tenth of a count, where two are allowed,
 // but would take nine tenths of the time, and a check has to be several times faster than the motion.
-std::string fault_of_stop(const Parameters& robot, const Trajectory& stop) {
+std::optional<std::string> fault_of_stop(const Parameters& robot, const Trajectory& stop) {
   const Trajectory t = with_rest(robot, stop);
   Drive drive = Drive::closed_loop(t, robot);
   drive.dither.reset();
@@ -269,7 +269,7 @@ std::string fault_of_stop(const Parameters& robot, const Trajectory& stop) {
     if (!check.passed) return violation(check, limits);
   }
   const double allowed = stop_exactness(robot);
-  if (closed.errors.max_link() <= allowed) return "";
+  if (closed.errors.max_link() <= allowed) return std::nullopt;
   return fmt::format("a link is up to {:.2e} rad off the stop, allowed {:.2e} rad", closed.errors.max_link(), allowed);
 }
 
@@ -313,14 +313,14 @@ Trajectory checked_stop(const Parameters& robot, const Trajectory& plan, std::si
     refuse(fmt::format("it takes {:.6g} s, {:g} to {:g} s are allowed", stop.duration, kShortestStop, kLongestStop));
   }
   Trajectory rows;
-  std::string fault;
+  std::optional<std::string> fault;
   try {
     rows = stop_rows(robot, Interpolator(plan).at(time), stop);
     fault = fault_of_stop(robot, rows);
   } catch (const NoStop& error) {
     fault = error.what();
   }
-  if (!fault.empty()) refuse(fault);
+  if (fault) refuse(*fault);
   return rows;
 }
 

@@ -30,8 +30,8 @@ std::optional<StopMotion> find_stop(const Parameters& robot, const Sample& from,
 double stop_exactness(const Parameters& robot);
 
 // Simulates the stop, and 0.25 s of rest after it, on the exact model in closed loop. Returns what is wrong: a limit of
-// stop_limits() that is exceeded, or links that deviate by more than stop_exactness(); empty if nothing is.
-std::string fault_of_stop(const Parameters& robot, const Trajectory& stop);
+// stop_limits() that is exceeded, or links that deviate by more than stop_exactness(); nothing if all is well.
+std::optional<std::string> fault_of_stop(const Parameters& robot, const Trajectory& stop);
 
 // There is no usable stop; what() is one sentence with the reason.
 struct NoStop : std::runtime_error {

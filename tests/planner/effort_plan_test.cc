@@ -94,7 +94,7 @@ TEST(EffortPlan, WithExactFrictionTheHamiltonianIsConstantAndTheDerivativeByTheD
   ASSERT_EQ(shorter.status, PlanStatus::kCertified) << shorter.reason;
   const Plan longer = planned(kLonger, shorter.solution);
   ASSERT_EQ(longer.status, PlanStatus::kCertified) << longer.reason;
-  ASSERT_TRUE(longer.warm) << longer.warm_refusal;  // the same minimum
+  ASSERT_TRUE(longer.warm) << longer.warm_refusal.value_or("");  // the same minimum
   double mean = 0;
   for (const Plan* plan : {&shorter, &longer}) {
     const Optimality::Hamiltonian& h = plan->analysis->optimality.hamiltonian;

@@ -131,10 +131,10 @@ TEST(StopMotion, IsRefusedWhenItLeavesTheLinksSwinging) {
   const auto found = find_stop(robot(), moving, 0, 1);
   ASSERT_TRUE(found);
   const Trajectory stop = stop_rows(robot(), moving, *found);
-  EXPECT_EQ(fault_of_stop(robot(), stop), "");
+  EXPECT_EQ(fault_of_stop(robot(), stop), std::nullopt);
   Trajectory broken = stop;
   for (Sample& row : broken.samples) row.torque[0] *= 0.95;
-  EXPECT_NE(fault_of_stop(robot(), broken), "");
+  EXPECT_NE(fault_of_stop(robot(), broken), std::nullopt);
 }
 
 TEST(StopMotion, SaysWhenThereIsNone) {

@@ -53,9 +53,9 @@ TEST_F(Warm, NeighbouringGoalsNeedFewerIterationsForTheSameMotion) {
     const Problem neighbour = to(goal[0], goal[1]);
     const Plan warm = from_first(neighbour), cold = plan(neighbour, {});
     ASSERT_EQ(warm.status, PlanStatus::kCertified) << warm.reason;
-    EXPECT_EQ(warm.warm, warm.warm_refusal.empty()) << warm.warm_refusal;
+    EXPECT_EQ(warm.warm, !warm.warm_refusal) << warm.warm_refusal.value_or("");
     EXPECT_FALSE(cold.warm);
-    EXPECT_EQ(cold.warm_refusal, "");  // none was given
+    EXPECT_EQ(cold.warm_refusal, std::nullopt);  // none was given
     // Two meshes, two sets of margins: measured 2e-4 and less.
     EXPECT_NEAR(warm.duration, cold.duration, 1e-3 * cold.duration);
     if (!warm.warm) continue;

@@ -355,8 +355,8 @@ Proof prove(const Parameters& robot, const Trajectory& trajectory, const Claims&
   const enclosure::RoundingToNearest nearest;
   Proof proof;
   proof.evaluated = true;
-  if (std::string reason = malformed(trajectory); !reason.empty()) {
-    proof.reason = std::move(reason);
+  if (auto reason = malformed(trajectory)) {
+    proof.reason = std::move(*reason);
     return proof;
   }
   LoopProver open(robot, claims, false, stopped), closed(robot, claims, true, stopped);

@@ -64,19 +64,19 @@ double angle_of(const TipArc& arc, const Coordinates& point) {
 
 double turn_of(const TipArc& arc) { return turn_between(arc, arc.from, arc.to); }
 
-task::FaultOfTurn task::fault_of_turn(const TipArc& arc, double radius) {
+std::optional<task::FaultOfTurn> task::fault_of_turn(const TipArc& arc, double radius) {
   const bool is_long = arc.way == ArcWay::kLong;
   const double turn = std::abs(turn_of(arc)), most = is_long ? kMostLongTurn : kMostTurn;
   if (turn > most) {
-    return {"", fmt::format("turns by {:.4g} rad, above the {} rad allowed{}", turn, most,
-                            is_long ? "" : "; way: long is the other way round")};
+    return FaultOfTurn{"", fmt::format("turns by {:.4g} rad, above the {} rad allowed{}", turn, most,
+                                       is_long ? "" : "; way: long is the other way round")};
   }
   const double gap = (2 * std::numbers::pi - turn) * radius;
   if (is_long && (gap < kGapTolerances * arc.tolerance || arc.tolerance > radius / 2)) {
-    return {"tolerance",
-            fmt::format("{} m is too wide for an arc that leaves {:.4g} m of its circle", arc.tolerance, gap)};
+    return FaultOfTurn{
+        "tolerance", fmt::format("{} m is too wide for an arc that leaves {:.4g} m of its circle", arc.tolerance, gap)};
   }
-  return {};
+  return std::nullopt;
 }
 
 }  // namespace fjr

@@ -1,6 +1,9 @@
 // The tip stays within a tolerance of an arc.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "planner/problem/task/constraint.h"
 
 namespace fjr {
@@ -41,13 +44,12 @@ void visit(R& r, Visit&& v) {
 
 namespace task {
 
-// Fault of the arc's angle and the key it belongs to; empty if there is none. Half a turn has no short way, and a long
-// way needs a gap that is left out.
+// Fault of the arc's angle, if there is one. Half a turn has no short way, and a long way needs a gap that is left out.
 struct FaultOfTurn {
-  const char* key = "";
+  const char* key = "";  // that it belongs to; "": the arc itself
   std::string sentence;
 };
-FaultOfTurn fault_of_turn(const TipArc& arc, double radius);
+std::optional<FaultOfTurn> fault_of_turn(const TipArc& arc, double radius);
 
 }  // namespace task
 
@@ -68,10 +70,10 @@ void check(const TipArc& arc, const Place& place) {
   if (task::distance(arc.from, arc.to) < task::kShortest) {
     place.at("to").fail("is the same point as from; a full circle has no short way");
   }
-  const task::FaultOfTurn fault = task::fault_of_turn(arc, radius);
-  if (fault.sentence.empty()) return;
-  if (*fault.key) place.at(fault.key).fail(fault.sentence);
-  place.fail(fault.sentence);
+  const std::optional<task::FaultOfTurn> fault = task::fault_of_turn(arc, radius);
+  if (!fault) return;
+  if (*fault->key) place.at(fault->key).fail(fault->sentence);
+  place.fail(fault->sentence);
 }
 
 }  // namespace fjr

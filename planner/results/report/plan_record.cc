@@ -73,9 +73,7 @@ PlanRecord read_plan(const fs::path& folder) {
   const fs::path rows = folder / (certified ? "trajectory.csv" : "trajectory.uncertified.csv");
   if (certified || (status == PlanStatus::kUncertified && fs::exists(rows, error))) {
     record.trajectory = read_csv(rows);
-    if (const std::string fault = malformed(*record.trajectory); !fault.empty()) {
-      throw InputError(rows.string(), "", fault);
-    }
+    if (const auto fault = malformed(*record.trajectory)) throw InputError(rows.string(), "", *fault);
     check_belonging(*record.trajectory, rows, plan);
   }
   return record;

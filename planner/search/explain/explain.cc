@@ -41,8 +41,8 @@ class Explanation {
       : problem_(problem), known_(known), session_(session), search_(session) {}
 
   WhyNot run() {
-    if (const NoPath barred = no_path(problem_); !barred.sentence.empty()) {
-      explain_barred(barred);
+    if (const auto barred = no_path(problem_)) {
+      explain_barred(*barred);
     } else if (known_.fastest != nullptr && shortest() > problem_.duration.max) {
       explain_duration();
     } else {
@@ -230,7 +230,7 @@ class Explanation {
       if (amount >= what.most || search_.over()) return;
       anything_tried_ = true;
       const Problem wider = what.relaxed(problem_, amount);
-      if (!no_path(wider).sentence.empty()) continue;
+      if (no_path(wider)) continue;
       if (!search_.solve(wider, what.name, search_.guesses(wider))) continue;
       result_.relaxations.push_back(relaxation_of(what, what.value(amount)));
       return;

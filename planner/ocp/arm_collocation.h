@@ -74,7 +74,7 @@ void fix(NodeBounds<N>& bounds, std::size_t first, const Joints<double>& values)
 
 // Returns whether the slack lowers the velocity at via point `at`, or at the goal if `at` is the number of via points.
 inline bool relaxes_velocity(const Problem& problem, std::size_t at) {
-  return problem.slack && problem.slack->velocity == at;
+  return problem.variation.slack && problem.variation.slack->velocity == at;
 }
 
 // Returns start, via points and goal as bounds on the state at nodes of the mesh.
@@ -123,7 +123,7 @@ std::vector<RowBounds> goal_rows(const Problem& problem, const Mesh& mesh) {
 // Adds the constraints of the velocity that the slack lowers.
 template <Features F>
 void add_velocity_rows(const Problem& problem, const Mesh& mesh, ArmOcp<F>& ocp) {
-  const auto at = problem.slack->velocity;
+  const auto at = problem.variation.slack->velocity;
   if (!at) return;
   const auto j_of = [](int j) { return static_cast<std::size_t>(j); };
   const std::size_t node = *at < problem.via.size() ? end_node(mesh, *at) : mesh.size();
@@ -150,7 +150,7 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
       here.row_lower[ArmOcp<F>::kTask + r] = tightened[k].task_rows[r][0];
       here.row_upper[ArmOcp<F>::kTask + r] = tightened[k].task_rows[r][1];
     }
-    if constexpr (F.slack) bound_with_slack<F>(here, problem.limits, *problem.slack);
+    if constexpr (F.slack) bound_with_slack<F>(here, problem.limits, *problem.variation.slack);
     for (std::size_t j = 0; j < kJoints && !setup.creep.empty(); ++j) {
       const double creep = setup.creep[k][j];
       if (creep > 0) here.x_lower[kStateDtheta + j] = creep;
@@ -167,8 +167,9 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
 template <Features F>
 void bound_first_torque(const Problem& problem, ArmOcp<F>& ocp) {
   const auto limit_that_stays = [&](const QuantityInfo& info, std::size_t j) {
-    return problem.slack && problem.slack->direction[first_limit_of(info) + j] > 0 ? kNoLimit
-                                                                                   : info.in(problem.limits, j);
+    return problem.variation.slack && problem.variation.slack->direction[first_limit_of(info) + j] > 0
+               ? kNoLimit
+               : info.in(problem.limits, j);
   };
   for (std::size_t j = 0; j < kJoints; ++j) {
     const double by_power = limit_that_stays(MotorPower::info, j) / std::abs(problem.start.dtheta[j]);
@@ -237,11 +238,11 @@ Transcription<ArmOcp<F>> transcribe(const Problem& problem, const CollocationSet
   if constexpr (F.rate) bound_first_torque(problem, ocp);
   if constexpr (F.task_rows > 0) ocp.rows_at_nodes = goal_rows<F>(problem, setup.mesh);
   if constexpr (F.slack) add_velocity_rows<F>(problem, setup.mesh, ocp);
-  if (problem.price) ocp.point_costs = point_costs<F>(*problem.price, setup.scheme, setup.mesh);
+  if (problem.variation.price) ocp.point_costs = point_costs<F>(*problem.variation.price, setup.scheme, setup.mesh);
   ocp.durations = segment_durations(problem);
   ocp.duration_sums = duration_sums(problem);
   Transcription<ArmOcp<F>> transcription{std::move(ocp), setup.scheme, setup.mesh};
-  if (only_time(problem.weights) && !problem.price) transcription.let_states_follow();
+  if (only_time(problem.weights) && !problem.variation.price) transcription.let_states_follow();
   return transcription;
 }
 

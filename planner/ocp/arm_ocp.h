@@ -24,7 +24,7 @@ struct Features {
                        // penalised; otherwise u is the control and may jump
   int task_rows = 0;   // number of path constraints for the task; if > 0, goals with a free joint are supported too
   bool peak = false;   // an upper bound on |tau_m| per motor is a state, so that it can be penalised; needs task rows
-  bool slack = false;  // supports Problem::slack
+  bool slack = false;  // supports ProblemVariation::slack
 };
 
 // Returns the index of the first path constraint of a quantity that is bounded by path constraints.
@@ -101,7 +101,7 @@ struct ArmOcp {
     Node kind;
   };
   std::vector<CostNode> cost_nodes;
-  std::vector<PointCost<kStates + kControls>> point_costs;  // represent Problem::price
+  std::vector<PointCost<kStates + kControls>> point_costs;  // represent ProblemVariation::price
   double kink = 0;                                          // [W] see Instant
   double regularisation = 0;  // weight of int u^2, not part of the reported objective: see make_arm_ocp()
 
@@ -373,8 +373,9 @@ ArmOcp<F> make_arm_ocp(const Problem& problem, double regularisation) {
     ocp.regularisation = regularisation * size_of(problem.weights) / (limit[0] * limit[0] + limit[1] * limit[1]);
   }
   if constexpr (F.slack) {
-    std::copy(problem.slack->direction.begin(), problem.slack->direction.end(), ocp.relaxation.begin());
-    if (const auto at = problem.slack->velocity) {
+    std::copy(problem.variation.slack->direction.begin(), problem.variation.slack->direction.end(),
+              ocp.relaxation.begin());
+    if (const auto at = problem.variation.slack->velocity) {
       const Joints<double> asked = *at < problem.via.size() ? *problem.via[*at].dq : problem.goal.dq;
       ocp.velocity_relaxation = asked;
     }

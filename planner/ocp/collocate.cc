@@ -12,7 +12,7 @@ namespace {
 Collocated choose(const Problem& problem, const CollocationSetup& setup, const Guess* guess, const Collocated* start,
                   const SolveOptions& options) {
   const auto run = [&]<Features F>() { return collocate_with<F>(problem, setup, guess, start, options); };
-  return problem.slack ? with_slack_features(problem, run) : with_features(problem, run);
+  return problem.variation.slack ? with_slack_features(problem, run) : with_features(problem, run);
 }
 
 }  // namespace

@@ -148,7 +148,7 @@ class Frame {
 
   // Returns the reserve for the uncertainty of the arm, or 0 if a prescribed state lies closer to the limit.
   double reserve(std::size_t i, double from, double to) const {
-    const double kept = problem_.reserve.largest(i, from, to);
+    const double kept = problem_.variation.reserve.largest(i, from, to);
     return kept > 0 && !held(i, from, to, kept + base_margin(i)) ? kept : 0;
   }
 
@@ -205,6 +205,7 @@ std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const M
                                double slack) {
   const Joints<FrictionLaw> friction{FrictionLaw::of(problem.robot, 0), FrictionLaw::of(problem.robot, 1)};
   const Frame frame(problem);
+  const std::optional<Slack>& relaxing = problem.variation.slack;
   const auto rows = rows_by_segment(problem);
   const std::vector<double> nodes = places(mesh);
   std::vector<PerLimit> result;
@@ -217,8 +218,7 @@ std::vector<PerLimit> excesses(const Problem& problem, const Mesh& mesh, const M
       const double scale = frame.scale(i);
       const double beyond =
           i < kLimits ? kLimitNames[i].in(reached)-kLimitNames[i].in(problem.limits) : -clearance[i - kLimits];
-      const double relaxed_by =
-          problem.slack && i < problem.slack->direction.size() ? slack * problem.slack->direction[i] : 0;
+      const double relaxed_by = relaxing && i < relaxing->direction.size() ? slack * relaxing->direction[i] : 0;
       const double over = beyond - relaxed_by + keep * frame.base_margin(i) + frame.reserve(i, nodes[k], nodes[k + 1]);
       const bool counts = std::isfinite(scale) && over > kNegligible * scale && !frame.held(i, nodes[k], nodes[k + 1]);
       if (counts) excess[i] = over;

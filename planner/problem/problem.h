@@ -48,9 +48,8 @@ struct Duration {
   bool fixed() const { return min == max; }
 };
 
-// A relaxation of the request, used to tell how far it is from feasible (planner/search/explain); not part of a
-// request. Each limit is relaxed by the slack times its direction, and the slack is minimised beside the weighted
-// terms.
+// A relaxation of the request, used to tell how far it is from feasible (planner/search/explain). Each limit is relaxed
+// by the slack times its direction, and the slack is minimised beside the weighted terms.
 struct Slack {
   std::vector<double> direction;        // per limit, by index, then per row of the task; each in its own unit
   std::optional<std::size_t> velocity;  // the requested velocity at this via point (via.size(): at the goal) is lowered
@@ -80,6 +79,14 @@ struct Reserve {
   }
 };
 
+// What the search changes of the problem that was asked for, in order to solve that. None of it is part of a request,
+// and a resolved request has none.
+struct ProblemVariation {
+  std::optional<Slack> slack;
+  Reserve reserve;                           // margins for the arms of Problem::robust
+  std::shared_ptr<const MotionPrice> price;  // added to the weighted terms
+};
+
 inline constexpr const char* kDefaultMethod = "hermite-simpson";
 inline constexpr double kDefaultSamplePeriod = 0.001, kLongestSamplePeriod = 0.005;  // [s]
 
@@ -95,11 +102,8 @@ struct Problem {
   std::vector<Via> via;                // in this order; the motion has a segment before each and one after the last
   std::optional<std::size_t> release;  // the via point at which a thrown object is released; none: the goal
   Task task;
-  std::optional<Slack> slack;
   std::optional<double> robust;  // fraction of the possible arms that has to keep everything; none: only the robot
-  Reserve reserve;               // margins for these arms; computed, not part of a request
-  std::shared_ptr<const MotionPrice> price;  // added to the weighted terms; computed, not part of a request
-  bool proven = false;  // certified only if the certificate is proven too (certificate/proof/prove.h)
+  bool proven = false;           // certified only if the certificate is proven too (certificate/proof/prove.h)
   double sample_period = kDefaultSamplePeriod;  // [s] between rows
   // [s] used if there would be too many rows; larger than sample_period only if the request does not fix that.
   double longest_sample_period = kLongestSamplePeriod;
@@ -108,6 +112,7 @@ struct Problem {
   std::string method = kDefaultMethod;  // of collocation, a name of collocation/scheme.h
   std::string name;                     // of the request file, without extension
   std::string request_hash;             // SHA-256 over the resolved values, not over the file's bytes
+  ProblemVariation variation;           // computed by the search
 };
 
 // Returns the torque |G(q)| [N m] that holds the arm at the goal, per motor; 0 if the goal moves or leaves a joint

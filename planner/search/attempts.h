@@ -94,7 +94,7 @@ class Attempts {
   bool came_down() const;
 
   // Whether friction is in the objective, so that a motor may rest and carry a load at no cost.
-  bool has_rests() const { return sees_friction(problem_->weights) && !problem_->slack; }
+  bool has_rests() const { return sees_friction(problem_->weights) && !problem_->variation.slack; }
 
  private:
   // What the result of an attempt depends on, besides the present solution.

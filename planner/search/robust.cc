@@ -136,11 +136,11 @@ void add_margins(Publication& best, const Problem& asked, Session& session) {
   const auto keep = [&](Reserve wanted) {
     if (session.interrupted()) return false;
     Problem tightened = *best.problem;
-    tightened.reserve = std::move(wanted);
+    tightened.variation.reserve = std::move(wanted);
     const auto keeping = std::make_shared<const Problem>(std::move(tightened));
     auto published = with_reserve(keeping, best.solution, asked, session);
     if (!published) return false;
-    reserve = keeping->reserve;
+    reserve = keeping->variation.reserve;
     best = std::move(*published);
     return true;
   };

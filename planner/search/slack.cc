@@ -65,8 +65,8 @@ void relax(const Problem& problem, const Relaxable& what, std::vector<double>& d
 Problem with_slack(const Problem& problem) {
   Problem result = problem;
   result.weights = {.time = kTimeRegularisation};
-  result.slack.emplace();
-  result.slack->direction.assign(limit_scales(problem).size(), 0.0);
+  result.variation.slack.emplace();
+  result.variation.slack->direction.assign(limit_scales(problem).size(), 0.0);
   return result;
 }
 
@@ -76,7 +76,7 @@ double size_of(const Relaxable& what) { return std::max(what.from, kSmallest); }
 
 Problem with_slack(const Problem& problem, const Relaxable& what) {
   Problem result = with_slack(problem);
-  Slack& slack = *result.slack;
+  Slack& slack = *result.variation.slack;
   if (is_velocity(what)) {
     slack.velocity = what.number;
     slack.most = 1;
@@ -90,9 +90,9 @@ Problem with_slack(const Problem& problem, const Relaxable& what) {
 Problem with_slack_everywhere(const Problem& problem) {
   Problem result = with_slack(problem);
   for (const Relaxable& what : relaxables(problem)) {
-    if (!is_velocity(what)) relax(problem, what, result.slack->direction);
+    if (!is_velocity(what)) relax(problem, what, result.variation.slack->direction);
   }
-  result.slack->most = kMostSlack;
+  result.variation.slack->most = kMostSlack;
   return result;
 }
 

@@ -99,7 +99,7 @@ double predicted_gain(const MotionPrice& price, const Problem& asked, const Publ
 std::optional<Publication> next_motion(const MotionPrice& price, const Publication& from, const Problem& asked,
                                        Session& session) {
   Problem priced = *from.problem;
-  priced.price = std::make_shared<const MotionPrice>(price);
+  priced.variation.price = std::make_shared<const MotionPrice>(price);
   Continuation c(std::make_shared<const Problem>(std::move(priced)), session, "with a price on its tracking error");
   if (c.resume(from.solution) != ResumeOutcome::kSolved) return std::nullopt;
   return publish(c, asked, session).last;

@@ -145,7 +145,7 @@ TEST(Explain, AnObstacleGivesWayAsItsRadiusShrinks) {
   for (const double q1 : {-0.3, 0.0, 0.2}) {
     const auto posture = Posture<double>::of(problem.robot, {q1, 0.1});
     for (std::size_t r = 0; r < before.size(); ++r) {
-      const double given = slack * relaxed.slack->direction[kLimits + r];
+      const double given = slack * relaxed.variation.slack->direction[kLimits + r];
       const bool allowed = before[r].value(problem.robot, posture) + given >= 0;
       EXPECT_LE(allowed, after[r].value(problem.robot, posture) >= -1e-12) << "the told radius suffices";
     }

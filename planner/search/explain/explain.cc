@@ -120,7 +120,7 @@ class Explanation {
     }
     const bool planned_soon = sketched && !too_long_to_plan;  // verified() increases it until it is enough
     const double slack = (1 + (rough && !planned_soon ? kRoughMargin : kRelaxationMargin)) * solution->solution().slack;
-    if (slack > with_slack_of_it.slack->most) return {};
+    if (slack > with_slack_of_it.variation.slack->most) return {};
     Relaxation named = relaxation_of(what, value_with(problem_, what, slack));
     named.rough = rough;
     if (!too_long_to_plan && (what.constraint || ((sketched || !rough) && named.within_robot))) {
@@ -196,7 +196,7 @@ class Explanation {
                                     Search& search) const {
     Duration& duration = relaxed.duration;
     const double soon = kDurationFactor * guesses.front().duration();
-    if (!any_timed(problem_) && !relaxed.slack->velocity && duration.max > std::max(soon, duration.min)) {
+    if (!any_timed(problem_) && !relaxed.variation.slack->velocity && duration.max > std::max(soon, duration.min)) {
       const auto first = search.sketch(with_larger_time_weight(relaxed), what + ", with more weight on time", guesses,
                                        Search::kMostIterationsOfSlack);
       if (!first) return std::nullopt;

@@ -1,12 +1,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/sha256.h"
 #include "model/uncertainty.h"
 #include "planner/problem/task/task.h"
+#include "planner/request/problem_settings.h"
 #include "planner/request/request.h"
 #include "planner/request/words.h"
 
@@ -67,6 +71,17 @@ void add_states(HashLines& lines, const Problem& problem) {
   }
 }
 
+void add_setting(HashLines& lines, const char* key, double value) { lines.add(key, value); }
+void add_setting(HashLines& lines, const char* key, std::uint64_t value) { lines.add_text(key, std::to_string(value)); }
+void add_setting(HashLines& lines, const char* key, Thoroughness value) { lines.add_text(key, word_of(value)); }
+void add_setting(HashLines& lines, const char* key, const std::string& value) { lines.add_text(key, value); }
+void add_setting(HashLines& lines, const char* key, bool value) {
+  if (value) lines.add_text(key, "asked for");
+}
+void add_setting(HashLines& lines, const std::string& key, const std::optional<double>& confidence) {
+  if (confidence) lines.add(key + ".confidence", *confidence);
+}
+
 // Adds the rows of the task, which determine it completely.
 void add_task(HashLines& lines, const Problem& problem) {
   for (std::size_t s = 0; s <= problem.via.size(); ++s) {
@@ -102,12 +117,10 @@ std::string request_hash(const Problem& problem) {
     lines.add(fmt::format("objective.{}", term.name), problem.weights.*term.weight);
   }
   if (problem.release) lines.add("release", static_cast<double>(*problem.release));
-  lines.add("sample_period", problem.sample_period);
+  visit_settings(problem, [&](const char* key, const auto& value, bool in_hash) {
+    if (in_hash) add_setting(lines, key, value);
+  });
   if (problem.longest_sample_period != kLongestSamplePeriod) lines.add_text("sample_period", "asked for");
-  lines.add_text("seed", std::to_string(problem.seed));
-  if (problem.method != kDefaultMethod) lines.add_text("method", problem.method);
-  if (problem.search != Thoroughness::kDefault) lines.add_text("search", word_of(problem.search));
-  if (problem.robust) lines.add("robust.confidence", *problem.robust);
   // The uncertainty influences these plans, but is not part of the robot's hash.
   if (problem.robust || problem.weights.tracking > 0) {
     const Uncertainty uncertainty = uncertainty_of(problem.robot);
@@ -118,7 +131,6 @@ std::string request_hash(const Problem& problem) {
       }
     }
   }
-  if (problem.proven) lines.add_text("proven", "asked for");
   return lines.hash();
 }
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "planner/problem/task/task.h"
+#include "planner/request/problem_settings.h"
 #include "planner/request/words.h"
 #include "planner/results/analysis_json.h"
 
@@ -317,6 +318,15 @@ Json task_json(const Task& task) {
   return json;
 }
 
+template <class Value>
+Json setting_json(const Value& value) {
+  return value;
+}
+Json setting_json(Thoroughness search) { return word_of(search); }
+Json setting_json(const std::optional<double>& confidence) {
+  return confidence ? Json{{"confidence", *confidence}} : Json(nullptr);
+}
+
 Json robot_json(const Parameters& robot) {
   Json json = Json::object();
   visit_parameters(robot, [&](const char* section, const char* name, const char*, const Joints<double>& values) {
@@ -357,20 +367,16 @@ Json resolved_request_json(const Problem& problem) {
   }
   Json others = Json::array();
   for (const Goal& goal : problem.other_goals) others.push_back(goal_json(goal));
-  return {{"start", state_json(problem.start, problem.start_at_rest)},
-          {"goal", goal_json(problem.goal)},
-          {"other_goals", std::move(others)},
-          {"duration", {{"min", problem.duration.min}, {"max", problem.duration.max}}},
-          {"objective", std::move(weights)},
-          {"via", via_json(problem.via)},
-          {"task", task_json(problem.task)},
-          {"limits", limits_json(problem.limits)},
-          {"sample_period", problem.sample_period},
-          {"seed", problem.seed},
-          {"search", word_of(problem.search)},
-          {"method", problem.method},
-          {"robust", problem.robust ? Json{{"confidence", *problem.robust}} : Json(nullptr)},
-          {"proven", problem.proven}};
+  Json json{{"start", state_json(problem.start, problem.start_at_rest)},
+            {"goal", goal_json(problem.goal)},
+            {"other_goals", std::move(others)},
+            {"duration", {{"min", problem.duration.min}, {"max", problem.duration.max}}},
+            {"objective", std::move(weights)},
+            {"via", via_json(problem.via)},
+            {"task", task_json(problem.task)},
+            {"limits", limits_json(problem.limits)}};
+  visit_settings(problem, [&](const char* key, const auto& value, bool) { json[key] = setting_json(value); });
+  return json;
 }
 
 Json certificate_json(const Certificate& certificate) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <vector>
 
 #include "model/dynamics.h"
 #include "model/parameters.h"
@@ -101,6 +102,12 @@ inline Trajectory resting(const Joints<double>& q, double duration) {
     trajectory.samples.push_back({k * 1e-3, rest_at(robot(), q), gravity_torque(robot(), q)});
   }
   return trajectory;
+}
+
+// Returns the application of a change to every row.
+template <class Change>
+std::function<void(std::vector<Sample>&)> in_every_row(Change change) {
+  return [change](std::vector<Sample>& rows) { std::for_each(rows.begin(), rows.end(), change); };
 }
 
 inline Certificate certificate_of(const Trajectory& trajectory) { return certify(robot(), robot_limits(), trajectory); }

@@ -1,155 +1,29 @@
-// The report: the physics of what a plan is compared with, what the page holds, and folders that are no plans.
+// The report of a plan, and that of two: what the page holds.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <Eigen/Dense>
 #include <cmath>
-#include <complex>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
-#include <numbers>
 #include <regex>
 #include <string>
 
 #include "common/chart_page.h"
 #include "common/input_error.h"
-#include "model/kinematics.h"
 #include "planner/ocp/objective.h"
-#include "planner/plan.h"
-#include "planner/request/request.h"
-#include "planner/results/plan_json.h"
 #include "planner/results/report/both_plans_page.h"
 #include "planner/results/report/plan_page.h"
 #include "planner/results/report/rigid_profile.h"
-#include "planner/results/report/scene.h"
+#include "tests/planner/reported_plan.h"
 
 namespace fjr {
 namespace {
 
-namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using testing::ContainsRegex;
 using testing::HasSubstr;
 using testing::Not;
-
-const fs::path kRobot = fs::path(FJR_SOURCE_DIR) / "config" / "robot.yaml";
-
-// ---- profiles ----
-
-class Profiles : public testing::TestWithParam<Profile> {};
-INSTANTIATE_TEST_SUITE_P(, Profiles, testing::Values(Profile::kMinimumJerk, Profile::kTrapezoidal),
-                         [](const auto& profile) {
-                           return profile.param == Profile::kMinimumJerk ? "minimum_jerk" : "trapezoidal";
-                         });
-
-TEST_P(Profiles, LeadFromRestToRestAndAreTheirOwnDerivatives) {
-  EXPECT_EQ(along(GetParam(), 0).position, 0);
-  EXPECT_NEAR(along(GetParam(), 1).position, 1, 1e-15);
-  EXPECT_EQ(along(GetParam(), 0).velocity, 0);
-  EXPECT_NEAR(along(GetParam(), 1).velocity, 0, 1e-14);
-  for (const double corner : {1.0 / 3, 2.0 / 3}) {  // of the trapezoid
-    const Along before = along(GetParam(), corner - 1e-12), after = along(GetParam(), corner + 1e-12);
-    EXPECT_NEAR(before.position, after.position, 1e-10);
-    EXPECT_NEAR(before.velocity, after.velocity, 1e-10);
-  }
-  constexpr double kStep = 1e-5;
-  for (double c = 0.01; c < 1; c += 0.0123) {  // never within a step of a jump
-    const Along before = along(GetParam(), c - kStep), at = along(GetParam(), c), after = along(GetParam(), c + kStep);
-    // Central differences: error kStep^2 / 6 times a third derivative of at most 360.
-    EXPECT_NEAR((after.position - before.position) / (2 * kStep), at.velocity, 1e-8) << c;
-    EXPECT_NEAR((after.velocity - before.velocity) / (2 * kStep), at.acceleration, 1e-7) << c;
-  }
-}
-
-// With springs a hundred times as stiff the arm is nearly rigid, and the rigid arm's torque nearly exact: what is left
-// after the end falls as the stiffness grows, acceleration / frequency^2. (Much stiffer ones the executor's feedback
-// from the links, which goes by the spring, cannot hold with its ticks.)
-TEST_P(Profiles, LeaveNoResidualOnAStiffArm) {
-  const Joints<double> from{0.2, -0.3}, to{1.0, 0.5};
-  const auto stiffened = [](double times) {
-    Parameters robot = load_parameters(kRobot);
-    for (double& stiffness : robot.spring.stiffness) stiffness *= times;
-    return robot;
-  };
-  const auto reference_of = [&](double times) { return rigid_reference(stiffened(times), GetParam(), from, to, 0.8); };
-  const auto run_with = [&](double times) { return run_on_elastic_arm(stiffened(times), reference_of(times)); };
-  const ElasticRun soft = run_with(1), less_stiff = run_with(30), stiff = run_with(100);
-  const Trajectory reference = reference_of(100);
-  ASSERT_EQ(stiff.simulation.failure, "");
-  double feed_forward = 0;
-  for (const Sample& row : reference.samples) feed_forward = std::max(feed_forward, std::abs(row.torque[0]));
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    EXPECT_LT(stiff.figures.residual[j], 1e-3) << j;                              // measured: 7e-4 and less
-    EXPECT_GT(soft.figures.residual[j], 50 * stiff.figures.residual[j]) << j;     // measured: 126 and more
-    EXPECT_LT(stiff.figures.residual[j], 0.45 * less_stiff.figures.residual[j]);  // 0.3 by the law
-  }
-  EXPECT_EQ(stiff.figures.settling_time, 0);
-  EXPECT_NEAR(stiff.figures.peaks.torque[0], feed_forward,
-              0.05 * feed_forward);  // the feedback has next to nothing to do
-}
-
-// Motors that follow perfectly shake the links by s(t) alone. Linearised at the goal, every mode is an oscillator whose
-// amplitude after the end is the Fourier transform of s'' at its frequency; computed here from the eigenvalues of the
-// paper's matrices, with no integrator.
-TEST_P(Profiles, ResidualIsThatOfTheLinearisedArm) {
-  Parameters robot = load_parameters(kRobot);
-  robot.motor.inertia = {1e5, 1e5};  // which no spring moves, and no encoder has to tell
-  robot.drive.peak_torque = {1e9, 1e9};
-  const Joints<double> from{-0.04, 0.03}, to{0.03, -0.03};
-  constexpr double kDuration = 0.3;
-
-  const MassMatrix<double> m = mass_matrix(robot, to[1]);
-  Eigen::Matrix2d mass, stiffness;
-  mass << m.m11, m.m12, m.m12, m.m22;
-  const double second = robot.link.gravity_torque[1] * std::cos(to[0] + to[1]);  // dG/dq
-  stiffness << robot.spring.stiffness[0] + robot.link.gravity_torque[0] * std::cos(to[0]) + second, second, second,
-      robot.spring.stiffness[1] + second;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> modes(stiffness, mass);
-  Eigen::Vector2d pull;  // K (theta at the end - theta at the start)
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    pull[static_cast<Eigen::Index>(j)] =
-        robot.spring.stiffness[j] * (rest_at(robot, to).theta[j] - rest_at(robot, from).theta[j]);
-  }
-  std::array<std::complex<double>, 2> amplitude;
-  for (int i = 0; i < 2; ++i) {
-    const double frequency = std::sqrt(modes.eigenvalues()[i]);
-    constexpr int kSteps = 30000;
-    std::complex<double> transform = 0;
-    for (int k = 0; k < kSteps; ++k) {
-      const double c = (k + 0.5) / kSteps;
-      transform +=
-          along(GetParam(), c).acceleration * std::polar(1.0, -frequency * kDuration * c) / (kDuration * kSteps);
-    }
-    amplitude[static_cast<std::size_t>(i)] =
-        -modes.eigenvectors().col(i).dot(pull) * transform / std::pow(frequency, 3);
-  }
-  Joints<double> expected{};
-  for (double t = kDuration; t < kDuration + kWatchedAfterEnd; t += 1e-4) {
-    for (std::size_t j = 0; j < kJoints; ++j) {
-      double off = 0;
-      for (int i = 0; i < 2; ++i) {
-        off +=
-            modes.eigenvectors()(static_cast<Eigen::Index>(j), i) *
-            std::imag(amplitude[static_cast<std::size_t>(i)] * std::polar(1.0, std::sqrt(modes.eigenvalues()[i]) * t));
-      }
-      expected[j] = std::max(expected[j], std::abs(off));
-    }
-  }
-
-  const ElasticRun run = run_on_elastic_arm(robot, rigid_reference(robot, GetParam(), from, to, kDuration));
-  ASSERT_EQ(run.simulation.failure, "");
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    EXPECT_GT(expected[j], 5e-3) << j;  // or nothing would be tested
-    // Second order in angles of 0.07 rad.
-    EXPECT_NEAR(run.figures.residual[j], expected[j], 0.02 * expected[j]) << j;
-  }
-}
-
-// ---- the page ----
 
 std::size_t count_of(const std::string& part, const std::string& text) {
   std::size_t count = 0;
@@ -165,14 +39,9 @@ Json data_of(const std::string& html) {
   return Json::parse(html.substr(begin, html.find("</script>", begin) - begin));
 }
 
-PlanRecord record_of(const std::string& request) {
-  const Problem problem = parse_request(request, "reach.yaml", load_parameters(kRobot));
-  Plan made = plan(problem, {});
-  return {"plan.json", plan_json(problem, made), problem.robot, made.trajectory};
-}
-
-const PlanRecord& reach() {
-  static const PlanRecord record = record_of("start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\n");
+PlanRecord gentle() {
+  PlanRecord record = record_of("start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\nduration: 0.8\n");
+  record.plan["request"] = "gentle";
   return record;
 }
 
@@ -216,42 +85,6 @@ TEST(PlanPage, TheComparedPlanHasTheCertificatesResidual) {
     EXPECT_GT(textbook.figures.residual[j], 50 * run.figures.residual[j])
         << j;  // what planning with the springs is for
   }
-}
-
-// ---- two plans ----
-
-PlanRecord gentle() {
-  PlanRecord record = record_of("start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\nduration: 0.8\n");
-  record.plan["request"] = "gentle";
-  return record;
-}
-
-TEST(BothPlansPage, HasBothMotionsAndTheirFigures) {
-  const std::string html = both_plans_page(reach(), gentle());
-  const Json data = data_of(html);
-  ASSERT_EQ(data["motions"].size(), 2U);
-  EXPECT_EQ(data["beside"], 1);
-  EXPECT_EQ(data["motions"][0]["name"], "reach");
-  EXPECT_EQ(data["motions"][1]["name"], "gentle");
-  EXPECT_NEAR(data["motions"][1]["time"].back().get<double>(), 0.8, 1e-9);
-  EXPECT_EQ(data["motions"][1]["arm"]["length"], Json({0.345, 0.305}));
-  for (const char* part :
-       {"<td>0.01 x effort + 0.001 x link acceleration</td>", "<td>time</td>", "<td>0.8</td>", "link 1, gentle"}) {
-    EXPECT_THAT(html, HasSubstr(part));
-  }
-}
-
-TEST(BothPlansPage, PlansOfOneNameAreToldApartByTheirFolders) {
-  PlanRecord other = reach();
-  other.source = "elsewhere/plan.json";
-  const Json data = data_of(both_plans_page(reach(), other));
-  EXPECT_EQ(data["motions"][1]["name"], "reach in elsewhere");
-}
-
-TEST(BothPlansPage, AskForMotions) {
-  PlanRecord none = reach();
-  none.trajectory.reset();
-  EXPECT_THROW(both_plans_page(reach(), none), InputError);
 }
 
 // The weights times what the terms come to on the run of the plan itself are the objective that it was planned for.
@@ -361,65 +194,6 @@ TEST(PlanPage, TextsCannotBreakThePage) {
   EXPECT_EQ(count_of("<script", html), count_of("<script", sane));
   EXPECT_EQ(count_of("<img", html), 0U);
   EXPECT_THAT(html, HasSubstr("&lt;img src=x"));
-}
-
-Json scene_of(const std::string& request) {
-  const Problem problem =
-      parse_request("start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n" + request, "reach.yaml", load_parameters(kRobot));
-  const Json json = plan_json(problem, {});
-  return scene_json(JsonField(json, "plan.json"), problem.robot);
-}
-
-void expect_at(const Json& point, double x, double y) {
-  EXPECT_NEAR(point[0].get<double>(), x, 1e-12);
-  EXPECT_NEAR(point[1].get<double>(), y, 1e-12);
-}
-
-TEST(Scene, HoldsWhatTheRequestAsksForOnTheWay) {
-  EXPECT_TRUE(scene_of("").empty());
-  const Json scene = scene_of(
-      "obstacles: [{center: [0.3, -0.7], radius: 0.05, margin: 0.01}]\n"
-      "tip: {box: [[-0.7, -0.7], [0.7, 0.3]]}\nvia: [{q: [0.7, -0.2]}]\n");
-  ASSERT_EQ(scene.size(), 3U);
-  EXPECT_EQ(
-      scene[0],
-      Json({{"kind", "disc"}, {"center", {0.3, -0.7}}, {"radius", 0.05}, {"margin", 0.01}, {"label", "obstacles[0]"}}));
-  EXPECT_EQ(scene[1]["corners"], Json({{-0.7, -0.7}, {0.7, 0.3}}));
-  const Point<double> tip = tip_position(load_parameters(kRobot), Joints<double>{0.7, -0.2});
-  EXPECT_EQ(scene[2]["kind"], "point");
-  expect_at(scene[2]["at"], tip.x, tip.y);
-}
-
-TEST(Scene, ArcsLeadTheShortWayFromOnePointToTheOther) {
-  const Parameters robot = load_parameters(kRobot);
-  const Point<double> from = tip_position(robot, Joints<double>{0, 0}),
-                      to = tip_position(robot, Joints<double>{1.2, -0.8});
-  const double x = 0.5 * (from.x + to.x), y = 0.5 * (from.y + to.y);  // and a little aside: the way is then decided
-  const double cx = x + 0.3 * (to.y - from.y), cy = y - 0.3 * (to.x - from.x);
-  const Json scene =
-      scene_of(fmt::format("tip: {{arc: {{center: [{}, {}], from: [{}, {}], to: [{}, {}], tolerance: 0.05}}}}\n", cx,
-                           cy, from.x, from.y, to.x, to.y));
-  ASSERT_EQ(scene.size(), 1U);
-  const auto at = [&](const char* angle) {
-    const double a = scene[0][angle], r = scene[0]["radius"];
-    return Json{cx + r * std::cos(a), cy + r * std::sin(a)};
-  };
-  expect_at(at("from"), from.x, from.y);
-  expect_at(at("to"), to.x, to.y);
-  EXPECT_LT(std::abs(scene[0]["to"].get<double>() - scene[0]["from"].get<double>()), std::numbers::pi);
-}
-
-TEST(Scene, PathsAreCurvesOfTheTipThroughTheirCorners) {
-  const Json scene = scene_of("path: {points: [[0.5, 0.3]], tolerance: 0.01}\n");
-  ASSERT_FALSE(scene.empty());
-  EXPECT_EQ(scene[0]["kind"], "curve");
-  const Json& points = scene[0]["points"];
-  ASSERT_EQ(points.size(), 42U);
-  const Parameters robot = load_parameters(kRobot);
-  const Point<double> corner = tip_position(robot, Joints<double>{0.5, 0.3});
-  expect_at(points[0], 0, -robot.link.length[0] - robot.link.length[1]);
-  expect_at(points[20], corner.x, corner.y);
-  expect_at(points[21], corner.x, corner.y);
 }
 
 TEST(PlanPage, ShowsTheSceneAndTheRoomLeftInIt) {
@@ -542,87 +316,34 @@ TEST(PlanPage, NamesWhatIsMissingOrOfAnotherKind) {
   EXPECT_EQ(complaint(record), "plan.json: solver: must be an object");
 }
 
-// ---- folders ----
+// ---- two plans ----
 
-class Folder : public testing::Test {
- protected:
-  void SetUp() override {
-    fs::create_directories(folder_);
-    write("plan.json", json_text(reach().plan));
-    Trajectory trajectory = *reach().trajectory;
-    trajectory.metadata["rows"] = std::to_string(trajectory.samples.size());
-    write_csv(trajectory, folder_ / "trajectory.csv");
+TEST(BothPlansPage, HasBothMotionsAndTheirFigures) {
+  const std::string html = both_plans_page(reach(), gentle());
+  const Json data = data_of(html);
+  ASSERT_EQ(data["motions"].size(), 2U);
+  EXPECT_EQ(data["beside"], 1);
+  EXPECT_EQ(data["motions"][0]["name"], "reach");
+  EXPECT_EQ(data["motions"][1]["name"], "gentle");
+  EXPECT_NEAR(data["motions"][1]["time"].back().get<double>(), 0.8, 1e-9);
+  EXPECT_EQ(data["motions"][1]["arm"]["length"], Json({0.345, 0.305}));
+  for (const char* part :
+       {"<td>0.01 x effort + 0.001 x link acceleration</td>", "<td>time</td>", "<td>0.8</td>", "link 1, gentle"}) {
+    EXPECT_THAT(html, HasSubstr(part));
   }
-  void TearDown() override { fs::remove_all(folder_); }
-
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder_ / name, std::ios::binary) << text;
-  }
-  void write_changed(const char* pointer, const Json& value) const {
-    Json plan = reach().plan;
-    plan[Json::json_pointer(pointer)] = value;
-    write("plan.json", json_text(plan));
-  }
-  std::string complaint() const {
-    try {
-      read_plan(folder_);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "none";
-  }
-
-  fs::path folder_ = fs::temp_directory_path() / ("fjr_report_test_" + std::to_string(::getpid()));
-};
-
-TEST_F(Folder, IsReadAsItWasWritten) {
-  const PlanRecord record = read_plan(folder_);
-  EXPECT_EQ(robot_hash(record.robot), robot_hash(reach().robot));
-  EXPECT_EQ(record.trajectory->samples.size(), reach().trajectory->samples.size());
-  EXPECT_EQ(plan_page(record), plan_page(reach()));
 }
 
-// The robot that a request was planned for has the request's payload.
-TEST_F(Folder, RemembersThePayload) {
-  const Problem problem =
-      parse_request("start: {q: [0, 0]}\ngoal: {q: [0.5, 0]}\npayload: {mass: 0.3, inertia: 0.001}\n", "reach.yaml",
-                    load_parameters(kRobot));
-  write("plan.json", json_text(plan_json(problem, {})));
-  EXPECT_EQ(read_plan(folder_).robot.payload, problem.robot.payload);
-  write_changed("/robot/payload/mass", 0.3);
-  EXPECT_THAT(complaint(), HasSubstr("robot: is not the robot that robot_hash tells of"));
+TEST(BothPlansPage, PlansOfOneNameAreToldApartByTheirFolders) {
+  PlanRecord other = reach();
+  other.source = "elsewhere/plan.json";
+  const Json data = data_of(both_plans_page(reach(), other));
+  EXPECT_EQ(data["motions"][1]["name"], "reach in elsewhere");
 }
 
-TEST_F(Folder, ThatIsNoPlanIsRefusedWithTheReason) {
-  write_changed("/robot/spring/stiffness/1", 18);
-  EXPECT_THAT(complaint(), HasSubstr("plan.json: robot: is not the robot that robot_hash tells of"));
-  write_changed("/robot/spring/stiffness", nullptr);
-  EXPECT_THAT(complaint(), HasSubstr("plan.json: robot.spring.stiffness: must be a list"));
-  write_changed("/request_hash", "another");
-  EXPECT_THAT(complaint(), HasSubstr("trajectory.csv: request_hash: is not that of the plan.json beside it"));
-  write("plan.json", "{\"status\": \"certified\"");
-  EXPECT_THAT(complaint(), HasSubstr("plan.json: is damaged"));
-  write("plan.json", "[1, 2]");
-  EXPECT_THAT(complaint(), HasSubstr("plan.json: must be an object"));
-  write("plan.json", json_text(bad_input_json("reach", "goal.q[1]: 9 rad is outside", "goal.q[1]")));
-  EXPECT_THAT(complaint(), HasSubstr("nothing planned: goal.q[1]: 9 rad is outside"));
-  fs::remove(folder_ / "plan.json");
-  EXPECT_THAT(complaint(), HasSubstr("plan.json: cannot be read: this is no folder of a plan"));
-  fs::remove_all(folder_);
-  EXPECT_THAT(complaint(), HasSubstr("is no folder"));
-}
-
-TEST_F(Folder, WithADamagedTrajectoryIsRefused) {
-  const fs::path rows = folder_ / "trajectory.csv";
-  fs::resize_file(rows, fs::file_size(rows) / 2);
-  EXPECT_THAT(complaint(), HasSubstr("trajectory.csv"));
-  Trajectory cut = *reach().trajectory;
-  cut.metadata["rows"] = std::to_string(cut.samples.size());
-  cut.samples.pop_back();
-  write_csv(cut, rows);
-  EXPECT_THAT(complaint(), HasSubstr("but says that it had"));
-  fs::remove(rows);
-  EXPECT_THAT(complaint(), HasSubstr("trajectory.csv: no such file"));
+TEST(BothPlansPage, AskForMotions) {
+  PlanRecord none = reach();
+  none.trajectory.reset();
+  EXPECT_THROW(both_plans_page(reach(), none), InputError);
 }
 
 }  // namespace

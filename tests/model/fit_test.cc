@@ -4,17 +4,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
-#include <random>
 
 #include "common/normal.h"
 #include "model/identify/arm.h"
 
 namespace fjr {
 namespace {
-
-using testing::HasSubstr;
 
 // A certified linear regression: Longley's would need six regressors; Norris (NIST StRD) shows the digits as well.
 TEST(LinearFit, AgreesWithTheCertifiedNorrisRegression) {

@@ -17,7 +17,6 @@ namespace fjr {
 namespace {
 
 namespace fs = std::filesystem;
-
 using testing::HasSubstr;
 
 // A folder of this test's own, gone with it.

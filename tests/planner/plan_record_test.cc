@@ -18,7 +18,6 @@ namespace fjr {
 namespace {
 
 namespace fs = std::filesystem;
-
 using Json = nlohmann::ordered_json;
 using testing::HasSubstr;
 

@@ -1,5 +1,4 @@
 // The report of a plan, and that of two: what the page holds.
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

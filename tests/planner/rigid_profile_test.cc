@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <complex>
-#include <numbers>
 #include <string>
 
 #include "model/kinematics.h"

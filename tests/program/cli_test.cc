@@ -4,17 +4,14 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <pty.h>
 #include <signal.h>
 #include <sys/ioctl.h>
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -296,89 +293,6 @@ TEST_F(Cli, PlansAndLogsAreExported) {
   EXPECT_EQ(run({"verify", "out/trajectory.csv"}).exit_code, 0);  // what was there stays as it was
 }
 
-const std::string kDescription =
-    "length: [0.4, 0.3]\nmass: [1.5, 0.7]\ncenter_of_mass: [0.2, 0.12]\ninertia: [0.03, 0.006]\nstiffness: [30, 15]\n"
-    "rotor_inertia: [1e-5, 4e-6]\ngear: [80, 50]\ntorque: [14, 5]\nvelocity: [6, 8]\nposition: [[-1, 3], [-2.5, 2.5]]\n"
-    "deflection: [0.5, 0.3]\n";
-
-TEST_F(Cli, ANewRobotIsDescribedCheckedAndPlannedFor) {
-  write("short.yaml", kDescription);
-  const Result made = run({"robot", "new", "short.yaml", "--out", "robot.yaml"});
-  EXPECT_EQ(made.exit_code, 0) << made.err;
-  const Result checked = run({"robot", "check", "robot.yaml", "--json"});
-  EXPECT_EQ(checked.exit_code, 0) << checked.err;
-  EXPECT_EQ(Json::parse(checked.out)["possible"], true);
-  EXPECT_GT(Json::parse(checked.out)["findings"].size(), 20U);
-  write("good.yaml", kGood);
-  const Result planned = run({"plan", "good.yaml", "--out", "out", "--robot", "robot.yaml", "--report"});
-  EXPECT_EQ(planned.exit_code, 0) << planned.out << planned.err;
-  EXPECT_EQ(plan_json()["robot_hash"], Json::parse(checked.out)["robot_hash"]);
-
-  EXPECT_THAT(contents(path("out/report.html")), HasSubstr("limits -1 to 3 and ±2.5 rad"));
-  EXPECT_THAT(contents(path("out/report.html")),
-              HasSubstr("link position 1 is counted from 1 rad, the middle of -1 to 3"));
-  EXPECT_THAT(contents(path("out/report.html")), HasSubstr("\"gravity\":{\"fraction\":1.0,\"down\":0.0}"));
-  EXPECT_THAT(run({"plan", "good.yaml", "--robot", "robot.yaml", "--explain-request"}).out,
-              HasSubstr("[2, 2.5] rad to either side of [1, 0] rad\n"));
-
-  const std::string before = contents(path("robot.yaml"));  // nothing is overwritten
-  EXPECT_EQ(run({"robot", "new", "short.yaml", "--out", "robot.yaml"}).exit_code, 2);
-  EXPECT_EQ(contents(path("robot.yaml")), before);
-  write("named.yaml", kGood + "robot: robot.yaml\n");
-  EXPECT_THAT(run({"plan", "named.yaml", "--out", "named", "--robot", "robot.yaml"}).err,
-              HasSubstr("named.yaml: robot: is named already"));
-}
-
-TEST_F(Cli, RobotsThatCannotBeAreRefusedWithTheReason) {
-  std::string impossible = kDescription;
-  impossible.replace(impossible.find("[0.03, 0.006]"), 13, "{value: [0.001, 0.006], about: [joint, center_of_mass]}");
-  write("short.yaml", impossible);
-  const Result made = run({"robot", "new", "short.yaml", "--out", "robot.yaml"});
-  EXPECT_EQ(made.exit_code, 2);
-  EXPECT_THAT(made.err, HasSubstr("short.yaml: inertia[0]: 0.001 kg m^2 about the joint is 0.0167 of the 0.06 kg m^2"));
-  EXPECT_FALSE(fs::exists(path("robot.yaml")));
-
-  std::string text = contents(FJR_SOURCE_DIR "/config/robot.yaml");
-  text.replace(text.find("[0.0915, 7.1672e-3]"), 19, "[0.001, 7.1672e-3]");
-  write("robot.yaml", text);
-  const Result checked = run({"robot", "check", "robot.yaml"});
-  EXPECT_EQ(checked.exit_code, 2);
-  EXPECT_THAT(checked.out, HasSubstr("there can be no such arm"));
-  EXPECT_THAT(checked.out, HasSubstr("no such arm\n  impossible parallel axes, joint 1: 0.001 kg m^2"));  // first
-  write("good.yaml", kGood);
-  EXPECT_THAT(run({"plan", "good.yaml", "--out", "out", "--robot", "robot.yaml"}).err, HasSubstr("0.00972 of the"));
-  EXPECT_EQ(run({"robot", "new", "--out", "x.yaml"}).exit_code, 2);  // no terminal to ask on
-}
-
-// As somebody at a terminal: a mistake is told and asked about again, what may be left out is left out.
-TEST_F(Cli, ANewRobotIsAskedForOnATerminal) {
-  int terminal = -1;
-  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    fs::current_path(path("."));
-    execl(FJR_EXECUTABLE, "fjr", "robot", "new", "--out", "robot.yaml", nullptr);
-    _exit(127);
-  }
-  const std::string answers =
-      "an arm\n\n0.4, 0.3\n1.5, minus\n1.5, 0.7\n[0.2, 0.12]\n0.03, 0.006\n30, 15\n1e-5, 4e-6\n80, 50\n14, 5\n6, 8\n"
-      "[[-1, 3], [-2.5, 2.5]]\n0.5, 0.3\n\n\n\n\n\n\n\n\n\n\n";
-  ASSERT_EQ(::write(terminal, answers.data(), answers.size()), static_cast<ssize_t>(answers.size()));
-  std::string said;
-  std::array<char, 4096> part{};
-  for (;;) {
-    const ssize_t count = ::read(terminal, part.data(), part.size());
-    if (count <= 0) break;
-    said.append(part.data(), static_cast<std::size_t>(count));
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  ::close(terminal);
-  EXPECT_EQ(WEXITSTATUS(status), 0) << said;
-  EXPECT_THAT(said, HasSubstr("\"minus\" is not a finite number"));
-  EXPECT_THAT(contents(path("robot.yaml")), HasSubstr("link_middle: {value: [1, 0]"));
-}
-
 TEST_F(Cli, AMissingRequestIsBadInput) {
   const Result result = run({"plan", "none.yaml", "--out", "out"});
   EXPECT_EQ(result.exit_code, 2);
@@ -539,90 +453,6 @@ TEST_F(Cli, AFolderThatCannotBeWrittenIsToldBeforeAnythingIsPlanned) {
   const Result result = run({"plan", "good.yaml", "--out", "/proc/self"});
   EXPECT_EQ(result.exit_code, 2);
   EXPECT_THAT(result.err, HasSubstr("--out: cannot write to folder /proc/self: "));
-}
-
-TEST_F(Cli, ExperimentAndIdentifyGoTogether) {
-  const Result log = run({"experiment", "link_inertia", "--joint", "2", "--out", "log.csv", "--seed", "7"});
-  EXPECT_EQ(log.exit_code, 0);
-  EXPECT_THAT(contents(path("log.csv")), HasSubstr("# joint: 2\n"));
-  const Result found =
-      run({"identify", "link_inertia", "log.csv", "--json", "--out", "robot.yaml", "--report", "r.html"});
-  EXPECT_EQ(found.exit_code, 0);
-  const Json json = Json::parse(found.out);
-  EXPECT_EQ(json[0]["joint"], 2);
-  EXPECT_NEAR(json[0]["parameters"]["damping_over_inertia"]["value"], 0.862, 0.01);
-  EXPECT_THAT(contents(path("robot.yaml")), HasSubstr("log.csv sha256 " + std::string(json[0]["sha256"])));
-  EXPECT_THAT(contents(path("r.html")), HasSubstr("<canvas"));
-}
-
-// The virtual rig's logs may be made again, with another seed too; a real rig's, of the same names, never are replaced.
-TEST_F(Cli, ExperimentsReplaceNoLogsOfARealRig) {
-  const std::string measured = "# experiment: stiffness\ntime,q1,q2,theta1,theta2,tau1,tau2\n";
-  fs::create_directory(path("rig"));
-  write("rig/motor_inertia_2.csv", measured);
-  const Result all = run({"experiment", "all", "--out", "rig"});
-  EXPECT_EQ(all.exit_code, 2);
-  EXPECT_THAT(all.err, HasSubstr("--out: rig/motor_inertia_2.csv is no log of the virtual rig, and would be lost"));
-  EXPECT_FALSE(fs::exists(path("rig/gravity_1.csv")));
-  EXPECT_EQ(run({"experiment", "motor_inertia", "--joint", "2", "--out", "rig/motor_inertia_2.csv"}).exit_code, 2);
-  EXPECT_EQ(contents(path("rig/motor_inertia_2.csv")), measured);
-
-  const auto push = [&](const char* seed) {
-    return run({"experiment", "motor_inertia", "--joint", "2", "--out", "push.csv", "--seed", seed}).exit_code;
-  };
-  EXPECT_EQ(push("1"), 0);
-  EXPECT_EQ(push("2"), 0);
-  EXPECT_THAT(contents(path("push.csv")), HasSubstr("# seed: 2\n"));
-}
-
-TEST_F(Cli, ExperimentAndIdentifyRefuseBadInput) {
-  EXPECT_EQ(run({"experiment", "juggling", "--joint", "1", "--out", "log.csv"}).exit_code, 2);
-  EXPECT_EQ(run({"experiment", "link_inertia", "--out", "log.csv"}).exit_code, 2);
-  EXPECT_EQ(run({"experiment", "link_inertia", "--joint", "3", "--out", "log.csv"}).exit_code, 2);
-  EXPECT_FALSE(fs::exists(path("log.csv")));
-  EXPECT_EQ(run({"identify", "stiffness", "none.csv"}).err, "fjr: none.csv: no such file\n");
-  EXPECT_EQ(run({"identify", "all", "none"}).exit_code, 2);
-  write("log.csv", "time,q1\n");
-  const Result broken = run({"identify", "stiffness", "log.csv", "--out", "robot.yaml"});
-  EXPECT_EQ(broken.exit_code, 2);
-  EXPECT_EQ(broken.err, "fjr: log.csv: line 1: column q2 is missing in 'time,q1'\n");
-  EXPECT_FALSE(fs::exists(path("robot.yaml")));
-}
-
-TEST_F(Cli, LogsThatContradictEachOtherAreRefusedUnlessAccepted) {
-  std::string other = contents(FJR_SOURCE_DIR "/config/robot.yaml");
-  const std::string inertia = "inertia: {value: [0.0686, 0.0145]";
-  ASSERT_NE(other.find(inertia), std::string::npos);
-  other.replace(other.find(inertia), inertia.size(), "inertia: {value: [0.0686, 0.0160]");
-  write("other.yaml", other);
-  const std::vector<std::string> push = {"experiment", "motor_inertia", "--joint", "2"};
-  const auto perform = [&](const std::string& log, const std::string& seed, const std::string& robot) {
-    std::vector<std::string> words = push;
-    words.insert(words.end(), {"--out", log, "--seed", seed, "--robot", robot});
-    return run(words).exit_code;
-  };
-  ASSERT_EQ(perform("a.csv", "1", FJR_SOURCE_DIR "/config/robot.yaml"), 0);
-  ASSERT_EQ(perform("b.csv", "2", FJR_SOURCE_DIR "/config/robot.yaml"), 0);
-  ASSERT_EQ(perform("c.csv", "3", "other.yaml"), 0);
-
-  const Result agreeing = run({"identify", "motor_inertia", "a.csv", "b.csv", "--out", "ab.yaml"});
-  EXPECT_EQ(agreeing.exit_code, 0);
-  EXPECT_EQ(agreeing.err, "");
-  EXPECT_THAT(agreeing.out, AllOf(HasSubstr("together: motor_inertia, joint 2 (a.csv, b.csv)"),
-                                  HasSubstr("inertia, joint 2: motor_inertia (a.csv) says 0.0145")));
-  EXPECT_THAT(contents(path("ab.yaml")), AllOf(HasSubstr("a.csv sha256"), HasSubstr("b.csv sha256")));
-
-  const Result refused = run({"identify", "motor_inertia", "a.csv", "c.csv", "--out", "ac.yaml"});
-  EXPECT_EQ(refused.exit_code, 2);
-  EXPECT_THAT(refused.err,
-              AllOf(HasSubstr("the logs contradict each other: inertia, joint 2"), HasSubstr("--accept-inconsistent")));
-  EXPECT_FALSE(fs::exists(path("ac.yaml")));
-
-  const Result accepted =
-      run({"identify", "motor_inertia", "a.csv", "c.csv", "--out", "ac.yaml", "--accept-inconsistent"});
-  EXPECT_EQ(accepted.exit_code, 0);
-  EXPECT_THAT(accepted.err, HasSubstr("fjr: warning: inertia, joint 2"));
-  EXPECT_TRUE(fs::exists(path("ac.yaml")));
 }
 
 }  // namespace

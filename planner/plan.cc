@@ -83,11 +83,12 @@ std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
 std::optional<Infeasibility> search(int starts, Findings& found, Session& session) {
   const auto over = [&] { return found.certified() || session.stopped(); };
   find_motions(starts, found, session);
-  fade_acceleration_penalty(found, session);
   if (!over() && !found.candidates.empty() && has_little_spare_time(found)) {
     found.candidates.clear();
     adopt_fastest(found, session);
   }
+  if (!over()) follow_damped(found, session);
+  fade_acceleration_penalty(found, session);
   const bool coarse_only = !found.candidates.empty();  // what converged may keep its times on a coarse mesh only
   if (over() || (coarse_only && any_timed(found.asked))) return std::nullopt;
   return find_out_why(found, session);

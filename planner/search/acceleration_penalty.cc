@@ -1,5 +1,6 @@
 #include "planner/search/acceleration_penalty.h"
 
+#include <cmath>
 #include <utility>
 
 #include "planner/search/continuation.h"
@@ -11,6 +12,21 @@ namespace {
 bool leaves_torques_free(const Weights& weights) {
   return !settles_torque(weights) && !has_reward(weights) && !only_time(weights) && weights.link_acceleration == 0 &&
          weights.link_jerk == 0;
+}
+
+// Returns the integral [rad^2/s^3] of squared link accelerations of a minimum-jerk motion of this duration [s] that
+// stops at every via point and takes the same time for each part: 120/7 d^2/T^3 for the distance d in the time T.
+double smooth_acceleration(const Problem& problem, double duration) {
+  const double part = duration / static_cast<double>(problem.via.size() + 1);
+  double squares = 0;
+  Joints<double> from = problem.start.q;
+  const auto go_to = [&](const Joints<double>& to) {
+    for (std::size_t j = 0; j < kJoints; ++j) squares += std::pow(to[j] - from[j], 2);
+    from = to;
+  };
+  for (const Via& via : problem.via) go_to(via.q);
+  go_to(problem.goal.q);
+  return 120.0 / 7 * squares / std::pow(part, 3);
 }
 
 std::shared_ptr<const Problem> with_weights(Problem problem, double link_acceleration, double link_jerk = 0) {
@@ -34,17 +50,33 @@ std::shared_ptr<const Problem> with_acceleration_penalty(const Problem& problem,
   return with_weights(problem, settings.weight);
 }
 
+std::shared_ptr<const Problem> with_damping(const Problem& problem, double objective, double duration,
+                                            const AccelerationPenaltySettings& settings) {
+  const Weights& weights = problem.weights;
+  if (!sees_friction(weights) || has_reward(weights) || duration < settings.time_to_oscillate) return nullptr;
+  const double acceleration = smooth_acceleration(problem, duration);
+  if (!(objective > 0 && acceleration > 0)) return nullptr;
+  const double weight = settings.part_of_objective * objective / acceleration;
+  return with_weights(problem, weights.link_acceleration + weight, weights.link_jerk);
+}
+
 void fade_acceleration_penalty(Findings& found, Session& session) {
-  if (!found.certified() || !leaves_torques_free(found.asked.weights)) return;
+  if (!found.certified() || only_time(found.asked.weights)) return;
+  const double asked = found.asked.weights.link_acceleration / found.scale;
   const AccelerationPenaltySettings& s = session.settings().acceleration_penalty;
+  double less = leaves_torques_free(found.asked.weights) ? s.less : s.less_damping;
   for (int step = 0; step < s.steps && !session.interrupted(); ++step) {
     const Publication& best = *found.best;
-    const double weight = best.problem->weights.link_acceleration, objective = best.objective;
-    if (weight == 0) return;
-    Continuation c(with_weights(*best.problem, s.less * weight), session, "with less acceleration penalty");
-    if (c.resume(Collocated(best.solution)) != ResumeOutcome::kSolved) return;
-    found.keep(c, publish(c, found.asked, session));
-    if (!(found.best->objective < objective)) return;
+    const double more = best.problem->weights.link_acceleration - asked, objective = best.objective;
+    if (!(more > 0)) return;
+    Continuation c(with_weights(*best.problem, asked + less * more, best.problem->weights.link_jerk), session,
+                   "with less acceleration penalty");
+    if (c.resume(Collocated(best.solution)) == ResumeOutcome::kSolved) {
+      found.keep(c, publish(c, found.asked, session));
+      if (!(found.best->objective < objective)) return;
+    } else if (std::exchange(less, s.less) == s.less) {
+      return;
+    }
   }
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "planner/ocp/objective.h"
+#include "planner/problem/task/task.h"
 #include "planner/search/acceleration_penalty.h"
 
 namespace fjr {
@@ -35,14 +36,18 @@ bool far_too_long(const Continuation& c, const Problem& asked, const FollowSetti
          duration > settings.far_too_long * asked.duration.max;
 }
 
-// Solves a motion again with a penalty on accelerations. Returns the motion itself if that fails.
-Continuation with_penalty(const Continuation& c, const std::shared_ptr<const Problem>& penalised, int patience,
-                          Session& session) {
-  Continuation solved(penalised, session, c.label() + ", with acceleration penalty");
-  solved.start = c.start;
-  const Collocated& hasty = c.solution();
-  const Guess guess = guess_from(hasty.motion, hasty.durations, c.duration());
-  return solved.begin(guess, patience) == StartOutcome::kNew ? solved : c;
+Guess guess_of_motion(const Continuation& c) {
+  return guess_from(c.solution().motion, c.solution().durations, c.duration());
+}
+
+// Solves a motion again with a penalty on accelerations, from this guess. Returns none if that fails.
+std::optional<Continuation> solved_with_penalty(const Continuation& coarse,
+                                                const std::shared_ptr<const Problem>& problem, const Guess& guess,
+                                                int patience, Session& session) {
+  Continuation solved(problem, session, coarse.label() + ", with acceleration penalty");
+  solved.start = coarse.start;
+  if (solved.begin(guess, patience) != StartOutcome::kNew) return std::nullopt;
+  return solved;
 }
 
 // Result of a start on a coarse mesh.
@@ -88,17 +93,26 @@ void publish_best(std::vector<Continuation> motions, Findings& found, Session& s
 }
 
 // Refines a fastest motion of many seconds, whose springs have time to oscillate, with penalties on accelerations: the
-// largest first, until one is certified.
+// largest first, until one is certified. Where the motion oscillates so much already that none is solved from it, a
+// smooth one is the guess. Without any, the motion is refined as it is.
 void refine_with_penalties(const Continuation& coarse, Findings& found, Session& session) {
   const Timed timed(session, "finish");
-  const AccelerationPenaltySettings& settings = session.settings().acceleration_penalty;
-  for (const auto& penalised : fastest_with_acceleration_penalties(*coarse.problem(), settings)) {
+  const SearchSettings& s = session.settings();
+  bool solved_any = false;
+  for (const auto& penalised : fastest_with_acceleration_penalties(*coarse.problem(), s.acceleration_penalty)) {
     if (session.interrupted()) return;
-    Continuation c = with_penalty(coarse, penalised, found.patience, session);
-    if (c.refine() == Completion::kStopped) continue;
-    PublishResult published = publish(c, found.asked, session);
-    if (found.keep(c, std::move(published))) return;
+    auto c = solved_with_penalty(coarse, penalised, guess_of_motion(coarse), found.patience, session);
+    if (!c && count_of_rows(penalised->task) == 0 && !session.interrupted()) {
+      const Guess smooth = minimum_jerk_guess(*penalised, coarse.duration());
+      c = solved_with_penalty(coarse, penalised, smooth, s.follow.iterations, session);
+    }
+    if (!c) continue;
+    solved_any = true;
+    if (c->refine() == Completion::kFinished && found.keep(*c, publish(*c, found.asked, session))) return;
   }
+  if (solved_any || session.interrupted()) return;
+  Continuation plain = coarse;
+  if (plain.refine() == Completion::kFinished) found.keep(plain, publish(plain, found.asked, session));
 }
 
 // Refines motions in a race. While nothing is certified, those that were dropped in the race are refined too.
@@ -175,6 +189,29 @@ void follow(Continuation c, Findings& found, Session& session) {
 }
 
 void refine_waiting(Findings& found, Session& session) { refine_all(std::exchange(found.waiting, {}), found, session); }
+
+void follow_damped(Findings& found, Session& session) {
+  const auto best = std::min_element(
+      found.candidates.begin(), found.candidates.end(),
+      [](const CoarseMotion& a, const CoarseMotion& b) { return a.coarse.objective < b.coarse.objective; });
+  if (best == found.candidates.end()) return;
+  const double duration = best->motion.duration();
+  const auto problem =
+      with_damping(*best->problem, best->coarse.objective, duration, session.settings().acceleration_penalty);
+  if (!problem) return;
+  session.enter(Phase::kDamping);
+  const Timed timed(session, "finish");
+  ++session.fallbacks().calmed;
+  ContinuationStrategy strategy = usual_strategy(*problem);
+  strategy.steps.resize(1);
+  Continuation c(problem, session, "with acceleration penalty", {.strategy = strategy});
+  c.start = best->coarse.start;
+  const Guess guess = count_of_rows(problem->task) == 0 ? minimum_jerk_guess(*problem, duration)
+                                                        : guess_from(best->motion, best->durations, duration);
+  if (c.begin(guess, found.patience) != StartOutcome::kNew || c.refine() == Completion::kStopped) return;
+  PublishResult published = publish(c, found.asked, session);
+  found.keep(c, std::move(published));
+}
 
 std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Findings& found, Session& session) {
   std::vector<std::optional<Begun>> begun(starts.size());

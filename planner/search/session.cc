@@ -17,6 +17,8 @@ double allowed_by_the_end_of(Phase phase, const BudgetSettings& settings) {
       return settings.finding;
     case Phase::kRefining:
       return settings.refining;
+    case Phase::kDamping:
+      return settings.damping;
     case Phase::kMargins:
     case Phase::kExplaining:
       return 1;

@@ -255,6 +255,16 @@ Plan with_both_as_told(const std::string& via, const std::string& goal, const st
               options);
 }
 
+// At constant tip speed the arm would be there along the straight line of its angles after 4.9 s. Least effort wants
+// the motors to move and rest in turns, with the tip at its limit in between, and no finer mesh than the first was
+// solved.
+TEST(Search, ASlowMotionIsFoundWithDamping) {
+  const Plan slow = plan(request("start: {q: [-0.578, 0.283]}\ngoal: {q: [0.196, 0.880]}\nduration: 8\n"
+                                 "objective: efficient\nsearch: quick\nlimits: {tip_speed: 0.1331}\n"),
+                         {});
+  EXPECT_EQ(slow.status, PlanStatus::kCertified) << slow.reason;
+}
+
 TEST(Search, AViaTimeIsNamedBesideADurationThatIsTooShort) {
   const Plan result =
       plan(request("{start: {q: [0, 0]}, via: [{q: [1, 1], time: 0.3}], goal: {q: [0, 0]}, duration: 0.6}"), {});

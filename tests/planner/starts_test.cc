@@ -459,6 +459,33 @@ TEST(AccelerationPenalty, IsForObjectivesThatLeaveTorquesFreeAndHaveTime) {
   EXPECT_FALSE(is_penalised("objective: fastest\n"));
 }
 
+// A minimum-jerk motion over the distance d in the time T has the integral 120/7 d^2/T^3 of squared accelerations.
+TEST(AccelerationPenalty, OfDampingIsAFewPercentForASmoothMotion) {
+  const AccelerationPenaltySettings settings;
+  const Problem problem = request("start: {q: [0, 0]}\ngoal: {q: [0.6, -0.8]}\nduration: 8\nobjective: gentle\n");
+  const auto damped = with_damping(problem, 10, 8, settings);
+  ASSERT_TRUE(damped);
+  const double weight = damped->weights.link_acceleration - problem.weights.link_acceleration;
+  double paid = 0;
+  constexpr int kSteps = 10000;
+  for (int i = 0; i < kSteps; ++i) {
+    const double s = (i + 0.5) / kSteps, ddq = (60 * s - 180 * s * s + 120 * s * s * s) / (8.0 * 8.0);
+    paid += weight * ddq * ddq * 8.0 / kSteps;  // d = 1
+  }
+  EXPECT_NEAR(paid, settings.part_of_objective * 10, 1e-6);  // midpoint rule: of second order in 1e-4
+}
+
+TEST(AccelerationPenalty, OfDampingIsForSlowMotionsWhoseObjectiveSeesFriction) {
+  const auto is_damped = [](const std::string& more, double objective, double duration) {
+    return with_damping(request(kMove + more), objective, duration, {}) != nullptr;
+  };
+  EXPECT_TRUE(is_damped("duration: 5\nobjective: {effort: 1}\n", 1, 5));
+  EXPECT_TRUE(is_damped("objective: {time: 1, effort: 1}\n", 1, 5));
+  EXPECT_FALSE(is_damped("objective: {time: 1, effort: 1}\n", 1, 0.8));
+  EXPECT_FALSE(is_damped("objective: fastest\n", 1, 5));
+  EXPECT_FALSE(is_damped("duration: 5\nobjective: {effort: 1}\n", 0, 5));
+}
+
 TEST(Start, ThatRunsOutOfIterationsSaysSo) {
   const Problem problem = request(kMove);
   Session session{SessionOptions{}};

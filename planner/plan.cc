@@ -87,11 +87,15 @@ std::optional<Infeasibility> search(int starts, Findings& found, Session& sessio
     found.candidates.clear();
     adopt_fastest(found, session);
   }
-  if (!over()) follow_damped(found, session);
   fade_acceleration_penalty(found, session);
-  const bool coarse_only = !found.candidates.empty();  // what converged may keep its times on a coarse mesh only
-  if (over() || (coarse_only && any_timed(found.asked))) return std::nullopt;
-  return find_out_why(found, session);
+  if (over()) return std::nullopt;
+  const std::vector<CoarseMotion> coarse = found.candidates;  // they may keep times on a coarse mesh only
+  std::optional<Infeasibility> why;
+  if (coarse.empty() || !any_timed(found.asked)) why = find_out_why(found, session);
+  if (over()) return why;
+  follow_damped(coarse, found, session);
+  fade_acceleration_penalty(found, session);
+  return found.certified() ? std::nullopt : why;
 }
 
 void withdraw(Plan& plan) {

@@ -80,7 +80,7 @@ slurmctld -c
 for node in one two; do slurmd -N "$node" -c; done
 within_a_minute node_is one idle && within_a_minute node_is two idle || skip "no Slurm starts here"
 
-requests=${REQUESTS:-90}  # a chunk has to take longer than to look at it twice
+requests=${REQUESTS:-90}  # planning a chunk has to take longer than two calls of fjr batch status
 mkdir "$work/requests"
 cat > "$work/requests/grid.yaml" <<'GRID'
 request: {start: {q: [0.3, 0.2]}, goal: {q: [0.3, 0.21]}, sample_period: 0.005}

@@ -63,20 +63,19 @@ std::shared_ptr<const Problem> with_damping(const Problem& problem, double objec
 void fade_acceleration_penalty(Findings& found, Session& session) {
   if (!found.certified() || only_time(found.asked.weights)) return;
   const double asked = found.asked.weights.link_acceleration / found.scale;
+  const auto more = [&] { return found.best->problem->weights.link_acceleration - asked; };
   const AccelerationPenaltySettings& s = session.settings().acceleration_penalty;
-  double less = leaves_torques_free(found.asked.weights) ? s.less : s.less_damping;
-  for (int step = 0; step < s.steps && !session.interrupted(); ++step) {
-    const Publication& best = *found.best;
-    const double more = best.problem->weights.link_acceleration - asked, objective = best.objective;
-    if (!(more > 0)) return;
-    Continuation c(with_weights(*best.problem, asked + less * more, best.problem->weights.link_jerk), session,
+  double factor = more() > s.weight ? s.damping_factor : s.less;
+  for (int step = 0; step < s.steps && more() > 0 && !session.interrupted(); ++step) {
+    const Problem& best = *found.best->problem;
+    Continuation c(with_weights(best, asked + factor * more(), best.weights.link_jerk), session,
                    "with less acceleration penalty");
-    if (c.resume(Collocated(best.solution)) == ResumeOutcome::kSolved) {
+    const double objective = found.best->objective;
+    if (c.resume(Collocated(found.best->solution)) == ResumeOutcome::kSolved) {
       found.keep(c, publish(c, found.asked, session));
-      if (!(found.best->objective < objective)) return;
-    } else if (std::exchange(less, s.less) == s.less) {
-      return;
     }
+    const bool better = found.best->objective < objective;
+    if (!better && std::exchange(factor, s.less) == s.less) return;
   }
 }
 

@@ -14,9 +14,9 @@ namespace fjr {
 enum class Phase {
   kFinding,     // motions on coarse meshes
   kRefining,    // solutions that may become the best plan
-  kDamping,     // the best of them with a penalty on accelerations, if no plan came of any
   kMargins,     // adds margins for parameter errors to a certified motion
   kExplaining,  // why there is none
+  kDamping,     // plans the best coarse motion with a penalty on accelerations, if no plan came of anything else
 };
 
 // State of the search, reported between iterations of the optimiser.
@@ -45,7 +45,7 @@ struct SolverStage {
 struct Fallbacks {
   int adaptive_barrier = 0;  // a warm start failed; tried again with multipliers forgotten and an adaptive barrier
   int friction_level = 0;    // a step to a sharper friction law stopped at the iteration limit
-  int calmed = 0;            // at its iteration limit, or its mesh not refined; tried with a penalty on acceleration
+  int calmed = 0;            // a motion was tried again with a penalty on acceleration
   int displaced_start = 0;   // starts beyond those that are always tried
   int swinging = 0;          // limits relaxed until the arm can be carried, then tightened step by step
   int patience = 0;          // a start with many more iterations, and at first ten times the regularisation

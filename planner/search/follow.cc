@@ -94,23 +94,23 @@ void publish_best(std::vector<Continuation> motions, Findings& found, Session& s
 
 // Refines a fastest motion of many seconds, whose springs have time to oscillate, with penalties on accelerations: the
 // largest first, until one is certified. Where the motion oscillates so much already that none is solved from it, a
-// smooth one is the guess. Without any, the motion is refined as it is.
+// smooth one is the guess, and if nothing comes of that the motion is refined as it is.
 void refine_with_penalties(const Continuation& coarse, Findings& found, Session& session) {
   const Timed timed(session, "finish");
   const SearchSettings& s = session.settings();
-  bool solved_any = false;
+  bool all_solved = true;
   for (const auto& penalised : fastest_with_acceleration_penalties(*coarse.problem(), s.acceleration_penalty)) {
     if (session.interrupted()) return;
     auto c = solved_with_penalty(coarse, penalised, guess_of_motion(coarse), found.patience, session);
+    all_solved = all_solved && c.has_value();
     if (!c && count_of_rows(penalised->task) == 0 && !session.interrupted()) {
       const Guess smooth = minimum_jerk_guess(*penalised, coarse.duration());
       c = solved_with_penalty(coarse, penalised, smooth, s.follow.iterations, session);
     }
-    if (!c) continue;
-    solved_any = true;
-    if (c->refine() == Completion::kFinished && found.keep(*c, publish(*c, found.asked, session))) return;
+    if (!c || c->refine() == Completion::kStopped) continue;
+    if (found.keep(*c, publish(*c, found.asked, session))) return;
   }
-  if (solved_any || session.interrupted()) return;
+  if (all_solved || session.interrupted()) return;
   Continuation plain = coarse;
   if (plain.refine() == Completion::kFinished) found.keep(plain, publish(plain, found.asked, session));
 }
@@ -190,11 +190,11 @@ void follow(Continuation c, Findings& found, Session& session) {
 
 void refine_waiting(Findings& found, Session& session) { refine_all(std::exchange(found.waiting, {}), found, session); }
 
-void follow_damped(Findings& found, Session& session) {
-  const auto best = std::min_element(
-      found.candidates.begin(), found.candidates.end(),
-      [](const CoarseMotion& a, const CoarseMotion& b) { return a.coarse.objective < b.coarse.objective; });
-  if (best == found.candidates.end()) return;
+void follow_damped(const std::vector<CoarseMotion>& coarse, Findings& found, Session& session) {
+  const auto best = std::min_element(coarse.begin(), coarse.end(), [](const CoarseMotion& a, const CoarseMotion& b) {
+    return a.coarse.objective < b.coarse.objective;
+  });
+  if (best == coarse.end()) return;
   const double duration = best->motion.duration();
   const auto problem =
       with_damping(*best->problem, best->coarse.objective, duration, session.settings().acceleration_penalty);
@@ -210,7 +210,7 @@ void follow_damped(Findings& found, Session& session) {
                                                         : guess_from(best->motion, best->durations, duration);
   if (c.begin(guess, found.patience) != StartOutcome::kNew || c.refine() == Completion::kStopped) return;
   PublishResult published = publish(c, found.asked, session);
-  found.keep(c, std::move(published));
+  if (published.certified()) found.keep(c, std::move(published));
 }
 
 std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Findings& found, Session& session) {

@@ -48,10 +48,10 @@ std::vector<TriedStart> try_starts(const std::vector<Start>& starts, Findings& f
 std::vector<TriedStart> try_starts_of_many(const std::vector<Start>& starts, Findings& found, Session& session);
 void refine_waiting(Findings& found, Session& session);
 
-// Plans the best motion on a coarse mesh again with a penalty on accelerations (with_damping()), for requests of which
-// nothing else came. Without a task the guess is a smooth motion, since the one without penalty may rest on the way.
-// The friction law stays as wide as at first: where motors are hardly faster than that, steps to a sharper one fail.
-// Does nothing where the penalty does not apply.
-void follow_damped(Findings& found, Session& session);
+// Plans the best of these motions again with a penalty on accelerations (with_damping()), for requests that have come
+// to no plan in any other way. Without a task the guess is a smooth motion, since the one without penalty may rest on
+// the way. The friction law stays as wide as at first: where motors are hardly faster than that, steps to a sharper one
+// fail. Does nothing where the penalty does not apply, and keeps only what is certified.
+void follow_damped(const std::vector<CoarseMotion>& coarse, Findings& found, Session& session);
 
 }  // namespace fjr

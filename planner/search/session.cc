@@ -17,11 +17,11 @@ double allowed_by_the_end_of(Phase phase, const BudgetSettings& settings) {
       return settings.finding;
     case Phase::kRefining:
       return settings.refining;
-    case Phase::kDamping:
-      return settings.damping;
     case Phase::kMargins:
     case Phase::kExplaining:
       return 1;
+    case Phase::kDamping:
+      return settings.damping;
   }
   throw std::logic_error("Phase out of range");
 }
@@ -139,7 +139,7 @@ void Session::tell(Progress progress) const {
   progress.starts = shared_->starts;
   progress.starts_planned = shared_->starts_planned;
   progress.work = shared_->work;
-  progress.most_work = std::isfinite(options_.most_work) ? options_.most_work : 0;
+  progress.most_work = std::isfinite(options_.most_work) ? std::max(options_.most_work, allowed_) : 0;
   progress.deadline = options_.deadline;
   options_.on_progress(progress);
 }

@@ -1,7 +1,7 @@
-// Constants that tune the search, one struct per algorithm: each with its unit, what it does, and the measurement
-// behind it. An expert sets them by PlanOptions::search; a plan is a function of them as of its request. (What shapes
-// guesses and paths, the price of tracking errors, margins for other arms and explanations have theirs at the top of
-// their files.)
+// Constants that tune the search, one struct per algorithm: each with its unit, what it does, and where there is
+// one the measurement behind it. An expert sets them by PlanOptions::search; a plan is a function of them as of its
+// request, whose hash does not contain them. (What shapes guesses and paths, the price of tracking errors, margins for
+// other arms and explanations have theirs at the top of their files.)
 #pragma once
 
 #include <array>
@@ -189,13 +189,13 @@ struct AccelerationPenaltySettings {
   double weight = 1e-4;
   double less = 0.3;  // factor on the weight in each step of fading it; after all of them it costs less than 0.02 %
   int steps = 5;
-  // Where no finer mesh could be solved: what a smooth motion pays for its acceleration, as a fraction of the objective.
-  // Of 16 slow motions (8 to 32 s, most with a tip speed close to what they need) that came to nothing without it, 10
-  // were certified with this fraction, 6 with 0.2.
+  // Where no finer mesh could be solved: what a smooth motion pays for its acceleration, as a fraction of the
+  // objective. Of 16 slow motions (8 to 32 s, most with a tip speed close to what they need) that came to nothing
+  // without it, 10 were certified with this fraction, 6 with 0.2.
   double part_of_objective = 0.03;
-  // Factor on that in each step of taking it back, until one fails; then `less`. With `less` alone least effort in 30 s
-  // comes down to 76 in place of 51 N^2 m^2 s within the same work.
-  double less_damping = 0.1;
+  // Factor on that in each step of taking it back, until one leads to nothing better; then `less`. With `less` alone
+  // least effort in 30 s comes down to 76 in place of 51 N^2 m^2 s within the same work.
+  double damping_factor = 0.1;
   // [s^4/rad^2], [s^6/rad^2] of long minimum-time motions. The penalty on acceleration damps the springs; it makes a
   // motion of 30 s 0.2 % longer. The penalty on jerk also damps the motors, because the executor's feedback cannot
   // follow their oscillation where they reverse slowly; it costs another 0.05 %. Of ten motions of 6 to 75 s that are
@@ -214,9 +214,9 @@ struct PublicationSettings {
 // Fractions of a request's work that may be done by the end of a phase (session.h); others may use it all.
 struct BudgetSettings {
   double finding = 0.5, refining = 0.8;
-  // More than all others may use: it is the last that can be done for a slow motion, and is certified in 5 to 15 s of
-  // one core if at all.
-  double damping = 1.2;
+  // Damping may use more than the others together, for by then they have used it all. Slow motions that can be had in
+  // this way are certified in 5 to 15 s of one core.
+  double damping = 1.4;
 };
 
 // ---- fallbacks: what is tried where no start leads anywhere (fallbacks.h) ----

@@ -24,7 +24,9 @@ std::optional<std::string> start_warm(const Collocated& neighbour, Findings& fou
     if (session.stopped()) return "it was stopped before anything came of it";
     if (outcome == ResumeOutcome::kOtherSegments) {
       refusal = "it passes another number of via points";
-    } else if (outcome != ResumeOutcome::kSolved) {
+    } else if (outcome == ResumeOutcome::kStopped) {
+      refusal = "the work that is allowed was used up before anything came of it";
+    } else if (outcome == ResumeOutcome::kNoSolution) {
       refusal = "the optimiser did not converge from it";
     } else {
       const std::string why = found.best ? found.best->certificate.failures.front() : std::string();

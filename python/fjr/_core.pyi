@@ -49,7 +49,7 @@ class Progress:
         """Of the constraints, scaled."""
     @property
     def phase(self) -> str:
-        """``finding``, ``refining`` or ``explaining``."""
+        """``finding``, ``refining``, ``margins``, ``explaining`` or ``damping``."""
 
 class Control(enum.Enum):
     OPEN_LOOP = 0

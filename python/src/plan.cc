@@ -184,6 +184,8 @@ const char* phase_of(const Progress& progress) {
       return "margins";
     case Phase::kExplaining:
       return "explaining";
+    case Phase::kDamping:
+      return "damping";
   }
   return "";
 }

@@ -15,7 +15,7 @@ std::string how_far(const Findings& found, const Session& session) {
   return fmt::format(
       "; the search ended where a request may take no more work (up to about {0:.0f} s of one core, counted in steps "
       "of the optimiser), after {1} starts and {2} minima: a --deadline of more than {0:.0f} s allows for more",
-      session.options().most_work, found.starts, found.minima.size());
+      session.most_work(), found.starts, found.minima.size());
 }
 
 // Suggests the default scheme: it may find motions for which others need finer meshes or have no suitable polynomial.

@@ -23,10 +23,11 @@ std::vector<std::shared_ptr<const Problem>> fastest_with_acceleration_penalties(
 std::shared_ptr<const Problem> with_acceleration_penalty(const Problem& problem,
                                                          const AccelerationPenaltySettings& settings);
 
-// Returns the problem with a weight on the acceleration of the links that suits a motion of which no finer mesh could
-// be solved: a smooth motion of its duration [s] would have to pay a few per cent of its objective. Slow motions need
-// it where their motors are about as fast as the friction law is wide, and move and rest in turns. Returns null if the
-// objective does not depend on friction, is a reward, or there is no time to oscillate.
+// Returns the problem with a weight on the acceleration of the links for a motion on a coarse mesh, with this scaled
+// objective and duration [s], that comes to no plan otherwise: a smooth motion that takes as long would have to pay a
+// few per cent of the objective. Slow motions need it where their motors are about as fast as the friction law is wide,
+// and move and rest in turns. Returns null if the objective does not depend on friction, is a reward, or there is no
+// time to oscillate.
 std::shared_ptr<const Problem> with_damping(const Problem& problem, double objective, double duration,
                                             const AccelerationPenaltySettings& settings);
 

@@ -139,7 +139,7 @@ void Session::tell(Progress progress) const {
   progress.starts = shared_->starts;
   progress.starts_planned = shared_->starts_planned;
   progress.work = shared_->work;
-  progress.most_work = std::isfinite(options_.most_work) ? std::max(options_.most_work, allowed_) : 0;
+  progress.most_work = std::isfinite(options_.most_work) ? most_work() : 0;
   progress.deadline = options_.deadline;
   options_.on_progress(progress);
 }

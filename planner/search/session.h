@@ -2,6 +2,7 @@
 // account of what was done.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -25,7 +26,7 @@ struct SessionOptions {
   Scheme scheme = hermite_simpson();
   std::string linear_solver = "stage";
   double deadline = 0;                               // [s] of wall time; 0: none
-  double most_work = kNoLimit;                       // [s] of work (SolveReport::work) in all phases together
+  double most_work = kNoLimit;                       // [s] of work (SolveReport::work) in all phases but damping
   double patience = 1;                               // most_work as a multiple of the usual one
   int jobs = 1;                                      // threads at most
   double objective_scale = 1;                        // factor from an optimised objective to the requested one
@@ -56,6 +57,9 @@ class Session {
   // Returns whether everything is to stop: cancelled, or the deadline passed.
   bool stopped() const { return shared_->stopped; }
   bool deadline_passed() const { return shared_->deadline_passed; }
+
+  // Returns the work [s] that may be done in all: more than the options say from the phase of damping on.
+  double most_work() const { return std::max(options_.most_work, allowed_); }
 
   // Enters a phase: from now on, work may add up to what this phase and those before it may use together. Before the
   // first call no work is allowed.

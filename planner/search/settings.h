@@ -189,9 +189,9 @@ struct AccelerationPenaltySettings {
   double weight = 1e-4;
   double less = 0.3;  // factor on the weight in each step of fading it; after all of them it costs less than 0.02 %
   int steps = 5;
-  // Where no finer mesh could be solved: what a smooth motion pays for its acceleration, as a fraction of the
-  // objective. Of 16 slow motions (8 to 32 s, most with a tip speed close to what they need) that came to nothing
-  // without it, 10 were certified with this fraction, 6 with 0.2.
+  // Of damping, for motions that come to no plan otherwise: what a smooth motion pays, as a fraction of the objective.
+  // Of 16 slow motions (8 to 32 s, most with a tip speed close to what they need) 10 were certified with this fraction,
+  // 6 with 0.2.
   double part_of_objective = 0.03;
   // Factor on that in each step of taking it back, until one leads to nothing better; then `less`. With `less` alone
   // least effort in 30 s comes down to 76 in place of 51 N^2 m^2 s within the same work.

@@ -86,7 +86,10 @@ struct Plan {
   bool cut_by_deadline = false;  // certified, but the deadline ended the search: more time may find a better motion
   std::vector<double> minima;  // objectives of the distinct minima of all starts, best first, on their first meshes and
                                // with smoothed friction
-  bool cut_by_work = false;    // the search ended at the limit on its work; a longer deadline raises it
+  // What penalties on accelerations (planner/search/acceleration_penalty.h) added to the optimised objective, in its
+  // own unit. `objective` does not contain it, shadow prices and optimality do.
+  double acceleration_penalty = 0;
+  bool cut_by_work = false;  // the search ended at the limit on its work; a longer deadline raises it
   Fallbacks fallbacks;
   double back_off = 0;  // fraction of each limit kept free
   std::optional<Trajectory> trajectory;

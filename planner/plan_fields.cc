@@ -26,6 +26,16 @@ double mean_while_active(const ShadowPrice& limit, const std::vector<double>& ti
   return count > 0 ? sum / count : 0;
 }
 
+// Returns what the motion's problem adds to the objective beyond what was asked for, in the unit of that.
+double acceleration_penalty(const Findings& found, const Publication& best) {
+  const Weights &solved = best.problem->weights, &asked = found.asked.weights;
+  const auto added = [&](double Weights::*weight, const char* term) {
+    const double more = solved.*weight - asked.*weight / found.scale;
+    return more > 0 ? more * found.scale * best.terms.at(term) : 0;
+  };
+  return added(&Weights::link_acceleration, "link_acceleration") + added(&Weights::link_jerk, "link_jerk");
+}
+
 }  // namespace
 
 void tell_motion(const Findings& found, Plan& plan) {
@@ -39,6 +49,7 @@ void tell_motion(const Findings& found, Plan& plan) {
   plan.via_times.pop_back();
   plan.objective = best.objective;
   plan.terms = best.terms;
+  plan.acceleration_penalty = acceleration_penalty(found, best);
   plan.intervals = static_cast<int>(solution.setup.mesh.size());
   plan.method = solution.setup.scheme.name;
   plan.node_times = solution.setup.mesh.node_times(solution.durations);

@@ -210,7 +210,8 @@ std::string effort(const Plan& plan) {
                      plan.warm ? "from " + earlier(plan) : count(plan.starts, "start"), mesh, time);
 }
 
-// Returns whether the earlier plan was of use, and whether the allowed time was used up.
+// Returns whether the earlier plan was of use, whether the allowed time was used up, and whether another objective was
+// optimised.
 std::string search(const Plan& plan) {
   std::string text;
   if (plan.warm_refusal) {
@@ -221,6 +222,13 @@ std::string search(const Plan& plan) {
     text += line("search", fmt::format("cut by the deadline after {} of {} starts, with {} of {} minima refined: more "
                                        "time may find a better motion",
                                        plan.starts, plan.starts_planned, plan.refined, plan.minima.size()));
+  }
+  constexpr double kWorthTelling = 0.01;  // of the objective
+  if (const double added = plan.acceleration_penalty / std::abs(plan.objective); added > kWorthTelling) {
+    text +=
+        line("search", fmt::format("found with a penalty on accelerations, which adds {:.2g} % to what was optimised: "
+                                   "a longer --deadline may find a better motion",
+                                   100 * added));
   }
   return text;
 }

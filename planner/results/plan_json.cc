@@ -208,7 +208,8 @@ Json search_json(const Plan& plan) {
   return {{"cut_by_deadline", plan.cut_by_deadline},
           {"starts", plan.starts},
           {"starts_planned", plan.starts_planned},
-          {"minima_refined", plan.refined}};
+          {"minima_refined", plan.refined},
+          {"acceleration_penalty", number(plan.acceleration_penalty)}};
 }
 
 Json time_or_null(const std::optional<double>& time) { return time ? number(*time) : Json(nullptr); }

@@ -100,7 +100,8 @@ TEST(PlanJson, HasEveryPromisedKeyInAFixedOrder) {
                           "via_times", "mesh", "solver", "warm", "search", "certificate", "sensitivity", "optimality",
                           "resolved_request", "robot", "robot_hash", "request_hash", "back_off", "timing"));
   EXPECT_THAT(keys(json["warm"]), ElementsAre("used", "reason", "from", "away_rad"));
-  EXPECT_THAT(keys(json["search"]), ElementsAre("cut_by_deadline", "starts", "starts_planned", "minima_refined"));
+  EXPECT_THAT(keys(json["search"]),
+              ElementsAre("cut_by_deadline", "starts", "starts_planned", "minima_refined", "acceleration_penalty"));
   EXPECT_THAT(keys(json["objective"]), ElementsAre("total", "terms"));
   EXPECT_THAT(keys(json["mesh"]), ElementsAre("intervals", "method", "error_estimate", "node_times", "errors"));
   EXPECT_THAT(keys(json["resolved_request"]),

@@ -265,6 +265,7 @@ TEST(Search, ASlowMotionIsFoundWithDamping) {
                                  "objective: efficient\nsearch: quick\nlimits: {tip_speed: 0.1331}\n"),
                          options);
   EXPECT_EQ(slow.status, PlanStatus::kCertified) << slow.reason;
+  EXPECT_GT(slow.acceleration_penalty, 0);
 }
 
 TEST(Search, AViaTimeIsNamedBesideADurationThatIsTooShort) {

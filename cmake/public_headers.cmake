@@ -8,6 +8,7 @@ set(FJR_PUBLIC_HEADERS
   model/flatness.h
   model/friction.h
   model/identify/agreement.h
+  model/identify/charts.h
   model/identify/estimate.h
   model/identify/from_files.h
   model/kinematics.h

@@ -3,11 +3,10 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <any>
 #include <cmath>
 #include <string>
 #include <vector>
-
-#include "common/chart.h"
 
 namespace fjr {
 
@@ -26,7 +25,9 @@ struct Estimate {
   std::string residual_unit;
   double r_squared = 0;  // fraction of the variance explained
   std::vector<std::string> warnings;
-  std::vector<Chart> charts;  // the paper's figures, and the residuals
+  // The measured data with what was fitted to them, in a type of the procedure's own, from which charts_of() (charts.h)
+  // draws. Empty if several logs were combined.
+  std::any fitted;
 
   Eigen::Index index(const std::string& name) const {
     for (std::size_t i = 0; i < names.size(); ++i) {

@@ -1,10 +1,12 @@
-// Charts that several procedures have in common.
+// What the charts of several procedures have in common.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
+#include <utility>
 #include <vector>
 
-#include "common/chart_page.h"
+#include "common/chart.h"
 
 namespace fjr {
 
@@ -19,6 +21,13 @@ inline Chart residual_chart(const std::string& title, const std::string& x_label
           x_label,
           y_label,
           {{"residual", kResidualColour, Style::kDots, std::move(x), std::move(residuals)}}};
+}
+
+// Returns the residuals of a fit, which are fitted minus measured values, for residual_chart().
+inline std::vector<double> measured_less_fitted(const Eigen::VectorXd& residuals) {
+  std::vector<double> values;
+  for (const double r : residuals) values.push_back(-r);
+  return values;
 }
 
 }  // namespace fjr

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "model/identify/charts.h"
 #include "model/identify/checks.h"
 #include "model/identify/procedures.h"
 
@@ -8,14 +9,19 @@ namespace fjr {
 
 const std::vector<Procedure>& procedures() {
   static const std::vector<Procedure> all{
-      {"stiffness", identify_stiffness, {ArmInput::kStiffness}, {}},
-      {"gravity", identify_gravity, {ArmInput::kGravitySlope}, {}},
-      {"link_inertia", identify_link_inertia, {ArmInput::kStiffnessOverInertia, ArmInput::kDampingOverInertia}, {}},
+      {"stiffness", identify_stiffness, stiffness_charts, {ArmInput::kStiffness}, {}},
+      {"gravity", identify_gravity, gravity_charts, {ArmInput::kGravitySlope}, {}},
+      {"link_inertia",
+       identify_link_inertia,
+       link_inertia_charts,
+       {ArmInput::kStiffnessOverInertia, ArmInput::kDampingOverInertia},
+       {}},
       {"motor_friction",
        identify_motor_friction,
+       motor_friction_charts,
        {},
        {"friction.viscous", "friction.amplitude", "friction.width", "friction.second_weight", "friction.second_shape"}},
-      {"motor_inertia", identify_motor_inertia, {}, {"motor.inertia"}},
+      {"motor_inertia", identify_motor_inertia, motor_inertia_charts, {}, {"motor.inertia"}},
   };
   return all;
 }
@@ -36,6 +42,12 @@ Estimate identify(const std::string& name, const Log& log, int joint, const Para
   estimate.log = log.source;
   estimate.hash = log.hash;
   return estimate;
+}
+
+std::vector<Chart> charts_of(const Estimate& estimate) {
+  const Procedure* procedure = find_procedure(estimate.procedure);
+  if (procedure == nullptr || !estimate.fitted.has_value()) return {};
+  return procedure->charts(estimate);
 }
 
 }  // namespace fjr

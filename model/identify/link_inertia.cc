@@ -10,7 +10,6 @@
 #include "model/encoder.h"
 #include "model/identify/checks.h"
 #include "model/identify/crests.h"
-#include "model/identify/figures.h"
 #include "model/identify/procedures.h"
 #include "model/identify/swing.h"
 
@@ -70,53 +69,6 @@ double r_squared(const Curve& curve, const Fit& fit) {
   return 1 - fit.residuals.squaredNorm() / (q.array() - q.mean()).square().sum();
 }
 
-std::vector<double> fitted_curve(const Curve& curve, const Fit& fit) {
-  std::vector<double> q;
-  for (std::size_t i = 0; i < curve.q.size(); ++i)
-    q.push_back(curve.q[i] + fit.residuals[static_cast<Eigen::Index>(i)]);
-  return q;
-}
-
-// Draws the paper's logarithmic decrement: ln q_peak over time with its line (12), and the damping of the fitted curve,
-// from which hysteresis is excluded.
-Chart decrement_chart(const std::string& title, const std::vector<Crest>& tops, const Fit& fit) {
-  const Eigen::VectorXd line = decrement_line(tops).value;
-  const double viscous = -0.5 * fit.value[kD], middle = 0.5 * (tops.front().time + tops.back().time);
-  Series measured{"ln q peak", kMeasuredColour, Style::kRings, {}, {}};
-  Series all{fmt::format("line (12): {:.4f}/s", line[1]), kFittedColour, Style::kLine, {}, {}};
-  Series damping{fmt::format("without hysteresis: {:.4f}/s", viscous), "#888", Style::kLine, {}, {}};
-  for (const Crest& top : tops) {
-    for (Series* s : {&measured, &all, &damping}) s->x.push_back(top.time);
-    measured.y.push_back(std::log(top.height));
-    all.y.push_back(line[0] + line[1] * top.time);
-    damping.y.push_back(line[0] + line[1] * middle + viscous * (top.time - middle));
-  }
-  return {title + ", decrement", "time [s]", "ln(q peak / rad)", {measured, all, damping}};
-}
-
-std::vector<Chart> charts_of(int joint, const Curve& whole, const std::vector<Crest>& tops, const Curve& decay,
-                             const Fit& fit) {
-  const std::string title = fmt::format("Fig. {}: free decay of link {}", 8 + joint, joint + 1);
-  Series crests{"crests", kMeasuredColour, Style::kRings, {}, {}},
-      envelope{"envelope (10)", "#888", Style::kLine, {}, {}};
-  for (const Crest& top : tops) {
-    crests.x.push_back(top.time);
-    crests.y.push_back(top.height);
-  }
-  const Eigen::VectorXd line = decrement_line(tops).value;
-  for (int i = 0; i <= 100; ++i) {
-    envelope.x.push_back(decay.time.front() + (decay.time.back() - decay.time.front()) * i / 100);
-    envelope.y.push_back(std::exp(line[0] + line[1] * envelope.x.back()));
-  }
-  const Series fitted{"fit", kFittedColour, Style::kLine, decay.time, fitted_curve(decay, fit)};
-  const Series measured{"measured", kResidualColour, Style::kDots, whole.time, whole.q};
-  const Chart swing{title, "time [s]", "q [rad]", {crests, fitted, envelope, measured}};
-  std::vector<double> residuals(fit.residuals.data(), fit.residuals.data() + fit.residuals.size());
-  for (double& r : residuals) r = -r;
-  return {swing, decrement_chart(title, tops, fit),
-          residual_chart(title, "time [s]", "residual [rad]", decay.time, std::move(residuals))};
-}
-
 std::vector<Crest> enough_crests(const Log& log, int joint, const Curve& curve) {
   std::vector<Crest> tops = crests(curve);
   if (tops.size() >= kFewestCrests) return tops;
@@ -171,7 +123,7 @@ Estimate identify_link_inertia(const Log& log, int joint, const Parameters& robo
   e.residual_rms = fit.residual_rms;
   e.residual_unit = "rad";
   e.r_squared = r_squared(swung.decay, fit);
-  e.charts = charts_of(joint, whole, tops, swung.decay, fit);
+  e.fitted = FittedDecay{whole, tops, decrement_line(tops).value, swung.decay, fit.residuals};
   if (is_unexplained(fit, resolution_of(count))) {
     e.warnings.push_back(
         fmt::format("the decay differs from a damped oscillation by {:.2g} rad, more than the encoder's "

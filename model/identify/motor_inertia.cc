@@ -9,26 +9,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 
 #include "common/input_error.h"
 #include "model/identify/checks.h"
-#include "model/identify/figures.h"
 #include "model/identify/fit.h"
 #include "model/identify/procedures.h"
 #include "model/identify/pushes.h"
+#include "model/identify/responses.h"
 #include "model/identify/velocity.h"
 
 namespace fjr {
 namespace {
-
-struct Response {
-  double u;                     // [N m]
-  std::vector<double> time, y;  // since u was switched on; dtheta [rad/s], or theta [rad] from there
-};
-
-// The quantity that was measured.
-enum class Measured { kVelocity, kPosition };
 
 constexpr std::size_t kFewestResponseRows = 20, kFewestResponses = 2;
 
@@ -147,45 +138,6 @@ std::vector<Response> without_outliers(const std::vector<Response>& all, const F
   return kept;
 }
 
-// Draws one of the paper's two figures: the responses to the torques of one sign.
-Chart response_chart(const std::string& title, const std::string& y_label, const std::vector<Response>& all,
-                     const Fit& fit, double sign) {
-  constexpr const char* kColours[] = {"#1f77b4", "#ff7f0e", "#9467bd", "#8c564b", "#17becf", "#bcbd22"};
-  Chart chart{title, "time [s]", y_label, {}};
-  Series fitted{"fits", kFittedColour, Style::kLine, {}, {}};
-  Eigen::Index i = 0;
-  for (const Response& r : all) {
-    const Eigen::Index begin = i;
-    i += static_cast<Eigen::Index>(r.y.size());
-    if (r.u * sign <= 0) continue;
-    chart.series.push_back({fmt::format("u = {:.3g} N m", r.u), kColours[chart.series.size() % std::size(kColours)],
-                            Style::kDots, r.time, r.y});
-    for (std::size_t row = 0; row < r.y.size(); ++row) {
-      fitted.x.push_back(r.time[row]);
-      fitted.y.push_back(r.y[row] + fit.residuals[begin + static_cast<Eigen::Index>(row)]);
-    }
-    fitted.x.push_back(NAN);  // the next curve begins anew
-    fitted.y.push_back(NAN);
-  }
-  chart.series.insert(chart.series.begin(), std::move(fitted));
-  return chart;
-}
-
-std::vector<Chart> charts_of(int joint, Measured measured, const std::vector<Response>& all, const Fit& fit) {
-  const bool velocities = measured == Measured::kVelocity;
-  const std::string what = velocities ? "velocity" : "position",
-                    y_label = velocities ? "dtheta [rad/s]" : "theta [rad]";
-  const auto title = [&](int figure) {
-    return fmt::format("Fig. {}: {} responses of motor {}", figure + 2 * joint, what, joint + 1);
-  };
-  std::vector<double> time, residuals;
-  for (const Response& r : all) time.insert(time.end(), r.time.begin(), r.time.end());
-  for (const double r : fit.residuals) residuals.push_back(-r);
-  return {response_chart(title(11), y_label, all, fit, 1), response_chart(title(12), y_label, all, fit, -1),
-          residual_chart(fmt::format("Figs. {} and {}", 11 + 2 * joint, 12 + 2 * joint), "time [s]",
-                         velocities ? "residual [rad/s]" : "residual [rad]", time, residuals)};
-}
-
 double r_squared(const std::vector<Response>& all, const Fit& fit) {
   double square = 0;
   for (const Response& r : all) {
@@ -221,7 +173,7 @@ Estimate identify_motor_inertia(const Log& log, int joint, const Parameters& rob
   e.residual_rms = fit.residual_rms;
   e.residual_unit = measured == Measured::kVelocity ? "rad/s" : "rad";
   e.r_squared = r_squared(all, fit);
-  e.charts = charts_of(joint, measured, all, fit);
+  e.fitted = FittedResponses{measured, all, fit.residuals};
   warn_of_doubt(e);
   require_plausible(log, fmt::format("the inertia of motor {} [kg m^2]", joint + 1), e.value[0],
                     robot.motor.inertia[j]);

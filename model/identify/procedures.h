@@ -1,12 +1,14 @@
 // The identification procedures of section IV. Each takes the log of its experiment and returns the estimated
-// parameters with their uncertainty. A new one is a function in a file of its own, declared here, and a line of
-// procedures() in identify.cc; commands, Python and whole identifications go by that list.
+// parameters with their uncertainty. A new one is a function in a file of its own, and a function that draws its charts
+// in another file, both declared here, and a line of procedures() in identify.cc; commands, reports, Python and whole
+// identifications go by that list.
 #pragma once
 
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/chart.h"
 #include "model/identify/estimate.h"
 #include "model/log.h"
 #include "model/parameters.h"
@@ -19,6 +21,7 @@ enum class ArmInput { kStiffness, kGravitySlope, kStiffnessOverInertia, kDamping
 struct Procedure {
   std::string name;  // of its experiment too
   Estimate (*identify)(const Log& log, int joint, const Parameters& robot);
+  std::vector<Chart> (*charts)(const Estimate& estimate);  // from what identify() leaves in Estimate::fitted
   std::vector<ArmInput> arm_inputs;     // what the values of the estimate are, in their order; empty: none
   std::vector<std::string> parameters;  // "motor.inertia": parameters of the robot that the estimate gives directly
 };
@@ -46,6 +49,13 @@ Estimate identify_motor_friction(const Log& log, int joint, const Parameters& ro
 
 // IV-F: estimates J and B from the velocity responses (27) to the constant torques of column u<joint>_plan.
 Estimate identify_motor_inertia(const Log& log, int joint, const Parameters& robot);
+
+// The charts of each procedure: those of the paper, and the residuals.
+std::vector<Chart> stiffness_charts(const Estimate& estimate);
+std::vector<Chart> gravity_charts(const Estimate& estimate);
+std::vector<Chart> link_inertia_charts(const Estimate& estimate);
+std::vector<Chart> motor_friction_charts(const Estimate& estimate);
+std::vector<Chart> motor_inertia_charts(const Estimate& estimate);
 
 // Applies the procedure with this name. Throws InputError if the log says that it is of another experiment or joint.
 Estimate identify(const std::string& name, const Log& log, int joint, const Parameters& robot);

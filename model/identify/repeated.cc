@@ -83,7 +83,7 @@ Estimate combined(const std::vector<const Estimate*>& logs) {
   all.log = fmt::format("{}", fmt::join(sources, ", "));
   all.hash.clear();
   all.warnings.clear();
-  all.charts.clear();
+  all.fitted.reset();
   all.assumed.clear();
   Places known;
   for (Eigen::Index i = 0; i < n; ++i) {

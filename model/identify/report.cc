@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "common/chart_page.h"
+#include "model/identify/charts.h"
 
 namespace fjr {
 namespace {
@@ -25,7 +26,7 @@ void add_section(const Estimate& e, ChartPage& page) {
   page.add_heading(fmt::format("{}, joint {}", e.procedure, e.joint + 1));
   page.add_table(table(e));
   for (const std::string& warning : e.warnings) page.add_paragraph(warning, "warning");
-  page.add_charts(e.charts);
+  page.add_charts(charts_of(e));
   page.add_paragraph(
       fmt::format("{} points, residual {:.3g} {} rms, R\u00b2 = {:.8f}. {}, SHA-256 {}", e.points, e.residual_rms,
                   e.residual_unit, e.r_squared, std::filesystem::path(e.log).filename().string(), e.hash),

@@ -3,13 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <utility>
 
 #include "common/input_error.h"
 #include "model/identify/checks.h"
-#include "model/identify/figures.h"
 #include "model/identify/fit.h"
 #include "model/identify/schedule.h"
 
@@ -19,11 +16,6 @@ namespace {
 // A reversal no longer affects the hysteresis after this fraction of the largest deflection.
 constexpr double kForgotten = 0.15;
 constexpr std::size_t kFewestLandings = 8;  // settled landings on a branch
-// The branches as in the paper, in the order of the staircase.
-constexpr std::array<std::pair<const char*, const char*>, 4> kBranches = {{{"0 to maximum", "#e377c2"},
-                                                                           {"maximum to 0", "#2ca02c"},
-                                                                           {"0 to minimum", "#d62728"},
-                                                                           {"minimum to 0", "#111111"}}};
 constexpr std::size_t kFewestAveraged = 2;  // to be averaged
 
 std::span<const double> part(const std::vector<double>& values, std::size_t from, std::size_t to) {
@@ -66,13 +58,13 @@ std::vector<Landing> settled_ones(const Log& log, const std::vector<Landing>& al
   return settled;
 }
 
-Fit fit_line(const std::vector<Landing>& points, double (*x_of)(const Landing&)) {
+Fit fit_line(const std::vector<Landing>& points, Abscissa x) {
   const auto m = static_cast<Eigen::Index>(points.size());
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(m, 3);
   Eigen::VectorXd b(m);
   for (Eigen::Index i = 0; i < m; ++i) {
     const Landing& point = points[static_cast<std::size_t>(i)];
-    a(i, 0) = x_of(point);
+    a(i, 0) = x(point);
     a(i, point.rising ? 1 : 2) = 1;
     b[i] = point.tau;
   }
@@ -100,32 +92,6 @@ double scatter(const std::vector<Landing>& points) {
   for (const Landing& l : points) mean += l.tau / static_cast<double>(points.size());
   for (const Landing& l : points) square += (l.tau - mean) * (l.tau - mean);
   return square;
-}
-
-// Returns half a step [rad]; theta within this of zero counts as zero.
-double zero_band(const std::vector<Landing>& points) {
-  std::vector<double> steps;
-  for (std::size_t i = 1; i < points.size(); ++i) steps.push_back(std::abs(points[i].theta - points[i - 1].theta));
-  return 0.5 * median(std::move(steps));
-}
-
-std::vector<Chart> charts_of(const std::string& title, const std::vector<Landing>& points, const Abscissa& x,
-                             const Fit& fit) {
-  Chart chart = branch_chart(title, points, x);
-  std::vector<double> all_x, residuals;
-  Series rising{"fit, rising", kResidualColour, Style::kLine, {}, {}},
-      falling{"falling", "#9467bd", Style::kLine, {}, {}};
-  for (const Landing& l : points) {
-    const double fitted = fit.value[0] * x.of(l) + fit.value[l.rising ? 1 : 2];
-    Series& line = l.rising ? rising : falling;
-    line.x.push_back(x.of(l));
-    line.y.push_back(fitted);
-    all_x.push_back(x.of(l));
-    residuals.push_back(l.tau - fitted);
-  }
-  chart.series.push_back(std::move(rising));
-  chart.series.push_back(std::move(falling));
-  return {chart, residual_chart(title, x.label, "residual [N m]", std::move(all_x), std::move(residuals))};
 }
 
 }  // namespace
@@ -158,28 +124,14 @@ std::vector<Landing> landings(const Log& log, int joint, std::vector<std::string
   return all;
 }
 
-Chart branch_chart(const std::string& title, const std::vector<Landing>& points, const Abscissa& x, double slope) {
-  Chart chart{title, x.label, "tau [N m]", {}};
-  for (const auto& [name, colour] : kBranches) chart.series.push_back({name, colour, Style::kDots, {}, {}});
-  for (const Landing& l : points) {
-    // A branch ends at zero. The middle of the first step away from it decides to which branch a landing belongs.
-    const bool positive = l.rising ? l.theta > zero_band(points) : l.theta >= -zero_band(points);
-    Series& series = chart.series[positive ? (l.rising ? 0 : 1) : (l.rising ? 3 : 2)];
-    series.x.push_back(x.of(l));
-    series.y.push_back(l.tau - slope * x.of(l));
-  }
-  return chart;
+double branch_slope(const Log& log, const std::vector<Landing>& points, Abscissa x) {
+  return fit_line(settled_ones(log, points), x).value[0];
 }
 
-double branch_slope(const Log& log, const std::vector<Landing>& points, const Abscissa& x) {
-  return fit_line(settled_ones(log, points), x.of).value[0];
-}
-
-void fit_branches(const Log& log, const std::vector<Landing>& points, const Abscissa& x, const std::string& title,
-                  Estimate& estimate) {
+void fit_branches(const Log& log, const std::vector<Landing>& points, Abscissa x, Estimate& estimate) {
   const std::vector<Landing> settled = settled_ones(log, points);
-  const std::vector<Landing> kept = without_outliers(settled, fit_line(settled, x.of));
-  Fit fit = fit_line(kept, x.of);
+  const std::vector<Landing> kept = without_outliers(settled, fit_line(settled, x));
+  Fit fit = fit_line(kept, x);
   allow_for_correlation(fit);
   warn_of_outliers(settled.size() - kept.size(), "steps", estimate.warnings);
   estimate.value = fit.value.head(1);
@@ -189,7 +141,7 @@ void fit_branches(const Log& log, const std::vector<Landing>& points, const Absc
   estimate.residual_rms = fit.residual_rms;
   estimate.residual_unit = "N m";
   estimate.r_squared = 1 - fit.residuals.squaredNorm() / scatter(kept);
-  estimate.charts = charts_of(title, points, x, fit);
+  estimate.fitted = FittedStaircase{points, fit.value[1], fit.value[2]};
 }
 
 }  // namespace fjr

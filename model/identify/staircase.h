@@ -2,6 +2,8 @@
 // separate branches.
 #pragma once
 
+#include <cmath>
+#include <string>
 #include <vector>
 
 #include "model/identify/estimate.h"
@@ -16,24 +18,25 @@ struct Landing {
   bool settled;          // so far from the last reversal that the hysteresis is saturated
 };
 
-// The abscissa of the fit and of the charts.
-struct Abscissa {
-  double (*of)(const Landing&);
-  std::string label;
-};
 std::vector<Landing> landings(const Log& log, int joint, std::vector<std::string>& warnings);
+
+// The abscissa of a fit.
+using Abscissa = double (*)(const Landing&);
+inline double deflection_of(const Landing& l) { return l.theta - l.q; }  // [rad]
+inline double sine_of_angle(const Landing& l) { return std::sin(l.q); }
+
+// All landings, and what the lines through the settled ones are besides their slope.
+struct FittedStaircase {
+  std::vector<Landing> landings;
+  double rising, falling;  // [N m]  tau of either line where the abscissa is zero
+};
 
 // Fits tau = slope x + an intercept for each of the rising and falling branches. Saturated hysteresis shifts a branch
 // but does not change its slope. Landings that are not settled are left out, and outliers are rejected. Fills in value
-// (slope), covariance, fit, and charts of the branches with the fit and of the residuals.
-void fit_branches(const Log& log, const std::vector<Landing>& points, const Abscissa& x, const std::string& title,
-                  Estimate& estimate);
+// (slope), covariance, the goodness of fit, and a FittedStaircase.
+void fit_branches(const Log& log, const std::vector<Landing>& points, Abscissa x, Estimate& estimate);
 
 // Returns only the slope, from settled landings.
-double branch_slope(const Log& log, const std::vector<Landing>& points, const Abscissa& x);
-
-// Draws the landings in the paper's four branches and colours, minus a line through 0 with the given slope. With the
-// fitted slope the chart shows the opening of the hysteresis.
-Chart branch_chart(const std::string& title, const std::vector<Landing>& points, const Abscissa& x, double slope = 0);
+double branch_slope(const Log& log, const std::vector<Landing>& points, Abscissa x);
 
 }  // namespace fjr

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "model/identify/crests.h"
 #include "model/identify/fit.h"
@@ -18,6 +19,15 @@ namespace fjr {
 // explain the curve.
 enum SwingIndex { kQ, kDq, kOffset, kK, kD, kC, kWidth, kExponent };
 inline constexpr Eigen::Index kPlain = kC, kWithHysteresis = kWidth + 1, kWithExponent = kExponent + 1;
+
+// A free decay, and what was fitted to it.
+struct FittedDecay {
+  Curve whole;
+  std::vector<Crest> crests;
+  Eigen::Vector2d line;       // (12): intercept and slope [1/s] of the logarithm of the crests [rad] over the time
+  Curve decay;                // from the first crest to the last, without outliers
+  Eigen::VectorXd residuals;  // [rad] of the decay, fitted less measured
+};
 
 // Fits as many parameters as `start` has, at least kPlain. The curve must begin at a crest.
 Fit fit_swing(const Curve& curve, const Eigen::VectorXd& start);

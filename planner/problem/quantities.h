@@ -1,6 +1,6 @@
 // The quantities that are limited along a motion, and the place to add a new limit. A limit is a member of Limits, a
-// struct with its formula, and its name in Quantities. Reading, writing, hashing, bounding, relaxing, margins, the
-// certificate, shadow prices, plan.json and the report use that list.
+// struct with its formula, and its name in Quantities. Reading, writing, hashing, checks of the states that a request
+// names, bounding, relaxing, margins, the certificate, shadow prices, plan.json and the report use that list.
 //
 // Formulas are templated on the scalar, for exact derivatives.
 #pragma once
@@ -68,7 +68,9 @@ enum class InRollout {
 struct QuantityInfo {
   const char* name;
   const char* unit;
-  const char* meaning;                          // for the list of keys
+  const char* meaning;  // for the list of keys
+  // The words before the value in a message that refuses a state of a request; null: the name.
+  const char* at_state = nullptr;
   Joints<double> Limits::*per_joint = nullptr;  // either this
   double Limits::*of_tip = nullptr;             // or this
   // The limit in robot.yaml, which a request may tighten; null: only requests limit it.
@@ -121,6 +123,7 @@ struct Torque {
   static constexpr QuantityInfo info{.name = "torque",
                                      .unit = "N m",
                                      .meaning = "of each motor, |tau_m|",
+                                     .at_state = "holding still here takes",
                                      .per_joint = &Limits::torque,
                                      .of_robot = &Parameters::Limits::torque,
                                      .with_feedback = &Parameters::Drive::peak_torque,
@@ -138,6 +141,7 @@ struct MotorVelocity {
   static constexpr QuantityInfo info{.name = "motor_velocity",
                                      .unit = "rad/s",
                                      .meaning = "of each motor after its gear, |dtheta|",
+                                     .at_state = "the motor would turn at",
                                      .per_joint = &Limits::motor_velocity,
                                      .of_robot = &Parameters::Limits::motor_velocity,
                                      .bound = BoundOn::kState,
@@ -178,6 +182,7 @@ struct SpringDeflection {
   static constexpr QuantityInfo info{.name = "spring_deflection",
                                      .unit = "rad",
                                      .meaning = "of each spring, |theta - q|",
+                                     .at_state = "the spring would be deflected by",
                                      .per_joint = &Limits::spring_deflection,
                                      .of_robot = &Parameters::Limits::spring_deflection,
                                      .degree = 3,
@@ -210,6 +215,7 @@ struct LimitedTipSpeed {
   static constexpr QuantityInfo info{.name = "tip_speed",
                                      .unit = "m/s",
                                      .meaning = "of the tip",
+                                     .at_state = "moves the tip at",
                                      .of_tip = &Limits::tip_speed,
                                      .squared = true,
                                      .in_rollout = InRollout::kVelocity,

@@ -13,6 +13,7 @@
 #include "model/uncertainty.h"
 #include "planner/collocation/scheme.h"
 #include "planner/problem/inverse_kinematics.h"
+#include "planner/request/check_state.h"
 #include "planner/request/place.h"
 #include "planner/request/request.h"
 #include "planner/request/request_keys.h"
@@ -31,12 +32,6 @@ constexpr const char* kNothingUncertain =
 constexpr double kSameAngle = 1e-9;  // [rad] below this two given angles mean the same; 1e-5 of an encoder count
 constexpr double kNoMotion = 1e-6;   // [rad] accuracy of the angles computed for a tip position
 constexpr double kLargestLinkVelocity = 100;  // [rad/s] several times what motors and springs together can reach
-
-// A state in the request, and which of its parts were given.
-struct StatePlace {
-  Place place;
-  bool q = false, dq = false, theta = false, dtheta = false;
-};
 
 // ---- limits ----
 
@@ -205,72 +200,6 @@ bool same_angles(const Joints<double>& a, const Joints<double>& b) {
   return std::abs(a[0] - b[0]) <= kSameAngle && std::abs(a[1] - b[1]) <= kSameAngle;
 }
 
-void check_tip_speed(const StatePlace& state, const Problem& problem, const Joints<double>& q,
-                     const Joints<double>& dq) {
-  const double speed = std::sqrt(std::max(0.0, tip_speed_squared(problem.robot, q[1], dq)));
-  if (speed <= problem.limits.tip_speed) return;
-  state.place.first_of({{"dq", state.dq}})
-      .fail(fmt::format("moves the tip at {:.6g} m/s, above the limit of {} m/s", speed, problem.limits.tip_speed));
-}
-
-// Returns a note on the payload, for messages about quantities that it contributes to.
-std::string with_load(const Problem& problem) {
-  const double mass = problem.robot.payload.mass;
-  return mass > 0 ? fmt::format(" with the payload of {} kg", mass) : "";
-}
-
-void check_deflection(const StatePlace& state, const Problem& problem, const Joints<double>& q,
-                      const Joints<double>& theta) {
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    const double deflection = std::abs(theta[j] - q[j]), limit = problem.limits.spring_deflection[j];
-    if (deflection <= limit) continue;
-    state.place.first_of({{"theta", state.theta}, {"dq", state.dq}, {"q", state.q}})
-        .fail(fmt::format("joint {}: the spring would be deflected by {:.6g} rad{}, above the limit of {} rad{}", j + 1,
-                          deflection, with_load(problem), limit,
-                          degrees_suspected(theta[j], q[j] - limit, q[j] + limit)));
-  }
-}
-
-void check_motor_velocity(const StatePlace& state, const Problem& problem, const Joints<double>& dtheta) {
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    const double speed = std::abs(dtheta[j]), limit = problem.limits.motor_velocity[j];
-    if (speed <= limit) continue;
-    state.place.first_of({{"dtheta", state.dtheta}, {"dq", state.dq}, {"q", state.q}})
-        .fail(fmt::format("joint {}: the motor would turn at {:.6g} rad/s, above the limit of {} rad/s", j + 1, speed,
-                          limit));
-  }
-}
-
-// Refuses a rest at q that the motors cannot hold: it takes G(q) permanently.
-void check_holding(const StatePlace& state, const Problem& problem, const Joints<double>& q) {
-  const Joints<double> gravity = gravity_torque(problem.robot, q);
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    const double torque = std::abs(gravity[j]), limit = problem.limits.torque[j];
-    if (torque <= limit) continue;
-    state.place.first_of({{"q", state.q}})
-        .fail(fmt::format("joint {}: holding still here takes {:.6g} N m{}, above the limit of {} N m", j + 1, torque,
-                          with_load(problem), limit));
-  }
-}
-
-// Does the same for a goal with a free joint: one of that joint's angles has to be possible.
-void check_holding_somewhere(const Place& place, const Problem& problem, const Goal& goal) {
-  constexpr int kAngles = 2000;
-  const std::size_t free = goal.free[0] ? 0 : 1, given = 1 - free;
-  Joints<double> q = goal.q;
-  double least = kNoLimit;  // [N m] of the joint that is given
-  for (int i = 0; i <= kAngles; ++i) {
-    q[free] = std::lerp(problem.limits.lowest(free), problem.limits.highest(free), i / double{kAngles});
-    const Joints<double> gravity = gravity_torque(problem.robot, q);
-    if (std::abs(gravity[free]) <= problem.limits.torque[free]) least = std::min(least, std::abs(gravity[given]));
-  }
-  if (least <= problem.limits.torque[given]) return;
-  place.at("q").fail(
-      fmt::format("joint {}: holding still here takes at least {:.6g} N m{}, wherever joint {} is, above "
-                  "the limit of {} N m",
-                  given + 1, least, with_load(problem), free + 1, problem.limits.torque[given]));
-}
-
 void resolve_start(const Request& request, Problem& problem) {
   const Place place{request, "start"};
   if (!request.start) {
@@ -287,10 +216,8 @@ void resolve_start(const Request& request, Problem& problem) {
   if (start.dtheta) problem.start.dtheta = *start.dtheta;
   problem.start_at_rest =
       is_zero(problem.start.dq) && is_zero(problem.start.dtheta) && same_angles(problem.start.theta, rest.theta);
-  check_tip_speed(state, problem, q, problem.start.dq);
-  check_deflection(state, problem, q, problem.start.theta);
-  check_motor_velocity(state, problem, problem.start.dtheta);
-  if (problem.start_at_rest) check_holding(state, problem, q);
+  const State<double>& known = problem.start;
+  check_state(state, problem, {known.q, known.dq, known.theta, known.dtheta, problem.start_at_rest});
 }
 
 // Decides whether the goal is at rest, and sets the motors accordingly.
@@ -309,12 +236,12 @@ void settle_goal(const Problem& problem, Goal& goal) {
   goal.dtheta = rest.dtheta;
 }
 
-void check_goal(const StatePlace& state, const Problem& problem, const Goal& goal) {
-  check_tip_speed(state, problem, goal.q, goal.dq);
-  if (goal.theta) check_deflection(state, problem, goal.q, *goal.theta);
-  if (goal.dtheta) check_motor_velocity(state, problem, *goal.dtheta);
-  if (!goal.at_rest) return;
-  goal.any_free() ? check_holding_somewhere(state.place, problem, goal) : check_holding(state, problem, goal.q);
+// Checks the goal against the limits. The angle of a free joint is that of its guess.
+void check_goal(const StatePlace& place, const Problem& problem, const Goal& goal) {
+  KnownState known{goal.q, goal.dq, goal.theta, goal.dtheta, goal.at_rest && !goal.any_free()};
+  if (goal.dq_free) known.dq.reset();
+  check_state(place, problem, known);
+  if (goal.at_rest && goal.any_free()) check_holding_somewhere(place.place, problem, goal);
 }
 
 // Resolves the angles of the goal. The guess of a free joint is its angle at the start.
@@ -424,9 +351,8 @@ Via resolve_via(const Place& place, const RequestedVia& asked, const Problem& pr
   if (asked.time) check_via_time(place.at("time"), *asked.time, after, problem.duration);
   via.time = asked.time;
   via.q = checked_angles(place, asked.q, problem.limits);
-  if (!asked.dq) return via;
-  via.dq = checked_velocity(place, *asked.dq);
-  check_tip_speed({place, true, true}, problem, via.q, *via.dq);
+  if (asked.dq) via.dq = checked_velocity(place, *asked.dq);
+  check_state({place, true, asked.dq.has_value()}, problem, {via.q, via.dq});
   return via;
 }
 

@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <string>
 #include <vector>
@@ -190,6 +191,43 @@ TEST(BrokenRequest, GravityAndSpeed) {
       {kMove + "duration: 1\nlimits: {tip_speed: 1.25}\nvia: [{time: 0.5, q: [0.5, 0], dq: [2, 0]}]",
        "via[0].dq: moves the tip at 1.3 m/s, above the limit of 1.25 m/s"},
   });
+}
+
+// Expects each limit of the list to be refused at `place` when it is half of what this state reaches there. Parts that
+// are not known are NaN. Returns the number of limits.
+std::size_t expect_limits_checked(const std::string& document, const std::string& place, const State<double>& x) {
+  const Parameters robot = load_parameters(kRobot);
+  constexpr double kNotKnown = std::numeric_limits<double>::quiet_NaN();
+  const Joints<double> not_known{kNotKnown, kNotKnown};
+  std::size_t known = 0;
+  Quantities::visit([&](auto quantity) {
+    const auto values = quantity.value(Moment<double>{robot, x, not_known, not_known});
+    for (std::size_t j = 0; j < values.size(); ++j) {
+      if (std::isnan(values[j])) continue;
+      ++known;
+      Request request = read(document);
+      quantity.info.in(request.limits, j) = 0.5 * quantity.info.magnitude(values[j]);
+      try {
+        resolve(request, robot);
+        ADD_FAILURE() << place << ": " << quantity.info.name << " of index " << j << " was accepted";
+      } catch (const InputError& error) {
+        EXPECT_THAT(error.field(), StartsWith(place)) << quantity.info.name;
+      }
+    }
+  });
+  return known;
+}
+
+TEST(BrokenRequest, StatesKeepAllLimitsOfTheList) {
+  const std::string moving = "{q: [0.5, 0.4], dq: [1, 1.2], theta: [0.55, 0.42], dtheta: [1.1, 1.3]}";
+  State<double> x{{0.5, 0.4}, {1, 1.2}, {0.55, 0.42}, {1.1, 1.3}};
+  EXPECT_EQ(expect_limits_checked("start: " + moving + "\ngoal: {q: [0, 0]}\n", "start", x), 7U);
+  EXPECT_EQ(expect_limits_checked("start: {q: [0, 0]}\ngoal: " + moving + "\n", "goal", x), 7U);
+  x.theta = x.dtheta = Joints<double>{NAN, NAN};  // a via point says nothing of the motors
+  EXPECT_EQ(expect_limits_checked("start: {q: [0, 0]}\ngoal: {q: [0, 0], dq: free}\n"
+                                  "via: [{q: [0.5, 0.4], dq: [1, 1.2]}]\n",
+                                  "via[0]", x),
+            3U);
 }
 
 TEST(BrokenRequest, DurationAndObjective) {

@@ -21,6 +21,7 @@ class JsonField {
       : json_(&json), source_(source), path_(std::move(path)) {}
 
   const Json& json() const { return *json_; }
+  const std::string& source() const { return source_; }
   bool is_null() const { return json_->is_null(); }
 
   JsonField at(const std::string& key) const {

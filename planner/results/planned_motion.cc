@@ -7,6 +7,7 @@
 #include "common/strict_yaml.h"
 #include "planner/request/request.h"
 #include "planner/request/request_keys.h"
+#include "planner/results/json_field.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/strict_json.h"
 
@@ -129,6 +130,12 @@ PlannedMotion planned_motion_in(const Json& plan, const std::string& source) {
     if (plan.is_object() && plan.contains(key)) relevant[key] = plan[key];
   }
   return read_motion(YamlNode::parse(json_text(relevant), source));
+}
+
+Task planned_task_in(const Json& plan, const std::string& source) {
+  Json relevant;
+  relevant["resolved_request"]["task"] = JsonField(plan, source).at("resolved_request").at("task").json();
+  return read_task(YamlNode::parse(json_text(relevant), source).at("resolved_request").at("task"));
 }
 
 PlannedMotion planned_motion(const std::filesystem::path& folder) {

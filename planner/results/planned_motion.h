@@ -28,5 +28,7 @@ struct PlannedMotion {
 PlannedMotion planned_motion(const std::filesystem::path& folder);
 // Returns the motion in a plan.json that was read already. source: its name in messages.
 PlannedMotion planned_motion_in(const nlohmann::ordered_json& plan, const std::string& source);
+// Returns only its task. Nothing else of the plan needs to be readable.
+Task planned_task_in(const nlohmann::ordered_json& plan, const std::string& source);
 
 }  // namespace fjr

@@ -14,7 +14,7 @@
 #include "planner/problem/task/task.h"
 #include "planner/results/export/formats.h"
 #include "planner/results/json_field.h"
-#include "planner/results/task_of_plan.h"
+#include "planner/results/planned_motion.h"
 
 namespace fjr {
 namespace {
@@ -210,7 +210,7 @@ std::string scene_schema() {
 void add_scene(McapWriter& file, const PlanRecord& plan, const std::vector<Sample>& rows) {
   const std::uint16_t id = file.add_topic("/fjr/scene", "json", "foxglove.SceneUpdate", "jsonschema", scene_schema());
   std::vector<Json> still;
-  const Task task = task_of_plan(JsonField(plan.plan, plan.source));
+  const Task task = planned_task_in(plan.plan, plan.source);
   each_constraint(task, [&](const std::string& name, const auto& constraint) {
     TaskDrawing drawing(plan.robot, entity_of(name));
     draw(constraint, drawing);

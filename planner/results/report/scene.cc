@@ -10,8 +10,8 @@
 
 #include "model/kinematics.h"
 #include "planner/problem/task/task.h"
+#include "planner/results/planned_motion.h"
 #include "planner/results/report/html_table.h"
-#include "planner/results/task_of_plan.h"
 
 namespace fjr {
 namespace {
@@ -78,7 +78,7 @@ struct Drawing {
 
 Json scene_json(const JsonField& plan, const Parameters& robot) {
   Json scene = Json::array();
-  const Task task = task_of_plan(plan);
+  const Task task = planned_task_in(plan.json(), plan.source());
   each_constraint(task, [&](std::string name, const auto& constraint) {
     std::replace(name.begin(), name.end(), '_', ' ');
     Drawing drawing{robot, name, scene};

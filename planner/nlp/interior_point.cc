@@ -9,6 +9,7 @@
 #include "common/cpu_time.h"
 #include "planner/nlp/filter.h"
 #include "planner/nlp/kkt_system.h"
+#include "planner/nlp/quadratic_program.h"
 #include "planner/nlp/slack_form.h"
 
 namespace fjr {
@@ -33,12 +34,12 @@ constexpr int kPatience = 10;              // shortened steps in a row before th
 constexpr int kWatchedSteps = 3;
 constexpr int kSoftSteps = 10;
 constexpr double kSoftDecrease = 0.9999;
+constexpr int kMostPartialSteps = 8;
+constexpr double kLeastPart = 0.25;
 
 double largest(const Vector& v) { return v.lpNorm<Eigen::Infinity>(); }
 
-struct Step {
-  Vector v, y, z_lower, z_upper;
-};
+using Step = PrimalDual;
 
 class InteriorPoint {
  public:
@@ -55,11 +56,11 @@ class InteriorPoint {
   }
 
   SolveReport run() {
+    if (options_.begin_with_qp) go_to_solution_of_qp();
     report_.status = iterate();
-    report_.iterate = {form_.to_x(v_), form_.to_lambda(y_), form_.to_bound_multipliers(z_lower_),
-                       form_.to_bound_multipliers(z_upper_)};
+    report_.iterate = iterate_of(at_);
     report_.objective = own_objective();
-    report_.violation = form_.violation(v_, c_).own;
+    report_.violation = form_.violation(at_.v, c_).own;
     report_.work = work_of(nlp_, report_.iterations, system_.multiplications());
     report_.cost.factorisations = system_.factorisations();
     report_.cost.total = cpu_since(began_);
@@ -80,31 +81,51 @@ class InteriorPoint {
 
   void begin_at(const Iterate& start) {
     const bool near = options_.initial_barrier < 0.05;
-    v_ = form_.from_x(start.x);
-    push_off_bounds(options_.warm_start ? kFromBoundsWarm : near ? kFromBoundsNear : kFromBounds);
-    evaluate(v_, f_, c_);
+    at_.v = form_.from_x(start.x);
+    form_.push_off_bounds(at_.v, options_.warm_start ? kFromBoundsWarm : near ? kFromBoundsNear : kFromBounds);
+    evaluate(at_.v, f_, c_);
     if (options_.warm_start) {
-      y_ = form_.from_lambda(start.lambda);
-      z_lower_ = form_.from_bound_multipliers(start.z_lower);
-      z_upper_ = form_.from_bound_multipliers(start.z_upper);
-      form_.set_slack_multipliers(y_, z_lower_, z_upper_);
+      at_.y = form_.from_lambda(start.lambda);
+      at_.z_lower = form_.from_bound_multipliers(start.z_lower);
+      at_.z_upper = form_.from_bound_multipliers(start.z_upper);
+      form_.set_slack_multipliers(at_.y, at_.z_lower, at_.z_upper);
     } else {
-      y_ = Vector::Zero(form_.constraints());
-      z_lower_ = near ? Vector(mu_ * to_lower()) : Vector::Ones(form_.variables());
-      z_upper_ = near ? Vector(mu_ * to_upper()) : Vector::Ones(form_.variables());
+      at_.y = Vector::Zero(form_.constraints());
+      at_.z_lower = near ? Vector(mu_ * to_lower()) : Vector::Ones(form_.variables());
+      at_.z_upper = near ? Vector(mu_ * to_upper()) : Vector::Ones(form_.variables());
     }
-    keep_to_bounds(form_.lower_bounded, z_lower_);
-    keep_to_bounds(form_.upper_bounded, z_upper_);
+    keep_to_bounds(form_.lower_bounded, at_.z_lower);
+    keep_to_bounds(form_.upper_bounded, at_.z_upper);
     if (!options_.warm_start) estimate_multipliers();
-    filter_.start(merit(v_, f_, c_));
+    filter_.start(merit(at_.v, f_, c_));
   }
 
-  void push_off_bounds(double push) {
-    for (Index i = 0; i < form_.variables(); ++i) {
-      const double l = form_.lower(i), u = form_.upper(i), most = push * (u - l);
-      if (std::isfinite(l)) v_(i) = std::max(v_(i), l + std::min(push * std::max(1.0, std::abs(l)), most));
-      if (std::isfinite(u)) v_(i) = std::min(v_(i), u - std::min(push * std::max(1.0, std::abs(u)), most));
+  // Begins again at the solution of the quadratic program at the start, if it has one. Its slacks follow the
+  // constraints there, so that only equalities are violated by what the program did not know of them. Where the
+  // linearised constraints contradict the bounds, it goes a half or a quarter of the way to keeping them, and on from
+  // there.
+  void go_to_solution_of_qp() {
+    for (int steps = 0; steps < kMostPartialSteps; ++steps) {
+      differentiate();
+      find_dual_residual();
+      if (converged()) return;
+      set_hessian();
+      double part = 1;
+      std::optional<PrimalDual> solution = solution_of_qp(part);
+      while (!solution && part > kLeastPart) solution = solution_of_qp(part /= 2);
+      if (!solution) return;
+      begin_at(iterate_of(*solution));
+      if (part == 1) return;
     }
+  }
+  std::optional<PrimalDual> solution_of_qp(double part) {
+    const CpuTimed timed(report_.cost.linear_algebra);
+    return solve_quadratic_program(form_, system_, at_, gradient_, part * c_, mu_);
+  }
+
+  Iterate iterate_of(const PrimalDual& at) const {
+    return {form_.to_x(at.v), form_.to_lambda(at.y), form_.to_bound_multipliers(at.z_lower),
+            form_.to_bound_multipliers(at.z_upper)};
   }
 
   // Makes the multipliers z positive for existing bounds and zero for all others.
@@ -120,9 +141,9 @@ class InteriorPoint {
     const CpuTimed timed(report_.cost.linear_algebra);
     if (!system_.factorise_projection(form_)) return;
     Vector right = Vector::Zero(form_.variables() + form_.constraints());
-    right.head(form_.variables()) = z_lower_ - z_upper_ - gradient_;
+    right.head(form_.variables()) = at_.z_lower - at_.z_upper - gradient_;
     const Vector y = system_.solve(form_, right).tail(form_.constraints());
-    if (largest(y) <= kLargestEstimate) y_ = y;
+    if (largest(y) <= kLargestEstimate) at_.y = y;
   }
 
   // ---- evaluation at the current point ----
@@ -134,11 +155,14 @@ class InteriorPoint {
   }
   void differentiate() {
     const CpuTimed timed(report_.cost.evaluation);
-    form_.differentiate(v_, gradient_);
+    form_.differentiate(at_.v, gradient_);
   }
-  // Inverse distances to the bounds; zero where there is no bound.
-  Vector to_lower() const { return (v_ - form_.lower).cwiseInverse(); }
-  Vector to_upper() const { return (form_.upper - v_).cwiseInverse(); }
+  void set_hessian() {
+    const CpuTimed timed(report_.cost.evaluation);
+    form_.set_hessian(at_.v, at_.y);
+  }
+  Vector to_lower() const { return form_.to_lower(at_.v); }
+  Vector to_upper() const { return form_.to_upper(at_.v); }
   double own_objective() const { return f_ / form_.objective_scale(); }
 
   Merit merit(const Vector& v, double f, const Vector& c) const {
@@ -149,39 +173,39 @@ class InteriorPoint {
   }
 
   void find_dual_residual() {
-    dual_ = gradient_ - z_lower_ + z_upper_;
-    form_.add_transposed_jacobian(y_, dual_);
+    dual_ = gradient_ - at_.z_lower + at_.z_upper;
+    form_.add_transposed_jacobian(at_.y, dual_);
   }
 
   double complementarity(double mu) const {
     double worst = 0;
     for (const Index i : form_.lower_bounded) {
-      worst = std::max(worst, std::abs((v_(i) - form_.lower(i)) * z_lower_(i) - mu));
+      worst = std::max(worst, std::abs((at_.v(i) - form_.lower(i)) * at_.z_lower(i) - mu));
     }
     for (const Index i : form_.upper_bounded) {
-      worst = std::max(worst, std::abs((form_.upper(i) - v_(i)) * z_upper_(i) - mu));
+      worst = std::max(worst, std::abs((form_.upper(i) - at_.v(i)) * at_.z_upper(i) - mu));
     }
     return worst;
   }
 
   double error(double mu, double violation) const {  // (5)
     const auto bounds = static_cast<double>(form_.lower_bounded.size() + form_.upper_bounded.size());
-    const double z = z_lower_.lpNorm<1>() + z_upper_.lpNorm<1>();
+    const double z = at_.z_lower.lpNorm<1>() + at_.z_upper.lpNorm<1>();
     const auto scale = [](double sum, double count) {
       return std::max(kErrorScale, sum / std::max(1.0, count)) / kErrorScale;
     };
-    const double dual_scale = scale(y_.lpNorm<1>() + z, bounds + static_cast<double>(form_.constraints()));
+    const double dual_scale = scale(at_.y.lpNorm<1>() + z, bounds + static_cast<double>(form_.constraints()));
     return std::max({largest(dual_) / dual_scale, violation, complementarity(mu) / scale(z, bounds)});
   }
 
   bool converged() const {
-    const SlackForm::Violation violation = form_.violation(v_, c_);
+    const SlackForm::Violation violation = form_.violation(at_.v, c_);
     return error(0, violation.scaled) <= options_.tolerance && violation.own <= options_.constraint_tolerance &&
            largest(dual_) <= form_.objective_scale() &&
            complementarity(0) <= most_complementarity_ * form_.objective_scale();
   }
   bool acceptable() const {
-    const SlackForm::Violation violation = form_.violation(v_, c_);
+    const SlackForm::Violation violation = form_.violation(at_.v, c_);
     return error(0, violation.scaled) <= kAcceptableTolerance && violation.own <= 10 * options_.constraint_tolerance &&
            complementarity(0) <= kAcceptableComplementarity * form_.objective_scale();
   }
@@ -221,12 +245,9 @@ class InteriorPoint {
   }
 
   bool set_up_system() {
-    {
-      const CpuTimed timed(report_.cost.evaluation);
-      form_.set_hessian(v_, y_);
-    }
+    set_hessian();
     const CpuTimed timed(report_.cost.linear_algebra);
-    return system_.factorise(form_, z_lower_.cwiseProduct(to_lower()) + z_upper_.cwiseProduct(to_upper()), mu_);
+    return system_.factorise(form_, at_.z_lower.cwiseProduct(to_lower()) + at_.z_upper.cwiseProduct(to_upper()), mu_);
   }
 
   // Returns the Newton step for the constraint values c.
@@ -234,51 +255,37 @@ class InteriorPoint {
     const CpuTimed timed(report_.cost.linear_algebra);
     const Vector lower = to_lower(), upper = to_upper();
     Vector right(form_.variables() + form_.constraints());
-    right << mu_ * (lower - upper) - z_lower_ + z_upper_ - dual_, -c;
+    right << mu_ * (lower - upper) - at_.z_lower + at_.z_upper - dual_, -c;
     const Vector solution = system_.solve(form_, right);
     Step step{solution.head(form_.variables()), solution.tail(form_.constraints()), {}, {}};
-    step.z_lower = lower.cwiseProduct(Vector::Constant(lower.size(), mu_) - z_lower_.cwiseProduct(step.v)) - z_lower_;
-    step.z_upper = upper.cwiseProduct(Vector::Constant(upper.size(), mu_) + z_upper_.cwiseProduct(step.v)) - z_upper_;
+    step.z_lower =
+        lower.cwiseProduct(Vector::Constant(lower.size(), mu_) - at_.z_lower.cwiseProduct(step.v)) - at_.z_lower;
+    step.z_upper =
+        upper.cwiseProduct(Vector::Constant(upper.size(), mu_) + at_.z_upper.cwiseProduct(step.v)) - at_.z_upper;
     return step;
   }
 
   // The longest steps allowed by the fraction-to-the-boundary rule (15).
   double fraction_to_boundary() const { return std::max(kNearBoundary, 1 - mu_); }
-  double longest(const Vector& dv) const {
-    double alpha = 1;
-    for (const Index i : form_.lower_bounded) {
-      if (dv(i) < 0) alpha = std::min(alpha, -fraction_to_boundary() * (v_(i) - form_.lower(i)) / dv(i));
-    }
-    for (const Index i : form_.upper_bounded) {
-      if (dv(i) > 0) alpha = std::min(alpha, fraction_to_boundary() * (form_.upper(i) - v_(i)) / dv(i));
-    }
-    return alpha;
-  }
+  double longest(const Vector& dv) const { return form_.longest_step(at_.v, dv, fraction_to_boundary()); }
   double longest_for_multipliers(const Step& step) const {
-    double alpha = 1;
-    for (const Index i : form_.lower_bounded) {
-      if (step.z_lower(i) < 0) alpha = std::min(alpha, -fraction_to_boundary() * z_lower_(i) / step.z_lower(i));
-    }
-    for (const Index i : form_.upper_bounded) {
-      if (step.z_upper(i) < 0) alpha = std::min(alpha, -fraction_to_boundary() * z_upper_(i) / step.z_upper(i));
-    }
-    return alpha;
+    return form_.longest_multiplier_step(at_, step, fraction_to_boundary());
   }
 
   // Makes one step. Returns false if none is found.
   bool advance() {
     Step step = step_for(c_);
-    const double relative = (step.v.array().abs() / (1 + v_.array().abs())).maxCoeff();
+    const double relative = (step.v.array().abs() / (1 + at_.v.array().abs())).maxCoeff();
     const bool tiny = relative < 10 * std::numeric_limits<double>::epsilon();
     tiny_steps_ = tiny ? tiny_steps_ + 1 : 0;
     if (tiny_steps_ > kTinySteps) return false;
     if (soft_steps_ > 0) return soft_step(step);
     double alpha = longest(step.v);
     if (tiny) {  // the filter's test would be decided by rounding errors, so it is skipped
-      v_ += alpha * step.v;
-      evaluate(v_, f_, c_);
+      at_.v += alpha * step.v;
+      evaluate(at_.v, f_, c_);
     } else {
-      filter_.look_from(merit(v_, f_, c_), slope(step));
+      filter_.look_from(merit(at_.v, f_, c_), slope(step));
       if (!watch_ && shortened_ >= kPatience) watch_ = Watch{point(), step, filter_.looking_from(), alpha, 0};
       const Search found = watch_ ? watched_search(step, alpha) : search(step, alpha);
       if (found == Search::kNothing) {
@@ -288,16 +295,16 @@ class InteriorPoint {
       shortened_ = found == Search::kAtOnce ? 0 : shortened_ + 1;
     }
     const double alpha_z = longest_for_multipliers(step);
-    y_ += alpha * step.y;
-    z_lower_ += alpha_z * step.z_lower;
-    z_upper_ += alpha_z * step.z_upper;
+    at_.y += alpha * step.y;
+    at_.z_lower += alpha_z * step.z_lower;
+    at_.z_upper += alpha_z * step.z_upper;
     keep_multipliers_near();
     return true;
   }
 
   void keep_multipliers_near() {
-    keep_near(form_.lower_bounded, mu_ * to_lower(), z_lower_);
-    keep_near(form_.upper_bounded, mu_ * to_upper(), z_upper_);
+    keep_near(form_.lower_bounded, mu_ * to_lower(), at_.z_lower);
+    keep_near(form_.upper_bounded, mu_ * to_upper(), at_.z_upper);
   }
   static void keep_near(const std::vector<Index>& bounded, const Vector& central, Vector& z) {  // (16)
     for (const Index i : bounded)
@@ -350,13 +357,13 @@ class InteriorPoint {
   bool soft_step(const Step& step) {
     if (++soft_steps_ > kSoftSteps) return false;
     const double alpha = std::min(longest(step.v), longest_for_multipliers(step)), before = system_error();
-    filter_.look_from(merit(v_, f_, c_), 0);
+    filter_.look_from(merit(at_.v, f_, c_), 0);
     const bool accepted = filter_.accepts(try_step(alpha, step.v), 0);
     if (!std::isfinite(trial_f_) || !trial_c_.allFinite()) return false;
     go_to_trial();
-    y_ += alpha * step.y;
-    z_lower_ += alpha * step.z_lower;
-    z_upper_ += alpha * step.z_upper;
+    at_.y += alpha * step.y;
+    at_.z_lower += alpha * step.z_lower;
+    at_.z_upper += alpha * step.z_upper;
     differentiate();
     find_dual_residual();
     if (!accepted && !(system_error() <= kSoftDecrease * before)) return false;
@@ -367,15 +374,15 @@ class InteriorPoint {
 
   double system_error() const {
     double products = 0;
-    for (const Index i : form_.lower_bounded) products += std::abs((v_(i) - form_.lower(i)) * z_lower_(i) - mu_);
-    for (const Index i : form_.upper_bounded) products += std::abs((form_.upper(i) - v_(i)) * z_upper_(i) - mu_);
+    for (const Index i : form_.lower_bounded) products += std::abs((at_.v(i) - form_.lower(i)) * at_.z_lower(i) - mu_);
+    for (const Index i : form_.upper_bounded) products += std::abs((form_.upper(i) - at_.v(i)) * at_.z_upper(i) - mu_);
     const auto mean = [](double sum, auto count) { return count == 0 ? 0 : sum / static_cast<double>(count); };
     return mean(dual_.lpNorm<1>(), dual_.size()) + mean(c_.lpNorm<1>(), c_.size()) +
            mean(products, form_.lower_bounded.size() + form_.upper_bounded.size());
   }
 
   Merit try_step(double alpha, const Vector& dv) {
-    trial_ = v_ + alpha * dv;
+    trial_ = at_.v + alpha * dv;
     evaluate(trial_, trial_f_, trial_c_);
     return merit(trial_, trial_f_, trial_c_);
   }
@@ -387,21 +394,19 @@ class InteriorPoint {
     return true;
   }
   void go_to_trial() {
-    v_.swap(trial_);
+    at_.v.swap(trial_);
     c_.swap(trial_c_);
     f_ = trial_f_;
   }
 
   struct Point {
-    Vector v, y, z_lower, z_upper, c;
+    PrimalDual at;
+    Vector c;
     double f;
   };
-  Point point() const { return {v_, y_, z_lower_, z_upper_, c_, f_}; }
+  Point point() const { return {at_, c_, f_}; }
   void go_to(Point&& p) {
-    v_ = std::move(p.v);
-    y_ = std::move(p.y);
-    z_lower_ = std::move(p.z_lower);
-    z_upper_ = std::move(p.z_upper);
+    at_ = std::move(p.at);
     c_ = std::move(p.c);
     f_ = p.f;
   }
@@ -434,9 +439,9 @@ class InteriorPoint {
   KktSystem system_;
   Filter filter_;
   double mu_ = 0, least_mu_ = 0, most_complementarity_ = 0;
-  Vector v_, y_, z_lower_, z_upper_;
+  PrimalDual at_;
   double f_ = 0;
-  Vector c_, gradient_, dual_;  // at v_
+  Vector c_, gradient_, dual_;  // there
   Vector trial_, trial_c_;
   double trial_f_ = 0;
   int acceptable_ = 0, tiny_steps_ = 0;

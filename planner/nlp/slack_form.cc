@@ -166,6 +166,36 @@ void SlackForm::set_slack_multipliers(const Vector& y, Vector& z_lower, Vector& 
   }
 }
 
+void SlackForm::push_off_bounds(Vector& v, double push) const {
+  for (Index i = 0; i < variables(); ++i) {
+    const double l = lower(i), u = upper(i), most = push * (u - l);
+    if (std::isfinite(l)) v(i) = std::max(v(i), l + std::min(push * std::max(1.0, std::abs(l)), most));
+    if (std::isfinite(u)) v(i) = std::min(v(i), u - std::min(push * std::max(1.0, std::abs(u)), most));
+  }
+}
+
+double SlackForm::longest_step(const Vector& v, const Vector& dv, double fraction) const {
+  double alpha = 1;
+  for (const Index i : lower_bounded) {
+    if (dv(i) < 0) alpha = std::min(alpha, -fraction * (v(i) - lower(i)) / dv(i));
+  }
+  for (const Index i : upper_bounded) {
+    if (dv(i) > 0) alpha = std::min(alpha, fraction * (upper(i) - v(i)) / dv(i));
+  }
+  return alpha;
+}
+
+double SlackForm::longest_multiplier_step(const PrimalDual& at, const PrimalDual& step, double fraction) const {
+  double alpha = 1;
+  for (const Index i : lower_bounded) {
+    if (step.z_lower(i) < 0) alpha = std::min(alpha, -fraction * at.z_lower(i) / step.z_lower(i));
+  }
+  for (const Index i : upper_bounded) {
+    if (step.z_upper(i) < 0) alpha = std::min(alpha, -fraction * at.z_upper(i) / step.z_upper(i));
+  }
+  return alpha;
+}
+
 SlackForm::Violation SlackForm::violation(const Vector& v, const Vector& c) const {
   Violation worst;
   for (Index i = 0; i < constraints(); ++i) {

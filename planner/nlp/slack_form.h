@@ -21,6 +21,12 @@ struct SymmetricEntries {
   std::vector<double> values;
 };
 
+// A point v with its multipliers: of the constraints, and of lower and upper bounds (zero where there is none). Or a
+// step of all these.
+struct PrimalDual {
+  Eigen::VectorXd v, y, z_lower, z_upper;
+};
+
 class SlackForm {
  public:
   using Vector = Eigen::VectorXd;
@@ -33,6 +39,16 @@ class SlackForm {
   Eigen::Index constraints() const { return row_scale_.size(); }
   Vector lower, upper;                                     // of v; +-infinity where unbounded
   std::vector<Eigen::Index> lower_bounded, upper_bounded;  // where they are finite
+
+  // Inverse distances of v from its bounds; zero where there is no bound.
+  Vector to_lower(const Vector& v) const { return (v - lower).cwiseInverse(); }
+  Vector to_upper(const Vector& v) const { return (upper - v).cwiseInverse(); }
+  // Moves v to at least this relative distance inside its bounds, or the same fraction of the distance between two.
+  void push_off_bounds(Vector& v, double push) const;
+  // Lengths, 1 at most, of the longest step dv that goes no more than a fraction of the way to the bounds, and of one
+  // that lowers bound multipliers by no more than that fraction: the fraction-to-the-boundary rule.
+  double longest_step(const Vector& v, const Vector& dv, double fraction) const;
+  double longest_multiplier_step(const PrimalDual& at, const PrimalDual& step, double fraction) const;
 
   Vector shift_weights;  // as in Nlp; if that has any, 0 for slacks, which are determined by their constraints
 

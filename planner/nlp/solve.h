@@ -48,7 +48,10 @@ struct SolveOptions {
   int max_iterations = 500;
   double initial_barrier = 0.1;  // mu; small for warm starts
   double final_barrier = 1e-9;   // monotone strategy only; costs about mu times the number of bounds in the objective
-  bool warm_start = false;       // start from the given multipliers and do not push the point off its bounds
+  // Our own method begins at the solution of the quadratic program at the start (quadratic_program.h), if it has one.
+  // With warm_start only: it is for solutions of a neighbouring problem, whose active bounds are not those of this one.
+  bool begin_with_qp = false;
+  bool warm_start = false;  // start from the given multipliers and do not push the point off its bounds
   BarrierStrategy barrier_strategy = BarrierStrategy::kAdaptive;
   std::string linear_solver = kChainSolver;  // one of linear_solvers(), linear_solver.h
   Optimiser optimiser = Optimiser::kIpopt;

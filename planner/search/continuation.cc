@@ -127,6 +127,7 @@ ResumeOutcome Continuation::resume(const Collocated& neighbour) {
   // If this does not converge soon, planning from scratch takes less time on average than a second attempt.
   const ContinuationSettings& s = attempts_.settings();
   SolveOptions o = attempts_.warm_options(what);
+  o.begin_with_qp = true;
   o.max_iterations = problem.variation.price ? s.warm.iterations_to_another_price : s.homotopy.iterations;
   if (!attempts_.warm(what, CollocationSetup(solution().setup), o)) {
     return attempts_.stopped() ? ResumeOutcome::kStopped : ResumeOutcome::kNoSolution;

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <ostream>
 #include <string>
 #include <utility>
@@ -15,6 +16,9 @@
 
 #include "common/dual.h"
 #include "planner/nlp/ipopt.h"
+#include "planner/nlp/kkt_system.h"
+#include "planner/nlp/quadratic_program.h"
+#include "planner/nlp/slack_form.h"
 #include "tests/support/double_integrator_problems.h"
 #include "tests/support/published_problems.h"
 
@@ -299,6 +303,26 @@ TEST(InteriorPoint, RecognisesASolutionAtOnce) {
   EXPECT_LE(warm.iterations, 1);  // measured: 0
 }
 
+// With linear dynamics and a quadratic cost the quadratic program is the problem itself, so that nothing is left to do
+// where it leads, but for the small weight on changes. The state bound is active on another part of the motion there.
+TEST(InteriorPoint, BeginsAtTheSolutionOfTheQuadraticProgram) {
+  const Plant first = bryson_denham(hermite_simpson(), 24, 0.1, true),
+              neighbour = bryson_denham(hermite_simpson(), 24, 0.08, true);
+  const SolveReport cold = solve_by_interior_point(first, zeros(first, 1), with_barrier(0.1, 1e-7));
+  ASSERT_TRUE(cold.solved());
+  SolveOptions options = with_barrier(1e-7, 1e-7);
+  options.warm_start = true;
+  const SolveReport step_by_step = solve_by_interior_point(neighbour, cold.iterate, options);
+  options.begin_with_qp = true;
+  const SolveReport at_once = solve_by_interior_point(neighbour, cold.iterate, options);
+  ASSERT_EQ(step_by_step.status, SolveStatus::kOptimal);
+  ASSERT_EQ(at_once.status, SolveStatus::kOptimal);
+  EXPECT_LE(at_once.iterations, 3);       // measured: 1
+  EXPECT_GT(step_by_step.iterations, 5);  // measured: 19
+  EXPECT_NEAR(at_once.objective, step_by_step.objective, 1e-6 * step_by_step.objective);
+  expect_kkt_point(neighbour, at_once.iterate, 1e-6);
+}
+
 TEST(InteriorPoint, GivesTheSameBitsTwice) {
   const Plant nlp = fastest(hermite_simpson(), 20, 0.1, 10);
   const SolveReport a = solve_by_interior_point(nlp, zeros(nlp, 3), SolveOptions{}),
@@ -310,6 +334,69 @@ TEST(InteriorPoint, GivesTheSameBitsTwice) {
   EXPECT_EQ(a.iterate.lambda, b.iterate.lambda);
   EXPECT_EQ(a.iterate.z_lower, b.iterate.z_lower);
   EXPECT_EQ(a.iterate.z_upper, b.iterate.z_upper);
+}
+
+// ---- the quadratic program at a point ----
+
+std::optional<PrimalDual> quadratic_solution(const Nlp& nlp, const VectorXd& x) {
+  SlackForm form(nlp, x);
+  KktSystem system(form, one_after_the_other);
+  const Index n = form.variables();
+  const PrimalDual at{form.from_x(x), VectorXd::Zero(form.constraints()), VectorXd::Zero(n), VectorXd::Zero(n)};
+  VectorXd gradient, c;
+  form.differentiate(at.v, gradient);
+  form.constraint_values(at.v, c);
+  form.set_hessian(at.v, at.y);
+  std::optional<PrimalDual> solution = solve_quadratic_program(form, system, at, gradient, c, 1e-9);
+  if (solution) solution->v = form.to_x(solution->v);
+  return solution;
+}
+
+// Example 35 of Hock & Schittkowski is quadratic: its optimum is (4/3, 7/9, 4/9) with 2/9 as the multiplier of its row.
+// The weight of 1e-6 on changes moves that by as much, relative to the curvatures of 1 to 5.
+TEST(QuadraticProgram, HasThePublishedOptimum) {
+  const SmallProblem problem = examples()[2].problem;
+  for (const VectorXd& x : {VectorXd(Eigen::Vector3d(0.5, 0.5, 0.5)), VectorXd(Eigen::Vector3d(0, 0, 1.5))}) {
+    const std::optional<PrimalDual> solution = quadratic_solution(problem, x);
+    ASSERT_TRUE(solution);
+    EXPECT_LT(largest(solution->v - Eigen::Vector3d(4.0 / 3, 7.0 / 9, 4.0 / 9)), 1e-5);
+    EXPECT_NEAR(solution->y(0), 2.0 / 9, 1e-5);
+    EXPECT_LT(largest(solution->z_lower), 1e-5);
+  }
+}
+
+TEST(QuadraticProgram, HasNoSolutionWhereRowsAndBoundsContradictEachOther) {
+  const std::array<double, 2> unit{0, 1};
+  const SmallProblem problem(
+      {unit, unit}, {{2.5, 2.5}},
+      {[](const auto& x) { return squared(x[0]) + squared(x[1]); }, [](const auto& x) { return x[0] + x[1]; }});
+  EXPECT_FALSE(quadratic_solution(problem, Eigen::Vector2d(0.5, 0.5)));
+}
+
+// The row x^2 = 4 has a solution at 2. Seen from 0.2 it wants 10.1, beyond the bound, and seen from 0.05 even a quarter
+// of the way to it does.
+TEST(QuadraticProgram, WithoutASolutionIsApproachedInParts) {
+  const SmallProblem problem({{0, 3}}, {{4, 4}},
+                             {[](const auto& x) { return x[0]; }, [](const auto& x) { return squared(x[0]); }});
+  const auto from = [](double x) -> Iterate {
+    return {VectorXd::Constant(1, x), VectorXd::Zero(1), VectorXd::Ones(1), VectorXd::Zero(1)};
+  };
+  SolveOptions without;
+  without.warm_start = true;
+  SolveOptions with = without;
+  with.begin_with_qp = true;
+  for (const double x : {0.2, 0.05}) {
+    ASSERT_FALSE(quadratic_solution(problem, from(x).x));
+    const SolveReport one = solve_by_interior_point(problem, from(x), without),
+                      other = solve_by_interior_point(problem, from(x), with);
+    EXPECT_NEAR(one.iterate.x(0), 2, 1e-6);
+    EXPECT_NEAR(other.iterate.x(0), 2, 1e-6);
+    if (x == 0.2) {
+      EXPECT_LT(other.iterations, one.iterations);
+    } else {  // it is left to the method where it is
+      EXPECT_EQ(other.iterations, one.iterations);
+    }
+  }
 }
 
 // ---- how it ends otherwise ----

@@ -44,7 +44,8 @@ class Warm : public testing::Test {
   }
 };
 
-// Roundings decide which neighbours do not converge: 8 of 48 of 8 motions did not, two of these four.
+// Roundings decide which neighbours do not converge: of 84 fastest motions whose goals were moved by up to 0.02 rad
+// three, none of these four. Without the quadratic program at their start it was one in four, two of these four.
 TEST_F(Warm, NeighbouringGoalsNeedFewerIterationsForTheSameMotion) {
   const std::vector<Joints<double>> goals{{0.81, -0.31}, {0.79, -0.28}, {0.82, -0.3}, {0.8, -0.32}};
   std::size_t warm_ones = 0;
@@ -63,8 +64,8 @@ TEST_F(Warm, NeighbouringGoalsNeedFewerIterationsForTheSameMotion) {
     warm_iterations += warm.iterations;
     cold_iterations += cold.iterations;
   }
-  EXPECT_GE(warm_ones, 1U);
-  EXPECT_LT(warm_iterations, cold_iterations);  // measured: 0.5; of a single one 0.1 to 1
+  EXPECT_GE(warm_ones, 3U);
+  EXPECT_LT(warm_iterations, cold_iterations);  // measured: 0.37
 }
 
 TEST_F(Warm, OtherConstraintsAreNoStartAndThePlanIsMadeFromScratch) {

@@ -23,7 +23,7 @@ inline Chart residual_chart(const std::string& title, const std::string& x_label
           {{"residual", kResidualColour, Style::kDots, std::move(x), std::move(residuals)}}};
 }
 
-// Returns the residuals of a fit, which are fitted minus measured values, for residual_chart().
+// Returns measured minus fitted values, for residual_chart(): the residuals of a fit have the other sign.
 inline std::vector<double> measured_less_fitted(const Eigen::VectorXd& residuals) {
   std::vector<double> values;
   for (const double r : residuals) values.push_back(-r);

@@ -21,7 +21,7 @@ enum class ArmInput { kStiffness, kGravitySlope, kStiffnessOverInertia, kDamping
 struct Procedure {
   std::string name;  // of its experiment too
   Estimate (*identify)(const Log& log, int joint, const Parameters& robot);
-  std::vector<Chart> (*charts)(const Estimate& estimate);  // from what identify() leaves in Estimate::fitted
+  std::vector<Chart> (*charts)(const Estimate& estimate);  // of an Estimate that identify() returned
   std::vector<ArmInput> arm_inputs;     // what the values of the estimate are, in their order; empty: none
   std::vector<std::string> parameters;  // "motor.inertia": parameters of the robot that the estimate gives directly
 };

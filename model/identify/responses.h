@@ -14,6 +14,7 @@ struct Response {
 // The quantity that was measured.
 enum class Measured { kVelocity, kPosition };
 
+// The responses that were fitted together, and the residuals of their fit.
 struct FittedResponses {
   Measured measured;
   std::vector<Response> all;  // without outliers

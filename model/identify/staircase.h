@@ -25,7 +25,8 @@ using Abscissa = double (*)(const Landing&);
 inline double deflection_of(const Landing& l) { return l.theta - l.q; }  // [rad]
 inline double sine_of_angle(const Landing& l) { return std::sin(l.q); }
 
-// All landings, and what the lines through the settled ones are besides their slope.
+// All landings, and the intercepts of the lines that were fitted to the settled ones. Their slope is
+// Estimate::value[0].
 struct FittedStaircase {
   std::vector<Landing> landings;
   double rising, falling;  // [N m]  tau of either line where the abscissa is zero

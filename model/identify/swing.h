@@ -20,10 +20,10 @@ namespace fjr {
 enum SwingIndex { kQ, kDq, kOffset, kK, kD, kC, kWidth, kExponent };
 inline constexpr Eigen::Index kPlain = kC, kWithHysteresis = kWidth + 1, kWithExponent = kExponent + 1;
 
-// A free decay, and what was fitted to it.
+// A free decay with the line that was fitted to the logarithm of its crests, and the residuals of the fitted swing.
 struct FittedDecay {
-  Curve whole;
-  std::vector<Crest> crests;
+  Curve whole;                // of the log, as it was measured
+  std::vector<Crest> crests;  // all of them
   Eigen::Vector2d line;       // (12): intercept and slope [1/s] of the logarithm of the crests [rad] over the time
   Curve decay;                // from the first crest to the last, without outliers
   Eigen::VectorXd residuals;  // [rad] of the decay, fitted less measured

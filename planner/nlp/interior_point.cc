@@ -34,8 +34,8 @@ constexpr int kPatience = 10;              // shortened steps in a row before th
 constexpr int kWatchedSteps = 3;
 constexpr int kSoftSteps = 10;
 constexpr double kSoftDecrease = 0.9999;
-constexpr int kMostPartialSteps = 8;
-constexpr double kLeastPart = 0.25;
+constexpr int kMostStepsOfQp = 8;  // that reduce the violation of linearised constraints by a fraction only
+constexpr double kLeastFraction = 0.25;
 
 double largest(const Vector& v) { return v.lpNorm<Eigen::Infinity>(); }
 
@@ -56,12 +56,12 @@ class InteriorPoint {
   }
 
   SolveReport run() {
-    if (options_.begin_with_qp) go_to_solution_of_qp();
+    if (options_.beginning == Beginning::kQuadraticProgram) go_to_solution_of_qp();
     report_.status = iterate();
     report_.iterate = iterate_of(at_);
     report_.objective = own_objective();
     report_.violation = form_.violation(at_.v, c_).own;
-    report_.work = work_of(nlp_, report_.iterations, system_.multiplications());
+    report_.work = work(report_.iterations);
     report_.cost.factorisations = system_.factorisations();
     report_.cost.total = cpu_since(began_);
     return std::move(report_);
@@ -79,12 +79,14 @@ class InteriorPoint {
 
   // ---- initialisation (section 3.6) ----
 
+  bool with_multipliers() const { return options_.beginning != Beginning::kPoint; }
+
   void begin_at(const Iterate& start) {
     const bool near = options_.initial_barrier < 0.05;
     at_.v = form_.from_x(start.x);
-    form_.push_off_bounds(at_.v, options_.warm_start ? kFromBoundsWarm : near ? kFromBoundsNear : kFromBounds);
+    form_.push_off_bounds(at_.v, with_multipliers() ? kFromBoundsWarm : near ? kFromBoundsNear : kFromBounds);
     evaluate(at_.v, f_, c_);
-    if (options_.warm_start) {
+    if (with_multipliers()) {
       at_.y = form_.from_lambda(start.lambda);
       at_.z_lower = form_.from_bound_multipliers(start.z_lower);
       at_.z_upper = form_.from_bound_multipliers(start.z_upper);
@@ -94,45 +96,53 @@ class InteriorPoint {
       at_.z_lower = near ? Vector(mu_ * to_lower()) : Vector::Ones(form_.variables());
       at_.z_upper = near ? Vector(mu_ * to_upper()) : Vector::Ones(form_.variables());
     }
-    keep_to_bounds(form_.lower_bounded, at_.z_lower);
-    keep_to_bounds(form_.upper_bounded, at_.z_upper);
-    if (!options_.warm_start) estimate_multipliers();
+    const Vector least = Vector::Constant(form_.variables(), kLeastMultiplier);
+    form_.keep_multipliers_above(least, least, at_);
+    if (!with_multipliers()) estimate_multipliers();
     filter_.start(merit(at_.v, f_, c_));
   }
 
-  // Begins again at the solution of the quadratic program at the start, if it has one. Its slacks follow the
-  // constraints there, so that only equalities are violated by what the program did not know of them. Where the
-  // linearised constraints contradict the bounds, it goes a half or a quarter of the way to keeping them, and on from
-  // there.
+  struct Point {
+    PrimalDual at;
+    Vector c;
+    double f;
+  };
+
+  // Begins again at the solution of the quadratic program at the start, if it has one. Slacks follow their constraints
+  // there as far as their bounds allow, so that an inequality is violated by no more than what it exceeds them by.
+  // Where the linearised constraints contradict the bounds, a step reduces their violation by a half or a quarter, and
+  // another one goes on from there. What it cannot improve stays as it is.
   void go_to_solution_of_qp() {
-    for (int steps = 0; steps < kMostPartialSteps; ++steps) {
+    while (steps_of_qp_ < kMostStepsOfQp && may_go_on(0)) {
       differentiate();
       find_dual_residual();
-      if (converged()) return;
+      if (!std::isfinite(f_) || !c_.allFinite() || !dual_.allFinite() || converged()) return;
+      ++steps_of_qp_;
       set_hessian();
-      double part = 1;
-      std::optional<PrimalDual> solution = solution_of_qp(part);
-      while (!solution && part > kLeastPart) solution = solution_of_qp(part /= 2);
-      if (!solution) return;
+      double fraction = 1;
+      std::optional<PrimalDual> solution = solution_of_qp(fraction);
+      while (!solution && fraction > kLeastFraction && may_go_on(0)) solution = solution_of_qp(fraction /= 2);
+      if (!solution) return system_.forget_shift();
+      Point before = point();
       begin_at(iterate_of(*solution));
-      if (part == 1) return;
+      if (!std::isfinite(f_) || !c_.allFinite()) return go_back_to(std::move(before));
+      if (fraction == 1) return;
     }
   }
-  std::optional<PrimalDual> solution_of_qp(double part) {
+  // Solves the quadratic program whose linearised constraints are violated by a fraction less.
+  std::optional<PrimalDual> solution_of_qp(double fraction) {
     const CpuTimed timed(report_.cost.linear_algebra);
-    return solve_quadratic_program(form_, system_, at_, gradient_, part * c_, mu_);
+    return solve_quadratic_program(form_, system_, at_, gradient_, fraction * c_, mu_, [this] { return may_go_on(0); });
+  }
+  void go_back_to(Point&& before) {
+    go_to(std::move(before));
+    filter_.start(merit(at_.v, f_, c_));
+    system_.forget_shift();
   }
 
   Iterate iterate_of(const PrimalDual& at) const {
     return {form_.to_x(at.v), form_.to_lambda(at.y), form_.to_bound_multipliers(at.z_lower),
             form_.to_bound_multipliers(at.z_upper)};
-  }
-
-  // Makes the multipliers z positive for existing bounds and zero for all others.
-  static void keep_to_bounds(const std::vector<Index>& bounded, Vector& z) {
-    Vector kept = Vector::Zero(z.size());
-    for (const Index i : bounded) kept(i) = std::max(z(i), kLeastMultiplier);
-    z = std::move(kept);
   }
 
   // Estimates the multipliers of the constraints by least squares of the dual residual.
@@ -230,10 +240,12 @@ class InteriorPoint {
     acceptable_ = acceptable() ? acceptable_ + 1 : 0;
     if (acceptable_ >= kAcceptableIterations) return SolveStatus::kAcceptable;
     if (k >= options_.max_iterations) return SolveStatus::kIterationLimit;
-    const double work = work_of(nlp_, k, system_.multiplications());
-    if (options_.monitor && !options_.monitor({k, own_objective(), largest(c_), work})) return SolveStatus::kStopped;
-    return std::nullopt;
+    return may_go_on(k) ? std::nullopt : std::optional(SolveStatus::kStopped);
   }
+  bool may_go_on(int k) const {
+    return !options_.monitor || options_.monitor({k, own_objective(), largest(c_), work(k)});
+  }
+  double work(int iterations) const { return work_of(nlp_, steps_of_qp_ + iterations, system_.multiplications()); }
 
   void lower_barrier() {  // (7)
     while (mu_ > least_mu_ && error(mu_, largest(c_)) <= kSolvedBarrier * mu_) {
@@ -399,11 +411,6 @@ class InteriorPoint {
     f_ = trial_f_;
   }
 
-  struct Point {
-    PrimalDual at;
-    Vector c;
-    double f;
-  };
   Point point() const { return {at_, c_, f_}; }
   void go_to(Point&& p) {
     at_ = std::move(p.at);
@@ -441,10 +448,10 @@ class InteriorPoint {
   double mu_ = 0, least_mu_ = 0, most_complementarity_ = 0;
   PrimalDual at_;
   double f_ = 0;
-  Vector c_, gradient_, dual_;  // there
+  Vector c_, gradient_, dual_;  // at at_.v
   Vector trial_, trial_c_;
   double trial_f_ = 0;
-  int acceptable_ = 0, tiny_steps_ = 0;
+  int steps_of_qp_ = 0, acceptable_ = 0, tiny_steps_ = 0;
   int soft_steps_ = 0;  // number of soft restoration steps so far; 0: not in soft restoration
   int shortened_ = 0;   // number of shortened steps in a row
   struct Watch {

@@ -206,7 +206,7 @@ void configure(Options o, const SolveOptions& options, const std::string& linear
   if (options.x_scaling.size() > 0 || options.g_scaling.size() > 0) {
     o.SetStringValue("nlp_scaling_method", "user-scaling");
   }
-  if (options.warm_start) {
+  if (options.beginning != Beginning::kPoint) {
     o.SetStringValue("warm_start_init_point", "yes");
     o.SetNumericValue("warm_start_bound_push", 1e-9);
     o.SetNumericValue("warm_start_bound_frac", 1e-9);

@@ -46,7 +46,7 @@ bool KktSystem::factorise(SlackForm& form, const Vector& d, double mu) {
     }
     if (inertia == Inertia::kSingular && regularised == 0) {
       regularised = 1e-8 * std::pow(mu, 0.25);
-      if (shift == 0) continue;
+      if (shift == 0 && regularised > 0) continue;
     }
     if (shift == 0) {
       shift = last_shift_ == 0 ? kFirstShift : std::max(kLeastShift, last_shift_ / kDecay);

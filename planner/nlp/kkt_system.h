@@ -19,6 +19,9 @@ class KktSystem {
   // Factorises (I, J'; J, 0), for least-squares multipliers. Returns false if J does not have full rank.
   bool factorise_projection(SlackForm& form);
 
+  // Begins the next inertia correction without a shift, as the first one does.
+  void forget_shift() { shift_ = last_shift_ = 0; }
+
   Vector solve(const SlackForm& form, const Vector& right) const;  // refined until the residual is small
 
   int factorisations() const { return factorisations_; }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 namespace fjr {
 namespace {
@@ -16,7 +15,7 @@ constexpr double kWeight = 1e-6;        // rho: what replans of neighbours take 
 constexpr double kFromBounds = 1e-2;    // relative distance from the bounds at which it begins
 constexpr double kFirstProduct = 1e-3;  // least product of multiplier and distance at which it begins
 constexpr double kNearBoundary = 0.99;  // fraction of the way to the bounds that a step may go
-constexpr int kMostIterations = 30;     // solvable ones took 7 to 15, and seldom more than 20
+constexpr int kMostIterations = 30;     // most of those that were solved took 7 to 15
 // So many steps in a row that are shorter than this mean that the linearised constraints contradict the bounds.
 constexpr int kMostShortSteps = 3;
 constexpr double kShortStep = 0.1;
@@ -37,22 +36,15 @@ class QuadraticProgram {
                    double mu)
       : form_(form), system_(system), from_(at.v), gradient_(gradient), c_(c), mu_(mu), now_(at) {
     form_.push_off_bounds(now_.v, kFromBounds);
-    const auto no_less = [](const std::vector<Index>& bounded, const Vector& least, Vector& z) {
-      Vector raised = Vector::Zero(z.size());
-      for (const Index i : bounded) raised(i) = std::max(z(i), least(i));
-      z = std::move(raised);
-    };
-    no_less(form_.lower_bounded, kFirstProduct * to_lower(), now_.z_lower);
-    no_less(form_.upper_bounded, kFirstProduct * to_upper(), now_.z_upper);
+    form_.keep_multipliers_above(kFirstProduct * to_lower(), kFirstProduct * to_upper(), now_);
   }
 
-  std::optional<PrimalDual> solve() {
-    for (int k = 0; k < kMostIterations; ++k) {
+  std::optional<PrimalDual> solve(const std::function<bool()>& may_go_on) {
+    for (int k = 0;; ++k) {
       find_residuals();
-      if (solved()) return now_;
-      if (!advance()) return std::nullopt;
+      if (solved()) return std::move(now_);
+      if (k == kMostIterations || !may_go_on() || !advance()) return std::nullopt;
     }
-    return std::nullopt;
   }
 
  private:
@@ -86,7 +78,7 @@ class QuadraticProgram {
            products_.largest <= kProductTolerance * mu_;
   }
 
-  // The Newton step to where the products of the bounds are these.
+  // Returns the Newton step towards these products of the bounds.
   PrimalDual step_to(const Vector& at_lower, const Vector& at_upper) const {
     const Vector lower = to_lower(), upper = to_upper();
     Vector right(now_.v.size() + now_.y.size());
@@ -98,7 +90,7 @@ class QuadraticProgram {
     return step;
   }
 
-  // How far it may go along a step, for a fraction of the way to the bounds: the point, and the bounds' multipliers.
+  // The fractions of a step that the point, and the multipliers, may go.
   struct Lengths {
     double point, multipliers;
   };
@@ -111,7 +103,7 @@ class QuadraticProgram {
     const Vector lower = to_lower(), upper = to_upper();
     const Vector barrier = now_.z_lower.cwiseProduct(lower) + now_.z_upper.cwiseProduct(upper);
     const Vector diagonal = barrier + Vector::Constant(now_.v.size(), kWeight);
-    if (!diagonal.allFinite() || !system_.factorise(form_, diagonal, products_.mean)) return false;
+    if (!diagonal.allFinite() || !system_.factorise(form_, diagonal, std::max(products_.mean, mu_))) return false;
     const PrimalDual step = corrected(predictor());
     const Lengths alpha = longest(step, std::max(kNearBoundary, 1 - products_.mean));
     now_.v += alpha.point * step.v;
@@ -124,15 +116,15 @@ class QuadraticProgram {
 
   PrimalDual predictor() const { return step_to(Vector::Zero(now_.v.size()), Vector::Zero(now_.v.size())); }
 
-  // The step to products that the predictor's own lengths make likely, with its products of second order.
+  // Returns the step towards products that the predictor's lengths make likely, which also allows for what the
+  // predictor neglects: products of two changes.
   PrimalDual corrected(const PrimalDual& predicted) const {
     const Lengths alpha = longest(predicted, 1);
     const double mean = products_.mean, reached = products(now_.v + alpha.point * predicted.v,
                                                            now_.z_lower + alpha.multipliers * predicted.z_lower,
                                                            now_.z_upper + alpha.multipliers * predicted.z_upper)
                                                       .mean;
-    const double target = std::max(mu_, mean * std::pow(reached / mean, 3)),
-                 most = kMostCorrection * std::max(mean, mu_);
+    const double target = std::max(mu_, mean * std::pow(reached / mean, 3)), most = kMostCorrection * mean;
     const auto towards = [&](const Vector& second_order) -> Vector {
       return (Vector::Constant(second_order.size(), target) - second_order).cwiseMax(-most).cwiseMin(most);
     };
@@ -153,8 +145,9 @@ class QuadraticProgram {
 }  // namespace
 
 std::optional<PrimalDual> solve_quadratic_program(SlackForm& form, KktSystem& system, const PrimalDual& at,
-                                                  const Vector& gradient, const Vector& c, double mu) {
-  return QuadraticProgram(form, system, at, gradient, c, mu).solve();
+                                                  const Vector& gradient, const Vector& c, double mu,
+                                                  const std::function<bool()>& may_go_on) {
+  return QuadraticProgram(form, system, at, gradient, c, mu).solve(may_go_on);
 }
 
 }  // namespace fjr

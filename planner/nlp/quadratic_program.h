@@ -3,6 +3,7 @@
 // chapter 18). No function of the problem is evaluated, and the KKT matrix changes in its diagonal alone.
 #pragma once
 
+#include <functional>
 #include <optional>
 
 #include "planner/nlp/kkt_system.h"
@@ -16,12 +17,14 @@ namespace fjr {
 //
 // with a small weight rho on changes, which settles what the optimum hardly depends on. H and J are those that the form
 // was last given, gradient and c those of its objective and constraints at the point. Returns the point at.v + d and
-// its multipliers, whose products with the distances from the bounds are about mu. Returns nothing if the bounds leave
-// no such d, or if H is so far from convex that 30 iterations do not suffice.
+// its multipliers, whose products with the distances from the bounds are about mu. Returns nothing if three steps in a
+// row are short, which is taken as a sign that the bounds leave no such d; if the KKT matrix cannot be factorised, if
+// 30 iterations do not suffice because H is far from convex, or if may_go_on, asked before each of them, returns false.
 //
 // It begins away from all bounds, wherever the point is: a Newton step from a point at its bounds is blocked by the
 // first one that ceases to be active, or becomes so, and a method that begins there needs some iterations for each.
 std::optional<PrimalDual> solve_quadratic_program(SlackForm& form, KktSystem& system, const PrimalDual& at,
-                                                  const Eigen::VectorXd& gradient, const Eigen::VectorXd& c, double mu);
+                                                  const Eigen::VectorXd& gradient, const Eigen::VectorXd& c, double mu,
+                                                  const std::function<bool()>& may_go_on);
 
 }  // namespace fjr

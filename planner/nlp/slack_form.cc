@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace fjr {
 namespace {
@@ -164,6 +165,16 @@ void SlackForm::set_slack_multipliers(const Vector& y, Vector& z_lower, Vector& 
     z_lower(slack_of(i)) = std::max(0.0, -y(i));
     z_upper(slack_of(i)) = std::max(0.0, y(i));
   }
+}
+
+void SlackForm::keep_multipliers_above(const Vector& least_lower, const Vector& least_upper, PrimalDual& at) const {
+  const auto keep = [](const std::vector<Index>& bounded, const Vector& least, Vector& z) {
+    Vector kept = Vector::Zero(z.size());
+    for (const Index i : bounded) kept(i) = std::max(z(i), least(i));
+    z = std::move(kept);
+  };
+  keep(lower_bounded, least_lower, at.z_lower);
+  keep(upper_bounded, least_upper, at.z_upper);
 }
 
 void SlackForm::push_off_bounds(Vector& v, double push) const {

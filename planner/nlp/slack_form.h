@@ -40,13 +40,15 @@ class SlackForm {
   Vector lower, upper;                                     // of v; +-infinity where unbounded
   std::vector<Eigen::Index> lower_bounded, upper_bounded;  // where they are finite
 
-  // Inverse distances of v from its bounds; zero where there is no bound.
+  // Return the inverse distances of v from its bounds; zero where there is no bound.
   Vector to_lower(const Vector& v) const { return (v - lower).cwiseInverse(); }
   Vector to_upper(const Vector& v) const { return (upper - v).cwiseInverse(); }
+  // Makes the multipliers of the bounds at least these, and zero where there is no bound.
+  void keep_multipliers_above(const Vector& least_lower, const Vector& least_upper, PrimalDual& at) const;
   // Moves v to at least this relative distance inside its bounds, or the same fraction of the distance between two.
   void push_off_bounds(Vector& v, double push) const;
-  // Lengths, 1 at most, of the longest step dv that goes no more than a fraction of the way to the bounds, and of one
-  // that lowers bound multipliers by no more than that fraction: the fraction-to-the-boundary rule.
+  // Return how much of a step, all of it at most, goes no more than a fraction of the way to the bounds, and lowers
+  // bound multipliers by no more than that fraction: the fraction-to-the-boundary rule.
   double longest_step(const Vector& v, const Vector& dv, double fraction) const;
   double longest_multiplier_step(const PrimalDual& at, const PrimalDual& step, double fraction) const;
 

@@ -31,6 +31,14 @@ enum class Optimiser {
   kOwn,  // our interior-point method (interior_point.h), and where that fails Ipopt from the same start
 };
 
+// Where a solve begins.
+enum class Beginning {
+  kPoint,             // at the given point, pushed off its bounds; its multipliers are estimated
+  kMultipliers,       // at the given point and multipliers, which are a solution or nearly so
+  kQuadraticProgram,  // from there, but at the solution of the quadratic program (quadratic_program.h), if it has one:
+                      // for the solution of a neighbouring problem, whose active bounds are others. Ipopt: kMultipliers
+};
+
 enum class BarrierStrategy { kAdaptive, kMonotone };
 
 // The name of the chain factorisation in options and requests.
@@ -48,10 +56,7 @@ struct SolveOptions {
   int max_iterations = 500;
   double initial_barrier = 0.1;  // mu; small for warm starts
   double final_barrier = 1e-9;   // monotone strategy only; costs about mu times the number of bounds in the objective
-  // Our own method begins at the solution of the quadratic program at the start (quadratic_program.h), if it has one.
-  // With warm_start only: it is for solutions of a neighbouring problem, whose active bounds are not those of this one.
-  bool begin_with_qp = false;
-  bool warm_start = false;  // start from the given multipliers and do not push the point off its bounds
+  Beginning beginning = Beginning::kPoint;
   BarrierStrategy barrier_strategy = BarrierStrategy::kAdaptive;
   std::string linear_solver = kChainSolver;  // one of linear_solvers(), linear_solver.h
   Optimiser optimiser = Optimiser::kIpopt;

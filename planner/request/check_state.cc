@@ -5,9 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
-#include <string_view>
 
 #include "common/dual.h"
+#include "model/dynamics.h"
+#include "planner/problem/quantities.h"
 
 namespace fjr {
 namespace {
@@ -59,7 +60,7 @@ std::string exceeds(const QuantityInfo& info, std::size_t j, double reached, con
   const std::string words = info.at_state != nullptr ? info.at_state : fmt::format("{} would be", info.name);
   // The payload deflects the springs, and the motors carry it.
   const bool loaded = parts.depends_on(kPartTheta) || parts.depends_on(kPartTorque);
-  const bool is_angle = parts.depends_on(kPartTheta) && std::string_view(info.unit) == "rad";
+  const bool is_angle = same_quantity(info, SpringDeflection::info);  // the motor's angle is within the limit of q
   return fmt::format("{}{} {:.6g} {}{}, above the limit of {} {}{}", joint, words, reached, info.unit,
                      loaded ? with_load(problem) : "", limit, info.unit,
                      is_angle ? degrees_suspected(x.theta[j], x.q[j] - limit, x.q[j] + limit) : "");

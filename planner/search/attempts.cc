@@ -28,7 +28,7 @@ SolveOptions Attempts::options(const std::string& what) {
 // our own method takes 1.6 times Ipopt's iterations (bench/README.md), and some of its solutions miss the certificate.
 SolveOptions Attempts::warm_options(const std::string& what) {
   SolveOptions o = options(what);
-  o.warm_start = true;
+  o.beginning = Beginning::kMultipliers;
   o.optimiser = has_reward(problem_->weights) ? Optimiser::kIpopt : Optimiser::kOwn;
   o.barrier_strategy = BarrierStrategy::kMonotone;
   o.initial_barrier = o.final_barrier = settings().warm.barrier;
@@ -53,7 +53,7 @@ bool Attempts::Attempt::same_as(const Attempt& other) const {
   };
   const Smoothing &a = setup.smoothing, &b = other.setup.smoothing;
   return how == other.how && most_iterations == other.most_iterations && barrier == other.barrier &&
-         setup.mesh == other.setup.mesh && a.friction_width == b.friction_width &&
+         beginning == other.beginning && setup.mesh == other.setup.mesh && a.friction_width == b.friction_width &&
          a.regularisation == b.regularisation && setup.creep == other.setup.creep &&
          margins(setup) == margins(other.setup);
 }
@@ -94,7 +94,7 @@ bool Attempts::attempt(const std::string& what, Attempt attempt, const SolveOpti
 
 bool Attempts::from_guess(const std::string& what, const CollocationSetup& setup, const Guess& guess,
                           const SolveOptions& o) {
-  return attempt(what, {setup, Attempt::kFromGuess, o.max_iterations, o.initial_barrier}, o,
+  return attempt(what, {setup, Attempt::kFromGuess, o.max_iterations, o.initial_barrier, o.beginning}, o,
                  [&](const SolveOptions& with) { return collocate(*problem_, setup, guess, with); });
 }
 
@@ -104,7 +104,7 @@ bool Attempts::warm(const std::string& what, const CollocationSetup& setup, cons
 
 bool Attempts::warm_from(const Collocated& start, const std::string& what, const CollocationSetup& setup,
                          const SolveOptions& o) {
-  return attempt(what, {setup, Attempt::kWarm, o.max_iterations, o.initial_barrier}, o,
+  return attempt(what, {setup, Attempt::kWarm, o.max_iterations, o.initial_barrier, o.beginning}, o,
                  [&](const SolveOptions& with) { return collocate(*problem_, setup, start, with); });
 }
 
@@ -123,7 +123,7 @@ bool Attempts::warm_or_anew(const std::string& what, const CollocationSetup& set
 }
 
 bool Attempts::moving_nodes(const std::string& what, const std::vector<std::size_t>& nodes, const SolveOptions& o) {
-  return attempt(what, {solution_.setup, Attempt::kMovingNodes, o.max_iterations, o.initial_barrier}, o,
+  return attempt(what, {solution_.setup, Attempt::kMovingNodes, o.max_iterations, o.initial_barrier, o.beginning}, o,
                  [&](const SolveOptions& with) { return move_nodes(*problem_, solution_, nodes, with); });
 }
 

@@ -103,6 +103,7 @@ class Attempts {
     enum How { kFromGuess, kWarm, kMovingNodes } how = kFromGuess;
     int most_iterations = 0;
     double barrier = 0;
+    Beginning beginning = Beginning::kPoint;
     SolveStatus status = SolveStatus::kFailed;  // it ended with
 
     bool same_as(const Attempt& other) const;

@@ -107,7 +107,7 @@ StartOutcome Continuation::begin(const Guess& guess, int most_iterations, const 
   return attempts_.stopped() ? StartOutcome::kNoSolution : StartOutcome::kNew;
 }
 
-ResumeOutcome Continuation::resume(const Collocated& neighbour) {
+ResumeOutcome Continuation::resume(const Collocated& neighbour, Beginning beginning) {
   const Problem& problem = attempts_.problem();
   if (static_cast<std::size_t>(neighbour.setup.mesh.segments()) != segment_count(problem))
     return ResumeOutcome::kOtherSegments;
@@ -127,7 +127,7 @@ ResumeOutcome Continuation::resume(const Collocated& neighbour) {
   // If this does not converge soon, planning from scratch takes less time on average than a second attempt.
   const ContinuationSettings& s = attempts_.settings();
   SolveOptions o = attempts_.warm_options(what);
-  o.begin_with_qp = true;
+  o.beginning = beginning;
   o.max_iterations = problem.variation.price ? s.warm.iterations_to_another_price : s.homotopy.iterations;
   if (!attempts_.warm(what, CollocationSetup(solution().setup), o)) {
     return attempts_.stopped() ? ResumeOutcome::kStopped : ResumeOutcome::kNoSolution;

@@ -59,8 +59,9 @@ class Continuation {
   // among them is not refined again, nor one that costs much more than the least. status() tells how the solve ended.
   StartOutcome begin(const Guess& guess, int most_iterations, const std::vector<double>& known = {});
 
-  // Solves this problem from the refined solution of a neighbouring one (another start or goal), beginning on its mesh.
-  ResumeOutcome resume(const Collocated& neighbour);
+  // Solves this problem from the refined solution of a neighbouring one, beginning on its mesh: at that solution, or at
+  // the quadratic program there, if other limits are active in this one (another start or goal).
+  ResumeOutcome resume(const Collocated& neighbour, Beginning beginning = Beginning::kMultipliers);
 
   // Solves this problem from a solution of the same request with another objective, stretched to `duration` [s], on its
   // mesh and with its friction law. Returns whether that gives a solution.

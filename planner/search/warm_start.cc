@@ -16,7 +16,7 @@ std::optional<std::string> start_warm(const Collocated& neighbour, Findings& fou
   std::optional<std::string> refusal;
   for (const auto& alternative : found.alternatives) {
     Continuation c(alternative, session, "from an earlier plan");
-    const ResumeOutcome outcome = c.resume(neighbour);
+    const ResumeOutcome outcome = c.resume(neighbour, Beginning::kQuadraticProgram);
     if (outcome == ResumeOutcome::kSolved) {
       PublishResult published = publish(c, found.asked, session);
       if (found.keep(c, std::move(published))) return std::nullopt;

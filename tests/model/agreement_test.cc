@@ -10,6 +10,7 @@
 
 #include "common/input_error.h"
 #include "model/identify/arm.h"
+#include "model/identify/charts.h"
 #include "model/identify/repeated.h"
 #include "tests/model/noisy_logs.h"
 
@@ -118,6 +119,9 @@ TEST(Repeated, ALogWithCreepingSpeedsAddsWhatAnotherLeavesOpen) {
   ASSERT_TRUE(two[1].assumed.empty());
   const Estimate both = combine_repeated(two).front().estimate;
   EXPECT_TRUE(both.assumed.empty());
+  // Either log has charts of its own, and what they say together has none.
+  EXPECT_FALSE(charts_of(two[0]).empty());
+  EXPECT_TRUE(charts_of(both).empty());
   EXPECT_NEAR(both.at("second_shape"), -6539.2, 4 * both.standard_error("second_shape"));
   for (const char* name : {"viscous", "amplitude", "width"}) {
     EXPECT_LE(both.standard_error(name), 1.0001 * two[0].standard_error(name)) << name;

@@ -64,7 +64,7 @@ Collocated solved(const Problem& problem, const CollocationSetup& setup) {
 // The optimum of a problem close to that of `start`, on the same mesh or on one with other fractions.
 double objective_near(const Problem& problem, const CollocationSetup& setup, const Collocated& start) {
   SolveOptions o = to_the_end();
-  o.warm_start = true;
+  o.beginning = Beginning::kMultipliers;
   o.initial_barrier = o.final_barrier;
   const Collocated c = collocate(problem, setup, start, o);
   EXPECT_TRUE(c.report.solved());
@@ -329,7 +329,7 @@ TEST(NodeTimesOf, MovedNodesLieWhereTheHamiltonianDoesNotJump) {
   const NodeTimes before = node_times(problem, fixed);
   ASSERT_FALSE(before.jumps.empty());
   SolveOptions o = to_the_end();
-  o.warm_start = true;
+  o.beginning = Beginning::kMultipliers;
   o.initial_barrier = o.final_barrier = 1e-9;
   const Collocated moved = move_nodes(problem, fixed, before.jumps, o);
   ASSERT_TRUE(moved.report.solved());

@@ -297,7 +297,7 @@ TEST(InteriorPoint, RecognisesASolutionAtOnce) {
   ASSERT_TRUE(cold.solved());
   EXPECT_GT(cold.iterations, 5);
   SolveOptions options = with_barrier(1e-7, 1e-7);
-  options.warm_start = true;
+  options.beginning = Beginning::kMultipliers;
   const SolveReport warm = solve_by_interior_point(nlp, cold.iterate, options);
   EXPECT_EQ(warm.status, SolveStatus::kOptimal);
   EXPECT_LE(warm.iterations, 1);  // measured: 0
@@ -311,29 +311,39 @@ TEST(InteriorPoint, BeginsAtTheSolutionOfTheQuadraticProgram) {
   const SolveReport cold = solve_by_interior_point(first, zeros(first, 1), with_barrier(0.1, 1e-7));
   ASSERT_TRUE(cold.solved());
   SolveOptions options = with_barrier(1e-7, 1e-7);
-  options.warm_start = true;
+  options.beginning = Beginning::kMultipliers;
   const SolveReport step_by_step = solve_by_interior_point(neighbour, cold.iterate, options);
-  options.begin_with_qp = true;
+  options.beginning = Beginning::kQuadraticProgram;
   const SolveReport at_once = solve_by_interior_point(neighbour, cold.iterate, options);
   ASSERT_EQ(step_by_step.status, SolveStatus::kOptimal);
   ASSERT_EQ(at_once.status, SolveStatus::kOptimal);
-  EXPECT_LE(at_once.iterations, 3);       // measured: 1
-  EXPECT_GT(step_by_step.iterations, 5);  // measured: 19
+  EXPECT_LE(at_once.iterations, 3);                                    // measured: 1
+  EXPECT_GT(step_by_step.iterations, 5);                               // measured: 19
+  EXPECT_GT(at_once.work, work_of(neighbour, at_once.iterations, 0));  // its factorisations count
   EXPECT_NEAR(at_once.objective, step_by_step.objective, 1e-6 * step_by_step.objective);
   expect_kkt_point(neighbour, at_once.iterate, 1e-6);
 }
 
-TEST(InteriorPoint, GivesTheSameBitsTwice) {
-  const Plant nlp = fastest(hermite_simpson(), 20, 0.1, 10);
-  const SolveReport a = solve_by_interior_point(nlp, zeros(nlp, 3), SolveOptions{}),
-                    b = solve_by_interior_point(nlp, zeros(nlp, 3), SolveOptions{});
-  EXPECT_TRUE(a.solved());
+void expect_the_same_bits(const SolveReport& a, const SolveReport& b) {
+  EXPECT_EQ(a.status, b.status);
   EXPECT_EQ(a.iterations, b.iterations);
   EXPECT_EQ(a.work, b.work);
   EXPECT_EQ(a.iterate.x, b.iterate.x);
   EXPECT_EQ(a.iterate.lambda, b.iterate.lambda);
   EXPECT_EQ(a.iterate.z_lower, b.iterate.z_lower);
   EXPECT_EQ(a.iterate.z_upper, b.iterate.z_upper);
+}
+
+TEST(InteriorPoint, GivesTheSameBitsTwice) {
+  const Plant nlp = fastest(hermite_simpson(), 20, 0.1, 10), shorter = fastest(hermite_simpson(), 20, 0.1, 2.1);
+  const SolveReport cold = solve_by_interior_point(nlp, zeros(nlp, 3), SolveOptions{});
+  ASSERT_TRUE(cold.solved());
+  expect_the_same_bits(cold, solve_by_interior_point(nlp, zeros(nlp, 3), SolveOptions{}));
+  SolveOptions options = with_barrier(1e-7, 1e-7);
+  options.beginning = Beginning::kQuadraticProgram;
+  const SolveReport warm = solve_by_interior_point(shorter, cold.iterate, options);
+  EXPECT_TRUE(warm.solved());
+  expect_the_same_bits(warm, solve_by_interior_point(shorter, cold.iterate, options));
 }
 
 // ---- the quadratic program at a point ----
@@ -347,7 +357,8 @@ std::optional<PrimalDual> quadratic_solution(const Nlp& nlp, const VectorXd& x) 
   form.differentiate(at.v, gradient);
   form.constraint_values(at.v, c);
   form.set_hessian(at.v, at.y);
-  std::optional<PrimalDual> solution = solve_quadratic_program(form, system, at, gradient, c, 1e-9);
+  std::optional<PrimalDual> solution =
+      solve_quadratic_program(form, system, at, gradient, c, 1e-9, [] { return true; });
   if (solution) solution->v = form.to_x(solution->v);
   return solution;
 }
@@ -382,9 +393,9 @@ TEST(QuadraticProgram, WithoutASolutionIsApproachedInParts) {
     return {VectorXd::Constant(1, x), VectorXd::Zero(1), VectorXd::Ones(1), VectorXd::Zero(1)};
   };
   SolveOptions without;
-  without.warm_start = true;
+  without.beginning = Beginning::kMultipliers;
   SolveOptions with = without;
-  with.begin_with_qp = true;
+  with.beginning = Beginning::kQuadraticProgram;
   for (const double x : {0.2, 0.05}) {
     ASSERT_FALSE(quadratic_solution(problem, from(x).x));
     const SolveReport one = solve_by_interior_point(problem, from(x), without),
@@ -397,6 +408,31 @@ TEST(QuadraticProgram, WithoutASolutionIsApproachedInParts) {
       EXPECT_EQ(other.iterations, one.iterations);
     }
   }
+}
+
+// The second row says what the first one does, so that the KKT matrix is singular; and there are no bounds at all.
+TEST(QuadraticProgram, IsSolvedWithDependentRowsAndWithoutBounds) {
+  const std::array<double, 2> anywhere{-kInfinity, kInfinity};
+  const auto sum = [](const auto& x) { return x[0] + x[1]; };
+  const SmallProblem problem({anywhere, anywhere}, {{1, 1}, {1, 1}},
+                             {[](const auto& x) { return squared(x[0]) + squared(x[1]); }, sum, sum});
+  const std::optional<PrimalDual> solution = quadratic_solution(problem, Eigen::Vector2d(0, 3));
+  ASSERT_TRUE(solution);
+  EXPECT_LT(largest(solution->v - Eigen::Vector2d(0.5, 0.5)), 1e-5);
+}
+
+// The quadratic program of sqrt(x) + x^2 / 8 at 1 leads to a negative x.
+TEST(QuadraticProgram, IsNotFollowedToWhereTheProblemIsNotDefined) {
+  const SmallProblem problem({{-5, 5}}, {}, {[](const auto& x) { return sqrt(x[0]) + 0.125 * squared(x[0] + 1.0); }});
+  const Iterate start{VectorXd::Ones(1), {}, VectorXd::Zero(1), VectorXd::Zero(1)};
+  ASSERT_TRUE(quadratic_solution(problem, start.x));
+  ASSERT_LT(quadratic_solution(problem, start.x)->v(0), 0);
+  SolveOptions options;
+  options.max_iterations = 0;
+  options.beginning = Beginning::kQuadraticProgram;
+  const SolveReport report = solve_by_interior_point(problem, start, options);
+  EXPECT_EQ(report.status, SolveStatus::kIterationLimit);
+  EXPECT_EQ(report.iterate.x(0), 1);
 }
 
 // ---- how it ends otherwise ----
@@ -430,6 +466,19 @@ TEST(InteriorPoint, StopsWhenTheMonitorSaysSo) {
   EXPECT_EQ(report.iterations, 3);
   EXPECT_EQ(seen, (std::vector<int>{0, 1, 2, 3}));
   EXPECT_FALSE(report.fell_back);
+}
+
+TEST(InteriorPoint, StopsWithinTheQuadraticProgram) {
+  const Plant first = bryson_denham(hermite_simpson(), 24, 0.1, true),
+              neighbour = bryson_denham(hermite_simpson(), 24, 0.08, true);
+  const SolveReport cold = solve_by_interior_point(first, zeros(first, 1), with_barrier(0.1, 1e-7));
+  SolveOptions options = with_barrier(1e-7, 1e-7);
+  options.beginning = Beginning::kQuadraticProgram;
+  int left = 3;
+  options.monitor = [&left](const IterationInfo&) { return --left > 0; };
+  const SolveReport report = solve_by_interior_point(neighbour, cold.iterate, options);
+  EXPECT_EQ(report.status, SolveStatus::kStopped);
+  EXPECT_LT(report.cost.factorisations, 3);
 }
 
 TEST(InteriorPoint, ReportsTheIterationLimit) {

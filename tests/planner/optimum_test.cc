@@ -162,7 +162,7 @@ TEST(Ipopt, WarmStartTakesTheMultipliers) {
   const SolveReport cold = solve(nlp, zeros(nlp, 1), SolveOptions{});
   ASSERT_TRUE(cold.solved());
   SolveOptions options;
-  options.warm_start = true;
+  options.beginning = Beginning::kMultipliers;
   options.initial_barrier = 1e-8;
   const SolveReport warm = solve(nlp, cold.iterate, options);
   EXPECT_EQ(warm.status, SolveStatus::kOptimal);

@@ -42,6 +42,15 @@ TEST(Scene, HoldsWhatTheRequestAsksForOnTheWay) {
   expect_at(scene[2]["at"], tip.x, tip.y);
 }
 
+// A picture without an obstacle that this version does not know would mislead.
+TEST(Scene, RefusesWhatThisVersionDoesNotKnow) {
+  const Problem problem =
+      parse_request("start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n", "reach.yaml", load_parameters(kRobot));
+  Json json = plan_json(problem, {});
+  json["resolved_request"]["task"] = {{{"kind", "sphere"}, {"name", "obstacles[0]"}}};
+  EXPECT_THROW(scene_json(JsonField(json, "plan.json"), problem.robot), InputError);
+}
+
 TEST(Scene, ArcsLeadTheShortWayFromOnePointToTheOther) {
   const Parameters robot = load_parameters(kRobot);
   const Point<double> from = tip_position(robot, Joints<double>{0, 0}),

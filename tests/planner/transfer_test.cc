@@ -69,7 +69,7 @@ TEST_P(TransferOf, ASolutionToASplitMeshIsAGoodStart) {
   const auto fine = oscillator(GetParam(), split(coarse.mesh(), std::vector<int>(40, 2)), -0.4);
   const SolveReport cold = solve(fine, cold_start(fine), SolveOptions{});
   SolveOptions options;
-  options.warm_start = true;
+  options.beginning = Beginning::kMultipliers;
   options.initial_barrier = 1e-6;
   const SolveReport warm = solve(fine, Transfer<VanDerPol>(coarse, old, fine).run(), options);
   ASSERT_EQ(warm.status, SolveStatus::kOptimal);

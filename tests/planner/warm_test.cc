@@ -4,8 +4,10 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <random>
 #include <string>
 #include <thread>
@@ -45,11 +47,11 @@ class Warm : public testing::Test {
 };
 
 // Roundings decide which neighbours do not converge: of 84 fastest motions whose goals were moved by up to 0.02 rad
-// three, none of these four. Without the quadratic program at their start it was one in four, two of these four.
-TEST_F(Warm, NeighbouringGoalsNeedFewerIterationsForTheSameMotion) {
+// three.
+TEST_F(Warm, NeighbouringGoalsNeedFewerFactorisationsForTheSameMotion) {
   const std::vector<Joints<double>> goals{{0.81, -0.31}, {0.79, -0.28}, {0.82, -0.3}, {0.8, -0.32}};
   std::size_t warm_ones = 0;
-  int warm_iterations = 0, cold_iterations = 0;
+  int warm_factorisations = 0, cold_factorisations = 0;
   for (const Joints<double>& goal : goals) {
     const Problem neighbour = to(goal[0], goal[1]);
     const Plan warm = from_first(neighbour), cold = plan(neighbour, {});
@@ -61,11 +63,25 @@ TEST_F(Warm, NeighbouringGoalsNeedFewerIterationsForTheSameMotion) {
     EXPECT_NEAR(warm.duration, cold.duration, 1e-3 * cold.duration);
     if (!warm.warm) continue;
     ++warm_ones;
-    warm_iterations += warm.iterations;
-    cold_iterations += cold.iterations;
+    warm_factorisations += warm.cost.factorisations;
+    cold_factorisations += cold.cost.factorisations;
   }
   EXPECT_GE(warm_ones, 3U);
-  EXPECT_LT(warm_iterations, cold_iterations);  // measured: 0.37
+  EXPECT_LT(warm_factorisations, cold_factorisations);  // measured: 0.44
+}
+
+// With such a goal other limits are active, and at other times. A Newton step from the solution there is blocked by one
+// after the other: without the quadratic program 13 of these 24 converge, with it 21. Roundings decide about some.
+TEST_F(Warm, MostGoalsAllAroundAreReachedFromThePlanThereIs) {
+  constexpr int kGoals = 24;
+  int warm_ones = 0;
+  for (int k = 0; k < kGoals; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kGoals;
+    const Plan plan = from_first(to(0.8 + 0.05 * std::cos(angle), -0.3 + 0.05 * std::sin(angle)));
+    EXPECT_EQ(plan.status, PlanStatus::kCertified) << plan.reason;
+    if (plan.warm) ++warm_ones;
+  }
+  EXPECT_GE(warm_ones, 18);
 }
 
 TEST_F(Warm, OtherConstraintsAreNoStartAndThePlanIsMadeFromScratch) {

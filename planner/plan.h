@@ -49,8 +49,8 @@ struct PlanOptions {
   int starts = 0;  // 0: as the request's `search` and its objective say
   int jobs = 1;    // threads; 0: as many as there are cores. The plan does not depend on it.
   // [s] limit on the optimiser's work (SolveReport::work); a longer deadline raises it. It is not a time, so that the
-  // same request gives the same plan on a busy machine too. More starts may take more in proportion, and so may slow
-  // motions that have come to nothing else (BudgetSettings::damping).
+  // same request gives the same plan on a busy machine too. More starts may take more in proportion, and so may
+  // requests for which no start leads to a motion, and slow motions that have come to nothing else (BudgetSettings).
   double most_work = 60;
   // If given, it is tried first; if it leads to a certified plan, nothing else is tried.
   std::optional<WarmStart> warm;

@@ -76,7 +76,7 @@ struct SolveReport {
   double tolerance = 0;  // SolveOptions::tolerance that it was solved with
   int iterations = 0;
   // Effort of the solve, computed from counts of iterations and multiplications instead of measured, so that it is
-  // reproducible. The unit is about 1 s of one core of the machine that the weights were measured on (bench/README.md).
+  // reproducible. The unit is about 1 s of one core at most, and often half of that (bench/README.md).
   double work = 0;
   SolveCost cost{};
   bool fell_back = false;  // our method failed and Ipopt was used; iterations, work and cost are sums over both

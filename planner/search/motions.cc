@@ -189,8 +189,10 @@ void find_motions(int count, Findings& found, Session& session) {
   }
   take_turns(open, count, found, session);
   refine_waiting(found, session);
+  if (!found.candidates.empty() || found.too_short() || found.out_of_reach) return;
+  session.allow_more(session.settings().budget.fallbacks);
   for (const Alternative& alternative : open) {
-    if (!found.candidates.empty() || session.interrupted() || found.too_short() || found.out_of_reach) break;
+    if (!found.candidates.empty() || session.interrupted() || found.too_short()) return;
     if (auto motion = fall_back(alternative, session)) follow(std::move(*motion), found, session);
   }
 }

@@ -122,7 +122,12 @@ void Session::for_each(std::size_t count, const std::function<void(std::size_t)>
 
 void Session::enter(Phase phase) {
   phase_ = std::max(phase_, phase);
-  allowed_ = allowed_by_the_end_of(phase_, settings().budget) * options_.most_work;
+  allowed_ = (allowed_by_the_end_of(phase_, settings().budget) + more_) * options_.most_work;
+}
+
+void Session::allow_more(double fraction) {
+  more_ += fraction;
+  allowed_ += fraction * options_.most_work;
 }
 
 void Session::tell_starts(int done, int planned) {

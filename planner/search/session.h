@@ -25,12 +25,12 @@ struct SessionOptions {
   SearchSettings search{};
   Scheme scheme = hermite_simpson();
   std::string linear_solver = "stage";
-  double deadline = 0;                               // [s] of wall time; 0: none
-  double most_work = kNoLimit;                       // [s] of work (SolveReport::work) in all phases but damping
-  double patience = 1;                               // most_work as a multiple of the usual one
-  int jobs = 1;                                      // threads at most
-  double objective_scale = 1;                        // factor from an optimised objective to the requested one
-  std::function<bool()> cancelled;                   // polled between iterations; may be empty
+  double deadline = 0;              // [s] of wall time; 0: none
+  double most_work = kNoLimit;      // [s] of work (SolveReport::work) in all phases but fallbacks and damping
+  double patience = 1;              // most_work as a multiple of the usual one
+  int jobs = 1;                     // threads at most
+  double objective_scale = 1;       // factor from an optimised objective to the requested one
+  std::function<bool()> cancelled;  // polled between iterations; may be empty
   std::function<void(const Progress&)> on_progress;  // may be empty
 };
 
@@ -58,12 +58,16 @@ class Session {
   bool stopped() const { return shared_->stopped; }
   bool deadline_passed() const { return shared_->deadline_passed; }
 
-  // Returns the work [s] that may be done in all: more than the options say from the phase of damping on.
+  // Returns the work [s] that may be done in all: more than the options say for fallbacks, and from the phase of
+  // damping on.
   double most_work() const { return std::max(options_.most_work, allowed_); }
 
   // Enters a phase: from now on, work may add up to what this phase and those before it may use together. Before the
   // first call no work is allowed.
   void enter(Phase phase);
+
+  // Allows this phase and all later ones a fraction of the options' work in addition.
+  void allow_more(double fraction);
 
   // Sets the number of finished and of planned starts, for progress reports.
   void tell_starts(int done, int planned);
@@ -131,6 +135,7 @@ class Session {
   Account account_;
   std::shared_ptr<Shared> shared_;
   double work_ = 0, allowed_ = 0;  // [s] done, with that of the solve at work; allowed in the present phase
+  double more_ = 0;                // fraction of the options' work that is allowed in addition to a phase's own
   double work_before_ = 0;         // [s] value of work_ when this branch began, with the work that is left to others
   int iterations_before_ = 0;      // done before this branch began
   Phase phase_ = Phase::kFinding;  // the latest that was entered

@@ -214,6 +214,9 @@ struct PublicationSettings {
 // Fractions of a request's work that may be done by the end of a phase (session.h); others may use it all.
 struct BudgetSettings {
   double finding = 0.5, refining = 0.8;
+  // Where no start led to a motion, fallbacks may take this in addition. By then starts have often used up their own:
+  // least peak torque in 5 s and a slow motion were not converged, and are certified with it.
+  double fallbacks = 0.5;
   // Damping may use more than the others together, for by then they have used it all. Slow motions that can be had in
   // this way are certified in 5 to 15 s of one core.
   double damping = 1.4;

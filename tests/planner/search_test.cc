@@ -268,6 +268,20 @@ TEST(Search, ASlowMotionIsFoundWithDamping) {
   EXPECT_GT(slow.acceleration_penalty, 0);
 }
 
+// Starts have no work at all here, so that what is found was found by a fallback.
+TEST(Search, FallbacksHaveWorkOfTheirOwn) {
+  PlanOptions options;
+  options.search.budget.finding = 0;
+  const Plan found =
+      plan(request("{start: {q: [0, 0]}, goal: {q: [0.6, -0.4]}, duration: 1, objective: efficient}"), options);
+  EXPECT_EQ(found.status, PlanStatus::kCertified) << found.reason;
+  EXPECT_GT(found.fallbacks.patience, 0);
+  options.search.budget.fallbacks = 0;
+  const Plan without =
+      plan(request("{start: {q: [0, 0]}, goal: {q: [0.6, -0.4]}, duration: 1, objective: efficient}"), options);
+  EXPECT_EQ(without.fallbacks.patience, 0);  // the explanation finds it then
+}
+
 TEST(Search, AViaTimeIsNamedBesideADurationThatIsTooShort) {
   const Plan result =
       plan(request("{start: {q: [0, 0]}, via: [{q: [1, 1], time: 0.3}], goal: {q: [0, 0]}, duration: 0.6}"), {});

@@ -246,6 +246,22 @@ TEST(Session, CountsPiecesInTheirOrderUntilAllIsTaken) {
   }
 }
 
+TEST(Session, AllowsMoreInThisPhaseAndInLaterOnes) {
+  SessionOptions options;
+  options.most_work = 60;
+  Session session(options);
+  session.enter(Phase::kFinding);
+  EXPECT_TRUE(session.interrupted(30));
+  session.allow_more(0.25);
+  EXPECT_FALSE(session.interrupted(14));
+  EXPECT_TRUE(session.interrupted(1));
+  EXPECT_EQ(session.most_work(), 60);
+  session.enter(Phase::kExplaining);
+  EXPECT_FALSE(session.interrupted(29));
+  EXPECT_TRUE(session.interrupted(1));
+  EXPECT_EQ(session.most_work(), 75);
+}
+
 // Of 30, its own work takes 12 and may take all; each of those beside it may take half, and the third is too late.
 TEST(Session, CountsItsOwnWorkBeforeWhatIsBesideIt) {
   for (const int jobs : {1, 3}) {

@@ -34,8 +34,9 @@ constexpr int kPatience = 10;              // shortened steps in a row before th
 constexpr int kWatchedSteps = 3;
 constexpr int kSoftSteps = 10;
 constexpr double kSoftDecrease = 0.9999;
-constexpr int kMostStepsOfQp = 8;  // that reduce the violation of linearised constraints by a fraction only
-constexpr double kLeastFraction = 0.25;
+constexpr int kMostStepsOfQp =
+    8;  // most steps to solutions of quadratic programs, if all but the last go part of the way
+constexpr double kLeastFraction = 0.25;  // least fraction of the linearised violation that such a step removes
 
 double largest(const Vector& v) { return v.lpNorm<Eigen::Infinity>(); }
 
@@ -110,8 +111,8 @@ class InteriorPoint {
 
   // Begins again at the solution of the quadratic program at the start, if it has one. Slacks follow their constraints
   // there as far as their bounds allow, so that an inequality is violated by no more than what it exceeds them by.
-  // Where the linearised constraints contradict the bounds, a step reduces their violation by a half or a quarter, and
-  // another one goes on from there. What it cannot improve stays as it is.
+  // Where the linearised constraints contradict the bounds, a step removes a half or a quarter of their violation, and
+  // another one goes on from there. Without any such step the start stays as it is.
   void go_to_solution_of_qp() {
     while (steps_of_qp_ < kMostStepsOfQp && may_go_on(0)) {
       differentiate();
@@ -129,7 +130,8 @@ class InteriorPoint {
       if (fraction == 1) return;
     }
   }
-  // Solves the quadratic program whose linearised constraints are violated by a fraction less.
+  // Returns the solution of the quadratic program that removes this fraction of the linearised violation, if it has
+  // one.
   std::optional<PrimalDual> solution_of_qp(double fraction) {
     const CpuTimed timed(report_.cost.linear_algebra);
     return solve_quadratic_program(form_, system_, at_, gradient_, fraction * c_, mu_, [this] { return may_go_on(0); });

@@ -120,10 +120,11 @@ class QuadraticProgram {
   // predictor neglects: products of two changes.
   PrimalDual corrected(const PrimalDual& predicted) const {
     const Lengths alpha = longest(predicted, 1);
-    const double mean = products_.mean, reached = products(now_.v + alpha.point * predicted.v,
-                                                           now_.z_lower + alpha.multipliers * predicted.z_lower,
-                                                           now_.z_upper + alpha.multipliers * predicted.z_upper)
-                                                      .mean;
+    const double mean = std::max(products_.mean, mu_),
+                 reached =
+                     products(now_.v + alpha.point * predicted.v, now_.z_lower + alpha.multipliers * predicted.z_lower,
+                              now_.z_upper + alpha.multipliers * predicted.z_upper)
+                         .mean;
     const double target = std::max(mu_, mean * std::pow(reached / mean, 3)), most = kMostCorrection * mean;
     const auto towards = [&](const Vector& second_order) -> Vector {
       return (Vector::Constant(second_order.size(), target) - second_order).cwiseMax(-most).cwiseMin(most);

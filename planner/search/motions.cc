@@ -77,9 +77,12 @@ bool all_seem_too_short(const std::vector<Alternative>& open, Session& session) 
   });
 }
 
+// Returns whether all of them allow less than a fraction of the usual duration. That is one between rests, and says
+// nothing of an arm that moves already.
 bool have_little_time(const std::vector<Alternative>& open, double fraction) {
   return std::all_of(open.begin(), open.end(), [=](const Alternative& alternative) {
-    return alternative->duration.max < fraction * usual_duration(*alternative);
+    const bool between_rests = alternative->start_at_rest && alternative->goal.at_rest;
+    return between_rests && alternative->duration.max < fraction * usual_duration(*alternative);
   });
 }
 

@@ -513,6 +513,18 @@ TEST(Starts, OfAMovingArmPassViaPoints) {
 
 // Link 1 may end anywhere. From a guess that ends beside its start, 0.58 rad, least effort holds it there; it is less
 // than half where link 1 ends at 0.02 rad, whatever happens on the way there.
+// Between rests such a motion takes 0.18 s, and a motion that turns back takes as long. Judged by that the request was
+// out of reach before anything was tried in the time that it gives.
+TEST(Starts, AnArmThatMovesAlreadyIsTriedInTheTimeThereIs) {
+  const Plan plan =
+      fjr::plan(request("start: {q: [0.40954, -0.37379], dq: [-1.4232, 4.1288], theta: [0.5322, -0.3735], "
+                        "dtheta: [-1.765, 4.2178]}\n"
+                        "goal: {q: [0.33831, -0.16713], dq: [-1.4232, 4.1288]}\nduration: 0.05005\n"
+                        "objective: {copper: 1}\npath: {tolerance: 0.0314}\n"),
+                {});
+  EXPECT_EQ(plan.status, PlanStatus::kCertified) << plan.reason;
+}
+
 TEST(Starts, FreeJointsEndWhereTheyAreEasilyHeld) {
   const std::string move = "start: {q: [0.58, 1.04]}\nobjective: {time: 0.2, effort: 1}\n";
   const Plan given = plan(request(move + "goal: {q: [0.02, 1.14]}\nsearch: quick\n"), {});

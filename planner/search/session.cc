@@ -32,7 +32,11 @@ Session::Session(SessionOptions options)
     : options_(std::move(options)), shared_(std::make_shared<Shared>(options_.jobs)) {}
 
 Session::Session(Branch, const Session& trunk)
-    : options_(trunk.options_), shared_(trunk.shared_), allowed_(trunk.allowed_), phase_(trunk.phase_) {
+    : options_(trunk.options_),
+      shared_(trunk.shared_),
+      allowed_(trunk.allowed_),
+      more_(trunk.more_),
+      phase_(trunk.phase_) {
   iterations_before_ = trunk.iterations_before_ + trunk.account_.iterations;
   work_before_ = std::isfinite(allowed_) ? (trunk.work_ + trunk.allowed_) / 2 : trunk.work_;
   work_ = work_before_;

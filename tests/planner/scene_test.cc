@@ -47,8 +47,15 @@ TEST(Scene, RefusesWhatThisVersionDoesNotKnow) {
   const Problem problem =
       parse_request("start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\n", "reach.yaml", load_parameters(kRobot));
   Json json = plan_json(problem, {});
-  json["resolved_request"]["task"] = {{{"kind", "sphere"}, {"name", "obstacles[0]"}}};
-  EXPECT_THROW(scene_json(JsonField(json, "plan.json"), problem.robot), InputError);
+  const auto scene = [&] { return scene_json(JsonField(json, "plan.json"), problem.robot); };
+  EXPECT_NO_THROW(scene());
+  json["resolved_request"]["task"]["spheres"] = Json::array({{{"centre", {0.3, -0.7, 0}}, {"radius", 0.05}}});
+  try {
+    scene();
+    ADD_FAILURE() << "a constraint that is not known was left out";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("spheres"), std::string::npos) << error.what();
+  }
 }
 
 TEST(Scene, ArcsLeadTheShortWayFromOnePointToTheOther) {

@@ -513,8 +513,8 @@ TEST(Starts, OfAMovingArmPassViaPoints) {
 
 // Link 1 may end anywhere. From a guess that ends beside its start, 0.58 rad, least effort holds it there; it is less
 // than half where link 1 ends at 0.02 rad, whatever happens on the way there.
-// Between rests such a motion takes 0.18 s, and a motion that turns back takes as long. Judged by that the request was
-// out of reach before anything was tried in the time that it gives.
+// A usual duration is one between rests. Judged by it this request was out of reach before anything was tried in the
+// time that it gives, for the fastest motion that was found turns back and takes 0.18 s.
 TEST(Starts, AnArmThatMovesAlreadyIsTriedInTheTimeThereIs) {
   const Plan plan =
       fjr::plan(request("start: {q: [0.40954, -0.37379], dq: [-1.4232, 4.1288], theta: [0.5322, -0.3735], "

@@ -92,6 +92,16 @@ CollocationSetup split_setup(CollocationSetup setup, const Cuts& cuts) {
   return setup;
 }
 
+// Raises the errors [rad] of intervals in short segments, by as much as less is allowed there.
+void raise_for_short_segments(std::vector<double>& errors, const Collocated& solution, const MeshSettings& settings) {
+  const Mesh& mesh = solution.setup.mesh;
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    const double duration = solution.durations[static_cast<std::size_t>(mesh.intervals[k].segment)];
+    const double short_by = duration / settings.full_tolerance_from;
+    errors[k] /= std::clamp(short_by * short_by * short_by, settings.least_part_of_tolerance, 1.0);
+  }
+}
+
 }  // namespace
 
 MeshDemand demand_on_the_way(const ContinuationSettings& settings) {
@@ -105,6 +115,7 @@ MeshDemand demand_for_certificate(const ContinuationSettings& settings, const Co
 
 CollocationSetup with_finer_mesh(const Problem& problem, const Collocated& solution, CollocationSetup setup,
                                  std::vector<double> errors, const MeshDemand& demand, const MeshSettings& settings) {
+  raise_for_short_segments(errors, solution, settings);
   const Cuts steps = raise_for_excesses(errors, problem, solution, setup.margins, demand, settings);
   raise_for_cost(errors, problem, solution, setup.smoothing.friction_width, demand, settings);
   Cuts cuts =

@@ -126,7 +126,7 @@ TEST_P(StoppedOnTheWay, APublicationEndsInOrder) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Publish, StoppedOnTheWay,
-                         testing::Combine(testing::Values(0.5, 1.0), testing::Values(1.01, 1.03)));
+                         testing::Combine(testing::Values(0.5, 1.0), testing::Values(1.003, 1.03)));
 
 // ---- arcs beyond half a turn ----
 
@@ -197,6 +197,31 @@ TEST(Search, ABoundRightAboveTheMinimumTimeCostsNothing) {
   ASSERT_EQ(bounded.status, PlanStatus::kCertified) << bounded.reason;
   EXPECT_EQ(bounded.iterations, free.iterations);
   EXPECT_EQ(bounded.duration, free.duration);
+}
+
+// The principle of optimality: no motion to a state of a fastest one takes longer than that one took to it. These parts
+// of 0.08 to 0.1 s are 0.01 % shorter at most, and were 2.3 to 2.5 % longer on meshes that were judged by one error for
+// all durations.
+TEST(Search, TheFirstPartOfAFastestMotionIsAFastestMotion) {
+  struct Case {
+    const char* ends;
+    double part;  // [s]
+  };
+  for (const auto& [ends, part] : {Case{"start: {q: [1.3504, 1.1466]}\ngoal: {q: [0.3106, -0.2356]}\n", 0.1},
+                                   Case{"start: {q: [0.2989, 0.8342]}\ngoal: {q: [-0.5211, 0.2729]}\n", 0.079},
+                                   Case{"start: {q: [1.3922, 0.7741]}\ngoal: {q: [-1.1460, -0.7609]}\n", 0.085}}) {
+    Problem problem = request(ends);
+    const Plan whole = plan(problem, {});
+    ASSERT_EQ(whole.status, PlanStatus::kCertified) << whole.reason;
+    const auto& rows = whole.trajectory->samples;
+    const auto row = std::find_if(rows.begin(), rows.end(), [&](const Sample& s) { return s.time >= part; });
+    ASSERT_NE(row, rows.end());
+    const State<double>& x = row->state;
+    problem.goal = {.q = x.q, .dq = x.dq, .theta = x.theta, .dtheta = x.dtheta, .at_rest = false};
+    const Plan first = plan(problem, {});
+    ASSERT_EQ(first.status, PlanStatus::kCertified) << first.reason;
+    EXPECT_LT(first.duration, 1.001 * row->time) << ends;  // measured: -0.01 to 0.02 %
+  }
 }
 
 TEST(Search, AShortestDurationThatIsToldCanBeHad) {

@@ -481,6 +481,14 @@ Guess guess_from(Motion motion, const std::vector<double>& durations, double dur
   return {"previous", stretched, state, torque};
 }
 
+Guess first_segments_of(const Guess& guess, std::size_t count) {
+  const std::vector<double> durations(guess.durations.begin(),
+                                      guess.durations.begin() + static_cast<std::ptrdiff_t>(count));
+  const double part = std::accumulate(durations.begin(), durations.end(), 0.0) / guess.duration();
+  return {guess.name, durations, [state = guess.state, part](double s) { return state(part * s); },
+          [torque = guess.torque, part](double s) { return torque(part * s); }};
+}
+
 double usual_duration(const Problem& problem) {
   const bool hurried = starts_worth_trying(problem.weights) == 1;
   return std::max(kShortest, sum_of(leg_times(problem))) * (hurried ? kWithSprings : kWithoutHurry);

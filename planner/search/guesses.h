@@ -64,6 +64,9 @@ Guess waiting_guess(Guess guess, double first, double last);
 // Returns a solved motion, with segments of these durations [s], stretched to `duration` [s].
 Guess guess_from(Motion motion, const std::vector<double>& durations, double duration);
 
+// Returns a guess's motion through its first `count` segments.
+Guess first_segments_of(const Guess& guess, std::size_t count);
+
 // Returns roughly how long [s] a motion takes: what a rigid arm takes within the limits of torque and velocities, times
 // 1.3 for the fastest motion and 2 for others, because of springs and friction.
 double usual_duration(const Problem& problem);

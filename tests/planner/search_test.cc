@@ -95,6 +95,20 @@ TEST(NearestTime, IsTheOneAskedForWhereAMotionIsFoundFromOthers) {
   EXPECT_NEAR(nearest.as_asked->duration(), 1.2, 1e-9);
 }
 
+// The fastest motion between these ends passes the points at these times. Started from rests at the points, the way to
+// the second one turned back, and took 0.374 s.
+TEST(EarliestTime, IsNoLaterThanThatOfAKnownMotion) {
+  const Problem problem = request(
+      "{start: {q: [-1.1580, -0.8922]}, goal: {q: [-0.4982, -0.2912]}, duration: 0.394024, objective: efficient, "
+      "via: [{q: [-0.6883, -1.6165], time: 0.1920}, {q: [-0.4697, -0.5802], time: 0.3315}]}");
+  Session session{SessionOptions{}};
+  session.enter(Phase::kFinding);
+  Search search(session);
+  const auto earliest = earliest_at(problem, 1, search);
+  ASSERT_TRUE(earliest);
+  EXPECT_LT(*earliest, 0.3315);  // measured: 0.324 s
+}
+
 // ---- being stopped ----
 
 // The verdict asks for margins, and while they are being had the mesh changes: what the verdict said of its intervals

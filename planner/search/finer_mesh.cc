@@ -92,11 +92,28 @@ CollocationSetup split_setup(CollocationSetup setup, const Cuts& cuts) {
   return setup;
 }
 
-// Raises the errors [rad] of intervals in short segments, by as much as less is allowed there.
-void raise_for_short_segments(std::vector<double>& errors, const Collocated& solution, const MeshSettings& settings) {
-  const Mesh& mesh = solution.setup.mesh;
+// Returns for each segment how long [s] the stretch between given velocities takes that it belongs to: between start,
+// goal and the via points that prescribe them.
+std::vector<double> durations_of_stretches(const Problem& problem, const std::vector<double>& segments) {
+  std::vector<double> durations;
+  for (std::size_t first = 0, s = 0; s < segments.size(); ++s) {
+    const bool ends = s >= problem.via.size() || problem.via[s].dq;
+    if (!ends && s + 1 < segments.size()) continue;
+    const auto begin = segments.begin();
+    const double duration =
+        std::accumulate(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(s) + 1, 0.0);
+    durations.resize(s + 1, duration);
+    first = s + 1;
+  }
+  return durations;
+}
+
+// Raises the errors [rad] of intervals in short stretches, by as much as less is allowed there.
+void raise_for_short_stretches(std::vector<double>& errors, const Problem& problem, const Collocated& solution,
+                               const MeshSettings& settings) {
+  const std::vector<double> durations = durations_of_stretches(problem, solution.durations);
   for (std::size_t k = 0; k < errors.size(); ++k) {
-    const double duration = solution.durations[static_cast<std::size_t>(mesh.intervals[k].segment)];
+    const double duration = durations[static_cast<std::size_t>(solution.setup.mesh.intervals[k].segment)];
     const double short_by = duration / settings.full_tolerance_from;
     errors[k] /= std::clamp(short_by * short_by * short_by, settings.least_part_of_tolerance, 1.0);
   }
@@ -115,7 +132,7 @@ MeshDemand demand_for_certificate(const ContinuationSettings& settings, const Co
 
 CollocationSetup with_finer_mesh(const Problem& problem, const Collocated& solution, CollocationSetup setup,
                                  std::vector<double> errors, const MeshDemand& demand, const MeshSettings& settings) {
-  raise_for_short_segments(errors, solution, settings);
+  raise_for_short_stretches(errors, problem, solution, settings);
   const Cuts steps = raise_for_excesses(errors, problem, solution, setup.margins, demand, settings);
   raise_for_cost(errors, problem, solution, setup.smoothing.friction_width, demand, settings);
   Cuts cuts =

@@ -77,10 +77,10 @@ struct RegularisationSettings {
 // Where intervals of the mesh are split.
 struct MeshSettings {
   double tolerance = 3e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
-  // In segments that are shorter than this [s] the allowed error is smaller, by the cube of their durations: with the
-  // intervals' lengths their errors fall faster than what a switch between two nodes costs. With one error for all,
-  // fastest motions of 0.08 to 0.1 s took up to 2.5 % longer than they had to. With 0.7 s in place of 0.35, durations
-  // of 0.2 to 0.5 s come to 0.02 % less, and take half as long again to find (bench/README.md).
+  // Between given velocities that are less than this [s] apart the allowed error is smaller, by the cube of their
+  // durations: with the intervals' lengths their errors fall faster than what a switch between two nodes costs. With
+  // one error for all, fastest motions of 0.08 to 0.1 s took up to 2.5 % longer than they had to. With 0.7 s in place
+  // of 0.35, durations of 0.2 to 0.5 s come to 0.02 % less, and take half as long again to find (bench/README.md).
   double full_tolerance_from = 0.35;
   double least_part_of_tolerance = 0.01;  // reached at a fifth of that; solves are not much more exact
   double shortest_interval = 2.5e-4;      // [s] refinement stops there: a switch inside costs less than the tolerance

@@ -1,6 +1,9 @@
 #include "planner/search/fastest.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -34,6 +37,21 @@ std::optional<Fastest> find_fastest(const std::shared_ptr<const Problem>& altern
   return shortest;
 }
 
+// Returns how the fastest motion to the goal gets to via point i, with the times of those before it kept. Usual guesses
+// rest at the points, and what they lead to turns back where a point is to be passed soon after another: 0.374 s were
+// told for a point that can be passed at 0.324 s.
+std::optional<Guess> on_the_way_to_goal(const Problem& problem, std::size_t i, const std::string& what,
+                                        Search& search) {
+  Problem fastest = fastest_of(problem);
+  for (std::size_t k = 0; k < i; ++k) {
+    fastest.via[k].time = problem.via[k].time;
+    fastest.duration.min = problem.via[k].time.value_or(fastest.duration.min) + kShortestDuration;
+  }
+  const auto found = search.sketch(fastest, what, search.guesses(fastest));
+  if (!found) return std::nullopt;
+  return first_segments_of(guess_of(*found), i + 1);
+}
+
 }  // namespace
 
 Problem fastest_of(Problem problem) {
@@ -58,6 +76,16 @@ Problem fastest_to_via(Problem problem, std::size_t i) {
   problem.duration = {before + kShortestDuration, kLongestDuration};
   problem.weights = {.time = 1};
   return problem;
+}
+
+std::optional<Continuation> sketch_to_via(const Problem& problem, std::size_t i, Search& search) {
+  const std::string what = fmt::format("via[{}].time", i);
+  const Problem hurry = fastest_to_via(problem, i);
+  std::vector<Guess> guesses = search.guesses(hurry);
+  if (i > 0) {
+    if (auto onward = on_the_way_to_goal(problem, i, what, search)) guesses.push_back(*std::move(onward));
+  }
+  return search.least_sketch(hurry, what, guesses);
 }
 
 void try_from_fastest(const std::shared_ptr<const Problem>& alternative, Findings& found, Session& session) {

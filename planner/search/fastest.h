@@ -2,7 +2,13 @@
 // if it takes too long, the request has no solution.
 #pragma once
 
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include "planner/search/continuation.h"
 #include "planner/search/findings.h"
+#include "planner/search/search.h"
 
 namespace fjr {
 
@@ -12,6 +18,11 @@ Problem fastest_of(Problem problem);
 // Returns the minimum-time problem that ends at via point i. Times of earlier via points are kept; what comes after is
 // dropped.
 Problem fastest_to_via(Problem problem, std::size_t i);
+
+// Returns the fastest motion to via point i on a coarse mesh with smoothed friction (fastest_to_via), the best of those
+// from the usual guesses and from the way on which the fastest motion to the goal passes it. Returns nothing if no
+// motion there is found.
+std::optional<Continuation> sketch_to_via(const Problem& problem, std::size_t i, Search& search);
 
 // Finds the fastest motion of an alternative, with the exact friction law, because a smoothed motion may take some per
 // cent longer. If it takes no longer than allowed, the alternative is solved from it; if that fails, on its mesh.

@@ -92,13 +92,13 @@ CollocationSetup split_setup(CollocationSetup setup, const Cuts& cuts) {
   return setup;
 }
 
-// Returns for each segment how long [s] the stretch between given velocities takes that it belongs to: between start,
-// goal and the via points that prescribe them.
-std::vector<double> durations_of_stretches(const Problem& problem, const std::vector<double>& segments) {
+// Returns for each segment the time [s] between the given velocities before and after it: of start, goal, and the via
+// points that prescribe them. segments: their durations [s].
+std::vector<double> times_between_velocities(const Problem& problem, const std::vector<double>& segments) {
   std::vector<double> durations;
   for (std::size_t first = 0, s = 0; s < segments.size(); ++s) {
-    const bool ends = s >= problem.via.size() || problem.via[s].dq;
-    if (!ends && s + 1 < segments.size()) continue;
+    const bool last = s + 1 == segments.size();
+    if (!last && !problem.via[s].dq) continue;
     const auto begin = segments.begin();
     const double duration =
         std::accumulate(begin + static_cast<std::ptrdiff_t>(first), begin + static_cast<std::ptrdiff_t>(s) + 1, 0.0);
@@ -108,10 +108,11 @@ std::vector<double> durations_of_stretches(const Problem& problem, const std::ve
   return durations;
 }
 
-// Raises the errors [rad] of intervals in short stretches, by as much as less is allowed there.
-void raise_for_short_stretches(std::vector<double>& errors, const Problem& problem, const Collocated& solution,
-                               const MeshSettings& settings) {
-  const std::vector<double> durations = durations_of_stretches(problem, solution.durations);
+// Raises the errors [rad] of intervals between velocities that soon follow each other, by as much as less is allowed
+// there.
+void raise_for_short_times(std::vector<double>& errors, const Problem& problem, const Collocated& solution,
+                           const MeshSettings& settings) {
+  const std::vector<double> durations = times_between_velocities(problem, solution.durations);
   for (std::size_t k = 0; k < errors.size(); ++k) {
     const double duration = durations[static_cast<std::size_t>(solution.setup.mesh.intervals[k].segment)];
     const double short_by = duration / settings.full_tolerance_from;
@@ -132,7 +133,7 @@ MeshDemand demand_for_certificate(const ContinuationSettings& settings, const Co
 
 CollocationSetup with_finer_mesh(const Problem& problem, const Collocated& solution, CollocationSetup setup,
                                  std::vector<double> errors, const MeshDemand& demand, const MeshSettings& settings) {
-  raise_for_short_stretches(errors, problem, solution, settings);
+  raise_for_short_times(errors, problem, solution, settings);
   const Cuts steps = raise_for_excesses(errors, problem, solution, setup.margins, demand, settings);
   raise_for_cost(errors, problem, solution, setup.smoothing.friction_width, demand, settings);
   Cuts cuts =

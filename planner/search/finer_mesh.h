@@ -12,7 +12,7 @@ namespace fjr {
 
 // What a mesh has to achieve.
 struct MeshDemand {
-  double tolerance;               // [rad] error of an interval, but in short stretches
+  double tolerance;               // [rad] error of an interval; MeshSettings tell where less is allowed
   double excess_worth_splitting;  // excess over a limit, as a fraction of it, beyond which an interval is split
 };
 
@@ -21,9 +21,9 @@ MeshDemand demand_on_the_way(const ContinuationSettings& settings);
 MeshDemand demand_for_certificate(const ContinuationSettings& settings, const ContinuationStrategy& strategy);
 
 // Returns the setup, which has the mesh of the solution, with those intervals split whose error [rad] exceeds the
-// tolerance (in short stretches a part of it: MeshSettings), that exceed a limit by much, or whose cost is inaccurate.
-// If a motor reverses at its torque limit, u has to jump by the step of its friction. Nodes are placed on both sides of
-// the jump, because halving would take three more rounds to come as near.
+// tolerance (between velocities that soon follow each other a part of it: MeshSettings), that exceed a limit by much,
+// or whose cost is inaccurate. If a motor reverses at its torque limit, u has to jump by the step of its friction.
+// Nodes are placed on both sides of the jump, because halving would take three more rounds to come as near.
 CollocationSetup with_finer_mesh(const Problem& problem, const Collocated& solution, CollocationSetup setup,
                                  std::vector<double> errors, const MeshDemand& demand, const MeshSettings& settings);
 

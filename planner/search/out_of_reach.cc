@@ -1,7 +1,5 @@
 #include "planner/search/out_of_reach.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -30,8 +28,7 @@ bool moves_too_fast(const Problem& problem, Search& search) {
 }
 
 bool comes_too_early(const Problem& problem, std::size_t via, Search& search) {
-  const Problem fastest = fastest_to_via(problem, via);
-  const auto there = search.least_sketch(fastest, fmt::format("via[{}].time", via), search.guesses(fastest));
+  const auto there = sketch_to_via(problem, via, search);
   return there && (1 - kClearlyEarly) * there->duration() > *problem.via[via].time;
 }
 

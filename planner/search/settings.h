@@ -77,8 +77,8 @@ struct RegularisationSettings {
 // Where intervals of the mesh are split.
 struct MeshSettings {
   double tolerance = 3e-6;  // [rad] error of an interval; some hundred of them stay within half a count together
-  // Between given velocities that are less than this [s] apart the allowed error is smaller, by the cube of their
-  // durations: with the intervals' lengths their errors fall faster than what a switch between two nodes costs. With
+  // Between given velocities that are less than this [s] apart the allowed error is smaller, by the cube of
+  // that time: with the intervals' lengths their errors fall faster than what a switch between two nodes costs. With
   // one error for all, fastest motions of 0.08 to 0.1 s took up to 2.5 % longer than they had to. With 0.7 s in place
   // of 0.35, durations of 0.2 to 0.5 s come to 0.02 % less, and take half as long again to find (bench/README.md).
   double full_tolerance_from = 0.35;

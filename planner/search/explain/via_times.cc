@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <utility>
-#include <vector>
 
 #include "planner/search/fastest.h"
 
@@ -18,30 +16,11 @@ constexpr double kNoChange = 1e-3;       // fraction of a time that is no change
 
 std::string name_of(std::size_t i) { return fmt::format("via[{}].time", i); }
 
-// Returns how the fastest motion to the goal gets to via point i, with the times of those before it kept. Usual guesses
-// rest at the points, and what they lead to turns back where a point is to be passed soon after another: 0.374 s were
-// told for a point that can be passed at 0.324 s.
-std::optional<Guess> on_the_way_to_goal(const Problem& problem, std::size_t i, Search& search) {
-  Problem fastest = fastest_of(problem);
-  for (std::size_t k = 0; k < i; ++k) {
-    fastest.via[k].time = problem.via[k].time;
-    fastest.duration.min = problem.via[k].time.value_or(fastest.duration.min) + kShortestDuration;
-  }
-  const auto found = search.sketch(fastest, name_of(i), search.guesses(fastest));
-  if (!found) return std::nullopt;
-  return first_segments_of(guess_of(*found), i + 1);
-}
-
 }  // namespace
 
 std::optional<double> earliest_at(const Problem& problem, std::size_t i, Search& search) {
-  const Problem hurry = fastest_to_via(problem, i);
-  std::vector<Guess> guesses = search.guesses(hurry);
-  if (auto onward = on_the_way_to_goal(problem, i, search)) guesses.insert(guesses.begin(), *std::move(onward));
-  const auto sketched = search.least_sketch(hurry, name_of(i), guesses);
-  if (!sketched) return std::nullopt;
-  const auto earliest = search.solve(hurry, name_of(i), {guess_of(*sketched)});
-  if (!earliest) return std::nullopt;
+  auto earliest = sketch_to_via(problem, i, search);
+  if (!earliest || earliest->follow_homotopy() != Completion::kFinished) return std::nullopt;
   return earliest->solution().motion.duration();
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <random>
 
+#include "common/taylor.h"
 #include "model/flatness.h"
 #include "planner/ocp/segments.h"
 #include "planner/problem/inverse_kinematics.h"
@@ -251,6 +252,47 @@ LinkMotion there_and_back(const Joints<double>& d, double c) {
   return m;
 }
 
+// How far a path is from the straight line between its ends: amplitudes [rad] of sin(k pi s), k = 1, 2, ..., where s is
+// the fraction of the path.
+using SineSeries = std::array<Joints<double>, 8>;
+
+SineSeries sine_series_of(const Path& path) {
+  constexpr std::size_t kPoints = 64;
+  const Path even = resampled(path, kPoints);
+  SineSeries series{};
+  for (std::size_t i = 1; i + 1 < kPoints; ++i) {
+    const double s = static_cast<double>(i) / (kPoints - 1);
+    const Joints<double> straight = between(even.front(), even.back(), s);
+    for (std::size_t k = 0; k < series.size(); ++k) {
+      const double shape = std::sin(static_cast<double>(k + 1) * std::numbers::pi * s);
+      for (std::size_t j = 0; j < kJoints; ++j)
+        series[k][j] += 2.0 / (kPoints - 1) * (even[i][j] - straight[j]) * shape;
+    }
+  }
+  return series;
+}
+
+// The distance from the straight line at the fraction c of the time, at the pace of minimum jerk, and its derivatives
+// by c.
+LinkMotion along_series(const SineSeries& series, double c) {
+  using Expansion = Taylor<4>;
+  const auto time = Expansion::from_derivatives({c, 1, 0, 0, 0});
+  const Expansion pace = time * time * time * (10 + time * (-15 + 6 * time));
+  LinkMotion m;
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    Expansion away;
+    for (std::size_t k = 0; k < series.size(); ++k) {
+      away += series[k][j] * sin(static_cast<double>(k + 1) * std::numbers::pi * pace);
+    }
+    m.q[j] = away.derivative(0);
+    m.dq[j] = away.derivative(1);
+    m.ddq[j] = away.derivative(2);
+    m.dddq[j] = away.derivative(3);
+    m.ddddq[j] = away.derivative(4);
+  }
+  return m;
+}
+
 // Returns a guess of minimum-jerk legs plus detour(leg, c), whose derivatives are with respect to the fraction c of the
 // leg. Springs, motors and torques follow from flatness.
 template <class Detour>
@@ -338,6 +380,13 @@ Guess path_guess(const Problem& problem, double duration, const std::vector<Path
     return rest_at(robot, between(rounded[leg][k], rounded[leg][k + 1], at - static_cast<double>(k)));
   };
   return {"round obstacles", durations, state, [](double) { return Joints<double>{0, 0}; }};
+}
+
+Guess smooth_path_guess(const Problem& problem, double duration, const std::vector<Path>& paths) {
+  std::vector<SineSeries> series;
+  for (const Path& path : paths) series.push_back(sine_series_of(path));
+  return along_flat_motion("smoothly round obstacles", problem, duration,
+                           [series](std::size_t leg, double c) { return along_series(series[leg], c); });
 }
 
 std::vector<Path> paths_along_tip_path(const Problem& problem) {

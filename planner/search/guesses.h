@@ -30,6 +30,10 @@ using Path = std::vector<Joints<double>>;
 // Follows one path per segment, with corners rounded; theta in static equilibrium, at rest, zero torque.
 Guess path_guess(const Problem& problem, double duration, const std::vector<Path>& paths);
 
+// Follows one path per segment at the pace of minimum jerk, everything else by flatness. Of a path's distance from the
+// straight line between its ends, the first eight terms of a sine series are followed.
+Guess smooth_path_guess(const Problem& problem, double duration, const std::vector<Path>& paths);
+
 // The paths of the segments on which the tip keeps to the task's line or arc, where it has one.
 std::vector<Path> paths_along_tip_path(const Problem& problem);
 

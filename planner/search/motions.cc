@@ -35,10 +35,10 @@ std::optional<Guess> beside_the_best(const Alternative& alternative, double away
   return displaced_guess(guess_from(best->motion, best->durations, best->motion.duration()), away, seed);
 }
 
-// Returns the guess of start i. Every second of the random ones is replaced by one near the best motion so far.
+// Returns the guess of start i, which is one near the best motion so far in place of some random ones.
 Guess guess_of_start(const Alternative& alternative, const Starts& starts, std::size_t i, double away,
                      const Findings& found) {
-  if (i >= starts.guided && (i - starts.guided) % 2 == 1) {
+  if (i >= starts.guided && (i < starts.guided + starts.near_the_best || (i - starts.guided) % 2 == 1)) {
     if (auto near = beside_the_best(alternative, away, found.asked.seed * 1000 + i, found)) return std::move(*near);
   }
   return starts.guesses[i];

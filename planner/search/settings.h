@@ -19,6 +19,9 @@ struct FirstSolveSettings {
   double interval = 0.02;                    // [s]
   double interval_among_obstacles = 0.0075;  // [s] longer intervals jump over obstacles (though not over walls)
   double most_among_obstacles = 160;         // intervals: enough for a motion through all of the arm's reach
+  // The same where the objective sees friction: motions that are not in a hurry, begun clear of obstacles.
+  double interval_without_hurry = 0.0125;  // [s]
+  double most_without_hurry = 100;
   int fewest_intervals = 25, most_intervals = 400;
   int intervals_per_via = 2;  // in addition
   // Relative difference of objectives on one mesh below which minima are one.
@@ -146,12 +149,16 @@ struct RaceSettings {
 
 // The list of guesses (starts.h).
 struct StartSettings {
-  int thorough = 4;               // times the usual number of starts for `search: thorough`
-  double waiting = 0.4;           // fraction of the duration that a guess waits
-  std::size_t further = 2;        // starts after the plain and the waiting ones, while none leads anywhere
-  double far_away = 0.8;          // [rad] that straight guesses are displaced by
-  int for_neighbour = 4;          // starts that a neighbouring problem is worth
-  std::size_t most_paths = 3;     // round the obstacles of one segment
+  int thorough = 4;            // times the usual number of starts for `search: thorough`
+  double waiting = 0.4;        // fraction of the duration that a guess waits
+  std::size_t further = 2;     // starts after the plain and the waiting ones, while none leads anywhere
+  double far_away = 0.8;       // [rad] that straight guesses are displaced by
+  int for_neighbour = 4;       // starts that a neighbouring problem is worth
+  std::size_t most_paths = 3;  // round the obstacles of one segment
+  // Where there are obstacles and the objective sees friction, minima are many, and a start near another motion seldom
+  // leads nowhere: so many starts in addition, and near the best motion so far instead of far from all.
+  int more_among_obstacles = 6;
+  std::size_t near_the_best_among_obstacles = 6;
   double another_end = 0.1;       // [rad] between ends of a free joint that are not the same
   double end_by_distance = 1e-3;  // [1/rad] of easy ends, beside squares of torques, as fractions of their limits
 };

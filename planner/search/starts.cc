@@ -1,6 +1,7 @@
 #include "planner/search/starts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -8,12 +9,18 @@
 #include <utility>
 
 #include "planner/problem/task/task.h"
+#include "planner/search/clear_guesses.h"
 #include "planner/search/detours.h"
 
 namespace fjr {
 namespace {
 
 constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
+
+template <class Guesses>
+void append(const Guesses& guesses, std::vector<Guess>& to) {
+  to.insert(to.end(), guesses.begin(), guesses.end());
+}
 
 // Returns sets of one path per segment: round obstacles, on both sides if possible; along the tip's line or arc, and if
 // that is wide through its region too. Returns none if nothing asks for it.
@@ -126,11 +133,47 @@ std::vector<Guess> guesses_of_other_ends(const Problem& problem, const StartSett
 bool passes_vias_moving(const Problem& problem) { return !problem.start_at_rest && !problem.via.empty(); }
 constexpr int kPlain = 3;  // the passing guess, minimum jerk and straight
 
+std::vector<Guess> plain_guesses(const Problem& problem, double duration) {
+  // From minimum jerk the fastest motion takes nearly half the iterations (68 in place of 118 in the median of 26
+  // motions), and finds no worse minima; for effort the plain guess is often better.
+  std::vector<Guess> guesses{straight_guess(problem, duration), minimum_jerk_guess(problem, duration)};
+  if (only_time(problem.weights)) std::swap(guesses[0], guesses[1]);
+  return guesses;
+}
+
+// With time to spare a motor rests, and minima differ by when it does.
+constexpr std::size_t kWaiting = 2;
+std::array<Guess, kWaiting> waiting_guesses(const Guess& guess, const StartSettings& settings) {
+  return {waiting_guess(guess, settings.waiting, 0), waiting_guess(guess, 0, settings.waiting)};
+}
+
+// The waiting ones are first.
+std::vector<Guess> resting_guesses(const Problem& problem, double duration, const StartSettings& settings) {
+  std::vector<Guess> guesses;
+  append(waiting_guesses(minimum_jerk_guess(problem, duration), settings), guesses);
+  if (auto hanging = hanging_guess(problem, duration)) guesses.push_back(std::move(*hanging));
+  for (std::size_t j = 0; j < kJoints; ++j) guesses.push_back(staggered_guess(problem, duration, j));
+  return guesses;
+}
+
+// Minima round obstacles are many where friction weighs, and starts that keep clear of the obstacles find them. Along a
+// given path there is nothing to choose.
+bool wants_clear_guesses(const Problem& problem) {
+  const Task& task = problem.task;
+  return sees_friction(problem.weights) && keeps_clear(task) && !task.path && !task.line && !task.arc;
+}
+
+std::vector<Guess> clear_ones_of(std::vector<Guess> guesses, const Problem& problem) {
+  std::erase_if(guesses, [&](const Guess& guess) { return !keeps_clear(problem, guess); });
+  return guesses;
+}
+
 }  // namespace
 
 int starts_to_try(const Problem& problem, int asked, const StartSettings& settings) {
   if (asked > 0) return asked;
-  const int usual = std::max(starts_worth_trying(problem.weights), passes_vias_moving(problem) ? kPlain : 1);
+  const int more = wants_clear_guesses(problem) ? settings.more_among_obstacles : 0;
+  const int usual = std::max(starts_worth_trying(problem.weights) + more, passes_vias_moving(problem) ? kPlain : 1);
   switch (problem.search) {
     case Thoroughness::kQuick:
       return 1;
@@ -144,26 +187,28 @@ int starts_to_try(const Problem& problem, int asked, const StartSettings& settin
 
 Starts starts_of(const Problem& problem, int count, const StartSettings& settings) {
   const double duration = duration_guess(problem);
+  const std::vector<std::vector<Path>> paths = task_paths(problem, settings.most_paths);
   Starts starts;
-  for (const std::vector<Path>& paths : task_paths(problem, settings.most_paths)) {
-    starts.guesses.push_back(path_guess(problem, duration, paths));
-  }
+  for (const std::vector<Path>& p : paths) starts.guesses.push_back(path_guess(problem, duration, p));
   starts.always = std::max(starts.guesses.size(), static_cast<std::size_t>(count));
   if (passes_vias_moving(problem)) starts.guesses.push_back(passing_guess(problem));
-  // From minimum jerk the fastest motion takes nearly half the iterations (68 in place of 118 in the median of 26
-  // motions), and finds no worse minima; for effort the plain guess is often better.
-  const bool fast = only_time(problem.weights);
-  starts.guesses.push_back(fast ? minimum_jerk_guess(problem, duration) : straight_guess(problem, duration));
-  starts.guesses.push_back(fast ? straight_guess(problem, duration) : minimum_jerk_guess(problem, duration));
-  starts.by_ipopt = sees_friction(problem.weights) ? starts.guesses.size() : kAll;
-  if (sees_friction(problem.weights)) {  // with time to spare a motor rests, and minima differ by when it does
-    starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), settings.waiting, 0));
-    starts.guesses.push_back(waiting_guess(minimum_jerk_guess(problem, duration), 0, settings.waiting));
-  }
-  starts.enough = starts.guesses.size() + settings.further;
-  if (sees_friction(problem.weights)) {
-    if (auto hanging = hanging_guess(problem, duration)) starts.guesses.push_back(std::move(*hanging));
-    for (std::size_t j = 0; j < kJoints; ++j) starts.guesses.push_back(staggered_guess(problem, duration, j));
+  std::vector<Guess> smooth;
+  if (wants_clear_guesses(problem)) {
+    starts.by_ipopt = starts.guesses.size();
+    for (const std::vector<Path>& p : paths) smooth.push_back(smooth_path_guess(problem, duration, p));
+    append(smooth, starts.guesses);
+    append(clear_guesses_by_postures(problem, duration, paths.front()), starts.guesses);
+    starts.enough = starts.guesses.size() + settings.further;
+    for (const Guess& guess : smooth) append(waiting_guesses(guess, settings), starts.guesses);
+    append(clear_ones_of(plain_guesses(problem, duration), problem), starts.guesses);
+    append(clear_ones_of(resting_guesses(problem, duration, settings), problem), starts.guesses);
+    starts.near_the_best = settings.near_the_best_among_obstacles;
+  } else {
+    append(plain_guesses(problem, duration), starts.guesses);
+    const bool frictional = sees_friction(problem.weights);
+    starts.by_ipopt = frictional && count_of_rows(problem.task) == 0 ? starts.guesses.size() : kAll;
+    starts.enough = starts.guesses.size() + (frictional ? kWaiting : 0) + settings.further;
+    if (frictional) append(resting_guesses(problem, duration, settings), starts.guesses);
   }
   for (Guess& guess : guesses_of_other_ends(problem, settings)) {
     starts.guesses.push_back(std::move(guess));
@@ -173,7 +218,10 @@ Starts starts_of(const Problem& problem, int count, const StartSettings& setting
   starts.guided = starts.guesses.size();
   const std::size_t count_of_all = std::max(starts.always, starts.enough);
   for (std::uint64_t i = 2; starts.guesses.size() < count_of_all; ++i) {
-    starts.guesses.push_back(displaced_guess(problem, duration, settings.far_away, problem.seed * 1000 + i));
+    const std::uint64_t seed = problem.seed * 1000 + i;
+    starts.guesses.push_back(smooth.empty()
+                                 ? displaced_guess(problem, duration, settings.far_away, seed)
+                                 : displaced_clear_guess(problem, smooth[i % smooth.size()], settings.far_away, seed));
   }
   return starts;
 }

@@ -15,9 +15,11 @@ struct Starts {
   std::vector<Guess> guesses;
   // Where the objective depends on friction, Ipopt and our interior-point method often find different minima from one
   // guess. Neither is always better, and ours takes half the time: the first so many are solved by Ipopt, the others by
-  // ours.
+  // ours. It cannot restore feasibility, so that tasks are left to Ipopt unless the guesses keep clear.
   std::size_t by_ipopt = 0;
   std::size_t guided = 0;  // the first so many are made for the request, the others displaced at random
+  // Displaced ones that are replaced by one near the best motion so far: the first so many, and every second one.
+  std::size_t near_the_best = 0;
   std::size_t always = 0;  // the first so many are tried in any case, the others until one leads somewhere
   std::size_t enough = 0;  // after so many that led nowhere no others are tried
 };

@@ -509,10 +509,6 @@ TEST(Starts, OfAMovingArmPassViaPoints) {
   EXPECT_LE(plan.duration, 0.2889 * (1 + 1e-3));  // what meshes and margins may cost
 }
 
-// ---- ends that are free ----
-
-// Link 1 may end anywhere. From a guess that ends beside its start, 0.58 rad, least effort holds it there; it is less
-// than half where link 1 ends at 0.02 rad, whatever happens on the way there.
 // A usual duration is one between rests. Judged by it this request was out of reach before anything was tried in the
 // time that it gives, for the fastest motion that was found turns back and takes 0.18 s.
 TEST(Starts, AnArmThatMovesAlreadyIsTriedInTheTimeThereIs) {
@@ -525,6 +521,10 @@ TEST(Starts, AnArmThatMovesAlreadyIsTriedInTheTimeThereIs) {
   EXPECT_EQ(plan.status, PlanStatus::kCertified) << plan.reason;
 }
 
+// ---- ends that are free ----
+
+// Link 1 may end anywhere. From a guess that ends beside its start, 0.58 rad, least effort holds it there; it is less
+// than half where link 1 ends at 0.02 rad, whatever happens on the way there.
 TEST(Starts, FreeJointsEndWhereTheyAreEasilyHeld) {
   const std::string move = "start: {q: [0.58, 1.04]}\nobjective: {time: 0.2, effort: 1}\n";
   const Plan given = plan(request(move + "goal: {q: [0.02, 1.14]}\nsearch: quick\n"), {});

@@ -192,8 +192,10 @@ Starts starts_of(const Problem& problem, int count, const StartSettings& setting
   for (const std::vector<Path>& p : paths) starts.guesses.push_back(path_guess(problem, duration, p));
   starts.always = std::max(starts.guesses.size(), static_cast<std::size_t>(count));
   if (passes_vias_moving(problem)) starts.guesses.push_back(passing_guess(problem));
+  const std::vector<Guess> other_ends = guesses_of_other_ends(problem, settings);
   std::vector<Guess> smooth;
   if (wants_clear_guesses(problem)) {
+    append(other_ends, starts.guesses);
     starts.by_ipopt = starts.guesses.size();
     for (const std::vector<Path>& p : paths) smooth.push_back(smooth_path_guess(problem, duration, p));
     append(smooth, starts.guesses);
@@ -209,12 +211,10 @@ Starts starts_of(const Problem& problem, int count, const StartSettings& setting
     starts.by_ipopt = frictional && count_of_rows(problem.task) == 0 ? starts.guesses.size() : kAll;
     starts.enough = starts.guesses.size() + (frictional ? kWaiting : 0) + settings.further;
     if (frictional) append(resting_guesses(problem, duration, settings), starts.guesses);
+    append(other_ends, starts.guesses);
+    starts.enough += other_ends.size();
   }
-  for (Guess& guess : guesses_of_other_ends(problem, settings)) {
-    starts.guesses.push_back(std::move(guess));
-    if (count > 1) ++starts.always;  // if one start was asked for, only one is tried
-    ++starts.enough;
-  }
+  if (count > 1) starts.always += other_ends.size();  // if one start was asked for, only one is tried
   starts.guided = starts.guesses.size();
   const std::size_t count_of_all = std::max(starts.always, starts.enough);
   for (std::uint64_t i = 2; starts.guesses.size() < count_of_all; ++i) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <string>
@@ -29,14 +30,6 @@ std::optional<Path> path_by(const Problem& problem, std::size_t segment, const J
   return path;
 }
 
-Joints<double> hanging(const Problem& problem) {
-  Joints<double> q{problem.robot.mounting.down, 0};
-  for (std::size_t j = 0; j < kJoints; ++j) {
-    q[j] = std::clamp(q[j], problem.limits.lowest(j), problem.limits.highest(j));
-  }
-  return q;
-}
-
 }  // namespace
 
 double clearance_from_obstacles(const Problem& problem, const Guess& guess) {
@@ -58,15 +51,16 @@ bool keeps_clear(const Problem& problem, const Guess& guess) {
 }
 
 std::vector<Guess> clear_guesses_by_postures(const Problem& problem, double duration, const std::vector<Path>& usual) {
-  using Posture = Joints<double> (*)(const Problem&, const Joints<double>& from, const Joints<double>& to);
-  const std::vector<std::pair<std::string, Posture>> postures{
-      {"hanging", [](const Problem& p, const Joints<double>&, const Joints<double>&) { return hanging(p); }},
+  using OptionalPosture = std::optional<Joints<double>>;
+  using Choice = std::function<OptionalPosture(const Joints<double>& from, const Joints<double>& to)>;
+  const std::vector<std::pair<std::string, Choice>> postures{
+      {"hanging", [&](const auto&, const auto&) { return hanging_posture(problem); }},
       {"joint 1 first",
-       [](const Problem&, const Joints<double>& from, const Joints<double>& to) {
-         return Joints<double>{to[0], from[1]};
+       [](const auto& from, const auto& to) {
+         return OptionalPosture{{to[0], from[1]}};
        }},
-      {"joint 2 first", [](const Problem&, const Joints<double>& from, const Joints<double>& to) {
-         return Joints<double>{from[0], to[1]};
+      {"joint 2 first", [](const auto& from, const auto& to) {
+         return OptionalPosture{{from[0], to[1]}};
        }}};
   std::vector<Guess> guesses;
   for (const auto& [name, posture] : postures) {
@@ -74,7 +68,8 @@ std::vector<Guess> clear_guesses_by_postures(const Problem& problem, double dura
     bool any = false;
     for (std::size_t s = 0; s < paths.size(); ++s) {
       const Joints<double> from = usual[s].front(), to = usual[s].back();
-      if (std::optional<Path> other = path_by(problem, s, from, posture(problem, from, to), to)) {
+      const OptionalPosture by = posture(from, to);
+      if (std::optional<Path> other = by ? path_by(problem, s, from, *by, to) : std::nullopt) {
         paths[s] = std::move(*other);
         any = true;
       }

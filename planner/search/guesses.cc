@@ -464,8 +464,7 @@ Guess staggered_guess(const Problem& problem, double duration, std::size_t first
   return {"staggered", durations, state, [](double) { return Joints<double>{0, 0}; }};
 }
 
-std::optional<Guess> hanging_guess(const Problem& problem, double duration) {
-  constexpr double kDetour = 1.2;  // times the straight way
+std::optional<Joints<double>> hanging_posture(const Problem& problem) {
   const Joints<double> pull = gravity_coefficients(problem.robot);
   if (pull[0] == 0 && pull[1] == 0) return std::nullopt;
   const Joints<double> down{problem.robot.mounting.down, 0};
@@ -473,6 +472,13 @@ std::optional<Guess> hanging_guess(const Problem& problem, double duration) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     hanging[j] = std::clamp(down[j], problem.limits.lowest(j), problem.limits.highest(j));
   }
+  return hanging;
+}
+
+std::optional<Guess> hanging_guess(const Problem& problem, double duration) {
+  constexpr double kDetour = 1.2;  // times the straight way
+  const std::optional<Joints<double>> hanging = hanging_posture(problem);
+  if (!hanging) return std::nullopt;
   const auto durations = durations_of(problem, duration);
   const auto longest =
       static_cast<std::size_t>(std::max_element(durations.begin(), durations.end()) - durations.begin());
@@ -481,8 +487,8 @@ std::optional<Guess> hanging_guess(const Problem& problem, double duration) {
   const auto way = [](const Joints<double>& a, const Joints<double>& b) {
     return std::hypot(b[0] - a[0], b[1] - a[1]);
   };
-  if (way(from, hanging) + way(hanging, to) < kDetour * way(from, to)) return std::nullopt;
-  const Joints<double> middle = between(from, to, 0.5), detour{hanging[0] - middle[0], hanging[1] - middle[1]};
+  if (way(from, *hanging) + way(*hanging, to) < kDetour * way(from, to)) return std::nullopt;
+  const Joints<double> middle = between(from, to, 0.5), detour{(*hanging)[0] - middle[0], (*hanging)[1] - middle[1]};
   return along_flat_motion("hanging", problem, duration, [longest, detour](std::size_t leg, double c) {
     return leg == longest ? there_and_back(detour, c) : LinkMotion{};
   });

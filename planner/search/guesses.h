@@ -52,6 +52,10 @@ Guess winding_up_guess(Guess guess, const Joints<double>& back);
 // swing: [s] from the start to where the arm is folded.
 Guess folding_guess(const Problem& problem, double duration, double swing);
 
+// Returns the posture [rad] straight down, or the nearest to it within the joints' limits; none if gravity takes no
+// torque.
+std::optional<Joints<double>> hanging_posture(const Problem& problem);
+
 // Swings through hanging straight down in the leg that lasts longest, because holding an arm up takes torque all the
 // time, and swinging down and up again takes little. States and torques follow from flatness. Returns nothing if
 // gravity takes no torque, or if hanging is hardly a detour.

@@ -117,6 +117,19 @@ TEST(ClearGuesses, MostlyLeadToMotions) {
   EXPECT_GE(led_somewhere, tried / 2);
 }
 
+// The arm of the fourth request can go by way of hanging; on a table there is no such posture.
+TEST(ClearGuesses, HangWhereGravityPulls) {
+  Problem problem = request(kBarred.back());
+  const auto any_hanging = [&] {
+    const std::vector<Guess> guesses = starts_of(problem, 12, {}).guesses;
+    return std::any_of(guesses.begin(), guesses.end(),
+                       [](const Guess& guess) { return round_obstacles(guess) && guess.name.ends_with("hanging"); });
+  };
+  EXPECT_TRUE(any_hanging());
+  problem.robot.mounting.gravity = 0;
+  EXPECT_FALSE(any_hanging());
+}
+
 // Where nothing is in the way, where only time counts, and along a given path the starts are the usual ones.
 TEST(ClearGuesses, AreForObjectivesThatSeeFrictionAmongObstacles) {
   const std::string disc = "obstacles: [{center: [-0.0466, -0.5223], radius: 0.0349}]\n";

@@ -17,6 +17,7 @@
 #include "planner/search/follow.h"
 #include "planner/search/motions.h"
 #include "planner/search/robust.h"
+#include "planner/search/spare_time.h"
 #include "planner/search/starts.h"
 #include "planner/search/tracking.h"
 #include "planner/search/warm_start.h"
@@ -82,7 +83,9 @@ std::optional<Infeasibility> find_out_why(Findings& found, Session& session) {
 // Searches for a certified plan; otherwise returns why there is none, if that can be found out.
 std::optional<Infeasibility> search(int starts, Findings& found, Session& session) {
   const auto over = [&] { return found.certified() || session.stopped(); };
-  find_motions(starts, found, session);
+  WithWait with_wait = plan_with_wait(starts, found, session);
+  if (!with_wait.is_enough) find_motions(starts, IfNone::kFallBack, found, session);
+  if (with_wait.best) found.keep(*std::move(with_wait.best));
   if (!over() && !found.candidates.empty() && has_little_spare_time(found)) {
     found.candidates.clear();
     adopt_fastest(found, session);

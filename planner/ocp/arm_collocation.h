@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "planner/collocation/adjoint.h"
@@ -139,10 +141,32 @@ inline Joints<double> torque_margins(const CollocationSetup& setup, std::size_t 
                                : Joints<double>{setup.margins[k][kFirst], setup.margins[k][kFirst + 1]};
 }
 
+// Bounds what moves in a pause, and the torque by what friction holds.
+template <Features F>
+void keep_still(typename ArmOcp<F>::Bounds& b, const Parameters& robot, double speed) {
+  const auto within = [](double& lower, double& upper, double bound) {
+    lower = std::max(lower, -bound);
+    upper = std::min(upper, bound);
+  };
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    for (const std::size_t velocity : {kStateDq + j, kStateDtheta + j}) {
+      within(b.x_lower[velocity], b.x_upper[velocity], speed);
+    }
+    const double held = std::abs(FrictionLaw::of(robot, static_cast<int>(j)).nonlinear(speed));
+    if constexpr (F.rate) {
+      within(b.x_lower[ArmOcp<F>::kArm + j], b.x_upper[ArmOcp<F>::kArm + j], held);
+    } else {
+      within(b.u_lower[j], b.u_upper[j], held);
+    }
+  }
+}
+
 template <Features F>
 std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, const CollocationSetup& setup) {
   std::vector<typename ArmOcp<F>::Bounds> bounds;
   const std::vector<TightenedLimits> tightened = tightened_limits(problem, setup.mesh, setup.margins);
+  const std::optional<Pause>& pause = problem.variation.pause;
+  const std::vector<double> times = pause ? setup.mesh.node_times({problem.duration.max}) : std::vector<double>{};
   for (std::size_t k = 0; k < setup.mesh.size(); ++k) {
     auto here = path_bounds<F>(tightened[k].limits);
     if constexpr (F.peak) bound_peaks<F>(here, problem, torque_margins(setup, k));
@@ -156,6 +180,8 @@ std::vector<typename ArmOcp<F>::Bounds> interval_bounds(const Problem& problem, 
       if (creep > 0) here.x_lower[kStateDtheta + j] = creep;
       if (creep < 0) here.x_upper[kStateDtheta + j] = creep;
     }
+    if (pause && pause->contains(std::midpoint(times[k], times[k + 1])))
+      keep_still<F>(here, problem.robot, pause->speed);
     bounds.push_back(here);
   }
   return bounds;

@@ -79,12 +79,24 @@ struct Reserve {
   }
 };
 
+// A time in which the arm is to stand still, held by friction: nothing moves faster than `speed`, and the
+// friction-compensated torque is no more than what friction has at that speed. For problems of one segment with a fixed
+// duration.
+struct Pause {
+  double begin, end;  // [s]
+  double speed;       // [rad/s]
+
+  double duration() const { return end - begin; }
+  bool contains(double time) const { return time > begin && time < end; }
+};
+
 // What the search changes of the problem that was asked for, in order to solve that. None of it is part of a request,
 // and a resolved request has none.
 struct ProblemVariation {
   std::optional<Slack> slack;
   Reserve reserve;                           // margins for the arms of Problem::robust
   std::shared_ptr<const MotionPrice> price;  // added to the weighted terms
+  std::optional<Pause> pause;
 };
 
 inline constexpr const char* kDefaultMethod = "hermite-simpson";

@@ -34,6 +34,20 @@ int coarse_intervals(const Problem& problem, double duration, const FirstSolveSe
          s.intervals_per_via * static_cast<int>(problem.via.size());
 }
 
+// Returns the first mesh. A pause begins and ends at nodes.
+Mesh first_mesh(const Problem& problem, const std::vector<double>& durations, int intervals) {
+  const std::optional<Pause>& pause = problem.variation.pause;
+  if (!pause) return uniform_mesh(durations, intervals);
+  const double whole = problem.duration.max;
+  const std::vector<double> parts{pause->begin, pause->duration(), whole - pause->end};
+  Mesh mesh = uniform_mesh(parts, intervals);
+  for (Mesh::Interval& interval : mesh.intervals) {
+    interval.fraction *= parts[static_cast<std::size_t>(interval.segment)] / whole;
+    interval.segment = 0;
+  }
+  return mesh;
+}
+
 // Finds the first solution. Our own method takes half the time, but twice as long as Ipopt for rewards, and it lacks
 // the restoration of feasibility that tasks often need.
 bool solve_first(Attempts& attempts, const ContinuationOptions& options, const ContinuationStrategy& strategy,
@@ -50,7 +64,7 @@ bool solve_first(Attempts& attempts, const ContinuationOptions& options, const C
   smoothest.regularisation *= options.regularisation_factor;
   smoothest.friction_width *= options.width_factor;
   const CollocationSetup setup{attempts.session().options().scheme,
-                               uniform_mesh(guess.durations, static_cast<int>(std::lround(intervals))),
+                               first_mesh(problem, guess.durations, static_cast<int>(std::lround(intervals))),
                                smoothest,
                                {}};
   return attempts.from_guess(what, setup, guess, o);
@@ -143,6 +157,17 @@ bool Continuation::adopt(const Collocated& other, double duration) {
   const std::string what = label() + ", stretched";
   const Guess guess = guess_from(other.motion, other.durations, duration);
   return attempts_.from_guess(what, other.setup, guess, attempts_.options(what));
+}
+
+bool Continuation::take_over(const Collocated& motion, double friction_width, double barrier, int most_iterations) {
+  const std::string what = label() + ", taken over";
+  CollocationSetup setup = motion.setup;
+  setup.smoothing.friction_width = friction_width;
+  SolveOptions o = attempts_.options(what);
+  o.max_iterations = most_iterations;
+  o.optimiser = Optimiser::kOwn;
+  o.initial_barrier = barrier;
+  return attempts_.from_guess(what, setup, guess_from(motion.motion, motion.durations, motion.motion.duration()), o);
 }
 
 StepOutcome Continuation::take_step() {

@@ -67,6 +67,10 @@ class Continuation {
   // mesh and with its friction law. Returns whether that gives a solution.
   bool adopt(const Collocated& other, double duration);
 
+  // Solves this problem from a motion that is nearly a solution of it, on its mesh, with a friction law of this width
+  // [rad/s]. barrier: at first; smaller ones stay closer to bounds. Returns whether that gives a solution.
+  bool take_over(const Collocated& motion, double friction_width, double barrier, int most_iterations);
+
   // Takes one homotopy step towards the exact friction law, with a loose mesh tolerance. Where none is left, the best
   // solution so far is the result.
   StepOutcome take_step();

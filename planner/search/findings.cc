@@ -43,6 +43,10 @@ bool Findings::keep(const Continuation& c, PublishResult published) {
   return certifies;
 }
 
+void Findings::keep(Publication plan) {
+  if (!certified() || plan.objective < best->objective) best = std::move(plan);
+}
+
 void Findings::note_fastest(const Continuation& c, bool certifies) {
   const bool same = fastest && fastest->alternative == c.problem() && fastest->motion.label() == c.label();
   if (fastest && !same && fastest->duration() <= c.solution().motion.duration()) return;

@@ -67,6 +67,9 @@ struct Findings {
   // as the fastest motion instead. Returns whether it is certified and not too long.
   bool keep(const Continuation& c, PublishResult published);
 
+  // Keeps a certified plan if it is better than the present one.
+  void keep(Publication plan);
+
   // Keeps a fastest motion if it is shorter than the one known, or a later state of that one.
   void note_fastest(const Continuation& c, bool certified);
 };

@@ -75,23 +75,6 @@ Guess with_first_end(const Start& start, int patience, Session& session) {
   return guess_from(c.solution().motion, c.solution().durations, c.duration());
 }
 
-// Publishes refined motions, the best first, until one would be no better than the certified plan. They are compared by
-// the requested objective, because some may have been solved with another one.
-void publish_best(std::vector<Continuation> motions, Findings& found, Session& session) {
-  const Timed timed(session, "finish");
-  std::vector<std::pair<double, Continuation*>> best_first;
-  for (Continuation& motion : motions) {
-    best_first.emplace_back(published_objective(found.asked, motion.solution()), &motion);
-  }
-  std::stable_sort(best_first.begin(), best_first.end(),
-                   [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [objective, motion] : best_first) {
-    if (found.certified() && objective >= found.best->objective) return;
-    PublishResult published = publish(*motion, found.asked, session);
-    found.keep(*motion, std::move(published));
-  }
-}
-
 // Refines a fastest motion of many seconds, whose springs have time to oscillate, with penalties on accelerations: the
 // largest first, until one is certified. Where the motion oscillates so much already that none is solved from it, a
 // smooth one is the guess, and if nothing comes of that the motion is refined as it is.
@@ -186,6 +169,21 @@ Refining refining(const Weights& weights, int starts, const FollowSettings& sett
 
 void follow(Continuation c, Findings& found, Session& session) {
   if (note(c, found, session)) refine_all({std::move(c)}, found, session);
+}
+
+void publish_best(std::vector<Continuation> motions, Findings& found, Session& session) {
+  const Timed timed(session, "finish");
+  std::vector<std::pair<double, Continuation*>> best_first;
+  for (Continuation& motion : motions) {
+    best_first.emplace_back(published_objective(found.asked, motion.solution()), &motion);
+  }
+  std::stable_sort(best_first.begin(), best_first.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [objective, motion] : best_first) {
+    if (found.certified() && objective >= found.best->objective) return;
+    PublishResult published = publish(*motion, found.asked, session);
+    found.keep(*motion, std::move(published));
+  }
 }
 
 void refine_waiting(Findings& found, Session& session) { refine_all(std::exchange(found.waiting, {}), found, session); }

@@ -23,6 +23,10 @@ Refining refining(const Weights& weights, int starts, const FollowSettings& sett
 // nothing is certified, every motion is refined.
 void follow(Continuation c, Findings& found, Session& session);
 
+// Publishes refined motions, the best first, until one would be no better than the certified plan. They are compared by
+// the requested objective, because some may have been solved with another one.
+void publish_best(std::vector<Continuation> motions, Findings& found, Session& session);
+
 struct Start {
   std::shared_ptr<const Problem> alternative;
   Guess guess;

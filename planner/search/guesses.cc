@@ -527,6 +527,25 @@ Guess waiting_guess(Guess guess, double first, double last) {
   return waiting;
 }
 
+Guess paused_guess(Guess guess, double begin, double pause) {
+  const double moving = guess.duration(), whole = moving + pause;
+  const auto moved = [=](double s) {
+    const double time = s * whole;
+    return std::clamp(time < begin ? time : std::max(begin, time - pause), 0.0, moving) / moving;
+  };
+  const auto pauses = [=](double s) { return s * whole > begin && s * whole < begin + pause; };
+  Guess paused = guess;
+  paused.name = guess.name + ", with a pause";
+  paused.durations = {whole};
+  paused.state = [state = guess.state, moved, pauses](double s) {
+    State<double> x = state(moved(s));
+    if (pauses(s)) x.dq = x.dtheta = {0, 0};
+    return x;
+  };
+  paused.torque = [torque = guess.torque, moved](double s) { return torque(moved(s)); };
+  return paused;
+}
+
 Guess guess_from(Motion motion, const std::vector<double>& durations, double duration) {
   const double length = motion.duration();
   std::vector<double> stretched = durations;

@@ -69,6 +69,9 @@ Guess staggered_guess(const Problem& problem, double duration, std::size_t first
 // into the time between them.
 Guess waiting_guess(Guess guess, double first, double last);
 
+// Returns the guess with a pause [s] in it, which begins at this time [s]. It must have one segment.
+Guess paused_guess(Guess guess, double begin, double pause);
+
 // Returns a solved motion, with segments of these durations [s], stretched to `duration` [s].
 Guess guess_from(Motion motion, const std::vector<double>& durations, double duration);
 

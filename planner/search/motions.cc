@@ -184,7 +184,7 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
 
 }  // namespace
 
-void find_motions(int count, Findings& found, Session& session) {
+void find_motions(int count, IfNone if_none, Findings& found, Session& session) {
   const Timed timed(session, "starts");
   std::vector<Alternative> open;
   for (const Alternative& alternative : found.alternatives) {
@@ -192,7 +192,7 @@ void find_motions(int count, Findings& found, Session& session) {
   }
   take_turns(open, count, found, session);
   refine_waiting(found, session);
-  if (!found.candidates.empty() || found.too_short() || found.out_of_reach) return;
+  if (!found.candidates.empty() || found.too_short() || found.out_of_reach || if_none == IfNone::kGiveUp) return;
   session.allow_more(session.settings().budget.fallbacks);
   for (const Alternative& alternative : open) {
     if (!found.candidates.empty() || session.interrupted() || found.too_short()) return;

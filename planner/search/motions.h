@@ -5,9 +5,12 @@
 
 namespace fjr {
 
+// What is done where no start leads anywhere.
+enum class IfNone { kFallBack, kGiveUp };
+
 // Solves every start on a coarse mesh, four at a time once one has found a motion. Promising motions are refined while
 // the next four starts are solved. These do not depend on the refinement, so that a search with more starts repeats all
 // results of one with fewer. count: of starts; 0: as many as the request's `search` and its objective say.
-void find_motions(int count, Findings& found, Session& session);
+void find_motions(int count, IfNone if_none, Findings& found, Session& session);
 
 }  // namespace fjr

@@ -285,6 +285,29 @@ struct SwingUpSettings {
   double patience = 2;              // times the usual iterations of warm starts
 };
 
+// Long motions of least torque, which are found in less time (spare_time.h).
+struct SpareTimeSettings {
+  double one_motion = 2.5;   // [s] to find a motion in that waits at its start or goal: 1.5 s cost hardly more
+  double two_motions = 2.5;  // [s] likewise of one that pauses on the way, the pause apart
+  double times_usual = 1.5;  // but no less than this many times the usual duration
+  double worthwhile = 1.6;   // times that, from which on a request has time to spare
+  double pause = 0.2;        // [s] of the pause, while the motion is found
+  // [rad/s] At this speed joint 1 has nine tenths of the friction that holds it. With 0.003 rad/s in place of it pauses
+  // cost up to 3 % less, but few of them could be made longer: joint 2 moves too far in them.
+  double speed = 2e-4;
+  double hardly_moving = 0.01;  // [rad/s] at which friction holds an arm that waits at its start or goal
+  double costly_wait = 1.01;  // times the objective of the motion without it, up to which a wait costs hardly anything
+  // Intervals of the wait, before they are refined. With 8 in place of 32 half of the waits at an end came to nothing
+  // when they were; a pause, in which motors are slow, needs no more.
+  std::size_t intervals_at_end = 32, intervals_of_pause = 8;
+  int iterations = 400;  // of the solve with the wait, which has no multipliers to begin with
+  // A pause begins close to its bounds, because its motors have the velocities at which friction holds them.
+  double barrier_at_end = 0.1, barrier_of_pause = 1e-4;
+  // [rad/s] of the second friction law from which a wait is solved.
+  double width_at_end = 0.1, width_of_pause = 3e-4;
+  double more_work = 0.5;  // fraction of the options' work that is allowed in addition
+};
+
 struct SearchSettings {
   ContinuationSettings continuation;
   RaceSettings race;
@@ -297,6 +320,7 @@ struct SearchSettings {
   FallbackSettings fallbacks;
   StepwiseSettings stepwise;
   SwingUpSettings swing_up;
+  SpareTimeSettings spare_time;
 };
 
 }  // namespace fjr

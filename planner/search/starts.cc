@@ -168,6 +168,18 @@ std::vector<Guess> clear_ones_of(std::vector<Guess> guesses, const Problem& prob
   return guesses;
 }
 
+// Returns the starts of the motion without its pause, with the pause put in.
+Starts starts_with_pause(const Problem& problem, int count, const StartSettings& settings) {
+  const Pause& pause = *problem.variation.pause;
+  Problem moving = problem;
+  moving.variation.pause.reset();
+  moving.duration.max -= pause.duration();
+  moving.duration.min = moving.duration.max;
+  Starts starts = starts_of(moving, count, settings);
+  for (Guess& guess : starts.guesses) guess = paused_guess(std::move(guess), pause.begin, pause.duration());
+  return starts;
+}
+
 }  // namespace
 
 int starts_to_try(const Problem& problem, int asked, const StartSettings& settings) {
@@ -186,6 +198,7 @@ int starts_to_try(const Problem& problem, int asked, const StartSettings& settin
 }
 
 Starts starts_of(const Problem& problem, int count, const StartSettings& settings) {
+  if (problem.variation.pause) return starts_with_pause(problem, count, settings);
   const double duration = duration_guess(problem);
   const std::vector<std::vector<Path>> paths = task_paths(problem, settings.most_paths);
   Starts starts;

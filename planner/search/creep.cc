@@ -1,6 +1,7 @@
 #include "planner/search/creep.h"
 
 #include <cmath>
+#include <optional>
 
 #include "model/friction.h"
 #include "planner/trajectory/motion.h"
@@ -36,6 +37,11 @@ std::vector<Joints<double>> creep_through_rests(const Problem& problem, const Mo
       while (end + 1 < count && rests(motion, end, j, band)) ++end;
       if (end == first) continue;
       const double from = motion.intervals[first].start, to = motion.intervals[end].start;
+      const std::optional<Pause>& pause = problem.variation.pause;
+      if (pause && to > pause->begin && from < pause->end) {  // its motors are to be slower than creeping ones
+        first = end;
+        continue;
+      }
       if (to - from >= kShortestRest) {
         const double moved = motion.state_at(to).theta[j] - motion.state_at(from).theta[j];
         for (std::size_t k = first; k < end; ++k) creep[k][j] = std::copysign(kFaster * band, moved);

@@ -59,6 +59,7 @@ Problem fastest_of(Problem problem) {
   problem.weights.time = 1;
   problem.duration = {kShortestDuration, kLongestDuration};
   for (Via& via : problem.via) via.time.reset();
+  problem.variation.pause.reset();
   return problem;
 }
 

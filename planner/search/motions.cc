@@ -129,7 +129,7 @@ void try_wave(Wave& wave, Findings& found, Session& session) {
 
 // Solves the starts of the alternatives in turn, because the results of one tell how long the others are worth trying.
 // asked: number of starts, whatever their results; 0: as many as are worth trying.
-void take_turns(const std::vector<Alternative>& open, int asked, Findings& found, Session& session) {
+void take_turns(const std::vector<Alternative>& open, int asked, IfNone if_none, Findings& found, Session& session) {
   const StartOrderSettings& order = session.settings().order;
   const int count = starts_to_try(found.asked, asked, session.settings().starts);
   std::vector<Turn> turns;
@@ -152,16 +152,17 @@ void take_turns(const std::vector<Alternative>& open, int asked, Findings& found
   };
   const std::size_t before_sketching = have_little_time(open, order.little_time) ? 0 : order.before_sketching_fastest;
   for (std::size_t i = 0; i < most; ++i) {
-    if (i == before_sketching && found.candidates.empty() && all_seem_too_short(open, session)) {
+    const bool asks = found.candidates.empty() && if_none == IfNone::kFallBack;
+    if (i == before_sketching && asks && all_seem_too_short(open, session)) {
       try_fastest();
       if (found.too_short()) return;
     }
-    if (i == before_asking && found.candidates.empty()) {
+    if (i == before_asking && asks && found.candidates.empty()) {
       for (const Alternative& alternative : open) try_swinging(alternative, found, session);
       ask_whether_out_of_reach(open, found, session);
       if (found.out_of_reach) return;
     }
-    if (i == order.before_fastest && found.candidates.empty()) {
+    if (i == order.before_fastest && asks && found.candidates.empty()) {
       try_fastest();
       if (found.too_short()) return;
     }
@@ -190,7 +191,7 @@ void find_motions(int count, IfNone if_none, Findings& found, Session& session) 
   for (const Alternative& alternative : found.alternatives) {
     if (!no_path(*alternative)) open.push_back(alternative);
   }
-  take_turns(open, count, found, session);
+  take_turns(open, count, if_none, found, session);
   refine_waiting(found, session);
   if (!found.candidates.empty() || found.too_short() || found.out_of_reach || if_none == IfNone::kGiveUp) return;
   session.allow_more(session.settings().budget.fallbacks);

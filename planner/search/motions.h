@@ -5,7 +5,7 @@
 
 namespace fjr {
 
-// What is done where no start leads anywhere.
+// What is done where no start leads anywhere: whatever else may lead to a motion or tell why there is none, or nothing.
 enum class IfNone { kFallBack, kGiveUp };
 
 // Solves every start on a coarse mesh, four at a time once one has found a motion. Promising motions are refined while

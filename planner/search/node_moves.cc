@@ -9,7 +9,8 @@
 namespace fjr {
 
 ChangeOutcome move_jumps(Attempts& attempts) {
-  if (!attempts.has_rests()) return ChangeOutcome::kNotNeeded;
+  // A pause is a matter of time: moved nodes would leave it, and it would bound other intervals.
+  if (!attempts.has_rests() || attempts.problem().variation.pause) return ChangeOutcome::kNotNeeded;
   const NodeTimes times = node_times(attempts.problem(), attempts.solution());
   if (times.spread <= times.allowed || times.jumps.empty()) return ChangeOutcome::kNotNeeded;
   const std::string what = fmt::format("{}, {} nodes moved", attempts.label(), times.jumps.size());

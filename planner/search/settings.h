@@ -305,7 +305,6 @@ struct SpareTimeSettings {
   double barrier_at_end = 0.1, barrier_of_pause = 1e-4;
   // [rad/s] of the second friction law from which a wait is solved.
   double width_at_end = 0.1, width_of_pause = 3e-4;
-  double more_work = 0.5;  // fraction of the options' work that is allowed in addition
 };
 
 struct SearchSettings {

@@ -65,6 +65,7 @@ void relax(const Problem& problem, const Relaxable& what, std::vector<double>& d
 Problem with_slack(const Problem& problem) {
   Problem result = problem;
   result.weights = {.time = kTimeRegularisation};
+  result.variation.pause.reset();
   result.variation.slack.emplace();
   result.variation.slack->direction.assign(limit_scales(problem).size(), 0.0);
   return result;

@@ -93,7 +93,7 @@ Motion::Interval standing_still(const Parameters& robot, const State<double>& x,
   return rest;
 }
 
-// Returns a motion of one segment with a wait [s] inserted at a node. It has no multipliers.
+// Returns a motion of one segment with a wait [s] inserted at a node, without the report of its solve.
 Collocated with_wait(const Parameters& robot, Collocated c, std::size_t node, double wait, std::size_t pieces) {
   c.setup.mesh = with_wait(std::move(c.setup.mesh), node, c.motion.duration(), wait, pieces);
   c.setup.margins.clear();
@@ -104,6 +104,7 @@ Collocated with_wait(const Parameters& robot, Collocated c, std::size_t node, do
   for (std::size_t k = node; k < intervals.size(); ++k) intervals[k].start += wait;
   intervals.insert(intervals.begin() + static_cast<std::ptrdiff_t>(node), standing_still(robot, x, time, wait));
   c.durations.front() += wait;
+  c.report = {};
   return c;
 }
 
@@ -126,6 +127,7 @@ std::vector<Continuation> refined(std::vector<Continuation> all, Session& sessio
 // found. That is followed to the exact law only if it is better at first. Returns the refined motions.
 std::vector<Continuation> with_exact_friction(const std::shared_ptr<const Problem>& problem, const Collocated& waiting,
                                               Session& session) {
+  const Timed timed(session, "finish");
   const SpareTimeSettings& s = session.settings().spare_time;
   const bool pauses = problem->variation.pause.has_value();
   const std::array<double, 2> widths{0, pauses ? s.width_of_pause : s.width_at_end};
@@ -148,8 +150,45 @@ std::vector<Continuation> with_exact_friction(const std::shared_ptr<const Proble
 
 bool suits(const Findings& found) {
   const Problem& asked = found.asked;
-  return found.alternatives.size() == 1 && pays_for_torque_only(asked.weights) && asked.start_at_rest &&
-         asked.goal.at_rest && !asked.goal.any_free() && asked.via.empty() && can_be_carried(asked);
+  return asked.duration.fixed() && found.alternatives.size() == 1 && pays_for_torque_only(asked.weights) &&
+         asked.start_at_rest && asked.goal.at_rest && !asked.goal.any_free() && asked.via.empty() &&
+         can_be_carried(asked);
+}
+
+// Allows as much work again as was done since `before` [s], so that as much as usual is left.
+void give_back_work_since(double before, Session& session) {
+  const double most = session.options().most_work;
+  if (most > 0 && most < kNoLimit) session.allow_more((session.account().work - before) / most);
+}
+
+// The request in a short time, and the wait that is left of its own.
+struct Shorter {
+  Problem problem;
+  WaitPlace place;
+  double wait;  // [s]
+};
+
+std::optional<Shorter> shortened(const Problem& asked, const SpareTimeSettings& settings) {
+  const WaitPlace place = place_of_wait(asked, settings);
+  const double time = enough_time(asked, place, settings);
+  if (asked.duration.max < settings.worthwhile * time) return std::nullopt;
+  return Shorter{in_less_time(asked, time, place, settings), place, asked.duration.max - time};
+}
+
+// Plans the request from the motion in a short time. Returns nothing if no certified plan comes of it.
+std::optional<Publication> with_wait(const Collocated& motion, const Shorter& shorter, const Findings& found,
+                                     Session& session) {
+  const SpareTimeSettings& s = session.settings().spare_time;
+  Problem longer = *found.alternatives.front();
+  longer.variation.pause = shorter.problem.variation.pause;
+  if (longer.variation.pause) longer.variation.pause->end += shorter.wait;
+  const std::size_t pieces = longer.variation.pause ? s.intervals_of_pause : s.intervals_at_end;
+  const Collocated waiting =
+      with_wait(longer.robot, motion, node_of_wait(motion.motion, shorter.place), shorter.wait, pieces);
+  Findings in_whole(found.asked, session.settings().follow);
+  publish_best(with_exact_friction(std::make_shared<const Problem>(std::move(longer)), waiting, session), in_whole,
+               session);
+  return in_whole.certified() ? std::move(in_whole.best) : std::nullopt;
 }
 
 }  // namespace
@@ -157,32 +196,20 @@ bool suits(const Findings& found) {
 WithWait plan_with_wait(int starts, Findings& found, Session& session) {
   if (!suits(found)) return {};
   const SpareTimeSettings& s = session.settings().spare_time;
-  const Problem& asked = found.asked;
-  const double whole = asked.duration.max;
-  const WaitPlace place = place_of_wait(asked, s);
-  const double time = enough_time(asked, place, s), wait = whole - time;
-  if (whole < s.worthwhile * time) return {};
-
-  const Problem shorter = in_less_time(asked, time, place, s);
-  Findings in_short(shorter, session.settings().follow);
+  const std::optional<Shorter> shorter = shortened(found.asked, s);
+  if (!shorter) return {};
+  double before = session.account().work;
+  Findings in_short(shorter->problem, session.settings().follow);
   find_motions(starts, IfNone::kGiveUp, in_short, session);
-  session.allow_more(s.more_work);
+  give_back_work_since(before, session);
   if (!in_short.certified() || session.interrupted()) return {};
 
-  Problem longer = *found.alternatives.front();
-  longer.duration.min = whole;
-  longer.variation.pause = shorter.variation.pause;
-  if (longer.variation.pause) longer.variation.pause->end += wait;
-  const Collocated& best = in_short.best->solution;
-  const bool pauses = place == WaitPlace::kOnTheWay;
-  const Collocated waiting = with_wait(asked.robot, best, node_of_wait(best.motion, place), wait,
-                                       pauses ? s.intervals_of_pause : s.intervals_at_end);
-  Findings in_whole(asked, session.settings().follow);
-  publish_best(with_exact_friction(std::make_shared<const Problem>(std::move(longer)), waiting, session), in_whole,
-               session);
-  if (!in_whole.certified()) return {};
-  WithWait result{std::move(in_whole.best)};
-  result.is_enough = !pauses && result.best->objective < s.costly_wait * in_short.best->objective;
+  before = session.account().work;
+  WithWait result{with_wait(in_short.best->solution, *shorter, found, session)};
+  give_back_work_since(before, session);
+  if (!result.best) return {};
+  result.is_enough =
+      shorter->place != WaitPlace::kOnTheWay && result.best->objective < s.costly_wait * in_short.best->objective;
   if (result.is_enough) {
     found.starts = in_short.starts;
     found.starts_planned = in_short.starts_planned;

@@ -96,8 +96,8 @@ TEST(SpareTime, MotionsStandStillInAPause) {
   EXPECT_GT(fastest, 1);  // it moves 2 rad in less than that many seconds
 }
 
-// Hanging takes no torque, so that waiting there is free: more time cannot cost more. 0.1 % is what minima are told
-// apart by.
+// Hanging takes no torque, so that waiting there is free: more time cannot cost more. Minima are told apart by
+// 0.1 %.
 TEST(SpareTime, WaitingAtTheStartOrGoalCostsNothing) {
   for (const auto& [from, to] : {std::pair{kDown, kUp}, std::pair{kUp, kDown}}) {
     const WithWait waiting = with_wait(effort(from, to, 10));
@@ -108,8 +108,8 @@ TEST(SpareTime, WaitingAtTheStartOrGoalCostsNothing) {
   }
 }
 
-// One way is to go and hang, to wait there, and to go on. Pauses elsewhere may be better. 10 %: of such motions from
-// one start, one came to 6 % more; from other motions of the same request it is up to twice as much.
+// One way is to go and hang, to wait there, and to go on. Pauses elsewhere may be better. The tolerance is 10 %, since
+// one of such motions from one start came to 6 % more. Without a pause most come to more than twice as much.
 TEST(SpareTime, PausingOnTheWayCostsLittleMoreThanToHangInBetween) {
   const double there = effort_of(effort(kLeft, kDown, 1.25)), onward = effort_of(effort(kDown, kRight, 1.25));
   const WithWait pausing = with_wait(effort(kLeft, kRight, 15));

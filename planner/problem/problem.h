@@ -96,7 +96,7 @@ struct ProblemVariation {
   std::optional<Slack> slack;
   Reserve reserve;                           // margins for the arms of Problem::robust
   std::shared_ptr<const MotionPrice> price;  // added to the weighted terms
-  std::optional<Pause> pause;
+  std::optional<Pause> pause;                // in which an arm with time to spare waits
 };
 
 inline constexpr const char* kDefaultMethod = "hermite-simpson";

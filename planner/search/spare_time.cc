@@ -30,7 +30,7 @@ bool pays_for_torque_only(const Weights& weights) {
   });
 }
 
-// Returns whether friction holds the arm there, with no torque and hardly any motion.
+// Returns whether friction holds the arm there without torque, at no more than this speed [rad/s].
 bool is_held(const Parameters& robot, const Joints<double>& q, double speed) {
   const Joints<double> gravity = gravity_torque(robot, q);
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -45,7 +45,7 @@ WaitPlace place_of_wait(const Problem& problem, const SpareTimeSettings& setting
   return WaitPlace::kOnTheWay;
 }
 
-// Returns the time [s] in which a motion is found: one way, or two with a pause between them.
+// Returns the duration [s] of the shorter motion: of one way, or of two with a pause between them.
 double enough_time(const Problem& problem, WaitPlace place, const SpareTimeSettings& settings) {
   const double one_way = settings.times_usual * usual_duration(problem);
   if (place != WaitPlace::kOnTheWay) return std::max(settings.one_motion, one_way);
@@ -168,6 +168,7 @@ struct Shorter {
   double wait;  // [s]
 };
 
+// Returns nothing if there is hardly more time than that.
 std::optional<Shorter> shortened(const Problem& asked, const SpareTimeSettings& settings) {
   const WaitPlace place = place_of_wait(asked, settings);
   const double time = enough_time(asked, place, settings);
@@ -176,8 +177,8 @@ std::optional<Shorter> shortened(const Problem& asked, const SpareTimeSettings& 
 }
 
 // Plans the request from the motion in a short time. Returns nothing if no certified plan comes of it.
-std::optional<Publication> with_wait(const Collocated& motion, const Shorter& shorter, const Findings& found,
-                                     Session& session) {
+std::optional<Publication> planned_with_wait(const Collocated& motion, const Shorter& shorter, const Findings& found,
+                                             Session& session) {
   const SpareTimeSettings& s = session.settings().spare_time;
   Problem longer = *found.alternatives.front();
   longer.variation.pause = shorter.problem.variation.pause;
@@ -205,7 +206,7 @@ WithWait plan_with_wait(int starts, Findings& found, Session& session) {
   if (!in_short.certified() || session.interrupted()) return {};
 
   before = session.account().work;
-  WithWait result{with_wait(in_short.best->solution, *shorter, found, session)};
+  WithWait result{planned_with_wait(in_short.best->solution, *shorter, found, session)};
   give_back_work_since(before, session);
   if (!result.best) return {};
   result.is_enough =

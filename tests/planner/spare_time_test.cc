@@ -108,14 +108,14 @@ TEST(SpareTime, WaitingAtTheStartOrGoalCostsNothing) {
   }
 }
 
-// One way is to go and hang, to wait there, and to go on. Pauses elsewhere may be better. The tolerance is 10 %, since
-// one of such motions from one start came to 6 % more. Without a pause most come to more than twice as much.
-TEST(SpareTime, PausingOnTheWayCostsLittleMoreThanToHangInBetween) {
+// One way is to go and hang, to wait there, and to go on. A pause elsewhere costs no more, if it is found: this one,
+// from a single start, costs 1.7 % less. The usual search from twelve starts came to 2.4 times as much.
+TEST(SpareTime, PausingOnTheWayCostsNoMoreThanToHangInBetween) {
   const double there = effort_of(effort(kLeft, kDown, 1.25)), onward = effort_of(effort(kDown, kRight, 1.25));
   const WithWait pausing = with_wait(effort(kLeft, kRight, 15));
   ASSERT_TRUE(pausing.best);
   EXPECT_FALSE(pausing.is_enough);
-  EXPECT_LE(pausing.best->objective, 1.1 * (there + onward));
+  EXPECT_LE(pausing.best->objective, there + onward);
 }
 
 TEST(SpareTime, IsLeftToTheUsualSearchWhereItIsNone) {

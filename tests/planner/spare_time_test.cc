@@ -48,6 +48,16 @@ WithWait with_wait(const std::string& yaml) {
   return plan_with_wait(1, found, session);
 }
 
+// Returns the time [s] in which no motor is faster than 1e-3 rad/s, five times what a pause allows.
+double time_of_rest(const Trajectory& rows) {
+  double time = 0;
+  for (std::size_t i = 1; i < rows.samples.size(); ++i) {
+    const Joints<double>& v = rows.samples[i].state.dtheta;
+    if (std::max(std::abs(v[0]), std::abs(v[1])) < 1e-3) time += rows.samples[i].time - rows.samples[i - 1].time;
+  }
+  return time;
+}
+
 const std::string kDown = "[0, 0]", kUp = "[1.2, -0.8]", kLeft = "[-1.4607, -0.8498]", kRight = "[-0.6616, 1.249]";
 
 TEST(SpareTime, AGuessStandsStillInItsPause) {
@@ -116,6 +126,7 @@ TEST(SpareTime, PausingOnTheWayCostsNoMoreThanToHangInBetween) {
   ASSERT_TRUE(pausing.best);
   EXPECT_FALSE(pausing.is_enough);
   EXPECT_LE(pausing.best->objective, there + onward);
+  EXPECT_GE(time_of_rest(pausing.best->trajectory), 12);  // of 15 s, of which 2.5 s are for moving
 }
 
 TEST(SpareTime, IsLeftToTheUsualSearchWhereItIsNone) {

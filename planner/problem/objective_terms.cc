@@ -66,6 +66,8 @@ bool settles_torque(const Weights& weights) {
   return any_with(weights, [](const TermInfo& term) { return term.settles_torque; });
 }
 
+bool has_peak(const Weights& weights) { return weights.peak_torque > 0; }
+
 bool only_time(const Weights& weights) {
   return !any_with(weights, [](const TermInfo& term) { return term.weight != &Weights::time; });
 }

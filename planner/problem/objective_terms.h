@@ -206,6 +206,7 @@ struct PeakTorque {
                                  .weight = &Weights::peak_torque,
                                  .size = 10,
                                  .starts = 4,
+                                 .sees_friction = true,
                                  .of_first_version = true};
   static constexpr Node node = Node::kGoal;
   template <class T>
@@ -221,7 +222,7 @@ struct TipSpeed {
                                  .unit = "m/s",
                                  .meaning = "speed of the tip at the release; a reward, which counts negatively",
                                  .weight = &Weights::tip_speed,
-                                 .starts = 4,
+                                 .starts = 8,
                                  .reward = true,
                                  .of_first_version = true};
   static constexpr Node node = Node::kRelease;
@@ -296,9 +297,11 @@ T node_cost(const Weights& weights, Node node, const AtNode<T>& at) {
 }
 
 // Each returns whether a term with a weight: depends on friction; is strictly convex in the torque and so determines
-// it; depends on the links' accelerations; is a reward, which is maximised. only_time(): no term but time has a weight.
+// it; is the largest torque; depends on the links' accelerations; is a reward, which is maximised. only_time(): no term
+// but time has a weight.
 bool sees_friction(const Weights& weights);
 bool settles_torque(const Weights& weights);
+bool has_peak(const Weights& weights);
 bool only_time(const Weights& weights);
 bool sees_acceleration(const Weights& weights);
 bool has_reward(const Weights& weights);

@@ -37,7 +37,7 @@ SolveOptions Attempts::warm_options(const std::string& what) {
 
 SolveOptions Attempts::loose_options(const std::string& what) {
   SolveOptions o = warm_options(what);
-  if (sees_friction(problem_->weights)) return o;
+  if (sees_friction(problem_->weights) && !has_peak(problem_->weights)) return o;
   o.tolerance = settings().tightening.round_tolerance;
   o.constraint_tolerance = settings().tightening.round_violation;
   return o;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "model/friction.h"
@@ -16,6 +17,37 @@ namespace {
 
 bool is_torque(std::size_t limit) { return limit < kLimits && kLimitNames[limit].is_of(Torque::info); }
 
+// Excesses [N m] over the peak torque that the objective minimises.
+class OverPeak {
+ public:
+  OverPeak(const Problem& problem, const Collocated& solution, const MeshDemand& demand, const MeshSettings& settings)
+      : solution_(solution), shortest_(settings.shortest_interval_for_peak) {
+    if (!demand.lowers_peak) return;
+    excess_.assign(solution.setup.mesh.size(), PerLimit(limit_scales(problem).size(), 0.0));
+    add_excesses_of_peak(excess_, problem, solution.motion, solution.peak);
+  }
+
+  // Returns the excess in interval k with its margin [N m] for torque limit i, as a fraction of the peak; 0 if there is
+  // none or the interval is too short to be split for it.
+  double fraction(std::size_t k, std::size_t i, double margin) const {
+    if (excess_.empty() || solution_.motion.intervals[k].duration <= shortest_) return 0;
+    return (excess_[k][i] + margin) / solution_.peak[kLimitNames[i].j()];
+  }
+
+  // Returns the end of the interval, 0 or 1, at which a motor begins to move or comes to rest above the peak.
+  std::optional<double> end_at_rest(std::size_t k, std::size_t i) const {
+    if (excess_.empty() || excess_[k][i] == 0) return std::nullopt;
+    if (k == 0) return 0;
+    if (k + 1 == excess_.size()) return 1;
+    return std::nullopt;
+  }
+
+ private:
+  const Collocated& solution_;
+  double shortest_;
+  std::vector<PerLimit> excess_;  // empty: peaks are not lowered
+};
+
 // Raises the errors [rad] of intervals that exceed limits by much, so that they are split. Returns where friction steps
 // in intervals that exceed a torque limit because of it: there the interval is cut instead.
 Cuts raise_for_excesses(std::vector<double>& errors, const Problem& problem, const Collocated& solution,
@@ -25,15 +57,19 @@ Cuts raise_for_excesses(std::vector<double>& errors, const Problem& problem, con
   const double worth = demand.excess_worth_splitting;
   const std::vector<PerLimit> excess = excesses(problem, solution.setup.mesh, solution.motion, kKeep, solution.slack);
   const PerLimit scales = limit_scales(problem);
+  const OverPeak over_peak(problem, solution, demand, settings);
   Cuts steps(errors.size());
   for (std::size_t k = 0; k < errors.size(); ++k) {
     for (std::size_t i = 0; i < scales.size(); ++i) {
       const double margin = margins.empty() ? 0 : margins[k][i];
-      const double fraction = (excess[k][i] + margin) / scales[i];  // zero without a limit
+      double fraction = (excess[k][i] + margin) / scales[i];  // zero without a limit
+      if (is_torque(i)) fraction = std::max(fraction, over_peak.fraction(k, i, margin));
       if (fraction <= worth) continue;
       if (is_torque(i) && fraction > settings.excess_worth_splitting) {
-        if (const auto reversal = reversal_in(solution.motion, k, kLimitNames[i].j())) {
-          steps[k].push_back(*reversal);
+        auto step = reversal_in(solution.motion, k, kLimitNames[i].j());
+        if (!step) step = over_peak.end_at_rest(k, i);
+        if (step) {
+          steps[k].push_back(*step);
           continue;
         }
       }

@@ -19,6 +19,11 @@
 namespace fjr {
 namespace {
 
+// Returns whether solutions of different steps are compared by the objective that would be published. If it does not
+// depend on friction, the law only shifts the torque limit, and the sharpest solution is kept. So it is for the largest
+// torque, which tightening lowers between the collocation points.
+bool compares_published(const Weights& weights) { return sees_friction(weights) && !has_peak(weights); }
+
 // Returns the most iterations of a step, without patience.
 int iterations_of_step(const Problem& problem, bool with_rests_scaled, const HomotopySettings& settings) {
   if (with_rests_scaled) return settings.iterations_with_rests;
@@ -58,8 +63,9 @@ bool solve_in_halves(const Smoothing& step, int halvings, Attempts& attempts, co
   const Smoothing from = setup.smoothing;
   setup.smoothing = step;
   if (solve_step(what, setup, attempts, strategy)) return true;
-  // If the objective depends on friction, the steps are small already, and the last good solution will do.
-  if (attempts.stopped() || sees_friction(problem.weights)) return false;
+  // If the objective depends on friction, the steps are small already, and the last good solution will do. (With a
+  // smoothed law the peak of the torque says too little of the exact one.)
+  if (attempts.stopped() || compares_published(problem.weights)) return false;
   if (halvings == 0) return attempts.anew(what, setup);
   const double sharpest = std::max(step.friction_width, s.homotopy.sharp_width);
   const Smoothing between{std::sqrt(from.friction_width * sharpest),
@@ -86,26 +92,28 @@ double squared_torque(const Motion& motion) {
   return sum;
 }
 
-// Returns the first step with a sharper law than this width [rad/s].
-std::size_t first_sharper_step(const std::vector<Smoothing>& steps, double width) {
+// Returns the first step with a sharper law, or with the same one and less regularisation.
+std::size_t first_step_after(const Smoothing& now, const std::vector<Smoothing>& steps) {
+  const auto is_behind = [&](const Smoothing& step) {
+    if (step.friction_width != now.friction_width) return step.friction_width > now.friction_width;
+    return step.regularisation >= now.regularisation;
+  };
   std::size_t next = 1;
-  while (next < steps.size() && steps[next].friction_width >= width) ++next;
+  while (next < steps.size() && is_behind(steps[next])) ++next;
   return next;
 }
 
 }  // namespace
 
 Homotopy::Homotopy(const Attempts& attempts, const ContinuationStrategy& strategy)
-    : next_(first_sharper_step(strategy.steps, attempts.solution().setup.smoothing.friction_width)),
+    : next_(first_step_after(attempts.solution().setup.smoothing, strategy.steps)),
       best_(attempts.solution()),
       best_at_(attempts.solutions()),
       least_(published_objective(attempts.problem(), attempts.solution())) {}
 
 void Homotopy::compare(const Attempts& attempts) {
   const double objective = published_objective(attempts.problem(), attempts.solution());
-  // If the objective does not depend on friction, the law only shifts the torque limit, so the sharpest solution is
-  // kept.
-  if (!(objective < least_) && sees_friction(attempts.problem().weights)) return;
+  if (!(objective < least_) && compares_published(attempts.problem().weights)) return;
   least_ = objective;
   best_ = attempts.solution();
   best_at_ = attempts.solutions();

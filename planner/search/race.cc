@@ -46,8 +46,9 @@ Place after_settling(Continuation& motion) {
 void drop_losers(std::vector<Runner>& runners, StepObjectives& reached, const RaceSettings& settings) {
   for (Runner& runner : runners) {
     if (runner.place != Place::kOnTheWay) continue;
-    const double width = runner.motion.solution().setup.smoothing.friction_width;
-    std::vector<double>& before = reached[width];
+    const Smoothing& step = runner.motion.solution().setup.smoothing;
+    const double width = step.friction_width;
+    std::vector<double>& before = reached[{width, step.regularisation}];
     const bool depends_on_friction = sees_friction(runner.motion.problem()->weights);
     if (!worth_following(runner.objective(), width, before, depends_on_friction, settings)) {
       runner.place = Place::kDropped;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "planner/search/continuation.h"
@@ -10,8 +11,9 @@
 
 namespace fjr {
 
-// Scaled objectives of all motions so far after each homotopy step, by the width of its friction law [rad/s].
-using StepObjectives = std::map<double, std::vector<double>>;
+// Scaled objectives of all motions so far after each homotopy step, by the width of its friction law [rad/s] and its
+// regularisation.
+using StepObjectives = std::map<std::pair<double, double>, std::vector<double>>;
 
 struct Raced {
   std::vector<Continuation> arrived;  // motions that finished their homotopy, settled and usable

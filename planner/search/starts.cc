@@ -141,6 +141,32 @@ std::vector<Guess> plain_guesses(const Problem& problem, double duration) {
   return guesses;
 }
 
+// Minima of throws differ by the directions in which the joints move at the release. Returns a guess for each of them,
+// which first moves back where the way is too short for the speed; none if the request prescribes the velocity.
+std::vector<Guess> throwing_guesses(const Problem& problem, double fraction_of_speed) {
+  if (!has_reward(problem.weights)) return {};
+  const bool prescribed = problem.release ? problem.via[*problem.release].dq.has_value() : !problem.goal.dq_free;
+  if (prescribed) return {};
+  std::vector<Guess> guesses;
+  for (unsigned directions = 0; directions < 1U << kJoints; ++directions) {
+    Joints<double> velocity;
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double sign = (directions >> j & 1U) != 0 ? -1 : 1;
+      velocity[j] = sign * fraction_of_speed * problem.limits.motor_velocity[j];
+    }
+    Problem thrown = problem;
+    if (problem.release) {
+      thrown.via[*problem.release].dq = velocity;
+    } else {
+      thrown.goal.dq = velocity;
+      thrown.goal.dq_free = false;
+    }
+    guesses.push_back(passing_guess(thrown));
+    guesses.back().name = "throwing";
+  }
+  return guesses;
+}
+
 // With time to spare a motor rests, and minima differ by when it does.
 constexpr std::size_t kWaiting = 2;
 std::array<Guess, kWaiting> waiting_guesses(const Guess& guess, const StartSettings& settings) {
@@ -220,6 +246,7 @@ Starts starts_of(const Problem& problem, int count, const StartSettings& setting
     starts.near_the_best = settings.near_the_best_among_obstacles;
   } else {
     append(plain_guesses(problem, duration), starts.guesses);
+    append(throwing_guesses(problem, settings.throwing_speed), starts.guesses);
     const bool frictional = sees_friction(problem.weights);
     starts.by_ipopt = frictional && count_of_rows(problem.task) == 0 ? starts.guesses.size() : kAll;
     starts.enough = starts.guesses.size() + (frictional ? kWaiting : 0) + settings.further;

@@ -71,15 +71,14 @@ struct Tighter {
   bool wider, finer;
 };
 
-Tighter tighter_setup(const Attempts& attempts, const ContinuationStrategy& strategy,
-                      const std::vector<PerLimit>& excess, double growth) {
+Tighter tighter_setup(const Attempts& attempts, MeshDemand demand, const std::vector<PerLimit>& excess, double growth) {
   const Problem& problem = attempts.problem();
   const Collocated& solution = attempts.solution();
   const ContinuationSettings& s = attempts.settings();
   CollocationSetup setup = solution.setup;
   const bool wider = widen(setup.margins, excess, problem, growth);
-  setup = with_finer_mesh(problem, solution, std::move(setup), interval_errors(problem.robot, solution.motion),
-                          demand_for_certificate(s, strategy), s.mesh);
+  setup = with_finer_mesh(problem, solution, std::move(setup), interval_errors(problem.robot, solution.motion), demand,
+                          s.mesh);
   const bool finer = setup.mesh.size() != solution.setup.mesh.size();
   return {std::move(setup), wider, finer};
 }
@@ -91,7 +90,7 @@ Completion tighten(Attempts& attempts, const ContinuationStrategy& strategy, int
   const TighteningSettings& s = attempts.settings().tightening;
   // With wider laws the friction differs from the exact one even where a motor is not yet reversing.
   bool minds_peak =
-      problem.weights.peak_torque > 0 && attempts.solution().setup.smoothing.friction_width <= s.sharp_for_peaks;
+      has_peak(problem.weights) && attempts.solution().setup.smoothing.friction_width <= s.sharp_for_peaks;
   LowestPeak lowest;
   for (int round = 0; round < s.rounds && failures < s.failures; ++round) {
     const Collocated& solution = attempts.solution();
@@ -99,7 +98,9 @@ Completion tighten(Attempts& attempts, const ContinuationStrategy& strategy, int
         excesses(problem, solution.setup.mesh, solution.motion, part_of_margin_kept(round, s), solution.slack);
     if (minds_peak && round > 0 && !exceeds(excess)) lowest.compare(problem, solution);
     if (minds_peak) add_excesses_of_peak(excess, problem, solution.motion, solution.peak);
-    const Tighter next = tighter_setup(attempts, strategy, excess, margin_growth(round, solution, s));
+    MeshDemand demand = demand_for_certificate(attempts.settings(), strategy);
+    demand.lowers_peak = minds_peak;
+    const Tighter next = tighter_setup(attempts, demand, excess, margin_growth(round, solution, s));
     if (!next.wider && !next.finer) {
       if (!was_solved_loosely(attempts.solution())) break;
       solve_to_the_end(attempts);

@@ -91,6 +91,36 @@ TEST(Objective, PeakTorqueIsKeptBetweenTheCollocationPoints) {
   EXPECT_LT(result.objective, 1.02 * result.stages.back().objective);
 }
 
+double largest_torque_of(const std::string& yaml) {
+  PlanOptions options;
+  options.starts = 1;
+  const Plan result = plan(request(yaml), options);
+  EXPECT_EQ(result.status, PlanStatus::kCertified) << result.reason;
+  return result.terms.at("peak_torque");
+}
+
+// Whatever moves the arm in this time bounds the least peak from above: here the fastest motion within tighter limits,
+// and motions that save effort besides. The tolerance is for meshes and rows, which may each cost a few 1e-4.
+TEST(Objective, PeakTorqueIsNoHigherThanThatOfOtherMotionsInTheSameTime) {
+  constexpr double kTolerance = 2e-3;
+  const std::string fast = "start: {q: [-0.99, 0.36]}, goal: {q: [-0.32, -0.38]}";
+  const Plan fastest = plan(request(fmt::format("{{{}, limits: {{torque: [8.27, 3.22]}}}}", fast)), {});
+  ASSERT_EQ(fastest.status, PlanStatus::kCertified) << fastest.reason;
+  EXPECT_LT(largest_torque_of(fmt::format("{{{}, duration: {}, objective: {{peak_torque: 1}}}}", fast,
+                                          fastest.trajectory->samples.back().time)),
+            (1 + kTolerance) * fastest.terms.at("peak_torque"));
+
+  for (const std::string ends : {"start: {q: [0.5045, 0.8019]}, goal: {q: [0.3418, -1.2536]}, duration: 0.752",
+                                 "start: {q: [-0.7852, 0.5409]}, goal: {tip: [0.0208, -0.3887]}, duration: 0.578"}) {
+    const double least = largest_torque_of(fmt::format("{{{}, objective: {{peak_torque: 1}}}}", ends));
+    for (const double effort : {0.01, 0.1}) {
+      EXPECT_LT(least, (1 + kTolerance) * largest_torque_of(fmt::format(
+                                              "{{{}, objective: {{peak_torque: 1, effort: {}}}}}", ends, effort)))
+          << ends << ", effort " << effort;
+    }
+  }
+}
+
 // The start is no stage of radau3, so that nothing but the first interval's bounds keeps its variables.
 TEST(Objective, PeakTorqueIsPlannedWithoutAStageAtTheStart) {
   std::vector<double> objectives;

@@ -99,7 +99,7 @@ Completion tighten(Attempts& attempts, const ContinuationStrategy& strategy, int
     if (minds_peak && round > 0 && !exceeds(excess)) lowest.compare(problem, solution);
     if (minds_peak) add_excesses_of_peak(excess, problem, solution.motion, solution.peak);
     MeshDemand demand = demand_for_certificate(attempts.settings(), strategy);
-    demand.lowers_peak = minds_peak;
+    demand.lowers_peak = minds_peak && round < s.rounds_of_splitting_for_peak;
     const Tighter next = tighter_setup(attempts, demand, excess, margin_growth(round, solution, s));
     if (!next.wider && !next.finer) {
       if (!was_solved_loosely(attempts.solution())) break;

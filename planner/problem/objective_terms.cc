@@ -58,15 +58,17 @@ double TipSpeed::published(const Published& p) {
   return speed < kStill ? 0 : speed;
 }
 
+bool has_peak(const Weights& weights) {
+  return weights.peak_torque > 0 && weights.peak_torque * PeakTorque::info.size >= size_of(weights);
+}
+
 bool sees_friction(const Weights& weights) {
-  return any_with(weights, [](const TermInfo& term) { return term.sees_friction; });
+  return has_peak(weights) || any_with(weights, [](const TermInfo& term) { return term.sees_friction; });
 }
 
 bool settles_torque(const Weights& weights) {
   return any_with(weights, [](const TermInfo& term) { return term.settles_torque; });
 }
-
-bool has_peak(const Weights& weights) { return weights.peak_torque > 0; }
 
 bool only_time(const Weights& weights) {
   return !any_with(weights, [](const TermInfo& term) { return term.weight != &Weights::time; });
@@ -88,13 +90,13 @@ Weights without_closed_loop(Weights weights) {
 }
 
 int starts_worth_trying(const Weights& weights) {
-  int most_with_friction = 0, least = std::numeric_limits<int>::max();
+  int most = 0, least = std::numeric_limits<int>::max();
   for (const TermInfo& term : Terms::infos) {
     if (weights.*term.weight <= 0 || term.starts == 1) continue;
     least = std::min(least, term.starts);
-    if (term.sees_friction) most_with_friction = std::max(most_with_friction, term.starts);
+    if (term.sees_friction || term.reward) most = std::max(most, term.starts);
   }
-  if (most_with_friction > 0) return most_with_friction;
+  if (most > 0) return most;
   return least == std::numeric_limits<int>::max() ? 1 : least;
 }
 

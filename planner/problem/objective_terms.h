@@ -206,7 +206,6 @@ struct PeakTorque {
                                  .weight = &Weights::peak_torque,
                                  .size = 10,
                                  .starts = 4,
-                                 .sees_friction = true,
                                  .of_first_version = true};
   static constexpr Node node = Node::kGoal;
   template <class T>
@@ -297,8 +296,8 @@ T node_cost(const Weights& weights, Node node, const AtNode<T>& at) {
 }
 
 // Each returns whether a term with a weight: depends on friction; is strictly convex in the torque and so determines
-// it; is the largest torque; depends on the links' accelerations; is a reward, which is maximised. only_time(): no term
-// but time has a weight.
+// it; depends on the links' accelerations; is a reward, which is maximised. has_peak(): no term has more weight, by its
+// size, than the largest torque; it depends on friction then. only_time(): no term but time has a weight.
 bool sees_friction(const Weights& weights);
 bool settles_torque(const Weights& weights);
 bool has_peak(const Weights& weights);
@@ -307,8 +306,8 @@ bool sees_acceleration(const Weights& weights);
 bool has_reward(const Weights& weights);
 // Returns the weights without those of the closed loop, which are not optimised together with the others.
 Weights without_closed_loop(Weights weights);
-// Returns how many starts are worth trying: the most that any weighted term which depends on friction asks for; if
-// there is none, the fewest above one that a weighted term asks for, or one.
+// Returns how many starts are worth trying: the most that any weighted term which depends on friction, or is a reward,
+// asks for; if there is none, the fewest above one that a weighted term asks for, or one.
 int starts_worth_trying(const Weights& weights);
 // Returns the largest product of a weight and the size of its term.
 double size_of(const Weights& weights);

@@ -60,7 +60,7 @@ class Attempts {
   bool moving_nodes(const std::string& what, const std::vector<std::size_t>& nodes, const SolveOptions& o);
 
   // Options of a solve from a guess; of a warm start; and of one that another follows, with larger tolerances if the
-  // objective does not depend on friction. They must not outlive this object.
+  // objective does not depend on friction or is a peak. They must not outlive this object.
   SolveOptions options(const std::string& what);
   SolveOptions warm_options(const std::string& what);
   SolveOptions loose_options(const std::string& what);

@@ -1,4 +1,4 @@
-// Continuation from a guess to a converged solution: the friction law is made exact step by step (homotopy), the mesh
+// Continuation from a guess to a converged solution: the friction law is sharpened step by step (homotopy), the mesh
 // is refined where its error is too large, and margins are widened until the limits hold between the collocation
 // points.
 #pragma once
@@ -79,7 +79,7 @@ class Continuation {
   // points. (If no solution with margins is found, the certificate decides about the last one.)
   Completion settle();
 
-  // follow_homotopy() takes all steps to the exact friction law; refine() takes them and then settles.
+  // follow_homotopy() takes all steps of the homotopy; refine() takes them and then settles.
   Completion follow_homotopy();
   Completion refine();
 
@@ -105,7 +105,9 @@ class Continuation {
   const std::string& label() const { return attempts_.label(); }
   const Collocated& solution() const { return attempts_.solution(); }
   double duration() const { return solution().motion.duration(); }  // of the solution [s]
-  bool has_exact_friction() const { return solution().setup.smoothing.friction_width == 0; }
+  bool has_sharpest_friction() const {
+    return solution().setup.smoothing.friction_width <= strategy_.steps.back().friction_width;
+  }
   SolveStatus status() const { return attempts_.status(); }  // of the last attempt
   // The limit that the last attempt without solution exceeds most, as a sentence; empty if it exceeds none.
   const std::string& obstacle() const { return attempts_.obstacle(); }

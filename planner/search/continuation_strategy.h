@@ -10,7 +10,7 @@
 namespace fjr {
 
 struct ContinuationStrategy {
-  std::vector<Smoothing> steps;           // of the homotopy, from the first solution's friction law to the exact one
+  std::vector<Smoothing> steps;           // of the homotopy, from the first solution's friction law to the last one
   bool loose_steps = false;               // homotopy steps are solved with loose tolerances
   bool fades = true;                      // a regularisation that outweighs the objective is reduced at the end
   bool begins_afresh = true;              // a failed warm start on a finer mesh is repeated without multipliers

@@ -299,7 +299,7 @@ SwungUp swing_up(const SharedProblem& problem, double longest, Session& session)
   if (!swung.motion && folded.reached) return folded;
   if (!swung.motion || session.options().patience <= 1) return swung;
   const bool finished = swung.motion->follow_homotopy() == Completion::kFinished;
-  if (finished && swung.motion->has_exact_friction()) return swung;
+  if (finished && swung.motion->has_sharpest_friction()) return swung;
   SwungUp sharper = swing_up_with(problem, longest, session, session.settings().stepwise.sharpest_width_factor);
   return sharper.motion ? std::move(sharper) : std::move(swung);
 }

@@ -21,7 +21,7 @@ bool is_torque(std::size_t limit) { return limit < kLimits && kLimitNames[limit]
 class OverPeak {
  public:
   OverPeak(const Problem& problem, const Collocated& solution, const MeshDemand& demand, const MeshSettings& settings)
-      : solution_(solution), shortest_(settings.shortest_interval_for_peak) {
+      : problem_(problem), solution_(solution), shortest_(settings.shortest_interval_for_peak) {
     if (!demand.lowers_peak) return;
     excess_.assign(solution.setup.mesh.size(), PerLimit(limit_scales(problem).size(), 0.0));
     add_excesses_of_peak(excess_, problem, solution.motion, solution.peak);
@@ -37,12 +37,13 @@ class OverPeak {
   // Returns the end of the interval, 0 or 1, at which a motor begins to move or comes to rest above the peak.
   std::optional<double> end_at_rest(std::size_t k, std::size_t i) const {
     if (excess_.empty() || excess_[k][i] == 0) return std::nullopt;
-    if (k == 0) return 0;
-    if (k + 1 == excess_.size()) return 1;
+    if (k == 0 && problem_.start_at_rest) return 0;
+    if (k + 1 == excess_.size() && problem_.goal.at_rest) return 1;
     return std::nullopt;
   }
 
  private:
+  const Problem& problem_;
   const Collocated& solution_;
   double shortest_;
   std::vector<PerLimit> excess_;  // empty: peaks are not lowered

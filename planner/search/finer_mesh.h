@@ -14,7 +14,7 @@ namespace fjr {
 struct MeshDemand {
   double tolerance;               // [rad] error of an interval; MeshSettings tell where less is allowed
   double excess_worth_splitting;  // excess over a limit, as a fraction of it, beyond which an interval is split
-  bool lowers_peak = false;       // so does an excess over the peak torque that the objective minimises
+  bool lowers_peak = false;       // intervals are also split that exceed the peak torque that the objective minimises
 };
 
 // Of the meshes of homotopy steps, and of those that are to be certified.

@@ -201,7 +201,7 @@ void follow_damped(const std::vector<CoarseMotion>& coarse, Findings& found, Ses
   const Timed timed(session, "finish");
   ++session.fallbacks().calmed;
   ContinuationStrategy strategy = usual_strategy(*problem);
-  strategy.steps.resize(1);
+  strategy.steps = {{strategy.steps.front().friction_width, strategy.steps.back().regularisation}};
   Continuation c(problem, session, "with acceleration penalty", {.strategy = strategy});
   c.start = best->coarse.start;
   const Guess guess = count_of_rows(problem->task) == 0 ? minimum_jerk_guess(*problem, duration)

@@ -1,4 +1,4 @@
-// The way from a smoothed friction law to the exact one, in steps.
+// The way from a smoothed friction law to the exact one, or to one nearly as sharp, in steps.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,7 @@ enum class StepOutcome {
 
 // Each step's solution starts the next one, on a mesh refined by its errors. The solution with the least published
 // objective (with the exact law) is kept: a sharper law usually helps, but sometimes a step ends in a worse minimum or
-// fails.
+// fails. If the objective does not depend on friction or is the largest torque, the last one is.
 class Homotopy {
  public:
   // Begins at the present solution.

@@ -108,7 +108,7 @@ struct MeshSettings {
 // Margins and mesh are adapted until every limit holds between the collocation points.
 struct TighteningSettings {
   int rounds = 8;
-  // Tolerances of a round that another one follows, where the objective does not depend on friction: the last
+  // Tolerances of a round that another one follows, if the objective does not depend on friction or is a peak: the last
   // iterations of a round hardly change the errors by which mesh and margins are judged. Solved to the end, ten fastest
   // motions took 1.13 times as many iterations times intervals (a reach 1.4 times).
   double round_tolerance = 1e-4, round_violation = 1e-7;
@@ -120,8 +120,8 @@ struct TighteningSettings {
   double growth = 2;               // least factor of a margin that did not suffice
   double ineffective_growth = 8;   // of one that changed nothing: its bound was not active
   double sharp_for_peaks = 0.004;  // [rad/s] widths of friction laws up to which peaks are kept by margins
-  // Rounds that split intervals for a peak; later ones widen margins alone. With all eight of them a motor that
-  // trembles about its rest got 1100 intervals, and a peak that was 16 % too high.
+  // Rounds of each tightening that split intervals for a peak; later ones widen margins alone. When all rounds did, a
+  // motor that trembles about its rest got 1100 intervals, and a peak that was 16 % too high.
   int rounds_of_splitting_for_peak = 2;
   int creep_rounds = 3;  // what is kept out of one interval may settle in the next
 };

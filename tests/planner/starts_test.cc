@@ -11,9 +11,11 @@
 #include <cmath>
 #include <cstring>
 #include <memory>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "common/paired_thread.h"
@@ -519,6 +521,36 @@ TEST(Starts, AnArmThatMovesAlreadyIsTriedInTheTimeThereIs) {
                         "objective: {copper: 1}\npath: {tolerance: 0.0314}\n"),
                 {});
   EXPECT_EQ(plan.status, PlanStatus::kCertified) << plan.reason;
+}
+
+// ---- throws ----
+
+// Random displacements of the straight motion seldom lead to throws in all directions.
+TEST(Starts, OfAThrowMoveTheJointsInEveryPairOfDirectionsAtTheRelease) {
+  const std::string reward = "start: {q: [0.3, -0.2]}\nobjective: {time: 1, tip_speed: 1}\n";
+  for (const char* throwing :
+       {"goal: {q: [0.1, 0.2]}\nvia: [{q: [0.9, -0.4]}]\n", "goal: {q: [0.9, -0.4], dq: free}\n"}) {
+    const Problem problem = request(reward + throwing);
+    const Joints<double> released{0.9, -0.4};
+    std::set<std::pair<bool, bool>> directions;
+    for (const Guess& guess : starts_of(problem, 8, {}).guesses) {
+      if (guess.name != "throwing") continue;
+      const State<double> x = guess.state(guess.durations.front() / guess.duration());
+      directions.emplace(x.dq[0] > 0, x.dq[1] > 0);
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        EXPECT_NEAR(x.q[j], released[j], 1e-9);
+        EXPECT_NEAR(std::abs(x.dq[j]), StartSettings{}.throwing_speed * problem.limits.motor_velocity[j], 1e-6);
+      }
+    }
+    EXPECT_EQ(directions.size(), 4U) << throwing;
+  }
+}
+
+TEST(Starts, OfAThrowWithAGivenVelocityLeaveTheDirectionAsItIs) {
+  const Problem problem = request(
+      "start: {q: [0.3, -0.2]}\ngoal: {q: [0.1, 0.2]}\nvia: [{q: [0.9, -0.4], dq: [2, 1]}]\n"
+      "objective: {time: 1, tip_speed: 1}\n");
+  for (const Guess& guess : starts_of(problem, 8, {}).guesses) EXPECT_NE(guess.name, "throwing");
 }
 
 // ---- ends that are free ----

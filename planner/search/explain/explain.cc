@@ -109,7 +109,7 @@ class Explanation {
     if (sketched && !too_long_to_plan && nearly_possible) {
       solution = search.solve(with_slack_of_it, name, {guess_of(*solution)});
     }
-    const bool rough = !solution || !solution->has_exact_friction();
+    const bool rough = !solution || !solution->has_sharpest_friction();
     if (!solution) solution = search.last_sketch();
     if (!solution) return {};
     const Relaxable& what = candidate.what;

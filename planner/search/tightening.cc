@@ -90,7 +90,7 @@ Completion tighten(Attempts& attempts, const ContinuationStrategy& strategy, int
   const TighteningSettings& s = attempts.settings().tightening;
   // With wider laws the friction differs from the exact one even where a motor is not yet reversing.
   bool minds_peak =
-      has_peak(problem.weights) && attempts.solution().setup.smoothing.friction_width <= s.sharp_for_peaks;
+      problem.weights.peak_torque > 0 && attempts.solution().setup.smoothing.friction_width <= s.sharp_for_peaks;
   LowestPeak lowest;
   for (int round = 0; round < s.rounds && failures < s.failures; ++round) {
     const Collocated& solution = attempts.solution();
@@ -99,7 +99,8 @@ Completion tighten(Attempts& attempts, const ContinuationStrategy& strategy, int
     if (minds_peak && round > 0 && !exceeds(excess)) lowest.compare(problem, solution);
     if (minds_peak) add_excesses_of_peak(excess, problem, solution.motion, solution.peak);
     MeshDemand demand = demand_for_certificate(attempts.settings(), strategy);
-    demand.lowers_peak = minds_peak && round < s.rounds_of_splitting_for_peak;
+    // Where other terms count more, as effort does, margins alone lower the peak.
+    demand.lowers_peak = minds_peak && has_peak(problem.weights) && round < s.rounds_of_splitting_for_peak;
     const Tighter next = tighter_setup(attempts, demand, excess, margin_growth(round, solution, s));
     if (!next.wider && !next.finer) {
       if (!was_solved_loosely(attempts.solution())) break;

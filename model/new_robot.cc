@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <stdexcept>
 #include <string_view>
 #include <type_traits>
 
@@ -188,7 +189,7 @@ class Writer {
     const Parameters unused{};
     visit_parameters(unused, [&](const std::string& section, const std::string& name, const char* unit, const auto&) {
       const auto found = entries_.find(section + "." + name);
-      if (found == entries_.end()) return;
+      if (found == entries_.end()) return refuse_to_leave_out(section, name);
       if (section != before) text += fmt::format("\n{}:\n", section);
       before = section;
       const Entry& e = found->second;
@@ -201,6 +202,12 @@ class Writer {
   }
 
  private:
+  // Throws unless the file may be without this entry, so that no file is written that load_parameters() refuses.
+  static void refuse_to_leave_out(const std::string& section, const std::string& name) {
+    if (may_be_left_out(section, name)) return;
+    throw std::logic_error(fmt::format("a new robot has no {}.{}, which every robot.yaml needs", section, name));
+  }
+
   void put(const std::string& name, const Joints<double>& value, const std::string& source, const char* key = "",
            const std::string& error = "null") {
     entries_[name] = {value, source, key, "", error};

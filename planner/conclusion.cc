@@ -42,7 +42,7 @@ bool keeps_what_was_asked(const Certificate& certificate) {
 std::string advice(const std::vector<Relaxation>& relaxations) {
   if (relaxations.empty()) return "";
   const Relaxation& r = relaxations.front();
-  return fmt::format("; with {} of {:.4g} {} (now {:g}) it may be found", name_of(r.name, r.joint), r.to, r.unit,
+  return fmt::format("; with {} of {:.4g} {} (now {:g}) a motion may be found", name_of(r.name, r.joint), r.to, r.unit,
                      r.from);
 }
 

@@ -29,8 +29,8 @@ inline bool duration_is_free(const Problem& problem, double duration) {
 }
 
 // Returns d objective / d goal.q [1/rad], 0 for a free joint. At a goal at rest, theta = q + K^-1 G(q) changes with q.
-inline Joints<double> price_of_goal(const Problem& problem, const Vector8& by_state) {
-  Joints<double> price{by_state(0), by_state(1)};
+inline Joints<double> price_of_goal(const Problem& problem, const State<double>& by_state) {
+  Joints<double> price = by_state.q;
   for (std::size_t j = 0; j < kJoints; ++j) {
     if (problem.goal.free[j]) price[j] = 0;
   }
@@ -40,7 +40,7 @@ inline Joints<double> price_of_goal(const Problem& problem, const Vector8& by_st
   const Joints<D> gravity = gravity_torque(problem.robot, q);
   for (std::size_t i = 0; i < kJoints; ++i) {
     const D theta = q[i] + gravity[i] / problem.robot.spring.stiffness[i];
-    for (std::size_t j = 0; j < kJoints; ++j) price[j] += by_state(static_cast<int>(4 + i)) * theta.g[j];
+    for (std::size_t j = 0; j < kJoints; ++j) price[j] += by_state.theta[i] * theta.g[j];
   }
   return price;
 }
@@ -78,13 +78,13 @@ void add_regularisation(const Problem& problem, const Collocated& solution, std:
 template <Features F>
 Analysis analyse_with(const Problem& problem, const Collocated& solution, double scale) {
   namespace parts = arm_analysis;
-  using parts::Vector8;
   const auto t = arm_collocation::transcribe<F>(problem, solution.setup);
   const Iterate& iterate = solution.report.iterate;
   const Adjoint a = adjoint(t, iterate);
   const std::vector<std::size_t> leg = parts::legs(problem, t.mesh());
-  const auto by_node = [&](std::size_t node) -> Vector8 {
-    return scale * a.lagrangian.segment<kStates>(t.node_at(static_cast<int>(node)));
+  const auto by_node = [&](std::size_t node) {
+    const parts::Vector8 slope = scale * a.lagrangian.segment<kStates>(t.node_at(static_cast<int>(node)));
+    return State<double>::from(slope.data());
   };
 
   Analysis result;
@@ -99,9 +99,9 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
   auto& s = optimality.stationarity;
   const double per_control = F.rate ? scale / ArmOcp<F>::kRateUnit : scale;
   for (double* slope : {&s.free, &s.wrong, &s.largest, &s.residual}) *slope *= per_control;
-  const Vector8 start = by_node(0), end = by_node(leg.back());
-  optimality.costate_start = State<double>::from(start.data());
-  optimality.costate_end = State<double>::from(Vector8(-end).data());
+  const State<double> end = by_node(leg.back());
+  optimality.costate_start = by_node(0);
+  for (std::size_t i = 0; i < kStates; ++i) optimality.costate_end[i] = -end[i];
   const std::vector<double> along = conserved_along(a, leg);
   for (std::size_t k = 0; k < along.size(); ++k) {
     const Eigen::VectorXd p =
@@ -121,10 +121,10 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
     sensitivity.duration = scale * problem.weights.time + mean(leg.size() - 2);
   }
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
-    const Vector8 by_state = by_node(leg[i + 1]);
-    ViaPrices via{a.node_times[leg[i + 1]], {by_state(0), by_state(1)}, {}, {}};
+    const State<double> by_state = by_node(leg[i + 1]);
+    ViaPrices via{a.node_times[leg[i + 1]], by_state.q, {}, {}};
     if (problem.via[i].time) via.later = mean(i) - mean(i + 1);
-    if (problem.via[i].dq) via.dq = Joints<double>{by_state(2), by_state(3)};
+    if (problem.via[i].dq) via.dq = by_state.dq;
     sensitivity.via.push_back(via);
   }
   sensitivity.goal = parts::price_of_goal(problem, end);

@@ -74,7 +74,7 @@ class Verdict {
                       link[0] >= link[1] ? 1 : 2, larger(link), when, allowed));
     };
     judge(perturbed.link, fmt::format("({:.6f} s)", perturbed.time_of_max_link));
-    judge(perturbed.after, "in the second after the end: the robot's feedback holds it no better");
+    judge(perturbed.after, "in the second after the end, when held by the robot's feedback");
   }
 
   void judge_limits() {

@@ -64,8 +64,8 @@ struct ClosedLoop : RolloutErrors {
 // One limit compared with the largest values of the published rows with their interpolation, and of the closed-loop
 // rollout.
 struct LimitCheck {
-  std::string name;    // torque, motor_velocity, link_position, spring_deflection, torque_rate, tip_speed
-  int joint = 0;       // 1 or 2; 0 for tip_speed
+  std::string name;    // a name of Quantities (planner/problem/quantities.h)
+  int joint = 0;       // 1 or 2; 0 for a limit of the tip
   double limit = 0;    // magnitude, in the limit's unit
   double reached = 0;  // largest magnitude of the published rows with their interpolation
   double time = 0;     // [s] where
@@ -78,8 +78,8 @@ struct LimitCheck {
 
 // One constraint of the request's task, compared with the published rows and their interpolation.
 struct TaskCheck {
-  std::string name;      // obstacles[0], tip_box, tip_line, tip_arc, path
-  int link = 0;          // 1 or 2 for obstacles; 0: neither
+  std::string name;      // a name of each_constraint() (planner/problem/task/task.h)
+  int link = 0;          // 1 or 2 for what links keep clear of; 0: neither
   std::string unit;      // m or rad
   double clearance = 0;  // least distance from the forbidden region; negative: violated
   double time = 0;       // [s] where

@@ -281,9 +281,11 @@ inline Eigen::MatrixXd with_consistent_positions(const Eigen::MatrixXd& state, d
   if (degree < 3) return state;
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(state.rows(), state.cols() + 1);
   result.leftCols(state.cols()) = state;
-  for (const Eigen::Index position : {kStateQ, kStateQ + 1, kStateTheta, kStateTheta + 1}) {
-    for (Eigen::Index d = 0; d <= degree; ++d) {
-      result(position, d + 1) = duration * state(position + kJoints, d) / static_cast<double>(d + 1);
+  for (const auto& [positions, velocities] : {std::pair{kStateQ, kStateDq}, std::pair{kStateTheta, kStateDtheta}}) {
+    for (Eigen::Index j = 0; j < kJoints; ++j) {
+      for (Eigen::Index d = 0; d <= degree; ++d) {
+        result(positions + j, d + 1) = duration * state(velocities + j, d) / static_cast<double>(d + 1);
+      }
     }
   }
   return result;

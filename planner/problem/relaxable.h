@@ -27,8 +27,9 @@ enum class RelaxableKind {
 // velocities.
 struct Relaxable {
   RelaxableKind kind;
-  std::string name;  // torque, ..., tip_speed; obstacles[0], tip_box, tip_line, tip_arc, path; via[0].dq, goal.dq, ...
-  int joint = 0;     // 1 or 2; 0: neither
+  // A name of Quantities or of each_constraint() (task/task.h); via[0].dq, goal.dq, goal.tip_velocity, ...; all_limits.
+  std::string name;
+  int joint = 0;  // 1 or 2; 0: neither
   std::string unit;
   double from = 0;     // requested value. For an obstacle radius plus margin; for a box 0, growing on every side; for a
                        // velocity 1, a factor

@@ -1,5 +1,6 @@
-// The subcommands. A new one is one file with an add_... function, declared here and listed in commands.cc; one that
-// plans in planning_commands.cc, too.
+// The subcommands. A new one is one file with an add_... function, declared here and listed in commands.cc; in
+// planning_commands.cc, too, if it is to start quickly, for which it may need no library of exports, identification or
+// DDS.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,7 @@
 // A request as a user states it: one struct for request files, for documents on DDS and for programs that build
-// requests. A new key needs a member, its line in visit() (request_keys.h), and its meaning in resolve.cc.
+// requests. A new key needs a member, its line in visit() (request_keys.h), and its meaning in resolve.cc. Where the
+// problem takes its value over as it is, a line in visit_settings() (problem_settings.h) brings it into the request's
+// hash and into plan.json.
 //
 // Members hold what was stated, not yet resolved: nothing here depends on the robot. Each can be set by itself. Choices
 // between kinds are variants, so that values of another kind cannot be left beside the chosen one. resolve() refuses

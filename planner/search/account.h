@@ -21,7 +21,7 @@ enum class Phase {
 
 // State of the search, reported between iterations of the optimiser.
 struct Progress {
-  std::string stage;  // "start 2 of 4, friction 0.01 rad/s, 80 intervals"
+  std::string stage;  // "start 2 of 4, friction width 0.01 rad/s", "start 2 of 4, 80 intervals"
   int iteration = 0;  // over the whole plan
   double objective = 0;
   double violation = 0;                // of the constraints, scaled

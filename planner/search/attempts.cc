@@ -109,7 +109,7 @@ bool Attempts::warm_from(const Collocated& start, const std::string& what, const
 }
 
 bool Attempts::anew(const std::string& what, const CollocationSetup& setup) {
-  const Guess guess = guess_from(solution_.motion, solution_.durations, solution_.motion.duration());
+  const Guess guess = guess_of(solution_);
   const std::size_t solves = stages_.size();
   const bool solved = from_guess(what + ", again", setup, guess, options(what + ", again"));
   if (stages_.size() > solves) ++session_->fallbacks().adaptive_barrier;

@@ -1,7 +1,6 @@
 #include "planner/search/clear_guesses.h"
 
 #include <algorithm>
-#include <cmath>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -14,13 +13,12 @@
 namespace fjr {
 namespace {
 
-double way(const Joints<double>& a, const Joints<double>& b) { return std::hypot(b[0] - a[0], b[1] - a[1]); }
-
 // Returns a path by way of a posture, if there is one and it is a detour.
 std::optional<Path> path_by(const Problem& problem, std::size_t segment, const Joints<double>& from,
                             const Joints<double>& posture, const Joints<double>& to) {
   constexpr double kDetour = 1.05;  // times the straight way
-  if (way(from, posture) + way(posture, to) < kDetour * way(from, to)) return std::nullopt;
+  const double by_way_of_it = task::distance(from, posture) + task::distance(posture, to);
+  if (by_way_of_it < kDetour * task::distance(from, to)) return std::nullopt;
   const std::vector<Path> there = find_detours(problem, segment, from, posture, 1).paths;
   if (there.empty()) return std::nullopt;
   const std::vector<Path> onward = find_detours(problem, segment, posture, to, 1).paths;

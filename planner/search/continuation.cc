@@ -24,7 +24,7 @@ bool is_hopeless(const std::vector<double>& known, double objective, double time
 // Returns the number of intervals of the first mesh.
 int coarse_intervals(const Problem& problem, double duration, const FirstSolveSettings& s) {
   double intervals = duration / s.interval;
-  if (!problem.task.obstacles.discs.empty()) {
+  if (can_be_jumped_over(problem.task)) {
     const bool hurried = !sees_friction(problem.weights);
     const double interval = hurried ? s.interval_among_obstacles : s.interval_without_hurry;
     const double most = hurried ? s.most_among_obstacles : s.most_without_hurry;
@@ -167,7 +167,7 @@ bool Continuation::take_over(const Collocated& motion, double friction_width, do
   o.max_iterations = most_iterations;
   o.optimiser = Optimiser::kOwn;
   o.initial_barrier = barrier;
-  return attempts_.from_guess(what, setup, guess_from(motion.motion, motion.durations, motion.motion.duration()), o);
+  return attempts_.from_guess(what, setup, guess_of(motion), o);
 }
 
 StepOutcome Continuation::take_step() {

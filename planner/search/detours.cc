@@ -41,8 +41,7 @@ class Grid {
       size_[axis] = std::max(3, static_cast<int>(std::ceil(2 * limit_[axis] / spacing)) + 1);
     }
     std::vector<TaskRow> rows = task_rows(problem.robot, problem.task, segment);
-    std::erase_if(rows,
-                  [](const TaskRow& row) { return row.link == 0 && row.info != &kInfo<TipBox> && !is_wide(row); });
+    std::erase_if(rows, [](const TaskRow& row) { return row.info->is_band && !is_wide(row); });
     clearance_.resize(static_cast<std::size_t>(size_[0] * size_[1]));
     for (std::size_t c = 0; c < clearance_.size(); ++c) clearance_[c] = clearance_at(problem.robot, rows, q_of(c));
     cost_.assign(clearance_.size(), 1);
@@ -71,7 +70,7 @@ class Grid {
       for (int j = at.j - 2; j <= at.j + 2; ++j) {
         if (!inside({i, j})) continue;
         const Joints<double> cell = q_of(index({i, j}));
-        const double away = std::hypot(cell[0] - q[0], cell[1] - q[1]);
+        const double away = task::distance(cell, q);
         if (away < least && (!only_free || free(index({i, j})))) {
           least = away;
           best = index({i, j});
@@ -101,7 +100,7 @@ class Grid {
     for (std::size_t c = 0; c < cells(); ++c) {
       const Joints<double> q = q_of(c);
       for (std::size_t k = path.size() / 5; k < path.size() - path.size() / 5; ++k) {
-        if (std::hypot(path[k][0] - q[0], path[k][1] - q[1]) < near) {
+        if (task::distance(path[k], q) < near) {
           cost_[c] = kDiscouraged;
           break;
         }

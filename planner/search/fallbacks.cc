@@ -11,7 +11,7 @@
 
 #include "planner/problem/relaxable.h"
 #include "planner/problem/statics.h"
-#include "planner/search/search.h"
+#include "planner/search/guesses.h"
 #include "planner/search/slack.h"
 #include "planner/search/starts.h"
 
@@ -46,8 +46,7 @@ std::optional<Continuation> sharpened(const SharedProblem& problem, Session& ses
                                       const Collocated& from, double width_factor, double mesh_factor = 1) {
   Continuation c(problem, session, label,
                  {.mesh_factor = mesh_factor, .width_factor = width_factor, .patience = patience_in(session)});
-  return try_to_begin(std::move(c), session, guess_from(from.motion, from.durations, from.motion.duration()),
-                      session.settings().stepwise.iterations);
+  return try_to_begin(std::move(c), session, guess_of(from), session.settings().stepwise.iterations);
 }
 
 // Solves from the solution of a neighbouring problem: on its mesh if that is fine enough, and otherwise, or if that
@@ -237,7 +236,7 @@ std::optional<Continuation> fastest_from(const SharedProblem& problem, const Con
                      {.width_factor = session.settings().stepwise.sharpest_width_factor,
                       .patience = std::max(session.settings().swing_up.patience, patience_in(session)),
                       .strategy = swinging_strategy()});
-  return try_to_begin(std::move(swung), session, guess_of(lifted), most_iterations);
+  return try_to_begin(std::move(swung), session, guess_of(lifted.solution()), most_iterations);
 }
 
 struct Folded {

@@ -36,10 +36,6 @@ bool far_too_long(const Continuation& c, const Problem& asked, const FollowSetti
          duration > settings.far_too_long * asked.duration.max;
 }
 
-Guess guess_of_motion(const Continuation& c) {
-  return guess_from(c.solution().motion, c.solution().durations, c.duration());
-}
-
 // Solves a motion again with a penalty on accelerations, from this guess. Returns none if that fails.
 std::optional<Continuation> solved_with_penalty(const Continuation& coarse,
                                                 const std::shared_ptr<const Problem>& problem, const Guess& guess,
@@ -72,7 +68,7 @@ Guess with_first_end(const Start& start, int patience, Session& session) {
   Continuation c(ending_at(*start.alternative, *start.guess.first_end), session, start.label + ", end given",
                  {.by_own_method = start.by_own_method});
   if (c.begin(start.guess, patience) != StartOutcome::kNew) return start.guess;
-  return guess_from(c.solution().motion, c.solution().durations, c.duration());
+  return guess_of(c.solution());
 }
 
 // Refines a fastest motion of many seconds, whose springs have time to oscillate, with penalties on accelerations: the
@@ -84,7 +80,7 @@ void refine_with_penalties(const Continuation& coarse, Findings& found, Session&
   bool all_solved = true;
   for (const auto& penalised : fastest_with_acceleration_penalties(*coarse.problem(), s.acceleration_penalty)) {
     if (session.interrupted()) return;
-    auto c = solved_with_penalty(coarse, penalised, guess_of_motion(coarse), found.patience, session);
+    auto c = solved_with_penalty(coarse, penalised, guess_of(coarse.solution()), found.patience, session);
     all_solved = all_solved && c.has_value();
     if (!c && count_of_rows(penalised->task) == 0 && !session.interrupted()) {
       const Guess smooth = minimum_jerk_guess(*penalised, coarse.duration());
@@ -205,7 +201,7 @@ void follow_damped(const std::vector<CoarseMotion>& coarse, Findings& found, Ses
   Continuation c(problem, session, "with acceleration penalty", {.strategy = strategy});
   c.start = best->coarse.start;
   const Guess guess = count_of_rows(problem->task) == 0 ? minimum_jerk_guess(*problem, duration)
-                                                        : guess_from(best->motion, best->durations, duration);
+                                                        : guess_of(best->motion, best->durations);
   if (c.begin(guess, found.patience) != StartOutcome::kNew || c.refine() == Completion::kStopped) return;
   PublishResult published = publish(c, found.asked, session);
   if (published.certified()) found.keep(c, std::move(published));

@@ -5,11 +5,14 @@
 #include <numbers>
 #include <numeric>
 #include <random>
+#include <span>
+#include <utility>
 
 #include "common/taylor.h"
 #include "model/flatness.h"
 #include "planner/ocp/segments.h"
 #include "planner/problem/inverse_kinematics.h"
+#include "planner/problem/task/constraint.h"
 #include "planner/problem/tip_path.h"
 #include "planner/trajectory/motion.h"
 
@@ -54,7 +57,7 @@ Joints<double> rigid_acceleration(const Problem& problem) {
   return acceleration;
 }
 
-// [s] The least that the limits of speed allow, and what a leg is given at least.
+// [s] The least that the limits of speed allow, and what a segment is given at least.
 double time_at_full_speed(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
   double time = 0.02;
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -64,8 +67,8 @@ double time_at_full_speed(const Problem& problem, const Joints<double>& from, co
   return std::max(time, tip_way(problem, from, to) / problem.limits.tip_speed);
 }
 
-// Rough duration [s] of one leg from rest to rest: that of a rigid arm within the limits of torque and speed.
-double leg_time(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
+// Rough duration [s] of one segment from rest to rest: that of a rigid arm within the limits of torque and speed.
+double segment_time(const Problem& problem, const Joints<double>& from, const Joints<double>& to) {
   const Joints<double> acceleration = rigid_acceleration(problem);
   double time = time_at_full_speed(problem, from, to);
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -81,10 +84,10 @@ std::vector<Joints<double>> points_of(const Problem& problem) {
   return points;
 }
 
-std::vector<double> leg_times(const Problem& problem) {
+std::vector<double> segment_times(const Problem& problem) {
   const auto points = points_of(problem);
   std::vector<double> times;
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) times.push_back(leg_time(problem, points[i], points[i + 1]));
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) times.push_back(segment_time(problem, points[i], points[i + 1]));
   return times;
 }
 
@@ -104,10 +107,12 @@ double bang_bang_time(double distance, double from, double to, double most) {
 }
 
 // Velocities [rad/s] at start, via points and goal: those that are given, and else the mean ones of both neighbouring
-// legs, which take these times [s]; zero where a joint turns back.
+// segments, which take these times [s]; zero where a joint turns back.
 std::vector<Joints<double>> passing_velocities(const Problem& problem, const std::vector<Joints<double>>& points,
                                                const std::vector<double>& times) {
-  const auto mean = [&](std::size_t leg, std::size_t j) { return (points[leg + 1][j] - points[leg][j]) / times[leg]; };
+  const auto mean = [&](std::size_t segment, std::size_t j) {
+    return (points[segment + 1][j] - points[segment][j]) / times[segment];
+  };
   const std::size_t last = points.size() - 1;
   std::vector<Joints<double>> velocities{problem.start.dq};
   for (std::size_t i = 1; i < last; ++i) {
@@ -128,17 +133,17 @@ std::vector<double> passing_times(const Problem& problem) {
   constexpr int kRounds = 10;
   const std::vector<Joints<double>> points = points_of(problem);
   const Joints<double> acceleration = rigid_acceleration(problem);
-  std::vector<double> times = leg_times(problem);
+  std::vector<double> times = segment_times(problem);
   for (int round = 0; round < kRounds; ++round) {
     const std::vector<Joints<double>> velocities = passing_velocities(problem, points, times);
-    for (std::size_t leg = 0; leg + 1 < points.size(); ++leg) {
-      const Joints<double>&from = velocities[leg], &to = velocities[leg + 1];
-      double time = time_at_full_speed(problem, points[leg], points[leg + 1]);
+    for (std::size_t segment = 0; segment + 1 < points.size(); ++segment) {
+      const Joints<double>&from = velocities[segment], &to = velocities[segment + 1];
+      double time = time_at_full_speed(problem, points[segment], points[segment + 1]);
       for (std::size_t j = 0; j < kJoints; ++j) {
-        const double distance = points[leg + 1][j] - points[leg][j];
+        const double distance = points[segment + 1][j] - points[segment][j];
         time = std::max(time, bang_bang_time(distance, from[j], to[j], acceleration[j]));
       }
-      times[leg] = time;
+      times[segment] = time;
     }
   }
   return times;
@@ -157,7 +162,7 @@ void set_quintic(double a, double va, double b, double vb, double time, double c
 }
 
 std::vector<double> durations_of(const Problem& problem, double duration) {
-  return apportioned(problem, duration, leg_times(problem));
+  return apportioned(problem, duration, segment_times(problem));
 }
 
 std::vector<Waypoint> waypoints(const Problem& problem, const std::vector<double>& durations) {
@@ -172,10 +177,18 @@ std::vector<Waypoint> waypoints(const Problem& problem, const std::vector<double
   return result;
 }
 
-std::size_t leg_of(const std::vector<Waypoint>& points, double s) {
-  std::size_t leg = 0;
-  while (leg + 2 < points.size() && s >= points[leg + 1].fraction) ++leg;
-  return leg;
+// Where a motion is at a fraction of its duration.
+struct PlaceOnTheWay {
+  std::size_t segment;
+  double share;   // of the duration, that the segment takes
+  double inside;  // fraction of the segment
+};
+
+PlaceOnTheWay place_at(std::span<const Waypoint> points, double s) {
+  std::size_t segment = 0;
+  while (segment + 2 < points.size() && s >= points[segment + 1].fraction) ++segment;
+  const double share = points[segment + 1].fraction - points[segment].fraction;
+  return {segment, share, (s - points[segment].fraction) / share};
 }
 
 Joints<double> between(const Joints<double>& a, const Joints<double>& b, double fraction) {
@@ -186,7 +199,7 @@ Joints<double> between(const Joints<double>& a, const Joints<double>& b, double 
 Path resampled(const Path& path, std::size_t count) {
   std::vector<double> length{0};
   for (std::size_t k = 1; k < path.size(); ++k) {
-    length.push_back(length.back() + std::hypot(path[k][0] - path[k - 1][0], path[k][1] - path[k - 1][1]));
+    length.push_back(length.back() + task::distance(path[k], path[k - 1]));
   }
   Path even;
   std::size_t k = 0;
@@ -293,18 +306,17 @@ LinkMotion along_series(const SineSeries& series, double c) {
   return m;
 }
 
-// Returns a guess of minimum-jerk legs plus detour(leg, c), whose derivatives are with respect to the fraction c of the
-// leg. Springs, motors and torques follow from flatness.
+// Returns a guess of minimum-jerk segments plus detour(segment, c), whose derivatives are with respect to the fraction
+// c of the segment. Springs, motors and torques follow from flatness.
 template <class Detour>
 Guess along_flat_motion(const std::string& name, const Problem& problem, double duration, const Detour& detour) {
   const std::vector<double> durations = durations_of(problem, duration);
   const auto points = waypoints(problem, durations);
   const auto flat = [points, duration, detour, robot = problem.robot](double s) {
-    const std::size_t leg = leg_of(points, s);
-    const double fraction = points[leg + 1].fraction - points[leg].fraction, time = fraction * duration;
-    const double c = (s - points[leg].fraction) / fraction;
-    LinkMotion m = detour(leg, c);
-    const Joints<double>&from = points[leg].q, &to = points[leg + 1].q;
+    const auto [segment, share, c] = place_at(points, s);
+    const double time = share * duration;
+    LinkMotion m = detour(segment, c);
+    const Joints<double>&from = points[segment].q, &to = points[segment + 1].q;
     add_minimum_jerk({to[0] - from[0], to[1] - from[1]}, c, m);
     for (std::size_t j = 0; j < kJoints; ++j) {
       m.q[j] += from[j];
@@ -325,11 +337,10 @@ Guess straight_guess(const Problem& problem, double duration) {
   const std::vector<double> durations = durations_of(problem, duration);
   const auto points = waypoints(problem, durations);
   const auto state = [points, robot = problem.robot](double s) {
-    const std::size_t leg = leg_of(points, s);
-    const double inside = (s - points[leg].fraction) / (points[leg + 1].fraction - points[leg].fraction);
+    const auto [segment, share, inside] = place_at(points, s);
     Joints<double> q;
     for (std::size_t j = 0; j < kJoints; ++j)
-      q[j] = points[leg].q[j] + inside * (points[leg + 1].q[j] - points[leg].q[j]);
+      q[j] = points[segment].q[j] + inside * (points[segment + 1].q[j] - points[segment].q[j]);
     return rest_at(robot, q);
   };
   return {"straight", durations, state, [](double) { return Joints<double>{0, 0}; }};
@@ -348,12 +359,11 @@ Guess passing_guess(const Problem& problem) {
   const auto points = waypoints(problem, durations);
   const std::vector<Joints<double>> velocities = passing_velocities(problem, points_of(problem), durations);
   const auto flat = [points, duration, velocities, robot = problem.robot](double s) {
-    const std::size_t leg = leg_of(points, s);
-    const double fraction = points[leg + 1].fraction - points[leg].fraction;
+    const auto [segment, share, inside] = place_at(points, s);
     LinkMotion m;
     for (std::size_t j = 0; j < kJoints; ++j) {
-      set_quintic(points[leg].q[j], velocities[leg][j], points[leg + 1].q[j], velocities[leg + 1][j],
-                  fraction * duration, (s - points[leg].fraction) / fraction, j, m);
+      set_quintic(points[segment].q[j], velocities[segment][j], points[segment + 1].q[j], velocities[segment + 1][j],
+                  share * duration, inside, j, m);
     }
     return from_link_motion(robot, m);
   };
@@ -373,11 +383,10 @@ Guess path_guess(const Problem& problem, double duration, const std::vector<Path
     rounded.push_back(std::move(even));
   }
   const auto state = [points, rounded, robot = problem.robot](double s) {
-    const std::size_t leg = leg_of(points, s);
-    const double inside = (s - points[leg].fraction) / (points[leg + 1].fraction - points[leg].fraction);
+    const auto [segment, share, inside] = place_at(points, s);
     const double at = std::clamp(inside, 0.0, 1.0) * (kPoints - 1);
     const std::size_t k = std::min(static_cast<std::size_t>(at), kPoints - 2);
-    return rest_at(robot, between(rounded[leg][k], rounded[leg][k + 1], at - static_cast<double>(k)));
+    return rest_at(robot, between(rounded[segment][k], rounded[segment][k + 1], at - static_cast<double>(k)));
   };
   return {"round obstacles", durations, state, [](double) { return Joints<double>{0, 0}; }};
 }
@@ -386,18 +395,18 @@ Guess smooth_path_guess(const Problem& problem, double duration, const std::vect
   std::vector<SineSeries> series;
   for (const Path& path : paths) series.push_back(sine_series_of(path));
   return along_flat_motion("smoothly round obstacles", problem, duration,
-                           [series](std::size_t leg, double c) { return along_series(series[leg], c); });
+                           [series](std::size_t segment, double c) { return along_series(series[segment], c); });
 }
 
 std::vector<Path> paths_along_tip_path(const Problem& problem) {
   constexpr int kPieces = 24;
   const auto points = points_of(problem);
   std::vector<Path> paths;
-  for (std::size_t leg = 0; leg + 1 < points.size(); ++leg) {
-    const Point<double> begin = tip_position(problem.robot, points[leg]),
-                        end = tip_position(problem.robot, points[leg + 1]);
+  for (std::size_t segment = 0; segment + 1 < points.size(); ++segment) {
+    const Point<double> begin = tip_position(problem.robot, points[segment]),
+                        end = tip_position(problem.robot, points[segment + 1]);
     const Joints<double> from{begin.x, begin.y}, to{end.x, end.y};
-    Path path{points[leg]};
+    Path path{points[segment]};
     for (int i = 1; i < kPieces; ++i) {
       const double s = static_cast<double>(i) / kPieces;
       const Joints<double> tip =
@@ -405,7 +414,7 @@ std::vector<Path> paths_along_tip_path(const Problem& problem) {
       const auto postures = inverse_kinematics(problem.robot, tip, Elbow::kAny, problem.limits, path.back());
       if (!postures.empty()) path.push_back(postures.front());
     }
-    path.push_back(points[leg + 1]);
+    path.push_back(points[segment + 1]);
     paths.push_back(std::move(path));
   }
   return paths;
@@ -439,25 +448,22 @@ Guess folding_guess(const Problem& problem, double duration, double swing) {
   const std::array<Waypoint, 4> points{
       {{0, from}, {kBackUntil * swing / duration, at(kBack)}, {swing / duration, at(kFolded)}, {1, to}}};
   const auto state = [points, robot = problem.robot](double s) {
-    std::size_t leg = 0;
-    while (leg + 2 < points.size() && s >= points[leg + 1].fraction) ++leg;
-    const double inside = (s - points[leg].fraction) / (points[leg + 1].fraction - points[leg].fraction);
-    return rest_at(robot, between(points[leg].q, points[leg + 1].q, inside * inside * (3 - 2 * inside)));
+    const auto [segment, share, inside] = place_at(points, s);
+    return rest_at(robot, between(points[segment].q, points[segment + 1].q, inside * inside * (3 - 2 * inside)));
   };
   return {"folding", {duration}, state, [](double) { return Joints<double>{0, 0}; }};
 }
 
 Guess staggered_guess(const Problem& problem, double duration, std::size_t first_joint) {
-  constexpr double kMoves = 0.6;  // fraction of a leg's time that each joint moves
+  constexpr double kMoves = 0.6;  // fraction of a segment's time that each joint moves
   const std::vector<double> durations = durations_of(problem, duration);
   const auto points = waypoints(problem, durations);
   const auto state = [points, first_joint, robot = problem.robot](double s) {
-    const std::size_t leg = leg_of(points, s);
-    const double inside = (s - points[leg].fraction) / (points[leg + 1].fraction - points[leg].fraction);
+    const auto [segment, share, inside] = place_at(points, s);
     Joints<double> q;
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double from = j == first_joint ? 0 : 1 - kMoves, c = std::clamp((inside - from) / kMoves, 0.0, 1.0);
-      q[j] = std::lerp(points[leg].q[j], points[leg + 1].q[j], c * c * (3 - 2 * c));
+      q[j] = std::lerp(points[segment].q[j], points[segment + 1].q[j], c * c * (3 - 2 * c));
     }
     return rest_at(robot, q);
   };
@@ -484,13 +490,11 @@ std::optional<Guess> hanging_guess(const Problem& problem, double duration) {
       static_cast<std::size_t>(std::max_element(durations.begin(), durations.end()) - durations.begin());
   const auto points = points_of(problem);
   const Joints<double>&from = points[longest], &to = points[longest + 1];
-  const auto way = [](const Joints<double>& a, const Joints<double>& b) {
-    return std::hypot(b[0] - a[0], b[1] - a[1]);
-  };
-  if (way(from, *hanging) + way(*hanging, to) < kDetour * way(from, to)) return std::nullopt;
+  const double by_way_of_it = task::distance(from, *hanging) + task::distance(*hanging, to);
+  if (by_way_of_it < kDetour * task::distance(from, to)) return std::nullopt;
   const Joints<double> middle = between(from, to, 0.5), detour{(*hanging)[0] - middle[0], (*hanging)[1] - middle[1]};
-  return along_flat_motion("hanging", problem, duration, [longest, detour](std::size_t leg, double c) {
-    return leg == longest ? there_and_back(detour, c) : LinkMotion{};
+  return along_flat_motion("hanging", problem, duration, [longest, detour](std::size_t segment, double c) {
+    return segment == longest ? there_and_back(detour, c) : LinkMotion{};
   });
 }
 
@@ -555,6 +559,13 @@ Guess guess_from(Motion motion, const std::vector<double>& durations, double dur
   return {"previous", stretched, state, torque};
 }
 
+Guess guess_of(Motion motion, const std::vector<double>& durations) {
+  const double duration = motion.duration();
+  return guess_from(std::move(motion), durations, duration);
+}
+
+Guess guess_of(const Collocated& solution) { return guess_of(solution.motion, solution.durations); }
+
 Guess first_segments_of(const Guess& guess, std::size_t count) {
   const std::vector<double> durations(guess.durations.begin(),
                                       guess.durations.begin() + static_cast<std::ptrdiff_t>(count));
@@ -565,7 +576,7 @@ Guess first_segments_of(const Guess& guess, std::size_t count) {
 
 double usual_duration(const Problem& problem) {
   const bool hurried = starts_worth_trying(problem.weights) == 1;
-  return std::max(kShortest, sum_of(leg_times(problem))) * (hurried ? kWithSprings : kWithoutHurry);
+  return std::max(kShortest, sum_of(segment_times(problem))) * (hurried ? kWithSprings : kWithoutHurry);
 }
 
 double duration_guess(const Problem& problem) {

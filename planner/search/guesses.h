@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "planner/ocp/collocate.h"
 #include "planner/ocp/guess.h"
 #include "planner/problem/problem.h"
 #include "planner/trajectory/motion.h"
@@ -56,13 +57,13 @@ Guess folding_guess(const Problem& problem, double duration, double swing);
 // torque.
 std::optional<Joints<double>> hanging_posture(const Problem& problem);
 
-// Swings through hanging straight down in the leg that lasts longest, because holding an arm up takes torque all the
-// time, and swinging down and up again takes little. States and torques follow from flatness. Returns nothing if
+// Swings through hanging straight down in the segment that lasts longest, because holding an arm up takes torque all
+// the time, and swinging down and up again takes little. States and torques follow from flatness. Returns nothing if
 // gravity takes no torque, or if hanging is hardly a detour.
 std::optional<Guess> hanging_guess(const Problem& problem, double duration);
 
-// In every leg first_joint (0 or 1) begins to move first and the other joint ends last. Friction holds the load of a
-// resting motor, so that least-effort minima differ by which motor rests when. At rest throughout, zero torque.
+// In every segment first_joint (0 or 1) begins to move first and the other joint ends last. Friction holds the load of
+// a resting motor, so that least-effort minima differ by which motor rests when. At rest throughout, zero torque.
 Guess staggered_guess(const Problem& problem, double duration, std::size_t first_joint);
 
 // Returns the guess with waits at its beginning and end, as fractions of the duration. The motion itself is compressed
@@ -74,6 +75,10 @@ Guess paused_guess(Guess guess, double begin, double pause);
 
 // Returns a solved motion, with segments of these durations [s], stretched to `duration` [s].
 Guess guess_from(Motion motion, const std::vector<double>& durations, double duration);
+
+// Returns a solved motion likewise, as long as it is: a guess for a neighbouring problem.
+Guess guess_of(Motion motion, const std::vector<double>& durations);
+Guess guess_of(const Collocated& solution);
 
 // Returns a guess's motion through its first `count` segments.
 Guess first_segments_of(const Guess& guess, std::size_t count);

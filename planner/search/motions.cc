@@ -32,7 +32,7 @@ std::optional<Guess> beside_the_best(const Alternative& alternative, double away
     if (best == nullptr || c.coarse.objective < best->coarse.objective) best = &c;
   }
   if (best == nullptr) return std::nullopt;
-  return displaced_guess(guess_from(best->motion, best->durations, best->motion.duration()), away, seed);
+  return displaced_guess(guess_of(best->motion, best->durations), away, seed);
 }
 
 // Returns the guess of start i, which is one near the best motion so far in place of some random ones.
@@ -127,6 +127,63 @@ void try_wave(Wave& wave, Findings& found, Session& session) {
   wave = {};
 }
 
+// What is tried beside the starts while none has led anywhere, and before which of them: the fastest motion and
+// swinging, and whether the request is out of reach.
+class BesideStarts {
+ public:
+  BesideStarts(const std::vector<Alternative>& open, IfNone if_none, Findings& found, Session& session)
+      : open_(open), if_none_(if_none), found_(found), session_(session), order_(session.settings().order) {
+    if (have_little_time(open, order_.little_time)) before_sketching_ = 0;
+    if (std::any_of(open.begin(), open.end(), [](const Alternative& alternative) {
+          return asks_for_more_speed_than_motors_have(*alternative);
+        })) {
+      before_asking_ = 0;
+    }
+  }
+
+  // Tries what is due before start i. Returns whether the search ends with it.
+  bool end_search_before(std::size_t i) {
+    if (i == before_sketching_ && are_needed() && all_seem_too_short(open_, session_) && time_is_too_short())
+      return true;
+    if (i == before_asking_ && are_needed() && is_out_of_reach()) return true;
+    return i == order_.before_fastest && are_needed() && time_is_too_short();
+  }
+
+ private:
+  bool are_needed() const { return if_none_ == IfNone::kFallBack && found_.candidates.empty(); }
+
+  // Looks for the fastest motions, unless it did so before. Returns whether they take longer than is allowed.
+  bool time_is_too_short() {
+    if (!std::exchange(fastest_was_tried_, true)) {
+      for (const Alternative& alternative : open_) try_from_fastest(alternative, found_, session_);
+    }
+    return found_.too_short();
+  }
+
+  // Tries swinging, and asks whether every alternative is out of reach.
+  bool is_out_of_reach() {
+    for (const Alternative& alternative : open_) try_swinging(alternative, found_, session_);
+    ask_whether_out_of_reach(open_, found_, session_);
+    return found_.out_of_reach.has_value();
+  }
+
+  const std::vector<Alternative>& open_;
+  const IfNone if_none_;
+  Findings& found_;
+  Session& session_;
+  const StartOrderSettings& order_;
+  std::size_t before_sketching_ = order_.before_sketching_fastest, before_asking_ = order_.before_swinging;
+  bool fastest_was_tried_ = false;
+};
+
+// Returns whether start i of an alternative is tried. asked: as in take_turns().
+bool wants_start(const Turn& turn, std::size_t i, int asked, const StartOrderSettings& order, const Findings& found) {
+  if (i >= turn.starts.guesses.size()) return false;
+  if (found.candidates.empty()) return asked != 0 || i < turn.starts.enough;
+  const bool given_up = !turn.led_somewhere && turn.failed >= order.given_up;
+  return i < turn.starts.always && !given_up;
+}
+
 // Solves the starts of the alternatives in turn, because the results of one tell how long the others are worth trying.
 // asked: number of starts, whatever their results; 0: as many as are worth trying.
 void take_turns(const std::vector<Alternative>& open, int asked, IfNone if_none, Findings& found, Session& session) {
@@ -141,38 +198,13 @@ void take_turns(const std::vector<Alternative>& open, int asked, IfNone if_none,
   }
   session.tell_starts(found.starts, found.starts_planned);
   Wave wave;
-  const bool much_too_fast = std::any_of(open.begin(), open.end(), [](const Alternative& alternative) {
-    return asks_for_more_speed_than_motors_have(*alternative);
-  });
-  const std::size_t before_asking = much_too_fast ? 0 : order.before_swinging;
-  bool fastest_was_tried = false;
-  const auto try_fastest = [&] {
-    if (std::exchange(fastest_was_tried, true)) return;
-    for (const Alternative& alternative : open) try_from_fastest(alternative, found, session);
-  };
-  const std::size_t before_sketching = have_little_time(open, order.little_time) ? 0 : order.before_sketching_fastest;
+  BesideStarts beside(open, if_none, found, session);
   for (std::size_t i = 0; i < most; ++i) {
-    const bool asks = found.candidates.empty() && if_none == IfNone::kFallBack;
-    if (i == before_sketching && asks && all_seem_too_short(open, session)) {
-      try_fastest();
-      if (found.too_short()) return;
-    }
-    if (i == before_asking && asks && found.candidates.empty()) {
-      for (const Alternative& alternative : open) try_swinging(alternative, found, session);
-      ask_whether_out_of_reach(open, found, session);
-      if (found.out_of_reach) return;
-    }
-    if (i == order.before_fastest && asks && found.candidates.empty()) {
-      try_fastest();
-      if (found.too_short()) return;
-    }
+    if (beside.end_search_before(i)) return;
     for (Turn& turn : turns) {
       if (session.interrupted()) return;
-      if (i >= turn.starts.guesses.size()) continue;
-      const bool needed = i < turn.starts.always, given_up = !turn.led_somewhere && turn.failed >= order.given_up;
-      if (!found.candidates.empty() && (!needed || given_up)) continue;
-      if (found.candidates.empty() && asked == 0 && i >= turn.starts.enough) continue;
-      if (!needed) ++session.fallbacks().displaced_start;
+      if (!wants_start(turn, i, asked, order, found)) continue;
+      if (i >= turn.starts.always) ++session.fallbacks().displaced_start;
       const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, turn.starts.always));
       wave.turns.push_back(&turn);
       wave.starts.push_back({turn.alternative, guess_of_start(turn.alternative, turn.starts, i, order.near_by, found),

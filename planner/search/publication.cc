@@ -72,7 +72,7 @@ PublishResult publish(Continuation& c, const Problem& asked, Session& session) {
                                   c.duration() > asked.longest_sample_period * kMaxRows / 2;
         published.failure =
             fmt::format("the trajectory needs {} rows, more than the {} allowed{}", trajectory.samples.size(), kMaxRows,
-                        longer_helps ? ": a longer sample_period would do" : " to follow its torque");
+                        longer_helps ? "; a longer sample_period would be enough" : " to follow its torque");
         return published;
       }
       published.last = with_certificate(c, asked, std::move(trajectory), session);

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "planner/ocp/margins.h"
+#include "planner/problem/task/task.h"
 #include "planner/search/starts.h"
 
 namespace fjr {
@@ -16,10 +17,7 @@ constexpr std::size_t kGuesses = 2;  // of the usual ones
 
 }  // namespace
 
-Guess guess_of(const Continuation& solution) {
-  const Collocated& s = solution.solution();
-  return guess_from(s.motion, s.durations, s.motion.duration());
-}
+Guess guess_of(const Continuation& solution) { return guess_of(solution.solution()); }
 
 std::vector<Guess> Search::guesses(const Problem& problem) const {
   std::vector<Guess> all = first_guesses(problem, session_.settings().starts);
@@ -47,7 +45,7 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
   last_sketch_.reset();
   for (const Guess& guess : guesses) {
     if (over()) break;
-    const bool coarse = exactness != Exactness::kKeepsLimits && kept->task.obstacles.discs.empty();
+    const bool coarse = exactness != Exactness::kKeepsLimits && !can_be_jumped_over(kept->task);
     Continuation c(kept, session_, "why not: " + what,
                    {.mesh_factor = coarse ? std::min(1.0, kUsual / guess.duration()) : 1});
     const bool sketched = c.begin(guess, most_iterations) == StartOutcome::kNew,

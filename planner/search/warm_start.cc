@@ -21,16 +21,16 @@ std::optional<std::string> start_warm(const Collocated& neighbour, Findings& fou
       PublishResult published = publish(c, found.asked, session);
       if (found.keep(c, std::move(published))) return std::nullopt;
     }
-    if (session.stopped()) return "it was stopped before anything came of it";
+    if (session.stopped()) return "it was stopped before a plan was found";
     if (outcome == ResumeOutcome::kOtherSegments) {
       refusal = "it passes another number of via points";
     } else if (outcome == ResumeOutcome::kStopped) {
-      refusal = "the work that is allowed was used up before anything came of it";
+      refusal = "the work that is allowed was used up before a plan was found";
     } else if (outcome == ResumeOutcome::kNoSolution) {
       refusal = "the optimiser did not converge from it";
     } else {
       const std::string why = found.best ? found.best->certificate.failures.front() : std::string();
-      refusal = "what came of it was not certified: " + (found.failure.empty() ? why : found.failure);
+      refusal = "the plan found from it was not certified: " + (found.failure.empty() ? why : found.failure);
     }
   }
   return refusal;

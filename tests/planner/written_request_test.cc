@@ -1,6 +1,7 @@
 // Requests that are written and read again, their hashes, and texts that are damaged.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <random>
@@ -134,6 +135,158 @@ TEST(RequestHash, DependsOnWhatIsMeantAndNotOnHowItIsWritten) {
     seen.push_back(parse(yaml).request_hash);
     for (std::size_t i = 0; i + 1 < seen.size(); ++i) EXPECT_NE(seen.back(), seen[i]) << yaml;
   }
+}
+
+// Two requests that differ in the value of one key alone: @ in their text stands for it.
+struct ChangedKey {
+  std::string key, text, value, other;
+
+  std::string hash(const std::string& with) const {
+    std::string yaml = text;
+    yaml.replace(yaml.find('@'), 1, with);
+    try {
+      return parse(yaml).request_hash;
+    } catch (const InputError& error) {
+      ADD_FAILURE() << key << ": " << with << " is refused: " << error.what();
+      return "";
+    }
+  }
+  // Returns whether @ is the value of that key.
+  bool is_of_its_key() const {
+    const std::string own = key.substr(key.rfind('.') + 1);  // also if there is no dot
+    return text.find(own + ": @") != std::string::npos;
+  }
+};
+
+const std::string kUncertain = "payload: {mass: {value: 0.1, unit: kg, standard_error: 0.01}}\n";
+const std::string kVia = "via: [{q: [0.5, -0.4]}]\n";
+
+std::vector<ChangedKey> changed_terms() {
+  std::vector<ChangedKey> changed;
+  for (const TermInfo& term : Terms::infos) {
+    const std::string name = term.name, beside = name == "time" ? "effort" : "time";
+    changed.push_back({"objective." + name,
+                       kMove + kUncertain + kVia + "objective: {" + beside + ": 1, " + name + ": @}\n", "1", "2"});
+  }
+  return changed;
+}
+
+std::vector<ChangedKey> changed_limits() {
+  const Limits robots = Limits::of(load_parameters(kRobot));
+  std::vector<ChangedKey> changed;
+  for (const QuantityInfo& limit : Quantities::infos) {
+    const auto tightened = [&](double fraction) {
+      const auto of = [&](std::size_t j) {
+        return std::to_string(fraction * (limit.of_robot ? limit.in(robots, j) : 100));
+      };
+      return limit.of_tip ? of(0) : "[" + of(0) + ", " + of(1) + "]";
+    };
+    const std::string name = limit.name;
+    changed.push_back({"limits." + name, kStart + "goal: {q: [0.2, -0.1]}\nlimits: {" + name + ": @}\n", tightened(0.9),
+                       tightened(0.8)});
+  }
+  return changed;
+}
+
+std::vector<ChangedKey> changed_regions() {
+  const std::string ends = "from: [0, -0.65], to: [0.45, -0.42]", line = kMove + "tip: {line: {",
+                    arc = kMove + "tip: {arc: {", center = "center: [0, 0], ";
+  return {
+      {"tip", kMove + "tip: @\n", "{line: {" + ends + ", tolerance: 0.9}}", "{box: [[-0.7, -0.7], [0.7, 0.7]]}"},
+      {"tip.box", kMove + "tip: {box: @}\n", "[[-0.7, -0.7], [0.7, 0.7]]", "[[-0.7, -0.7], [0.7, 0.6]]"},
+      {"tip.line", kMove + "tip: {line: @}\n", "{" + ends + ", tolerance: 1}", "{" + ends + ", tolerance: 0.9}"},
+      {"tip.line.from", line + "from: @, to: [0.45, -0.42], tolerance: 1}}\n", "[0, -0.65]", "[0, -0.6]"},
+      {"tip.line.to", line + "from: [0, -0.65], to: @, tolerance: 1}}\n", "[0.45, -0.42]", "[0.47, -0.42]"},
+      {"tip.line.tolerance", line + ends + ", tolerance: @}}\n", "1", "0.9"},
+      {"tip.arc", kMove + "tip: {arc: @}\n", "{" + center + ends + ", tolerance: 0.1}",
+       "{" + center + ends + ", tolerance: 0.09}"},
+      {"tip.arc.center", arc + "center: @, " + ends + ", tolerance: 0.1}}\n", "[0, 0]", "[0.01, 0]"},
+      {"tip.arc.from", arc + center + "from: @, to: [0.45, -0.42], tolerance: 0.1}}\n", "[0, -0.65]", "[-0.1, -0.64]"},
+      {"tip.arc.to", arc + center + "from: [0, -0.65], to: @, tolerance: 0.1}}\n", "[0.45, -0.42]", "[0.47, -0.42]"},
+      {"tip.arc.tolerance", arc + center + ends + ", tolerance: @}}\n", "0.1", "0.09"},
+      {"tip.arc.way", arc + center + ends + ", tolerance: 0.1, way: @}}\n", "short", "long"}};
+}
+
+std::vector<ChangedKey> changed_keys() {
+  const std::string moving = kStart + "goal: {q: [1.2, -0.8], dq: [1, 0], ",
+                    tip = kStart + "goal: {tip: ", timed = kMove + "duration: 1\n";
+  const std::string config = std::string(FJR_SOURCE_DIR) + "/config/";
+  std::vector<ChangedKey> changed{
+      {"robot", kStart + "goal: {q: [0.1, 0.1]}\nrobot: @\n", config + "robot.yaml", config + "robots/asr_twodof.yaml"},
+      {"start", "start: @\n" + kGoal, "{q: [0, 0]}", "{q: [0.1, 0]}"},
+      {"start.q", "start: {q: @}\n" + kGoal, "[0, 0]", "[0, 0.1]"},
+      {"start.dq", "start: {q: [0, 0], dq: @}\n" + kGoal, "[0.1, 0]", "[0.1, 0.1]"},
+      {"start.theta", "start: {q: [0, 0], theta: @}\n" + kGoal, "[0, 0]", "[0.01, 0]"},
+      {"start.dtheta", "start: {q: [0, 0], dtheta: @}\n" + kGoal, "[0, 0]", "[0, 0.1]"},
+      {"goal", kStart + "goal: @\n", "{q: [1.2, -0.8]}", "{tip: [0.3, -0.4]}"},
+      {"goal.q", kStart + "goal: {q: @}\n", "[1.2, -0.8]", "[1.2, free]"},
+      {"goal.dq", kStart + "goal: {q: [1.2, -0.8], dq: @}\n", "[1, 0]", "free"},
+      {"goal.theta", moving + "theta: @}\n", "[1.2, -0.8]", "[1.2, -0.81]"},
+      {"goal.dtheta", moving + "dtheta: @}\n", "[1, 0]", "[1, 0.1]"},
+      {"goal.tip", tip + "@}\n", "[0.3, -0.4]", "[0.3, -0.41]"},
+      {"goal.elbow", tip + "[0.3, -0.4], elbow: @}\n", "any", "left"},
+      {"goal.tip_velocity", tip + "[0.3, -0.4], tip_velocity: @}\n", "[0.1, 0]", "[0.1, 0.1]"},
+      {"duration", kMove + "duration: @\n", "1", "1.5"},
+      {"duration.min", kMove + "duration: {min: @}\n", "0.3", "0.4"},
+      {"duration.max", kMove + "duration: {max: @}\n", "3", "4"},
+      {"objective", kMove + "objective: @\n", "fastest", "efficient"},
+      {"via", kMove + "via: @\n", "[]", "[{q: [0.5, -0.4]}]"},
+      {"via[].time", timed + "via: [{time: @, q: [0.5, -0.4]}]\n", "0.5", "0.6"},
+      {"via[].q", kMove + "via: [{q: @}]\n", "[0.5, -0.4]", "[0.5, -0.3]"},
+      {"via[].dq", kMove + "via: [{q: [0.5, -0.4], dq: @}]\n", "[0, 0]", "[0.1, 0]"},
+      {"via[].release", kMove + "via: [{q: [0.5, -0.4], release: @}, {q: [0.6, -0.4]}]\n", "false", "true"},
+      {"obstacles", kMove + "obstacles: @\n", "[]", "[{center: [2, 2], radius: 0.1}]"},
+      {"obstacles[].center", kMove + "obstacles: [{center: @, radius: 0.1}]\n", "[2, 2]", "[2, 3]"},
+      {"obstacles[].radius", kMove + "obstacles: [{center: [2, 2], radius: @}]\n", "0.1", "0.2"},
+      {"obstacles[].margin", kMove + "obstacles: [{center: [2, 2], radius: 0.1, margin: @}]\n", "0", "0.2"},
+      {"walls", kMove + "walls: @\n", "[]", "[{point: [0, -2], normal: [0, 1]}]"},
+      {"walls[].point", kMove + "walls: [{point: @, normal: [0, 1]}]\n", "[0, -2]", "[0, -3]"},
+      {"walls[].normal", kMove + "walls: [{point: [0, -2], normal: @}]\n", "[0, 1]", "[0.1, 1]"},
+      {"walls[].margin", kMove + "walls: [{point: [0, -2], normal: [0, 1], margin: @}]\n", "0", "0.1"},
+      {"path", kMove + "path: @\n", "{points: [], tolerance: 0.05}", "{points: [[0.5, -0.4]], tolerance: 0.05}"},
+      {"path.points", kMove + "path: {points: @, tolerance: 0.05}\n", "[[0.5, -0.4]]", "[[0.5, -0.3]]"},
+      {"path.tolerance", kMove + "path: {points: [[0.5, -0.4]], tolerance: @}\n", "0.05", "0.06"},
+      {"limits", kMove + "limits: @\n", "{tip_speed: 9}", "{motor_power: [90, 90]}"},
+      {"sample_period", kMove + "sample_period: @\n", "0.001", "0.002"},
+      {"seed", kMove + "seed: @\n", "1", "2"},
+      {"payload", kMove + "payload: @\n", "0.1", "{mass: 0.1, inertia: 0.001}"},
+      {"method", kMove + "method: @\n", "hermite-simpson", "radau3"},
+      {"search", kMove + "search: @\n", "default", "thorough"},
+      {"robust", kMove + kUncertain + "robust: @\n", "{confidence: 0.9}", "{confidence: 0.95}"},
+      {"robust.confidence", kMove + kUncertain + "robust: {confidence: @}\n", "0.9", "0.95"},
+      {"proven", kMove + "proven: @\n", "false", "true"}};
+  for (const auto& more : {changed_terms(), changed_limits(), changed_regions()}) {
+    changed.insert(changed.end(), more.begin(), more.end());
+  }
+  return changed;
+}
+
+// Each key may change the plan, so a library or an earlier batch must not take the plan of another value for it.
+TEST(RequestHash, DependsOnEveryKey) {
+  const std::vector<ChangedKey> changed = changed_keys();
+  for (const ChangedKey& of : changed) {
+    EXPECT_TRUE(of.is_of_its_key()) << of.key << " has another value in " << of.text;
+    EXPECT_NE(of.hash(of.value), of.hash(of.other)) << "the hash does not depend on " << of.key;
+  }
+  for (const KeyLine& line : all_keys()) {
+    EXPECT_TRUE(std::any_of(changed.begin(), changed.end(), [&](const ChangedKey& of) { return of.key == line.name; }))
+        << "no request here has another value of " << line.name;
+  }
+}
+
+// There is no key without influence; but some values of a key mean the same.
+TEST(RequestHash, IsTheSameForValuesThatMeanTheSame) {
+  const std::string config = std::string(FJR_SOURCE_DIR) + "/config/";
+  const std::vector<ChangedKey> same{
+      // The values in a robot's file count, and not where it is.
+      {"robot", kMove + "robot: @\n", config + "robot.yaml", config + "robots/../robot.yaml"},
+      // It gives a direction alone.
+      {"walls[].normal", kMove + "walls: [{point: [0, -2], normal: @}]\n", "[0, 1]", "[0, 2]"},
+      // The last via point is where a motion to a rest releases anyway.
+      {"via[].release", kMove + "via: [{q: [0.5, -0.4], release: @}]\n", "false", "true"},
+      // How well a payload is known matters to robust motions and to `tracking` alone.
+      {"payload", kMove + "payload: {mass: @}\n", "0.1", "{value: 0.1, unit: kg, standard_error: 0.01}"}};
+  for (const ChangedKey& of : same) EXPECT_EQ(of.hash(of.value), of.hash(of.other)) << of.key;
 }
 
 // A valid Problem promises what the planner relies on, whatever text it came from.

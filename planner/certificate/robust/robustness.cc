@@ -442,7 +442,8 @@ class Judge {
   void conclude() {
     result_.kept = factors_.allFinite();
     if (!result_.kept) {
-      result_.reason = "more arms than may be lost run away or have their drives saturated: nothing can be promised";
+      result_.reason =
+          "more of the drawn arms than may be left out diverge or saturate their drives, so no margin can be stated";
       return;
     }
     const Robustness::Margin* worst = nullptr;

@@ -30,8 +30,11 @@ namespace fjr {
 struct ConstraintInfo {
   const char* name;          // name of its rows; numbered if there may be several
   bool keeps_clear = false;  // an obstacle, rather than a path or a region
-  double sign = 1;           // sign of a change that relaxes it
-  double most = 1;           // [m] or [rad] largest change that makes sense; 0: the number itself
+  // An arm may pass through it between two nodes of a coarse mesh, and keep clear at both.
+  bool can_be_jumped_over = false;
+  bool is_band = false;  // about a path, and perhaps too narrow for the cells of a coarse grid
+  double sign = 1;       // sign of a change that relaxes it
+  double most = 1;       // [m] or [rad] largest change that makes sense; 0: the number itself
   const char* unit = "m";
   const char* relaxed = nullptr;  // message of a relaxation, {} the value; null: "would have to be {}"
 };

@@ -8,7 +8,8 @@
 namespace fjr {
 
 template <>
-inline constexpr ConstraintInfo kInfo<Disc>{.name = "obstacles", .keeps_clear = true, .sign = -1, .most = 0};
+inline constexpr ConstraintInfo kInfo<Disc>{
+    .name = "obstacles", .keeps_clear = true, .can_be_jumped_over = true, .sign = -1, .most = 0};
 template <>
 inline constexpr Key kRequestKey<Disc>{kInfo<Disc>.name, "",
                                        "discs in the plane of motion that both links keep clear of", "none",

@@ -6,7 +6,7 @@
 namespace fjr {
 
 template <>
-inline constexpr ConstraintInfo kInfo<JointPath>{.name = "path", .unit = "rad"};
+inline constexpr ConstraintInfo kInfo<JointPath>{.name = "path", .is_band = true, .unit = "rad"};
 
 inline void add_rows(const JointPath& path, TaskRows& to) {
   task::add_band(to, TaskRow::Kind::kAngles, path.corners[to.segment], path.corners[to.segment + 1], path.tolerance);

@@ -1,6 +1,18 @@
 #include "planner/problem/task/task.h"
 
 namespace fjr {
+namespace {
+
+// Returns whether any constraint is of a kind that says so of itself.
+bool any_is(const Task& task, bool ConstraintInfo::*property) {
+  bool any = false;
+  each_constraint(task, [&](const std::string&, const auto& constraint) {
+    any = any || kInfo<std::decay_t<decltype(constraint)>>.*property;
+  });
+  return any;
+}
+
+}  // namespace
 
 std::vector<TaskRow> task_rows(const Parameters& robot, const Task& task, std::size_t segment) {
   std::vector<TaskRow> rows;
@@ -45,12 +57,8 @@ std::size_t count_of(const Obstacles& obstacles) {
   return count;
 }
 
-bool keeps_clear(const Task& task) {
-  bool any = false;
-  each_constraint(task, [&](const std::string&, const auto& constraint) {
-    any = any || kInfo<std::decay_t<decltype(constraint)>>.keeps_clear;
-  });
-  return any;
-}
+bool keeps_clear(const Task& task) { return any_is(task, &ConstraintInfo::keeps_clear); }
+
+bool can_be_jumped_over(const Task& task) { return any_is(task, &ConstraintInfo::can_be_jumped_over); }
 
 }  // namespace fjr

@@ -98,4 +98,7 @@ inline constexpr std::size_t kMostTaskRows = 2 * kMostObstacles + 5;  // a path 
 // Returns whether the task has obstacles.
 bool keeps_clear(const Task& task);
 
+// Returns whether it has any that an arm may pass through between the nodes of a coarse mesh.
+bool can_be_jumped_over(const Task& task);
+
 }  // namespace fjr

@@ -3,39 +3,116 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "planner/search/follow.h"
+#include "planner/search/race.h"
 #include "planner/search/starts.h"
 
 namespace fjr {
 namespace {
 
-// Returns the first fastest motion that takes no more than `allowed` [s], or else the shortest one. A motion that takes
-// longer is certified if possible, because its duration is reported to the user.
-std::optional<Fastest> find_fastest(const std::shared_ptr<const Problem>& alternative, double allowed, Findings& found,
-                                    Session& session) {
-  const auto fastest = std::make_shared<const Problem>(fastest_of(*alternative));
-  std::optional<Fastest> shortest;
-  std::vector<double> known;  // minima
-  for (const Guess& guess : first_guesses(*fastest, session.settings().starts)) {
-    if (session.interrupted() || (shortest && shortest->duration() <= allowed)) break;
-    Continuation c(fastest, session, "fastest");
-    if (c.begin(guess, found.patience, known) != StartOutcome::kNew) continue;
-    known.push_back(c.stages().front().objective);
-    if (c.refine() == Completion::kStopped) continue;
-    bool certified = false;
-    if (c.duration() > allowed) {
-      const PublishResult published = publish(c, found.asked, session);
-      certified = published.certified();
-      if (!published.failure.empty()) found.failure = published.failure;
-    }
-    if (!shortest || c.duration() < shortest->duration()) shortest = Fastest{std::move(c), certified, alternative};
+// The fastest motion of an alternative is looked for from several guesses: first on coarse meshes, of which only the
+// shortest motions are refined.
+class FastestMotion {
+ public:
+  FastestMotion(const std::shared_ptr<const Problem>& alternative, double allowed, Findings& found, Session& session)
+      : alternative_(alternative),
+        fastest_(std::make_shared<const Problem>(fastest_of(*alternative))),
+        allowed_(allowed),
+        found_(found),
+        session_(session),
+        patience_(found.patience) {}
+
+  // Returns a motion that takes no more than is allowed, or else the shortest one. The latter is certified if possible,
+  // because its duration is reported to the user.
+  std::optional<Fastest> find() {
+    const StartSettings& settings = session_.settings().starts;
+    const Starts starts = starts_of(*fastest_, starts_to_try(*fastest_, 0, settings), settings);
+    // The first one is tried alone: often its motion is short enough, and it tells how many iterations the others are
+    // worth. Those beyond the usual ones are tried while there is hope.
+    const bool fits = try_starts(starts.guesses, 0, 1) || try_starts(starts.guesses, 1, starts.always) ||
+                      (may_still_fit() && try_starts(starts.guesses, starts.always, starts.guesses.size()));
+    if (!fits && !coarse_.empty()) refine_up_to(shortest_coarse());
+    if (!shortest_) return std::nullopt;
+    return Fastest{*shortest_, shortest_->duration() > allowed_ && certify(), alternative_};
   }
-  return shortest;
-}
+
+ private:
+  double shortest_coarse() const { return std::min_element(coarse_.begin(), coarse_.end(), is_shorter)->duration(); }
+
+  static bool is_shorter(const Continuation& a, const Continuation& b) { return a.duration() < b.duration(); }
+
+  // Returns whether a start beyond the usual ones may lead to a motion that is short enough.
+  bool may_still_fit() const {
+    constexpr double kFarTooLong = 1.1;  // times the allowed duration; other minima are hardly ever so much shorter
+    return coarse_.empty() ? !shortest_ : shortest_coarse() < kFarTooLong * allowed_;
+  }
+
+  // Solves the problem from these guesses, and refines what may come to no more time than is allowed. Returns whether
+  // one does.
+  bool try_starts(const std::vector<Guess>& guesses, std::size_t first, std::size_t last) {
+    const auto at = [&](std::size_t i) { return guesses.begin() + static_cast<std::ptrdiff_t>(i); };
+    first = std::min(first, guesses.size());
+    begin({at(first), at(std::clamp(last, first, guesses.size()))});
+    return refine_up_to(allowed_);
+  }
+
+  // Solves the problem from these guesses on coarse meshes. Later ones may take no more iterations than the quickest
+  // before them: none of 234 shortest motions took more.
+  void begin(const std::vector<Guess>& guesses) {
+    const FollowSettings& s = session_.settings().follow;
+    std::vector<std::optional<Continuation>> begun(guesses.size());
+    const std::vector<PieceOfWork> pieces = session_.do_all(guesses.size(), [&](std::size_t i, Session& own) {
+      Continuation c(fastest_, own, "fastest");
+      if (c.begin(guesses[i], patience_, known_) != StartOutcome::kNew) return;
+      c.go_on_in(session_);
+      begun[i] = std::move(c);
+    });
+    for (std::size_t i = 0; i < begun.size(); ++i) {
+      if (pieces[i] == PieceOfWork::kIgnored || !begun[i]) continue;
+      const SolverStage& first = begun[i]->stages().front();
+      if (any_same(known_, first.objective, session_.settings().continuation.first.same_minimum)) continue;
+      known_.push_back(first.objective);
+      patience_ = std::min(patience_, std::max(s.least_iterations, first.iterations));
+      coarse_.push_back(*std::move(begun[i]));
+    }
+  }
+
+  // Refines the coarse motions that may come to so much time [s]. Returns whether one takes no more than is allowed.
+  bool refine_up_to(double duration) {
+    const double most = (1 + session_.settings().follow.within) * duration;
+    const auto rest = std::stable_partition(coarse_.begin(), coarse_.end(),
+                                            [&](const Continuation& c) { return c.duration() <= most; });
+    std::vector<Continuation> promising(std::move_iterator(coarse_.begin()), std::move_iterator(rest));
+    coarse_.erase(coarse_.begin(), rest);
+    std::stable_sort(promising.begin(), promising.end(), is_shorter);
+    for (Continuation& c : race(std::move(promising), reached_, session_).arrived) {
+      if (!shortest_ || is_shorter(c, *shortest_)) shortest_ = std::move(c);
+    }
+    return shortest_ && shortest_->duration() <= allowed_;
+  }
+
+  bool certify() {
+    const PublishResult published = publish(*shortest_, found_.asked, session_);
+    if (!published.failure.empty()) found_.failure = published.failure;
+    return published.certified();
+  }
+
+  const std::shared_ptr<const Problem>& alternative_;
+  std::shared_ptr<const Problem> fastest_;  // the alternative with time as its objective
+  double allowed_;                          // [s]
+  Findings& found_;
+  Session& session_;
+  int patience_;                      // iterations that a start may take
+  std::vector<double> known_;         // minima
+  std::vector<Continuation> coarse_;  // not refined
+  StepObjectives reached_;            // objectives after the homotopy steps
+  std::optional<Continuation> shortest_;
+};
 
 // Returns how the fastest motion to the goal gets to via point i, with the times of those before it kept. Usual guesses
 // rest at the points, and what they lead to turns back where a point is to be passed soon after another: 0.374 s were
@@ -95,7 +172,7 @@ void try_from_fastest(const std::shared_ptr<const Problem>& alternative, Finding
   const bool was_tried = only_time(alternative->weights) && alternative->duration.min <= kShortestDuration;
   if (was_tried) return;
   ++session.fallbacks().from_fastest;
-  const std::optional<Fastest> shortest = find_fastest(alternative, allowed, found, session);
+  const std::optional<Fastest> shortest = FastestMotion(alternative, allowed, found, session).find();
   if (!shortest) return;
   if (!found.fastest || shortest->duration() < found.fastest->duration()) found.fastest = shortest;
   if (shortest->duration() > allowed || any_timed(*alternative)) return;

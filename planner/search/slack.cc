@@ -14,8 +14,6 @@ constexpr double kSmallest = 0.1;              // [m, rad, ...] least size, for 
 constexpr double kTimeRegularisation = 0.003;  // of time [1/s]: enough for the motion not to dawdle
 constexpr double kLargerTimeWeight = 0.1;      // of time [1/s]
 constexpr double kDifference = 1e-6;           // step by which a region's bounds are differentiated
-// Largest slack: nobody would build a robot with larger limits. Solves start at half of it.
-constexpr double kMostSlack = 6;
 
 bool is_obstacle(const Relaxable& what) { return what.constraint == &kInfo<Disc>; }
 bool is_velocity(const Relaxable& what) { return what.kind == RelaxableKind::kVelocity; }

@@ -17,6 +17,9 @@ Problem with_slack(const Problem& problem, const Relaxable& what);
 // Does the same with everything but velocities relaxed at once; the slack is a fraction of the size of each.
 Problem with_slack_everywhere(const Problem& problem);
 
+// Largest slack: nobody would build a robot with larger limits. Solves start at half of it.
+inline constexpr double kMostSlack = 6;
+
 // Fraction by which limits are relaxed to get the duration of the guesses for such a problem.
 inline constexpr double kLoose = 3;
 

@@ -1,6 +1,7 @@
 // What is said to be in the way is in the way: relaxed as said the request can be had, by a tenth less it cannot.
 #include "planner/search/explain/explain.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -163,6 +164,56 @@ TEST(Explain, ADurationThatIsTooShort) {
   ASSERT_NE(longer, nullptr);
   EXPECT_EQ(longer->to, *why.shortest_duration);
   expect_least(problem, why, "torque", 1);
+}
+
+Plan fastest(Problem problem) {
+  problem.weights = {.time = 1};
+  problem.duration = {kShortestDuration, kLongestDuration};
+  PlanOptions options;
+  options.starts = 2;
+  return plan(problem, options);
+}
+
+// The shortest duration falls ever less with every further growth of a limit, so what its shadow price says is the
+// least that has to change. Limits are left untried because of it.
+TEST(Explain, NoLimitSavesMoreThanItsShadowPriceSays) {
+  constexpr double kOfPrices = 0.05;  // regularisation and friction of the two motions differ by some per cent
+  for (const char* const q : {"[1.2, -0.8]", "[0.5, 1.0]", "[-1.0, 0.6]"}) {
+    const std::string ways = std::string("{start: {q: [0, 0]}, goal: {q: ") + q + "}";
+    const Plan free = fastest(request(ways + "}"));
+    ASSERT_EQ(free.status, PlanStatus::kCertified) << free.reason;
+    const double shortest = free.trajectory->end_time(), allowed = 0.96 * shortest;
+    const Problem hurried = request(ways + fmt::format(", duration: {:.6f}, objective: efficient}}", allowed));
+    const Infeasibility why = impossible(hurried);
+    ASSERT_TRUE(why.shortest_duration);
+    EXPECT_NEAR(*why.shortest_duration, shortest, 1e-3 * shortest);  // what is certified, rounded up
+    int compared = 0;
+    for (const Relaxation& r : why.relaxations) {
+      if (r.kind != RelaxableKind::kLimit) continue;
+      for (const ShadowPrice& limit : free.analysis->sensitivity.limits) {
+        if (limit.name != r.name || limit.joint != r.joint) continue;
+        const double saved = limit.price * (r.to - r.from);
+        EXPECT_GE(saved, (1 - kOfPrices) * (shortest - allowed)) << why.sentence;
+        ++compared;
+      }
+    }
+    EXPECT_GT(compared, 0) << why.sentence;
+  }
+}
+
+// It is the duration of the plan that a request for the fastest motion gets, from other starts.
+TEST(Explain, TheShortestDurationIsThatOfTheFastestPlan) {
+  for (const char* const task : {"obstacles: [{center: [0.33, -0.45], radius: 0.04}]", "via: [{q: [-0.4, 0.9]}]"}) {
+    const std::string ways = std::string("{start: {q: [0, 0]}, goal: {q: [1.2, -0.8]}, ") + task;
+    const Plan best = fastest(request(ways + "}"));
+    ASSERT_EQ(best.status, PlanStatus::kCertified) << best.reason;
+    const double shortest = best.trajectory->end_time();
+    const Infeasibility why =
+        impossible(request(ways + fmt::format(", duration: {:.6f}, objective: efficient}}", 0.6 * shortest)));
+    ASSERT_TRUE(why.shortest_duration) << why.sentence;
+    EXPECT_NEAR(*why.shortest_duration, shortest,
+                2e-3 * shortest);  // minima of fastest motions are closer, and rounding
+  }
 }
 
 // No motor turns from one rest to another faster than at its limit all the way.

@@ -257,7 +257,7 @@ TEST(Search, AFreeDurationThatIsTooShortIsNamed) {
   const Plan result = plan(problem, {});
   ASSERT_TRUE(result.infeasibility);
   EXPECT_EQ(result.infeasibility->limit, "duration") << result.reason;
-  EXPECT_THAT(result.reason, HasSubstr("at most 20 s is allowed where nothing else is said"));
+  EXPECT_THAT(result.reason, HasSubstr("at most 20 s is allowed by default"));
   ASSERT_TRUE(result.infeasibility->shortest_duration);
   EXPECT_GT(*result.infeasibility->shortest_duration, (*problem.goal.theta)[0] / 0.02);
 }
@@ -282,7 +282,7 @@ TEST(Search, AMotionThatIsFarTooSlowIsNotRefinedToSaySo) {
 Plan with_both_as_told(const std::string& via, const std::string& goal, const std::string& reason) {
   double time = 0, duration = 0;
   const std::size_t told = reason.rfind("via[0].time of");
-  const char* const format = "via[0].time of %lf s and a duration of %lf s would do together";
+  const char* const format = "via[0].time of %lf s and a duration of %lf s would be enough together";
   if (told == std::string::npos || std::sscanf(reason.c_str() + told, format, &time, &duration) != 2) {
     ADD_FAILURE() << reason;
     return {};

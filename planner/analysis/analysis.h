@@ -54,7 +54,7 @@ struct Optimality {
   // minus the weight of time if the duration is free.
   struct Hamiltonian {
     double mean = 0;
-    double spread = 0;               // root mean square deviation from the leg's mean, in time
+    double spread = 0;               // root mean square deviation from the segment's mean, in time
     double largest = 0;              // deviation of one interval
     double time = 0;                 // [s] of the largest deviation
     std::optional<double> expected;  // mean at an optimum, if the duration is free

@@ -16,8 +16,8 @@ namespace arm_analysis {
 
 using Vector8 = Eigen::Matrix<double, kStates, 1>;
 
-// Returns the index of the first interval of every leg between via points, and then the number of intervals.
-inline std::vector<std::size_t> legs(const Problem& problem, const Mesh& mesh) {
+// Returns the index of the first interval of every segment between via points, and then the number of intervals.
+inline std::vector<std::size_t> segment_begins(const Problem& problem, const Mesh& mesh) {
   std::vector<std::size_t> nodes{0};
   for (std::size_t s = 0; s < segment_count(problem); ++s) nodes.push_back(end_node(mesh, s));
   return nodes;
@@ -81,7 +81,7 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
   const auto t = arm_collocation::transcribe<F>(problem, solution.setup);
   const Iterate& iterate = solution.report.iterate;
   const Adjoint a = adjoint(t, iterate);
-  const std::vector<std::size_t> leg = parts::legs(problem, t.mesh());
+  const std::vector<std::size_t> begins = parts::segment_begins(problem, t.mesh());
   const auto by_node = [&](std::size_t node) {
     const parts::Vector8 slope = scale * a.lagrangian.segment<kStates>(t.node_at(static_cast<int>(node)));
     return State<double>::from(slope.data());
@@ -89,7 +89,7 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
 
   Analysis result;
   Optimality& optimality = result.optimality;
-  optimality.hamiltonian = hamiltonian(a, leg);
+  optimality.hamiltonian = hamiltonian(a, begins);
   optimality.friction_width = solution.setup.smoothing.friction_width;
   optimality.hamiltonian.allowed = scale * allowed_spread(solution.report.objective, a.node_times.back());
   optimality.stationarity = stationarity(t, iterate, a);
@@ -99,10 +99,10 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
   auto& s = optimality.stationarity;
   const double per_control = F.rate ? scale / ArmOcp<F>::kRateUnit : scale;
   for (double* slope : {&s.free, &s.wrong, &s.largest, &s.residual}) *slope *= per_control;
-  const State<double> end = by_node(leg.back());
+  const State<double> end = by_node(begins.back());
   optimality.costate_start = by_node(0);
   for (std::size_t i = 0; i < kStates; ++i) optimality.costate_end[i] = -end[i];
-  const std::vector<double> along = conserved_along(a, leg);
+  const std::vector<double> along = conserved_along(a, begins);
   for (std::size_t k = 0; k < along.size(); ++k) {
     const Eigen::VectorXd p =
         scale * costates(t, iterate.lambda, static_cast<int>(k)).transpose() * solution.setup.scheme.b;
@@ -114,15 +114,15 @@ Analysis analyse_with(const Problem& problem, const Collocated& solution, double
   sensitivity.limits = ShadowPrices<F>(problem, solution.setup, t, iterate).run();
   parts::add_regularisation<F>(problem, solution, sensitivity.limits);
   for (ShadowPrice& price : sensitivity.limits) price.price *= scale;
-  const auto mean = [&](std::size_t i) { return scale * mean_hamiltonian(a, leg[i], leg[i + 1]); };
+  const auto mean = [&](std::size_t i) { return scale * mean_hamiltonian(a, begins[i], begins[i + 1]); };
   if (parts::duration_is_free(problem, a.node_times.back())) {
     optimality.hamiltonian.expected = -scale * problem.weights.time;
   } else {
-    sensitivity.duration = scale * problem.weights.time + mean(leg.size() - 2);
+    sensitivity.duration = scale * problem.weights.time + mean(begins.size() - 2);
   }
   for (std::size_t i = 0; i < problem.via.size(); ++i) {
-    const State<double> by_state = by_node(leg[i + 1]);
-    ViaPrices via{a.node_times[leg[i + 1]], by_state.q, {}, {}};
+    const State<double> by_state = by_node(begins[i + 1]);
+    ViaPrices via{a.node_times[begins[i + 1]], by_state.q, {}, {}};
     if (problem.via[i].time) via.later = mean(i) - mean(i + 1);
     if (problem.via[i].dq) via.dq = by_state.dq;
     sensitivity.via.push_back(via);

@@ -35,7 +35,7 @@ inline double mean_hamiltonian(const Adjoint& a, std::size_t first, std::size_t 
   return mean_over(a, a.hamiltonian, first, last);
 }
 
-// Returns the integral over a leg of the squared deviation from the leg's mean.
+// Returns the integral over a segment of the squared deviation from the segment's mean.
 inline double variation(const Adjoint& a, const std::vector<double>& values, std::size_t first, std::size_t last) {
   const double mean = mean_over(a, values, first, last);
   double squares = 0;
@@ -45,13 +45,13 @@ inline double variation(const Adjoint& a, const std::vector<double>& values, std
   return squares;
 }
 
-// Returns, for each leg, either H or H without the jumps that limits explain (shifted to the same mean), whichever
+// Returns, for each segment, either H or H without the jumps that limits explain (shifted to the same mean), whichever
 // varies less. If H is constant, no node would improve the objective at another time. If it is constant only without
 // these jumps, nodes would move only because limits are imposed at points that move with them.
-inline std::vector<double> conserved_along(const Adjoint& a, const std::vector<std::size_t>& legs) {
+inline std::vector<double> conserved_along(const Adjoint& a, const std::vector<std::size_t>& begins) {
   std::vector<double> along = a.hamiltonian;
-  for (std::size_t leg = 0; leg + 1 < legs.size(); ++leg) {
-    const std::size_t first = legs[leg], last = legs[leg + 1];
+  for (std::size_t segment = 0; segment + 1 < begins.size(); ++segment) {
+    const std::size_t first = begins[segment], last = begins[segment + 1];
     if (variation(a, a.conserved, first, last) >= variation(a, a.hamiltonian, first, last)) continue;
     const double shift = mean_hamiltonian(a, first, last) - mean_over(a, a.conserved, first, last);
     for (std::size_t k = first; k < last; ++k) along[k] = a.conserved[k] + shift;
@@ -59,16 +59,16 @@ inline std::vector<double> conserved_along(const Adjoint& a, const std::vector<s
   return along;
 }
 
-// Computes the statistics of H. legs: the first interval of each leg, within which H should be constant, and then the
-// number of intervals; {0, n} without via points.
-inline Optimality::Hamiltonian hamiltonian(const Adjoint& a, const std::vector<std::size_t>& legs) {
+// Computes the statistics of H. begins: the first interval of each segment, within which H should be constant, and then
+// the number of intervals; {0, n} without via points.
+inline Optimality::Hamiltonian hamiltonian(const Adjoint& a, const std::vector<std::size_t>& begins) {
   Optimality::Hamiltonian result;
   result.mean = mean_hamiltonian(a, 0, a.hamiltonian.size());
   double squares = 0;
-  const std::vector<double> along = conserved_along(a, legs);
-  for (std::size_t leg = 0; leg + 1 < legs.size(); ++leg) {
-    const double mean = mean_hamiltonian(a, legs[leg], legs[leg + 1]);
-    for (std::size_t k = legs[leg]; k < legs[leg + 1]; ++k) {
+  const std::vector<double> along = conserved_along(a, begins);
+  for (std::size_t segment = 0; segment + 1 < begins.size(); ++segment) {
+    const double mean = mean_hamiltonian(a, begins[segment], begins[segment + 1]);
+    for (std::size_t k = begins[segment]; k < begins[segment + 1]; ++k) {
       const double deviation = std::abs(along[k] - mean);
       squares += deviation * deviation * (a.node_times[k + 1] - a.node_times[k]);
       if (deviation <= result.largest) continue;

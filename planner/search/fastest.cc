@@ -36,20 +36,27 @@ class FastestMotion {
     // worth. Those beyond the usual ones are tried while there is hope.
     const bool fits = try_starts(starts.guesses, 0, 1) || try_starts(starts.guesses, 1, starts.always) ||
                       (may_still_fit() && try_starts(starts.guesses, starts.always, starts.guesses.size()));
-    if (!fits && !coarse_.empty()) refine_up_to(shortest_coarse());
+    if (!fits && shortest_so_far()) refine_up_to(*shortest_so_far());
     if (!shortest_) return std::nullopt;
-    return Fastest{*shortest_, shortest_->duration() > allowed_ && certify(), alternative_};
+    const bool certified = shortest_->duration() > allowed_ && certify();  // which may change the motion
+    return Fastest{*std::move(shortest_), certified, alternative_};
   }
 
  private:
-  double shortest_coarse() const { return std::min_element(coarse_.begin(), coarse_.end(), is_shorter)->duration(); }
+  // Returns the duration [s] of the shortest motion, refined or not; nothing if there is none.
+  std::optional<double> shortest_so_far() const {
+    std::optional<double> shortest;
+    if (shortest_) shortest = shortest_->duration();
+    for (const Continuation& c : coarse_) shortest = std::min(shortest.value_or(c.duration()), c.duration());
+    return shortest;
+  }
 
   static bool is_shorter(const Continuation& a, const Continuation& b) { return a.duration() < b.duration(); }
 
   // Returns whether a start beyond the usual ones may lead to a motion that is short enough.
   bool may_still_fit() const {
     constexpr double kFarTooLong = 1.1;  // times the allowed duration; other minima are hardly ever so much shorter
-    return coarse_.empty() ? !shortest_ : shortest_coarse() < kFarTooLong * allowed_;
+    return shortest_so_far().value_or(0) < kFarTooLong * allowed_;
   }
 
   // Solves the problem from these guesses, and refines what may come to no more time than is allowed. Returns whether

@@ -174,31 +174,38 @@ Plan fastest(Problem problem) {
   return plan(problem, options);
 }
 
-// The shortest duration falls ever less with every further growth of a limit, so what its shadow price says is the
-// least that has to change. Limits are left untried because of it.
+// As a rule the shortest duration falls ever less with every further growth of a limit, so that its shadow price tells
+// the least that has to change. Limits are left untried because of it: those for which that is more than they are.
 TEST(Explain, NoLimitSavesMoreThanItsShadowPriceSays) {
   constexpr double kOfPrices = 0.05;  // regularisation and friction of the two motions differ by some per cent
+  int told = 0, hopeless = 0;
   for (const char* const q : {"[1.2, -0.8]", "[0.5, 1.0]", "[-1.0, 0.6]"}) {
     const std::string ways = std::string("{start: {q: [0, 0]}, goal: {q: ") + q + "}";
-    const Plan free = fastest(request(ways + "}"));
-    ASSERT_EQ(free.status, PlanStatus::kCertified) << free.reason;
-    const double shortest = free.trajectory->end_time(), allowed = 0.96 * shortest;
-    const Problem hurried = request(ways + fmt::format(", duration: {:.6f}, objective: efficient}}", allowed));
-    const Infeasibility why = impossible(hurried);
-    ASSERT_TRUE(why.shortest_duration);
-    EXPECT_NEAR(*why.shortest_duration, shortest, 1e-3 * shortest);  // what is certified, rounded up
-    int compared = 0;
-    for (const Relaxation& r : why.relaxations) {
-      if (r.kind != RelaxableKind::kLimit) continue;
-      for (const ShadowPrice& limit : free.analysis->sensitivity.limits) {
-        if (limit.name != r.name || limit.joint != r.joint) continue;
-        const double saved = limit.price * (r.to - r.from);
-        EXPECT_GE(saved, (1 - kOfPrices) * (shortest - allowed)) << why.sentence;
-        ++compared;
+    const Problem unhurried = request(ways + "}");
+    const Plan best = fastest(unhurried);
+    ASSERT_EQ(best.status, PlanStatus::kCertified) << best.reason;
+    ASSERT_TRUE(best.analysis);
+    const double shortest = best.trajectory->end_time(), allowed = 0.96 * shortest;
+    const Infeasibility why =
+        impossible(request(ways + fmt::format(", duration: {:.6f}, objective: efficient}}", allowed)));
+    for (const Relaxable& limit : relaxables(unhurried)) {
+      double price = 0;
+      for (const ShadowPrice& s : best.analysis->sensitivity.limits) {
+        if (s.name == limit.name && s.joint == limit.joint) price = s.price;
+      }
+      if (const Relaxation* r = find(why, limit.name, limit.joint)) {
+        EXPECT_GE(price * (r->to - r->from), (1 - kOfPrices) * (shortest - allowed)) << why.sentence;
+        ++told;
+      } else if (price > 0 && price * limit.from < (1 - kOfPrices) * (shortest - allowed)) {
+        const Plan twice = fastest(limit.relaxed(unhurried, limit.from));
+        if (twice.status != PlanStatus::kCertified) continue;
+        EXPECT_GT(twice.trajectory->end_time(), allowed) << limit.name << limit.joint;
+        ++hopeless;
       }
     }
-    EXPECT_GT(compared, 0) << why.sentence;
   }
+  EXPECT_GT(told, 0);
+  EXPECT_GT(hopeless, 0);
 }
 
 // It is the duration of the plan that a request for the fastest motion gets, from other starts.

@@ -257,7 +257,7 @@ TEST(Search, AFreeDurationThatIsTooShortIsNamed) {
   const Plan result = plan(problem, {});
   ASSERT_TRUE(result.infeasibility);
   EXPECT_EQ(result.infeasibility->limit, "duration") << result.reason;
-  EXPECT_THAT(result.reason, HasSubstr("at most 20 s is allowed by default"));
+  EXPECT_THAT(result.reason, HasSubstr("at most 20 s is allowed (the default"));
   ASSERT_TRUE(result.infeasibility->shortest_duration);
   EXPECT_GT(*result.infeasibility->shortest_duration, (*problem.goal.theta)[0] / 0.02);
 }

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cstdlib>
 #include <filesystem>
 #include <random>
@@ -153,8 +154,14 @@ struct ChangedKey {
   }
   // Returns whether @ is the value of that key.
   bool is_of_its_key() const {
-    const std::string own = key.substr(key.rfind('.') + 1);  // also if there is no dot
-    return text.find(own + ": @") != std::string::npos;
+    const std::size_t dot = key.rfind('.');
+    const std::string own = key.substr(dot + 1);  // also if there is no dot
+    const std::size_t at = text.find(own + ": @");
+    if (at == std::string::npos || (at > 0 && std::isalpha(static_cast<unsigned char>(text[at - 1])) != 0))
+      return false;
+    if (dot == std::string::npos) return true;
+    const std::string section = key.substr(0, key.find_first_of(".["));
+    return text.rfind(section + ":", at) != std::string::npos;
   }
 };
 

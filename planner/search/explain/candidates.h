@@ -13,7 +13,9 @@ namespace fjr {
 struct Candidate {
   Relaxable what;
   std::optional<double> time;  // [s]
-  double weight = 0;           // how much it is in the way, compared to others
+  // How much it is in the way, compared to others. Of active_in(): what it takes off the shortest duration [s] at
+  // first, by its size.
+  double weight = 0;
 };
 
 // Returns the limits that the fastest motion depends on, by their multipliers; those with the largest effect come

@@ -12,8 +12,6 @@
 namespace fjr {
 namespace {
 
-constexpr double kDurationDigits = 1e4;  // a duration is reported in units of 1 / 1e4 s
-
 void add_relaxations_to_sentence(Explanation& e) {
   bool any = false;
   for (const Relaxation& r : e.result.relaxations) {

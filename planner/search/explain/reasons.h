@@ -1,4 +1,4 @@
-// One function for each kind of reason why a request has no plan. Each fills in the explanation what it finds.
+// One function for each kind of reason why a request has no plan. Each adds what it finds to the explanation.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace fjr {
 
-// There is no way round the obstacles.
+// There is no path that keeps clear of the obstacles and regions.
 void explain_barred(const NoPath& barred, Explanation& e);
 
 // Even the fastest motion, which is known, takes longer than is allowed.

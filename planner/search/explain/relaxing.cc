@@ -106,7 +106,7 @@ Relaxed relax(const Explanation& e, const Candidate& candidate, const std::vecto
     if (e.known.start_failed) return {eased(e, what, guess_of(*solution), search), {}};
     return {{}, guess_of(*solution)};
   }
-  const bool planned_soon = sketched && !too_long_to_plan;  // verified(e) increases it until it is enough
+  const bool planned_soon = sketched && !too_long_to_plan;  // verified() increases it until it is enough
   const double slack = (1 + (rough && !planned_soon ? kRoughMargin : kRelaxationMargin)) * solution->solution().slack;
   if (slack > with_slack_of_it.variation.slack->most) return {};
   Relaxation named = relaxation_of(what, value_with(e.problem, what, slack));

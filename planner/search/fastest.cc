@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "planner/search/fallbacks.h"
 #include "planner/search/follow.h"
 #include "planner/search/race.h"
 #include "planner/search/starts.h"
@@ -32,10 +33,12 @@ class FastestMotion {
   std::optional<Fastest> find() {
     const StartSettings& settings = session_.settings().starts;
     const Starts starts = starts_of(*fastest_, starts_to_try(*fastest_, 0, settings), settings);
-    // The first one is tried alone: often its motion is short enough, and it tells how many iterations the others are
-    // worth. Those beyond the usual ones are tried while there is hope.
-    const bool fits = try_starts(starts.guesses, 0, 1) || try_starts(starts.guesses, 1, starts.always) ||
-                      (may_still_fit() && try_starts(starts.guesses, starts.always, starts.guesses.size()));
+    // The first one, which a sketch has begun with as well, is tried alone: often its motion is short enough, and it
+    // tells how many iterations the others are worth. Those beyond the usual ones are tried if nothing was found, as
+    // for the request for that motion: of 41 durations that were up to a tenth too short no other minimum was enough.
+    const bool fits = (take_sketch() ? refine_up_to(allowed_) : try_starts(starts.guesses, 0, 1)) ||
+                      try_starts(starts.guesses, 1, starts.always) || try_again(starts.along_paths_again) ||
+                      (known_.empty() && try_starts(starts.guesses, starts.always, starts.guesses.size()));
     if (!fits && shortest_so_far()) refine_up_to(*shortest_so_far());
     if (!shortest_) return std::nullopt;
     const bool certified = shortest_->duration() > allowed_ && certify();  // which may change the motion
@@ -53,40 +56,69 @@ class FastestMotion {
 
   static bool is_shorter(const Continuation& a, const Continuation& b) { return a.duration() < b.duration(); }
 
-  // Returns whether a start beyond the usual ones may lead to a motion that is short enough.
-  bool may_still_fit() const {
-    constexpr double kFarTooLong = 1.1;  // times the allowed duration; other minima are hardly ever so much shorter
-    return shortest_so_far().value_or(0) < kFarTooLong * allowed_;
-  }
-
   // Solves the problem from these guesses, and refines what may come to no more time than is allowed. Returns whether
   // one does.
   bool try_starts(const std::vector<Guess>& guesses, std::size_t first, std::size_t last) {
     const auto at = [&](std::size_t i) { return guesses.begin() + static_cast<std::ptrdiff_t>(i); };
     first = std::min(first, guesses.size());
-    begin({at(first), at(std::clamp(last, first, guesses.size()))});
+    const std::vector<std::size_t> failed = begin({at(first), at(std::clamp(last, first, guesses.size()))});
+    for (const std::size_t i : failed) failed_.push_back(first + i);
     return refine_up_to(allowed_);
   }
 
+  // Does the same for the starts that led nowhere, from their other guesses along the same paths, if they have any.
+  bool try_again(const std::vector<Guess>& along_paths) {
+    std::vector<Guess> guesses;
+    for (const std::size_t i : failed_) {
+      if (i < along_paths.size()) guesses.push_back(along_paths[i]);
+    }
+    begin(guesses);
+    return refine_up_to(allowed_);
+  }
+
+  // Takes the sketch of this alternative for the result of the first start. Returns whether that was tried.
+  bool take_sketch() {
+    for (const FastestSketch& sketch : found_.sketches) {
+      if (sketch.alternative != alternative_) continue;
+      if (sketch.motion) {
+        note(*sketch.motion);
+      } else {
+        failed_.push_back(0);
+      }
+      return true;
+    }
+    return false;
+  }
+
+  // Notes a motion on a coarse mesh, unless it is known.
+  void note(Continuation c) {
+    const SolverStage& first = c.stages().front();
+    if (any_same(known_, first.objective, session_.settings().continuation.first.same_minimum)) return;
+    known_.push_back(first.objective);
+    patience_ = std::min(patience_, std::max(session_.settings().follow.least_iterations, first.iterations));
+    coarse_.push_back(std::move(c));
+  }
+
   // Solves the problem from these guesses on coarse meshes. Later ones may take no more iterations than the quickest
-  // before them: none of 234 shortest motions took more.
-  void begin(const std::vector<Guess>& guesses) {
-    const FollowSettings& s = session_.settings().follow;
+  // before them: none of 234 shortest motions took more. Returns the numbers of those that led nowhere.
+  std::vector<std::size_t> begin(const std::vector<Guess>& guesses) {
     std::vector<std::optional<Continuation>> begun(guesses.size());
+    std::vector<std::size_t> failed;
     const std::vector<PieceOfWork> pieces = session_.do_all(guesses.size(), [&](std::size_t i, Session& own) {
       Continuation c(fastest_, own, "fastest");
-      if (c.begin(guesses[i], patience_, known_) != StartOutcome::kNew) return;
+      if (c.begin(guesses[i], patience_, known_) == StartOutcome::kNoSolution) return;
       c.go_on_in(session_);
       begun[i] = std::move(c);
     });
     for (std::size_t i = 0; i < begun.size(); ++i) {
-      if (pieces[i] == PieceOfWork::kIgnored || !begun[i]) continue;
-      const SolverStage& first = begun[i]->stages().front();
-      if (any_same(known_, first.objective, session_.settings().continuation.first.same_minimum)) continue;
-      known_.push_back(first.objective);
-      patience_ = std::min(patience_, std::max(s.least_iterations, first.iterations));
-      coarse_.push_back(*std::move(begun[i]));
+      if (pieces[i] == PieceOfWork::kIgnored) continue;
+      if (begun[i]) {
+        note(*std::move(begun[i]));
+      } else {
+        failed.push_back(i);
+      }
     }
+    return failed;
   }
 
   // Refines the coarse motions that may come to so much time [s]. Returns whether one takes no more than is allowed.
@@ -116,6 +148,7 @@ class FastestMotion {
   Session& session_;
   int patience_;                      // iterations that a start may take
   std::vector<double> known_;         // minima
+  std::vector<std::size_t> failed_;   // numbers of starts that led nowhere
   std::vector<Continuation> coarse_;  // not refined
   StepObjectives reached_;            // objectives after the homotopy steps
   std::optional<Continuation> shortest_;
@@ -171,6 +204,18 @@ std::optional<Continuation> sketch_to_via(const Problem& problem, std::size_t i,
     if (auto onward = on_the_way_to_goal(problem, i, what, search)) guesses.push_back(*std::move(onward));
   }
   return search.least_sketch(hurry, what, guesses);
+}
+
+bool seems_too_short(const std::shared_ptr<const Problem>& alternative, Findings& found, Session& session) {
+  if (!can_be_carried(*alternative)) return false;
+  const auto fastest = std::make_shared<const Problem>(fastest_of(*alternative));
+  const Guess guess = first_guesses(*fastest, session.settings().starts).front();
+  std::optional<Continuation> sketch(std::in_place, fastest, session, "fastest",
+                                     ContinuationOptions{.mesh_factor = mesh_factor_of_sketch(*fastest, guess)});
+  if (sketch->begin(guess, found.patience) != StartOutcome::kNew) sketch.reset();
+  const bool too_long = sketch && sketch->duration() > alternative->duration.max;
+  found.sketches.push_back({alternative, std::move(sketch)});
+  return too_long;
 }
 
 void try_from_fastest(const std::shared_ptr<const Problem>& alternative, Findings& found, Session& session) {

@@ -33,6 +33,13 @@ struct Fastest {
   double duration() const { return motion.solution().motion.duration(); }  // [s]
 };
 
+// The result of the first start of an alternative's fastest motion, which is tried early to see whether the request
+// seems to allow too little time.
+struct FastestSketch {
+  std::shared_ptr<const Problem> alternative;
+  std::optional<Continuation> motion;  // on a coarse mesh, with smoothed friction; none if the start led nowhere
+};
+
 struct Findings {
   explicit Findings(const Problem& asked, const FollowSettings& settings = {});
 
@@ -51,6 +58,7 @@ struct Findings {
   StepObjectives reached;                  // objectives after the homotopy steps
   std::optional<Publication> best;         // the best certified one, or the last one if none is certified
   std::optional<Fastest> fastest;          // the shortest motion found, if it was looked for
+  std::vector<FastestSketch> sketches;     // of fastest motions, at most one of each alternative
   std::optional<Limits> carried_with;      // limits with which the arm was found to swing up
   bool swing_was_cut = false;              // more work might have found motions with tighter limits
   std::optional<OutOfReach> out_of_reach;  // clearly infeasible, so that no more was tried

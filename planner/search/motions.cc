@@ -71,9 +71,9 @@ void ask_whether_out_of_reach(const std::vector<Alternative>& open, Findings& fo
   if (!found.candidates.empty()) found.out_of_reach.reset();
 }
 
-bool all_seem_too_short(const std::vector<Alternative>& open, Session& session) {
+bool all_seem_too_short(const std::vector<Alternative>& open, Findings& found, Session& session) {
   return std::all_of(open.begin(), open.end(), [&](const Alternative& alternative) {
-    return !only_time(alternative->weights) && seems_too_short(*alternative, session);
+    return !only_time(alternative->weights) && seems_too_short(alternative, found, session);
   });
 }
 
@@ -90,13 +90,14 @@ bool have_little_time(const std::vector<Alternative>& open, double fraction) {
 struct Turn {
   Alternative alternative;
   Starts starts;
-  int failed = 0;  // starts without solution
+  std::vector<std::size_t> failed{};  // numbers of starts without solution
   bool led_somewhere = false;
 };
 
 // Starts that are tried at the same time.
 struct Wave {
-  std::vector<Turn*> turns;  // the turn to which each start belongs
+  std::vector<Turn*> turns;          // the turn to which each start belongs
+  std::vector<std::size_t> numbers;  // of the starts in their turns
   std::vector<Start> starts;
 };
 
@@ -120,7 +121,7 @@ void try_wave(Wave& wave, Findings& found, Session& session) {
     if (outcome == TriedStart::kSomewhere) {
       turn.led_somewhere = true;
     } else {
-      ++turn.failed;
+      turn.failed.push_back(wave.numbers[i]);
     }
   }
   session.tell_starts(found.starts, found.starts_planned);
@@ -143,7 +144,7 @@ class BesideStarts {
 
   // Tries what is due before start i. Returns whether the search ends with it.
   bool end_search_before(std::size_t i) {
-    if (i == before_sketching_ && are_needed() && all_seem_too_short(open_, session_) && time_is_too_short())
+    if (i == before_sketching_ && are_needed() && all_seem_too_short(open_, found_, session_) && time_is_too_short())
       return true;
     if (i == before_asking_ && are_needed() && is_out_of_reach()) return true;
     return i == order_.before_fastest && are_needed() && time_is_too_short();
@@ -180,8 +181,22 @@ class BesideStarts {
 bool wants_start(const Turn& turn, std::size_t i, int asked, const StartOrderSettings& order, const Findings& found) {
   if (i >= turn.starts.guesses.size()) return false;
   if (found.candidates.empty()) return asked != 0 || i < turn.starts.enough;
-  const bool given_up = !turn.led_somewhere && turn.failed >= order.given_up;
+  const bool given_up = !turn.led_somewhere && static_cast<int>(turn.failed.size()) >= order.given_up;
   return i < turn.starts.always && !given_up;
+}
+
+// Tries starts of a turn that led nowhere again, from their other guesses along the same paths, if they have any.
+void try_again(Turn& turn, Findings& found, Session& session) {
+  Wave wave;
+  for (const std::size_t i : turn.failed) {
+    if (i >= turn.starts.along_paths_again.size()) continue;
+    wave.turns.push_back(&turn);
+    wave.numbers.push_back(i);
+    wave.starts.push_back({turn.alternative, turn.starts.along_paths_again[i], fmt::format("start {} again", i + 1)});
+  }
+  if (wave.starts.empty() || session.interrupted()) return;
+  found.starts_planned += static_cast<int>(wave.starts.size());
+  try_wave(wave, found, session);
 }
 
 // Solves the starts of the alternatives in turn, because the results of one tell how long the others are worth trying.
@@ -203,10 +218,15 @@ void take_turns(const std::vector<Alternative>& open, int asked, IfNone if_none,
     if (beside.end_search_before(i)) return;
     for (Turn& turn : turns) {
       if (session.interrupted()) return;
+      if (i > 0 && i == turn.starts.along_paths_again.size()) {
+        if (!wave.starts.empty()) try_wave(wave, found, session);
+        try_again(turn, found, session);
+      }
       if (!wants_start(turn, i, asked, order, found)) continue;
       if (i >= turn.starts.always) ++session.fallbacks().displaced_start;
       const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, turn.starts.always));
       wave.turns.push_back(&turn);
+      wave.numbers.push_back(i);
       wave.starts.push_back({turn.alternative, guess_of_start(turn.alternative, turn.starts, i, order.near_by, found),
                              label, i >= turn.starts.by_ipopt});
       if (wave.starts.size() >= (found.candidates.empty() ? 1 : order.at_a_time)) try_wave(wave, found, session);

@@ -60,15 +60,6 @@ bool asks_for_more_speed_than_motors_have(const Problem& problem) {
          std::any_of(problem.via.begin(), problem.via.end(), passes_fast);
 }
 
-bool seems_too_short(const Problem& problem, Session& session) {
-  constexpr int kIterations = 250;  // a sketch that converges takes 40 to 100, among discs up to 230
-  if (!can_be_carried(problem)) return false;
-  const Problem fastest = fastest_of(problem);
-  Search search(session, kNoLimit);
-  const auto sketch = search.sketch(fastest, "duration", {search.guesses(fastest).front()}, kIterations);
-  return sketch && sketch->duration() > problem.duration.max;
-}
-
 std::optional<OutOfReach> out_of_reach(const Problem& problem, Session& session) {
   if (!can_be_carried(problem) || !task_rows(problem.robot, problem.task, 0).empty()) return std::nullopt;
   Search search(session, kNoLimit);  // of a few sketches, which each end by their iterations

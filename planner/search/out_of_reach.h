@@ -21,11 +21,6 @@ enum class OutOfReach {
 // reachability is checked before the first start.
 bool asks_for_more_speed_than_motors_have(const Problem& problem);
 
-// Returns whether the fastest motion seems to take longer than is allowed. This is decided by a sketch, whose duration
-// is some per cent longer than the final one: it is a reason to look closer, and no verdict. Arms that have to swing up
-// are not judged.
-bool seems_too_short(const Problem& problem, Session& session);
-
 // Returns why the request is out of reach, if that is clear: a velocity is missed by half, a via point's time by a
 // twentieth, or all limits by half. The numbers come from problems with a smoothed friction law on coarse meshes, which
 // cannot tell what is only just out of reach. Arms that have to swing up and motions with a task are not judged,

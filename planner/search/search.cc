@@ -9,13 +9,17 @@
 namespace fjr {
 namespace {
 
-constexpr double kUsual = 1;  // [s] motions that take longer are begun with as many intervals as one of this
 // Fraction of a limit by which the last round may leave it exceeded: a margin that a certificate asks for takes it
 // away.
 constexpr double kHardly = 2 * kBaseMargin;
 constexpr std::size_t kGuesses = 2;  // of the usual ones
 
 }  // namespace
+
+double mesh_factor_of_sketch(const Problem& problem, const Guess& guess) {
+  constexpr double kUsual = 1;  // [s]
+  return can_be_jumped_over(problem.task) ? 1 : std::min(1.0, kUsual / guess.duration());
+}
 
 Guess guess_of(const Continuation& solution) { return guess_of(solution.solution()); }
 
@@ -45,9 +49,8 @@ std::optional<Continuation> Search::solve(const Problem& problem, const std::str
   last_sketch_.reset();
   for (const Guess& guess : guesses) {
     if (over()) break;
-    const bool coarse = exactness != Exactness::kKeepsLimits && !can_be_jumped_over(kept->task);
-    Continuation c(kept, session_, "why not: " + what,
-                   {.mesh_factor = coarse ? std::min(1.0, kUsual / guess.duration()) : 1});
+    const double mesh_factor = exactness == Exactness::kKeepsLimits ? 1 : mesh_factor_of_sketch(*kept, guess);
+    Continuation c(kept, session_, "why not: " + what, {.mesh_factor = mesh_factor});
     const bool sketched = c.begin(guess, most_iterations) == StartOutcome::kNew,
                solved = sketched && refine(c, exactness);
     if (solved) return c;

@@ -182,11 +182,12 @@ std::vector<Guess> resting_guesses(const Problem& problem, double duration, cons
   return guesses;
 }
 
-// Minima round obstacles are many where friction weighs, and starts that keep clear of the obstacles find them. Along a
-// given path there is nothing to choose.
+// Returns whether obstacles leave a choice of the path. Along a given path there is nothing to choose.
+bool may_choose_path(const Task& task) { return keeps_clear(task) && !task.path && !task.line && !task.arc; }
+
+// Minima round obstacles are many where friction weighs, and starts that keep clear of the obstacles find them.
 bool wants_clear_guesses(const Problem& problem) {
-  const Task& task = problem.task;
-  return sees_friction(problem.weights) && keeps_clear(task) && !task.path && !task.line && !task.arc;
+  return sees_friction(problem.weights) && may_choose_path(problem.task);
 }
 
 std::vector<Guess> clear_ones_of(std::vector<Guess> guesses, const Problem& problem) {
@@ -245,6 +246,11 @@ Starts starts_of(const Problem& problem, int count, const StartSettings& setting
     append(clear_ones_of(resting_guesses(problem, duration, settings), problem), starts.guesses);
     starts.near_the_best = settings.near_the_best_among_obstacles;
   } else {
+    if (may_choose_path(problem.task)) {
+      for (const std::vector<Path>& p : paths) {
+        starts.along_paths_again.push_back(smooth_path_guess(problem, duration, p));
+      }
+    }
     append(plain_guesses(problem, duration), starts.guesses);
     append(throwing_guesses(problem, settings.throwing_speed), starts.guesses);
     const bool frictional = sees_friction(problem.weights);

@@ -35,5 +35,10 @@ set(FJR_PUBLIC_HEADERS
   planner/search/account.h
   planner/search/explain/relaxation.h
   planner/search/settings.h
+  planner/search/settings/continuation.h
+  planner/search/settings/explanation.h
+  planner/search/settings/fallbacks.h
+  planner/search/settings/refining.h
+  planner/search/settings/starts.h
   planner/stop/stop.h
   planner/trajectory/trajectory.h)

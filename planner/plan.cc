@@ -86,7 +86,7 @@ std::optional<Infeasibility> search(int starts, Findings& found, Session& sessio
   WithWait with_wait = plan_with_wait(starts, found, session);
   if (!with_wait.is_enough) find_motions(starts, IfNone::kFallBack, found, session);
   if (with_wait.best) found.keep(*std::move(with_wait.best));
-  if (!over() && !found.candidates.empty() && has_little_spare_time(found)) {
+  if (!over() && !found.candidates.empty() && has_little_spare_time(found, session.settings().fastest)) {
     found.candidates.clear();
     adopt_fastest(found, session);
   }

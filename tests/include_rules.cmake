@@ -26,6 +26,7 @@ set(layers
   planner/stop
   planner/ocp
   planner/analysis
+  planner/search/settings
   planner/search
   planner/search/explain
   planner  # plan.h, the story of one request

@@ -9,15 +9,10 @@
 namespace fjr {
 namespace {
 
-constexpr int kProbes = 8;              // per interval
-constexpr double kShortestRest = 0.04;  // [s] shorter ones are over before the deviation has grown to a count
-// Times the velocity at the band's edge, where the law's slope is zero: here it is clearly positive.
-constexpr double kFaster = 2.0;
-
-bool rests(const Motion& motion, std::size_t interval, std::size_t joint, double band) {
+bool rests(const Motion& motion, std::size_t interval, std::size_t joint, double band, int probes) {
   const auto& i = motion.intervals[interval];
-  for (int p = 0; p <= kProbes; ++p) {
-    const State<double> x = motion.state_in(interval, i.start + i.duration * p / kProbes);
+  for (int p = 0; p <= probes; ++p) {
+    const State<double> x = motion.state_in(interval, i.start + i.duration * p / probes);
     if (std::abs(x.dtheta[joint]) > band) return false;
   }
   return true;
@@ -25,7 +20,8 @@ bool rests(const Motion& motion, std::size_t interval, std::size_t joint, double
 
 }  // namespace
 
-std::vector<Joints<double>> creep_through_rests(const Problem& problem, const Motion& motion) {
+std::vector<Joints<double>> creep_through_rests(const Problem& problem, const Motion& motion,
+                                                const CreepSettings& settings) {
   const std::size_t count = motion.intervals.size();
   std::vector<Joints<double>> creep(count, {0, 0});
   for (std::size_t j = 0; j < kJoints; ++j) {
@@ -34,7 +30,7 @@ std::vector<Joints<double>> creep_through_rests(const Problem& problem, const Mo
     // In the first and the last interval the motor has to leave the start and to come to rest at the goal.
     for (std::size_t first = 1; first + 1 < count; ++first) {
       std::size_t end = first;
-      while (end + 1 < count && rests(motion, end, j, band)) ++end;
+      while (end + 1 < count && rests(motion, end, j, band, settings.probes)) ++end;
       if (end == first) continue;
       const double from = motion.intervals[first].start, to = motion.intervals[end].start;
       const std::optional<Pause>& pause = problem.variation.pause;
@@ -42,9 +38,9 @@ std::vector<Joints<double>> creep_through_rests(const Problem& problem, const Mo
         first = end;
         continue;
       }
-      if (to - from >= kShortestRest) {
+      if (to - from >= settings.shortest_rest) {
         const double moved = motion.state_at(to).theta[j] - motion.state_at(from).theta[j];
-        for (std::size_t k = first; k < end; ++k) creep[k][j] = std::copysign(kFaster * band, moved);
+        for (std::size_t k = first; k < end; ++k) creep[k][j] = std::copysign(settings.faster * band, moved);
       }
       first = end;
     }

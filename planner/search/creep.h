@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "planner/problem/problem.h"
+#include "planner/search/settings.h"
 #include "planner/trajectory/motion.h"
 
 namespace fjr {
@@ -13,6 +14,7 @@ namespace fjr {
 // little faster than the band it is stable, and ends a long wait only a few milliradians further. Returns the least
 // velocity [rad/s] of each motor in each interval, with its sign; 0 where none is asked for. The first and the last
 // interval are left free for leaving the start and stopping at the goal.
-std::vector<Joints<double>> creep_through_rests(const Problem& problem, const Motion& motion);
+std::vector<Joints<double>> creep_through_rests(const Problem& problem, const Motion& motion,
+                                                const CreepSettings& settings);
 
 }  // namespace fjr

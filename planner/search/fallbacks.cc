@@ -185,7 +185,7 @@ Relaxable torque_of_joint_1(const Problem& problem) {
 std::optional<Continuation> least_torque(const Problem& problem, const Relaxable& torque, double duration,
                                          const std::function<Guess(const Problem&)>& guess, double width_factor,
                                          int most_iterations, Session& session) {
-  Problem timed = with_slack(problem, torque);
+  Problem timed = with_slack(problem, torque, session.settings().slack);
   timed.duration = {duration, duration};
   const auto shared = std::make_shared<const Problem>(std::move(timed));
   Continuation lifted(shared, session, "least torque to be lifted with",

@@ -209,9 +209,11 @@ std::optional<Continuation> sketch_to_via(const Problem& problem, std::size_t i,
 bool seems_too_short(const std::shared_ptr<const Problem>& alternative, Findings& found, Session& session) {
   if (!can_be_carried(*alternative)) return false;
   const auto fastest = std::make_shared<const Problem>(fastest_of(*alternative));
-  const Guess guess = first_guesses(*fastest, session.settings().starts).front();
+  const SearchSettings& settings = session.settings();
+  const Guess guess = first_guesses(*fastest, settings.starts).front();
+  const double mesh_factor = mesh_factor_of_sketch(*fastest, guess, settings.explanation.solves);
   std::optional<Continuation> sketch(std::in_place, fastest, session, "fastest",
-                                     ContinuationOptions{.mesh_factor = mesh_factor_of_sketch(*fastest, guess)});
+                                     ContinuationOptions{.mesh_factor = mesh_factor});
   if (sketch->begin(guess, found.patience) != StartOutcome::kNew) sketch.reset();
   const bool too_long = sketch && sketch->duration() > alternative->duration.max;
   found.sketches.push_back({alternative, std::move(sketch)});
@@ -235,10 +237,9 @@ void try_from_fastest(const std::shared_ptr<const Problem>& alternative, Finding
   if (found.candidates.empty() && !session.interrupted()) adopt_fastest(found, session);
 }
 
-bool has_little_spare_time(const Findings& found) {
-  constexpr double kHardlyMore = 1.05;  // times the shortest duration
+bool has_little_spare_time(const Findings& found, const FastestSettings& settings) {
   return found.fastest && !any_timed(found.asked) && !only_time(found.asked.weights) &&
-         found.asked.duration.max < kHardlyMore * found.fastest->duration();
+         found.asked.duration.max < settings.hardly_more * found.fastest->duration();
 }
 
 void adopt_fastest(Findings& found, Session& session) {

@@ -9,6 +9,7 @@
 #include "planner/search/continuation.h"
 #include "planner/search/findings.h"
 #include "planner/search/search.h"
+#include "planner/search/settings.h"
 
 namespace fjr {
 
@@ -34,7 +35,7 @@ bool seems_too_short(const std::shared_ptr<const Problem>& alternative, Findings
 void try_from_fastest(const std::shared_ptr<const Problem>& alternative, Findings& found, Session& session);
 
 // Returns whether the fastest motion is known and the allowed duration is hardly longer.
-bool has_little_spare_time(const Findings& found);
+bool has_little_spare_time(const Findings& found, const FastestSettings& settings);
 
 // Solves the alternative on the fastest motion's own mesh with the exact friction law. With hardly any time to spare,
 // no other mesh and no smoothed law has a solution.

@@ -135,8 +135,9 @@ class BesideStarts {
   BesideStarts(const std::vector<Alternative>& open, IfNone if_none, Findings& found, Session& session)
       : open_(open), if_none_(if_none), found_(found), session_(session), order_(session.settings().order) {
     if (have_little_time(open, order_.little_time)) before_sketching_ = 0;
-    if (std::any_of(open.begin(), open.end(), [](const Alternative& alternative) {
-          return asks_for_more_speed_than_motors_have(*alternative);
+    const OutOfReachSettings& reach = session.settings().out_of_reach;
+    if (std::any_of(open.begin(), open.end(), [&](const Alternative& alternative) {
+          return asks_for_more_speed_than_motors_have(*alternative, reach);
         })) {
       before_asking_ = 0;
     }

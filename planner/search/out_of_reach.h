@@ -7,6 +7,7 @@
 
 #include "planner/problem/problem.h"
 #include "planner/search/session.h"
+#include "planner/search/settings.h"
 
 namespace fjr {
 
@@ -19,7 +20,7 @@ enum class OutOfReach {
 
 // Returns whether a link is to move more than twice as fast as its motor may. Springs hardly add as much again, so that
 // reachability is checked before the first start.
-bool asks_for_more_speed_than_motors_have(const Problem& problem);
+bool asks_for_more_speed_than_motors_have(const Problem& problem, const OutOfReachSettings& settings);
 
 // Returns why the request is out of reach, if that is clear: a velocity is missed by half, a via point's time by a
 // twentieth, or all limits by half. The numbers come from problems with a smoothed friction law on coarse meshes, which

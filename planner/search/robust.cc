@@ -14,11 +14,6 @@
 namespace fjr {
 namespace {
 
-constexpr int kFittingRounds = 5;            // two or three are enough where margins move as little as they usually do
-constexpr double kWider = 1.05;              // factor on margins, because the motion they lead to has others
-constexpr std::size_t kReservePieces = 200;  // pieces of the motion in which margins are constant
-constexpr double kPatience = 4;              // times the usual iterations, of which one solve took 199
-
 TaskOfMotion task_of(const Publication& p) {
   return TaskOfMotion::of(p.problem->robot, p.problem->task, segment_ends(p.solution.durations));
 }
@@ -47,17 +42,18 @@ double taken(const Problem& asked, std::size_t limit, const Robustness::Margin& 
 }
 
 // Returns the reserve so far, widened to the tubes of this motion.
-Reserve widened(const Reserve& before, const Problem& asked, const Publication& p, const Robustness& r) {
+Reserve widened(const Reserve& before, const Problem& asked, const Publication& p, const Robustness& r,
+                const RobustSettings& settings) {
   const std::vector<double> ends = segment_ends(p.solution.durations);
   const auto segments = static_cast<double>(ends.size());
   const std::vector<TaskRow> rows = task_rows(asked.robot, asked.task, 0);
+  const auto pieces = static_cast<double>(settings.pieces);
   Reserve reserve;
-  for (std::size_t k = 0; k < kReservePieces; ++k) {
-    const double from = segments * static_cast<double>(k) / kReservePieces,
-                 to = segments * static_cast<double>(k + 1) / kReservePieces;
+  for (std::size_t k = 0; k < settings.pieces; ++k) {
+    const double from = segments * static_cast<double>(k) / pieces, to = segments * static_cast<double>(k + 1) / pieces;
     std::vector<double> margins(kLimits + r.task.size(), 0.0);
     const auto of = [&](const Robustness::Margin& m) {
-      return kWider * widest_between(m.tube, r.times, time_at(ends, from), time_at(ends, to));
+      return settings.wider * widest_between(m.tube, r.times, time_at(ends, from), time_at(ends, to));
     };
     for (const Robustness::Margin& m : r.limits) {
       margins[m.index] = taken(asked, m.index, m, of(m));
@@ -105,7 +101,7 @@ std::optional<Publication> with_reserve(const std::shared_ptr<const Problem>& pr
   }
   // Where a path or a limit is active nearly all the time, margins change the active set, and a warm start with the old
   // multipliers fails. Then the problem is solved from the motion alone.
-  Continuation afresh(problem, session, label + ", afresh", {.patience = kPatience});
+  Continuation afresh(problem, session, label + ", afresh", {.patience = session.settings().robust.patience});
   if (session.interrupted() || !afresh.adopt(from, from.motion.duration())) return std::nullopt;
   if (afresh.refine() == Completion::kStopped) return std::nullopt;
   return certified(afresh);
@@ -145,6 +141,7 @@ void add_margins(Publication& best, const Problem& asked, Session& session) {
     return true;
   };
   const ForEach for_each = session.side_by_side();
+  const RobustSettings& settings = session.settings().robust;
   for (int round = 0;; ++round) {
     {
       const Timed timed(session, "robust");
@@ -154,8 +151,8 @@ void add_margins(Publication& best, const Problem& asked, Session& session) {
     Robustness& r = best.certificate.robustness;
     r.price = best.objective - without;
     if (r.kept) return;
-    if (round < kFittingRounds && std::isfinite(r.link[0])) {
-      const Reserve wanted = widened(reserve, asked, best, r);
+    if (round < settings.fitting_rounds && std::isfinite(r.link[0])) {
+      const Reserve wanted = widened(reserve, asked, best, r, settings);
       if (keep(wanted) || keep(halfway(reserve, wanted))) continue;
     }
     best.certificate.certified = false;

@@ -15,13 +15,11 @@ namespace fjr {
 
 class Search {
  public:
-  static constexpr double kBudget = 10;        // [s] of work (SolveReport::work)
-  static constexpr int kMostIterations = 450;  // of one start
-  static constexpr int kMostIterationsOfSlack =
-      250;  // of one that minimises a slack: those that lead somewhere took up to 190
+  // budget: [s] of work (SolveReport::work); without one it is that of an explanation.
+  Search(Session& session, double budget) : session_(session), budget_(budget), work_before_(session.account().work) {}
+  explicit Search(Session& session) : Search(session, session.settings().explanation.solves.budget) {}
 
-  explicit Search(Session& session, double budget = kBudget)
-      : session_(session), budget_(budget), work_before_(session.account().work) {}
+  const ExplanationSettings& settings() const { return session_.settings().explanation; }
 
   // Returns what is left of the budget [s of work].
   double left() const { return budget_ - (session_.account().work - work_before_); }
@@ -30,15 +28,16 @@ class Search {
   bool over() const { return session_.interrupted() || left() <= 0; }
 
   // Returns the first solution from one of these guesses, with the exact friction law; nothing if all fail.
+  // most_iterations: of one start; those of the settings, unless others are given.
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
-                                    int most_iterations = kMostIterations);
+                                    std::optional<int> most_iterations = {});
 
   // Does the same on a mesh and with margins that keep every limit between the collocation points too.
   std::optional<Continuation> plan(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses);
 
   // Does the same on a coarse mesh with smoothed friction only, as Continuation::begin() does.
   std::optional<Continuation> sketch(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
-                                     int most_iterations = kMostIterations);
+                                     std::optional<int> most_iterations = {});
 
   // Returns the sketch with the least objective from all of these guesses.
   std::optional<Continuation> least_sketch(const Problem& problem, const std::string& what,
@@ -54,7 +53,7 @@ class Search {
   enum class Exactness { kSketch, kExactFriction, kKeepsLimits };
   std::optional<Continuation> solve(const Problem& problem, const std::string& what, const std::vector<Guess>& guesses,
                                     Exactness exactness, int most_iterations);
-  static bool refine(Continuation& c, Exactness exactness);
+  bool refine(Continuation& c, Exactness exactness) const;
 
   Session& session_;
   const double budget_, work_before_;  // [s]
@@ -63,7 +62,7 @@ class Search {
 
 // Returns the factor on the number of intervals of a sketch's first mesh. Motions that take longer than a second are
 // begun with as many intervals as one of a second, unless they could jump over obstacles then.
-double mesh_factor_of_sketch(const Problem& problem, const Guess& guess);
+double mesh_factor_of_sketch(const Problem& problem, const Guess& guess, const ExplanationSolveSettings& settings);
 
 // Returns a solution as a guess for a neighbouring problem.
 Guess guess_of(const Continuation& solution);

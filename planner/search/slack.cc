@@ -10,10 +10,8 @@
 namespace fjr {
 namespace {
 
-constexpr double kSmallest = 0.1;              // [m, rad, ...] least size, for values that are given as zero or nearly
-constexpr double kTimeRegularisation = 0.003;  // of time [1/s]: enough for the motion not to dawdle
-constexpr double kLargerTimeWeight = 0.1;      // of time [1/s]
-constexpr double kDifference = 1e-6;           // step by which a region's bounds are differentiated
+constexpr double kSmallest = 0.1;     // [m, rad, ...] least size, for values that are given as zero or nearly
+constexpr double kDifference = 1e-6;  // step by which a region's bounds are differentiated
 
 bool is_obstacle(const Relaxable& what) { return what.constraint == &kInfo<Disc>; }
 bool is_velocity(const Relaxable& what) { return what.kind == RelaxableKind::kVelocity; }
@@ -60,9 +58,9 @@ void relax(const Problem& problem, const Relaxable& what, std::vector<double>& d
   }
 }
 
-Problem with_slack(const Problem& problem) {
+Problem with_unused_slack(const Problem& problem, double time_weight) {
   Problem result = problem;
-  result.weights = {.time = kTimeRegularisation};
+  result.weights = {.time = time_weight};
   result.variation.pause.reset();
   result.variation.slack.emplace();
   result.variation.slack->direction.assign(limit_scales(problem).size(), 0.0);
@@ -73,30 +71,30 @@ Problem with_slack(const Problem& problem) {
 
 double size_of(const Relaxable& what) { return std::max(what.from, kSmallest); }
 
-Problem with_slack(const Problem& problem, const Relaxable& what) {
-  Problem result = with_slack(problem);
+Problem with_slack(const Problem& problem, const Relaxable& what, const SlackSettings& settings) {
+  Problem result = with_unused_slack(problem, settings.time_weight);
   Slack& slack = *result.variation.slack;
   if (is_velocity(what)) {
     slack.velocity = what.number;
     slack.most = 1;
   } else {
     relax(problem, what, slack.direction);
-    slack.most = is_obstacle(what) ? 1 : std::min(kMostSlack, what.most / size_of(what));
+    slack.most = is_obstacle(what) ? 1 : std::min(settings.most, what.most / size_of(what));
   }
   return result;
 }
 
-Problem with_slack_everywhere(const Problem& problem) {
-  Problem result = with_slack(problem);
+Problem with_slack_everywhere(const Problem& problem, const SlackSettings& settings) {
+  Problem result = with_unused_slack(problem, settings.time_weight);
   for (const Relaxable& what : relaxables(problem)) {
     if (!is_velocity(what)) relax(problem, what, result.variation.slack->direction);
   }
-  result.variation.slack->most = kMostSlack;
+  result.variation.slack->most = settings.most;
   return result;
 }
 
-Problem with_larger_time_weight(Problem with_slack) {
-  with_slack.weights.time = kLargerTimeWeight;
+Problem with_larger_time_weight(Problem with_slack, const SlackSettings& settings) {
+  with_slack.weights.time = settings.larger_time_weight;
   return with_slack;
 }
 

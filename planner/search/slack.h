@@ -5,6 +5,7 @@
 
 #include "planner/problem/problem.h"
 #include "planner/problem/relaxable.h"
+#include "planner/search/settings.h"
 
 namespace fjr {
 
@@ -12,19 +13,13 @@ namespace fjr {
 double size_of(const Relaxable& what);
 
 // Returns the problem whose objective is the least change of that one thing, with time as regularisation.
-Problem with_slack(const Problem& problem, const Relaxable& what);
+Problem with_slack(const Problem& problem, const Relaxable& what, const SlackSettings& settings);
 
 // Does the same with everything but velocities relaxed at once; the slack is a fraction of the size of each.
-Problem with_slack_everywhere(const Problem& problem);
-
-// Largest slack: nobody would build a robot with larger limits. Solves start at half of it.
-inline constexpr double kMostSlack = 6;
-
-// Fraction by which limits are relaxed to get the duration of the guesses for such a problem.
-inline constexpr double kLoose = 3;
+Problem with_slack_everywhere(const Problem& problem, const SlackSettings& settings);
 
 // Returns the problem with a larger weight of time, so that the first solution has a bounded duration.
-Problem with_larger_time_weight(Problem with_slack);
+Problem with_larger_time_weight(Problem with_slack, const SlackSettings& settings);
 
 // Returns the value that a slack of with_slack(problem, what) means, counted as Relaxable::from is.
 double value_with(const Problem& problem, const Relaxable& what, double slack);

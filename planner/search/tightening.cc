@@ -169,7 +169,8 @@ ChangeOutcome keep_motors_moving(Attempts& attempts) {
   ChangeOutcome done = ChangeOutcome::kNotNeeded;
   for (int round = 0; round < attempts.settings().tightening.creep_rounds; ++round) {
     CollocationSetup setup = attempts.solution().setup;
-    const std::vector<Joints<double>> wanted = creep_through_rests(attempts.problem(), attempts.solution().motion);
+    const std::vector<Joints<double>> wanted =
+        creep_through_rests(attempts.problem(), attempts.solution().motion, attempts.settings().creep);
     setup.creep.resize(wanted.size(), {0, 0});
     bool more = false;
     for (std::size_t k = 0; k < wanted.size(); ++k) {

@@ -15,16 +15,6 @@
 namespace fjr {
 namespace {
 
-constexpr double kWorthwhile = 1e-3;  // fraction of the objective, that a round gains
-constexpr int kStalled = 3;           // consecutive rounds that gain less, or nothing, until the search ends
-// Weight of the quadratic term, in units of the price: what it adds if every state is off all the time by the root mean
-// square of its own motion. A round that gains more than a fraction kTrusted of what it predicted reduces the next
-// one's weight; one that gains less than kDistrusted increases it.
-constexpr double kFirstStiffness = 1, kLeastStiffness = 1e-3, kMostStiffness = 1e3, kSofter = 3, kStiffer = 4,
-                 kTrusted = 0.75, kDistrusted = 0.25;
-
-constexpr double kLeastVariance = 1e-4;  // [rad^2, rad^2/s^2] of joints that hardly move
-
 // Mean square over the motion of each state's deviation from its mean.
 std::array<double, kStates> variances(const Motion& motion) {
   constexpr int kInstants = 400;
@@ -41,8 +31,9 @@ std::array<double, kStates> variances(const Motion& motion) {
 }
 
 // Returns the price of the tracking error linearised about a motion. weight: of the tracking error in the scaled
-// objective.
-MotionPrice price_near(const Publication& p, const TrackingGradient& gradient, double weight, double stiffness) {
+// objective. least_variance: of a state that hardly moves.
+MotionPrice price_near(const Publication& p, const TrackingGradient& gradient, double weight, double stiffness,
+                       double least_variance) {
   MotionPrice price{p.solution.motion, p.solution.durations, gradient.pieces, {}};
   for (MotionPrice::Piece& piece : price.pieces) {
     piece.density *= weight;
@@ -51,7 +42,7 @@ MotionPrice price_near(const Publication& p, const TrackingGradient& gradient, d
   }
   const std::array<double, kStates> squares = variances(p.solution.motion);
   const double per_second = stiffness * weight * gradient.value / p.solution.motion.duration();
-  for (std::size_t s = 0; s < kStates; ++s) price.curvature[s] = per_second / std::max(squares[s], kLeastVariance);
+  for (std::size_t s = 0; s < kStates; ++s) price.curvature[s] = per_second / std::max(squares[s], least_variance);
   return price;
 }
 
@@ -124,18 +115,20 @@ void lower_tracking_error(const Problem& asked, Findings& found, Session& sessio
     return tracking_gradient(asked.robot, p.trajectory, uncertainty);
   };
   TrackingGradient gradient = gradient_of(*found.best);
-  double stiffness = kFirstStiffness;
-  for (int stalled = 0; stalled < kStalled && !session.interrupted() && stiffness <= kMostStiffness;) {
+  const TrackingSettings& s = session.settings().tracking;
+  double stiffness = s.first_stiffness;
+  for (int stalled = 0; stalled < s.stalled && !session.interrupted() && stiffness <= s.most_stiffness;) {
     Publication& best = *found.best;
-    const MotionPrice price = price_near(best, gradient, asked.weights.tracking / found.scale, stiffness);
+    const double weight = asked.weights.tracking / found.scale;
+    const MotionPrice price = price_near(best, gradient, weight, stiffness, s.least_variance);
     std::optional<Publication> next = next_motion(price, best, asked, session);
     if (!next) {
-      stiffness *= kStiffer;
+      stiffness *= s.stiffer;
       ++stalled;
       continue;
     }
     const double predicted = predicted_gain(price, asked, best, *next, found.scale);
-    const double gained = best.objective - next->objective, worthwhile = kWorthwhile * std::abs(best.objective);
+    const double gained = best.objective - next->objective, worthwhile = s.worthwhile * std::abs(best.objective);
     const bool better = next->certificate.certified && !next->too_long && gained > 0;
     if (better) {
       found.best = std::move(next);
@@ -143,8 +136,8 @@ void lower_tracking_error(const Problem& asked, Findings& found, Session& sessio
     }
     stalled = better && gained > worthwhile ? 0 : stalled + 1;
     if (better && std::max(gained, predicted) < worthwhile) return;
-    if (better && gained > kTrusted * predicted) stiffness = std::max(stiffness / kSofter, kLeastStiffness);
-    if (!better || gained < kDistrusted * predicted) stiffness *= kStiffer;
+    if (better && gained > s.trusted * predicted) stiffness = std::max(stiffness / s.softer, s.least_stiffness);
+    if (!better || gained < s.distrusted * predicted) stiffness *= s.stiffer;
   }
 }
 

@@ -140,7 +140,7 @@ TEST(Explain, AnObstacleGivesWayAsItsRadiusShrinks) {
   ASSERT_EQ(what.name, "obstacles[0]");
   const double slack = 0.4;
   const Problem smaller = what.relaxed(problem, what.from - value_with(problem, what, slack));
-  const Problem relaxed = with_slack(problem, what);
+  const Problem relaxed = with_slack(problem, what, SlackSettings{});
   const auto before = task_rows(problem.robot, problem.task, 0), after = task_rows(problem.robot, smaller.task, 0);
   EXPECT_NEAR(value_with(problem, what, 1), 0, 1e-12);
   for (const double q1 : {-0.3, 0.0, 0.2}) {

@@ -7,16 +7,14 @@
 namespace fjr {
 namespace {
 
-constexpr double kGridMargin = 1.1;  // times the clearance that a grid found missing
-
 // Widens one constraint until there is a path and a motion. The width is taken from the grid, because a problem with
 // a slack can pass through obstacles between the collocation points. More than what is missing [m] is needed between
 // two obstacles, because half of what one gives up is lost to the other one, and where the optimiser finds no motion
 // along a path that is barely open.
 void widen(Explanation& e, const Relaxable& what, double missing) {
   if (missing == 0) return;
-  for (const double more : {1.0, 1.5, 2.0}) {
-    const double amount = more * kGridMargin * missing;
+  for (const double more : e.settings().widths) {
+    const double amount = more * e.settings().barred_margin * missing;
     if (amount >= what.most || e.search.over()) return;
     e.anything_tried = true;
     const Problem wider = what.relaxed(e.problem, amount);

@@ -11,16 +11,10 @@
 namespace fjr {
 namespace {
 
-constexpr std::size_t kMost = 6;    // of limits that are looked at
-constexpr double kInTheWay = 0.05;  // fraction of the slack by which what is in the way exceeds its limit
-// If this many times the duration of a motion with everything relaxed is allowed, there is time to carry the arm. With
-// just the torque that carrying takes, swing-ups to 2.2, 2.6 and 3 rad take 1.06 times as long.
-constexpr double kMuchLonger = 3;
-
-void keep_heaviest(std::vector<Candidate>& candidates) {
+void keep_heaviest(std::vector<Candidate>& candidates, std::size_t most) {
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.weight > b.weight; });
-  if (candidates.size() > kMost) candidates.resize(kMost);
+  if (candidates.size() > most) candidates.resize(most);
 }
 
 // The largest excess as a fraction of the limit's size, and when that is.
@@ -52,7 +46,7 @@ std::optional<double> worst_moment(const Problem& problem, const Relaxable& what
   return worst_excess_of(problem, what, solution).time;
 }
 
-std::vector<Candidate> active_in(const Continuation& fastest) {
+std::vector<Candidate> active_in(const Continuation& fastest, const ExplanationSettings& settings) {
   const Analysis analysis = analyse(*fastest.problem(), fastest.solution(), 1);
   std::vector<Candidate> candidates;
   for (const Relaxable& what : relaxables(*fastest.problem())) {
@@ -70,14 +64,15 @@ std::vector<Candidate> active_in(const Continuation& fastest) {
     }
     if (candidate.weight > 0) candidates.push_back(candidate);
   }
-  keep_heaviest(candidates);
+  keep_heaviest(candidates, settings.candidates);
   return candidates;
 }
 
-std::vector<Candidate> candidates(const Problem& problem, const Continuation* everything) {
+std::vector<Candidate> candidates(const Problem& problem, const Continuation* everything,
+                                  const ExplanationSettings& settings) {
   std::vector<Candidate> found, all;
   const bool time_to_carry =
-      everything != nullptr && problem.duration.max > kMuchLonger * everything->solution().motion.duration();
+      everything != nullptr && problem.duration.max > settings.time_to_carry * everything->solution().motion.duration();
   for (const Relaxable& what : relaxables(problem)) {
     if (what.kind == RelaxableKind::kVelocity) {
       all.push_back({what, {}, 0});
@@ -85,13 +80,13 @@ std::vector<Candidate> candidates(const Problem& problem, const Continuation* ev
       Candidate candidate = worst_excess_of(problem, what, everything->solution());
       const double lacking = short_of_carrying(problem, what);
       const bool enough = lacking > 0 && time_to_carry;  // then the arm need not swing at all
-      if (!enough && candidate.weight <= kInTheWay * everything->solution().slack) continue;
+      if (!enough && candidate.weight <= settings.in_the_way * everything->solution().slack) continue;
       candidate.weight = enough ? kNoLimit : candidate.weight + lacking;
       candidate.time.reset();  // that was of another motion
       found.push_back(candidate);
     }
   }
-  keep_heaviest(found);
+  keep_heaviest(found, settings.candidates);
   all.insert(all.end(), found.begin(), found.end());
   return all;
 }

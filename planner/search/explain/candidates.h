@@ -6,6 +6,7 @@
 
 #include "planner/problem/relaxable.h"
 #include "planner/search/continuation.h"
+#include "planner/search/settings.h"
 
 namespace fjr {
 
@@ -20,11 +21,12 @@ struct Candidate {
 
 // Returns the limits that the fastest motion depends on, by their multipliers; those with the largest effect come
 // first.
-std::vector<Candidate> active_in(const Continuation& fastest);
+std::vector<Candidate> active_in(const Continuation& fastest, const ExplanationSettings& settings);
 
 // Returns the velocities that are asked for, and then the limits that a motion exceeds which was found with everything
 // relaxed; those exceeded most come first. everything: that motion; null: there is none.
-std::vector<Candidate> candidates(const Problem& problem, const Continuation* everything);
+std::vector<Candidate> candidates(const Problem& problem, const Continuation* everything,
+                                  const ExplanationSettings& settings);
 
 // Returns when the motion exceeds the limit most [s]; nothing if it does not.
 std::optional<double> worst_moment(const Problem& problem, const Relaxable& what, const Collocated& solution);

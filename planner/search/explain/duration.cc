@@ -17,20 +17,17 @@
 namespace fjr {
 namespace {
 
-constexpr double kSpareTime = 0.01;  // fraction of a shortest duration, beyond it, for objectives other than time
-constexpr std::size_t kRowsBetweenRegularOnes = 1000;
-constexpr double kSlackBeyondSingleLimits = 0.25;  // fraction of all limits at once
-constexpr double kLargeChange = 1;                 // of one limit, as a fraction of its size
-
 // Drops limits that would have to grow by more than a slack may be, or by more than their size where a request may not
 // ask for that. A limit's weight tells by how much it has to grow at least, for as a rule further growth takes off
 // less: all of 19 limits that were found to be enough had grown by more, and of 39 that this drops none was enough.
 // Discs and regions are kept, because beyond some size they open another path.
-void drop_weak(std::vector<Candidate>& single, double missing) {
+void drop_weak(std::vector<Candidate>& single, const Explanation& e) {
+  const double missing = e.shortest() - e.problem.duration.max;  // [s]
   std::erase_if(single, [&](const Candidate& c) {
     const double least_change = missing / c.weight;  // as a fraction of the limit's size
-    return c.what.kind == RelaxableKind::kLimit &&
-           least_change > std::clamp(c.what.allowed / size_of(c.what), kLargeChange, kMostSlack);
+    const double allowed = c.what.allowed / size_of(c.what);
+    const double most = std::clamp(allowed, e.settings().large_change, e.slack_settings().most);
+    return c.what.kind == RelaxableKind::kLimit && least_change > most;
   });
 }
 
@@ -40,11 +37,12 @@ void drop_weak(std::vector<Candidate>& single, double missing) {
 std::optional<std::vector<Candidate>> worth_trying_alone(Explanation& e, std::vector<Candidate> single,
                                                          const std::vector<Guess>& guesses) {
   e.anything_tried = true;
-  const Problem everything = with_slack(e.problem, all_limits(e.problem));
-  const auto least = e.search.sketch(everything, "all_limits", guesses, Search::kMostIterationsOfSlack);
+  const Problem everything = with_slack(e.problem, all_limits(e.problem), e.slack_settings());
+  const auto least = e.search.sketch(everything, "all_limits", guesses, e.settings().solves.iterations_of_slack);
   if (!least) return std::nullopt;
-  if (least->solution().slack > kSlackBeyondSingleLimits) keep_within_robot(single, least->solution().slack);
-  drop_weak(single, e.shortest() - e.problem.duration.max);
+  const double slack = least->solution().slack;
+  if (slack > e.settings().slack_beyond_single_limits) keep_within_robot(single, slack);
+  drop_weak(single, e);
   return single;
 }
 
@@ -56,7 +54,7 @@ bool explain_times_as_well(Explanation& e) {
   timed.via = e.problem.via;
   for (const Via& via : timed.via) timed.duration.min = via.time.value_or(timed.duration.min) + kShortestDuration;
   if (const auto kept = e.search.solve(timed, "duration", e.search.guesses(timed))) {
-    const double needed = rounded_up(kept->solution().motion.duration());
+    const double needed = e.rounded_up(kept->solution().motion.duration());
     e.result.sentence += fmt::format(", and {:.4f} s with the via points at their times", needed);
     e.result.relaxations.push_back(
         relaxation_of_time(RelaxableKind::kDuration, "duration", e.problem.duration.max, needed));
@@ -68,7 +66,7 @@ bool explain_times_as_well(Explanation& e) {
     if (!earliest || *earliest <= *asked) continue;
     e.result.sentence +=
         fmt::format("; via[{}] is to be passed at {:.6g} s, and within the limits it cannot be passed before {:.4f} s",
-                    i, *asked, rounded_up(*earliest));
+                    i, *asked, e.rounded_up(*earliest));
     return tell_both(e, i, *earliest, *e.known.fastest);
   }
   return false;
@@ -78,7 +76,7 @@ bool explain_times_as_well(Explanation& e) {
 
 void explain_duration(Explanation& e) {
   const double allowed = e.problem.duration.max;
-  const double needed = rounded_up((e.known.certified ? 1 : 1 + kRelaxationMargin) * e.shortest());
+  const double needed = e.rounded_up((e.known.certified ? 1 : 1 + e.settings().margin) * e.shortest());
   e.result.shortest_duration = needed;
   const std::string where = allowed == kLongestByDefault
                                 ? fmt::format(" (the default; duration.max may be up to {:g} s)", kLongestDuration)
@@ -91,13 +89,13 @@ void explain_duration(Explanation& e) {
   if (rows > static_cast<double>(kMaxRows)) {
     e.result.sentence +=
         fmt::format(" (with a sample_period of {:.4f} s or more)",
-                    std::ceil(1e4 * needed / static_cast<double>(kMaxRows - kRowsBetweenRegularOnes)) / 1e4);
+                    std::ceil(1e4 * needed / static_cast<double>(kMaxRows - e.settings().more_rows)) / 1e4);
   }
   e.result.limit = "duration";
   e.result.time = allowed;
   if (!any_timed(e.problem)) {
     // With hardly more time than the fastest motion takes, other objectives are seldom found.
-    const double enough = only_time(e.problem.weights) ? needed : rounded_up((1 + kSpareTime) * needed);
+    const double enough = only_time(e.problem.weights) ? needed : e.rounded_up((1 + e.settings().spare_time) * needed);
     e.result.relaxations.push_back(relaxation_of_time(RelaxableKind::kDuration, "duration", allowed, enough));
     e.result.relaxations.back().rough = !e.known.certified;
   } else if (explain_times_as_well(e)) {
@@ -105,7 +103,7 @@ void explain_duration(Explanation& e) {
   }
   const Collocated& fastest = e.known.fastest->solution();
   const std::vector<Guess> hurried{guess_from(fastest.motion, fastest.durations, allowed)};
-  const std::vector<Candidate> active = active_in(*e.known.fastest);
+  const std::vector<Candidate> active = active_in(*e.known.fastest, e.settings());
   const auto single = worth_trying_alone(e, active, hurried);
   if (single && !relax_each(e, *single, hurried)) relax_together(e, active, hurried);
 }

@@ -26,7 +26,9 @@ void add_relaxations_to_sentence(Explanation& e) {
 
 }  // namespace
 
-double rounded_up(double duration) { return std::ceil(1e4 * (1 + kDurationMargin) * duration) / 1e4; }
+double Explanation::rounded_up(double duration) const {
+  return std::ceil(1e4 * (1 + settings().duration_margin) * duration) / 1e4;
+}
 
 WhyNot explain(const Problem& problem, const Known& known, Session& session) {
   Explanation e(problem, known, session);
@@ -35,7 +37,7 @@ WhyNot explain(const Problem& problem, const Known& known, Session& session) {
   } else if (e.is_too_short()) {
     explain_duration(e);
   } else {
-    if (known.fastest != nullptr) e.result.shortest_duration = rounded_up(e.shortest());
+    if (known.fastest != nullptr) e.result.shortest_duration = e.rounded_up(e.shortest());
     if (known.out_of_reach != OutOfReach::kVelocity) explain_via_times(e);
     const bool told = e.start || !e.result.sentence.empty();
     if (!told && (known.fastest == nullptr || any_timed(problem))) explain_limits(e);

@@ -16,7 +16,7 @@ namespace {
 
 // Returns whether the solution has no slack and thus is a start for the request itself.
 bool is_possible(Explanation& e, const Continuation& solution) {
-  if (solution.solution().slack >= kNegligibleSlack || e.known.start_failed) return false;
+  if (solution.solution().slack >= e.settings().negligible_slack || e.known.start_failed) return false;
   e.start = guess_of(solution);
   return true;
 }
@@ -70,7 +70,7 @@ void name_what_is_in_the_way(Explanation& e, const Continuation* everything) {
     e.result.time = first.time;
     velocity = first.kind == RelaxableKind::kVelocity;
   } else {
-    for (const Candidate& worst : candidates(e.problem, everything)) {
+    for (const Candidate& worst : candidates(e.problem, everything, e.settings())) {
       if (!e.result.limit.empty()) break;
       e.result.limit = worst.what.name;
       e.result.joint = worst.what.joint;
@@ -109,7 +109,7 @@ bool tell_reached(Explanation& e) {
 // far beyond the robot's.
 bool tell_velocities(Explanation& e) {
   if (e.known.out_of_reach != OutOfReach::kVelocity) return false;
-  if (!relax_each(e, candidates(e.problem, nullptr), e.search.guesses(e.problem))) return false;
+  if (!relax_each(e, candidates(e.problem, nullptr, e.settings()), e.search.guesses(e.problem))) return false;
   std::stable_sort(e.result.relaxations.begin(), e.result.relaxations.end(), easier);
   name_what_is_in_the_way(e, nullptr);
   return true;
@@ -119,9 +119,11 @@ bool tell_velocities(Explanation& e) {
 
 void explain_limits(Explanation& e) {
   if (tell_reached(e) || tell_velocities(e)) return;
-  const Problem loose = with_larger_time_weight(with_slack_everywhere(e.problem));
-  auto everything = e.search.sketch(loose, "everything", e.search.guesses(relaxed(e.problem, kLoose)));
-  if (everything && everything->solution().slack < kSlackWorthExactFriction) {  // nearly possible: a sketch cannot tell
+  const SlackSettings& slack = e.slack_settings();
+  const Problem loose = with_larger_time_weight(with_slack_everywhere(e.problem, slack), slack);
+  auto everything = e.search.sketch(loose, "everything", e.search.guesses(relaxed(e.problem, slack.loose)));
+  const bool nearly_possible = everything && everything->solution().slack < e.settings().slack_worth_exact_friction;
+  if (nearly_possible) {  // a sketch cannot tell
     auto exact = e.search.solve(loose, "everything", {guess_of(*everything)});
     if (exact && is_possible(e, *exact)) return;
     if (!exact && !e.known.start_failed) return;
@@ -129,7 +131,7 @@ void explain_limits(Explanation& e) {
   }
   const Continuation* near = everything ? &*everything : nullptr;
   const std::vector<Guess> from = near != nullptr ? std::vector<Guess>{guess_of(*near)} : e.search.guesses(e.problem);
-  std::vector<Candidate> single = candidates(e.problem, near);
+  std::vector<Candidate> single = candidates(e.problem, near, e.settings());
   const auto limits = std::stable_partition(single.begin(), single.end(),
                                             [](const Candidate& c) { return c.what.kind == RelaxableKind::kVelocity; });
   std::vector<Candidate> others(limits, single.end());
@@ -137,7 +139,9 @@ void explain_limits(Explanation& e) {
   if (relax_each(e, single, from) && near != nullptr) keep_within_robot(others, near->solution().slack);
   if (!e.start) relax_each(e, others, from);
   if (e.start) return;
-  if (e.result.relaxations.empty() && near != nullptr) relax_together(e, candidates(e.problem, near), from);
+  if (e.result.relaxations.empty() && near != nullptr) {
+    relax_together(e, candidates(e.problem, near, e.settings()), from);
+  }
   if (e.result.relaxations.empty() && near == nullptr) return explain_by_statics(e);
   std::stable_sort(e.result.relaxations.begin(), e.result.relaxations.end(), easier);
   name_what_is_in_the_way(e, near);

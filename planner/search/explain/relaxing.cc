@@ -12,15 +12,9 @@
 namespace fjr {
 namespace {
 
-constexpr double kRoughMargin = 0.1;                     // in place of kRelaxationMargin, if friction is still smoothed
-constexpr double kTrialFractions[] = {0.02, 0.05, 0.1};  // of what is changed
-constexpr std::size_t kCandidatesAtATime = 2;            // that are tried beside each other
-constexpr double kDurationFactor = 2;                    // times the duration of a solution with more weight on time
-// Iterations of a solve that minimises a slack from the fastest motion: of 238 that led somewhere none took more.
-constexpr int kMostIterationsFromFastest = 150;
-
 int iterations_of_slack(const Explanation& e) {
-  return e.is_too_short() ? kMostIterationsFromFastest : Search::kMostIterationsOfSlack;
+  const ExplanationSolveSettings& s = e.settings().solves;
+  return e.is_too_short() ? s.iterations_from_fastest : s.iterations_of_slack;
 }
 
 // Minimises the slack. If the duration is free, a first solution has a large weight of time; then up to twice its
@@ -28,13 +22,14 @@ int iterations_of_slack(const Explanation& e) {
 std::optional<Continuation> least(const Explanation& e, Problem relaxed, const std::string& what,
                                   std::vector<Guess> guesses, bool roughly, Search& search) {
   Duration& duration = relaxed.duration;
-  const double soon = kDurationFactor * guesses.front().duration();
+  const double soon = e.slack_settings().longer * guesses.front().duration();
   if (!any_timed(e.problem) && !relaxed.variation.slack->velocity && duration.max > std::max(soon, duration.min)) {
-    const auto first = search.sketch(with_larger_time_weight(relaxed), what + ", with more weight on time", guesses,
-                                     Search::kMostIterationsOfSlack);
+    const auto first =
+        search.sketch(with_larger_time_weight(relaxed, e.slack_settings()), what + ", with more weight on time",
+                      guesses, e.settings().solves.iterations_of_slack);
     if (!first) return std::nullopt;
     guesses = {guess_of(*first)};
-    duration.max = std::clamp(kDurationFactor * guesses.front().duration(), duration.min, duration.max);
+    duration.max = std::clamp(e.slack_settings().longer * guesses.front().duration(), duration.min, duration.max);
   }
   return roughly ? search.sketch(relaxed, what, guesses, iterations_of_slack(e))
                  : search.solve(relaxed, what, guesses, iterations_of_slack(e));
@@ -58,7 +53,7 @@ bool keep(Explanation& e, const Relaxed& relaxed) {
 // corners. If none is enough, the change is reported as rough.
 Relaxation verified(const Explanation& e, const Relaxable& what, Relaxation named, const Guess& near, Search& search) {
   const double amount = std::abs(named.to - what.from);
-  for (const double more : kRetryFactors) {
+  for (const double more : e.settings().retries) {
     if (more * amount > what.most || search.over()) break;
     const Relaxation tried = relaxation_of(what, what.value(more * amount));
     Problem easier = e.problem;
@@ -71,7 +66,7 @@ Relaxation verified(const Explanation& e, const Relaxable& what, Relaxation name
 
 // Returns a change with which planning succeeds, if hardly any is needed and still no plan was found.
 std::optional<Relaxation> eased(const Explanation& e, const Relaxable& what, const Guess& near, Search& search) {
-  for (const double fraction : kTrialFractions) {
+  for (const double fraction : e.settings().trials) {
     const double amount = fraction * size_of(what);
     if (amount > what.allowed || e.known.fastest != nullptr || search.over()) break;
     const Relaxation tried = relaxation_of(what, what.value(amount));
@@ -86,14 +81,14 @@ std::optional<Relaxation> eased(const Explanation& e, const Relaxable& what, con
 
 // Finds the least change of one thing that makes the problem feasible, from these guesses.
 Relaxed relax(const Explanation& e, const Candidate& candidate, const std::vector<Guess>& guesses, Search& search) {
-  const Problem with_slack_of_it = with_slack(e.problem, candidate.what);
+  const Problem with_slack_of_it = with_slack(e.problem, candidate.what, e.slack_settings());
   // If the fastest motion was not refined, planning here would take the time that was saved by that.
   const bool too_long_to_plan = e.known.fastest != nullptr && !e.known.certified;
   // Friction hardly changes how fast a motion can be, and the reported velocity is planned with the exact law anyway.
   const bool sketched = too_long_to_plan || candidate.what.kind == RelaxableKind::kVelocity;
   const std::string name = name_of(candidate.what.name, candidate.what.joint);
   auto solution = least(e, with_slack_of_it, name, guesses, sketched, search);
-  const bool nearly_possible = solution && solution->solution().slack < kSlackWorthExactFriction;
+  const bool nearly_possible = solution && solution->solution().slack < e.settings().slack_worth_exact_friction;
   if (sketched && !too_long_to_plan && nearly_possible) {
     solution = search.solve(with_slack_of_it, name, {guess_of(*solution)});
   }
@@ -101,13 +96,14 @@ Relaxed relax(const Explanation& e, const Candidate& candidate, const std::vecto
   if (!solution) solution = search.last_sketch();
   if (!solution) return {};
   const Relaxable& what = candidate.what;
-  if (solution->solution().slack < kNegligibleSlack && (rough || e.known.fastest == nullptr)) {
+  if (solution->solution().slack < e.settings().negligible_slack && (rough || e.known.fastest == nullptr)) {
     if (rough) return {};
     if (e.known.start_failed) return {eased(e, what, guess_of(*solution), search), {}};
     return {{}, guess_of(*solution)};
   }
   const bool planned_soon = sketched && !too_long_to_plan;  // verified() increases it until it is enough
-  const double slack = (1 + (rough && !planned_soon ? kRoughMargin : kRelaxationMargin)) * solution->solution().slack;
+  const double margin = rough && !planned_soon ? e.settings().rough_margin : e.settings().margin;
+  const double slack = (1 + margin) * solution->solution().slack;
   if (slack > with_slack_of_it.variation.slack->most) return {};
   Relaxation named = relaxation_of(what, value_with(e.problem, what, slack));
   named.rough = rough;
@@ -122,9 +118,10 @@ Relaxed relax(const Explanation& e, const Candidate& candidate, const std::vecto
 
 bool relax_each(Explanation& e, const std::vector<Candidate>& candidates, const std::vector<Guess>& guesses) {
   bool any = false;
-  for (std::size_t first = 0; first < candidates.size() && !e.search.over() && !e.start; first += kCandidatesAtATime) {
+  const std::size_t at_a_time = e.settings().candidates_at_a_time;
+  for (std::size_t first = 0; first < candidates.size() && !e.search.over() && !e.start; first += at_a_time) {
     e.anything_tried = true;
-    std::vector<Relaxed> relaxed(std::min(kCandidatesAtATime, candidates.size() - first));
+    std::vector<Relaxed> relaxed(std::min(at_a_time, candidates.size() - first));
     const double budget = e.search.left() / static_cast<double>(relaxed.size());
     const std::vector<PieceOfWork> pieces = e.session.do_all(relaxed.size(), [&](std::size_t i, Session& own) {
       Search search(own, budget);
@@ -161,7 +158,8 @@ bool is_enough(const Problem& easier, const std::string& what, const Guess& near
   std::vector<Guess> guesses = search.guesses(quick);
   guesses.insert(near_first ? guesses.begin() : guesses.end(), near);
   const auto found = search.plan(quick, what, guesses);
-  return found && (any_timed(easier) || (1 + kDurationMargin) * found->duration() <= easier.duration.max);
+  return found &&
+         (any_timed(easier) || (1 + search.settings().duration_margin) * found->duration() <= easier.duration.max);
 }
 
 }  // namespace fjr

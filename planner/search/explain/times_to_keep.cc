@@ -13,8 +13,6 @@
 namespace fjr {
 namespace {
 
-constexpr double kCombinedMargin = 0.1;  // added to two changes that together are only just enough
-
 bool is_possible(Explanation& e, const NearestTime& nearest) {
   if (!nearest.as_asked || e.known.start_failed) return false;
   e.start = nearest.as_asked;
@@ -29,7 +27,7 @@ bool explain_duration_besides(Explanation& e, std::size_t via, double time) {
   if (!sketched || sketched->duration() <= e.problem.duration.max) return false;
   const auto fastest = e.search.solve(hurry, "duration", {guess_of(*sketched)});
   if (!fastest || fastest->duration() <= e.problem.duration.max) return false;
-  e.result.shortest_duration = rounded_up((1 + kRelaxationMargin) * fastest->duration());
+  e.result.shortest_duration = e.rounded_up((1 + e.settings().margin) * fastest->duration());
   e.result.sentence +=
       fmt::format("; besides, at most {:.6g} s is allowed for all of the motion, and the shortest takes about {:.4f} s",
                   e.problem.duration.max, *e.result.shortest_duration);
@@ -50,7 +48,7 @@ void move_via(Explanation& e, std::size_t i, double time) {
   const double asked = *e.problem.via[i].time;
   const std::string name = fmt::format("via[{}].time", i);
   Relaxation named = relaxation_of_time(RelaxableKind::kViaTime, name, asked, time);
-  for (const double more : kRetryFactors) {
+  for (const double more : e.settings().retries) {
     if (e.search.over()) break;
     const Relaxation tried = relaxation_of_time(RelaxableKind::kViaTime, name, asked, asked + more * (time - asked));
     Problem moved = e.problem;
@@ -72,7 +70,7 @@ void explain_via_times(Explanation& e) {
     const auto earliest = earliest_at(e.problem, i, e.search);
     if (!earliest || *earliest <= asked) continue;
     tell_via(e, i, fmt::format("within the limits it cannot be passed before {:.4f} s", *earliest));
-    const double enough = *earliest + kRelaxationMargin * (*earliest - asked);
+    const double enough = *earliest + e.settings().margin * (*earliest - asked);
     if (explain_duration_besides(e, i, enough)) continue;
     e.anything_tried = true;
     const NearestTime nearest = nearest_time(e.problem, i, enough, e.search);
@@ -94,13 +92,13 @@ void explain_via_times(Explanation& e) {
 bool tell_both(Explanation& e, std::size_t via, double time, const Continuation& fastest) {
   Problem moved = e.problem;
   const double asked = *e.problem.via[via].time;
-  moved.via[via].time = told(asked, time + kCombinedMargin * (time - asked));
+  moved.via[via].time = told(asked, time + e.settings().combined_margin * (time - asked));
   Problem quick = fastest_of(moved);
   quick.via = moved.via;
   for (const Via& v : quick.via) quick.duration.min = v.time.value_or(quick.duration.min) + kShortestDuration;
   const auto both = e.search.solve(quick, "duration", {guess_of(fastest)});
   if (!both) return false;
-  const double duration = rounded_up((1 + kCombinedMargin) * both->duration());
+  const double duration = e.rounded_up((1 + e.settings().combined_margin) * both->duration());
   moved.duration = {duration, duration};
   if (!is_enough(moved, "duration", guess_of(*both), true, e.search)) return false;
   e.result.sentence += fmt::format("; via[{}].time of {:.4g} s and a duration of {:.4f} s would be enough together",

@@ -11,9 +11,6 @@
 namespace fjr {
 namespace {
 
-constexpr double kTimeTolerance = 0.02;  // fraction of a change of time to which it is found
-constexpr double kNoChange = 1e-3;       // fraction of a time that is no change of it
-
 std::string name_of(std::size_t i) { return fmt::format("via[{}].time", i); }
 
 }  // namespace
@@ -38,8 +35,9 @@ NearestTime nearest_time(const Problem& problem, std::size_t i, std::optional<do
   const double asked = *problem.via[i].time;
   double wrong = asked;
   double right = std::accumulate(durations.begin(), durations.begin() + static_cast<std::ptrdiff_t>(i) + 1, 0.0);
-  const double least_change = kNoChange * asked;
-  while (std::abs(right - wrong) > std::max(kTimeTolerance * std::abs(right - asked), least_change) && !search.over()) {
+  const double least_change = search.settings().no_change * asked;
+  const double tolerance = search.settings().time_tolerance;
+  while (std::abs(right - wrong) > std::max(tolerance * std::abs(right - asked), least_change) && !search.over()) {
     moved.via[i].time = (wrong + right) / 2;
     auto next = search.sketch(moved, name_of(i), {guess_of(*possible)});
     (next ? right : wrong) = *moved.via[i].time;

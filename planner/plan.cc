@@ -146,6 +146,7 @@ Plan plan(const Problem& problem, const PlanOptions& options) {
   Session session(session_options(searched, options));
   Findings found(searched, options.search.follow);
   Plan plan;
+  plan.settings = options.search;
 
   session.enter(Phase::kFinding);
   if (options.warm) {

@@ -91,7 +91,8 @@ struct Plan {
   double acceleration_penalty = 0;
   bool cut_by_work = false;  // the search ended at the limit on its work; a longer deadline raises it
   Fallbacks fallbacks;
-  double back_off = 0;  // largest fraction of any limit that is kept free on any interval
+  SearchSettings settings{};  // PlanOptions::search
+  double back_off = 0;        // largest fraction of any limit that is kept free on any interval
   std::optional<Trajectory> trajectory;
   std::optional<Certificate> certificate;
   std::shared_ptr<const Collocated> solution;  // of the certified trajectory

@@ -7,6 +7,7 @@
 #include "common/input_error.h"
 #include "common/read_file.h"
 #include "planner/plan.h"
+#include "planner/results/plan_json.h"
 #include "planner/results/planned_motion.h"
 #include "planner/trajectory/trajectory.h"
 
@@ -57,12 +58,16 @@ std::optional<Json> plan_json_of(const std::optional<std::string>& text) {
   return plan;
 }
 
-bool is_final(const Json& plan, const Problem& problem, bool want_proven) {
+bool has_settings(const Json& plan, const SearchSettings& settings) {
+  return plan.value("settings", Json::object()) == settings_json(settings);
+}
+
+bool is_final(const Json& plan, const Problem& problem, bool want_proven, const SearchSettings& settings) {
   if (says(plan, "status", name(PlanStatus::kDeadline)) || says(plan, "status", name(PlanStatus::kCancelled))) {
     return false;
   }
   if (!says(plan, "version", FJR_VERSION) || !says(plan, "request_hash", problem.request_hash) ||
-      !says(plan, "robot_hash", robot_hash(problem.robot))) {
+      !says(plan, "robot_hash", robot_hash(problem.robot)) || !has_settings(plan, settings)) {
     return false;
   }
   const bool wanted = want_proven || problem.proven;
@@ -77,9 +82,9 @@ EarlierFiles files_in(const fs::path& folder) {
 }
 
 std::optional<Json> finished_earlier(const Problem& problem, const EarlierFiles& files, bool want_uncertified,
-                                     bool want_proven) {
+                                     bool want_proven, const SearchSettings& settings) {
   std::optional<Json> plan = plan_json_of(files("plan.json"));
-  if (!plan || !is_final(*plan, problem, want_proven)) return std::nullopt;
+  if (!plan || !is_final(*plan, problem, want_proven, settings)) return std::nullopt;
   if (says(*plan, "status", name(PlanStatus::kCertified)) &&
       !(is_trajectory(files("trajectory.csv"), problem) && tells_of_a_motion(*plan))) {
     return std::nullopt;

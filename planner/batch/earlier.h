@@ -8,6 +8,7 @@
 #include <string>
 
 #include "planner/problem/problem.h"
+#include "planner/search/settings.h"
 
 namespace fjr {
 
@@ -20,7 +21,9 @@ EarlierFiles files_in(const std::filesystem::path& folder);
 // are complete. An answer because of a deadline or a cancellation is not final. want_uncertified: the file of an
 // uncertified trajectory must exist as well. want_proven: a certificate without a proof is not final, as if the problem
 // asked for a proof. If neither asks for one, an uncertified plan for which a proof was requested is not final.
+// settings: those of the search; an answer with other ones is not final.
 std::optional<nlohmann::ordered_json> finished_earlier(const Problem& problem, const EarlierFiles& files,
-                                                       bool want_uncertified, bool want_proven = false);
+                                                       bool want_uncertified, bool want_proven = false,
+                                                       const SearchSettings& settings = {});
 
 }  // namespace fjr

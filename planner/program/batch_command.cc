@@ -103,8 +103,8 @@ std::optional<Row> row_of_earlier(const Batch& batch, const BatchItem& item, con
   const PlanSettings& settings = batch.options.settings;
   const FolderLock lock(batch.folder(item));
   try {
-    const auto plan =
-        finished_earlier(problem, files_in(batch.folder(item)), settings.keep_uncertified, settings.plan.proven);
+    const auto plan = finished_earlier(problem, files_in(batch.folder(item)), settings.keep_uncertified,
+                                       settings.plan.proven, settings.plan.search);
     if (!plan) return std::nullopt;
     complete_report(batch, item, *plan);
     return make_row(item, *plan);
@@ -235,8 +235,8 @@ void add_batch(CLI::App& app, int& exit_code) {
       command
           ->add_option("--out", options->out,
                        "Folder of the results: one folder for each request, summary.csv and summary.json. A request is "
-                       "finished when its folder has the result of the same request, robot and version of fjr, "
-                       "whatever the options were; a deadline or a cancellation is no result")
+                       "finished when its folder has the result of the same request, robot, settings and "
+                       "version of fjr, whatever the other options were; a deadline or a cancellation is no result")
           ->type_name("DIR");
   command->add_option("--jobs", options->jobs, "Requests planned at a time; default: the number of cores")
       ->check(CLI::Range(1, 1024))
@@ -249,6 +249,7 @@ void add_batch(CLI::App& app, int& exit_code) {
   command->add_flag("--json", options->json, "Only JSON on stdout: the summary");
   add_options(*command, options->settings);
   add_report_option(*command, options->settings);
+  add_settings_option(*command, options->settings);
   add_talk(*command, options->talk);
   add_packed_batches(*command, exit_code);
   command->callback([command, requests, out, options, &exit_code] {

@@ -311,6 +311,7 @@ void add_plan(CLI::App& app, int& exit_code) {
   add_options(*command, options->settings);
   command->get_option("--library")->excludes("--warm");
   add_report_option(*command, options->settings);
+  add_settings_option(*command, options->settings);
   add_talk(*command, options->talk);
   command->add_option("--parent", options->parent, "Process without which there is nothing to plan for")->group("");
   command->callback([options, &exit_code] { exit_code = run(*options); });

@@ -8,6 +8,7 @@
 #include "planner/nlp/linear_solver.h"
 #include "planner/program/misspelt.h"
 #include "planner/program/number_checks.h"
+#include "planner/search/settings_file.h"
 
 namespace fjr {
 
@@ -42,12 +43,27 @@ void add_report_option(CLI::App& command, PlanSettings& settings) {
   command.add_flag("--report", settings.report, "Write report.html too: the motion, animated, and all about it");
 }
 
+void add_settings_option(CLI::App& command, PlanSettings& settings) {
+  command
+      .add_option_function<std::string>(
+          "--settings",
+          [&settings](const std::string& file) {
+            settings.settings_file = file;
+            settings.plan.search = load_settings(file);
+          },
+          "Settings of the search, in place of their defaults; fjr keys --settings lists them")
+      ->type_name("SETTINGS.yaml");
+}
+
 std::vector<std::string> to_arguments(const PlanSettings& settings) {
   std::vector<std::string> words = {"--linear-solver", settings.plan.linear_solver};
   if (settings.plan.starts > 0) words.insert(words.end(), {"--starts", std::to_string(settings.plan.starts)});
   if (settings.plan.deadline > 0) words.insert(words.end(), {"--deadline", fmt::format("{}", settings.plan.deadline)});
   if (!settings.library.empty()) {
     words.insert(words.end(), {"--library", std::filesystem::absolute(settings.library).string()});
+  }
+  if (!settings.settings_file.empty()) {
+    words.insert(words.end(), {"--settings", std::filesystem::absolute(settings.settings_file).string()});
   }
   if (settings.keep_uncertified) words.emplace_back("--keep-uncertified");
   if (settings.plan.proven) words.emplace_back("--proven");

@@ -3,14 +3,18 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <concepts>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include "planner/problem/task/task.h"
 #include "planner/request/problem_settings.h"
 #include "planner/request/words.h"
 #include "planner/results/analysis_json.h"
+#include "planner/search/settings_fields.h"
 
 namespace fjr {
 namespace {
@@ -338,6 +342,27 @@ Json robot_json(const Parameters& robot) {
   return json;
 }
 
+Json json_of_setting(double value) { return number(value); }
+template <std::integral Whole>
+Json json_of_setting(Whole value) {
+  return value;
+}
+template <SettingList List>
+Json json_of_setting(const List& values) {
+  Json list = Json::array();
+  for (const auto value : values) list.push_back(json_of_setting(value));
+  return list;
+}
+
+// All settings with their keys, in the order of visit_all_settings().
+std::vector<std::pair<std::string, Json>> keyed_settings(const SearchSettings& settings) {
+  std::vector<std::pair<std::string, Json>> all;
+  visit_all_settings(settings, [&](const std::string& path, const SettingKey&, const auto& value) {
+    all.emplace_back(path, json_of_setting(value));
+  });
+  return all;
+}
+
 Json head(PlanStatus status, const std::string& reason, const std::string& request) {
   return {{"version", FJR_VERSION}, {"request", request}, {"status", name(status)}, {"reason", text_or_null(reason)}};
 }
@@ -358,6 +383,15 @@ Json limit_json(const LimitCheck& check) {
 Json task_json(const TaskCheck& check) {
   return {{"name", check.name}, {"link", joint_or_null(check.link)}, {"room", number(check.clearance)},
           {"unit", check.unit}, {"time", number(check.time)},        {"passed", check.passed}};
+}
+
+Json settings_json(const SearchSettings& settings) {
+  const auto all = keyed_settings(settings), defaults = keyed_settings({});
+  Json changed = Json::object();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (all[i].second != defaults[i].second) changed[all[i].first] = all[i].second;
+  }
+  return changed;
 }
 
 Json resolved_request_json(const Problem& problem) {
@@ -409,6 +443,7 @@ Json plan_json(const Problem& problem, const Plan& plan) {
   json["solver"] = solver_json(plan);
   json["warm"] = warm_json(plan);
   json["search"] = search_json(plan);
+  if (Json settings = settings_json(plan.settings); !settings.empty()) json["settings"] = std::move(settings);
   json["certificate"] = plan.certificate ? certificate_json(*plan.certificate) : Json(nullptr);
   json["sensitivity"] = plan.analysis ? sensitivity_json(plan.analysis->sensitivity) : Json(nullptr);
   json["optimality"] = plan.analysis ? optimality_json(plan.analysis->optimality) : Json(nullptr);

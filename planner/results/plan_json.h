@@ -16,6 +16,9 @@ nlohmann::ordered_json plan_json(const Problem& problem, const Plan& plan);
 // about, as InputError::field(); empty where it is about no field, then it becomes null.
 nlohmann::ordered_json bad_input_json(const std::string& name, const std::string& reason, const std::string& field);
 
+// The settings of the search that differ from their defaults, by their keys: {"race.gaps[0].width": 0.02}.
+nlohmann::ordered_json settings_json(const SearchSettings& settings);
+
 // A request as it was understood: everything resolved, null where the motion is free.
 nlohmann::ordered_json resolved_request_json(const Problem& problem);
 

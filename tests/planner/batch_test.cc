@@ -294,6 +294,22 @@ TEST_F(Earlier, TheSameRequestRobotAndVersionAreFinished) {
   EXPECT_TRUE(finished());
 }
 
+TEST_F(Earlier, AnAnswerWithOtherSettingsIsNot) {
+  SearchSettings settings;
+  settings.follow.most = 7;
+  settings.race.last_gap = 0.01;
+  const auto finished_with = [&](const SearchSettings& wanted) {
+    finished();  // stores them
+    return finished_earlier(problem_, files_in(folder_), false, false, wanted).has_value();
+  };
+  EXPECT_FALSE(finished_with(settings));
+  plan_["settings"] = settings_json(settings);
+  EXPECT_TRUE(finished_with(settings));
+  EXPECT_FALSE(finished_with({}));
+  settings.follow.most = 8;
+  EXPECT_FALSE(finished_with(settings));
+}
+
 TEST_F(Earlier, AnotherRequestRobotOrVersionIsNot) {
   for (const char* key : {"request_hash", "robot_hash", "version"}) {
     const Json plan = plan_;

@@ -12,6 +12,7 @@
 #include "planner/request/keys.h"
 #include "planner/request/request_keys.h"
 #include "tests/planner/parsed_request.h"
+#include "tests/support/mutated_text.h"
 #include "tests/support/random_requests.h"
 
 namespace fjr {
@@ -309,29 +310,6 @@ void expect_sound(const Problem& p) {
   EXPECT_TRUE(p.duration.fixed() || p.weights.time > 0);
   EXPECT_TRUE(!p.goal.at_rest || (p.goal.theta && p.goal.dtheta));
   for (std::size_t i = 0; i < p.via.size(); ++i) EXPECT_GT(p.via[i].time, i == 0 ? 0 : p.via[i - 1].time);
-}
-
-std::string mutated(std::string text, std::mt19937& random) {
-  static const std::string kBytes = "{}[],:-#&*!|>'\"%@`?0123456789e.~<=\n\t ";
-  const int edits = 1 + static_cast<int>(random() % 3);
-  for (int e = 0; e < edits && !text.empty(); ++e) {
-    const std::size_t at = random() % text.size();
-    switch (random() % 4) {
-      case 0:
-        text.erase(at, 1 + random() % 8);
-        break;
-      case 1:
-        text.insert(at, 1, kBytes[random() % kBytes.size()]);
-        break;
-      case 2:
-        text[at] = static_cast<char>(random() % 256);
-        break;
-      default:
-        text.insert(at, text.substr(random() % text.size(), random() % 12));
-        break;
-    }
-  }
-  return text;
 }
 
 TEST(Request, MutatedTextsAreReadOrRefused) {

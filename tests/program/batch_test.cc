@@ -71,6 +71,23 @@ class Batch : public Cli {
   }
 };
 
+// What other settings came to is planned again.
+TEST_F(Batch, SettingsOfTheSearchCountAsTheRequestDoes) {
+  write("short.yaml", kShort);
+  write("settings.yaml", "follow: {most: 4}\n");
+  const auto planned = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"batch", "short.yaml", "--out", "out", "-q"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(run(arguments).exit_code, 0);
+    return summary()["planned"].get<int>();
+  };
+  EXPECT_EQ(planned({"--settings", "settings.yaml"}), 1);
+  EXPECT_EQ(plan_json("out/short")["settings"], (Json{{"follow.most", 4}}));
+  EXPECT_EQ(planned({"--settings", "settings.yaml"}), 0);
+  EXPECT_EQ(planned({}), 1);
+  EXPECT_FALSE(plan_json("out/short").contains("settings"));
+}
+
 // What is written is what `fjr plan` writes; the second time nothing is.
 TEST_F(Batch, AGridIsPlannedOnce) {
   write("short.yaml", kShort);

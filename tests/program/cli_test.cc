@@ -64,6 +64,48 @@ TEST_F(Cli, WrongCommandLinesAreBadInput) {
   EXPECT_FALSE(fs::exists(path("out")));
 }
 
+TEST_F(Cli, SettingsOfTheSearchAreReadAndTold) {
+  write("short.yaml", "start: {q: [0, 0]}\ngoal: {q: [0.3, -0.2]}\n");
+  write("settings.yaml", "continuation: {first: {fewest_intervals: 60}}\n");
+  ASSERT_EQ(run({"plan", "short.yaml", "--out", "other", "--settings", "settings.yaml", "-q"}).exit_code, 0);
+  EXPECT_EQ(plan_json("other")["settings"], (Json{{"continuation.first.fewest_intervals", 60}}));
+  EXPECT_EQ(plan_json("other")["solver"]["stages"][0]["intervals"], 60);
+  // The listed defaults, given as a file, change nothing.
+  const Result listed = run({"keys", "--settings"});
+  ASSERT_EQ(listed.exit_code, 0);
+  write("defaults.yaml", listed.out);
+  ASSERT_EQ(run({"plan", "short.yaml", "--out", "plain", "-q"}).exit_code, 0);
+  ASSERT_EQ(run({"plan", "short.yaml", "--out", "same", "--settings", "defaults.yaml", "-q"}).exit_code, 0);
+  EXPECT_EQ(contents(path("same/trajectory.csv")), contents(path("plain/trajectory.csv")));
+  Json plain = plan_json("plain"), same = plan_json("same");
+  plain.erase("timing");
+  same.erase("timing");
+  EXPECT_EQ(same, plain);
+  EXPECT_FALSE(same.contains("settings"));
+  const Json keys = Json::parse(run({"keys", "--settings", "--json"}).out);
+  EXPECT_EQ(
+      keys[0],
+      (Json{{"key", "continuation.first.interval"}, {"unit", "s"}, {"default", 0.02}, {"least", 1e-3}, {"most", 1.0}}));
+}
+
+TEST_F(Cli, SettingsThatCannotBeAreRefusedBeforeAnythingIsPlanned) {
+  write("short.yaml", "start: {q: [0, 0]}\ngoal: {q: [0.3, -0.2]}\n");
+  const auto fault_of = [&](const std::string& command, const std::string& yaml) {
+    write("settings.yaml", yaml);
+    const Result result = run({command, "short.yaml", "--out", "out", "--settings", "settings.yaml"});
+    EXPECT_EQ(result.exit_code, 2) << yaml;
+    return result.err;
+  };
+  for (const char* command : {"plan", "batch"}) {
+    EXPECT_THAT(fault_of(command, "folow: {most: 5}\n"),
+                AllOf(HasSubstr("fjr: settings.yaml: unknown key \"folow\""), HasSubstr("did you mean follow?")));
+    EXPECT_EQ(fault_of(command, "follow: {most: 0}\n"), "fjr: settings.yaml: follow.most: 0 is outside [1, 100]\n");
+  }
+  EXPECT_THAT(run({"plan", "short.yaml", "--out", "out", "--settings", "none.yaml"}).err,
+              HasSubstr("none.yaml: no such file"));
+  EXPECT_FALSE(fs::exists(path("out")));
+}
+
 // Where the folder of the results is that of a plan, too.
 TEST_F(Cli, NoRequestOfSeveralTakesTheFolderOfEarlierResults) {
   const std::string request = "start: {q: [0, 0]}\ngoal: {q: [0.3, -0.2]}\n";

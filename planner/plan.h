@@ -54,8 +54,10 @@ struct PlanOptions {
   double most_work = 60;
   // If given, it is tried first; if it leads to a certified plan, nothing else is tried.
   std::optional<WarmStart> warm;
-  bool proven = false;      // demands a proof as Problem::proven does
-  SearchSettings search{};  // for experts: constants that tune the search
+  bool proven = false;  // demands a proof as Problem::proven does
+  // For experts: constants that tune the search. What they may be is checked where a file is read (load_settings()),
+  // not here.
+  SearchSettings search{};
   std::function<void(const Progress&)> on_progress;
   std::function<bool()> cancelled;  // polled between iterations
 };

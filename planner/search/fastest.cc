@@ -33,12 +33,13 @@ class FastestMotion {
   std::optional<Fastest> find() {
     const StartSettings& settings = session_.settings().starts;
     const Starts starts = starts_of(*fastest_, starts_to_try(*fastest_, 0, settings), settings);
-    // The first one, which a sketch has begun with as well, is tried alone: often its motion is short enough, and it
-    // tells how many iterations the others are worth. Those beyond the usual ones are tried if nothing was found, as
-    // for the request for that motion: of 41 durations that were up to a tenth too short no other minimum was enough.
+    // The first one, whose result seems_too_short() may have kept, is tried alone: often its motion is short enough,
+    // and it tells how many iterations the others are worth. Those beyond the usual ones are tried if nothing was
+    // found, as for the request for that motion: of 41 durations that were up to a tenth too short no other minimum was
+    // enough.
     const bool fits = (take_sketch() ? refine_up_to(allowed_) : try_starts(starts.guesses, 0, 1)) ||
                       try_starts(starts.guesses, 1, starts.always) || try_again(starts.along_paths_again) ||
-                      (known_.empty() && try_starts(starts.guesses, starts.always, starts.guesses.size()));
+                      (!shortest_so_far() && try_starts(starts.guesses, starts.always, starts.guesses.size()));
     if (!fits && shortest_so_far()) refine_up_to(*shortest_so_far());
     if (!shortest_) return std::nullopt;
     const bool certified = shortest_->duration() > allowed_ && certify();  // which may change the motion
@@ -216,7 +217,7 @@ bool seems_too_short(const std::shared_ptr<const Problem>& alternative, Findings
                                      ContinuationOptions{.mesh_factor = mesh_factor});
   if (sketch->begin(guess, found.patience) != StartOutcome::kNew) sketch.reset();
   const bool too_long = sketch && sketch->duration() > alternative->duration.max;
-  found.sketches.push_back({alternative, std::move(sketch)});
+  if (mesh_factor == 1) found.sketches.push_back({alternative, std::move(sketch)});  // otherwise it is too coarse
   return too_long;
 }
 

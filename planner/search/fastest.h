@@ -27,7 +27,8 @@ std::optional<Continuation> sketch_to_via(const Problem& problem, std::size_t i,
 
 // Returns whether the fastest motion of an alternative seems to take longer than is allowed. This is decided by a
 // sketch, whose duration is some per cent longer than the final one: it is a reason to look closer, and no verdict.
-// Arms that have to swing up are not judged. The sketch is kept for try_from_fastest().
+// Arms that have to swing up are not judged. The sketch is kept for try_from_fastest(), unless its
+// mesh is coarser than that of a start.
 bool seems_too_short(const std::shared_ptr<const Problem>& alternative, Findings& found, Session& session);
 
 // Finds the fastest motion of an alternative, with the exact friction law, because a smoothed motion may take some per

@@ -121,7 +121,9 @@ void try_wave(Wave& wave, Findings& found, Session& session) {
     if (outcome == TriedStart::kSomewhere) {
       turn.led_somewhere = true;
     } else {
-      turn.failed.push_back(wave.numbers[i]);
+      const std::size_t number = wave.numbers[i];
+      const bool again = std::count(turn.failed.begin(), turn.failed.end(), number) > 0;
+      if (!again) turn.failed.push_back(number);
     }
   }
   session.tell_starts(found.starts, found.starts_planned);

@@ -18,14 +18,14 @@ enum class OutOfReach {
   kAllLimits,  // all of them together would have to be larger
 };
 
-// Returns whether a link is to move more than twice as fast as its motor may. Springs hardly add as much again, so that
+// Returns whether a link is to move much faster than its motor may. Springs hardly add as much again, so that
 // reachability is checked before the first start.
 bool asks_for_more_speed_than_motors_have(const Problem& problem, const OutOfReachSettings& settings);
 
-// Returns why the request is out of reach, if that is clear: a velocity is missed by half, a via point's time by a
-// twentieth, or all limits by half. The numbers come from problems with a smoothed friction law on coarse meshes, which
-// cannot tell what is only just out of reach. Arms that have to swing up and motions with a task are not judged,
-// because the least excess found there is that of one path among others.
+// Returns why the request is out of reach, if that is clear: a velocity, a via point's time or all limits are missed by
+// more than the fractions of OutOfReachSettings. The numbers come from problems with a smoothed friction law on coarse
+// meshes, which cannot tell what is only just out of reach. Arms that have to swing up and motions with a task are not
+// judged, because the least excess found there is that of one path among others.
 std::optional<OutOfReach> out_of_reach(const Problem& problem, Session& session);
 
 }  // namespace fjr

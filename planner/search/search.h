@@ -60,8 +60,8 @@ class Search {
   std::optional<Continuation> last_sketch_;
 };
 
-// Returns the factor on the number of intervals of a sketch's first mesh. Motions that take longer than a second are
-// begun with as many intervals as one of a second, unless they could jump over obstacles then.
+// Returns the factor on the number of intervals of a sketch's first mesh. Long motions are begun with as many intervals
+// as one that takes longest_on_full_mesh, unless they could jump over obstacles then.
 double mesh_factor_of_sketch(const Problem& problem, const Guess& guess, const ExplanationSolveSettings& settings);
 
 // Returns a solution as a guess for a neighbouring problem.

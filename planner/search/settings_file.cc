@@ -46,13 +46,17 @@ consteval bool visits_every_field() {
 }
 static_assert(visits_every_field<SearchSettings>());
 
+// Returns a number as files have it.
+std::string shown_number(double value) { return std::isinf(value) ? ".inf" : fmt::format("{}", value); }
+
 // ---- reading ----
 
 double number_within(const YamlNode& node, const SettingKey& key) {
   const bool infinite = key.most == kUnbounded && node.says(".inf");
   const double value = infinite ? kUnbounded : node.number(key.unit);
   if (value < key.least || value > key.most) {
-    node.fail(fmt::format("{} is outside [{}, {}]", with_unit(value, key.unit), key.least, key.most));
+    node.fail(fmt::format("{} is outside [{}, {}]", with_unit(value, key.unit), shown_number(key.least),
+                          shown_number(key.most)));
   }
   return value;
 }
@@ -61,8 +65,11 @@ void read_setting(const YamlNode& node, const SettingKey& key, double& value) { 
 
 template <std::integral Whole>
 void read_setting(const YamlNode& node, const SettingKey& key, Whole& value) {
-  (void)number_within(node, key);
-  value = static_cast<Whole>(node.whole_number());
+  const double number = number_within(node, key);
+  if (number != std::floor(number)) {
+    node.fail(fmt::format("{} is not a whole number from {} to {}", number, key.least, key.most));
+  }
+  value = static_cast<Whole>(number);
 }
 
 template <SettingList List>
@@ -117,10 +124,14 @@ void refuse_contradictions(const SearchSettings& s, const std::string& source) {
                source);
   refuse_above({"stepwise.sharpest_width_factor", s.stepwise.sharpest_width_factor},
                {"stepwise.sharp_width_factor", s.stepwise.sharp_width_factor}, source);
-  for (std::size_t i = 0; i < s.swing_up.durations.size(); ++i) {
-    refuse_not_below({"swing_up.swing", s.swing_up.swing},
-                     {fmt::format("swing_up.durations[{}]", i), s.swing_up.durations[i]}, source);
-  }
+  const MeshSettings& mesh = s.continuation.mesh;
+  refuse_above({"continuation.mesh.shortest_interval", mesh.shortest_interval},
+               {"continuation.mesh.shortest_interval_for_peak", mesh.shortest_interval_for_peak}, source);
+  const auto duration = [&](std::size_t k) {
+    return NamedSetting{fmt::format("swing_up.durations[{}]", k), s.swing_up.durations[k]};
+  };
+  refuse_not_below({"swing_up.swing", s.swing_up.swing}, duration(0), source);
+  for (std::size_t i = 1; i < s.swing_up.durations.size(); ++i) refuse_not_below(duration(i - 1), duration(i), source);
   refuse_above({"tracking.least_stiffness", s.tracking.least_stiffness},
                {"tracking.first_stiffness", s.tracking.first_stiffness}, source);
   refuse_above({"tracking.first_stiffness", s.tracking.first_stiffness},
@@ -131,8 +142,6 @@ void refuse_contradictions(const SearchSettings& s, const std::string& source) {
 }
 
 // ---- writing ----
-
-std::string shown_number(double value) { return std::isinf(value) ? ".inf" : fmt::format("{}", value); }
 
 std::string comment_on(const SettingKey& key) {
   const std::string unit = key.unit == std::string_view("1") ? "" : fmt::format("[{}] ", key.unit);

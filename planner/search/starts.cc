@@ -203,7 +203,9 @@ Starts starts_with_pause(const Problem& problem, int count, const StartSettings&
   moving.duration.max -= pause.duration();
   moving.duration.min = moving.duration.max;
   Starts starts = starts_of(moving, count, settings);
-  for (Guess& guess : starts.guesses) guess = paused_guess(std::move(guess), pause.begin, pause.duration());
+  for (std::vector<Guess>* guesses : {&starts.guesses, &starts.along_paths_again}) {
+    for (Guess& guess : *guesses) guess = paused_guess(std::move(guess), pause.begin, pause.duration());
+  }
   return starts;
 }
 

@@ -134,12 +134,16 @@ TEST(ClearGuesses, HangWhereGravityPulls) {
 // A first start along the shorter path mostly comes to nothing here. With one motion along each path alone the plan
 // went the other way round, in 0.698 s; a motion of 0.5123 s is certified, and 1 % is left for another minimum.
 TEST(ClearGuesses, APathIsNotGivenUpWithItsFirstStart) {
-  const Problem problem = request(
+  const std::string yaml =
       "start: {q: [1.24, -0.06]}\ngoal: {q: [0.27, -0.99]}\n"
-      "obstacles: [{center: [0.23, -0.498], radius: 0.04, margin: 0.005}]\n");
-  const Plan found = plan(problem, {});
+      "obstacles: [{center: [0.23, -0.498], radius: 0.04, margin: 0.005}]\n";
+  const Plan found = plan(request(yaml), {});
   ASSERT_EQ(found.status, PlanStatus::kCertified) << found.reason;
   EXPECT_LT(found.duration, 1.01 * 0.5123);
+  // The same motion is told where less time is allowed for least effort.
+  const Plan none = plan(request(yaml + "duration: 0.45\nobjective: {effort: 1}\n"), {});
+  ASSERT_TRUE(none.infeasibility && none.infeasibility->shortest_duration) << none.reason;
+  EXPECT_LT(*none.infeasibility->shortest_duration, 1.01 * 0.5123);
 }
 
 // Where nothing is in the way, where only time counts, and along a given path the starts are the usual ones.

@@ -107,13 +107,15 @@ TEST(SettingsFile, WithTheDefaultsIsReadAsThese) {
   EXPECT_EQ(settings_yaml(again), settings_yaml({}));
 }
 
-// The middle of what is allowed is no default of any but a few of them. (The widths of the gaps must differ.)
+// The middle of what is allowed is no default of any but a few of them. (The widths of the gaps must
+// differ, and durations increase.)
 TEST(SettingsFile, WithOtherValuesIsReadAsThese) {
   SearchSettings settings;
   visit_numbers(settings, [](const std::string& path, const SettingKey& key, auto& number) {
     if (path.ends_with("].width")) return;
     number = static_cast<std::remove_reference_t<decltype(number)>>(std::midpoint(key.least, key.most));
   });
+  settings.swing_up.durations = {11, 12, 13};
   const SearchSettings again = read(settings_yaml(settings));
   EXPECT_EQ(numbers_of(again), numbers_of(settings));
   EXPECT_EQ(settings_json(again), settings_json(settings));
@@ -161,12 +163,11 @@ TEST(SettingsFile, WithValuesOutsideTheirBoundsIsRefused) {
             "settings.yaml: fallbacks.relaxed[1]: 1000 is outside [0.01, 100]");
   EXPECT_EQ(error_of("race: {gaps: [{}, {width: 2}, {}]}"),
             "settings.yaml: race.gaps[1].width: 2 rad/s is outside [0, 1]");
-  EXPECT_EQ(error_of("race: {last_gap: -1}"), "settings.yaml: race.last_gap: -1 is outside [0, inf]");
+  EXPECT_EQ(error_of("race: {last_gap: -1}"), "settings.yaml: race.last_gap: -1 is outside [0, .inf]");
 }
 
 TEST(SettingsFile, WithValuesOfAnotherKindIsRefused) {
-  EXPECT_EQ(error_of("follow: {most: 2.5}"),
-            "settings.yaml: follow.most: \"2.5\" is not a whole number from 0 to 18446744073709551615");
+  EXPECT_EQ(error_of("follow: {most: 2.5}"), "settings.yaml: follow.most: 2.5 is not a whole number from 1 to 100");
   EXPECT_EQ(error_of("follow: {most: many}"), "settings.yaml: follow.most: \"many\" is not a finite number");
   EXPECT_EQ(error_of("follow: {most: '3'}"), "settings.yaml: follow.most: must be a number, not the text \"3\"");
   EXPECT_EQ(error_of("follow: {long_motion: .inf}"),

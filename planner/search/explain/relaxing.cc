@@ -17,8 +17,8 @@ int iterations_of_slack(const Explanation& e) {
   return e.is_too_short() ? s.iterations_from_fastest : s.iterations_of_slack;
 }
 
-// Minimises the slack. If the duration is free, a first solution has a large weight of time; then up to twice its
-// duration is allowed, for which the mesh is fine enough, because it takes time to gain speed.
+// Minimises the slack. If the duration is free, a first solution has a large weight of time; then a multiple
+// of its duration is allowed, for which the mesh is fine enough, because it takes time to gain speed.
 std::optional<Continuation> least(const Explanation& e, Problem relaxed, const std::string& what,
                                   std::vector<Guess> guesses, bool roughly, Search& search) {
   Duration& duration = relaxed.duration;

@@ -57,7 +57,7 @@ struct NodeTimeSettings {
   int iterations = 60;  // nine of ten take less than 45
   // [rad/s] width of the homotopy step after which nodes are moved for the first time, because from then on it is
   // settled when each motor rests. If nodes move only with the exact law, the comparison of motions depends on chance,
-  // and their objectives are up to 1.5 % higher.
+  // and their objectives are up to 1.5 % higher. Widths that are no step of a homotopy leave that to the exact law.
   double first_width = 0.01;
   int rounds = 2;  // a refined mesh wants its nodes elsewhere, but no longer by much
 };

@@ -213,11 +213,13 @@ bool seems_too_short(const std::shared_ptr<const Problem>& alternative, Findings
   const SearchSettings& settings = session.settings();
   const Guess guess = first_guesses(*fastest, settings.starts).front();
   const double mesh_factor = mesh_factor_of_sketch(*fastest, guess, settings.explanation.solves);
-  std::optional<Continuation> sketch(std::in_place, fastest, session, "fastest",
-                                     ContinuationOptions{.mesh_factor = mesh_factor});
-  if (sketch->begin(guess, found.patience) != StartOutcome::kNew) sketch.reset();
-  const bool too_long = sketch && sketch->duration() > alternative->duration.max;
-  if (mesh_factor == 1) found.sketches.push_back({alternative, std::move(sketch)});  // otherwise it is too coarse
+  Continuation sketch(fastest, session, "fastest", {.mesh_factor = mesh_factor});
+  const bool led_somewhere = sketch.begin(guess, found.patience) == StartOutcome::kNew;
+  const bool too_long = led_somewhere && sketch.duration() > alternative->duration.max;
+  if (mesh_factor == 1) {  // otherwise the mesh is too coarse for a start
+    FastestSketch& kept = found.sketches.emplace_back(FastestSketch{alternative, {}});
+    if (led_somewhere) kept.motion = std::move(sketch);
+  }
   return too_long;
 }
 

@@ -99,6 +99,12 @@ struct Wave {
   std::vector<Turn*> turns;          // the turn to which each start belongs
   std::vector<std::size_t> numbers;  // of the starts in their turns
   std::vector<Start> starts;
+
+  void add(Turn& turn, std::size_t number, Start start) {
+    turns.push_back(&turn);
+    numbers.push_back(number);
+    starts.push_back(std::move(start));
+  }
 };
 
 // Solves the starts of a wave. If one ends at its iteration limit, its turn goes on with a penalty on accelerations,
@@ -193,9 +199,7 @@ void try_again(Turn& turn, Findings& found, Session& session) {
   Wave wave;
   for (const std::size_t i : turn.failed) {
     if (i >= turn.starts.along_paths_again.size()) continue;
-    wave.turns.push_back(&turn);
-    wave.numbers.push_back(i);
-    wave.starts.push_back({turn.alternative, turn.starts.along_paths_again[i], fmt::format("start {} again", i + 1)});
+    wave.add(turn, i, {turn.alternative, turn.starts.along_paths_again[i], fmt::format("start {} again", i + 1)});
   }
   if (wave.starts.empty() || session.interrupted()) return;
   found.starts_planned += static_cast<int>(wave.starts.size());
@@ -228,10 +232,9 @@ void take_turns(const std::vector<Alternative>& open, int asked, IfNone if_none,
       if (!wants_start(turn, i, asked, order, found)) continue;
       if (i >= turn.starts.always) ++session.fallbacks().displaced_start;
       const std::string label = fmt::format("start {} of {}", i + 1, std::max(i + 1, turn.starts.always));
-      wave.turns.push_back(&turn);
-      wave.numbers.push_back(i);
-      wave.starts.push_back({turn.alternative, guess_of_start(turn.alternative, turn.starts, i, order.near_by, found),
-                             label, i >= turn.starts.by_ipopt});
+      wave.add(turn, i,
+               {turn.alternative, guess_of_start(turn.alternative, turn.starts, i, order.near_by, found), label,
+                i >= turn.starts.by_ipopt});
       if (wave.starts.size() >= (found.candidates.empty() ? 1 : order.at_a_time)) try_wave(wave, found, session);
     }
   }

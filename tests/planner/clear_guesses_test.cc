@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "model/dynamics.h"
+#include "planner/plan.h"
 #include "planner/request/request.h"
 #include "planner/search/continuation.h"
 #include "planner/search/session.h"
@@ -153,6 +154,22 @@ TEST(ClearGuesses, ForThePathsOfOtherObjectivesAreASecondTry) {
       starts_of(request(move + disc + "duration: 1\nobjective: {energy: 1}\n"), 1, {}).along_paths_again.empty());
   EXPECT_TRUE(starts_of(request(move + disc + "path: {points: [[-0.2, 0.9]], tolerance: 0.1}\n"), 1, {})
                   .along_paths_again.empty());
+}
+
+// No start leads anywhere in two iterations, so that all that are worth trying are, and those along paths twice.
+TEST(ClearGuesses, PathsAreTriedASecondTime) {
+  const Problem problem = request(
+      "start: {q: [-1.0137, 0.1162]}\ngoal: {q: [0.6938, 0.6367]}\n"
+      "obstacles: [{center: [-0.0466, -0.5223], radius: 0.0349}]\n");
+  PlanOptions options;
+  options.search.follow.iterations = 2;
+  options.search.budget.fallbacks = 0;
+  options.search.fallbacks.iterations = options.search.fallbacks.patient_iterations = 1;
+  options.search.explanation.solves.budget = 0;
+  const Starts starts = starts_of(problem, 1, options.search.starts);
+  ASSERT_FALSE(starts.along_paths_again.empty());
+  const auto expected = starts.enough + starts.along_paths_again.size();
+  EXPECT_EQ(plan(problem, options).starts, static_cast<int>(expected));
 }
 
 // Where nothing is in the way, where only time counts, and along a given path the starts are the usual ones.

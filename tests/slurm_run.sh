@@ -7,10 +7,6 @@ set -euo pipefail
 build=$(cd "${1:?usage: $0 BUILD}" && pwd)
 
 skip() { echo "$1"; exit 77; }
-[[ $(id -u) == 0 ]] || skip "only root can run slurmd"
-for program in munged slurmctld slurmd sbatch; do
-  command -v "$program" > /dev/null || skip "there is no $program (slurm-wlm, munge)"
-done
 
 work=$(mktemp -d)
 chmod 755 "$work"
@@ -22,6 +18,47 @@ end_all() {
   rm -rf "$work"
 }
 trap end_all EXIT
+
+failed=0
+expect() {  # what it is about, and a command that is to succeed
+  local about=$1 begin=$SECONDS
+  shift
+  if "$@"; then echo "ok      $about ($((SECONDS - begin)) s)"; else echo "FAILED  $about"; failed=1; fi
+}
+
+# What is made of a fjr that fails, with stand-ins for it and for sbatch; this needs no Slurm.
+stand_ins=$work/stand_ins
+mkdir -p "$stand_ins/out"
+cp "$build/fjr-batch-slurm" "$stand_ins"
+cat > "$stand_ins/fjr" <<'FJR'
+#!/bin/sh
+[ "$2" = status ] || exit 0
+cat "$(dirname "$0")/left" 2> /dev/null || exit 2  # the unfinished chunks
+FJR
+printf '#!/bin/sh\necho 1\n' > "$stand_ins/sbatch"
+chmod +x "$stand_ins"/{fjr,sbatch}
+# what_comes_of ARGUMENT...: what the script says, and its exit code.
+what_comes_of() {
+  local code=0
+  PATH=$stand_ins:$PATH "$stand_ins/fjr-batch-slurm" "$@" 2>&1 || code=$?
+  echo "exit code $code"
+}
+gathered() { what_comes_of --gather "$stand_ins/fjr" "$stand_ins/out" "$stand_ins/fjr-batch-slurm" "$1"; }
+expect "a fjr that fails has nothing submitted" test "$(what_comes_of some.yaml --out "$stand_ins/out")" == "exit code 2"
+expect "nor submitted again, and is no success" test "$(gathered 1)" == \
+  $'fjr-batch-slurm: not submitted again, which the same command does\nexit code 1'
+expect "nor is it one at the end" test "$(gathered 2)" == "exit code 1"
+expect "nothing was submitted" test ! -e "$stand_ins/out/slurm.jobs"
+echo 0,2 > "$stand_ins/left"
+expect "what is left at the end is no success" test "$(gathered 2)" == "exit code 1"
+true > "$stand_ins/left"
+expect "where nothing is left it is one" test "$(gathered 2)" == "exit code 0"
+((failed == 0)) || exit 1
+
+[[ $(id -u) == 0 ]] || skip "only root can run slurmd"
+for program in munged slurmctld slurmd sbatch; do
+  command -v "$program" > /dev/null || skip "there is no $program (slurm-wlm, munge)"
+done
 
 mkdir "$work"/{state,one,two}
 head -c 128 /dev/urandom > "$work/munge.key"
@@ -57,12 +94,6 @@ PartitionName=low Nodes=one,two Default=YES PriorityTier=1
 PartitionName=high Nodes=one,two PriorityTier=10 PreemptMode=OFF
 CONF
 
-failed=0
-expect() {  # what it is about, and a command that is to succeed
-  local about=$1 begin=$SECONDS
-  shift
-  if "$@"; then echo "ok      $about ($((SECONDS - begin)) s)"; else echo "FAILED  $about"; failed=1; fi
-}
 within_a_minute() { for _ in {1..600}; do "$@" && return; sleep 0.1; done; return 1; }
 node_is() { [[ $(sinfo --noheader --nodes="$1" --partition=low --format=%T) == "$2" ]]; }
 status() { "$build/fjr" batch status "$work/out" --json | python3 -c 'import json, sys; print(json.load(sys.stdin)[sys.argv[1]])' "$1"; }

@@ -15,6 +15,7 @@
 
 #include "common/atomic_file.h"
 #include "common/read_file.h"
+#include "common/strict_yaml.h"
 #include "planner/batch/deflate.h"
 #include "planner/results/plan_json.h"
 #include "planner/results/result_folder.h"
@@ -48,8 +49,10 @@ struct flock byte_of(std::size_t chunk) {
   return lock;
 }
 
+fs::path locks_file(const Manifest& manifest) { return manifest.folder() / "chunks" / "locks"; }
+
 Descriptor open_locks(const Manifest& manifest) {
-  const fs::path file = manifest.folder() / "chunks" / "locks";
+  const fs::path file = locks_file(manifest);
   Descriptor locks(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
   if (locks.number() < 0) throw std::system_error(errno, std::generic_category(), "cannot open " + file.string());
   return locks;
@@ -134,7 +137,12 @@ std::optional<ChunkLock> ChunkLock::take(const Manifest& manifest, std::size_t c
 }
 
 bool ChunkLock::is_held(const Manifest& manifest, std::size_t chunk) {
-  const Descriptor locks = open_locks(manifest);
+  // Only reads, because the batch may be somebody else's.
+  const Descriptor locks(::open(locks_file(manifest).c_str(), O_RDONLY | O_CLOEXEC));
+  if (locks.number() < 0) {
+    if (errno == ENOENT) return false;  // nobody has locked anything yet
+    throw std::system_error(errno, std::generic_category(), "cannot open " + locks_file(manifest).string());
+  }
   struct flock lock = byte_of(chunk);
   return ::fcntl(locks.number(), F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
 }
@@ -145,7 +153,7 @@ ChunkWriter::ChunkWriter(const Manifest& manifest, std::size_t chunk)
 ChunkWriter::~ChunkWriter() {
   try {
     database_.run("UPDATE runs SET ended = ? WHERE run = ?", now(), run_);
-  } catch (const std::exception&) {  // of a full disk whoever stores answers has told
+  } catch (const std::exception&) {  // a full disk has been reported by the call that stored answers
   }
 }
 
@@ -210,7 +218,9 @@ void ChunkReader::unpack(const std::string& name, bool previous, const fs::path&
   Statement files =
       database_.query("SELECT file, size, deflated FROM files WHERE name = ? AND previous = ?", name, previous ? 1 : 0);
   while (files.step()) {
-    write_file(folder / files.text(0), inflated(files.text(2), static_cast<std::size_t>(files.integer(1))));
+    const std::string file = files.text(0);
+    if (!is_result(file)) throw std::runtime_error(fmt::format("{}: {} is no file of a plan", name, shown(file)));
+    write_file(folder / file, inflated(files.text(2), static_cast<std::size_t>(files.integer(1))));
   }
 }
 

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <cstdio>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <unordered_map>
@@ -48,7 +50,9 @@ void bind(Statement& statement, int index, const Json& value) {
   if (value.is_null()) return statement.bind(index, nullptr);
   if (value.is_string()) return statement.bind(index, std::string_view(value.get_ref<const std::string&>()));
   if (value.is_number_float()) return statement.bind(index, value.get<double>());
-  if (value.is_number_integer()) return statement.bind(index, value.get<std::int64_t>());
+  const bool too_large =
+      value.is_number_unsigned() && value.get<std::uint64_t>() > std::numeric_limits<std::int64_t>::max();
+  if (value.is_number_integer() && !too_large) return statement.bind(index, value.get<std::int64_t>());
   statement.bind(index, std::string_view(value.dump()));
 }
 
@@ -86,8 +90,10 @@ void insert_results(const Database& database, const Manifest& manifest, const Co
   Statement insert = database.prepare(fmt::format("INSERT INTO results ({}, chunk) VALUES ({}, ?)", names, marks));
   for (std::size_t chunk = 1; chunk <= manifest.chunks(); ++chunk) {
     for_each(manifest, chunk, true, [&](const std::string& name, const ChunkAnswer* answer) {
+      const auto place = places.find(name);
+      if (place == places.end()) return;  // added just now: it is gathered the next time
       int index = 0;
-      insert.bind(++index, places.at(name));
+      insert.bind(++index, place->second);
       for (const Json& value : columns.values(row_of(manifest, name, answer))) bind(insert, ++index, value);
       insert.bind(++index, chunk);
       insert.step();

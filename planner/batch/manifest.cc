@@ -38,6 +38,27 @@ fs::path existing(const fs::path& folder) {
                    "holds no manifest.sqlite: it is no packed batch (fjr batch prepare REQUESTS... --out DIR)");
 }
 
+// Names are those of folders, and chunks are counted through without end: what somebody has edited must neither lead
+// out of the batch's folder nor leave requests out. Throws InputError.
+void check_requests(const Database& database, const fs::path& file) {
+  Statement faults = database.query(
+      "SELECT name FROM requests WHERE typeof(name) <> 'text' OR name IN ('', '.', '..') OR instr(name, '/') > 0");
+  if (faults.step()) {
+    throw InputError(file.string(), "requests.name",
+                     fmt::format("{} is no name of a folder: the manifest was edited", shown(faults.text(0))));
+  }
+  Statement chunks = database.query(
+      "SELECT count(DISTINCT chunk), ifnull(min(chunk), 1), ifnull(max(chunk), 0), "
+      "total(typeof(chunk) <> 'integer') FROM requests");
+  chunks.step();
+  const auto count = chunks.integer(0);
+  if (chunks.real(3) == 0 && chunks.integer(1) == 1 && chunks.integer(2) == count) return;
+  throw InputError(file.string(), "requests.chunk",
+                   fmt::format("has {} different values, which should be the numbers from 1 to {}: the manifest was "
+                               "edited",
+                               count, count));
+}
+
 // Hashes of robot files, each of which is read only once.
 class Robots {
  public:
@@ -126,7 +147,9 @@ void deal_out(const Database& database, const std::vector<std::string>& names, s
 }  // namespace
 
 Manifest::Manifest(fs::path folder)
-    : folder_(std::move(folder)), database_(existing(folder_), Database::Access::kRead) {}
+    : folder_(std::move(folder)), database_(existing(folder_), Database::Access::kRead) {
+  check_requests(database_, manifest_file(folder_));
+}
 
 fs::path Manifest::chunk_file(std::size_t chunk) const {
   return folder_ / "chunks" / fmt::format("{:05}.sqlite", chunk);
@@ -229,6 +252,7 @@ Prepared prepare(const fs::path& folder, const std::vector<BatchItem>& items, co
   const Database database(manifest_file(folder), Database::Access::kWrite);
   Transaction transaction(database);
   database.execute(kManifestTables);
+  check_requests(database, manifest_file(folder));
   check_options(database, options);
   Prepared prepared;
   const std::vector<std::string> added = put(database, items, texts, prepared);

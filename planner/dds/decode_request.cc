@@ -14,6 +14,10 @@
 namespace fjr::dds {
 namespace {
 
+// [s] A longer silence is taken for this one, because silences are counted in whole nanoseconds, of which 64 bits do
+// not have enough for every number.
+constexpr double kLongestSilence = 86400;
+
 // Takes numbers and choices out of a message; the first number that is not finite and the first unknown choice are
 // remembered by the names that a request has for them.
 class Taker {
@@ -271,7 +275,7 @@ Relayed decode(const fjr_msg_RelayedRequest& message) {
     relayed.order.refusal =
         Refusal{static_cast<Reason>(message.reason), text_of(message.field), text_of(message.sentence)};
   }
-  relayed.silence = std::isfinite(message.silence) ? std::max(0.0, message.silence) : 0;
+  relayed.silence = std::isnan(message.silence) ? 0 : std::clamp(message.silence, 0.0, kLongestSilence);
   relayed.cancelled = message.cancelled;
   return relayed;
 }

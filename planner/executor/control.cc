@@ -185,7 +185,7 @@ void Control::supervise_execution() {
       // The reference continues from where the motors are, beside the plan, so that the arm is not pulled back into an
       // obstacle that may have stopped a link.
       move_reference(sensing_.theta());
-      after_ = ExecutorMode::kHolding;
+      after_ = std::max(after_, ExecutorMode::kHolding);
       return stop_because({Ending::kPathTolerance, time_, joint, error, allowed.path[j], ""});
     }
     const double speed = std::abs(sensing_.dq()[j]);

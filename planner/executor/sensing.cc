@@ -1,5 +1,7 @@
 #include "planner/executor/sensing.h"
 
+#include <cmath>
+
 namespace fjr {
 namespace {
 
@@ -25,14 +27,15 @@ void Sensing::start(const Joints<double>& q, const Joints<double>& theta) {
 
 void Sensing::Encoders::update(const Joints<std::optional<double>>& samples, const Joints<double>& planned) {
   for (std::size_t j = 0; j < kJoints; ++j) {
-    if (samples[j]) {
+    const bool there = samples[j] && std::isfinite(*samples[j]);  // a filter would keep a NaN for ever
+    if (there) {
       missing[j] = 0;
       sample[j] = *samples[j];
       if (!gone[j]) deviation[j] = *samples[j] - planned[j];
     } else if (missing[j] < kLostAfter && ++missing[j] == kLostAfter) {
       gone[j] = true;
     }
-    position[j] = samples[j] && !gone[j] ? *samples[j] : planned[j] + deviation[j];
+    position[j] = there && !gone[j] ? *samples[j] : planned[j] + deviation[j];
     velocity[j] = filter[j].update(position[j]);
   }
 }

@@ -99,6 +99,7 @@ int run(const ExportArguments& options) {
   if (const std::string fault = fault_of_file_to_write(file.string()); fs::exists(options.input) && !fault.empty()) {
     throw InputError("--out", "", fault);
   }
+  refuse_to_overwrite("--out", file, {options.input, options.log});
   std::optional<PlanRecord> plan;
   Exported exported;
   if (folder) {

@@ -9,6 +9,9 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <vector>
+
+#include "common/input_error.h"
 
 namespace fjr {
 
@@ -35,6 +38,19 @@ inline std::string fault_of_file_to_write(const std::string& name) {
     }
   }
   return "";
+}
+
+// Throws InputError if the file that an option has named is one that the command reads, perhaps by another name. Inputs
+// that are not there, or that are empty because their option was not given, are no matter here.
+inline void refuse_to_overwrite(const std::string& option, const std::filesystem::path& out,
+                                const std::vector<std::string>& inputs) {
+  for (const std::string& input : inputs) {
+    std::error_code ignored;
+    if (out.empty() || input.empty() || !std::filesystem::equivalent(input, out, ignored)) continue;
+    throw InputError(
+        option, "",
+        fmt::format("{} would overwrite the input {}; name a file that is not an input", out.string(), input));
+  }
 }
 
 inline CLI::Validator file_to_write() { return CLI::Validator(fault_of_file_to_write, ""); }

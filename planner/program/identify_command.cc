@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "common/atomic_file.h"
@@ -140,7 +141,30 @@ int run_executed(const IdentifyArguments& options) {
                             payload, options.json});
 }
 
+// Returns the logs as files; of `all` those in its folder.
+std::vector<std::string> files_of_logs(const IdentifyArguments& options) {
+  std::vector<std::string> files;
+  for (const std::string& log : options.logs) {
+    std::error_code none;  // what is no folder is a log
+    const fs::directory_iterator folder(log, none);
+    if (none) files.push_back(log);
+    for (const fs::directory_entry& entry : folder) {
+      if (entry.path().extension() == ".csv") files.push_back(entry.path().string());
+    }
+  }
+  return files;
+}
+
+// The robot file that --robot names may be replaced by the one of --out: it is what is known then.
+void check_files_to_write(const IdentifyArguments& options) {
+  std::vector<std::string> inputs = files_of_logs(options);
+  refuse_to_overwrite("--out", options.out, inputs);
+  inputs.push_back(options.robot);
+  refuse_to_overwrite("--report", report_file(options), inputs);
+}
+
 int run(const IdentifyArguments& options) {
+  check_files_to_write(options);
   if (options.name == "executed") return run_executed(options);
   if (options.widen != 1) throw InputError("--widen", "", "is for `identify executed` alone");
   if (options.payload_known) throw InputError("--payload-known", "", "is for `identify executed` alone");

@@ -218,8 +218,9 @@ struct LibraryCheck {
 std::optional<Problem> moved(const LibraryEntry& entry, double away, double angle, const LibraryArguments& options) {
   Request request = read_request(YamlNode::parse(entry.request, entry.name));
   request.goal = JointGoal{{entry.goal[0] + away * std::cos(angle), entry.goal[1] + away * std::sin(angle)}, AtRest{}};
+  const Parameters robot = load_parameters(robot_file_of(request, {}, options.robot));
   try {
-    return resolve(request, load_parameters(robot_file_of(request, {}, options.robot)));
+    return resolve(request, robot);
   } catch (const InputError&) {
     return std::nullopt;
   }

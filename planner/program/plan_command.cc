@@ -126,16 +126,21 @@ ResolvedRequest resolve_named(const NamedRequest& named, const std::string& robo
 
 void complain(const std::string& problem) { say("fjr: {}\n", problem); }
 
-std::optional<WarmStart> warm_start(const Problem& problem, const PlanArguments& options) {
+// A library that cannot be opened is no fault of a request, so it is opened before any is read. Throws InputError.
+std::optional<PlanLibrary> open_library(const PlanArguments& options) {
+  if (options.settings.library.empty()) return std::nullopt;
+  return PlanLibrary(options.settings.library, PlanLibrary::Access::kRead);
+}
+
+std::optional<WarmStart> warm_start(const Problem& problem, const PlanLibrary* library, const PlanArguments& options) {
   if (!options.warm.empty()) {
     const FolderLock lock(options.warm);
     Collocated solution = read_solution(fs::path(options.warm) / kSolutionFile, robot_hash(problem.robot));
     return WarmStart{std::make_shared<const Collocated>(std::move(solution)), options.warm};
   }
-  if (options.settings.library.empty()) return std::nullopt;
-  const PlanLibrary library(options.settings.library, PlanLibrary::Access::kRead);
+  if (library == nullptr) return std::nullopt;
   try {
-    const auto neighbour = library.nearest(problem);
+    const auto neighbour = library->nearest(problem);
     return neighbour ? std::optional(warm_start_from(*neighbour)) : std::nullopt;
   } catch (const InputError& damaged) {  // an entry of the library is damaged: the request is planned without it
     complain(fmt::format("{}: planned from scratch, for the nearest plan cannot be read: {}", options.settings.library,
@@ -144,10 +149,10 @@ std::optional<WarmStart> warm_start(const Problem& problem, const PlanArguments&
   }
 }
 
-void load(PlanJob& job, const PlanArguments& options) {
+void load(PlanJob& job, const PlanLibrary* library, const PlanArguments& options) {
   try {
     Problem problem = resolve_named(read_named(job.named), options.robot).problem;
-    job.warm = warm_start(problem, options);
+    job.warm = warm_start(problem, library, options);
     job.problem = std::move(problem);
   } catch (const InputError& error) {
     job.refusal = error;
@@ -257,8 +262,9 @@ int run(const PlanArguments& options) {
   if (orphaned(options.parent)) return exit_code(PlanStatus::kCancelled);
   catch_interrupts();
   std::vector<PlanJob> jobs = jobs_of(options);
+  const std::optional<PlanLibrary> library = open_library(options);
   for (PlanJob& job : jobs) {  // a mistake in the last request is told at once, not after the first is solved
-    load(job, options);
+    load(job, library ? &*library : nullptr, options);
     if (!job.problem) complain(job.refusal->what());
     if (job.problem && options.parent == 0) tell_doubts(job.problem->robot);
   }

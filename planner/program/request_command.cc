@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -247,15 +248,10 @@ Answer ask(const RequestArguments& options, const Order& order) {
   return request_plan(order, client);
 }
 
-int run(const RequestArguments& options) {
-  catch_interrupts();
-  const Order order = load_order(options);
-  if (!options.out.empty()) prepare_folder(options.out);
-  const auto began = std::chrono::steady_clock::now();
-  const Answer answer = ask(options, order);
+// Tells the answer, and what was before in the folder. Returns the exit code.
+int tell(const RequestArguments& options, const Order& order, const Answer& answer, double elapsed,
+         const std::string& before) {
   const Reply& reply = answer.reply;
-  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-  const std::string before = store(options, order, reply);
   if (reply.state != ReplyState::kSolved) {
     say("fjr: {}: {}: {}\n", options.request, name(reply.state), reason_of(reply));
   }
@@ -266,6 +262,25 @@ int run(const RequestArguments& options) {
   if (answer.result->code == ResultCode::kSuccessful) return 0;
   say("fjr: {}: not executed to its end: {}\n", options.request, answer.result->sentence);
   return 1;
+}
+
+int run(const RequestArguments& options) {
+  catch_interrupts();
+  const Order order = load_order(options);
+  if (!options.out.empty()) prepare_folder(options.out);
+  const auto began = std::chrono::steady_clock::now();
+  const Answer answer = ask(options, order);
+  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+  std::string before;
+  std::exception_ptr not_stored;  // what became of the request, and of the arm, is told all the same
+  try {
+    before = store(options, order, answer.reply);
+  } catch (...) {
+    not_stored = std::current_exception();
+  }
+  const int code = tell(options, order, answer, elapsed, before);
+  if (not_stored) std::rethrow_exception(not_stored);
+  return code;
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
@@ -54,9 +55,11 @@ ControlMode control_named(const std::string& name) {
   return name == "executor" ? ControlMode::kExecutor : ControlMode::kClosedLoop;
 }
 
-Parameters robot_in(const std::string& file) {
-  return load_parameters(file.empty() ? default_robot_file() : std::filesystem::path(file));
+std::filesystem::path robot_file(const std::string& name) {
+  return name.empty() ? default_robot_file() : std::filesystem::path(name);
 }
+
+Parameters robot_in(const std::string& name) { return load_parameters(robot_file(name)); }
 
 SimulatedRun simulated(const SimulateArguments& options) {
   SimulatedRun run{robot_in(options.robot), read_csv(options.trajectory), 0, {}, {}};
@@ -190,6 +193,9 @@ int run(const SimulateArguments& options) {
       std::filesystem::path(options.log).lexically_normal() == std::filesystem::path(options.out).lexically_normal()) {
     throw InputError("--log", "", options.log + " is the file of --out, too");
   }
+  const std::vector<std::string> inputs{options.trajectory, robot_file(options.robot).string(), options.true_robot};
+  refuse_to_overwrite("--out", options.out, inputs);
+  refuse_to_overwrite("--log", options.log, inputs);
   const SimulatedRun run = simulated(options);
   if (!options.log.empty()) write_log(run, options.log);
   if (!options.out.empty()) write_run(run, options.out);

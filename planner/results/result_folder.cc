@@ -37,10 +37,6 @@ std::runtime_error failure(const char* what, const fs::path& path, int error) {
       fmt::format("cannot {} {}: {}", what, path.string(), std::generic_category().message(error)));
 }
 
-bool is_result(const fs::path& name) {
-  return std::any_of(kResultFiles.begin(), kResultFiles.end(), [&](const char* file) { return name == file; });
-}
-
 // Returns the path of the folder without symbolic links.
 fs::path resolved(const fs::path& folder) {
   std::error_code error;
@@ -181,6 +177,10 @@ bool same_results(const fs::path& a, const fs::path& b) {
 }
 
 }  // namespace
+
+bool is_result(const fs::path& name) {
+  return std::any_of(kResultFiles.begin(), kResultFiles.end(), [&](const char* file) { return name == file; });
+}
 
 bool has_certified_plan(const fs::path& folder) {
   return plan_status(text_at(read_plan_json(folder), "status")) == PlanStatus::kCertified;

@@ -15,6 +15,8 @@ namespace fjr {
 inline constexpr std::array<const char*, 7> kResultFiles = {
     "trajectory.csv", "trajectory.uncertified.csv", "solution.cbor", "report.html", "compared.html", "trajectory.id",
     "plan.json"};
+// Returns whether a file of this name is one of them.
+bool is_result(const std::filesystem::path& name);
 inline constexpr const char* kPrevious = "previous";  // the folder within it for results that were replaced
 
 // How valuable results are, by which NewResults::publish() decides whether to keep replaced ones.

@@ -9,6 +9,7 @@
 
 #include "common/parallel.h"
 #include "common/strict_yaml.h"
+#include "planner/certificate/consistency.h"
 #include "planner/certificate/proof/prove.h"
 #include "planner/certificate/request_check.h"
 #include "planner/certificate/residual.h"
@@ -154,10 +155,11 @@ Verification verify(const Trajectory& trajectory, const std::string& source, con
   compare_robots(trajectory, v);
   compare_requests(trajectory, options.planned, v);
   v.certificate = certify(v.robot, v.limits, trajectory);
-  check_against_planned(options.planned, trajectory, v);
+  const bool well_formed = !malformed(trajectory);  // otherwise that is the reason, and there are no rows to go by
+  if (well_formed) check_against_planned(options.planned, trajectory, v);
   const TaskOfMotion task = TaskOfMotion::of(v.robot, options.planned.task, options.planned.ends);
   if (options.proven) demand_proof(v.robot, v.limits, task, trajectory, v.certificate, on_all_cores);
-  if (options.robust) {
+  if (options.robust && well_formed) {
     demand_robustness(v.robot, v.limits, task, trajectory, *options.robust, v.certificate, on_all_cores);
   }
   check_completeness(trajectory, v);

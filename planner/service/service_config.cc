@@ -92,6 +92,18 @@ void read_metrics(const YamlNode& node, ServiceConfig& config) {
   read_whole(node, "port", 0, 65535, *config.metrics_port);
 }
 
+// A request that names no budget gets the default one, which may not be above what a request may ask for.
+void read_budgets(const YamlNode& root, ServiceConfig& config) {
+  read_seconds(root, "budget", config.budget);
+  read_seconds(root, "longest_budget", config.longest_budget);
+  if (config.budget <= config.longest_budget) return;
+  if (const auto node = root.find("budget")) {
+    node->fail(fmt::format("{} s is outside (0, {}], as `longest_budget` is {} s", config.budget, config.longest_budget,
+                           config.longest_budget));
+  }
+  config.budget = config.longest_budget;
+}
+
 }  // namespace
 
 ServiceConfig default_service_config() {
@@ -129,8 +141,7 @@ ServiceConfig load_service_config(const std::filesystem::path& file) {
   read_whole(root, "jobs", 1, 256, config.jobs);
   read_whole(root, "queue", 1, 4096, config.queue);
   read_whole(root, "warm_plans", 0, 4096, config.warm_plans);
-  read_seconds(root, "budget", config.budget);
-  read_seconds(root, "longest_budget", config.longest_budget);
+  read_budgets(root, config);
   read_name(root, "instance", config.instance);
   read_name(root, "robot_id", config.robot_id);
   if (const auto node = root.find("ros2")) read_ros2(*node, config);

@@ -61,11 +61,12 @@ void Service::give_work() {
     return (!executes(job.order) || may_start(job.order)) && has_its_run(job);
   };
   const auto solvable = [&](const Job& job) { return ready(job) && (!solved_here(job) || solvers_.may_solve_here()); };
-  while (queue_.any_of(solvable) && solvers_.may_solve()) {
-    Job job = *queue_.pop_if(solvable);
-    if (auto refusal = job.awaited ? choose_run(job) : std::nullopt) {
-      finish(job, reply_to(job.order, ReplyState::kFailed, std::move(*refusal)));
-    } else if (auto untold = solvers_.solve(std::move(job))) {
+  while (solvers_.may_solve()) {
+    auto job = queue_.pop_if(solvable);
+    if (!job) break;
+    if (auto refusal = job->awaited ? choose_run(*job) : std::nullopt) {
+      finish(*job, reply_to(job->order, ReplyState::kFailed, std::move(*refusal)));
+    } else if (auto untold = solvers_.solve(*std::move(job))) {
       queue_.push_front(std::move(*untold));
     }
   }

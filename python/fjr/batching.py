@@ -91,7 +91,8 @@ def batch(
     program fails.
     """
     folder = Path(out)
-    words = [str(file) for file in _files(requests, folder)]
+    # Behind "./", for a folder named "status" would be taken for the subcommand, and a file named "-x" for an option.
+    words = [os.path.join(".", file) for file in _files(requests, folder)]
     options = {"--jobs": jobs, "--deadline": deadline, "--starts": starts}
     for option, value in options.items():
         words += [] if value is None else [option, str(value)]

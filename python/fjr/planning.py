@@ -222,10 +222,10 @@ class Plan:
         means of the piecewise linear torque, as the executor commands them before feedback. Beyond the end the last
         row's torque is held.
 
-        tick: [s], above 0. Raises ValueError for another one, BadInput without a motion.
+        tick: [s], 0.0001 to 0.1, as in ``fjr export``. Raises ValueError for another one, BadInput without a motion.
         """
-        if not (np.isfinite(tick) and tick > 0):
-            raise ValueError(f"a tick is a number of seconds above 0, not {tick}")
+        if not 1e-4 <= tick <= 0.1:
+            raise ValueError(f"a tick is 0.0001 to 0.1 s, not {tick}")
         return self._core.mean_torque(tick)
 
     # ---- files and views ----

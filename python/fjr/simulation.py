@@ -33,8 +33,14 @@ class Simulation(Samples):
 
     @property
     def residual(self) -> Array:
-        """(2) how far each link comes off the goal from the end of the plan on [rad]"""
+        """(2) how far each link comes off the goal from the end of the plan on [rad]. Raises ValueError for a run that
+        broke down before."""
         after = self.time >= self.plan.duration
+        if not after.any():
+            raise ValueError(
+                f"the run broke down at {self.time[-1]:.6g} s, before the end of the plan at {self.plan.duration:.6g} s "
+                f"from which on it would have a residual: {self.failure}"
+            )
         residual: Array = np.abs(self.q[after] - self.plan.q[-1]).max(axis=0)
         return residual
 

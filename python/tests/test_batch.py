@@ -40,6 +40,17 @@ def test_files_are_planned_too(tmp_path):
         fjr.batch({"../up": {}}, out=tmp_path)
 
 
+def test_files_are_planned_whatever_their_names(tmp_path, monkeypatch):
+    """A folder may have the name of a subcommand of ``fjr batch``, a file that of an option."""
+    monkeypatch.chdir(tmp_path)
+    request = "start: {q: [0.3, 0.2]}\ngoal: {q: [0.3, 0.21]}\nsample_period: 0.005\n"
+    (tmp_path / "status").mkdir()
+    (tmp_path / "status" / "near.yaml").write_text(request)
+    (tmp_path / "--json.yaml").write_text(request)
+    assert fjr.batch(["./status"], out="folder").statuses == {"certified": 1}
+    assert fjr.batch(["--json.yaml"], out="file").statuses == {"certified": 1}
+
+
 def test_a_packed_batch_is_read_where_it_is(reach, program, tmp_path):
     grid = tmp_path / "grid.yaml"
     grid.write_text("request: {start: {q: [0, 0]}, goal: {q: [1.2, -0.8]}}\naxes: {seed: [1]}\n")

@@ -195,8 +195,8 @@ def test_mean_torque_of_a_tick_is_that_tick(reach):
     )
     expected = np.trapezoid(reach.interpolate(grid).tau, grid, axis=0) / tick
     assert np.allclose(reach.mean_torque(tick)[k], expected, rtol=1e-10)
-    for bad in (0, -1, float("nan")):
-        with pytest.raises(ValueError, match="tick"):
+    for bad in (0, -1, float("nan"), 1e-300, 0.99e-4, 0.101, float("inf")):
+        with pytest.raises(ValueError, match="tick is 0.0001 to 0.1 s"):
             reach.mean_torque(bad)
 
 

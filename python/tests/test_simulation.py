@@ -1,5 +1,7 @@
 """fjr.simulate and fjr.verify."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -75,6 +77,15 @@ def test_an_arm_is_held_after_the_end(reach):
     for wrong in ({"hold": -1}, {"hold": 11}, {"hold": 1, "closed_loop": False}):
         with pytest.raises(ValueError, match="held"):
             fjr.simulate(reach, **wrong)
+
+
+def test_a_run_that_broke_down_says_why_it_has_no_residual(reach):
+    run = fjr.simulate(reach)
+    columns = {name: getattr(run, name)[:20] for name in ("time", "q", "dq", "theta", "dtheta", "tau")}
+    broken = dataclasses.replace(run, **columns, completed=False, failure="the steps became too small")
+    with pytest.raises(ValueError, match="broke down at .* s, before the end .*: the steps became too small"):
+        broken.residual  # noqa: B018
+    assert broken.max_link_error <= run.max_link_error
 
 
 def test_another_arm_leaves_the_plan_and_feedback_brings_it_back(reach):

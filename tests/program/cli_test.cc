@@ -28,6 +28,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 
 const std::string kGood = "start: {q: [0.0, 0.0]}\ngoal: {q: [1.2, -0.8]}\nduration: free\nobjective: fastest\n";
 
@@ -333,6 +334,41 @@ TEST_F(Cli, PlansAndLogsAreExported) {
   EXPECT_GT(fs::file_size(path("both.mcap")), fs::file_size(path("out/export.mcap")));
   EXPECT_EQ(run({"export", "log.csv", "--format", "ros2"}).exit_code, 2);
   EXPECT_EQ(run({"verify", "out/trajectory.csv"}).exit_code, 0);  // what was there stays as it was
+}
+
+// Files may not grow beyond 4 KiB, as on a disk that is full.
+TEST_F(Cli, AnExportThatDoesNotFitReplacesNothing) {
+  ASSERT_EQ(run({"experiment", "motor_inertia", "--joint", "1", "--out", "log.csv"}).exit_code, 0);
+  for (const char* format : {"csv", "mat", "mcap"}) {
+    const std::string file = std::string("log.export.") + format;
+    write(file, "the earlier one");
+    Process limited({"/bin/sh", "-c", "trap '' XFSZ; ulimit -S -f 8; exec \"$@\"", "sh", FJR_EXECUTABLE, "export",
+                     "log.csv", "--format", format},
+                    path("said"), path(""));
+    EXPECT_NE(limited.wait(), 0) << format;
+    EXPECT_THAT(limited.output(), AllOf(HasSubstr("cannot write " + file + ": "), Not(HasSubstr(file + "\n"))));
+    EXPECT_EQ(contents(path(file)), "the earlier one");
+  }
+  for (const fs::directory_entry& entry : fs::directory_iterator(path(""))) {
+    EXPECT_NE(entry.path().extension(), ".tmp") << entry.path();
+  }
+  EXPECT_EQ(run({"export", "log.csv", "--format", "mat"}).exit_code, 0);
+  EXPECT_GT(fs::file_size(path("log.export.mat")), 4096U);
+}
+
+TEST_F(Cli, AnExportDoesNotReplaceItsInput) {
+  ASSERT_EQ(run({"experiment", "motor_inertia", "--joint", "1", "--out", "log.csv"}).exit_code, 0);
+  const std::string log = contents(path("log.csv"));
+  for (const char* same : {"log.csv", "./log.csv"}) {
+    const Result result = run({"export", "log.csv", "--format", "csv", "--out", same});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err, fmt::format("fjr: --out: {} would overwrite the input log.csv; name a file that is not an "
+                                      "input\n",
+                                      same));
+  }
+  EXPECT_EQ(contents(path("log.csv")), log);
+  EXPECT_EQ(run({"export", "log.csv", "--format", "csv", "--out", "other.csv"}).exit_code, 0);
+  EXPECT_EQ(run({"export", "log.csv", "--format", "csv", "--out", "other.csv"}).exit_code, 0);  // earlier exports are
 }
 
 TEST_F(Cli, AMissingRequestIsBadInput) {

@@ -31,6 +31,31 @@ TEST_F(Cli, ExperimentAndIdentifyGoTogether) {
   EXPECT_THAT(contents(path("r.html")), HasSubstr("<canvas"));
 }
 
+TEST_F(Cli, IdentifyDoesNotReplaceItsLogs) {
+  ASSERT_EQ(run({"experiment", "link_inertia", "--joint", "2", "--out", "link_inertia_2.csv"}).exit_code, 0);
+  const std::string log = contents(path("link_inertia_2.csv"));
+  for (const std::vector<std::string>& logs :
+       {std::vector<std::string>{"link_inertia", "link_inertia_2.csv"}, std::vector<std::string>{"all", "."},
+        std::vector<std::string>{"executed", "link_inertia_2.csv"}}) {
+    for (const std::string option : {"--out", "--report"}) {
+      if (logs[0] == "executed" && option == "--report") continue;  // it has none
+      const Result result = run({"identify", logs[0], logs[1], option, "link_inertia_2.csv"});
+      EXPECT_EQ(result.exit_code, 2);
+      EXPECT_THAT(result.err, HasSubstr(option + ": link_inertia_2.csv would overwrite the input "));
+    }
+  }
+  EXPECT_EQ(contents(path("link_inertia_2.csv")), log);
+
+  // The robot file that is refined may be replaced by the refined one, but not by a page.
+  write("robot.yaml", contents(FJR_SOURCE_DIR "/config/robot.yaml"));
+  const auto refine = [&](const std::string& option) {
+    return run({"identify", "link_inertia", "link_inertia_2.csv", "--robot", "robot.yaml", option, "robot.yaml"})
+        .exit_code;
+  };
+  EXPECT_EQ(refine("--report"), 2);
+  EXPECT_EQ(refine("--out"), 0);
+}
+
 // The virtual rig's logs may be made again, with another seed too; a real rig's, of the same names, never are replaced.
 TEST_F(Cli, ExperimentsReplaceNoLogsOfARealRig) {
   const std::string measured = "# experiment: stiffness\ntime,q1,q2,theta1,theta2,tau1,tau2\n";

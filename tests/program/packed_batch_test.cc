@@ -134,6 +134,37 @@ TEST_F(PackedBatch, WhatAKillOrASignalLeavesIsPlannedOnceMoreAndNothingElse) {
   EXPECT_TRUE(fs::is_empty(path("tmp"))) << "what the killed one had there was removed by the next";
 }
 
+// Names and chunks that somebody has changed lead neither out of the folder nor past requests.
+TEST_F(PackedBatch, AnEditedManifestIsRefused) {
+  write("a.yaml", kShort);
+  fs::create_directories(path("victim"));
+  write("victim/notes.txt", "precious");
+  const auto refusal_after = [&](const std::string& change) {
+    fs::remove_all(path("out"));
+    EXPECT_EQ(prepare({"a.yaml"}).exit_code, 0);
+    Database(path("out/manifest.sqlite"), Database::Access::kWrite).execute("UPDATE requests SET " + change);
+    for (const std::vector<std::string>& words :
+         {std::vector<std::string>{"batch", "run", "out", "-q"}, {"batch", "status", "out"}}) {
+      const Result refused = run(words);
+      EXPECT_EQ(refused.exit_code, 2) << change << refused.out;
+      EXPECT_THAT(refused.err, HasSubstr("the manifest was edited")) << change;
+    }
+    EXPECT_EQ(prepare({"a.yaml"}).exit_code, 2) << change;
+  };
+  for (const char* chunk : {"1000000000", "-1", "0", "NULL", "'one'"}) refusal_after(std::string("chunk = ") + chunk);
+  for (const std::string name : {"../../victim", "", "..", "/tmp/x"}) refusal_after("name = '" + name + "'");
+  EXPECT_TRUE(fs::exists(path("victim/notes.txt")));
+}
+
+// A node that does not see the library plans nothing, and its requests stay open for the others.
+TEST_F(PackedBatch, RequestsArePlannedLaterWhereTheirLibraryIsMissing) {
+  write("a.yaml", kShort);
+  ASSERT_EQ(prepare({"a.yaml", "--library", "nowhere"}).exit_code, 0);
+  EXPECT_EQ(run({"batch", "run", "out", "1", "-q"}).exit_code, 1);
+  EXPECT_EQ(status()["status"], (Json{{"failed", 1}}));
+  EXPECT_EQ(status()["unfinished"], Json({1}));
+}
+
 TEST_F(PackedBatch, ACrashedPlanIsFailedUntilItIsPlannedAgain) {
   write("a.yaml", kLong);
   ASSERT_EQ(prepare({"a.yaml"}).exit_code, 0);

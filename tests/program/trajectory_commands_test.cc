@@ -330,6 +330,25 @@ TEST_F(Cli, ReportOnTwoPlans) {
   EXPECT_FALSE(fs::exists(path("one.html")));
 }
 
+TEST_F(Cli, SimulateDoesNotReplaceItsInputs) {
+  write_csv(at_rest(), path("t.csv"));
+  const std::string motion = contents(path("t.csv")), robot = contents(FJR_SOURCE_DIR "/config/robot.yaml");
+  write("arm.yaml", robot);
+  fs::create_symlink("t.csv", path("link.csv"));
+  const auto refusal = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"simulate", "t.csv", "--control", "executor", "--true-robot", "arm.yaml"});
+    const Result result = run(more);
+    EXPECT_EQ(result.exit_code, 2);
+    return result.err;
+  };
+  EXPECT_THAT(refusal({"--out", "t.csv"}), HasSubstr("--out: t.csv would overwrite the input t.csv"));
+  EXPECT_THAT(refusal({"--out", "link.csv"}), HasSubstr("--out: link.csv would overwrite the input t.csv"));
+  EXPECT_THAT(refusal({"--log", "t.csv"}), HasSubstr("--log: t.csv would overwrite the input t.csv"));
+  EXPECT_THAT(refusal({"--out", "./arm.yaml"}), HasSubstr("--out: ./arm.yaml would overwrite the input arm.yaml"));
+  EXPECT_EQ(contents(path("t.csv")), motion);
+  EXPECT_EQ(contents(path("arm.yaml")), robot);
+}
+
 TEST_F(Cli, SimulateRunsAnyTrajectory) {
   write_csv(at_rest(), path("t.csv"));
   const Result result = run({"simulate", "t.csv", "--hold", "0.1", "--out", "run.csv"});

@@ -6,6 +6,7 @@
 
 #include <fstream>
 #include <random>
+#include <utility>
 
 #include "common/input_error.h"
 #include "tests/support/mutated_text.h"
@@ -30,7 +31,7 @@ TEST(ServiceConfig, MutatedFilesAreReadOrRefused) {
       EXPECT_LE(config.workers, 64u);
       EXPECT_GE(config.queue, 1u);
       EXPECT_GT(config.budget, 0);
-      EXPECT_GT(config.longest_budget, 0);
+      EXPECT_GE(config.longest_budget, config.budget);
       ++read;
     } catch (const InputError& error) {
       EXPECT_FALSE(error.problem().empty());
@@ -87,6 +88,22 @@ TEST_F(RobotsTest, WhatCannotBeMeantIsRefused) {
             "robots[0].id: with the instance's name 65 characters, above the 64 allowed");
   EXPECT_EQ(refusal_of("{ros2: {joint_trajectory: true}, robots: [{id: a}, {id: b}]}\n"),
             "ros2.joint_trajectory: true, but the topic is one robot's alone, and `robots` has several");
+}
+
+using BudgetsTest = RobotsTest;
+
+TEST_F(BudgetsTest, TheDefaultIsNeverAboveTheLongest) {
+  const auto budgets = [&](const std::string& text) {
+    const ServiceConfig config = read(text);
+    return std::pair(config.budget, config.longest_budget);
+  };
+  EXPECT_EQ(budgets("{}\n"), std::pair(60.0, 600.0));
+  EXPECT_EQ(budgets("longest_budget: 10\n"), std::pair(10.0, 10.0));
+  EXPECT_EQ(budgets("longest_budget: 90\n"), std::pair(60.0, 90.0));
+  EXPECT_EQ(budgets("{budget: 10, longest_budget: 10}\n"), std::pair(10.0, 10.0));
+  EXPECT_EQ(refusal_of("{budget: 60, longest_budget: 10}\n"),
+            "budget: 60 s is outside (0, 10], as `longest_budget` is 10 s");
+  EXPECT_EQ(refusal_of("budget: 601\n"), "budget: 601 s is outside (0, 600], as `longest_budget` is 600 s");
 }
 
 }  // namespace

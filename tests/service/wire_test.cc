@@ -126,6 +126,17 @@ TEST(Wire, WhatCameAsNumbersIsPassedOnAsADocument) {
   EXPECT_EQ(resolved(relayed.order.document).request_hash, resolved(kShort).request_hash);
 }
 
+// It is counted in nanoseconds afterwards, of which there are not enough for every number that can be sent.
+TEST(Wire, ASilenceOfAnyLengthIsOneOfADayAtMost) {
+  const auto silence_of = [](double sent) {
+    return dds::decode(dds::encode(dds::Relayed{.order = order_of(kShort), .silence = sent})).silence;
+  };
+  EXPECT_EQ(silence_of(2.5), 2.5);
+  EXPECT_EQ(silence_of(86400), 86400);
+  for (const double long_one : {86401.0, 1e300, kInfinity}) EXPECT_EQ(silence_of(long_one), 86400);
+  for (const double none : {-1.0, -kInfinity, kNan}) EXPECT_EQ(silence_of(none), 0);
+}
+
 TEST(Wire, NumbersArriveToTheLastBit) {
   const std::string yaml =
       "start: {q: [0.1, -0.30000000000000004], dq: [1e-17, 0.2]}\ngoal: {q: [1.2345678901234567, 0], dq: [0.1, 0.2]}\n"

@@ -3,6 +3,9 @@
 #include <matio.h>
 
 #include <array>
+#include <cstdint>
+#include <cstring>
+#include <fstream>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -26,6 +29,8 @@ struct Free {
 };
 using MatFile = std::unique_ptr<mat_t, Close>;
 using Variable = std::unique_ptr<matvar_t, Free>;
+
+constexpr std::uintmax_t kHeaderBytes = 128;  // of a level 5 file, in front of its elements
 
 // A temporary file beside the target, which is removed unless it was renamed.
 class Beside {
@@ -60,12 +65,6 @@ Variable text(const char* name, std::string value) {
   return checked(Variable(Mat_VarCreate(name, MAT_C_CHAR, MAT_T_UTF8, 2, size.data(), value.data(), 0)), name);
 }
 
-void write(mat_t* file, const Variable& variable) {
-  if (Mat_VarWrite(file, variable.get(), MAT_COMPRESSION_NONE) != 0) {
-    throw std::runtime_error(std::string(variable->name) + ": cannot be written to a MATLAB file");
-  }
-}
-
 // Returns the limits in plan.json, with the middle from which positions of the links are measured if it is not zero.
 nlohmann::ordered_json limits_with_middle(const PlanRecord& plan) {
   nlohmann::ordered_json limits = plan.plan.at("resolved_request").at("limits");
@@ -90,29 +89,89 @@ Variable limits_of(const nlohmann::ordered_json& limits) {
   return all;
 }
 
+// Calls `use` with each variable of the file, in their order. Only one is in memory at a time, because a long plan has
+// columns of 16 MB.
+template <class Use>
+void each_variable(const Exported& exported, const ExportTable& table, Use&& use) {
+  for (std::size_t i = 0; i < table.names.size(); ++i) {
+    use(matrix(table.names[i].c_str(), table.values[i], table.values[i].size(), 1));
+  }
+  if (exported.plan == nullptr) return;
+  const auto& plan = exported.plan->plan;
+  use(limits_of(limits_with_middle(*exported.plan)));
+  for (const char* key : {"request", "status", "request_hash", "robot_hash"}) {
+    use(text(key, plan.at(key).get<std::string>()));
+  }
+  use(matrix("tick_s", {exported.ticked->tick}, 1, 1));
+}
+
+std::runtime_error cannot_write(const fs::path& file, const std::string& reason) {
+  return std::runtime_error(fmt::format("cannot write {}: {}", file.string(), reason));
+}
+
+bool same(matvar_t* wanted, matvar_t* found) {
+  if (wanted == nullptr || found == nullptr) return wanted == found;
+  if (wanted->class_type != found->class_type || wanted->nbytes != found->nbytes) return false;
+  if (wanted->class_type != MAT_C_STRUCT) {
+    return wanted->nbytes == 0 || std::memcmp(wanted->data, found->data, wanted->nbytes) == 0;
+  }
+  const unsigned fields = Mat_VarGetNumberOfFields(wanted);
+  if (fields != Mat_VarGetNumberOfFields(found)) return false;
+  for (unsigned i = 0; i < fields; ++i) {
+    if (!same(Mat_VarGetStructFieldByIndex(wanted, i, 0), Mat_VarGetStructFieldByIndex(found, i, 0))) return false;
+  }
+  return true;
+}
+
+// Returns whether the last element ends where the file does. matio does not tell when a value that it reads is cut
+// short: the rest of it is then whatever was in memory before, which may be the very value that was to be written.
+bool ends_with_an_element(const fs::path& file) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(file, error);
+  if (error) return false;
+  std::ifstream in(file, std::ios::binary);
+  std::uintmax_t at = kHeaderBytes;
+  while (at < size) {
+    std::array<std::uint32_t, 2> tag{};  // type and number of bytes that follow
+    in.seekg(static_cast<std::streamoff>(at));
+    if (!in.read(reinterpret_cast<char*>(tag.data()), sizeof(tag))) return false;
+    at += sizeof(tag) + tag[1];
+  }
+  return at == size;
+}
+
+// Returns whether all that was to be written is in the file.
+bool is_whole(const fs::path& file, const Exported& exported, const ExportTable& table) {
+  if (!ends_with_an_element(file)) return false;
+  const MatFile mat(Mat_Open(file.c_str(), MAT_ACC_RDONLY));
+  if (!mat) return false;
+  bool whole = true;
+  each_variable(exported, table, [&](const Variable& wanted) {
+    const Variable found(whole ? Mat_VarReadNext(mat.get()) : nullptr);
+    whole = found && found->name != nullptr && std::strcmp(wanted->name, found->name) == 0 &&
+            same(wanted.get(), found.get());
+  });
+  return whole;
+}
+
 }  // namespace
 
 void write_mat(const Exported& exported, const ExportTable& table, const fs::path& file) {
   const Beside part(file);
-  {
-    const std::string header = "MATLAB 5.0 MAT-file, written by fjr " FJR_VERSION;
-    const MatFile mat =
-        checked(MatFile(Mat_CreateVer(part.path().c_str(), header.c_str(), MAT_FT_MAT5)), file.string());
-    for (std::size_t i = 0; i < table.names.size(); ++i) {
-      write(mat.get(), matrix(table.names[i].c_str(), table.values[i], table.values[i].size(), 1));
-    }
-    if (exported.plan != nullptr) {
-      const auto& plan = exported.plan->plan;
-      write(mat.get(), limits_of(limits_with_middle(*exported.plan)));
-      for (const char* key : {"request", "status", "request_hash", "robot_hash"}) {
-        write(mat.get(), text(key, plan.at(key).get<std::string>()));
-      }
-      write(mat.get(), matrix("tick_s", {exported.ticked->tick}, 1, 1));
-    }
+  const std::string header = "MATLAB 5.0 MAT-file, written by fjr " FJR_VERSION;
+  MatFile mat = checked(MatFile(Mat_CreateVer(part.path().c_str(), header.c_str(), MAT_FT_MAT5)), file.string());
+  bool written = true;
+  each_variable(exported, table, [&](const Variable& variable) {
+    written = written && Mat_VarWrite(mat.get(), variable.get(), MAT_COMPRESSION_NONE) == 0;
+  });
+  // matio does not check what it writes, and a full disk may have taken a part of it, so it is read back.
+  const bool closed = Mat_Close(mat.release()) == 0;
+  if (!written || !closed || !is_whole(part.path(), exported, table)) {
+    throw cannot_write(file, "not all of it arrived in the file system, which may be full");
   }
   std::error_code error;
   fs::rename(part.path(), file, error);
-  if (error) throw std::runtime_error(fmt::format("{}: {}", file.string(), error.message()));
+  if (error) throw cannot_write(file, error.message());
 }
 
 }  // namespace fjr

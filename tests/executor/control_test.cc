@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -257,6 +258,21 @@ TEST(Control, SaysWhenTheGoalIsNotReachedInTime) {
   EXPECT_EQ(rig.state.mode, ExecutorMode::kHolding);
 }
 
+// Somebody who pushes a link while the goal is watched does not undo a stop.
+TEST(Control, AStopWhileTheGoalIsWatchedStaysAStop) {
+  Rig rig({.truth = robot(), .payload = 0.03});
+  auto move = motion();
+  move->tolerances.goal = {0.001, 0.001};  // the goal is watched, for it is not reached
+  ASSERT_TRUE(rig.control.begin(move.get()));
+  rig.run(0.65);
+  EXPECT_FALSE(rig.control.finished());
+  rig.control.stop();
+  rig.run(kTick);
+  move->tolerances.path = {1e-6, 1e-6};  // as if it were pushed
+  EXPECT_EQ(rig.finish(*move).code, ResultCode::kPathToleranceViolated);
+  EXPECT_EQ(rig.state.mode, ExecutorMode::kStopped);
+}
+
 class EncoderLoss : public testing::TestWithParam<EncoderFault::Encoder> {};
 INSTANTIATE_TEST_SUITE_P(All, EncoderLoss,
                          testing::Values(EncoderFault::Encoder::kQ1, EncoderFault::Encoder::kQ2,
@@ -288,29 +304,34 @@ class Gaps : public Arm {
   explicit Gaps(Arm& arm) : arm_(arm) {}
   Reading read(int ticks) override {
     Reading reading = arm_.read(ticks);
-    if (missing > 0 && missing-- > 0) reading.theta[1].reset();
+    if (missing > 0 && missing-- > 0) reading.theta[1] = instead;
     return reading;
   }
   void command(const Joints<double>& torque) override { arm_.command(torque); }
   int missing = 0;
+  std::optional<double> instead;  // of a reading that is missing
 
  private:
   Arm& arm_;
 };
 
 TEST(Control, BridgesTwoMissingSamplesAndNotMore) {
-  for (const int missing : {kLostAfter - 1, kLostAfter}) {
-    VirtualArm arm({.truth = robot()}, kFrom);
-    Gaps gaps(arm);
-    Control control(robot(), gaps);
-    const auto move = motion();
-    ASSERT_TRUE(control.begin(move.get()));
-    for (int i = 0; i < 2500; ++i) {
-      if (i == 300) gaps.missing = missing;
-      control.tick();
+  const double not_a_number = std::numeric_limits<double>::quiet_NaN();
+  for (const std::optional<double> instead : {std::optional<double>(), std::optional(not_a_number)}) {
+    for (const int missing : {kLostAfter - 1, kLostAfter}) {
+      VirtualArm arm({.truth = robot()}, kFrom);
+      Gaps gaps(arm);
+      gaps.instead = instead;
+      Control control(robot(), gaps);
+      const auto move = motion();
+      ASSERT_TRUE(control.begin(move.get()));
+      for (int i = 0; i < 2500; ++i) {
+        if (i == 300) gaps.missing = missing;
+        control.tick();
+      }
+      ASSERT_TRUE(control.finished());
+      EXPECT_EQ(move->outcome.ending, missing < kLostAfter ? Ending::kReached : Ending::kEncoderLost);
     }
-    ASSERT_TRUE(control.finished());
-    EXPECT_EQ(move->outcome.ending, missing < kLostAfter ? Ending::kReached : Ending::kEncoderLost);
   }
 }
 

@@ -3,6 +3,7 @@
 // refused.
 #pragma once
 
+#include <cstdint>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <string>
@@ -54,9 +55,39 @@ class DepthCheck final : public nlohmann::json_sax<Json> {
   std::size_t depth_ = 0;
 };
 
+// Returns whether a string of unknown length begins within another one. CBOR (RFC 8949, 3.2.3) does not allow that, but
+// the library reads such strings recursively, so that many would overflow the stack. Heads of items follow each other
+// in the bytes however deeply the items are nested; what is cut short or no CBOR is left to the library.
+inline bool nests_strings(std::string_view bytes) {
+  constexpr unsigned kUnknownLength = 31, kBytes = 2, kText = 3, kSimple = 7;
+  bool in_string = false;
+  for (std::size_t at = 0; at < bytes.size();) {
+    const auto head = static_cast<unsigned char>(bytes[at++]);
+    const unsigned major = head >> 5U, info = head & 31U;
+    if (info == kUnknownLength) {
+      const bool string = major == kBytes || major == kText;
+      if (string && in_string) return true;
+      if (string || major == kSimple) in_string = string;  // 7 with 31 ends what was begun last
+      continue;
+    }
+    std::uint64_t argument = info;
+    if (info >= 24 && info <= 27) {
+      const std::size_t count = std::size_t{1} << (info - 24);
+      if (count > bytes.size() - at) return false;
+      argument = 0;
+      for (std::size_t i = 0; i < count; ++i) argument = argument << 8U | static_cast<unsigned char>(bytes[at++]);
+    }
+    if (major != kBytes && major != kText) continue;
+    if (argument > bytes.size() - at) return false;
+    at += static_cast<std::size_t>(argument);
+  }
+  return false;
+}
+
 // Returns the value of a CBOR item. Throws std::invalid_argument if it is not CBOR or nested too deeply.
 template <class Json>
 Json json_from_cbor(std::string_view bytes) {
+  if (nests_strings(bytes)) throw std::invalid_argument("a string of unknown length within another one");
   DepthCheck<Json> check;
   if (Json::sax_parse(bytes, &check, Json::input_format_t::cbor)) {
     Json value = Json::from_cbor(bytes, true, false);

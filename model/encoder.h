@@ -33,11 +33,13 @@ class VelocityFilter {
   // Shifts the position by `by` [rad] without affecting the velocity.
   void shift(double by) { last_ += by; }
 
-  // Takes the position [rad] of this tick and returns the filtered velocity [rad/s].
-  double update(double position) {
-    const double difference = (position - last_) / period_;
+  // Takes the position [rad] that was measured `periods` after the one before, and returns the filtered velocity
+  // [rad/s].
+  double update(double position, int periods = 1) {
+    const double difference = (position - last_) / (periods * period_);
+    const double keep = periods == 1 ? keep_ : std::pow(keep_, periods);
     last_ = position;
-    velocity_ = keep_ * velocity_ + (1 - keep_) * difference;
+    velocity_ = keep * velocity_ + (1 - keep) * difference;
     return velocity_;
   }
 

@@ -341,8 +341,10 @@ bool Rollout::Memory::run_to(double end, std::span<const double>& instants, cons
     }
     state = read(x.get());
     if (flag < 0 || !finite(state) || steps > kMaxSteps) {
-      failure =
-          "integration stopped at " + std::to_string(time) + " s: " + (flag < 0 ? flag_name(flag) : "too many steps");
+      const std::string why = flag < 0        ? flag_name(flag)
+                              : finite(state) ? "too many steps"
+                                              : "the state is no longer finite";
+      failure = "integration stopped at " + std::to_string(time) + " s: " + why;
       return false;
     }
     if (watch) watch(time, state);

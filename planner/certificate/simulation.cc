@@ -36,7 +36,9 @@ Simulation roll_out(const Parameters& planned_for, const Parameters& arm, const 
   const auto record = [&](double time, const State<double>& x) {
     const Sample planned = plan.at(time);
     const Joints<double> feedback = drive.feedback(planned.state, x);
-    out.samples.push_back({time, x, {planned.torque[0] + feedback[0], planned.torque[1] + feedback[1]}});
+    const Joints<double> dither = drive.dither ? drive.dither->at(time) : Joints<double>{};
+    out.samples.push_back({time, x, planned.torque});
+    for (std::size_t j = 0; j < kJoints; ++j) out.samples.back().torque[j] += feedback[j] + dither[j];
   };
   Rollout rollout(arm, Limits{}, Accuracy::of_certificates());
   rollout.limit_step(longest_step(trajectory));

@@ -63,7 +63,8 @@ PlannedDither::PlannedDither(const Parameters& p, const Trajectory& trajectory, 
 }
 
 Joints<double> PlannedDither::at(double time) const {
-  const auto tick = static_cast<std::size_t>(std::max(0.0, std::floor((time - start_) / tick_)));
+  constexpr double kRounding = 1e-6;  // [ticks] the beginning of a tick belongs to it, however its time is rounded
+  const auto tick = static_cast<std::size_t>(std::max(0.0, std::floor((time - start_) / tick_ + kRounding)));
   Joints<double> torque{};
   for (std::size_t j = 0; j < kJoints; ++j) {
     const auto after = std::upper_bound(swings_[j].begin(), swings_[j].end(), tick,
@@ -119,11 +120,11 @@ bool MotorFeedback::link_says_it_rests(std::size_t j, double link_error, const J
 
 MotorFeedback::Command MotorFeedback::command(const Positions& planned, const Joints<double>& planned_velocity,
                                               const Positions& measured, const Joints<double>& feedforward,
-                                              const Joints<bool>& blind) {
+                                              const Joints<bool>& blind, int ticks) {
   Command c{};
   for (std::size_t j = 0; j < kJoints; ++j) {
     difference_[j] = planned.theta[j] - quantised(measured.theta[j], p_.encoder.motor_counts[j]);
-    const double error = motor_error(j), error_velocity = error_velocity_[j].update(error);
+    const double error = motor_error(j), error_velocity = error_velocity_[j].update(error, ticks);
     const double of_link = link_error(p_, j, planned.q[j], measured.q[j]);
     if (!blind[j]) c.feedback[j] = link_gain(p_, j) * of_link;
     if (!blind[j] && !link_says_it_rests(j, of_link, planned_velocity)) {

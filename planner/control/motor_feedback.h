@@ -112,9 +112,9 @@ class MotorFeedback {
 
   // Computes the command for one tick from the planned and measured positions at its beginning (measured before
   // quantisation), the planned motor velocities [rad/s] and the feed-forward torque for the tick [N m]. Joints marked
-  // in `blind` get no feedback.
+  // in `blind` get no feedback. ticks: since the last command, more than 1 if ticks were missed.
   Command command(const Positions& planned, const Joints<double>& planned_velocity, const Positions& measured,
-                  const Joints<double>& feedforward, const Joints<bool>& blind = {});
+                  const Joints<double>& feedforward, const Joints<bool>& blind = {}, int ticks = 1);
 
  private:
   double motor_error(std::size_t j) const { return motor_error(p_, j, difference_[j]); }

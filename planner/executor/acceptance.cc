@@ -18,7 +18,7 @@ bool finite(const Sample& row) {
   return std::isfinite(row.time) && both(x.q) && both(x.dq) && both(x.theta) && both(x.dtheta) && both(row.torque);
 }
 
-bool at_rest(const Sample& row) {
+bool stands_still(const Sample& row) {
   constexpr double kStill = 1e-4;  // [rad/s]
   const auto still = [](const Joints<double>& v) { return std::abs(v[0]) <= kStill && std::abs(v[1]) <= kStill; };
   return still(row.state.dq) && still(row.state.dtheta);
@@ -60,8 +60,8 @@ std::optional<std::string> fault_of(const std::vector<Sample>& rows) {
   if (rows.back().time > kLongestMotion) {
     return fmt::format("takes {} s, more than {} s", rows.back().time, kLongestMotion);
   }
-  if (!at_rest(rows.front())) return "does not begin at rest";
-  if (!at_rest(rows.back())) return "does not end at rest";
+  if (!stands_still(rows.front())) return "does not begin at rest";
+  if (!stands_still(rows.back())) return "does not end at rest";
   return std::nullopt;
 }
 

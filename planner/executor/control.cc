@@ -96,12 +96,12 @@ void Control::tick(int ticks) {
   obey(asked);
   take_motion(asked != 0);
   follow();
-  sensing_.update(reading, planned_.state.q, reference());
+  sensing_.update(reading, planned_.state.q, reference(), ticks);
   if (stalled) stop_where_it_is(missed);
   if (swing_ == Swing::kLooking) look_at_swing();
   if (swing_ == Swing::kYielding) yield();
   supervise();
-  drive();
+  drive(ticks);
   publish();
 }
 
@@ -329,7 +329,7 @@ Joints<double> Control::mean_torque() {
   return {(planned_.torque[0] + next[0]) / 2, (planned_.torque[1] + next[1]) / 2};
 }
 
-void Control::drive() {
+void Control::drive(int ticks) {
   if (swing_ == Swing::kYielding) {
     command_ = yielding_torque(robot_, sensing_.q(), sensing_.dtheta());
     return arm_.command(command_.torque);
@@ -337,8 +337,8 @@ void Control::drive() {
   const Joints<double> feedforward = mean_torque(), theta = reference();
   Joints<double> q = planned_.state.q;
   for (std::size_t j = 0; j < kJoints; ++j) q[j] += shift_[j];
-  command_ =
-      feedback_.command({theta, q}, planned_.state.dtheta, {sensing_.theta(), sensing_.q()}, feedforward, blind_);
+  command_ = feedback_.command({theta, q}, planned_.state.dtheta, {sensing_.theta(), sensing_.q()}, feedforward, blind_,
+                               ticks);
   arm_.command(command_.torque);
 }
 

@@ -62,7 +62,7 @@ class Control {
   void finish(ExecutorMode mode);
   void rest_here();
   void move_reference(const Joints<double>& theta);
-  void drive();
+  void drive(int ticks);
   void publish();
 
   void hold(const Sample& rest);

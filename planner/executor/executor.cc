@@ -30,7 +30,9 @@ constexpr std::chrono::milliseconds kForACopy{250};  // wait for that copy
 std::filesystem::path history_file(const ExecutorConfig& config) {
   const std::filesystem::path folder = config.state.empty() ? default_state_folder() : config.state;
   std::filesystem::create_directories(folder);
-  return folder / fmt::format("executor-{}-{}", config.network.domain, config.robot_id);
+  std::string name = fmt::format("executor-{}-{}", config.network.domain, config.robot_id);
+  std::replace(name.begin(), name.end(), '/', '%');  // a robot_id may contain what separates folders
+  return folder / name;
 }
 
 }  // namespace

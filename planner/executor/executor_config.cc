@@ -36,6 +36,13 @@ void read_path(const YamlNode& root, std::string_view key, const std::filesystem
   if (const auto node = root.find(key)) to = folder / node->text();
 }
 
+void read_name(const YamlNode& root, std::string_view key, std::string& to) {
+  const auto node = root.find(key);
+  if (!node) return;
+  to = node->text();
+  if (to.size() > kLongestName) node->fail(fmt::format("{} characters, above the {} allowed", to.size(), kLongestName));
+}
+
 template <class Whole>
 void read_whole(const YamlNode& root, std::string_view key, std::uint64_t most, Whole& to) {
   const auto node = root.find(key);
@@ -100,7 +107,7 @@ ExecutorConfig load_executor_config(const std::filesystem::path& file) {
   read_path(root, "robot", folder, config.robot);
   read_path(root, "state", folder, config.state);
   read_path(root, "logs", folder, config.logs);
-  if (const auto node = root.find("robot_id")) config.robot_id = node->text();
+  read_name(root, "robot_id", config.robot_id);
   if (const auto node = root.find("tolerances")) read_tolerances(*node, config.tolerances);
   if (const auto node = root.find("virtual_arm")) read_arm(*node, folder, config);
   return config;

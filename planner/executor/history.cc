@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <sstream>
+#include <utility>
 
 #include "common/atomic_file.h"
 #include "common/input_error.h"
@@ -72,10 +73,12 @@ const History::Entry* History::find(const RequestId& id) const {
 }
 
 void History::begin(const RequestId& id, std::uint64_t epoch) {
-  epoch_ = std::max(epoch_, epoch);
-  entries_.push_back({id, std::nullopt, ""});
-  if (entries_.size() > kRemembered) entries_.pop_front();
-  write();
+  History with = *this;
+  with.epoch_ = std::max(epoch_, epoch);
+  with.entries_.push_back({id, std::nullopt, ""});
+  if (with.entries_.size() > kRemembered) with.entries_.pop_front();
+  with.write();
+  *this = std::move(with);  // not before: what could not be recorded is not run
 }
 
 void History::end(const RequestId& id, ResultCode code, const std::string& sentence) {

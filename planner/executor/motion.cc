@@ -11,6 +11,7 @@
 #include "planner/certificate/certificate.h"
 #include "planner/certificate/consistency.h"
 #include "planner/certificate/judge.h"
+#include "planner/certificate/residual.h"
 #include "planner/control/motor_feedback.h"
 #include "planner/learning/repetition.h"
 #include "planner/stop/stop_motion.h"
@@ -93,8 +94,19 @@ void refuse_for(const std::vector<std::string>& faults) {
   if (!faults.empty()) throw RowsRefused(fmt::format("{}", fmt::join(faults, "; ")));
 }
 
+// Judges a planned motion. After its last row the arm is held by the torque of the springs, so the springs must balance
+// gravity there: links that only turn back there would be thrown off the goal.
 void judge(const Parameters& robot, const Trajectory& plan) {
-  refuse_for(judge_closed_loop(robot, Limits::of(robot), plan).failures);
+  std::vector<std::string> faults = judge_closed_loop(robot, Limits::of(robot), plan).failures;
+  const Sample& last = plan.samples.back();
+  if (!is_at_rest(robot, last)) {
+    const Joints<double> rest = rest_at(robot, last.state.q).theta;
+    faults.push_back(fmt::format(
+        "does not end at rest: its last row has theta = ({:.6g}, {:.6g}) rad, where gravity and springs are in balance "
+        "with ({:.6g}, {:.6g}) rad",
+        last.state.theta[0], last.state.theta[1], rest[0], rest[1]));
+  }
+  refuse_for(faults);
 }
 
 // Judges a learnt motion. It is made for an arm that differs from the model, so on the model its links deviate from the

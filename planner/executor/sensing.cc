@@ -25,7 +25,7 @@ void Sensing::start(const Joints<double>& q, const Joints<double>& theta) {
   }
 }
 
-void Sensing::Encoders::update(const Joints<std::optional<double>>& samples, const Joints<double>& planned) {
+void Sensing::Encoders::update(const Joints<std::optional<double>>& samples, const Joints<double>& planned, int ticks) {
   for (std::size_t j = 0; j < kJoints; ++j) {
     const bool there = samples[j] && std::isfinite(*samples[j]);  // a filter would keep a NaN for ever
     if (there) {
@@ -36,13 +36,14 @@ void Sensing::Encoders::update(const Joints<std::optional<double>>& samples, con
       gone[j] = true;
     }
     position[j] = there && !gone[j] ? *samples[j] : planned[j] + deviation[j];
-    velocity[j] = filter[j].update(position[j]);
+    velocity[j] = filter[j].update(position[j], ticks);
   }
 }
 
-void Sensing::update(const Reading& reading, const Joints<double>& planned_q, const Joints<double>& planned_theta) {
-  link_.update(reading.q, planned_q);
-  motor_.update(reading.theta, planned_theta);
+void Sensing::update(const Reading& reading, const Joints<double>& planned_q, const Joints<double>& planned_theta,
+                     int ticks) {
+  link_.update(reading.q, planned_q, ticks);
+  motor_.update(reading.theta, planned_theta, ticks);
 }
 
 void Sensing::Encoders::restart() {

@@ -16,9 +16,10 @@ class Sensing {
   // Starts at rest at these positions [rad].
   void start(const Joints<double>& q, const Joints<double>& theta);
 
-  // Processes the readings of a tick. A missing sample is replaced by the planned value plus the last known deviation
-  // from the plan.
-  void update(const Reading& reading, const Joints<double>& planned_q, const Joints<double>& planned_theta);
+  // Processes the readings of a tick, which is `ticks` after the last one, more than 1 if ticks were missed. A missing
+  // sample is replaced by the planned value plus the last known deviation from the plan.
+  void update(const Reading& reading, const Joints<double>& planned_q, const Joints<double>& planned_theta,
+              int ticks = 1);
 
   const Joints<double>& q() const { return link_.position; }
   const Joints<double>& theta() const { return motor_.position; }
@@ -37,7 +38,7 @@ class Sensing {
     Joints<bool> gone{};
     Joints<VelocityFilter> filter;
 
-    void update(const Joints<std::optional<double>>& samples, const Joints<double>& planned);
+    void update(const Joints<std::optional<double>>& samples, const Joints<double>& planned, int ticks);
     void restart();
   };
 

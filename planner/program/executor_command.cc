@@ -33,6 +33,10 @@ ExecutorConfig config_of(const ExecutorArguments& options) {
   ExecutorConfig config = options.config.empty() ? default_executor_config() : load_executor_config(options.config);
   if (!options.robot.empty()) config.robot = options.robot;
   if (!options.true_robot.empty()) config.true_robot = options.true_robot;
+  if (options.robot_id.size() > kLongestName) {
+    throw InputError("command line", "--robot-id",
+                     fmt::format("{} characters, above the {} allowed", options.robot_id.size(), kLongestName));
+  }
   if (!options.robot_id.empty()) config.robot_id = options.robot_id;
   if (!options.state.empty()) config.state = options.state;
   if (!options.logs.empty()) config.logs = options.logs;

@@ -64,6 +64,7 @@ Parameters robot_in(const std::string& name) { return load_parameters(robot_file
 SimulatedRun simulated(const SimulateArguments& options) {
   SimulatedRun run{robot_in(options.robot), read_csv(options.trajectory), 0, {}, {}};
   if (const auto fault = malformed(run.trajectory)) throw InputError(options.trajectory, "", *fault);
+  if (const auto fault = rows_missing(run.trajectory)) throw InputError(options.trajectory, "# rows", *fault);
   const PlannedWith header = planned_with(run.trajectory.metadata, options.trajectory);
   if (run.robot.payload == Payload{} && header.payload) run.robot.payload = *header.payload;
   Parameters arm = options.true_robot.empty() ? run.robot : robot_in(options.true_robot);

@@ -20,6 +20,7 @@ namespace fjr {
 // A DDS participant by its DDS name: one client, whatever ids it uses. All zero: unknown.
 using Origin = std::array<std::uint8_t, 16>;
 
+inline constexpr std::size_t kLongestName = 64;          // [bytes] of a robot_id, and of an instance: idl/fjr_msgs.idl
 inline constexpr std::size_t kLongestPlanJson = 262144;  // [bytes] in a reply
 inline constexpr double kLongestMotion = 20;             // [s] of motions that an executor runs
 

@@ -79,9 +79,8 @@ void compare_requests(const Trajectory& trajectory, const PlannedMotion& planned
 
 // Returns whether the file contains as many rows as its header says; nothing if the header does not say.
 std::optional<bool> is_complete(const Trajectory& trajectory) {
-  const auto rows = trajectory.metadata.find("rows");
-  if (rows == trajectory.metadata.end()) return std::nullopt;
-  return rows->second == std::to_string(trajectory.samples.size());
+  if (!trajectory.metadata.contains("rows")) return std::nullopt;
+  return !rows_missing(trajectory);
 }
 
 // Reports a truncated file: its rows may still be exact, but they are not the planned motion.
@@ -89,8 +88,7 @@ void check_completeness(const Trajectory& trajectory, Verification& v) {
   v.complete = is_complete(trajectory);
   if (v.complete.value_or(true)) return;
   v.certificate.certified = false;
-  v.certificate.failures.push_back(fmt::format("the file has {} rows, but says that it had {}",
-                                               trajectory.samples.size(), trajectory.metadata.at("rows")));
+  v.certificate.failures.push_back(*rows_missing(trajectory));
 }
 
 void on_all_cores(std::size_t count, const std::function<void(std::size_t)>& task) {

@@ -105,6 +105,12 @@ std::optional<std::string> ExecutorWatch::twice() const {
   return fmt::format("{} executors report for robot {}: all but one have to be stopped", fresh, robot_id_);
 }
 
+std::optional<std::string> ExecutorWatch::stopped() const {
+  const auto state = latest();
+  if (!state || state->mode != ExecutorMode::kStopped) return std::nullopt;
+  return fmt::format("the arm is {}", doing(state->mode));
+}
+
 // Returns whether a published trajectory may still start. Its acceptance may not show in the executor's state yet.
 bool ExecutorWatch::about_to_move() const {
   return published_ && !runs_or_ran(*published_) && Clock::now() - published_at_ < kTaken;

@@ -37,6 +37,8 @@ class ExecutorWatch {
 
   // Returns a sentence if two executors claim the robot, because then it is unknown which arm would move.
   std::optional<std::string> twice() const;
+  // Returns a sentence if the executor was stopped. It then refuses every motion until somebody has started it again.
+  std::optional<std::string> stopped() const;
 
   // Returns the link positions [rad] at rest, or a sentence why they are unknown.
   std::variant<Joints<double>, std::string> rest() const;

@@ -8,11 +8,10 @@
 
 #include "common/strict_yaml.h"
 #include "model/parameters.h"
+#include "planner/protocol/messages.h"
 
 namespace fjr {
 namespace {
-
-constexpr std::size_t kLongestName = 64;  // idl/fjr_msgs.idl: RobotId, instance
 
 std::string this_process() {
   std::array<char, 48> host{};

@@ -103,8 +103,9 @@ void Service::admit(Order order, Clock::time_point arrived, Clock::time_point he
   }
   tally_.received();
   if (auto refusal = refusal_of_terms(order, served())) return reject(order, std::move(*refusal));
-  if (const auto twice = executor_.twice(); twice && executes(order)) {
-    return reject(order, {Reason::kArmNotAtRest, "", *twice});
+  if (executes(order)) {
+    if (const auto twice = executor_.twice()) return reject(order, {Reason::kArmNotAtRest, "", *twice});
+    if (const auto stopped = executor_.stopped()) return reject(order, {Reason::kArmNotAtRest, "", *stopped});
   }
   if (queue_.full_for(order.origin)) {
     return reject(order, {Reason::kQueueFull, "", fmt::format("{} requests wait already", queue_.size())});

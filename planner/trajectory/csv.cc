@@ -79,6 +79,13 @@ void format_csv(const Trajectory& trajectory, std::ostream& out) {
   out.write(text.data(), static_cast<std::streamsize>(text.size()));
 }
 
+std::optional<std::string> rows_missing(const Trajectory& trajectory) {
+  const auto told = trajectory.metadata.find("rows");
+  if (told == trajectory.metadata.end() || told->second == std::to_string(trajectory.samples.size()))
+    return std::nullopt;
+  return fmt::format("the file has {} rows, but says that it had {}", trajectory.samples.size(), told->second);
+}
+
 void write_csv(const Trajectory& trajectory, const std::filesystem::path& file) {
   std::ostringstream text;
   format_csv(trajectory, text);

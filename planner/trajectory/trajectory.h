@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <iosfwd>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,8 @@ class Interpolator {
 // columns are allowed and ignored. Writing is atomic (temporary file, then rename) and byte-reproducible.
 Trajectory read_csv(const std::filesystem::path& file);
 Trajectory parse_csv(std::istream& in, const std::string& source);
+// Returns a sentence if the file does not contain as many rows as its header says. It was cut short then, or edited.
+std::optional<std::string> rows_missing(const Trajectory& trajectory);
 void write_csv(const Trajectory& trajectory, const std::filesystem::path& file);
 void format_csv(const Trajectory& trajectory, std::ostream& out);
 

@@ -143,5 +143,19 @@ TEST(History, SurvivesARestartAndRefusesWhatItIsNot) {
   fs::remove(file);
 }
 
+TEST(History, ForgetsWhatItCouldNotRecord) {
+  const fs::path folder = fs::temp_directory_path() / ("fjr_history_of_" + std::to_string(::getpid()));
+  fs::create_directory(folder);
+  History history(folder / "executor");
+  const RequestId first = new_client();
+  history.begin(first, 5);
+  fs::remove_all(folder);
+  const RequestId second = new_client();
+  EXPECT_THROW(history.begin(second, 6), std::runtime_error);
+  EXPECT_NE(history.find(first), nullptr);
+  EXPECT_EQ(history.find(second), nullptr);  // it did not run, and may be sent again
+  EXPECT_EQ(history.epoch(), 5u);
+}
+
 }  // namespace
 }  // namespace fjr

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
@@ -17,6 +18,7 @@ namespace {
 
 using testing::AnyOf;
 using testing::HasSubstr;
+using testing::Not;
 
 TEST_F(ExecutorTest, MovesTheArmAndThenRefusesToStartFromElsewhere) {
   Process service = fjr({"serve"}, "serve.log");
@@ -43,8 +45,51 @@ TEST_F(ExecutorTest, MovesTheArmAndThenRefusesToStartFromElsewhere) {
   EXPECT_EQ(second.wait(), 1) << second.output();
   // 0.42 rad but for what the motion ended beside it.
   EXPECT_THAT(second.output(), testing::ContainsRegex("starts at q1 = 0.3 rad, the arm is at 0.4(19[89]|2)"));
+
+  // What a stopped arm would refuse is not planned first.
+  Process stop = fjr({"stop"}, "stop.log");
+  EXPECT_EQ(stop.wait(), 0) << stop.output();
+  Process third = fjr({"request", path("there.yaml"), "--execute"}, "third.log");
+  EXPECT_EQ(third.wait(), 1);
+  EXPECT_THAT(third.output(), HasSubstr("the arm is stopped until it is started again"));
+  EXPECT_THAT(third.output(), Not(HasSubstr("certified")));
   arm->send(SIGTERM);
   EXPECT_EQ(arm->wait(), 0);
+}
+
+// A motion that comes to `to` with resting links and motors, where springs that are not in balance with gravity pull
+// link 1 back with 2.8 rad/s^2. Its torque is exact.
+std::vector<Sample> turning_back(const Joints<double>& from, const Joints<double>& to, double duration) {
+  // 6 s^5 - 17 s^6 + 16 s^7 - 5 s^8 and all its derivatives up to the fourth are 0 at 0. At 1 its value and its first
+  // and third derivatives are 0, the second one is 2.
+  const auto turn = [](double s, int k) {
+    constexpr double kCoefficients[] = {6, -17, 16, -5};
+    double sum = 0;
+    for (int i = 5; i < 9; ++i) {
+      double factor = kCoefficients[i - 5];
+      for (int r = 0; r < k; ++r) factor *= i - r;
+      sum += factor * std::pow(s, i - k);
+    }
+    return sum;
+  };
+  std::vector<Sample> rows = flat_motion(robot(), from, to, duration).samples;
+  for (Sample& row : rows) {
+    const double s = row.time / duration;
+    const auto derivative = [&](int k) {
+      Joints<double> value;
+      for (std::size_t j = 0; j < kJoints; ++j) {
+        value[j] = (k == 0 ? from[j] : 0) + (to[j] - from[j]) * smooth_step(s, k) / std::pow(duration, k);
+      }
+      value[0] -= 2 * turn(s, k) / std::pow(duration, k);
+      return value;
+    };
+    const FlatPoint point =
+        from_link_motion(robot(), {derivative(0), derivative(1), derivative(2), derivative(3), derivative(4)});
+    row.state = point.state;
+    row.torque = point.torque;
+  }
+  for (Sample* end : {&rows.front(), &rows.back()}) end->state.dq = end->state.dtheta = {};  // rounding is no motion
+  return rows;
 }
 
 // What says that it is certified, and is not.
@@ -89,6 +134,8 @@ TEST_F(ExecutorTest, BelievesNobody) {
       },
       kTo, "closed loop: feedback torque of joint 1 reaches");
   refused([](Rows& rows) { rows.resize(600); }, kTo, "does not end at rest");
+  refused([](Rows& rows) { rows = turning_back(kFrom, kTo, 1.2); }, kTo,
+          "does not end at rest: its last row has theta = (1.121");
   const RequestId good = cell().publish(kFrom, kTo, 1.2);
   EXPECT_EQ(cell().result(good).code, ResultCode::kSuccessful) << cell().result(good).sentence;
 }

@@ -207,6 +207,18 @@ TEST(VelocityFilter, ConvergesToAConstantVelocityLikeAFirstOrderLowPass) {
   }
 }
 
+// As if the position had been measured in between, on the straight line to where it is after them.
+TEST(VelocityFilter, KnowsOfMissedPeriods) {
+  VelocityFilter each(kCutoff, kPeriod), late(kCutoff, kPeriod);
+  for (VelocityFilter* filter : {&each, &late}) filter->reset(0.3, 1.5);
+  for (const int periods : {1, 2, 6}) {
+    double of_each = 0;
+    for (int i = 1; i <= periods; ++i) of_each = each.update(0.3 + 0.01 * i / periods);
+    EXPECT_NEAR(late.update(0.31, periods), of_each, 1e-12) << periods;  // differences lose 1e-16 / 1e-3 s
+    for (VelocityFilter* filter : {&each, &late}) filter->shift(-0.01);
+  }
+}
+
 TEST(VelocityFilter, StartsFromTheVelocityItIsGiven) {
   VelocityFilter filter(kCutoff, kPeriod);
   filter.reset(-1, 4);

@@ -153,7 +153,7 @@ double feedback_at(double motor_counts, double link_counts, const Joints<double>
   return feedback.command(planned, planned_velocity, measured, {0, 0}).feedback[1];
 }
 
-// Two rests, between which motor 2 moves for 8 ms, and the same tick by tick.
+// Two rests, between which motor 2 moves for 8 ms, and the same tick by tick, from the instants at which they begin.
 TEST(Dither, OfAPlanIsThatOfItsTicks) {
   Trajectory trajectory = resting({0.3, 0.2}, 0.05);
   for (std::size_t k = 20; k < 28; ++k) trajectory.samples[k].state.dtheta[1] = 0.01;
@@ -164,6 +164,7 @@ TEST(Dither, OfAPlanIsThatOfItsTicks) {
     const double torque = dither.next(trajectory.samples[static_cast<std::size_t>(k)].state.dtheta[1]);
     steps += k >= kDitherAfter && (k < 20 || k >= 28 + kDitherAfter);
     EXPECT_EQ(torque != 0, k >= kDitherAfter && (k < 20 || k >= 28 + kDitherAfter)) << k;
+    EXPECT_EQ(planned.at(k / 1000.0), (Joints<double>{0, torque})) << k;  // as a file of milliseconds has it
     for (const double share : {0.01, 0.5, 0.99}) {
       EXPECT_EQ(planned.at((k + share) * kTick), (Joints<double>{0, torque})) << k;
     }

@@ -219,6 +219,16 @@ TEST_F(Cli, VerifyRefusesAFileWhoseLastLineWasCut) {
   EXPECT_THAT(cut.err, HasSubstr("does not end: the file was cut short"));
 }
 
+TEST_F(Cli, SimulateRefusesAFileThatWasCutBetweenTwoLines) {
+  Trajectory trajectory = at_rest();
+  trajectory.metadata["rows"] = "21";
+  trajectory.samples.resize(15);
+  write_csv(trajectory, path("t.csv"));
+  const Result cut = run({"simulate", "t.csv"});
+  EXPECT_EQ(cut.exit_code, 2);
+  EXPECT_THAT(cut.err, HasSubstr("t.csv: # rows: the file has 15 rows, but says that it had 21"));
+}
+
 TEST_F(Cli, VerifyRefusesATamperedFile) {
   Trajectory trajectory = at_rest();
   trajectory.samples[10].state.q[0] += 2e-4;  // two counts of the link encoder

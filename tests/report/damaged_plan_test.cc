@@ -65,6 +65,10 @@ TEST(DamagedPlan, IsRefusedWhereItIsNestedTooDeeply) {
   EXPECT_EQ(json_from_cbor<Json>("\x81\x82\x01\x02"), Json::parse("[[1, 2]]"));
   EXPECT_THROW(json_from_cbor<Json>(std::string(1'000'000, '\x81')), std::invalid_argument);
   EXPECT_THROW(json_from_cbor<Json>("\x82\x01"), std::invalid_argument);
+  EXPECT_EQ(json_from_cbor<Json>("\x82\x7f\x61\x61\x61\x62\xff\x7f\x61\x63\xff"), Json::parse(R"(["ab", "c"])"));
+  EXPECT_EQ(json_from_cbor<Json>("\x62\x7f\x7f"), Json("\x7f\x7f"));
+  EXPECT_THROW(json_from_cbor<Json>(std::string(1'000'000, '\x7f')), std::invalid_argument);
+  EXPECT_THROW(json_from_cbor<Json>(std::string(1'000'000, '\x5f')), std::invalid_argument);
 }
 
 TEST(DamagedPlan, IsRefusedOrShownWithoutIt) {

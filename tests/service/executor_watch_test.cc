@@ -70,6 +70,23 @@ TEST(ExecutorWatch, SaysWhyThereIsNoRest) {
             "2 executors report for robot arm: all but one have to be stopped");
 }
 
+TEST(ExecutorWatch, KnowsAStoppedArmAsLongAsItSaysSo) {
+  using namespace std::chrono_literals;
+  ExecutorWatch watch("arm", "mine");
+  EXPECT_FALSE(watch.stopped());  // nobody has said so
+  ExecutorState state = resting();
+  for (const ExecutorMode mode : {ExecutorMode::kResting, ExecutorMode::kHolding, ExecutorMode::kStopping}) {
+    state.mode = mode;
+    watch.heard(state);
+    EXPECT_FALSE(watch.stopped());
+  }
+  state.mode = ExecutorMode::kStopped;
+  watch.heard(state);
+  EXPECT_EQ(watch.stopped(), "the arm is stopped until it is started again");
+  watch.heard(state, 0, ExecutorWatch::Clock::now() - 2s);  // it may have been started again since
+  EXPECT_FALSE(watch.stopped());
+}
+
 // By when it was heard, whatever its stamp says: the wall clocks of the two machines need not agree.
 TEST(ExecutorWatch, AStateGetsOldBySteadyTime) {
   using namespace std::chrono_literals;

@@ -27,7 +27,8 @@ bool compares_published(const Weights& weights) { return sees_friction(weights) 
 // Returns the most iterations of a step, without patience.
 int iterations_of_step(const Problem& problem, bool with_rests_scaled, const HomotopySettings& settings) {
   if (with_rests_scaled) return settings.iterations_with_rests;
-  return has_reward(problem.weights) ? settings.iterations_with_reward : settings.iterations;
+  if (has_reward(problem.weights)) return settings.iterations_with_reward;
+  return sees_friction(problem.weights) ? settings.iterations : settings.iterations_of_shift;
 }
 
 // Solves a step by a warm start. Returns whether that gives a solution.

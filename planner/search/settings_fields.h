@@ -63,6 +63,7 @@ template <SettingsOf<HomotopySettings> S, class Visit>
 constexpr void visit_fields(S& s, Visit&& visit) {
   visit({"mesh_tolerance", "rad", 1e-9, 0.01}, s.mesh_tolerance);
   visit(iterations_key("iterations"), s.iterations);
+  visit(iterations_key("iterations_of_shift"), s.iterations_of_shift);
   visit(iterations_key("iterations_with_reward"), s.iterations_with_reward);
   visit(iterations_key("iterations_with_rests"), s.iterations_with_rests);
   visit({"rest_width", "rad/s", 0, 0.1}, s.rest_width);

@@ -45,6 +45,7 @@ struct WarmStartSettings {
 struct HomotopySettings {
   double mesh_tolerance = 1e-5;      // [rad] during the homotopy
   int iterations = 80;               // of steps that converge at all, nine of ten take less than 60
+  int iterations_of_shift = 150;     // where the law only shifts the torque limits (bench/README.md, Fastest motions)
   int iterations_with_reward = 300;  // those with a reward converge more slowly (bench/README.md)
   int iterations_with_rests = 50;    // with rests scaled, 45
   double rest_width = 0.003;         // [rad/s] up to which rests are scaled: in wider laws a moving motor seems to rest

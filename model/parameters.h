@@ -36,7 +36,8 @@ struct PlaneMounting {
   double down = 0;     // [rad]  q1 at which the stretched arm points down (in an inclined plane: down the slope)
   double inclination = std::numbers::pi / 2;  // [rad]  the given angle; `gravity` is its sine
 
-  bool operator==(const PlaneMounting&) const = default;
+  // Compares what the model depends on: an inclination beside pi/2 by rounding is upright, too.
+  bool operator==(const PlaneMounting& other) const { return gravity == other.gravity && down == other.down; }
 };
 
 // The constants of the paper's model, SI units, motor quantities in link coordinates (after the gear).

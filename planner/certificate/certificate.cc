@@ -51,6 +51,18 @@ class Verdict {
         joint, error, closed.time_of_max_link_velocity, allowed));
   }
 
+  void judge_motor_velocity(const Comparison& closed) {
+    for (std::size_t j = 0; j < kJoints; ++j) {
+      const double shaken = Dither(robot_, j, kTick).amplitude();  // where the plan rests
+      const double error = closed.motor_velocity_error[j];
+      const double allowed = rollout_motor_velocity_tolerance(robot_)[j] + shaken;
+      if (error <= allowed) continue;
+      refuse(fmt::format(
+          "closed loop: the velocity of motor {} is up to {:.2e} rad/s off the plan ({:.6f} s), allowed {:.2e} rad/s",
+          j + 1, error, closed.time_of_max_motor_velocity[j], allowed));
+    }
+  }
+
   void judge_feedback(const Comparison& closed) {
     for (std::size_t j = 0; j < kJoints; ++j) {
       const double allowed = feedback_limit(robot_)[j];
@@ -86,6 +98,7 @@ class Verdict {
   void judge_closed_loop(const Comparison& closed) {
     judge_exactness("closed loop", certificate_.closed_loop);
     judge_velocity(closed);
+    judge_motor_velocity(closed);
     judge_feedback(closed);
     judge_limits();
   }

@@ -63,6 +63,7 @@ class Recorder {
     raise(out_.errors.motor[j], x.theta[j] - plan.theta[j]);
     out_.errors.final_link[j] = magnitude(link);
     raise(out_.link_velocity_error[j], x.dq[j] - plan.dq[j], time, out_.time_of_max_link_velocity);
+    raise(out_.motor_velocity_error[j], x.dtheta[j] - plan.dtheta[j], time, out_.time_of_max_motor_velocity[j]);
   }
 
   const Parameters& robot_;

@@ -40,6 +40,35 @@ std::optional<std::string> disagreement(const Column& c, std::size_t joint, cons
       joint + 1, c.disagreement(h), a.time, b.time, c.allowed(h));
 }
 
+// Compares the velocities of one motor with what its accelerations make of them.
+class VelocityChanges {
+ public:
+  explicit VelocityChanges(double unexplained_acceleration) : unexplained_(unexplained_acceleration) {}
+
+  // Includes an interval of duration h [s] with its velocities [rad/s] and the accelerations there [rad/s^2]. Returns
+  // the largest change from any earlier row on that neither accelerations nor allowances explain, 0 if there is none.
+  double include(double h, double v0, double v1, double a0, double a1) {
+    drift_ += v1 - v0 - 0.5 * h * (a0 + a1);
+    allowed_ += h * (unexplained_ + 0.5 * std::abs(a1 - a0));  // if it jumps in between
+    const double least = drift_ - allowed_, most = drift_ + allowed_;
+    const double change = std::max({0.0, least - lowest_, highest_ - most});
+    lowest_ = std::min(lowest_, least);
+    highest_ = std::max(highest_, most);
+    return change;
+  }
+
+ private:
+  double unexplained_;                                         // [rad/s^2]
+  double drift_ = 0, allowed_ = 0, lowest_ = 0, highest_ = 0;  // [rad/s] from the first row on
+};
+
+std::optional<std::string> unexplained(double change, std::size_t joint, double time) {
+  if (change <= kUnexplainedVelocity) return std::nullopt;
+  return fmt::format(
+      "dtheta{} changes by {:.2e} rad/s until {:.6f} s that the motor's acceleration does not explain, allowed {:.2e}",
+      joint + 1, change, time, kUnexplainedVelocity);
+}
+
 }  // namespace
 
 std::optional<std::string> malformed(const Trajectory& trajectory) {
@@ -62,6 +91,9 @@ std::optional<std::string> malformed(const Trajectory& trajectory) {
 
 std::optional<std::string> inconsistent_velocity(const Parameters& p, const Trajectory& trajectory) {
   const std::vector<Sample>& rows = trajectory.samples;
+  const Joints<double> allowed = unexplained_acceleration(p);
+  Joints<VelocityChanges> changes{VelocityChanges(allowed[0]), VelocityChanges(allowed[1])};
+  std::optional<std::string> jump;  // told only if nothing is wrong with the means, which says more
   State<double> f0 = dynamics(p, rows[0].state, rows[0].torque);
   for (std::size_t k = 1; k < rows.size(); ++k) {
     const State<double>&x0 = rows[k - 1].state, &x1 = rows[k].state;
@@ -73,10 +105,13 @@ std::optional<std::string> inconsistent_velocity(const Parameters& p, const Traj
       for (const Column& column : {link, motor}) {
         if (auto text = disagreement(column, j, rows[k - 1], rows[k])) return text;
       }
+      const double change =
+          changes[j].include(rows[k].time - rows[k - 1].time, x0.dtheta[j], x1.dtheta[j], f0.dtheta[j], f1.dtheta[j]);
+      if (!jump) jump = unexplained(change, j, rows[k].time);
     }
     f0 = f1;
   }
-  return std::nullopt;
+  return jump;
 }
 
 }  // namespace fjr

@@ -18,6 +18,8 @@ std::optional<std::string> malformed(const Trajectory& trajectory);
 // most that a corner of the velocity can cause (a: accelerations of the model at the rows), plus a tolerance:
 // - links: one encoder count within 10 ms,
 // - motors: the velocity error that makes a tenth of the feedback torque which a certificate allows.
+// The means say nothing of velocities that alternate from row to row. Therefore a motor's velocity must also change as
+// its accelerations make it: by no more than kUnexplainedVelocity otherwise, and unexplained_acceleration() in time.
 std::optional<std::string> inconsistent_velocity(const Parameters& p, const Trajectory& trajectory);
 
 }  // namespace fjr

@@ -24,7 +24,6 @@ bool stands_as_learnt(const Trajectory& trajectory, const Sample& row) {
   return still;
 }
 
-// Returns what the executor holds after the end: the motors where the row has them, with the torque of the springs.
 Sample standing(const Parameters& planned_for, const Sample& row) {
   return {row.time, {row.state.q, {}, row.state.theta, {}}, spring_torque(planned_for, row.state.q, row.state.theta)};
 }
@@ -88,6 +87,13 @@ bool stands(const Parameters& planned_for, const Trajectory& trajectory, const S
   return is_at_rest(planned_for, row) || stands_as_learnt(trajectory, row);
 }
 
+std::optional<Sample> held_after(const Parameters& planned_for, const Trajectory& trajectory) {
+  const Sample& last = trajectory.samples.back();
+  if (stands_as_learnt(trajectory, last)) return standing(planned_for, last);
+  if (!is_at_rest(planned_for, last)) return std::nullopt;
+  return Sample{last.time, rest_at(planned_for, last.state.q), gravity_torque(planned_for, last.state.q)};
+}
+
 Simulation simulate(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,
                     ControlMode control, double hold) {
   Simulation run;
@@ -103,7 +109,8 @@ Simulation simulate(const Parameters& planned_for, const Parameters& arm, const 
 }
 
 long tick_count(const Trajectory& trajectory) {
-  return static_cast<long>(std::ceil((trajectory.end_time() - trajectory.start_time()) / kTick - 1e-9));
+  const double ticks = (trajectory.end_time() - trajectory.start_time()) / kTick;
+  return std::max(1L, static_cast<long>(std::ceil(ticks - 1e-9)));
 }
 
 bool roll_out_ticks(const Parameters& planned_for, const Parameters& arm, const Trajectory& trajectory,

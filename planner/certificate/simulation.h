@@ -1,6 +1,7 @@
 // Simulates a trajectory on an arm that may differ from the one it was planned for.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,5 +37,9 @@ State<double> start_on(const Parameters& planned_for, const Parameters& arm, con
 // Returns whether that row is a rest of the arm that the trajectory was planned for or, for learnt rows, of the arm
 // that they were learnt on: then it has no velocity.
 bool stands(const Parameters& planned_for, const Trajectory& trajectory, const Sample& row);
+
+// Returns what the executor holds after the end: the rest at the last row's q or, for learnt rows, the motors where
+// they have them, with the torque of the springs. Returns nothing if the last row does not stand.
+std::optional<Sample> held_after(const Parameters& planned_for, const Trajectory& trajectory);
 
 }  // namespace fjr

@@ -1,6 +1,8 @@
 // The tolerances of a certificate, beside exactness_tolerance().
 #pragma once
 
+#include <algorithm>
+
 #include "model/parameters.h"
 #include "planner/certificate/certificate.h"
 
@@ -35,6 +37,24 @@ inline Joints<double> motor_velocity_tolerance(const Parameters& p) {
     tolerance[j] = p.feedback.velocity_gain[j] > 0 ? 0.1 * feedback[j] / p.feedback.velocity_gain[j] : 0.01;
   }
   return tolerance;
+}
+
+// The same for the rollout against the dtheta columns. Plans of the optimiser come to 2.6e-3 rad/s, where a motor
+// passes through its friction step, however large the gain is.
+inline Joints<double> rollout_motor_velocity_tolerance(const Parameters& p) {
+  constexpr double kLeast = 5e-3;  // [rad/s]
+  const Joints<double> tolerance = motor_velocity_tolerance(p);
+  return {std::max(kLeast, tolerance[0]), std::max(kLeast, tolerance[1])};
+}
+
+// What a motor's published velocity may change by beside what the model's accelerations at the rows make of it: at once
+// (plans of the optimiser come to 1e-3 rad/s where they pass through a step of friction), and in time, as the allowed
+// feedback torque would change it. Friction has a step within 5e-4 rad/s, so that larger jumps to and fro would hide
+// jumps of the torque less friction.
+inline constexpr double kUnexplainedVelocity = 2e-3;                   // [rad/s]
+inline Joints<double> unexplained_acceleration(const Parameters& p) {  // [rad/s^2]
+  const Joints<double> feedback = feedback_limit(p);
+  return {feedback[0] / p.motor.inertia[0], feedback[1] / p.motor.inertia[1]};
 }
 
 }  // namespace fjr

@@ -52,11 +52,24 @@ MatrixXd covariance_of(const Readings& readings, const Fit& fit, const MatrixXd&
 void bound(const std::vector<std::string>& names, const Parameters& known, const MatrixXd& covariance,
            VectorXd& change) {
   Parameters p = known;
+  const auto is_bounded = [&](std::size_t i) {
+    return names[i].starts_with("payload.") || names[i].starts_with("link.damping");
+  };
+  bool all = false;
+  for (std::size_t pass = 0; pass < names.size() && !all; ++pass) {  // one may take another below 0 again
+    all = true;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto row = static_cast<Index>(i);
+      const double known_value = *parameter_named(p, names[i]), below = known_value + change[row];
+      if (!is_bounded(i) || !(below < 0)) continue;
+      all = false;
+      change -= covariance.col(row) * (below / covariance(row, row));
+      change[row] = -known_value;  // without rounding
+    }
+  }
   for (std::size_t i = 0; i < names.size(); ++i) {
-    if (!names[i].starts_with("payload.") && !names[i].starts_with("link.damping")) continue;
     const auto row = static_cast<Index>(i);
-    const double below = *parameter_named(p, names[i]) + change[row];
-    if (below < 0) change -= covariance.col(row) * (below / covariance(row, row));
+    if (is_bounded(i)) change[row] = std::max(change[row], -*parameter_named(p, names[i]));
   }
 }
 

@@ -50,6 +50,14 @@ ExecutedPlan executed_plan(const std::string& folder) {
   }
   plan.limits = limits_of(plan.record.robot, planned_with(plan.record.trajectory->metadata, folder));
   plan.task = planned_motion(folder);
+  for (const LimitName& name : kLimitNames) {
+    const double planned = name.in(plan.task.limits);
+    if (!(planned < name.in(plan.limits))) continue;
+    throw InputError((fs::path(folder) / "trajectory.csv").string(), fmt::format("# limits.{}", name.quantity->name),
+                     fmt::format("does not say that {}{} was limited to {} {}, as plan.json does: the file was changed",
+                                 name.quantity->name, name.joint == 0 ? "" : fmt::format(" of joint {}", name.joint),
+                                 planned, name.quantity->unit));
+  }
   return plan;
 }
 

@@ -14,7 +14,6 @@
 #include <vector>
 
 #include "common/input_error.h"
-#include "planner/certificate/residual.h"
 #include "planner/certificate/simulation.h"
 #include "planner/request/keys.h"
 #include "planner/request/request.h"
@@ -223,7 +222,7 @@ void add_plan(nb::module_& module) {
                    })
       .def_prop_ro(
           "ends_at_rest",
-          [](const Planned& plan) { return is_at_rest(plan.record.robot, trajectory_of(plan).samples.back()); })
+          [](const Planned& plan) { return held_after(plan.record.robot, trajectory_of(plan)).has_value(); })
       .def("to_json", [](const Planned& plan) { return json_text(plan.record.plan); })
       .def("interpolate", interpolate, nb::arg("times"))
       .def("mean_torque", mean_torque, nb::arg("tick"))

@@ -1,6 +1,7 @@
 // Trajectories that are not what they say: however small the lie, what is proven of it is true. Truth is what an arm
 // and an integrator that share nothing with the program find (support/independent_arm.h).
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,6 +30,7 @@ namespace {
 
 using independent::Arm;
 using independent::errors_of;
+using testing::HasSubstr;
 
 constexpr double kDuration = 0.06;  // [s]
 constexpr double kMiss = 1e-9;      // [rad] what may not be missed
@@ -128,6 +130,43 @@ TEST(Honesty, TheMotionIsExactAndNeedsNeitherStretchesNorDither) {
   // Two models, two integrators; 6e-10 rad are between rows, where a motion is no cubic.
   EXPECT_LT(static_cast<double>(errors_of({robot()}, honest(), false).link), 1e-9);
   EXPECT_TRUE(prove(robot(), robot_limits(), {}, honest()).proven);
+}
+
+// Three rows within 2 us, of which the one in the middle says that motor 1 is faster by `more` [rad/s] than it is.
+Trajectory with_a_false_velocity(double more) {
+  Trajectory lie = reference_trajectory();
+  Interpolator rows(reference_trajectory());
+  std::vector<Sample> told{rows.at(0.2), rows.at(0.2 + 1e-6), rows.at(0.2 + 2e-6)};
+  told[1].state.dtheta[0] += more;
+  const auto at = std::find_if(lie.samples.begin(), lie.samples.end(), [](const Sample& r) { return r.time > 0.1995; });
+  lie.samples.insert(lie.samples.erase(at), told.begin(), told.end());
+  return lie;
+}
+
+// Nothing moves less than it says: the means of the velocities are right. But a motor that creeps could say in such
+// rows that it goes the other way, and hide that its torque jumps by twice its friction.
+TEST(Certificate, AVelocityThatJumpsToAndFroIsNotCertified) {
+  for (const double honest : {0.0, 1e-3})
+    EXPECT_TRUE(certificate_of(with_a_false_velocity(honest)).certified) << honest;
+  for (const double lie : {-5e-3, 5e-3}) {
+    const Certificate c = certificate_of(with_a_false_velocity(lie));
+    ASSERT_EQ(c.failures.size(), 1U);
+    EXPECT_THAT(c.failures[0], HasSubstr("dtheta1 changes by 5.00e-03 rad/s until 0.20000"));
+  }
+}
+
+// The columns of motor 1 belong together, and to no motion of it: for 0.1 s it is said to be up to 0.0085 rad/s faster
+// or slower than the torque moves it.
+TEST(Certificate, AMotorThatMovesOtherwiseThanItSaysIsNotCertified) {
+  Trajectory lie = reference_trajectory();
+  for (Sample& row : lie.samples) {
+    const double phase = 2 * std::numbers::pi * std::clamp((row.time - 0.2) / 0.1, 0.0, 1.0);
+    row.state.theta[0] += 0.0085 * 0.1 / (2 * std::numbers::pi) * (1 - std::cos(phase));
+    row.state.dtheta[0] += 0.0085 * std::sin(phase);
+  }
+  const Certificate c = certificate_of(lie);
+  ASSERT_EQ(c.failures.size(), 1U);
+  EXPECT_THAT(c.failures[0], HasSubstr("closed loop: the velocity of motor 1 is up to"));
 }
 
 // In open loop one nanoradian decides, from either side.

@@ -55,6 +55,16 @@ void expect_the_same_motion(const std::string& more) {
   }
 }
 
+// 1.570796327 rad is no more upright than pi/2 is: its sine is 1, and the arm is the same.
+TEST(MountedPlans, ARoundedRightAngleIsUpright) {
+  Parameters rounded = shipped();
+  rounded.mounting.inclination = 1.570796327;
+  rounded.mounting.gravity = std::sin(rounded.mounting.inclination);
+  EXPECT_EQ(robot_hash(rounded), robot_hash(shipped()));
+  rounded.mounting.gravity = std::sin(1.57);
+  EXPECT_NE(robot_hash(rounded), robot_hash(shipped()));
+}
+
 TEST(MountedPlans, AnArmThatIsTurnedMovesTheSame) {
   expect_the_same_motion("");
   expect_the_same_motion(", duration: 1.0, objective: {link_acceleration: 1}");

@@ -363,6 +363,12 @@ TEST(RobustPlan, LeavesMarginsAlongAPath) {
   EXPECT_LT(near_lines(ordinary, *without.trajectory, kArms), 0.5);
 }
 
+TEST(Robustness, OfATrajectoryShorterThanAnyTickIsThatOfOneTick) {
+  Trajectory brief = resting({0.3, 0.2}, 1e-3);
+  brief.samples.back().time = 1e-13;
+  EXPECT_TRUE(robustness(uncertain(robot(), 1e-9), robot_limits(), {}, brief, 0.9).kept);
+}
+
 TEST(Robustness, OfAnArmThatIsKnownExactlyIsRefused) {
   EXPECT_THROW(robustness(robot(), robot_limits(), {}, reference_trajectory(), 0.99), InputError);
 }

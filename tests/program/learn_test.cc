@@ -11,8 +11,10 @@
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
 
+#include "model/dynamics.h"
 #include "planner/results/result_folder.h"
 #include "planner/trajectory/trajectory.h"
 #include "tests/support/cli.h"
@@ -278,16 +280,50 @@ TEST_F(LearnCommand, ALearntMotionIsSimulatedFromWhereTheMotorsStand) {
   }
 }
 
+// Numbers of the last line of a CSV, by column.
+std::map<std::string, double> last_row(const std::string& csv) {
+  std::istringstream lines(csv);
+  std::string names, line, last, name, number;
+  std::getline(lines, names);
+  while (std::getline(lines, line)) last = line;
+  std::istringstream of_names(names), of_numbers(last);
+  std::map<std::string, double> row;
+  while (std::getline(of_names, name, ',') && std::getline(of_numbers, number, ',')) row[name] = std::stod(number);
+  return row;
+}
+
 // A motion that does not end with a tick.
 TEST_F(LearnCommand, ALastTickMayBeShort) {
   write("move.yaml", "start: {q: [0, 0]}\ngoal: {q: [1.2, -0.8]}\nduration: 0.8003\nlimits: {torque: [10, 4]}\n");
   ASSERT_EQ(run({"plan", "move.yaml", "--out", "out"}).exit_code, 0);
   execute("out", "run1.csv");
   ASSERT_EQ(run({"learn", "out", "run1.csv", "--out", "next"}).exit_code, 0);
+  // A drive holds the goal with the last means that are exported: with the torque in the springs, as the executor does.
+  ASSERT_EQ(run({"export", "next", "--format", "csv"}).exit_code, 0);
+  const std::map<std::string, double> last = last_row(contents(path("next/export.csv")));
+  const Sample goal = read_csv(path("next/trajectory.csv")).samples.back();
+  EXPECT_NEAR(last.at("time_s"), 0.801, 1e-12);
+  const Parameters robot = load_parameters(default_robot_file());
+  const Joints<double> held = spring_torque(robot, goal.state.q, goal.state.theta);
+  EXPECT_NEAR(last.at("tau1_mean_N_m"), held[0], 1e-9);
+  EXPECT_NEAR(last.at("tau2_mean_N_m"), held[1], 1e-9);
   execute("next", "run2.csv");
   const Result learnt = run({"learn", "next", "run2.csv", "--json"});
   const nlohmann::json rms = nlohmann::json::parse(learnt.out)["last_link_error_rms_rad"];
   EXPECT_LT(std::hypot(rms[0].get<double>(), rms[1].get<double>()) / kCount, 2 * kNoise) << learnt.out;
+}
+
+// The limits of the request are in the rows' header, and in plan.json, which nobody has edited.
+TEST_F(LearnCommand, RowsWithoutTheirLimitsAreBadInput) {
+  execute("out", "run.csv");
+  std::string rows = contents(path("out/trajectory.csv"));
+  for (const char* line : {"# limits.torque[0]: 10 N m\n", "# limits.torque[1]: 4 N m\n"})
+    rows = replaced(rows, line, "");
+  write("out/trajectory.csv", rows);
+  const Result edited = run({"learn", "out", "run.csv", "--out", "next"});
+  EXPECT_EQ(edited.exit_code, 2);
+  EXPECT_THAT(edited.err, AllOf(HasSubstr("out/trajectory.csv: # limits.torque: does not say that torque of joint 1"),
+                                HasSubstr("limited to 10 N m, as plan.json does")));
 }
 
 TEST_F(LearnCommand, WhatIsNoPlanIsBadInput) {

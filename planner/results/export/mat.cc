@@ -89,6 +89,15 @@ Variable limits_of(const nlohmann::ordered_json& limits) {
   return all;
 }
 
+// Returns the status of the rows: learnt ones are not certified, whatever their plan was.
+std::string status_of(const PlanRecord& plan) {
+  if (plan.trajectory) {
+    const auto told = plan.trajectory->metadata.find("status");
+    if (told != plan.trajectory->metadata.end()) return told->second;
+  }
+  return plan.plan.at("status").get<std::string>();
+}
+
 // Calls `use` with each variable of the file, in their order. Only one is in memory at a time, because a long plan has
 // columns of 16 MB.
 template <class Use>
@@ -99,9 +108,8 @@ void each_variable(const Exported& exported, const ExportTable& table, Use&& use
   if (exported.plan == nullptr) return;
   const auto& plan = exported.plan->plan;
   use(limits_of(limits_with_middle(*exported.plan)));
-  for (const char* key : {"request", "status", "request_hash", "robot_hash"}) {
-    use(text(key, plan.at(key).get<std::string>()));
-  }
+  for (const char* key : {"request", "request_hash", "robot_hash"}) use(text(key, plan.at(key).get<std::string>()));
+  use(text("status", status_of(*exported.plan)));
   use(matrix("tick_s", {exported.ticked->tick}, 1, 1));
 }
 

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/input_error.h"
 #include "model/kinematics.h"
 #include "planner/problem/quantities.h"
 #include "planner/problem/task/task.h"
@@ -239,6 +240,10 @@ std::string as_mcap(const Exported& exported) {
     add_scene(file, *exported.plan, exported.ticked->rows);
   }
   if (exported.log) {
+    if (const double first = exported.log->column("time").front(); first < 0) {
+      throw InputError(exported.log->source, "time",
+                       fmt::format("{} s is before 0, and MCAP has no such times", first));
+    }
     const ExportTable table = table_of(*exported.log);
     add_table(file, "/fjr/executed", "fjr.Executed", table, table.names);
   }

@@ -11,7 +11,7 @@
 
 #include "common/strict_yaml.h"
 #include "model/kinematics.h"
-#include "planner/certificate/residual.h"
+#include "planner/certificate/simulation.h"
 
 namespace fjr {
 namespace {
@@ -60,13 +60,11 @@ const std::vector<double>& ExportTable::column(const std::string& name) const {
 Ticked at_ticks(const Parameters& robot, const Trajectory& trajectory, double tick) {
   constexpr double kRounding = 1e-9;  // fraction of a tick, because durations are sums of many numbers
   const double begin = trajectory.start_time(), end = trajectory.end_time();
-  const bool rests = is_at_rest(robot, trajectory.samples.back());
-  Trajectory held = trajectory;  // with the goal held after the end, by its own gravity torque
-  if (rests) {
-    const Joints<double> q = trajectory.samples.back().state.q;
-    for (const double after : {kJumpSpacing, 2 * tick + kJumpSpacing}) {
-      held.samples.push_back({end + after, rest_at(robot, q), gravity_torque(robot, q)});
-    }
+  const std::optional<Sample> goal = held_after(robot, trajectory);
+  const bool rests = goal.has_value();
+  Trajectory held = trajectory;  // with the goal held after the end
+  for (const double after : {kJumpSpacing, 2 * tick + kJumpSpacing}) {
+    if (goal) held.samples.push_back({end + after, goal->state, goal->torque});
   }
   const double ticks = (end - begin) / tick;
   const auto last = static_cast<std::size_t>(rests ? std::ceil(ticks - kRounding) : std::floor(ticks + kRounding));

@@ -220,9 +220,8 @@ void add_plan(nb::module_& module) {
                    [](const Planned& plan) {
                      return Robot{plan.record.robot, plan.record.source};
                    })
-      .def_prop_ro(
-          "ends_at_rest",
-          [](const Planned& plan) { return held_after(plan.record.robot, trajectory_of(plan)).has_value(); })
+      .def_prop_ro("ends_at_rest",
+                   [](const Planned& plan) { return held_after(plan.record.robot, trajectory_of(plan)).has_value(); })
       .def("to_json", [](const Planned& plan) { return json_text(plan.record.plan); })
       .def("interpolate", interpolate, nb::arg("times"))
       .def("mean_torque", mean_torque, nb::arg("tick"))

@@ -175,7 +175,8 @@ void set_limit(const Joints<double>& limit, bool& given, double (&to)[2]) {
 void encode_limits(const Request& request, fjr_msg_TightenedLimits& limits) {
   const Limits& asked = request.limits;
   for (const QuantityInfo& quantity : Quantities::infos) {
-    if (!quantity.of_first_version && is_limited(quantity, asked)) {
+    const bool of_one_joint = std::isfinite(quantity.in(asked, 0)) != std::isfinite(quantity.in(asked, kJoints - 1));
+    if (is_limited(quantity, asked) && (!quantity.of_first_version || of_one_joint)) {
       refuse(request, fmt::format("limits.{}", quantity.name), kForNewServices);
     }
   }

@@ -1,10 +1,12 @@
 #include "planner/dds/participant.h"
 
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <mutex>
 #include <system_error>
+#include <thread>
 
 #include "common/input_error.h"
 #include "model/parameters.h"
@@ -21,12 +23,18 @@ bool configured_by_user() {
   return uri != nullptr && *uri != '\0';
 }
 
+// Waits while another thread still deletes the domain with its last participant.
 Entity loopback_domain(unsigned domain) {
   const fs::path file = default_robot_file().parent_path() / "cyclonedds.xml";
   std::error_code error;
   if (!fs::is_regular_file(file, error)) throw InputError(file.string(), "", "no such file; CYCLONEDDS_URI is not set");
   const std::string uri = "file://" + fs::absolute(file).string();
-  return Entity(dds_create_domain(domain, uri.c_str()), "domain");
+  dds_entity_t created = dds_create_domain(domain, uri.c_str());
+  for (int i = 0; i < 1000 && created == DDS_RETCODE_PRECONDITION_NOT_MET; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    created = dds_create_domain(domain, uri.c_str());
+  }
+  return Entity(created, "domain");
 }
 
 // Returns the domain, which a process can configure only once and which must outlive all its participants.
@@ -53,7 +61,11 @@ Entity created(unsigned domain, const fs::path& credentials) {
 }  // namespace
 
 Participant::Participant(unsigned domain, const fs::path& credentials)
+    : Participant(domain, credentials, open_sockets()) {}
+
+Participant::Participant(unsigned domain, const fs::path& credentials, const std::set<std::string>& sockets_before)
     : secured_(!credentials.empty()), domain_(shared_domain(domain)), participant_(created(domain, credentials)) {
+  note_opened_by_dds(sockets_before);
   if (sends_only_over_loopback()) hear_only_loopback();
 }
 

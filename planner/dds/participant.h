@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "planner/dds/credentials.h"
@@ -38,6 +39,9 @@ class Participant {
   }
 
  private:
+  // sockets_before: those that were open before DDS began.
+  Participant(unsigned domain, const std::filesystem::path& credentials, const std::set<std::string>& sockets_before);
+
   bool secured_;
   std::shared_ptr<Entity> domain_;  // none: CYCLONEDDS_URI configures it
   Entity participant_;

@@ -5,9 +5,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
-#include <string>
+#include <iterator>
+#include <mutex>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace fjr::dds {
@@ -42,21 +45,64 @@ Bound bound_to(int descriptor) {
   }
 }
 
-std::vector<int> open_descriptors() {
-  std::vector<int> descriptors;
+// A descriptor, and what identifies its socket: numbers of descriptors are used again.
+struct Socket {
+  int descriptor;
+  std::string identity;
+};
+
+std::vector<Socket> sockets() {
+  std::vector<Socket> all;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/fd")) {
     const int descriptor = std::stoi(entry.path().filename().string());
-    if (descriptor > STDERR_FILENO) descriptors.push_back(descriptor);  // what the process was started with is not DDS
+    std::error_code closed_meanwhile;
+    std::string identity = std::filesystem::read_symlink(entry.path(), closed_meanwhile).string();
+    // What the process was started with is not DDS.
+    if (descriptor > STDERR_FILENO && identity.starts_with("socket:")) all.push_back({descriptor, std::move(identity)});
   }
-  return descriptors;
+  return all;
+}
+
+class OpenedByDds {
+ public:
+  void note(const std::set<std::string>& before) {
+    const std::lock_guard lock(mutex_);
+    for (Socket& socket : sockets()) {
+      if (!before.contains(socket.identity)) identities_.insert(std::move(socket.identity));
+    }
+  }
+  std::vector<Socket> open_now() const {
+    std::vector<Socket> all = sockets(), of_dds;
+    const std::lock_guard lock(mutex_);
+    std::copy_if(all.begin(), all.end(), std::back_inserter(of_dds),
+                 [this](const Socket& socket) { return identities_.contains(socket.identity); });
+    return of_dds.empty() ? all : of_dds;
+  }
+
+ private:
+  mutable std::mutex mutex_;
+  std::set<std::string> identities_;
+};
+
+OpenedByDds& opened_by_dds() {
+  static OpenedByDds opened;
+  return opened;
 }
 
 }  // namespace
 
+std::set<std::string> open_sockets() {
+  std::set<std::string> identities;
+  for (Socket& socket : sockets()) identities.insert(std::move(socket.identity));
+  return identities;
+}
+
+void note_opened_by_dds(const std::set<std::string>& before) { opened_by_dds().note(before); }
+
 bool sends_only_over_loopback() {
   bool loopback = false;
-  for (const int descriptor : open_descriptors()) {
-    const Bound bound = bound_to(descriptor);
+  for (const Socket& socket : opened_by_dds().open_now()) {
+    const Bound bound = bound_to(socket.descriptor);
     if (bound == Bound::kNetwork) return false;
     loopback = loopback || bound == Bound::kLoopback;
   }
@@ -65,9 +111,9 @@ bool sends_only_over_loopback() {
 
 void hear_only_loopback() {
   constexpr char kLoopback[] = "lo";
-  for (const int descriptor : open_descriptors()) {
-    if (bound_to(descriptor) != Bound::kAnywhere) continue;
-    if (::setsockopt(descriptor, SOL_SOCKET, SO_BINDTODEVICE, kLoopback, sizeof kLoopback) != 0) {
+  for (const Socket& socket : opened_by_dds().open_now()) {
+    if (bound_to(socket.descriptor) != Bound::kAnywhere) continue;
+    if (::setsockopt(socket.descriptor, SOL_SOCKET, SO_BINDTODEVICE, kLoopback, sizeof kLoopback) != 0) {
       throw std::system_error(errno, std::generic_category(), "cannot keep DDS to the loopback interface");
     }
   }

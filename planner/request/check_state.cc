@@ -97,13 +97,20 @@ void check_holding_somewhere(const Place& place, const Problem& problem, const G
   constexpr int kAngles = 2000;
   const std::size_t free = goal.free[0] ? 0 : 1, given = 1 - free;
   Joints<double> q = goal.q;
-  double least = kNoLimit;  // [N m] of the joint that is given
+  double least = kNoLimit, least_of_free = kNoLimit;  // [N m] of the joint that is given, and of the other one
   for (int i = 0; i <= kAngles; ++i) {
     q[free] = std::lerp(problem.limits.lowest(free), problem.limits.highest(free), i / double{kAngles});
     const Joints<double> gravity = gravity_torque(problem.robot, q);
+    least_of_free = std::min(least_of_free, std::abs(gravity[free]));
     if (std::abs(gravity[free]) <= problem.limits.torque[free]) least = std::min(least, std::abs(gravity[given]));
   }
   if (least <= problem.limits.torque[given]) return;
+  if (std::isinf(least)) {
+    place.at("q").fail(
+        fmt::format("joint {}: holding still takes at least {:.6g} N m{}, wherever it is, above the limit "
+                    "of {} N m",
+                    free + 1, least_of_free, with_load(problem), problem.limits.torque[free]));
+  }
   place.at("q").fail(
       fmt::format("joint {}: holding still here takes at least {:.6g} N m{}, wherever joint {} is, above "
                   "the limit of {} N m",

@@ -166,7 +166,7 @@ template <class R, class Visit>
 requires std::is_same_v<std::remove_const_t<R>, FreeDuration>
 void visit(R& r, Visit&& v) {
   v(Key{"min", "s", "at least", "0.02", "0.02 to 120"}, r.min);
-  v(Key{"max", "s", "at most", "20; 120 for a `min` above 20", "0.02 to 120"}, r.max);
+  v(Key{"max", "s", "at most", "20; 120 for a `min` from 20 on", "0.02 to 120"}, r.max);
 }
 
 // ---- writing ----

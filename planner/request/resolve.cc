@@ -83,7 +83,7 @@ Duration resolve_duration(const Request& request) {
   const auto& [min, max] = std::get<FreeDuration>(request.duration);
   if (min) duration.min = checked_seconds(place.at("min"), *min);
   if (max) duration.max = checked_seconds(place.at("max"), *max);
-  if (!max && duration.min > duration.max) duration.max = kLongestDuration;
+  if (!max && duration.min >= duration.max) duration.max = kLongestDuration;
   if (duration.min > duration.max) {
     place.fail(fmt::format("min {} s is above max {} s", duration.min, duration.max));
   }
@@ -283,7 +283,8 @@ std::optional<Goal> tip_goal(const Request& request, const TipGoal& asked, const
   goal.q = q;
   try {
     if (asked.velocity) {
-      const auto dq = inverse_velocity(problem.robot, q, *asked.velocity);
+      const bool rests = *asked.velocity == Joints<double>{};  // which every arm can do, stretched or not
+      const auto dq = rests ? Joints<double>{} : inverse_velocity(problem.robot, q, *asked.velocity);
       if (!dq) place.at("tip_velocity").fail("the stretched or folded arm cannot move its tip this way");
       goal.dq = *dq;
       goal.of_tip_velocity = true;

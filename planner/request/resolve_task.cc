@@ -79,7 +79,8 @@ void resolve_path(const Request& request, const RequestedPath& asked, Problem& p
   }
   for (std::size_t i = 0; i < points.size(); ++i) add_corner(place.at("points").at(i), points[i], path, problem);
   if (distance(problem.goal.q, path.corners.back()) < kShortest) {
-    place.fail("ends where the goal is already; leave its last point out");
+    place.fail(points.empty() ? "start and goal are the same; a path between them needs a point"
+                              : "ends where the goal is already; leave its last point out");
   }
   path.corners.push_back(problem.goal.q);
   problem.task.path = path;

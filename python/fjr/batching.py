@@ -120,7 +120,9 @@ def _files(requests: Requests, folder: Path) -> list[Path]:
 def _absolute(request: RequestLike) -> str:
     """The request's text, its robot relative to nothing: its file is not where it was written."""
     document = Document.of(request)
-    mapping = json.loads(document.text or "{}")
+    if document.text is None:
+        raise TypeError("a request of the mapping is a mapping or fjr.Request; give files as a list of paths")
+    mapping = json.loads(document.text)
     if isinstance(mapping.get("robot"), str):
         mapping["robot"] = str(document.folder / mapping["robot"])
     return json.dumps(mapping, ensure_ascii=False) + "\n"

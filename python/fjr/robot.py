@@ -36,7 +36,7 @@ class Robot:
     @classmethod
     def from_dict(cls, values: Mapping[str, Any]) -> Robot:
         """From what :meth:`to_dict` gives. Raises BadInput as :meth:`load` does."""
-        return cls(_core.Robot.from_json(json.dumps(values)))
+        return cls(_core.Robot.from_json(json.dumps(values, default=float)))
 
     def to_dict(self) -> dict[str, Any]:
         """The values by section and name, in the units of docs/new-robot.md: lists of two, for joint 1 and joint 2.

@@ -11,6 +11,8 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "common/bounded_json.h"
+#include "common/input_error.h"
 #include "common/strict_yaml.h"
 #include "model/plausibility.h"
 #include "python/src/parts.h"
@@ -62,7 +64,9 @@ void add_robot(nb::module_& module) {
       .def_static("from_json",
                   [](const std::string& text) {
                     const std::string source = "robot";
-                    return Robot{read_parameters(YamlNode::parse(document_of(Json::parse(text)), source)), source};
+                    const Json values = json_from_text<Json>(text);
+                    if (values.is_discarded()) throw InputError(source, "", "holds a number that is not finite");
+                    return Robot{read_parameters(YamlNode::parse(document_of(values), source)), source};
                   })
       .def_static("shipped_file", default_robot_file)
       .def("to_json", json_of)

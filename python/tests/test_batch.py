@@ -38,6 +38,8 @@ def test_files_are_planned_too(tmp_path):
         fjr.batch([], out=tmp_path)
     with pytest.raises(ValueError, match="no name"):
         fjr.batch({"../up": {}}, out=tmp_path)
+    with pytest.raises(TypeError, match="as a list of paths"):
+        fjr.batch({"reach": REACH}, out=tmp_path / "named")
 
 
 def test_files_are_planned_whatever_their_names(tmp_path, monkeypatch):

@@ -44,6 +44,8 @@ def test_what_cannot_be_is_refused_with_its_field():
     assert caught.value.field == "spring.stiffness.value[0]"
     with pytest.raises(fjr.BadInput, match="unknown key"):
         robot.replace(spring={"stiffnes": [20, 17.5]})
+    with pytest.raises(fjr.BadInput, match="not finite"):
+        robot.replace(payload=float("nan"))
     with pytest.raises(KeyError):
         robot.replace(sprung={"stiffness": [20, 17.5]})
 

@@ -151,6 +151,7 @@ TEST(Request, DurationsResolve) {
   EXPECT_EQ(between.duration.max, 2);
   EXPECT_EQ(parse(kMove + "duration: {max: 2.0}").duration.min, 0.02);
   EXPECT_EQ(parse(kMove + "duration: {min: 2.0}").duration.max, 20);
+  EXPECT_EQ(parse(kMove + "duration: {min: 20}").duration.max, 120);  // which leaves a choice
   EXPECT_TRUE(parse(kMove + "duration: {min: 2, max: 2}").duration.fixed());
 }
 
@@ -312,6 +313,11 @@ TEST(Request, ReleaseIsWhereTheArmMovesUnlessSaid) {
 }
 
 // Both elbows put the tip where it was asked for, at the velocity that was asked for.
+TEST(Request, ATipThatRestsMayBeAsFarAwayAsTheArmReaches) {
+  const Problem rests = parse("start: {q: [0.3, 0.2]}\ngoal: {tip: [0, -0.65], tip_velocity: [0, 0]}\n");
+  EXPECT_TRUE(rests.goal.at_rest);
+}
+
 TEST(Request, TipGoalIsASetOfPostures) {
   const Problem problem = parse("start: {q: [0.3, 0.2]}\ngoal: {tip: [0.3, -0.4], tip_velocity: [0.5, -0.3]}\n");
   std::vector<Goal> goals{problem.goal};

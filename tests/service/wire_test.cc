@@ -2,16 +2,23 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/input_error.h"
 #include "common/strict_yaml.h"
+#include "planner/dds/participant.h"
+#include "planner/dds/reach.h"
 #include "planner/dds/text.h"
 #include "planner/dds/wire_execution.h"
 #include "planner/dds/wire_reply.h"
@@ -24,6 +31,7 @@
 #include "planner/service/frames.h"
 #include "planner/service/job_queue.h"
 #include "planner/service/reply_cache.h"
+#include "tests/support/domain.h"
 #include "tests/support/process.h"
 
 namespace fjr {
@@ -81,6 +89,41 @@ TEST(Wire, EveryExampleArrivesAsTheSameProblem) {
     ++examples;
   }
   EXPECT_GT(examples, 5);
+}
+
+// `inf` for the other joint says that it has no limit of its own; the older types have no place for that.
+TEST(Wire, ALimitOfOneJointIsNotDroppedForAnOlderService) {
+  for (const std::string limits : {"[.inf, 3]", "[3, .inf]"}) {
+    const std::string yaml = kShort + "limits: {torque: " + limits + "}\n";
+    EXPECT_EQ(resolved(as_motion_request(yaml)).request_hash, resolved(yaml).request_hash);
+    try {
+      (void)as_plan_request(yaml);
+      ADD_FAILURE() << limits;
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.field(), "limits.torque");
+    }
+  }
+}
+
+// A process may be a server or a client of something else, as Python's are.
+TEST(Participant, LeavesOtherSocketsOfTheProcessAlone) {
+  const auto is_bound = [](int descriptor) {
+    std::array<char, 64> device{};
+    auto size = static_cast<socklen_t>(device.size());
+    EXPECT_EQ(::getsockopt(descriptor, SOL_SOCKET, SO_BINDTODEVICE, device.data(), &size), 0);
+    return size > 0 && device[0] != '\0';
+  };
+  const int server = ::socket(AF_INET, SOCK_STREAM, 0);
+  sockaddr_in anywhere{};
+  anywhere.sin_family = AF_INET;
+  ASSERT_EQ(::bind(server, reinterpret_cast<const sockaddr*>(&anywhere), sizeof anywhere), 0);
+  ASSERT_EQ(::listen(server, 1), 0);
+  const std::set<std::string> before = dds::open_sockets();
+  const dds::Participant participant(own_domain());
+  EXPECT_GT(dds::open_sockets().size(), before.size());
+  EXPECT_TRUE(dds::sends_only_over_loopback());
+  EXPECT_FALSE(is_bound(server));
+  ::close(server);
 }
 
 // What is asked in numbers meets the same bounds as what is asked in a document, in the same words.

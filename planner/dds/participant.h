@@ -3,7 +3,6 @@
 
 #include <filesystem>
 #include <memory>
-#include <set>
 #include <string>
 
 #include "planner/dds/credentials.h"
@@ -39,8 +38,8 @@ class Participant {
   }
 
  private:
-  // sockets_before: those that were open before DDS began.
-  Participant(unsigned domain, const std::filesystem::path& credentials, const std::set<std::string>& sockets_before);
+  struct Opening;
+  Participant(unsigned domain, const std::filesystem::path& credentials, const Opening& opening);
 
   bool secured_;
   std::shared_ptr<Entity> domain_;  // none: CYCLONEDDS_URI configures it

@@ -65,23 +65,28 @@ std::vector<Socket> sockets() {
 
 class OpenedByDds {
  public:
-  void note(const std::set<std::string>& before) {
+  void note(const std::set<std::string>& before, bool may_be_joined) {
     const std::lock_guard lock(mutex_);
+    bool opened = false;
     for (Socket& socket : sockets()) {
-      if (!before.contains(socket.identity)) identities_.insert(std::move(socket.identity));
+      if (before.contains(socket.identity)) continue;
+      opened = true;
+      identities_.insert(std::move(socket.identity));
     }
+    all_count_ = all_count_ || (may_be_joined && !opened);
   }
   std::vector<Socket> open_now() const {
     std::vector<Socket> all = sockets(), of_dds;
     const std::lock_guard lock(mutex_);
     std::copy_if(all.begin(), all.end(), std::back_inserter(of_dds),
                  [this](const Socket& socket) { return identities_.contains(socket.identity); });
-    return of_dds.empty() ? all : of_dds;
+    return all_count_ || of_dds.empty() ? all : of_dds;
   }
 
  private:
   mutable std::mutex mutex_;
   std::set<std::string> identities_;
+  bool all_count_ = false;
 };
 
 OpenedByDds& opened_by_dds() {
@@ -97,7 +102,9 @@ std::set<std::string> open_sockets() {
   return identities;
 }
 
-void note_opened_by_dds(const std::set<std::string>& before) { opened_by_dds().note(before); }
+void note_opened_by_dds(const std::set<std::string>& before, bool may_be_joined) {
+  opened_by_dds().note(before, may_be_joined);
+}
 
 bool sends_only_over_loopback() {
   bool loopback = false;

@@ -10,10 +10,11 @@ namespace fjr::dds {
 // Returns what identifies the sockets of this process that are open now.
 std::set<std::string> open_sockets();
 
-// Counts the sockets that were opened since `before` as DDS's. The others are the process's own, which may be a server
-// or a client of something else: nothing is concluded from them, and nothing is done to them. (If DDS opened none, it
-// uses those of another participant in this process, and all count.)
-void note_opened_by_dds(const std::set<std::string>& before);
+// Counts the sockets that were opened since `before` as DDS's. Those from before are the process's own, which may be a
+// server or a client of something else: nothing is concluded from them, and nothing is done to them. may_be_joined: the
+// domain may be one that other code in this process has opened; if no socket was opened, its are used, and from then on
+// all of the process count.
+void note_opened_by_dds(const std::set<std::string>& before, bool may_be_joined);
 
 // Returns whether DDS sends over the loopback interface only. A socket of unknown kind counts as one to the network.
 bool sends_only_over_loopback();

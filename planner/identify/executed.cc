@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 
@@ -47,30 +48,32 @@ MatrixXd covariance_of(const Readings& readings, const Fit& fit, const MatrixXd&
   return covariance;
 }
 
-// Sets payloads and dampings that the fit made negative to 0, and changes the other parameters according to the
-// covariance.
+// Returns the most likely change with which no payload and damping is negative: those that would be are 0, and the
+// others follow by the covariance. By Hildreth's method (Quarterly of Applied Mathematics 4, 1957), in which `push` are
+// the multipliers of the bounds.
 void bound(const std::vector<std::string>& names, const Parameters& known, const MatrixXd& covariance,
            VectorXd& change) {
+  constexpr int kMostSweeps = 1000;  // each reduces the error by the square of a correlation
+  constexpr double kSmall = 1e-12;   // [standard errors]
   Parameters p = known;
-  const auto is_bounded = [&](std::size_t i) {
-    return names[i].starts_with("payload.") || names[i].starts_with("link.damping");
-  };
-  bool all = false;
-  for (std::size_t pass = 0; pass < names.size() && !all; ++pass) {  // one may take another below 0 again
-    all = true;
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      const auto row = static_cast<Index>(i);
-      const double known_value = *parameter_named(p, names[i]), below = known_value + change[row];
-      if (!is_bounded(i) || !(below < 0)) continue;
-      all = false;
-      change -= covariance.col(row) * (below / covariance(row, row));
-      change[row] = -known_value;  // without rounding
+  VectorXd least = VectorXd::Constant(change.size(), -std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    if (!names[i].starts_with("payload.") && !names[i].starts_with("link.damping")) continue;
+    least[static_cast<Index>(i)] = -*parameter_named(p, names[i]);
+  }
+  VectorXd push = VectorXd::Zero(change.size());
+  double moved = 1;
+  for (int sweep = 0; sweep < kMostSweeps && moved > kSmall; ++sweep) {
+    moved = 0;
+    for (Index i = 0; i < change.size(); ++i) {
+      if (std::isinf(least[i]) || !(covariance(i, i) > 0)) continue;
+      const double by = std::max(-push[i], (least[i] - change[i]) / covariance(i, i));
+      push[i] += by;
+      change += by * covariance.col(i);
+      moved = std::max(moved, std::abs(by) * std::sqrt(covariance(i, i)));
     }
   }
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto row = static_cast<Index>(i);
-    if (is_bounded(i)) change[row] = std::max(change[row], -*parameter_named(p, names[i]));
-  }
+  change = change.cwiseMax(least);  // rounding leaves none below
 }
 
 // Returns the rms residuals [rad] per motion and encoder.

@@ -65,7 +65,8 @@ void add_robot(nb::module_& module) {
                   [](const std::string& text) {
                     const std::string source = "robot";
                     const Json values = json_from_text<Json>(text);
-                    if (values.is_discarded()) throw InputError(source, "", "holds a number that is not finite");
+                    if (values.is_discarded())
+                      throw InputError(source, "", "holds a number that is not finite, or is nested too deeply");
                     return Robot{read_parameters(YamlNode::parse(document_of(values), source)), source};
                   })
       .def_static("shipped_file", default_robot_file)

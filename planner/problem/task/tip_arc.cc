@@ -69,11 +69,15 @@ std::optional<task::FaultOfTurn> task::fault_of_turn(const TipArc& arc, double r
   const bool is_long = arc.way == ArcWay::kLong;
   const double turn = std::abs(turn_of(arc)), most = is_long ? kMostLongTurn : kMostTurn;
   const bool is_half = std::abs(turn - std::numbers::pi) < kSameHalf;
-  if (is_half)
+  if (is_long && is_half) {
     return FaultOfTurn{"", "is half a turn, which goes either way round; move `to` by a millimetre, to say which"};
+  }
   if (turn > most) {
-    return FaultOfTurn{"", fmt::format("turns by {:.4g} rad, above the {} rad allowed{}", turn, most,
-                                       is_long ? "" : "; way: long is the other way round")};
+    const char* const instead = is_long ? ""
+                                : is_half
+                                    ? "; way: long takes it, with `to` a millimetre beside, to say which way round"
+                                    : "; way: long is the other way round";
+    return FaultOfTurn{"", fmt::format("turns by {:.4g} rad, above the {} rad allowed{}", turn, most, instead)};
   }
   const double gap = (2 * std::numbers::pi - turn) * radius;
   if (is_long && (gap < kGapTolerances * arc.tolerance || arc.tolerance > radius / 2)) {

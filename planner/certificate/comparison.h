@@ -13,13 +13,13 @@ struct Comparison {
   RolloutErrors errors;
   Joints<double> link_velocity_error{};  // [rad/s] rollout against the dq columns, largest over the instants
   double time_of_max_link_velocity = 0;
-  Joints<double> motor_velocity_error{};  // [rad/s] likewise, against the dtheta columns
-  Joints<double> time_of_max_motor_velocity{};
-  Joints<double> feedback_torque{};   // [N m] largest
-  Joints<double> time_of_feedback{};  // [s]
-  Limits peaks = Limits::all(0);      // largest magnitudes reached, with the commanded torque: plan and feedback
-  std::vector<Event> events;          // of the rollout
-  State<double> final{};              // where it ended
+  Joints<double> motor_velocity_error{};        // [rad/s] likewise, against the dtheta columns
+  Joints<double> time_of_max_motor_velocity{};  // [s]
+  Joints<double> feedback_torque{};             // [N m] largest
+  Joints<double> time_of_feedback{};            // [s]
+  Limits peaks = Limits::all(0);  // largest magnitudes reached, with the commanded torque: plan and feedback
+  std::vector<Event> events;      // of the rollout
+  State<double> final{};          // where it ended
 };
 
 // Returns the times [s] of all rows after the first, and instants between them at most 0.25 ms apart.

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "common/strict_yaml.h"
+#include "planner/protocol/bounded_name.h"
 
 namespace fjr {
 namespace {
@@ -34,13 +35,6 @@ void read_pair(const YamlNode& root, std::string_view key, std::string_view unit
 void read_path(const YamlNode& root, std::string_view key, const std::filesystem::path& folder,
                std::filesystem::path& to) {
   if (const auto node = root.find(key)) to = folder / node->text();
-}
-
-void read_name(const YamlNode& root, std::string_view key, std::string& to) {
-  const auto node = root.find(key);
-  if (!node) return;
-  to = node->text();
-  if (to.size() > kLongestName) node->fail(fmt::format("{} characters, above the {} allowed", to.size(), kLongestName));
 }
 
 template <class Whole>

@@ -103,8 +103,7 @@ void judge(const Parameters& robot, const Trajectory& plan) {
     const Joints<double> rest = rest_at(robot, last.state.q).theta;
     faults.push_back(fmt::format(
         "does not end at rest: its last row has theta = ({:.6g}, {:.6g}) rad and dtheta = ({:.2g}, {:.2g}) rad/s, "
-        "where "
-        "gravity and springs are in balance with ({:.6g}, {:.6g}) rad",
+        "where gravity and springs are in balance with ({:.6g}, {:.6g}) rad",
         last.state.theta[0], last.state.theta[1], last.state.dtheta[0], last.state.dtheta[1], rest[0], rest[1]));
   }
   refuse_for(faults);

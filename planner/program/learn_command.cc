@@ -54,9 +54,7 @@ ExecutedPlan executed_plan(const std::string& folder) {
     const double planned = name.in(plan.task.limits);
     if (!(planned < name.in(plan.limits))) continue;
     throw InputError((fs::path(folder) / "trajectory.csv").string(), fmt::format("# limits.{}", name.quantity->name),
-                     fmt::format("does not say that {}{} was limited to {} {}, as plan.json does: the file was changed",
-                                 name.quantity->name, name.joint == 0 ? "" : fmt::format(" of joint {}", name.joint),
-                                 planned, name.quantity->unit));
+                     leaves_out(name, planned) + ": the file was changed");
   }
   return plan;
 }

@@ -6,6 +6,8 @@
 #include <cstdlib>
 
 #include "common/strict_yaml.h"
+#include "planner/protocol/bounded_name.h"
+#include "planner/protocol/messages.h"
 
 namespace fjr {
 namespace {
@@ -27,6 +29,13 @@ void read_network(const YamlNode& root, const std::filesystem::path& folder, Net
   }
   if (const auto node = root.find("security")) to.security = folder / node->text();
   if (const auto node = root.find("allow_insecure_network")) to.allow_insecure_network = node->truth();
+}
+
+void read_name(const YamlNode& root, std::string_view key, std::string& to) {
+  const auto node = root.find(key);
+  if (!node) return;
+  to = node->text();
+  if (to.size() > kLongestName) node->fail(fmt::format("{} characters, above the {} allowed", to.size(), kLongestName));
 }
 
 }  // namespace fjr

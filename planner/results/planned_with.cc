@@ -69,6 +69,11 @@ void tell_planned_with(const Json& plan, Metadata& metadata) {
   }
 }
 
+std::string leaves_out(const LimitName& limit, double planned) {
+  return fmt::format("does not say that {}{} was limited to {} {}, as plan.json does", limit.quantity->name,
+                     limit.joint == 0 ? "" : fmt::format(" of joint {}", limit.joint), planned, limit.quantity->unit);
+}
+
 Limits limits_of(const Parameters& robot, const PlannedWith& header) {
   Limits limits = Limits::of(robot);
   for (const LimitInHeader& limit : header.limits) {

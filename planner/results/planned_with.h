@@ -37,6 +37,10 @@ void tell_planned_with(const nlohmann::ordered_json& plan, Metadata& metadata);
 // Returns the robot's limits, tightened by those in the header.
 Limits limits_of(const Parameters& robot, const PlannedWith& header);
 
+// Returns what is wrong with a header that leaves out a limit of plan.json, or tells a wider one: a sentence without
+// its subject, which is the file.
+std::string leaves_out(const LimitName& limit, double planned);
+
 // Throws InputError naming `source` and the key of the line if a value does not have the form above.
 PlannedWith planned_with(const Metadata& metadata, const std::string& source);
 

@@ -134,9 +134,7 @@ void tighten_as_planned(const PlannedMotion& planned, Verification& v) {
     const double asked = name.in(planned.limits);
     double& limit = name.in(v.limits);
     if (!(asked < limit)) continue;
-    v.contradictions.push_back(
-        fmt::format("the file does not say that {}{} was limited to {} {}, as plan.json does", name.quantity->name,
-                    name.joint == 0 ? "" : fmt::format(" of joint {}", name.joint), asked, name.quantity->unit));
+    v.contradictions.push_back("the file " + leaves_out(name, asked));
     limit = asked;
   }
 }

@@ -8,6 +8,7 @@
 
 #include "common/strict_yaml.h"
 #include "model/parameters.h"
+#include "planner/protocol/bounded_name.h"
 #include "planner/protocol/messages.h"
 
 namespace fjr {
@@ -33,14 +34,6 @@ void read_seconds(const YamlNode& root, std::string_view key, double& to) {
   if (!node) return;
   to = node->number("s");
   if (!(to > 0) || to > 86400) node->fail(fmt::format("{} s is outside (0, 86400]", to));
-}
-
-// Reads a name that is sent as a bounded string. A longer one is refused instead of truncated.
-void read_name(const YamlNode& root, std::string_view key, std::string& to) {
-  const auto node = root.find(key);
-  if (!node) return;
-  to = node->text();
-  if (to.size() > kLongestName) node->fail(fmt::format("{} characters, above the {} allowed", to.size(), kLongestName));
 }
 
 void read_ros2(const YamlNode& node, ServiceConfig& config) {

@@ -53,9 +53,8 @@ class Verdict {
 
   void judge_motor_velocity(const Comparison& closed) {
     for (std::size_t j = 0; j < kJoints; ++j) {
-      const double shaken = 1.5 * Dither(robot_, j, kTick).amplitude();  // where the plan rests; 1.1 was seen
       const double error = closed.motor_velocity_error[j];
-      const double allowed = rollout_motor_velocity_tolerance(robot_)[j] + shaken;
+      const double allowed = rollout_motor_velocity_tolerance(robot_)[j];
       if (error <= allowed) continue;
       refuse(fmt::format(
           "closed loop: the velocity of motor {} is up to {:.2e} rad/s off the plan ({:.6f} s), allowed {:.2e} rad/s",

@@ -133,6 +133,7 @@ struct Proof {
     Joints<double> link{};             // [rad]   |exact motion - plan| is never larger, until then
     double time_of_max_link = 0;       // [s] where it may be that large
     Joints<double> link_velocity{};    // [rad/s] likewise; closed loop only
+    Joints<double> motor_velocity{};   // [rad/s] likewise; closed loop only
     Joints<double> feedback_torque{};  // [N m]  likewise; closed loop only
     double width = 0;                  // [rad] largest uncertainty of a link in the enclosure
     long steps = 0;

@@ -5,6 +5,7 @@
 
 #include "model/parameters.h"
 #include "planner/certificate/certificate.h"
+#include "planner/control/motor_feedback.h"
 
 namespace fjr {
 
@@ -39,12 +40,17 @@ inline Joints<double> motor_velocity_tolerance(const Parameters& p) {
   return tolerance;
 }
 
-// The same for the rollout against the dtheta columns. Plans of the optimiser come to 2.6e-3 rad/s, where a motor
-// passes through its friction step, however large the gain is.
+// The same for the rollout against the dtheta columns, and what dither adds where the plan rests. Plans of the
+// optimiser come to 2.6e-3 rad/s, where a motor passes through its friction step, however large the gain is; dither
+// came to 1.1 of its amplitude.
 inline Joints<double> rollout_motor_velocity_tolerance(const Parameters& p) {
   constexpr double kLeast = 5e-3;  // [rad/s]
-  const Joints<double> tolerance = motor_velocity_tolerance(p);
-  return {std::max(kLeast, tolerance[0]), std::max(kLeast, tolerance[1])};
+  constexpr double kAmplitudes = 1.5;
+  Joints<double> tolerance = motor_velocity_tolerance(p);
+  for (std::size_t j = 0; j < kJoints; ++j) {
+    tolerance[j] = std::max(kLeast, tolerance[j]) + kAmplitudes * Dither(p, j, kTick).amplitude();
+  }
+  return tolerance;
 }
 
 // What a motor's published velocity may change by beside what the model's accelerations at the rows make of it: at once

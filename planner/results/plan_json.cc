@@ -103,6 +103,7 @@ Json proof_json(const Proof& proof) {
   }
   Json closed_loop = proven_loop_json(proof.closed_loop);
   closed_loop["link_velocity_error"] = numbers(proof.closed_loop.link_velocity);
+  closed_loop["motor_velocity_error"] = numbers(proof.closed_loop.motor_velocity);
   closed_loop["feedback_torque"] = numbers(proof.closed_loop.feedback_torque);
   return {{"verdict", proof.proven ? "proven" : "not_proven"},
           {"until", number(proof.until)},

@@ -167,6 +167,8 @@ TEST(Certificate, AMotorThatMovesOtherwiseThanItSaysIsNotCertified) {
   const Certificate c = certificate_of(lie);
   ASSERT_EQ(c.failures.size(), 1U);
   EXPECT_THAT(c.failures[0], HasSubstr("closed loop: the velocity of motor 1 is up to"));
+  const Proof proof = prove(robot(), robot_limits(), {}, lie);
+  EXPECT_THAT(proof.reason, HasSubstr("closed loop: the velocity of motor 1 may be"));
 }
 
 // In open loop one nanoradian decides, from either side.
@@ -180,14 +182,15 @@ TEST_P(Lies, OfANanoradianAreNeverProven) {
   EXPECT_TRUE(proof.open_loop.proven) << proof.open_loop.reason;
 }
 
-// In closed loop the feedback that it takes decides, or what is left of the error.
+// In closed loop the feedback that it takes decides, or what is left of the errors.
 TEST_P(Lies, ThatFeedbackHasToMendAreNotProven) {
   const double count = exactness_tolerance(robot()), velocity = rollout_velocity_tolerance(robot());
-  const Joints<double> feedback = feedback_limit(robot());
+  const Joints<double> motor = rollout_motor_velocity_tolerance(robot()), feedback = feedback_limit(robot());
   // As a fraction of what is allowed, in the size of a count.
   const auto error = [&](const Told& told) {
     const independent::Errors e = told.errors(true);
     return count * static_cast<double>(std::max({e.link / count, e.link_velocity / velocity,
+                                                 e.motor_velocity[0] / motor[0], e.motor_velocity[1] / motor[1],
                                                  e.feedback[0] / feedback[0], e.feedback[1] / feedback[1]}));
   };
   const Told wrong(GetParam(), size_for(GetParam(), error, count + kMiss));

@@ -76,9 +76,10 @@ struct Between {
 
 // What the exact motion under the rows' torque came to.
 struct Errors {
-  Real link = 0;           // [rad]   largest |q - plan|, between steps too
-  Real link_velocity = 0;  // [rad/s] largest |dq - plan|
-  PerJoint feedback{};     // [N m]   largest
+  Real link = 0;              // [rad]   largest |q - plan|, between steps too
+  Real link_velocity = 0;     // [rad/s] largest |dq - plan|
+  PerJoint motor_velocity{};  // [rad/s] largest |dtheta - plan|
+  PerJoint feedback{};        // [N m]   largest
 };
 
 // The largest magnitude over [0, h] of a cubic with these values and slopes at the ends.
@@ -186,6 +187,7 @@ class Run {
                                         x_[j] - wanted[j], x_[2 + j] - wanted[2 + j], h);
       errors_.link = std::max(errors_.link, off);
       errors_.link_velocity = std::max(errors_.link_velocity, std::abs(x_[2 + j] - wanted[2 + j]));
+      errors_.motor_velocity[j] = std::max(errors_.motor_velocity[j], std::abs(x_[6 + j] - wanted[6 + j]));
       errors_.feedback[j] = std::max(errors_.feedback[j], std::abs(u[j]));
     }
   }

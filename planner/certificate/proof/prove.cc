@@ -95,7 +95,8 @@ class LoopProver {
         stopped_(stopped),
         closed_(closed),
         link_{Reach(claims.link), Reach(claims.link)},
-        velocity_{Reach(claims.link_velocity), Reach(claims.link_velocity)},
+        link_velocity_{Reach(claims.link_velocity), Reach(claims.link_velocity)},
+        motor_velocity_{Reach(claims.motor_velocity[0]), Reach(claims.motor_velocity[1])},
         feedback_{Reach(claims.feedback[0]), Reach(claims.feedback[1])},
         limits_(claims.rollout),
         task_(robot, closed ? claims.task : TaskOfMotion{}, kArmOrder,
@@ -119,7 +120,8 @@ class LoopProver {
     r.reason = gap_.reason;
     for (std::size_t j = 0; j < kJoints; ++j) {
       r.link[j] = link_[j].bound();
-      r.link_velocity[j] = velocity_[j].bound();
+      r.link_velocity[j] = link_velocity_[j].bound();
+      r.motor_velocity[j] = motor_velocity_[j].bound();
       r.feedback_torque[j] = feedback_[j].bound();
     }
     r.time_of_max_link = link_[link_[1].bound() > link_[0].bound() ? 1 : 0].time();
@@ -138,7 +140,7 @@ class LoopProver {
     }
     bool kept = true;
     for (std::size_t j = 0; j < kJoints && kept; ++j) {
-      kept = keeps_link(step, j) && (!closed_ || (keeps_velocity(step, j) && keeps_feedback(step, j)));
+      kept = keeps_link(step, j) && (!closed_ || (keeps_velocities(step, j) && keeps_feedback(step, j)));
     }
     return kept && (!closed_ || (keeps_limits(step) && keeps_task(step)));
   }
@@ -147,10 +149,14 @@ class LoopProver {
     if (link_[j].include(error, step.solution.length, step.time)) return true;
     return fail(link_[j], fmt::format("link {} may be", j + 1), "rad off the plan");
   }
-  bool keeps_velocity(const ArmStep& step, std::size_t j) {
-    const Polynomial error = difference(step.solution.near[kStateDq + j], step.plan.state.dq[j]);
-    if (velocity_[j].include(error, step.solution.length, step.time)) return true;
-    return fail(velocity_[j], fmt::format("the velocity of link {} may be", j + 1), "rad/s off the plan");
+  bool keeps_velocities(const ArmStep& step, std::size_t j) {
+    const Polynomial link = difference(step.solution.near[kStateDq + j], step.plan.state.dq[j]),
+                     motor = difference(step.solution.near[kStateDtheta + j], step.plan.state.dtheta[j]);
+    const auto keeps = [&](Reach& reach, const Polynomial& error, const char* what) {
+      if (reach.include(error, step.solution.length, step.time)) return true;
+      return fail(reach, fmt::format("the velocity of {} {} may be", what, j + 1), "rad/s off the plan");
+    };
+    return keeps(link_velocity_[j], link, "link") && keeps(motor_velocity_[j], motor, "motor");
   }
   bool keeps_feedback(const ArmStep& step, std::size_t j) {
     const Polynomial position = difference(step.solution.near[kStateTheta + j], step.plan.state.theta[j]),
@@ -203,7 +209,7 @@ class LoopProver {
   const std::function<bool()>& stopped_;
   bool closed_;
   long steps_ = 0;
-  Joints<Reach> link_, velocity_, feedback_;
+  Joints<Reach> link_, link_velocity_, motor_velocity_, feedback_;
   LimitReaches limits_;
   TaskReaches task_;
   QuantitySeries quantities_;
@@ -328,6 +334,7 @@ std::vector<LimitBound> limit_bounds(const Claims& claims, const LimitReaches& p
 Claims Claims::of(const Parameters& robot, const Limits& limits, const TaskOfMotion& task) {
   Claims claims{exactness_tolerance(robot),
                 rollout_velocity_tolerance(robot),
+                rollout_motor_velocity_tolerance(robot),
                 feedback_limit(robot),
                 limits,
                 rollout_allowance(robot, limits),

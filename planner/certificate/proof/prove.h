@@ -13,13 +13,14 @@ namespace fjr {
 
 // Bounds that have to be proved to hold at all times.
 struct Claims {
-  double link;                // [rad]   |q - plan|, in open and in closed loop
-  double link_velocity;       // [rad/s] |dq - plan|, in closed loop
-  Joints<double> feedback{};  // [N m]   in closed loop
-  Limits published, rollout;  // limits of the rows with their interpolation, and of the closed loop
-  TaskOfMotion task{};        // task that both have to keep
-  double task_fraction = 0;   // fraction of a row's scale by which the rows may miss it; the closed loop may also miss
-                              // it by what `link` changes of the distance
+  double link;                      // [rad]   |q - plan|, in open and in closed loop
+  double link_velocity;             // [rad/s] |dq - plan|, in closed loop
+  Joints<double> motor_velocity{};  // [rad/s] |dtheta - plan|, in closed loop
+  Joints<double> feedback{};        // [N m]   in closed loop
+  Limits published, rollout;        // limits of the rows with their interpolation, and of the closed loop
+  TaskOfMotion task{};              // task that both have to keep
+  double task_fraction = 0;  // fraction of a row's scale by which the rows may miss it; the closed loop may also miss
+                             // it by what `link` changes of the distance
 
   // Returns the claims of a certificate.
   static Claims of(const Parameters& robot, const Limits& limits, const TaskOfMotion& task = {});
